@@ -1,0 +1,144 @@
+//! Chebyshev series of one fixed length: the building block of the traced curve and of every table.
+//!
+//! In: values at the Gauss nodes of [-1, 1]. Out: coefficients, values, antiderivatives, monomial coefficients.
+//! Source: Trefethen, Approximation Theory and Approximation Practice (2013), chapters 2, 3 and 19.
+use std::f64::consts::PI;
+
+/// Number of nodes and of coefficients. Even, so that the middle of a panel is not a node.
+pub const NODES: usize = 16;
+
+/// Coefficients c_k of sum c_k T_k(x), k = 0 .. NODES - 1.
+pub type Series = [f64; NODES];
+
+/// Gauss nodes x_j = -cos(pi (j + 1/2) / NODES), ascending.
+pub fn nodes() -> [f64; NODES] {
+    std::array::from_fn(|j| -(PI * (j as f64 + 0.5) / NODES as f64).cos())
+}
+
+/// Transform from values at [`nodes`] to coefficients; the same for every fit, so built once.
+#[derive(Clone, Debug)]
+pub struct Transform {
+    /// Nodes, ascending.
+    pub nodes: [f64; NODES],
+    /// T_k(x_j), row k.
+    basis: [[f64; NODES]; NODES],
+}
+
+impl Transform {
+    /// The transform for [`NODES`] nodes.
+    pub fn new() -> Self {
+        let nodes = nodes();
+        let basis = std::array::from_fn(|k| {
+            std::array::from_fn(|j| {
+                let angle = PI * (k as f64) * ((NODES - 1 - j) as f64 + 0.5) / NODES as f64;
+                angle.cos()
+            })
+        });
+        Self { nodes, basis }
+    }
+
+    /// Coefficients of the polynomial through `values` at the nodes.
+    pub fn fit(&self, values: &[f64; NODES]) -> Series {
+        std::array::from_fn(|k| {
+            let sum: f64 = values.iter().zip(&self.basis[k]).map(|(v, t)| v * t).sum();
+            sum * if k == 0 { 1.0 } else { 2.0 } / NODES as f64
+        })
+    }
+}
+
+impl Default for Transform {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Value at x in [-1, 1] by Clenshaw's recurrence; any number of coefficients.
+pub fn value(series: &[f64], x: f64) -> f64 {
+    let (mut b1, mut b2) = (0.0, 0.0);
+    for &c in series[1..].iter().rev() {
+        (b1, b2) = (c + 2.0 * x * b1 - b2, b1);
+    }
+    series[0] + x * b1 - b2
+}
+
+/// Antiderivative that vanishes at x = -1; one coefficient more than the series.
+pub fn antiderivative(series: &Series) -> [f64; NODES + 1] {
+    let c = |k: usize| if k < NODES { series[k] } else { 0.0 };
+    let mut out = [0.0; NODES + 1];
+    out[1] = c(0) - c(2) / 2.0;
+    for (k, slot) in out.iter_mut().enumerate().skip(2) {
+        *slot = (c(k - 1) - c(k + 1)) / (2.0 * k as f64);
+    }
+    out[0] = out.iter().enumerate().skip(1).map(|(k, a)| if k % 2 == 1 { *a } else { -*a }).sum();
+    out
+}
+
+/// Coefficients of 1, x, x^2, ... Accurate where the series decays faster than (1 + sqrt 2)^-k, as a resolved panel does.
+pub fn monomials(series: &Series) -> Series {
+    // T_k = 2 x T_(k-1) - T_(k-2), coefficient by coefficient.
+    let mut out = [0.0; NODES];
+    let (mut previous, mut current) = ([0.0; NODES], [0.0; NODES]);
+    previous[0] = 1.0;
+    current[1] = 1.0;
+    for k in 0..NODES {
+        let basis = match k {
+            0 => previous,
+            1 => current,
+            _ => {
+                let mut next = [0.0; NODES];
+                for i in 0..NODES {
+                    next[i] = if i > 0 { 2.0 * current[i - 1] } else { 0.0 } - previous[i];
+                }
+                previous = current;
+                current = next;
+                next
+            }
+        };
+        for i in 0..NODES {
+            out[i] += series[k] * basis[i];
+        }
+    }
+    out
+}
+
+/// Size of what a longer series would add: the largest of the last three coefficients.
+pub fn tail(series: &Series) -> f64 {
+    series[NODES - 3..].iter().fold(0.0, |a: f64, c| a.max(c.abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fitted(f: impl Fn(f64) -> f64) -> Series {
+        let t = Transform::new();
+        t.fit(&t.nodes.map(f))
+    }
+
+    #[test]
+    fn reproduces_an_entire_function() {
+        let c = fitted(|x| (0.7 * x).exp());
+        let m = monomials(&c);
+        for i in 0..=40 {
+            let x = -1.0 + f64::from(i) / 20.0;
+            assert!((value(&c, x) - (0.7 * x).exp()).abs() < 1e-14);
+            let horner = m.iter().rev().fold(0.0, |a, k| a * x + k);
+            assert!((horner - (0.7 * x).exp()).abs() < 1e-14);
+        }
+        assert!(tail(&c) < 1e-13);
+    }
+
+    #[test]
+    fn antiderivative_of_a_cosine_is_a_sine() {
+        let a = antiderivative(&fitted(f64::cos));
+        for i in 0..=20 {
+            let x = -1.0 + f64::from(i) / 10.0;
+            assert!((value(&a, x) - (x.sin() - (-1.0f64).sin())).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn tail_is_large_where_the_function_is_not_resolved() {
+        assert!(tail(&fitted(f64::abs)) > 1e-3);
+    }
+}

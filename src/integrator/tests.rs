@@ -1,0 +1,164 @@
+use super::tableau::{A, C, D, E3, E5};
+use super::*;
+
+/// y'' = -y as (y, y').
+struct Oscillator;
+impl System<2> for Oscillator {
+    fn derivative(&mut self, _t: f64, y: &[f64; 2]) -> [f64; 2] {
+        [y[1], -y[0]]
+    }
+    fn scale(&self, _y: &[f64; 2], _f: &[f64; 2]) -> [f64; 2] {
+        [1.0, 1.0]
+    }
+}
+
+/// y' = t^degree.
+struct Power(i32);
+impl System<1> for Power {
+    fn derivative(&mut self, t: f64, _y: &[f64; 1]) -> [f64; 1] {
+        [t.powi(self.0)]
+    }
+    fn scale(&self, _y: &[f64; 1], _f: &[f64; 1]) -> [f64; 1] {
+        [1.0]
+    }
+}
+
+fn fixed_step<S: System<N>, const N: usize>(system: &mut S, y: [f64; N], span: f64, steps: u32) -> [f64; N] {
+    let h = span / f64::from(steps);
+    let mut integrator = Integrator::default();
+    let mut y = y;
+    for i in 0..steps {
+        let t = h * f64::from(i);
+        let first = system.derivative(t, &y);
+        y = integrator.attempt(system, t, &y, &first, h).0.end;
+    }
+    y
+}
+
+#[test]
+fn row_sums_are_the_nodes() {
+    for i in 1..EXTENDED {
+        let sum: f64 = A[i].iter().sum();
+        assert!((sum - C[i]).abs() < 2e-14, "row {i}: {sum} against {}", C[i]);
+    }
+}
+
+#[test]
+fn order_conditions_hold() {
+    let b = &A[12];
+    // Quadrature conditions sum b c^(q-1) = 1/q up to order 8.
+    for q in 1..=8 {
+        let sum: f64 = (0..STAGES).map(|i| b[i] * C[i].powi(q - 1)).sum();
+        assert!((sum - 1.0 / f64::from(q)).abs() < 1e-14, "order {q}: {sum}");
+    }
+    // sum b_i c_i^p a_ij c_j^r = 1/((r + 1)(p + r + 2)) for the trees of height 3, up to order 8.
+    for p in 0..=5 {
+        for r in 1..=(6 - p) {
+            let sum: f64 =
+                (0..STAGES).map(|i| b[i] * C[i].powi(p) * (0..i).map(|j| A[i][j] * C[j].powi(r)).sum::<f64>()).sum();
+            let exact = 1.0 / (f64::from(r + 1) * f64::from(p + r + 2));
+            assert!((sum - exact).abs() < 1e-13, "p {p}, r {r}: {sum} against {exact}");
+        }
+    }
+    // sum b_i c_i^p a_ij c_j^r a_jk c_k^s = 1/((s + 1)(s + r + 2)(s + r + p + 3)), up to order 8.
+    for p in 0..=4i32 {
+        for r in 0..=4 - p {
+            for s in 1..=(5 - p - r) {
+                let inner = |j: usize| (0..j).map(|k| A[j][k] * C[k].powi(s)).sum::<f64>();
+                let middle = |i: usize| (0..i).map(|j| A[i][j] * C[j].powi(r) * inner(j)).sum::<f64>();
+                let sum: f64 = (0..STAGES).map(|i| b[i] * C[i].powi(p) * middle(i)).sum();
+                let exact = 1.0 / (f64::from(s + 1) * f64::from(s + r + 2) * f64::from(s + r + p + 3));
+                assert!((sum - exact).abs() < 1e-13, "p {p}, r {r}, s {s}: {sum} against {exact}");
+            }
+        }
+    }
+}
+
+#[test]
+fn error_estimators_vanish_on_low_degrees() {
+    for q in 1..=5 {
+        let sum: f64 = (0..STAGES).map(|i| E5[i] * C[i].powi(q - 1)).sum();
+        assert!(sum.abs() < 1e-14, "order 5 estimator, degree {q}: {sum}");
+    }
+    for q in 1..=3 {
+        let sum: f64 = (0..STAGES).map(|i| E3[i] * C[i].powi(q - 1)).sum();
+        assert!(sum.abs() < 1e-14, "order 3 estimator, degree {q}: {sum}");
+    }
+    assert!(D.iter().all(|row| row.iter().sum::<f64>().abs() < 1e-12));
+}
+
+#[test]
+fn quadrature_is_exact_to_degree_seven() {
+    for degree in 0..=7 {
+        let y = fixed_step(&mut Power(degree), [0.0], 1.0, 1);
+        assert!((y[0] - 1.0 / f64::from(degree + 1)).abs() < 1e-14);
+    }
+    assert!((fixed_step(&mut Power(8), [0.0], 1.0, 1)[0] - 1.0 / 9.0).abs() > 1e-7, "degree 8 must show an error");
+}
+
+#[test]
+fn observed_order_is_eight() {
+    let error = |steps| {
+        let y = fixed_step(&mut Oscillator, [1.0, 0.0], 6.0, steps);
+        (y[0] - 6f64.cos()).hypot(y[1] + 6f64.sin())
+    };
+    let slope = (error(10) / error(20)).log2();
+    assert!((7.7..8.8).contains(&slope), "slope {slope}");
+}
+
+#[test]
+fn interpolant_has_order_seven_and_meets_the_ends() {
+    let worst = |h: f64| {
+        let y = [1.0, 0.0];
+        let first = Oscillator.derivative(0.0, &y);
+        let step = Integrator::default().attempt(&mut Oscillator, 0.0, &y, &first, h).0;
+        let dense = step.dense(&mut Oscillator);
+        assert_eq!(dense.at(0.0), step.start);
+        assert!((dense.at(1.0)[0] - step.end[0]).abs() < 1e-15);
+        (1..10).map(|i| (dense.at(f64::from(i) / 10.0)[0] - (h * f64::from(i) / 10.0).cos()).abs()).fold(0.0, f64::max)
+    };
+    let slope = (worst(0.8) / worst(0.4)).log2();
+    assert!((7.5..9.5).contains(&slope), "local order of the interpolant: {slope}");
+}
+
+#[test]
+fn error_follows_the_tolerance() {
+    for exponent in 3..=13 {
+        let tolerance = 10f64.powi(-exponent);
+        let mut y = [1.0, 0.0];
+        Integrator::default().advance(&mut Oscillator, &mut y, 10.0, tolerance).unwrap();
+        let error = (y[0] - 10f64.cos()).hypot(y[1] + 10f64.sin());
+        assert!(error < 10.0 * tolerance + 1e-15, "tolerance {tolerance}: error {error}");
+    }
+}
+
+#[test]
+fn splitting_keeps_the_step_size_and_the_result() {
+    let mut whole = [1.0, 0.0];
+    Integrator::default().advance(&mut Oscillator, &mut whole, 10.0, 1e-10).unwrap();
+    let mut split = [1.0, 0.0];
+    let mut integrator = Integrator::default();
+    for _ in 0..1000 {
+        integrator.advance(&mut Oscillator, &mut split, 0.01, 1e-10).unwrap();
+    }
+    assert!((whole[0] - split[0]).abs() < 1e-10);
+    let work = integrator.statistics();
+    assert_eq!(work.accepted, 1000, "one step for each communication step");
+    assert!(work.evaluations <= 12 * 1000 + 2, "the last derivative is used again: {}", work.evaluations);
+}
+
+#[test]
+fn a_blow_up_is_an_error() {
+    struct Blow;
+    impl System<1> for Blow {
+        fn derivative(&mut self, _t: f64, y: &[f64; 1]) -> [f64; 1] {
+            [y[0] * y[0]]
+        }
+        fn scale(&self, y: &[f64; 1], _f: &[f64; 1]) -> [f64; 1] {
+            [y[0].abs()]
+        }
+    }
+    let mut y = [1.0];
+    let result = Integrator::default().advance(&mut Blow, &mut y, 2.0, 1e-8);
+    assert!(matches!(result, Err(IntegrationError::StepTooSmall { t, .. }) if (t - 1.0).abs() < 1e-6));
+}
