@@ -1,0 +1,317 @@
+//! Assembly: coordinates that close every loop, and the one direction in which they can move.
+//!
+//! In: a linkage and a guess. Out: closed coordinates, the independent loop equations, and Newton's method on a plane
+//! across the curve of closed positions. It must not know loads or time.
+use crate::linkage::{Linkage, Positions};
+use nalgebra::{DMatrix, DVector, Dyn, LU};
+use std::fmt;
+
+/// Why a linkage could not be assembled.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AssemblyError {
+    /// A coordinate without a guess, or a guess without a coordinate.
+    Guess {
+        /// Name in the guess.
+        name: String,
+        /// What to do.
+        message: String,
+    },
+    /// No closed position near the guess.
+    Open {
+        /// The joint with the largest gap.
+        joint: String,
+        /// That gap [m].
+        gap: f64,
+    },
+    /// Not one degree of freedom.
+    Freedom {
+        /// How many there are.
+        count: usize,
+    },
+    /// Two branches cross at the guess.
+    Crossing,
+}
+
+impl fmt::Display for AssemblyError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Guess { name, message } => write!(f, "guess.{name}: {message}"),
+            Self::Open { joint, gap } => write!(
+                f,
+                "the loops do not close from the guess: {joint} stays open by {gap:.3e} m; check the lengths, or guess closer"
+            ),
+            Self::Freedom { count } => write!(
+                f,
+                "the linkage has {count} degrees of freedom where it must have 1: {}",
+                if *count == 0 { "remove a joint or add a body" } else { "add a joint or remove a body" }
+            ),
+            Self::Crossing => write!(
+                f,
+                "two branches of motion cross at the guess: guess a position off the crossing, on the branch that is meant \
+                 (start may still state the crossing itself)"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for AssemblyError {}
+
+/// A gap below this part of the linkage's size is closed; Newton's method gets there from rounding alone.
+const CLOSED: f64 = 1e-14;
+/// A singular value below this part of the largest counts as zero.
+const RANK: f64 = 1e-9;
+
+/// The loop equations of a linkage with one degree of freedom.
+#[derive(Clone, Debug)]
+pub struct Closure<'a> {
+    /// The linkage.
+    pub linkage: &'a Linkage,
+    /// Independent loop equations, one fewer than coordinates.
+    rows: Vec<usize>,
+    /// What makes coordinates comparable: 1 for an angle, 1/size for a length [1/m].
+    pub weights: Vec<f64>,
+}
+
+/// The loop equations and a plane across the curve, linearised at one position.
+pub struct Bordered {
+    lu: LU<f64, Dyn, Dyn>,
+    /// Largest entry of a rough inverse: how much rounding in a gap is amplified.
+    pub amplification: f64,
+}
+
+impl Bordered {
+    /// Solve for the change of coordinates, given changes of the independent gaps and along the plane's normal.
+    pub fn solve(&self, gaps: &[f64], along: f64) -> Option<Vec<f64>> {
+        let mut right = DVector::from_iterator(gaps.len() + 1, gaps.iter().copied().chain([along]));
+        self.lu.solve_mut(&mut right).then(|| right.as_slice().to_vec())
+    }
+
+    /// Solve the transposed system: factors of the independent gaps whose sum with the normal gives `right`.
+    pub fn solve_transposed(matrix: &DMatrix<f64>, right: &[f64]) -> Option<Vec<f64>> {
+        matrix.transpose().lu().solve(&DVector::from_column_slice(right)).map(|x| x.as_slice().to_vec())
+    }
+}
+
+/// Weights that make coordinates comparable.
+fn weights(linkage: &Linkage) -> Vec<f64> {
+    (0..linkage.coordinates.len()).map(|i| if i < linkage.turns { 1.0 } else { 1.0 / linkage.size }).collect()
+}
+
+/// Jacobian in comparable units: gaps in sizes, coordinates weighted.
+fn scaled_jacobian(linkage: &Linkage, p: &Positions, q: &[f64], w: &[f64]) -> DMatrix<f64> {
+    let mut j = linkage.jacobian(p, q) / linkage.size;
+    for (mut column, weight) in j.column_iter_mut().zip(w) {
+        column /= *weight;
+    }
+    j
+}
+
+fn rank(matrix: &DMatrix<f64>) -> usize {
+    if matrix.is_empty() {
+        return 0;
+    }
+    let values = matrix.singular_values();
+    values.iter().filter(|s| **s > RANK * values.max().max(1e-3)).count()
+}
+
+/// Close the loops from a guess, changing it as little as Newton's method needs.
+fn close(linkage: &Linkage, guess: &[f64], w: &[f64]) -> Result<Vec<f64>, AssemblyError> {
+    const ITERATIONS: usize = 200;
+    const STRIDE: f64 = 0.5;
+    let mut q = guess.to_vec();
+    let mut best = f64::INFINITY;
+    let mut stale = 0;
+    for _ in 0..ITERATIONS {
+        let p = linkage.positions(&q);
+        let gaps = linkage.gaps(&p);
+        let worst = gaps.iter().fold(0.0, |a: f64, g| a.max(g.abs())) / linkage.size;
+        // Closed, or as close as rounding and a singular position allow.
+        stale = if worst < 0.5 * best { 0 } else { stale + 1 };
+        best = best.min(worst);
+        if worst < CLOSED || (stale > 3 && worst < 100.0 * CLOSED) {
+            return Ok(q);
+        }
+        let j = scaled_jacobian(linkage, &p, &q, w);
+        let right = DVector::from_iterator(gaps.len(), gaps.iter().map(|g| -g / linkage.size));
+        let svd = j.svd(true, true);
+        let cut = 1e-10 * svd.singular_values.max();
+        let Ok(step) = svd.solve(&right, cut) else { break };
+        let shorten = (STRIDE / step.norm()).min(1.0);
+        for (i, s) in step.iter().enumerate() {
+            q[i] += shorten * s / w[i];
+        }
+    }
+    let gaps = linkage.gaps(&linkage.positions(&q));
+    let (row, gap) = gaps.iter().enumerate().fold((0, 0.0), |a, (i, g)| if g.abs() >= a.1 { (i, g.abs()) } else { a });
+    Err(AssemblyError::Open { joint: linkage.joints[linkage.row_joints()[row]].name.clone(), gap })
+}
+
+impl<'a> Closure<'a> {
+    /// Close the loops from a guess and find the independent loop equations.
+    ///
+    /// # Errors
+    /// [`AssemblyError`]: the loops stay open, there is not one degree of freedom, or two branches cross here.
+    pub fn assemble(linkage: &'a Linkage, guess: &[f64]) -> Result<(Self, Vec<f64>), AssemblyError> {
+        let w = weights(linkage);
+        let n = w.len();
+        if n == 0 {
+            return Err(AssemblyError::Freedom { count: 0 });
+        }
+        let q = close(linkage, guess, &w)?;
+        let j = scaled_jacobian(linkage, &linkage.positions(&q), &q, &w);
+        let freedom = n - rank(&j);
+        if freedom != 1 {
+            // More freedom here than elsewhere nearby: branches cross here. Look a little way off, in a fixed direction.
+            let off: Vec<f64> = (0..n).map(|i| q[i] + 0.02 * (1.0 + 3.7 * i as f64).sin() / w[i]).collect();
+            if freedom > 1 {
+                if let Ok(near) = close(linkage, &off, &w) {
+                    let j = scaled_jacobian(linkage, &linkage.positions(&near), &near, &w);
+                    if n - rank(&j) == 1 {
+                        return Err(AssemblyError::Crossing);
+                    }
+                }
+            }
+            return Err(AssemblyError::Freedom { count: freedom });
+        }
+        Ok((Self { linkage, rows: independent_rows(&j, n - 1), weights: w }, q))
+    }
+
+    /// Whether some loop equations follow from others.
+    pub fn redundant(&self) -> bool {
+        self.rows.len() < self.linkage.rows()
+    }
+
+    /// The independent ones of all gap values.
+    pub fn pick(&self, gaps: &[f64]) -> Vec<f64> {
+        self.rows.iter().map(|&r| gaps[r]).collect()
+    }
+
+    /// The independent loop equations, by their places.
+    pub fn rows(&self) -> &[usize] {
+        &self.rows
+    }
+
+    /// The square matrix of the independent loop equations and the plane with this normal.
+    pub fn matrix(&self, p: &Positions, q: &[f64], normal: &[f64]) -> DMatrix<f64> {
+        let j = self.linkage.jacobian(p, q);
+        let n = q.len();
+        DMatrix::from_fn(n, n, |r, c| if r < n - 1 { j[(self.rows[r], c)] } else { normal[c] })
+    }
+
+    /// The linearised equations, ready to solve.
+    pub fn bordered(&self, p: &Positions, q: &[f64], normal: &[f64]) -> Option<Bordered> {
+        let n = q.len();
+        let lu = self.matrix(p, q, normal).lu();
+        let mut probe = Bordered { lu, amplification: 0.0 };
+        for k in 0..2 {
+            let signs: Vec<f64> = (0..n - 1).map(|i| if (i >> k) % 2 == 0 { 1.0 } else { -1.0 }).collect();
+            let gaps: Vec<f64> = signs.iter().map(|s| s * self.linkage.size).collect();
+            let x = probe.solve(&gaps, 0.0)?;
+            let worst = x.iter().zip(&self.weights).fold(0.0, |a: f64, (x, w)| a.max((x * w).abs()));
+            if !worst.is_finite() {
+                return None;
+            }
+            probe.amplification = probe.amplification.max(worst);
+        }
+        Some(probe)
+    }
+
+    /// Unit tangent of the curve, in the weighted norm; its sign is arbitrary.
+    pub fn tangent(&self, q: &[f64]) -> Vec<f64> {
+        let n = q.len();
+        let j = scaled_jacobian(self.linkage, &self.linkage.positions(q), q, &self.weights);
+        // Square with a zero row, so that the decomposition has all n right singular vectors.
+        let square = DMatrix::from_fn(n, n, |r, c| if r < n - 1 { j[(self.rows[r], c)] } else { 0.0 });
+        let svd = square.svd(false, true);
+        let least = svd.singular_values.imin();
+        match &svd.v_t {
+            Some(v) => (0..n).map(|i| v[(least, i)] / self.weights[i]).collect(),
+            None => vec![0.0; n],
+        }
+    }
+
+    /// Newton's method from `q` to the closed position on the plane normal . (q - base) = along.
+    /// Returns the position, the linearised equations there, and the size of the first correction (weighted).
+    pub fn on_plane(&self, q: &[f64], base: &[f64], normal: &[f64], along: f64) -> Option<(Vec<f64>, Bordered, f64)> {
+        const ITERATIONS: usize = 12;
+        let mut q = q.to_vec();
+        let (mut first, mut last) = (None, f64::INFINITY);
+        for _ in 0..ITERATIONS {
+            let p = self.linkage.positions(&q);
+            let bordered = self.bordered(&p, &q, normal)?;
+            let gaps: Vec<f64> = self.pick(&self.linkage.gaps(&p)).iter().map(|g| -g).collect();
+            let off: f64 = (0..q.len()).map(|i| normal[i] * (q[i] - base[i])).sum();
+            let step = bordered.solve(&gaps, along - off)?;
+            let size = step.iter().zip(&self.weights).fold(0.0, |a: f64, (s, w)| a.max((s * w).abs()));
+            if !size.is_finite() || size > 1.0 {
+                return None;
+            }
+            first.get_or_insert(size);
+            let rounding = 1e-15 * (1.0 + bordered.amplification);
+            // Converged: the last correction was of the size of rounding, or corrections no longer shrink.
+            if size < rounding || (size >= 0.5 * last && size < 1e3 * rounding) {
+                for (x, s) in q.iter_mut().zip(&step) {
+                    *x += s;
+                }
+                return Some((q, bordered, first.unwrap_or(0.0)));
+            }
+            for (x, s) in q.iter_mut().zip(&step) {
+                *x += s;
+            }
+            last = size;
+        }
+        None
+    }
+}
+
+/// Rows of full rank, chosen greedily by the largest part that earlier rows do not span.
+fn independent_rows(j: &DMatrix<f64>, count: usize) -> Vec<usize> {
+    let mut rest: Vec<DVector<f64>> = j.row_iter().map(|r| r.transpose()).collect();
+    if rest.len() == count {
+        return (0..count).collect();
+    }
+    let mut rows = Vec::new();
+    for _ in 0..count {
+        let best = (0..rest.len()).fold(0, |b, i| if rest[i].norm() > rest[b].norm() { i } else { b });
+        let unit = rest[best].normalize();
+        for v in &mut rest {
+            let part = v.dot(&unit);
+            v.axpy(-part, &unit, 1.0);
+        }
+        rows.push(best);
+    }
+    rows.sort_unstable();
+    rows
+}
+
+/// Coordinates from the guess of a definition: body names give angles, prismatic joints give positions.
+///
+/// # Errors
+/// [`AssemblyError::Guess`] for a missing or a superfluous name.
+pub fn guessed(linkage: &Linkage, guess: &crate::definition::Named<f64>) -> Result<Vec<f64>, AssemblyError> {
+    let mut q = vec![None; linkage.coordinates.len()];
+    for (name, &value) in guess.iter() {
+        let body = linkage.bodies.iter().find(|b| b.name == name);
+        let found = match body {
+            Some(b) => b.turn.map(|t| (t, value - b.offset)),
+            None => {
+                linkage.coordinates[linkage.turns..].iter().position(|c| c == name).map(|i| (linkage.turns + i, value))
+            }
+        };
+        match found {
+            Some((i, v)) => q[i] = Some(v),
+            None => {
+                let message = format!("gives no coordinate; those are {}", linkage.coordinates.join(", "));
+                return Err(AssemblyError::Guess { name: name.into(), message });
+            }
+        }
+    }
+    let missing = |i: usize| AssemblyError::Guess {
+        name: linkage.coordinates[i].clone(),
+        message: format!(
+            "is missing: give its rough {}",
+            if i < linkage.turns { "angle [rad]" } else { "position [m]" }
+        ),
+    };
+    q.into_iter().enumerate().map(|(i, v)| v.ok_or_else(|| missing(i))).collect()
+}

@@ -1,0 +1,188 @@
+//! Every number of a definition that is a parameter of the FMU, listed once.
+use super::{Body, GROUND, Mechanism};
+use crate::variables::Unit;
+
+/// What a parameter may be; always finite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Range {
+    /// Any finite number.
+    Finite,
+    /// >= 0.
+    NonNegative,
+    /// > 0.
+    Positive,
+    /// From the first to the second.
+    Between(f64, f64),
+}
+
+impl Range {
+    /// Whether the value is in the range.
+    pub fn contains(self, value: f64) -> bool {
+        value.is_finite()
+            && match self {
+                Self::Finite => true,
+                Self::NonNegative => value >= 0.0,
+                Self::Positive => value > 0.0,
+                Self::Between(low, high) => (low..=high).contains(&value),
+            }
+    }
+
+    /// The range in words.
+    pub fn text(self) -> String {
+        match self {
+            Self::Finite => "a finite number".into(),
+            Self::NonNegative => "a finite number >= 0".into(),
+            Self::Positive => "a finite number > 0".into(),
+            Self::Between(low, high) => format!("a number from {low:e} to {high:e}"),
+        }
+    }
+}
+
+/// What is known of a parameter besides its value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Variable name, `<body>.<quantity>`.
+    pub name: String,
+    /// Path of the key in the file.
+    pub key: String,
+    /// One line of text.
+    pub description: String,
+    /// Unit.
+    pub unit: Unit,
+    /// What it may be.
+    pub range: Range,
+    /// What it changes.
+    pub role: Role,
+}
+
+/// What a parameter changes: the positions, the masses, the start or the integration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// The shape of the linkage.
+    Geometry,
+    /// Masses and moments of inertia.
+    Inertia,
+    /// The potential of a load.
+    Load,
+    /// The position at the start.
+    StartPosition,
+    /// The speed at the start.
+    StartSpeed,
+    /// The tolerance of the integration.
+    Tolerance,
+}
+
+/// Limits of solver.tolerance: below, rounding takes over; above, the error estimate means nothing.
+const TOLERANCE: Range = Range::Between(1e-14, 1e-1);
+
+impl Mechanism {
+    /// Call `visit` with every parameter and its value, in the order of the file.
+    pub fn parameters(&mut self, visit: &mut dyn FnMut(Parameter, &mut f64)) {
+        use Role::{Geometry, Inertia, Load, StartPosition, StartSpeed, Tolerance};
+        let make = |name: String, key: String, text: String, unit, range, role| Parameter {
+            name,
+            key,
+            description: text,
+            unit,
+            range,
+            role,
+        };
+        if let Some(g) = &mut self.gravity {
+            let p = |n: &str, text: &str, unit, range| {
+                make(format!("gravity.{n}"), format!("gravity.{n}"), text.into(), unit, range, Load)
+            };
+            let unit = Unit::MetrePerSecondSquared;
+            visit(p("acceleration", "Acceleration of free fall", unit, Range::NonNegative), &mut g.acceleration);
+            visit(
+                p("up_angle", "Upward direction, angle from the X axis", Unit::Radian, Range::Finite),
+                &mut g.up_angle,
+            );
+        }
+        for (name, body) in self.bodies.iter_mut() {
+            let p = |n: &str, key: &str, text: &str, unit, range, role| {
+                let text = format!("{text} of {name}");
+                make(format!("{name}.{n}"), format!("bodies.{name}.{key}"), text, unit, range, role)
+            };
+            let Body { angle, length, mass, center, inertia, points, .. } = body;
+            if let Some(v) = angle {
+                visit(p("angle", "angle", "Angle of the x axis", Unit::Radian, Range::Finite, Geometry), v);
+            }
+            if let Some(v) = length {
+                visit(p("length", "length", "Length", Unit::Metre, Range::Positive, Geometry), v);
+            }
+            if name != GROUND {
+                if let Some(v) = mass {
+                    visit(p("mass", "mass", "Mass", Unit::Kilogram, Range::NonNegative, Inertia), v);
+                }
+                if let Some([x, y]) = center {
+                    visit(p("center_x", "center[0]", "Centre of mass, x,", Unit::Metre, Range::Finite, Inertia), x);
+                    visit(p("center_y", "center[1]", "Centre of mass, y,", Unit::Metre, Range::Finite, Inertia), y);
+                }
+                if let Some(v) = inertia {
+                    let text = "Moment of inertia about the centre of mass";
+                    visit(p("inertia", "inertia", text, Unit::KilogramSquareMetre, Range::NonNegative, Inertia), v);
+                }
+            }
+            for (point, [x, y]) in points.iter_mut() {
+                let p = |axis: &str, index: usize| {
+                    let text = format!("Point {point}, {axis},");
+                    let key = format!("points.{point}[{index}]");
+                    p(&format!("{point}_{axis}"), &key, &text, Unit::Metre, Range::Finite, Geometry)
+                };
+                visit(p("x", 0), x);
+                visit(p("y", 1), y);
+            }
+        }
+        for (name, joint) in self.joints.iter_mut() {
+            let p = |n: &str, text: &str| {
+                let text = format!("{text} of {name}");
+                make(format!("{name}.{n}"), format!("joints.{name}.{n}"), text, Unit::Radian, Range::Finite, Geometry)
+            };
+            if let Some(v) = &mut joint.axis_angle {
+                visit(p("axis_angle", "Direction of sliding"), v);
+            }
+            if let Some(v) = &mut joint.angle {
+                visit(p("angle", "Angle between the bodies"), v);
+            }
+        }
+        let start = &mut self.start;
+        if let (Some(name), Some(v)) = (&start.body, &mut start.angle) {
+            let p = |n: &str, text: &str, unit, role| {
+                make(
+                    format!("{name}.start_{n}"),
+                    format!("start.{n}"),
+                    format!("{text} of {name} at the start"),
+                    unit,
+                    Range::Finite,
+                    role,
+                )
+            };
+            visit(p("angle", "Angle", Unit::Radian, StartPosition), v);
+            visit(p("speed", "Angular speed", Unit::RadianPerSecond, StartSpeed), &mut start.speed);
+        } else if let (Some(name), Some(v)) = (&start.joint, &mut start.position) {
+            let p = |n: &str, text: &str, unit, role| {
+                make(
+                    format!("{name}.start_{n}"),
+                    format!("start.{n}"),
+                    format!("{text} of {name} at the start"),
+                    unit,
+                    Range::Finite,
+                    role,
+                )
+            };
+            visit(p("position", "Position", Unit::Metre, StartPosition), v);
+            visit(p("speed", "Speed", Unit::MetrePerSecond, StartSpeed), &mut start.speed);
+        }
+        visit(
+            make(
+                "solver.tolerance".into(),
+                "solver.tolerance".into(),
+                "Relative tolerance of the integration".into(),
+                Unit::One,
+                TOLERANCE,
+                Tolerance,
+            ),
+            &mut self.solver.tolerance,
+        );
+    }
+}

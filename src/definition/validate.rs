@@ -1,0 +1,242 @@
+//! Checks of a definition that need no geometry: numbers in range, names that resolve, keys that go together.
+use super::{Body, DefinitionError, GROUND, JointKind, Mechanism};
+
+type Check = Result<(), DefinitionError>;
+
+fn key_error(key: impl Into<String>, message: impl Into<String>) -> DefinitionError {
+    DefinitionError::Key { key: key.into(), message: message.into() }
+}
+
+/// Names become parts of variable names: letters, digits and underscores, a letter first.
+fn check_name(key: &str, name: &str) -> Check {
+    let mut letters = name.chars();
+    let first = letters.next().is_some_and(|c| c.is_ascii_alphabetic());
+    if first && letters.all(|c| c.is_ascii_alphanumeric() || c == '_') {
+        return Ok(());
+    }
+    let allowed = "a letter, then letters, digits or underscores".into();
+    Err(DefinitionError::Value { key: key.into(), value: format!("\"{name}\""), allowed })
+}
+
+fn check_finite(key: String, value: f64) -> Check {
+    if value.is_finite() {
+        return Ok(());
+    }
+    Err(DefinitionError::Value { key, value: format!("{value}"), allowed: "a finite number".into() })
+}
+
+impl Mechanism {
+    /// Check everything that can be told without geometry.
+    pub(super) fn check(&mut self) -> Check {
+        check_name("name", &self.name)?;
+        self.check_names()?;
+        let mut wrong = None;
+        self.parameters(&mut |parameter, value| {
+            if wrong.is_none() && !parameter.range.contains(*value) {
+                wrong = Some(DefinitionError::Value {
+                    key: parameter.key,
+                    value: format!("{value}"),
+                    allowed: parameter.range.text(),
+                });
+            }
+        });
+        if let Some(error) = wrong {
+            return Err(error);
+        }
+        self.check_bodies()?;
+        self.check_joints()?;
+        self.check_loads()?;
+        self.check_start()?;
+        let e = self.experiment;
+        for (key, value) in [("stop_time", e.stop_time), ("step_size", e.step_size)] {
+            if !(value.is_finite() && value > 0.0) {
+                let key = format!("experiment.{key}");
+                return Err(DefinitionError::Value {
+                    key,
+                    value: format!("{value}"),
+                    allowed: "a finite number > 0".into(),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn check_names(&self) -> Check {
+        let groups: [(&str, Vec<&str>); 6] = [
+            ("bodies", self.bodies.names()),
+            ("joints", self.joints.names()),
+            ("actuators", self.actuators.names()),
+            ("forces", self.forces.names()),
+            ("torques", self.torques.names()),
+            ("markers", self.markers.names()),
+        ];
+        for (group, names) in groups {
+            for name in names {
+                check_name(group, name)?;
+            }
+        }
+        for (body, b) in self.bodies.iter() {
+            for point in b.points.names() {
+                check_name(&format!("bodies.{body}.points"), point)?;
+                if point == "origin" || point == "end" {
+                    let key = format!("bodies.{body}.points.{point}");
+                    return Err(key_error(key, "every body has its own origin and end; choose another name"));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Body and local coordinates [m] of a point written `body.point`.
+    ///
+    /// # Errors
+    /// The key with the names that there are.
+    pub fn point(&self, key: &str, text: &str) -> Result<(usize, [f64; 2]), DefinitionError> {
+        let unknown = |allowed: String| DefinitionError::Unknown { key: key.into(), name: text.into(), allowed };
+        let Some((body, point)) = text.split_once('.') else {
+            return Err(unknown("a point is written body.point, such as crank.end".into()));
+        };
+        let Some(index) = self.bodies.position(body) else {
+            return Err(unknown(format!("the bodies are {}", self.bodies.names().join(", "))));
+        };
+        let b = self.bodies.get(body).map_or_else(Body::default, Clone::clone);
+        match point {
+            "origin" => Ok((index, [0.0, 0.0])),
+            "end" => match b.length {
+                Some(length) => Ok((index, [length, 0.0])),
+                None => Err(unknown(format!("{body} has no length, so no end: give bodies.{body}.length"))),
+            },
+            _ => match b.points.get(point) {
+                Some(&local) => Ok((index, local)),
+                None => {
+                    let mut names = vec!["origin"];
+                    names.extend(b.length.map(|_| "end"));
+                    names.extend(b.points.names());
+                    Err(unknown(format!("the points of {body} are {}", names.join(", "))))
+                }
+            },
+        }
+    }
+
+    fn check_bodies(&self) -> Check {
+        if self.bodies.get(GROUND).is_none() {
+            return Err(key_error("bodies", "there is no body `ground`, the one that does not move: add it"));
+        }
+        for (name, body) in self.bodies.iter() {
+            let key = |k: &str| format!("bodies.{name}.{k}");
+            let given = [
+                ("fixed_to", body.fixed_to.is_some()),
+                ("mass", body.mass.is_some()),
+                ("shape", body.shape.is_some()),
+                ("center", body.center.is_some()),
+                ("inertia", body.inertia.is_some()),
+            ];
+            if name == GROUND {
+                if let Some((k, _)) = given.iter().find(|(_, there)| *there) {
+                    return Err(key_error(key(k), "the ground does not move: it has only length and points"));
+                }
+            }
+            if body.angle.is_some() && body.fixed_to.is_none() {
+                return Err(key_error(key("angle"), "goes with fixed_to only; a moving body's angle is in guess"));
+            }
+            if body.shape.is_some() {
+                if body.length.is_none() {
+                    return Err(key_error(key("shape"), "a uniform_rod needs a length"));
+                }
+                if body.center.is_some() || body.inertia.is_some() {
+                    return Err(key_error(key("shape"), "a uniform_rod has its own center and inertia: remove them"));
+                }
+            }
+            if let Some(to) = &body.fixed_to {
+                self.check_chain(name, to)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// A chain of fixed_to ends at a body that is not fixed.
+    fn check_chain(&self, name: &str, to: &str) -> Check {
+        let key = format!("bodies.{name}.fixed_to");
+        let mut next = to.to_string();
+        for _ in 0..=self.bodies.len() {
+            let (index, _) = self.point(&key, &next)?;
+            match self.bodies.iter().nth(index).and_then(|(_, b)| b.fixed_to.clone()) {
+                Some(further) => next = further,
+                None => return Ok(()),
+            }
+        }
+        Err(key_error(key, "the bodies are fixed to one another in a circle"))
+    }
+
+    fn check_joints(&self) -> Check {
+        for (name, joint) in self.joints.iter() {
+            let key = |k: &str| format!("joints.{name}.{k}");
+            self.point(&key("first"), &joint.first)?;
+            self.point(&key("second"), &joint.second)?;
+            if joint.kind == JointKind::Revolute {
+                for (k, value) in [("axis_angle", joint.axis_angle), ("angle", joint.angle)] {
+                    if value.is_some() {
+                        return Err(key_error(key(k), "goes with a prismatic joint only"));
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn check_loads(&self) -> Check {
+        if let Some(g) = &self.gravity {
+            check_finite("gravity.load_factor".into(), g.load_factor)?;
+        }
+        for (name, a) in self.actuators.iter() {
+            let first = self.point(&format!("actuators.{name}.first"), &a.first)?;
+            let second = self.point(&format!("actuators.{name}.second"), &a.second)?;
+            check_finite(format!("actuators.{name}.force"), a.force)?;
+            if first == second {
+                return Err(key_error(format!("actuators.{name}"), "its two ends are one point: name two"));
+            }
+        }
+        for (name, force) in self.forces.iter() {
+            self.point(&format!("forces.{name}.at"), &force.at)?;
+            check_finite(format!("forces.{name}.force[0]"), force.force[0])?;
+            check_finite(format!("forces.{name}.force[1]"), force.force[1])?;
+        }
+        for (name, torque) in self.torques.iter() {
+            self.check_body(format!("torques.{name}.on"), &torque.on)?;
+            check_finite(format!("torques.{name}.torque"), torque.torque)?;
+        }
+        for (name, marker) in self.markers.iter() {
+            self.point(&format!("markers.{name}.at"), &marker.at)?;
+        }
+        for (name, value) in self.guess.iter() {
+            check_finite(format!("guess.{name}"), *value)?;
+        }
+        Ok(())
+    }
+
+    fn check_body(&self, key: String, name: &str) -> Check {
+        if self.bodies.get(name).is_some() {
+            return Ok(());
+        }
+        let allowed = format!("the bodies are {}", self.bodies.names().join(", "));
+        Err(DefinitionError::Unknown { key, name: name.into(), allowed })
+    }
+
+    fn check_start(&self) -> Check {
+        let s = &self.start;
+        match (&s.body, s.angle, &s.joint, s.position) {
+            (Some(body), Some(_), None, None) => self.check_body("start.body".into(), body),
+            (None, None, Some(joint), Some(_)) => match self.joints.get(joint) {
+                Some(j) if j.kind == JointKind::Prismatic => Ok(()),
+                Some(_) => {
+                    Err(key_error("start.joint", "must be a prismatic joint; state a revolute one by body and angle"))
+                }
+                None => {
+                    let allowed = format!("the joints are {}", self.joints.names().join(", "));
+                    Err(DefinitionError::Unknown { key: "start.joint".into(), name: joint.clone(), allowed })
+                }
+            },
+            _ => Err(key_error("start", "give body and angle, or joint and position (and speed, 0 where absent)")),
+        }
+    }
+}
