@@ -5,6 +5,7 @@
 use crate::linkage::{Linkage, Positions};
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 use std::fmt;
+use std::sync::Arc;
 
 /// Why a linkage could not be assembled.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,9 +64,9 @@ const RANK: f64 = 1e-9;
 
 /// The loop equations of a linkage with one degree of freedom.
 #[derive(Clone, Debug)]
-pub struct Closure<'a> {
+pub struct Closure {
     /// The linkage.
-    pub linkage: &'a Linkage,
+    pub linkage: Arc<Linkage>,
     /// Independent loop equations, one fewer than coordinates.
     rows: Vec<usize>,
     /// What makes coordinates comparable: 1 for an angle, 1/size for a length [1/m].
@@ -146,26 +147,26 @@ fn close(linkage: &Linkage, guess: &[f64], w: &[f64]) -> Result<Vec<f64>, Assemb
     Err(AssemblyError::Open { joint: linkage.joints[linkage.row_joints()[row]].name.clone(), gap })
 }
 
-impl<'a> Closure<'a> {
+impl Closure {
     /// Close the loops from a guess and find the independent loop equations.
     ///
     /// # Errors
     /// [`AssemblyError`]: the loops stay open, there is not one degree of freedom, or two branches cross here.
-    pub fn assemble(linkage: &'a Linkage, guess: &[f64]) -> Result<(Self, Vec<f64>), AssemblyError> {
-        let w = weights(linkage);
+    pub fn assemble(linkage: Arc<Linkage>, guess: &[f64]) -> Result<(Self, Vec<f64>), AssemblyError> {
+        let w = weights(&linkage);
         let n = w.len();
         if n == 0 {
             return Err(AssemblyError::Freedom { count: 0 });
         }
-        let q = close(linkage, guess, &w)?;
-        let j = scaled_jacobian(linkage, &linkage.positions(&q), &q, &w);
+        let q = close(&linkage, guess, &w)?;
+        let j = scaled_jacobian(&linkage, &linkage.positions(&q), &q, &w);
         let freedom = n - rank(&j);
         if freedom != 1 {
             // More freedom here than elsewhere nearby: branches cross here. Look a little way off, in a fixed direction.
             let off: Vec<f64> = (0..n).map(|i| q[i] + 0.02 * (1.0 + 3.7 * i as f64).sin() / w[i]).collect();
             if freedom > 1 {
-                if let Ok(near) = close(linkage, &off, &w) {
-                    let j = scaled_jacobian(linkage, &linkage.positions(&near), &near, &w);
+                if let Ok(near) = close(&linkage, &off, &w) {
+                    let j = scaled_jacobian(&linkage, &linkage.positions(&near), &near, &w);
                     if n - rank(&j) == 1 {
                         return Err(AssemblyError::Crossing);
                     }
@@ -219,7 +220,7 @@ impl<'a> Closure<'a> {
     /// Unit tangent of the curve, in the weighted norm; its sign is arbitrary.
     pub fn tangent(&self, q: &[f64]) -> Vec<f64> {
         let n = q.len();
-        let j = scaled_jacobian(self.linkage, &self.linkage.positions(q), q, &self.weights);
+        let j = scaled_jacobian(&self.linkage, &self.linkage.positions(q), q, &self.weights);
         // Square with a zero row, so that the decomposition has all n right singular vectors.
         let square = DMatrix::from_fn(n, n, |r, c| if r < n - 1 { j[(self.rows[r], c)] } else { 0.0 });
         let svd = square.svd(false, true);

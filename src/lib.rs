@@ -1,7 +1,13 @@
 //! Planar linkages with one degree of freedom as FMI 2.0 co-simulation FMUs.
 pub mod chebyshev;
 pub mod closure;
+pub mod curve;
 pub mod definition;
 pub mod integrator;
 pub mod linkage;
+pub mod loads;
+pub mod model;
+pub mod reactions;
+pub mod reduced;
+pub mod table;
 pub mod variables;

@@ -4,6 +4,11 @@
 //! `modelDescription.xml`, its units and its ModelStructure. A variable's value reference is its place in the list.
 //! This room knows nothing of the FMI functions; the words causality, variability and initial are the standard's own.
 
+mod interface;
+mod unit;
+
+pub use unit::{BaseUnit, DisplayUnit, Unit};
+
 /// Place of a variable in the table; the FMI value reference.
 pub type Reference = u32;
 
@@ -55,106 +60,6 @@ pub enum Value {
     String(String),
 }
 
-/// Unit of a Real.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Unit {
-    /// Dimensionless [1].
-    One,
-    /// Angle [rad].
-    Radian,
-    /// Angular speed [rad/s].
-    RadianPerSecond,
-    /// Angular acceleration [rad/s2].
-    RadianPerSecondSquared,
-    /// Length [m].
-    Metre,
-    /// Speed [m/s].
-    MetrePerSecond,
-    /// Acceleration [m/s2].
-    MetrePerSecondSquared,
-    /// Mass [kg].
-    Kilogram,
-    /// Moment of inertia [kg.m2].
-    KilogramSquareMetre,
-    /// Force [N].
-    Newton,
-    /// Torque [N.m].
-    NewtonMetre,
-    /// Energy [J].
-    Joule,
-}
-
-/// Unit of a Real for display: value in the display unit = factor * value.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DisplayUnit {
-    /// Name, such as `deg`.
-    pub name: &'static str,
-    /// Factor from the unit to the display unit.
-    pub factor: f64,
-}
-
-/// Exponents of a unit in the SI base units that mechanics uses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct BaseUnit {
-    /// Exponent of the kilogram.
-    pub kg: i8,
-    /// Exponent of the metre.
-    pub m: i8,
-    /// Exponent of the second.
-    pub s: i8,
-    /// Exponent of the radian.
-    pub rad: i8,
-}
-
-impl Unit {
-    /// Name as it stands in the XML, such as `N.m`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::One => "1",
-            Self::Radian => "rad",
-            Self::RadianPerSecond => "rad/s",
-            Self::RadianPerSecondSquared => "rad/s2",
-            Self::Metre => "m",
-            Self::MetrePerSecond => "m/s",
-            Self::MetrePerSecondSquared => "m/s2",
-            Self::Kilogram => "kg",
-            Self::KilogramSquareMetre => "kg.m2",
-            Self::Newton => "N",
-            Self::NewtonMetre => "N.m",
-            Self::Joule => "J",
-        }
-    }
-
-    /// Exponents in base units.
-    pub fn base(self) -> BaseUnit {
-        let (kg, m, s, rad) = match self {
-            Self::One => (0, 0, 0, 0),
-            Self::Radian => (0, 0, 0, 1),
-            Self::RadianPerSecond => (0, 0, -1, 1),
-            Self::RadianPerSecondSquared => (0, 0, -2, 1),
-            Self::Metre => (0, 1, 0, 0),
-            Self::MetrePerSecond => (0, 1, -1, 0),
-            Self::MetrePerSecondSquared => (0, 1, -2, 0),
-            Self::Kilogram => (1, 0, 0, 0),
-            Self::KilogramSquareMetre => (1, 2, 0, 0),
-            Self::Newton => (1, 1, -2, 0),
-            Self::NewtonMetre | Self::Joule => (1, 2, -2, 0),
-        };
-        BaseUnit { kg, m, s, rad }
-    }
-
-    /// Display unit, where one is worth having.
-    pub fn display(self) -> Option<DisplayUnit> {
-        let name = match self {
-            Self::Radian => "deg",
-            Self::RadianPerSecond => "deg/s",
-            Self::RadianPerSecondSquared => "deg/s2",
-            _ => return None,
-        };
-        Some(DisplayUnit { name, factor: 180.0 / std::f64::consts::PI })
-    }
-}
-
 /// One variable of the interface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variable {
@@ -178,10 +83,91 @@ pub struct Variable {
     pub initial_dependencies: Vec<Reference>,
 }
 
+/// What the model looks up or computes for a variable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Quantity {
+    /// A number of the definition, by its place among the parameters.
+    Parameter(usize),
+    /// The size of a load, by its place.
+    Input(usize),
+    /// Computed from the state.
+    Output(Output),
+}
+
+/// A computed quantity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Output {
+    /// Angle of a body, or its first or second time derivative.
+    Turn {
+        /// Place of the body in the linkage.
+        body: usize,
+        /// 0, 1 or 2.
+        order: usize,
+    },
+    /// Position of a prismatic joint, or its first or second time derivative.
+    Slide {
+        /// Coordinate of the linkage.
+        coordinate: usize,
+        /// 0, 1 or 2.
+        order: usize,
+    },
+    /// Reaction in a joint.
+    Reaction {
+        /// Place of the joint.
+        joint: usize,
+        /// Which part of it.
+        part: ReactionPart,
+    },
+    /// Distance of an actuator's ends, or its first or second time derivative.
+    Length {
+        /// Place of its load.
+        load: usize,
+        /// 0, 1 or 2.
+        order: usize,
+    },
+    /// [CK16] m_zS: mass of the mechanism reduced to an actuator's length.
+    ReducedMass {
+        /// Place of its load.
+        load: usize,
+    },
+    /// Size of a load that balances all others at rest.
+    HoldingForce {
+        /// Place of the load.
+        load: usize,
+    },
+    /// Position of a marker.
+    Marker {
+        /// Its place.
+        marker: usize,
+        /// 0 for x, 1 for y.
+        axis: usize,
+    },
+    /// Kinetic energy.
+    Kinetic,
+    /// Potential energy under the present load factor.
+    Potential,
+    /// Energy now less energy at the start less work done.
+    Drift,
+}
+
+/// Part of a joint's reaction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReactionPart {
+    /// x component of the force.
+    X,
+    /// y component of the force.
+    Y,
+    /// Magnitude of the force.
+    Magnitude,
+    /// Moment about the second body's point.
+    Moment,
+}
+
 /// The table of variables of one mechanism.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variables {
     list: Vec<Variable>,
+    quantities: Vec<Quantity>,
     guid: String,
 }
 
@@ -190,14 +176,22 @@ impl Variables {
     pub fn list(&self) -> &[Variable] {
         &self.list
     }
+
     /// The variable with this reference, if there is one.
     pub fn get(&self, reference: Reference) -> Option<&Variable> {
         self.list.get(reference as usize)
     }
+
+    /// What the model looks up or computes for it.
+    pub fn quantity(&self, reference: Reference) -> Option<Quantity> {
+        self.quantities.get(reference as usize).copied()
+    }
+
     /// Reference of the variable with this name.
     pub fn find(&self, name: &str) -> Option<Reference> {
         self.list.iter().position(|v| v.name == name).map(|i| i as Reference)
     }
+
     /// GUID of the interface: a hash over names, kinds, causalities, variabilities and units, not over start values.
     pub fn guid(&self) -> &str {
         &self.guid

@@ -1,0 +1,165 @@
+//! The curve of closed positions, traced once and parametrised by its length in the kinetic metric.
+//!
+//! In: an assembled linkage. Out: for every sigma the configuration with its first and second derivatives. It must not
+//! know loads, inputs or time.
+//!
+//! sigma [kg^(1/2) m] is the arc length for which the kinetic energy is T = sigma_dot^2 / 2: the reduced inertia of
+//! [CK16] is 1 everywhere, its derivative 0, and a motion without loads is sigma = sigma_0 + sigma_dot t exactly. A toggle
+//! is an ordinary point of it. Where branches cross, the curve goes straight on.
+mod configuration;
+mod panel;
+mod trace;
+
+pub use configuration::Configuration;
+pub use panel::Panel;
+
+use crate::chebyshev::Transform;
+use crate::closure::Closure;
+use crate::linkage::Linkage;
+use std::fmt;
+
+/// Why the curve could not be traced.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CurveError {
+    /// The kinetic energy of a motion through this position vanishes.
+    Massless {
+        /// Coordinates by name.
+        position: String,
+    },
+    /// No panel, however short, leads on from this position.
+    Stuck {
+        /// Coordinates by name.
+        position: String,
+    },
+    /// The curve is longer than can be traced.
+    TooLong {
+        /// Number of panels after which tracing stopped.
+        panels: usize,
+    },
+    /// Redundant joints that do not fit together here.
+    Inconsistent {
+        /// The joint that opens.
+        joint: String,
+        /// Its gap [m].
+        gap: f64,
+        /// Coordinates by name.
+        position: String,
+    },
+}
+
+impl fmt::Display for CurveError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Massless { position } => write!(
+                f,
+                "the reduced inertia vanishes at {position}: nothing with mass moves there; give a mass or an inertia to a body that does"
+            ),
+            Self::Stuck { position } => {
+                write!(
+                    f,
+                    "the linkage cannot be followed past {position}: its motion ends or has a cusp there; change the lengths"
+                )
+            }
+            Self::TooLong { panels } => {
+                write!(f, "the motion does not return to its start within {panels} panels; simplify the linkage")
+            }
+            Self::Inconsistent { joint, gap, position } => write!(
+                f,
+                "the redundant joint {joint} opens by {gap:.3e} m at {position}: correct its points so that it fits everywhere, or remove it"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for CurveError {}
+
+/// How a curve ends.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ends {
+    /// It returns to its start; the coordinates have then grown by these amounts (multiples of 2 pi, or 0).
+    Closed(Vec<f64>),
+    /// It was traced as far as the prismatic joints reasonably go.
+    Open,
+}
+
+/// The curve of closed positions of a linkage.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    closure: Closure,
+    transform: Transform,
+    panels: Vec<Panel>,
+    ends: Ends,
+    /// Values of sigma where branches cross, ascending.
+    crossings: Vec<f64>,
+}
+
+impl Curve {
+    /// First and last sigma.
+    pub fn range(&self) -> (f64, f64) {
+        match (self.panels.first(), self.panels.last()) {
+            (Some(first), Some(last)) => (first.start, last.end()),
+            _ => (0.0, 0.0),
+        }
+    }
+
+    /// How it ends.
+    pub fn ends(&self) -> &Ends {
+        &self.ends
+    }
+
+    /// Mean length along the curve for a motion of the size of one radian (of all coordinates together).
+    pub fn scale(&self) -> f64 {
+        let (first, last) = self.range();
+        (last - first) / self.panels.iter().map(|p| p.width).sum::<f64>()
+    }
+
+    /// Values of sigma where branches cross.
+    pub fn crossings(&self) -> &[f64] {
+        &self.crossings
+    }
+
+    /// Whether loop equations are redundant.
+    pub fn redundant(&self) -> bool {
+        self.closure.redundant()
+    }
+
+    /// The linkage.
+    pub fn linkage(&self) -> &Linkage {
+        &self.closure.linkage
+    }
+
+    /// The coordinates at sigma by name, in words.
+    pub fn describe(&self, sigma: f64) -> String {
+        trace::describe(&self.closure, &self.configuration(sigma).q)
+    }
+
+    /// The loop equations.
+    pub(crate) fn closure(&self) -> &Closure {
+        &self.closure
+    }
+
+    /// Borders of panels on which tables start: those of the curve, moved so that every crossing is in the middle of one.
+    pub fn grid(&self) -> Vec<f64> {
+        let mut grid: Vec<f64> = self.panels.iter().map(|p| p.start).collect();
+        grid.push(self.range().1);
+        for &at in &self.crossings {
+            let place = grid.partition_point(|s| *s < at);
+            let (below, above) = (grid[place.max(1) - 1], grid[place.min(grid.len() - 1)]);
+            // Far enough from the borders next to it, or take these borders away.
+            let radius = 0.45 * (above - below);
+            let (first, last) = (grid[0], grid[grid.len() - 1]);
+            let radius = radius.min(at - first).min(last - at);
+            grid.retain(|s| (s - at).abs() > radius || *s == first || *s == last);
+            for border in [at - radius, at + radius] {
+                if border > first && border < last {
+                    let place = grid.partition_point(|s| *s < border);
+                    grid.insert(place, border);
+                }
+            }
+        }
+        grid
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,100 @@
+//! What a model refuses.
+use crate::definition::DefinitionError;
+use crate::integrator::IntegrationError;
+use crate::reduced::ReductionError;
+use crate::table::Unresolved;
+use crate::variables::Reference;
+use std::fmt;
+
+/// A refused call; the model is what it was. The text names the quantity, the value, the limit and the remedy.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ModelError {
+    /// The file is not a definition.
+    Definition(DefinitionError),
+    /// The present parameters give no reduced model or no start.
+    Reduction(ReductionError),
+    /// No variable of this kind has this reference.
+    Reference {
+        /// The reference.
+        reference: Reference,
+        /// Kind that was asked for.
+        kind: &'static str,
+        /// Number of variables.
+        count: usize,
+    },
+    /// A value out of range.
+    Value {
+        /// Variable.
+        name: String,
+        /// The value.
+        value: f64,
+        /// What is allowed.
+        allowed: String,
+    },
+    /// An output cannot be set.
+    Output {
+        /// Variable.
+        name: String,
+    },
+    /// An output's table cannot be built.
+    Table {
+        /// Variable.
+        name: String,
+        /// Where it is not smooth.
+        at: Unresolved,
+    },
+    /// A step before initialisation.
+    NotInitialised,
+    /// A step that is no step.
+    StepSize {
+        /// The step [s].
+        h: f64,
+    },
+    /// The integration stopped.
+    Integration(IntegrationError),
+    /// The motion leaves the stretch that was traced.
+    Travel {
+        /// Where the linkage is then.
+        position: String,
+    },
+}
+
+impl fmt::Display for ModelError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Definition(e) => e.fmt(f),
+            Self::Reduction(e) => e.fmt(f),
+            Self::Reference { reference, kind, count } => write!(
+                f,
+                "value reference {reference} is no {kind} variable: references run from 0 to {}, kinds are in modelDescription.xml",
+                count.saturating_sub(1)
+            ),
+            Self::Value { name, value, allowed } => write!(f, "{name} = {value}: must be {allowed}"),
+            Self::Output { name } => write!(f, "{name} is an output and cannot be set"),
+            Self::Table { name, at } => write!(f, "{name} cannot be computed along the whole motion: {at}"),
+            Self::NotInitialised => f.write_str("a step was asked for before initialisation"),
+            Self::StepSize { h } => write!(f, "step size h = {h} s: must be finite and > 0"),
+            Self::Integration(IntegrationError::StepTooSmall { t, step }) => write!(
+                f,
+                "the integration stopped {t} s into the step: no step above {step:.1e} s meets solver.tolerance; check the sizes of the inputs"
+            ),
+            Self::Travel { position } => {
+                write!(f, "the motion has gone past the end of its travel at {position}: limit the loads or the time")
+            }
+        }
+    }
+}
+
+impl std::error::Error for ModelError {}
+
+impl From<ReductionError> for ModelError {
+    fn from(e: ReductionError) -> Self {
+        Self::Reduction(e)
+    }
+}
+
+impl From<DefinitionError> for ModelError {
+    fn from(e: DefinitionError) -> Self {
+        Self::Definition(e)
+    }
+}

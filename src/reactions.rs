@@ -1,0 +1,134 @@
+//! Reactions: what every joint transmits, as an affine function of (sigma_ddot, sigma_dot^2, each load).
+//!
+//! In: a configuration and the loads. Out: one column of joint reactions for each of these terms. Newton and Euler's
+//! equations of every body, inward along the spanning tree; the joints that close the loops follow from the loop
+//! Jacobian: J^T lambda = generalised forces. A column alone need not be in balance; the sum over a motion is.
+use crate::closure::{Bordered, Closure};
+use crate::curve::Configuration;
+use crate::linkage::{Freedom, Point, Rates, Vec2, cross, quarter};
+use crate::loads::{Load, Wrench};
+
+/// What the first-named body of a joint exerts on the second.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reaction {
+    /// Force in the mechanism frame [N].
+    pub force: Vec2,
+    /// Moment about the second body's point [N.m]; 0 in a revolute joint.
+    pub moment: f64,
+}
+
+impl Default for Reaction {
+    fn default() -> Self {
+        Self { force: Vec2::zeros(), moment: 0.0 }
+    }
+}
+
+/// Reactions of all joints, for sigma_ddot = 1, for sigma_dot^2 = 1, then for each load = 1.
+pub fn columns(closure: &Closure, c: &Configuration, loads: &[Load]) -> Vec<Vec<Reaction>> {
+    let linkage = &*closure.linkage;
+    let n = c.q.len();
+    let weights = &closure.weights;
+    let normal: Vec<f64> = (0..n).map(|i| c.q_sigma[i] * weights[i] * weights[i]).collect();
+    let matrix = closure.matrix(&c.positions, &c.q, &normal);
+    let at_rest = Rates { angle: vec![0.0; linkage.bodies.len()], origin: vec![Vec2::zeros(); linkage.bodies.len()] };
+    let mut demands = vec![inertial(closure, c, &at_rest, &c.rates), inertial(closure, c, &c.rates, &c.second)];
+    for load in loads {
+        let mut demand = vec![(Vec2::zeros(), 0.0); linkage.bodies.len()];
+        for Wrench { body, force, moment } in load.wrenches(linkage, &c.positions) {
+            demand[body].0 -= force;
+            demand[body].1 -= moment;
+        }
+        demands.push(demand);
+    }
+    demands.into_iter().map(|demand| column(closure, c, &matrix, demand)).collect()
+}
+
+/// Force and moment about its origin that each body needs for these accelerations.
+fn inertial(closure: &Closure, c: &Configuration, r: &Rates, a: &Rates) -> Vec<(Vec2, f64)> {
+    let p = &c.positions;
+    let bodies = closure.linkage.bodies.iter().enumerate();
+    bodies
+        .map(|(i, body)| {
+            let force = body.mass * p.acceleration(r, a, Point { body: i, local: body.center });
+            (force, body.inertia * a.angle[i] + cross(p.vector(i, body.center), force))
+        })
+        .collect()
+}
+
+/// The reactions that give every body the force and moment that it needs.
+fn column(
+    closure: &Closure,
+    c: &Configuration,
+    matrix: &nalgebra::DMatrix<f64>,
+    mut demand: Vec<(Vec2, f64)>,
+) -> Vec<Reaction> {
+    let linkage = &*closure.linkage;
+    let p = &c.positions;
+    let general = generalised(closure, c, &demand);
+    let factors = Bordered::solve_transposed(matrix, &general).unwrap_or(vec![0.0; c.q.len()]);
+    let mut reactions = vec![Reaction::default(); linkage.joints.len()];
+    // Joints that close loops: their forces relieve the demands of the two bodies.
+    let mut all = vec![0.0; linkage.rows()];
+    for (row, factor) in closure.rows().iter().zip(&factors) {
+        all[*row] = *factor;
+    }
+    let mut row = 0;
+    for &j in &linkage.cuts {
+        let joint = &linkage.joints[j];
+        let force = match joint.freedom {
+            Freedom::Turn => {
+                row += 2;
+                Vec2::new(all[row - 2], all[row - 1])
+            }
+            Freedom::Slide(axis) => {
+                row += 1;
+                all[row - 1] * quarter(p.vector(joint.first.body, axis))
+            }
+        };
+        reactions[j].force = force;
+        let at = p.point(joint.second);
+        for (body, force) in [(joint.second.body, force), (joint.first.body, -force)] {
+            demand[body].0 -= force;
+            demand[body].1 -= cross(at - p.origin[body], force);
+        }
+    }
+    // Joints of the tree, from the outermost inward: each gives its child what the child still needs.
+    for branch in linkage.tree.iter().rev() {
+        let (force, moment) = demand[branch.child];
+        let joint = &linkage.joints[branch.joint];
+        let slides = joint.freedom != Freedom::Turn;
+        let at = p.point(joint.second);
+        let about = |body: usize| cross(at - p.origin[body], force);
+        let couple = if slides { moment - about(branch.child) } else { 0.0 };
+        demand[branch.parent].0 += force;
+        demand[branch.parent].1 += about(branch.parent) + couple;
+        let sign = if branch.reversed { -1.0 } else { 1.0 };
+        reactions[branch.joint] = Reaction { force: sign * force, moment: sign * couple };
+    }
+    reactions
+}
+
+/// Generalised forces of the demands: their virtual work for each change of a coordinate.
+fn generalised(closure: &Closure, c: &Configuration, demand: &[(Vec2, f64)]) -> Vec<f64> {
+    let linkage = &*closure.linkage;
+    let p = &c.positions;
+    let mut force: Vec<Vec2> = demand.iter().map(|d| d.0).collect();
+    // Moments about the origins of the bodies' frames.
+    let mut moment: Vec<f64> = demand.iter().map(|d| d.1).collect();
+    let mut out = vec![0.0; c.q.len()];
+    for branch in linkage.tree.iter().rev() {
+        let (_, to, axis) = linkage.arms(p, branch);
+        let (child, parent) = (branch.child, branch.parent);
+        if let Some(turn) = linkage.bodies[child].turn {
+            out[turn] += moment[child] - cross(to, force[child]);
+        }
+        if let Some(slide) = branch.slide {
+            out[slide] += axis.dot(&force[child]);
+        }
+        // The pivot moves with the parent; only the force is passed on, turning has its own coordinate.
+        let (pivot, passed) = (p.origin[child] + to, force[child]);
+        force[parent] += passed;
+        moment[parent] += cross(pivot - p.origin[parent], passed);
+    }
+    out
+}
