@@ -80,7 +80,7 @@ pub fn monomials(series: &Series) -> Series {
     let (mut previous, mut current) = ([0.0; NODES], [0.0; NODES]);
     previous[0] = 1.0;
     current[1] = 1.0;
-    for k in 0..NODES {
+    for (k, c) in series.iter().enumerate() {
         let basis = match k {
             0 => previous,
             1 => current,
@@ -95,7 +95,7 @@ pub fn monomials(series: &Series) -> Series {
             }
         };
         for i in 0..NODES {
-            out[i] += series[k] * basis[i];
+            out[i] += c * basis[i];
         }
     }
     out

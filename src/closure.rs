@@ -164,12 +164,12 @@ impl Closure {
         if freedom != 1 {
             // More freedom here than elsewhere nearby: branches cross here. Look a little way off, in a fixed direction.
             let off: Vec<f64> = (0..n).map(|i| q[i] + 0.02 * (1.0 + 3.7 * i as f64).sin() / w[i]).collect();
-            if freedom > 1 {
-                if let Ok(near) = close(&linkage, &off, &w) {
-                    let j = scaled_jacobian(&linkage, &linkage.positions(&near), &near, &w);
-                    if n - rank(&j) == 1 {
-                        return Err(AssemblyError::Crossing);
-                    }
+            if freedom > 1
+                && let Ok(near) = close(&linkage, &off, &w)
+            {
+                let j = scaled_jacobian(&linkage, &linkage.positions(&near), &near, &w);
+                if n - rank(&j) == 1 {
+                    return Err(AssemblyError::Crossing);
                 }
             }
             return Err(AssemblyError::Freedom { count: freedom });

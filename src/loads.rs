@@ -4,7 +4,7 @@
 //! curve, and its wrenches on the bodies. The influence function of [CK16] is S_sigma: the virtual work of the unit load
 //! for each d sigma. It must not know the present size of a load.
 use crate::curve::Configuration;
-use crate::linkage::{Linkage, Point, Positions, Vec2, cross};
+use crate::linkage::{Freedom, Linkage, Point, Positions, Vec2, cross};
 
 /// A load of unit size.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +30,18 @@ pub enum Load {
         /// Place of the body.
         body: usize,
     },
+    /// 1 N.m on one body and -1 N.m on another. S is the angle between them [rad].
+    Couple {
+        /// Place of the body that is turned back.
+        first: usize,
+        /// Place of the body that is turned forward.
+        second: usize,
+    },
+    /// 1 N along the axis of a prismatic joint. S is the joint's position [m].
+    Slide {
+        /// Place of the joint.
+        joint: usize,
+    },
 }
 
 /// Force [N] on a body and its moment about the origin of the body's frame [N.m].
@@ -47,7 +59,31 @@ fn center(linkage: &Linkage, body: usize) -> Point {
     Point { body, local: linkage.bodies[body].center }
 }
 
+fn couple(body: usize, moment: f64) -> Wrench {
+    Wrench { body, force: Vec2::zeros(), moment }
+}
+
+/// The points of a prismatic joint and its axis in the mechanism frame; no axis for a revolute one.
+fn axis(linkage: &Linkage, p: &Positions, joint: usize) -> (Point, Point, Vec2) {
+    let j = &linkage.joints[joint];
+    let axis = match j.freedom {
+        Freedom::Slide(e) => p.vector(j.first.body, e),
+        Freedom::Turn => Vec2::zeros(),
+    };
+    (j.first, j.second, axis)
+}
+
 impl Load {
+    /// How much S grows when the linkage's angles grow by these amounts: over one turn of a closed curve.
+    pub fn growth(&self, linkage: &Linkage, of_angle: &dyn Fn(usize) -> f64) -> f64 {
+        let body = |b: usize| linkage.bodies[b].turn.map_or(0.0, of_angle);
+        match *self {
+            Self::Torque { body: b } => body(b),
+            Self::Couple { first, second } => body(second) - body(first),
+            _ => 0.0,
+        }
+    }
+
     /// Displacement and its first and second derivative along sigma.
     pub fn displacement(&self, linkage: &Linkage, c: &Configuration) -> [f64; 3] {
         let p = &c.positions;
@@ -76,6 +112,18 @@ impl Load {
                 [length, rate, along.dot(&a) + (v.norm_squared() - rate * rate) / length]
             }
             Self::Torque { body } => [p.angle[body], c.rates.angle[body], c.second.angle[body]],
+            Self::Couple { first, second } => {
+                let of = |angle: &[f64]| angle[second] - angle[first];
+                [of(&p.angle), of(&c.rates.angle), of(&c.second.angle)]
+            }
+            Self::Slide { joint } => {
+                // The gap is s e, and e turns with the first body: gap'' = (s'' - s omega^2) e + (...) normal to it.
+                let (first, second, axis) = axis(linkage, p, joint);
+                let ((x1, v1, a1), (x2, v2, a2)) = (point(first), point(second));
+                let s = axis.dot(&(x2 - x1));
+                let omega = c.rates.angle[first.body];
+                [s, axis.dot(&(v2 - v1)), axis.dot(&(a2 - a1)) + s * omega * omega]
+            }
         }
     }
 
@@ -100,7 +148,14 @@ impl Load {
                 let along = (p.point(second) - p.point(first)).normalize();
                 vec![at(first, -along), at(second, along)]
             }
-            Self::Torque { body } => vec![Wrench { body, force: Vec2::zeros(), moment: 1.0 }],
+            Self::Torque { body } => vec![couple(body, 1.0)],
+            Self::Couple { first, second } => vec![couple(first, -1.0), couple(second, 1.0)],
+            Self::Slide { joint } => {
+                let (first, second, axis) = axis(linkage, p, joint);
+                // Both forces act at the second point, where the bodies touch.
+                let moment = cross(p.point(second) - p.origin[first.body], -axis);
+                vec![at(second, axis), Wrench { body: first.body, force: -axis, moment }]
+            }
         }
     }
 }

@@ -6,7 +6,8 @@
 use crate::closure::{AssemblyError, Closure, guessed};
 use crate::curve::{Configuration, Curve, CurveError, Ends};
 use crate::definition::{DefinitionError, Mechanism};
-use crate::linkage::{Linkage, Point, Vec2};
+use crate::linkage::{Linkage, Point};
+use crate::loading::{Loading, markers};
 use crate::loads::Load;
 use crate::reactions::{Reaction, columns};
 use crate::table::{Table, Unresolved};
@@ -22,6 +23,13 @@ pub enum ReductionError {
     Assembly(AssemblyError),
     /// The curve cannot be traced.
     Curve(CurveError),
+    /// The two ends of an actuator or a spring coincide somewhere, so that its force has no direction.
+    EndsMeet {
+        /// Its name.
+        name: String,
+        /// Where the linkage then is.
+        position: String,
+    },
     /// A function along the curve is not smooth.
     Table {
         /// What is tabulated.
@@ -53,9 +61,13 @@ impl fmt::Display for ReductionError {
             Self::Definition(e) => e.fmt(f),
             Self::Assembly(e) => e.fmt(f),
             Self::Curve(e) => e.fmt(f),
+            Self::EndsMeet { name, position } => write!(
+                f,
+                "{name}: its two ends coincide near {position}, where its force has no direction; move one of its attachments"
+            ),
             Self::Table { what, position } => write!(
                 f,
-                "{what} is not smooth near {position}: its two ends coincide there; move one of its attachments"
+                "{what} is not smooth near {position}: almost nothing with mass moves there; give a mass or an inertia to a body that does"
             ),
             Self::Start { name, value, range: (low, high) } => {
                 write!(f, "{name} = {value} cannot be reached: the linkage moves from {low} to {high}")
@@ -71,13 +83,29 @@ impl fmt::Display for ReductionError {
 
 impl std::error::Error for ReductionError {}
 
+/// Components of the influence table beyond one for each sized load; each is there only if the mechanism needs it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Components {
+    /// Number of sized loads.
+    pub sized: usize,
+    /// Springs at rest: less the sum of pull times S_sigma.
+    pub springs: Option<usize>,
+    /// Dampers: the sum of damping times S_sigma^2, a force for each unit of sigma_dot.
+    pub damping: Option<usize>,
+    /// What each whole turn adds to the springs, where a torsional spring winds up.
+    pub winding: Option<usize>,
+    /// Number of components.
+    pub count: usize,
+}
+
 type Lazy = OnceLock<Result<Table, Unresolved>>;
 
 /// A linkage reduced to one element on its curve, where the reduced inertia is 1.
 #[derive(Debug)]
 pub struct Reduced {
     curve: Curve,
-    loads: Vec<Load>,
+    loading: Loading,
+    components: Components,
     markers: Vec<Point>,
     grid: Vec<f64>,
     scale: f64,
@@ -86,39 +114,6 @@ pub struct Reduced {
     displacement_tables: Vec<Lazy>,
     marker_tables: Vec<Lazy>,
     reaction_tables: Vec<Lazy>,
-}
-
-/// Loads of a definition in the order of its inputs: actuators, gravity, forces (x, then y), torques.
-///
-/// # Errors
-/// A point that does not exist.
-pub fn loads(mechanism: &Mechanism, linkage: &Linkage) -> Result<Vec<Load>, DefinitionError> {
-    let mut out = Vec::new();
-    for (name, a) in mechanism.actuators.iter() {
-        let end = |key: &str, text: &str| linkage.locate(mechanism, &format!("actuators.{name}.{key}"), text);
-        out.push(Load::Pair { first: end("first", &a.first)?, second: end("second", &a.second)? });
-    }
-    if let Some(g) = &mechanism.gravity {
-        out.push(Load::Gravity(-g.acceleration * Vec2::new(g.up_angle.cos(), g.up_angle.sin())));
-    }
-    for (name, force) in mechanism.forces.iter() {
-        let at = linkage.locate(mechanism, &format!("forces.{name}.at"), &force.at)?;
-        out.extend([Vec2::x(), Vec2::y()].map(|direction| Load::Force { at, direction }));
-    }
-    for (_, torque) in mechanism.torques.iter() {
-        let body = linkage.carrier(mechanism, &torque.on).map_or(0, |(body, _)| body);
-        out.push(Load::Torque { body });
-    }
-    Ok(out)
-}
-
-/// Markers of a definition, in its order.
-///
-/// # Errors
-/// A point that does not exist.
-pub fn markers(mechanism: &Mechanism, linkage: &Linkage) -> Result<Vec<Point>, DefinitionError> {
-    let named = mechanism.markers.iter();
-    named.map(|(name, m)| linkage.locate(mechanism, &format!("markers.{name}.at"), &m.at)).collect()
 }
 
 fn lazies(count: usize) -> Vec<Lazy> {
@@ -132,30 +127,26 @@ impl Reduced {
     /// [`ReductionError`].
     pub fn new(mechanism: &Mechanism) -> Result<Self, ReductionError> {
         let linkage = Linkage::new(mechanism).map_err(ReductionError::Definition)?;
-        let loads = loads(mechanism, &linkage).map_err(ReductionError::Definition)?;
+        let loading = Loading::new(mechanism, &linkage).map_err(ReductionError::Definition)?;
         let markers = markers(mechanism, &linkage).map_err(ReductionError::Definition)?;
         let guess = guessed(&linkage, &mechanism.guess).map_err(ReductionError::Assembly)?;
         let (closure, q) = Closure::assemble(Arc::new(linkage), &guess).map_err(ReductionError::Assembly)?;
         let curve = Curve::trace(closure, &q).map_err(ReductionError::Curve)?;
         let grid = curve.grid();
-        let influence = Table::build(&grid, loads.len(), &mut |sigma, values| {
-            let c = curve.configuration(sigma);
-            for (value, load) in values.iter_mut().zip(&loads) {
-                *value = load.influence(curve.linkage(), &c);
-            }
+        let components = Components::new(&loading, &curve);
+        let influence = Table::build(&grid, components.count, &mut |sigma, values| {
+            components.fill(&loading, &curve, &curve.configuration(sigma), values);
         });
-        let influence = influence.map_err(|e| ReductionError::Table {
-            what: input_names(mechanism).swap_remove(e.component),
-            position: curve.describe(e.sigma),
-        })?;
+        let influence = influence.map_err(|e| Self::unresolved(&loading, &curve, &e))?;
         Ok(Self {
             coordinate_tables: lazies(curve.linkage().coordinates.len()),
-            displacement_tables: lazies(loads.len()),
+            displacement_tables: lazies(loading.loads.len()),
             marker_tables: lazies(markers.len()),
             reaction_tables: lazies(curve.linkage().joints.len()),
             scale: curve.scale(),
             curve,
-            loads,
+            loading,
+            components,
             markers,
             grid,
             influence,
@@ -172,12 +163,38 @@ impl Reduced {
         &self.curve
     }
 
-    /// Loads, in the order of the components of [`Self::influence`].
-    pub fn loads(&self) -> &[Load] {
-        &self.loads
+    /// The loads, with what makes them as large as they are.
+    pub fn loading(&self) -> &Loading {
+        &self.loading
     }
 
-    /// S_sigma of every load: the right-hand side is their sum, each times the load's present size.
+    /// Sizes of the sized loads under these inputs; inputs that size no load come after those that do.
+    pub fn sizes(&self, inputs: &[f64]) -> Vec<f64> {
+        let loads = self.loading.inputs.len();
+        inputs[..loads].iter().chain(&self.loading.constants).copied().collect()
+    }
+
+    /// What the components of [`Self::influence`] are.
+    pub fn components(&self) -> Components {
+        self.components
+    }
+
+    /// Growth of a load's displacement over one turn of a closed curve; 0 for an open one.
+    pub fn load_growth(&self, load: usize) -> f64 {
+        self.loading.loads[load].growth(self.linkage(), &|turn| self.growth(turn))
+    }
+
+    /// Whether a drive has an efficiency.
+    pub fn has_efficiency(&self) -> bool {
+        self.loading.drives.iter().any(|d| d.efficiency.is_some())
+    }
+
+    /// Whether dampers or drives lose power.
+    pub fn loses_power(&self) -> bool {
+        self.components.damping.is_some() || self.has_efficiency()
+    }
+
+    /// S_sigma of every sized load, then what [`Components`] tells: the right-hand side is their sum, each times its size.
     pub fn influence(&self) -> &Table {
         &self.influence
     }
@@ -215,17 +232,20 @@ impl Reduced {
     /// [`Unresolved`].
     pub fn displacement(&self, load: usize) -> Result<&Table, &Unresolved> {
         self.table(&self.displacement_tables[load], 3, &|c, v| {
-            v.copy_from_slice(&self.loads[load].displacement(self.linkage(), c));
+            v.copy_from_slice(&self.loading.loads[load].displacement(self.linkage(), c));
         })
     }
 
-    /// A marker's x and y.
+    /// A marker's x with its two derivatives along sigma, then y.
     ///
     /// # Errors
     /// [`Unresolved`].
     pub fn marker(&self, i: usize) -> Result<&Table, &Unresolved> {
-        self.table(&self.marker_tables[i], 2, &|c, v| {
-            v.copy_from_slice(c.positions.point(self.markers[i]).as_slice());
+        self.table(&self.marker_tables[i], 6, &|c, v| {
+            let (p, point) = (&c.positions, self.markers[i]);
+            let (x, first) = (p.point(point), p.velocity(&c.rates, point));
+            let second = p.acceleration(&c.rates, &c.second, point);
+            v.copy_from_slice(&[x.x, first.x, second.x, x.y, first.y, second.y]);
         })
     }
 
@@ -234,7 +254,7 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn reaction(&self, joint: usize) -> Result<&Table, &Unresolved> {
-        let terms = 2 + self.loads.len();
+        let terms = 2 + self.loading.loads.len();
         self.table(&self.reaction_tables[joint], 3 * terms, &|c, v| {
             for (k, column) in self.reaction_columns(c).iter().enumerate() {
                 let Reaction { force, moment } = column[joint];
@@ -245,7 +265,20 @@ impl Reduced {
 
     /// The exact columns behind [`Self::reaction`].
     pub fn reaction_columns(&self, c: &Configuration) -> Vec<Vec<Reaction>> {
-        columns(self.curve.closure(), c, &self.loads)
+        columns(self.curve.closure(), c, &self.loading.loads)
+    }
+
+    /// Why the influences are not smooth: two ends meet, or nothing with mass moves.
+    fn unresolved(loading: &Loading, curve: &Curve, at: &Unresolved) -> ReductionError {
+        let position = curve.describe(at.sigma);
+        let c = curve.configuration(at.sigma);
+        let meets = loading.loads.iter().position(|load| {
+            matches!(load, Load::Pair { .. }) && load.displacement(curve.linkage(), &c)[0] < 1e-3 * curve.linkage().size
+        });
+        match meets {
+            Some(load) => ReductionError::EndsMeet { name: loading.name(load), position },
+            None => ReductionError::Table { what: loading.name(at.component.min(loading.loads.len() - 1)), position },
+        }
     }
 
     fn table<'a>(
@@ -343,11 +376,44 @@ fn bisect(f: &dyn Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
     0.5 * (a + b)
 }
 
-/// Names of the inputs, in the order of the loads.
-pub fn input_names(mechanism: &Mechanism) -> Vec<String> {
-    let mut names: Vec<String> = mechanism.actuators.names().iter().map(|n| format!("{n}.force")).collect();
-    names.extend(mechanism.gravity.as_ref().map(|_| "load_factor".to_string()));
-    names.extend(mechanism.forces.names().iter().flat_map(|n| [format!("{n}.force_x"), format!("{n}.force_y")]));
-    names.extend(mechanism.torques.names().iter().map(|n| format!("{n}.torque")));
-    names
+impl Components {
+    fn new(loading: &Loading, curve: &Curve) -> Self {
+        let mut count = loading.sized();
+        let mut next = |there: bool| {
+            count += usize::from(there);
+            there.then(|| count - 1)
+        };
+        let springs = next(!loading.springs.is_empty());
+        let damping = next(loading.springs.iter().any(|s| s.damping != 0.0));
+        let winds = |s: &crate::loading::Spring| winding(loading, curve, s) != 0.0;
+        let winding = next(loading.springs.iter().any(winds));
+        Self { sized: loading.sized(), springs, damping, winding, count }
+    }
+
+    fn fill(&self, loading: &Loading, curve: &Curve, c: &Configuration, values: &mut [f64]) {
+        let linkage = curve.linkage();
+        values[self.sized..].fill(0.0);
+        for (value, load) in values.iter_mut().zip(&loading.loads[..self.sized]) {
+            *value = load.influence(linkage, c);
+        }
+        for spring in &loading.springs {
+            let [s, s_sigma, _] = loading.loads[spring.load].displacement(linkage, c);
+            let mut add = |component: Option<usize>, value: f64| {
+                if let Some(k) = component {
+                    values[k] += value;
+                }
+            };
+            add(self.springs, -spring.pull(s) * s_sigma);
+            add(self.damping, spring.damping * s_sigma * s_sigma);
+            add(self.winding, -spring.stiffness * winding(loading, curve, spring) * s_sigma);
+        }
+    }
+}
+
+/// How far a spring winds up over one turn of a closed curve.
+fn winding(loading: &Loading, curve: &Curve, spring: &crate::loading::Spring) -> f64 {
+    match curve.ends() {
+        Ends::Closed(growth) => loading.loads[spring.load].growth(curve.linkage(), &|turn| growth[turn]),
+        Ends::Open => 0.0,
+    }
 }

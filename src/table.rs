@@ -94,7 +94,7 @@ impl Table {
             let (mut worst, mut component) = (0.0, 0);
             for (i, s) in series.iter().enumerate() {
                 let t = if whole[i] > 0.0 { tail(s) / whole[i] } else { 0.0 };
-                if !(t <= worst) {
+                if t > worst || t.is_nan() {
                     (worst, component) = (t, i);
                 }
             }

@@ -1,5 +1,7 @@
 //! Reactions of the gear against Newton and Euler's equations of each body, from positions, accelerations and joint
 //! forces alone: nothing of the engine's reduction is used, the geometry is written out again from the paper's table.
+#![allow(clippy::unwrap_used)]
+
 use linkage_fmu::model::Model;
 use proptest::prelude::*;
 use std::sync::OnceLock;

@@ -34,10 +34,10 @@ impl Curve {
         let mut q = panel.series_at(x);
         let n = q.len();
         // Close the loops again unless a crossing is so near that this would only add rounding.
-        if let Some((closer, bordered, _)) = closure.on_plane(&q, &panel.base, &panel.normal, panel.u_at(x)) {
-            if bordered.amplification < 1e4 {
-                q = closer;
-            }
+        if let Some((closer, bordered, _)) = closure.on_plane(&q, &panel.base, &panel.normal, panel.u_at(x))
+            && bordered.amplification < 1e4
+        {
+            q = closer;
         }
         let positions = linkage.positions(&q);
         let bordered = closure.bordered(&positions, &q, &panel.normal);

@@ -35,7 +35,7 @@ pub struct Mechanism {
     pub bodies: Named<Body>,
     /// Joints between bodies.
     pub joints: Named<Joint>,
-    /// Forces along the line between two points.
+    /// Drives: forces along the line between two points, forces or torques in a joint.
     #[serde(default)]
     pub actuators: Named<Actuator>,
     /// Forces at a point, in the mechanism frame.
@@ -44,7 +44,10 @@ pub struct Mechanism {
     /// Torques on a body.
     #[serde(default)]
     pub torques: Named<Torque>,
-    /// Points whose position is an output.
+    /// Springs and dampers, between two points or in a joint.
+    #[serde(default)]
+    pub springs: Named<Spring>,
+    /// Points whose position, velocity and acceleration are outputs.
     #[serde(default)]
     pub markers: Named<Marker>,
     /// Position and speed at the start.
@@ -143,17 +146,30 @@ pub enum JointKind {
     Prismatic,
 }
 
-/// A force along the line between two points; positive pushes them apart.
+/// A drive: along the line between two points (positive pushes them apart), or in a joint (positive moves the second body
+/// forward: anticlockwise, or along the axis).
 #[derive(Clone, Debug, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Actuator {
     /// One end (`body.point`).
-    pub first: String,
-    /// The other end (`body.point`).
-    pub second: String,
-    /// Start value of the input `<name>.force` [N].
     #[serde(default)]
-    pub force: f64,
+    pub first: Option<String>,
+    /// The other end (`body.point`).
+    #[serde(default)]
+    pub second: Option<String>,
+    /// The joint, in place of the two ends.
+    #[serde(default)]
+    pub joint: Option<String>,
+    /// Start value of the input `<name>.force` [N]; not in a revolute joint.
+    #[serde(default)]
+    pub force: Option<f64>,
+    /// Start value of the input `<name>.torque` [N.m]; in a revolute joint only.
+    #[serde(default)]
+    pub torque: Option<f64>,
+    /// [CK16] eq. (5): part of the power that reaches the mechanism when it is driven; the same part of the power that
+    /// flows back reaches the drive. 0 < eta <= 1; 1 where absent.
+    #[serde(default)]
+    pub efficiency: Option<f64>,
 }
 
 /// A force at a point, in the mechanism frame.
@@ -162,9 +178,12 @@ pub struct Actuator {
 pub struct Force {
     /// Point of application (`body.point`).
     pub at: String,
-    /// Start values of the inputs `<name>.force_x` and `<name>.force_y` [N].
+    /// Start values of `<name>.force_x` and `<name>.force_y` [N].
     #[serde(default)]
     pub force: [f64; 2],
+    /// Whether these are parameters; inputs where absent.
+    #[serde(default)]
+    pub constant: bool,
 }
 
 /// A torque on a body.
@@ -173,12 +192,47 @@ pub struct Force {
 pub struct Torque {
     /// Body on which it acts.
     pub on: String,
-    /// Start value of the input `<name>.torque` [N.m].
+    /// Start value of `<name>.torque` [N.m].
     #[serde(default)]
     pub torque: f64,
+    /// Whether this is a parameter; an input where absent.
+    #[serde(default)]
+    pub constant: bool,
 }
 
-/// A point whose position is an output.
+/// A spring and damper: between two points it pulls them together with preload + stiffness (length - free_length) +
+/// damping d(length)/dt; in a joint it turns the second body back with preload + stiffness (angle - free_angle) +
+/// damping d(angle)/dt, angle being the second body's less the first's.
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Spring {
+    /// One end (`body.point`).
+    #[serde(default)]
+    pub first: Option<String>,
+    /// The other end (`body.point`).
+    #[serde(default)]
+    pub second: Option<String>,
+    /// The joint, in place of the two ends.
+    #[serde(default)]
+    pub joint: Option<String>,
+    /// Stiffness [N/m or N.m/rad], >= 0.
+    #[serde(default)]
+    pub stiffness: f64,
+    /// Damping [N.s/m or N.m.s/rad], >= 0; none where absent.
+    #[serde(default)]
+    pub damping: Option<f64>,
+    /// Length without force but the preload [m], >= 0; between two points, or along a prismatic joint.
+    #[serde(default)]
+    pub free_length: Option<f64>,
+    /// Angle without torque but the preload [rad]; in a revolute joint.
+    #[serde(default)]
+    pub free_angle: Option<f64>,
+    /// Force or torque at the free length or angle [N or N.m]; 0 where absent.
+    #[serde(default)]
+    pub preload: Option<f64>,
+}
+
+/// A point whose position, velocity and acceleration are outputs.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Marker {

@@ -1,5 +1,5 @@
 //! Every number of a definition that is a parameter of the FMU, listed once.
-use super::{Body, GROUND, Mechanism};
+use super::{Body, GROUND, JointKind, Mechanism};
 use crate::variables::Unit;
 
 /// What a parameter may be; always finite.
@@ -11,6 +11,8 @@ pub enum Range {
     NonNegative,
     /// > 0.
     Positive,
+    /// > 0 and <= 1.
+    Fraction,
     /// From the first to the second.
     Between(f64, f64),
 }
@@ -23,6 +25,7 @@ impl Range {
                 Self::Finite => true,
                 Self::NonNegative => value >= 0.0,
                 Self::Positive => value > 0.0,
+                Self::Fraction => value > 0.0 && value <= 1.0,
                 Self::Between(low, high) => (low..=high).contains(&value),
             }
     }
@@ -33,6 +36,7 @@ impl Range {
             Self::Finite => "a finite number".into(),
             Self::NonNegative => "a finite number >= 0".into(),
             Self::Positive => "a finite number > 0".into(),
+            Self::Fraction => "a number > 0 and <= 1".into(),
             Self::Between(low, high) => format!("a number from {low:e} to {high:e}"),
         }
     }
@@ -143,6 +147,59 @@ impl Mechanism {
             }
             if let Some(v) = &mut joint.angle {
                 visit(p("angle", "Angle between the bodies"), v);
+            }
+        }
+        for (name, actuator) in self.actuators.iter_mut() {
+            if let Some(v) = &mut actuator.efficiency {
+                let key = format!("actuators.{name}.efficiency");
+                let range = Range::Fraction;
+                visit(
+                    make(format!("{name}.efficiency"), key, format!("Efficiency of {name}"), Unit::One, range, Load),
+                    v,
+                );
+            }
+        }
+        for (name, force) in self.forces.iter_mut().filter(|(_, f)| f.constant) {
+            for (i, (axis, v)) in ["x", "y"].into_iter().zip(&mut force.force).enumerate() {
+                let (n, key) = (format!("{name}.force_{axis}"), format!("forces.{name}.force[{i}]"));
+                let text = format!("Constant force at {name}, {axis}, mechanism frame");
+                visit(make(n, key, text, Unit::Newton, Range::Finite, Load), v);
+            }
+        }
+        for (name, torque) in self.torques.iter_mut().filter(|(_, t)| t.constant) {
+            let text = format!("Constant torque on {}", torque.on);
+            let (n, key) = (format!("{name}.torque"), format!("torques.{name}.torque"));
+            visit(make(n, key, text, Unit::NewtonMetre, Range::Finite, Load), &mut torque.torque);
+        }
+        let revolute: Vec<String> =
+            self.joints.iter().filter(|(_, j)| j.kind == JointKind::Revolute).map(|(n, _)| n.to_string()).collect();
+        for (name, spring) in self.springs.iter_mut() {
+            let turns = spring.joint.as_ref().is_some_and(|j| revolute.contains(j));
+            let p = |n: &str, text: &str, linear: Unit, rotary: Unit, range| {
+                let unit = if turns { rotary } else { linear };
+                make(
+                    format!("{name}.{n}"),
+                    format!("springs.{name}.{n}"),
+                    format!("{text} of {name}"),
+                    unit,
+                    range,
+                    Load,
+                )
+            };
+            let (k, range) = ("Stiffness", Range::NonNegative);
+            visit(p("stiffness", k, Unit::NewtonPerMetre, Unit::NewtonMetrePerRadian, range), &mut spring.stiffness);
+            if let Some(v) = &mut spring.damping {
+                let (linear, rotary) = (Unit::NewtonSecondPerMetre, Unit::NewtonMetreSecondPerRadian);
+                visit(p("damping", "Damping", linear, rotary, range), v);
+            }
+            if let Some(v) = &mut spring.free_length {
+                visit(p("free_length", "Free length", Unit::Metre, Unit::Metre, Range::Finite), v);
+            }
+            if let Some(v) = &mut spring.free_angle {
+                visit(p("free_angle", "Free angle", Unit::Radian, Unit::Radian, Range::Finite), v);
+            }
+            if let Some(v) = &mut spring.preload {
+                visit(p("preload", "Preload", Unit::Newton, Unit::NewtonMetre, Range::Finite), v);
             }
         }
         let start = &mut self.start;

@@ -62,12 +62,13 @@ impl Mechanism {
     }
 
     fn check_names(&self) -> Check {
-        let groups: [(&str, Vec<&str>); 6] = [
+        let groups: [(&str, Vec<&str>); 7] = [
             ("bodies", self.bodies.names()),
             ("joints", self.joints.names()),
             ("actuators", self.actuators.names()),
             ("forces", self.forces.names()),
             ("torques", self.torques.names()),
+            ("springs", self.springs.names()),
             ("markers", self.markers.names()),
         ];
         for (group, names) in groups {
@@ -131,10 +132,10 @@ impl Mechanism {
                 ("center", body.center.is_some()),
                 ("inertia", body.inertia.is_some()),
             ];
-            if name == GROUND {
-                if let Some((k, _)) = given.iter().find(|(_, there)| *there) {
-                    return Err(key_error(key(k), "the ground does not move: it has only length and points"));
-                }
+            if name == GROUND
+                && let Some((k, _)) = given.iter().find(|(_, there)| *there)
+            {
+                return Err(key_error(key(k), "the ground does not move: it has only length and points"));
             }
             if body.angle.is_some() && body.fixed_to.is_none() {
                 return Err(key_error(key("angle"), "goes with fixed_to only; a moving body's angle is in guess"));
@@ -189,11 +190,31 @@ impl Mechanism {
             check_finite("gravity.load_factor".into(), g.load_factor)?;
         }
         for (name, a) in self.actuators.iter() {
-            let first = self.point(&format!("actuators.{name}.first"), &a.first)?;
-            let second = self.point(&format!("actuators.{name}.second"), &a.second)?;
-            check_finite(format!("actuators.{name}.force"), a.force)?;
-            if first == second {
-                return Err(key_error(format!("actuators.{name}"), "its two ends are one point: name two"));
+            let key = format!("actuators.{name}");
+            let turns = self.check_ends(&key, &a.first, &a.second, &a.joint)?;
+            let (asked, other) = if turns { ("torque", a.force) } else { ("force", a.torque) };
+            if other.is_some() {
+                return Err(key_error(
+                    key,
+                    format!("give {asked}: a drive in a revolute joint has a torque, any other a force"),
+                ));
+            }
+            check_finite(format!("{key}.{asked}"), a.force.or(a.torque).unwrap_or(0.0))?;
+        }
+        for (name, spring) in self.springs.iter() {
+            let key = format!("springs.{name}");
+            let turns = self.check_ends(&key, &spring.first, &spring.second, &spring.joint)?;
+            let wrong = if turns { spring.free_length } else { spring.free_angle };
+            if wrong.is_some() {
+                let message = "a spring in a revolute joint has a free_angle, any other a free_length";
+                return Err(key_error(key, message));
+            }
+            if let (None, Some(length)) = (&spring.joint, spring.free_length)
+                && length < 0.0
+            {
+                let allowed = "a finite number >= 0".into();
+                let key = format!("{key}.free_length");
+                return Err(DefinitionError::Value { key, value: format!("{length}"), allowed });
             }
         }
         for (name, force) in self.forces.iter() {
@@ -212,6 +233,35 @@ impl Mechanism {
             check_finite(format!("guess.{name}"), *value)?;
         }
         Ok(())
+    }
+
+    /// Two different points, or one joint; whether it is a revolute joint.
+    fn check_ends(
+        &self,
+        key: &str,
+        first: &Option<String>,
+        second: &Option<String>,
+        joint: &Option<String>,
+    ) -> Result<bool, DefinitionError> {
+        match (first, second, joint) {
+            (Some(first), Some(second), None) => {
+                let one = self.point(&format!("{key}.first"), first)?;
+                let other = self.point(&format!("{key}.second"), second)?;
+                if one == other {
+                    return Err(key_error(key, "its two ends are one point, so its length is zero: name two points"));
+                }
+                Ok(false)
+            }
+            (None, None, Some(joint)) => match self.joints.get(joint) {
+                Some(j) => Ok(j.kind == JointKind::Revolute),
+                None => {
+                    let allowed = format!("the joints are {}", self.joints.names().join(", "));
+                    let key = format!("{key}.joint");
+                    Err(DefinitionError::Unknown { key, name: joint.clone(), allowed })
+                }
+            },
+            _ => Err(key_error(key, "give first and second, or joint")),
+        }
     }
 
     fn check_body(&self, key: String, name: &str) -> Check {

@@ -68,6 +68,8 @@ pub struct Step<const N: usize> {
     pub t: f64,
     /// Step size [s].
     pub h: f64,
+    /// Whether it ends at the end of the span.
+    pub reached: bool,
     /// State at the start.
     pub start: [f64; N],
     /// State at the end.
@@ -93,7 +95,7 @@ impl<const N: usize> Integrator<N> {
         self.derivative = None;
     }
 
-    /// The state has jumped: forget everything but the statistics.
+    /// The state or the right-hand side has jumped: forget everything but the statistics.
     pub fn restart(&mut self) {
         *self = Self { statistics: self.statistics, ..Self::default() };
     }
@@ -114,7 +116,7 @@ impl<const N: usize> Integrator<N> {
             let step = self.step(system, t, y, span, tolerance)?;
             *y = step.end;
             t += step.h;
-            if t + SMALLEST * span >= span {
+            if step.reached {
                 break;
             }
         }
@@ -153,7 +155,7 @@ impl<const N: usize> Integrator<N> {
             } else {
                 wish
             };
-            let (step, carry) = self.attempt(system, t, y, &first, h);
+            let (mut step, carry) = self.attempt(system, t, y, &first, h);
             let error = step.error(&scale, tolerance);
             if error <= 1.0 {
                 let grow = (SAFETY * error.powf(-0.125)).clamp(SHRINK_MOST, grow_most);
@@ -162,6 +164,7 @@ impl<const N: usize> Integrator<N> {
                 self.proposal = Some(if h < wish { next.max(wish) } else { next });
                 self.derivative = Some(step.stages[STAGES]);
                 self.carry = carry;
+                step.reached = h == rest;
                 self.statistics.accepted += 1;
                 return Ok(step);
             }
@@ -245,7 +248,7 @@ impl<const N: usize> Integrator<N> {
         }
         k[STAGES] = system.derivative(t + h, &end);
         self.statistics.evaluations += STAGES as u64;
-        (Step { t, h, start: *y, end, stages: k }, carry)
+        (Step { t, h, reached: false, start: *y, end, stages: k }, carry)
     }
 }
 

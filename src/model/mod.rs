@@ -9,10 +9,9 @@ pub use crate::integrator::Statistics;
 pub use error::ModelError;
 
 use crate::definition::{Experiment, Mechanism, Range, Role};
-use crate::integrator::Integrator;
 use crate::reduced::{Reduced, ReductionError};
 use crate::variables::{Causality, Kind, Quantity, Reference, Value, Variables};
-use motion::{Drive, Motion};
+use motion::{Folded, Memory, Motion};
 use outputs::Cache;
 use std::sync::Arc;
 
@@ -49,12 +48,13 @@ struct State {
     sigma_dot: f64,
     /// Whole turns of a closed curve made so far.
     turns: f64,
-    /// Inputs of the last step: those that the integration and the energy balance know.
+    /// Sizes of the loads in the last step: those that the integration and the energy balance know.
     applied: Vec<f64>,
-    /// Energy at the start plus the work of changing inputs since.
+    /// Energy at the start, plus the work of changing sizes, less the energy lost since.
     reference: f64,
-    integrator: Integrator<2>,
-    drive: Drive,
+    memory: Memory,
+    /// Right-hand side for the applied sizes, for the integration.
+    folded: Folded,
     cache: Cache,
 }
 
@@ -167,12 +167,10 @@ impl Model {
     pub fn set_real(&mut self, reference: Reference, value: f64) -> Result<(), ModelError> {
         self.check_real(reference, value)?;
         match self.original.variables.quantity(reference) {
-            Some(Quantity::Input(i)) => {
-                if self.inputs[i].to_bits() != value.to_bits() {
-                    self.inputs[i] = value;
-                    if let Some(state) = &mut self.state {
-                        state.cache.forget();
-                    }
+            Some(Quantity::Input(i)) if self.inputs[i].to_bits() != value.to_bits() => {
+                self.inputs[i] = value;
+                if let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) {
+                    state.cache.set(i, reduced.loading().inputs.len(), value);
                 }
             }
             Some(Quantity::Parameter(i)) if self.parameters[i].to_bits() != value.to_bits() => {
@@ -252,9 +250,9 @@ impl Model {
         };
         state.apply(reduced, &self.inputs).map_err(|at| ModelError::Table { name: "energy.drift".into(), at })?;
         let mut y = [state.sigma, state.sigma_dot];
-        let mut integrator = state.integrator;
-        let mut motion = Motion { reduced, inputs: &self.inputs, drive: &mut state.drive, length: reduced.scale() };
-        integrator.advance(&mut motion, &mut y, h, tolerance).map_err(ModelError::Integration)?;
+        let mut memory = state.memory;
+        let mut motion = Motion { reduced, sizes: &state.applied, turns: state.turns, folded: &mut state.folded };
+        let lost = memory.advance(&mut motion, &mut y, h, tolerance).map_err(ModelError::Integration)?;
         let (first, last) = reduced.curve().range();
         match reduced.period() {
             Some(period) if !(first..last).contains(&y[0]) => {
@@ -262,7 +260,8 @@ impl Model {
                 y[0] -= around * period;
                 state.turns += around;
                 // The panel in memory is counted on over whole turns; sigma no longer is.
-                state.drive = Drive::default();
+                state.folded = Folded::default();
+                state.cache.recount();
             }
             None if !(first..=last).contains(&y[0]) => {
                 let position = reduced.curve().describe(y[0]);
@@ -271,7 +270,8 @@ impl Model {
             _ => {}
         }
         [state.sigma, state.sigma_dot] = y;
-        state.integrator = integrator;
+        state.memory = memory;
+        state.reference -= lost;
         state.cache.forget();
         Ok(())
     }
@@ -287,7 +287,7 @@ impl Model {
 
     /// Right-hand-side evaluations and accepted and rejected integration steps since initialisation.
     pub fn statistics(&self) -> Statistics {
-        self.state.as_ref().map_or_else(Statistics::default, |s| s.integrator.statistics())
+        self.state.as_ref().map_or_else(Statistics::default, |s| s.memory.statistics())
     }
 
     /// The state, put at the start if there is none yet.
@@ -346,34 +346,34 @@ impl State {
             sigma,
             sigma_dot,
             turns,
-            applied: inputs.to_vec(),
+            applied: reduced.sizes(inputs),
             reference: 0.0,
-            integrator: Integrator::default(),
-            drive: Drive::default(),
-            cache: Cache::new(linkage.joints.len()),
+            memory: Memory::new(reduced),
+            folded: Folded::default(),
+            cache: Cache::new(reduced, inputs),
         };
         let table = |at| ModelError::Table { name: "energy.drift".into(), at };
-        state.reference = state.kinetic() + state.load_potential(reduced, inputs).map_err(table)?;
+        state.reference = state.kinetic() + state.load_potential(reduced).map_err(table)?;
         Ok(state)
     }
 
     /// Take up inputs that have changed since the last step: the change of the loads' potential is work from outside.
     fn apply(&mut self, reduced: &Reduced, inputs: &[f64]) -> Result<(), crate::table::Unresolved> {
-        let changed = |(a, b): (&f64, &f64)| a.to_bits() != b.to_bits();
-        if !self.applied.iter().zip(inputs).any(changed) {
-            return Ok(());
-        }
+        let loads = reduced.loading().inputs.len();
         let mut work = 0.0;
-        for load in 0..inputs.len() {
-            let change = inputs[load] - self.applied[load];
-            if change != 0.0 {
-                work -= change * self.displacement(reduced, load)?;
+        let mut changed = false;
+        for (load, input) in inputs[..loads].iter().enumerate() {
+            if self.applied[load].to_bits() != input.to_bits() {
+                work -= (input - self.applied[load]) * self.displacement(reduced, load)?;
+                changed = true;
             }
         }
-        self.reference += work;
-        self.applied.copy_from_slice(inputs);
-        self.integrator.refresh();
-        self.drive = Drive::default();
+        if changed {
+            self.reference += work;
+            self.applied[..loads].copy_from_slice(&inputs[..loads]);
+            self.memory.refresh();
+            self.folded = Folded::default();
+        }
         Ok(())
     }
 }

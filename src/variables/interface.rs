@@ -1,11 +1,12 @@
 //! The interface of a mechanism: every variable with its start value and its true dependencies.
 use super::{
-    Causality, Kind, Output, Quantity, ReactionPart, Reference, Unit, Value, Variability, Variable, Variables,
+    Causality, Kind, OneElement, Output, Quantity, ReactionPart, Reference, Unit, Value, Variability, Variable,
+    Variables,
 };
 use crate::definition::{DefinitionError, Mechanism, Parameter, Role};
 use crate::linkage::{Freedom, GROUND, Linkage, Point};
+use crate::loading::{Drive, Loading, Spring, markers};
 use crate::loads::Load;
-use crate::reduced::{input_names, loads, markers};
 
 /// What a variable's value follows from; a set of causes.
 #[derive(Clone, Copy, Default)]
@@ -79,7 +80,7 @@ struct Builder<'a> {
     quantities: Vec<Quantity>,
     effects: Vec<Effect>,
     parameters: Vec<(Parameter, f64)>,
-    loads: Vec<Load>,
+    loading: Loading,
     markers: Vec<Point>,
 }
 
@@ -92,8 +93,8 @@ impl Variables {
         let linkage = Linkage::new(mechanism)?;
         let mut parameters = Vec::new();
         mechanism.clone().parameters(&mut |p, value| parameters.push((p, *value)));
-        let (loads, markers) = (loads(mechanism, &linkage)?, markers(mechanism, &linkage)?);
-        let effects = effects(mechanism, &linkage, &parameters, &loads, &markers)?;
+        let (loading, markers) = (Loading::new(mechanism, &linkage)?, markers(mechanism, &linkage)?);
+        let effects = effects(mechanism, &linkage, &parameters, &loading, &markers)?;
         let mut builder = Builder {
             mechanism,
             linkage: &linkage,
@@ -101,13 +102,14 @@ impl Variables {
             quantities: Vec::new(),
             effects,
             parameters,
-            loads,
+            loading,
             markers,
         };
         builder.add_inputs();
         builder.add_motion();
         builder.add_reactions();
-        builder.add_actuators();
+        builder.add_drives();
+        builder.add_springs();
         builder.add_markers();
         builder.add_energies();
         builder.add_parameters();
@@ -127,7 +129,7 @@ fn effects(
     mechanism: &Mechanism,
     linkage: &Linkage,
     parameters: &[(Parameter, f64)],
-    all_loads: &[Load],
+    loading: &Loading,
     all_markers: &[Point],
 ) -> Result<Vec<Effect>, DefinitionError> {
     let mut out = Vec::new();
@@ -143,9 +145,12 @@ fn effects(
         let joint = |l: &Linkage, j: usize| (l.joints[j].clone(), l.bodies[l.joints[j].second.body].offset);
         let masses = |l: &Linkage| l.bodies.iter().map(|b| (b.mass, b.center, b.inertia)).collect::<Vec<_>>();
         let kinetic = |l: &Linkage| (0..l.bodies.len()).map(|b| kinetic_constants(l, b)).collect::<Vec<_>>();
-        let (other_loads, other_markers) = (loads(&changed, &other)?, markers(&changed, &other)?);
+        let (other_loading, other_markers) = (Loading::new(&changed, &other)?, markers(&changed, &other)?);
         let moved = masses(linkage) != masses(&other);
-        let differs = |(a, b): (&Load, &Load)| a != b || (moved && matches!(a, Load::Gravity(_)));
+        let differs = |l: usize| {
+            let gravity = moved && matches!(loading.loads[l], Load::Gravity(_));
+            gravity || load_constants(loading, l) != load_constants(&other_loading, l)
+        };
         // Rounding of the same sum in other terms is no effect.
         let same = |(a, b): (&[f64; 4], &[f64; 4])| a.iter().zip(b).all(|(x, y)| (x - y).abs() <= 1e-12 * x.abs());
         out.push(Effect {
@@ -153,11 +158,19 @@ fn effects(
             joints: (0..linkage.joints.len()).map(|j| joint(linkage, j) != joint(&other, j)).collect(),
             inertia: !kinetic(linkage).iter().zip(&kinetic(&other)).all(same),
             masses: moved,
-            loads: all_loads.iter().zip(&other_loads).map(differs).collect(),
+            loads: (0..loading.loads.len()).map(differs).collect(),
             markers: all_markers.iter().zip(&other_markers).map(|(a, b)| a != b).collect(),
         });
     }
     Ok(out)
+}
+
+/// What a load depends on: its unit load, its size where that is constant, its spring's law, its drive's efficiency.
+fn load_constants(loading: &Loading, load: usize) -> (&Load, Option<f64>, Option<&Spring>, Option<f64>) {
+    let constant = load.checked_sub(loading.inputs.len()).and_then(|i| loading.constants.get(i));
+    let spring = load.checked_sub(loading.sized()).map(|i| &loading.springs[i]);
+    let efficiency = loading.drives.get(load).and_then(|d| d.efficiency);
+    (&loading.loads[load], constant.copied(), spring, efficiency)
 }
 
 /// What a body's kinetic energy depends on: about its pivot alone if that is fixed, else mass, centre and inertia.
@@ -222,21 +235,40 @@ impl Builder<'_> {
     fn add_inputs(&mut self) {
         let m = self.mechanism;
         let mut starts: Vec<(f64, Unit, String)> = Vec::new();
-        for (name, a) in m.actuators.iter() {
-            starts.push((a.force, Unit::Newton, format!("Force of {name}, positive when it pushes its ends apart")));
+        for ((name, a), drive) in m.actuators.iter().zip(&self.loading.drives) {
+            starts.push(match (drive.turns, &a.joint) {
+                (true, _) => {
+                    let text = format!("Torque of {name}, positive when it turns the second body anticlockwise");
+                    (a.torque.unwrap_or(0.0), Unit::NewtonMetre, text)
+                }
+                (false, Some(joint)) => {
+                    let text = format!("Force of {name}, positive along the axis of {joint}");
+                    (a.force.unwrap_or(0.0), Unit::Newton, text)
+                }
+                (false, None) => {
+                    let text = format!("Force of {name}, positive when it pushes its ends apart");
+                    (a.force.unwrap_or(0.0), Unit::Newton, text)
+                }
+            });
         }
         if let Some(g) = &m.gravity {
             starts.push((g.load_factor, Unit::One, "Load factor: gravity as a multiple of free fall".into()));
         }
-        for (name, force) in m.forces.iter() {
+        for (name, force) in m.forces.iter().filter(|(_, f)| !f.constant) {
             for (value, axis) in force.force.iter().zip(["x", "y"]) {
                 starts.push((*value, Unit::Newton, format!("External force at {name}, {axis}, mechanism frame")));
             }
         }
-        for (_, t) in m.torques.iter() {
+        for (_, t) in m.torques.iter().filter(|(_, t)| !t.constant) {
             starts.push((t.torque, Unit::NewtonMetre, format!("External torque on {}, anticlockwise", t.on)));
         }
-        for (i, (name, (start, unit, description))) in input_names(m).into_iter().zip(starts).enumerate() {
+        let mut names = self.loading.inputs.clone();
+        for drive in &self.loading.drives {
+            let unit = if drive.turns { Unit::RadianPerSecondSquared } else { Unit::MetrePerSecondSquared };
+            names.push(format!("{}.demanded_acceleration", drive.name));
+            starts.push((0.0, unit, format!("Acceleration of {} for which the required drive is told", drive.name)));
+        }
+        for (i, (name, (start, unit, description))) in names.into_iter().zip(starts).enumerate() {
             self.list.push(Variable {
                 name,
                 description,
@@ -254,14 +286,15 @@ impl Builder<'_> {
 
     /// Positions, speeds and accelerations of the coordinates.
     fn add_motion(&mut self) {
-        let all: Vec<usize> = (0..self.loads.len()).collect();
+        let (inputs, loads) = self.everything();
+        let all = (&inputs[..], &loads[..]);
         let linkage = self.linkage;
         for (i, body) in linkage.bodies.iter().enumerate().filter(|(_, b)| b.turn.is_some()) {
             let n = &body.name;
             let stated = self.mechanism.start.body.as_ref() == Some(n);
             let units = [Unit::Radian, Unit::RadianPerSecond, Unit::RadianPerSecondSquared];
             let words = ["Angle of the x axis of", "Angular speed of", "Angular acceleration of"];
-            self.add_derivatives(n, ["angle", "speed", "acceleration"], words, units, stated, &all, |order| {
+            self.add_derivatives(n, ["angle", "speed", "acceleration"], words, units, stated, all, |order| {
                 Output::Turn { body: i, order }
             });
         }
@@ -269,7 +302,7 @@ impl Builder<'_> {
             let stated = self.mechanism.start.joint.as_ref() == Some(n);
             let units = [Unit::Metre, Unit::MetrePerSecond, Unit::MetrePerSecondSquared];
             let words = ["Position along the axis of", "Speed along the axis of", "Acceleration along the axis of"];
-            self.add_derivatives(n, ["position", "speed", "acceleration"], words, units, stated, &all, |order| {
+            self.add_derivatives(n, ["position", "speed", "acceleration"], words, units, stated, all, |order| {
                 Output::Slide { coordinate, order }
             });
         }
@@ -283,13 +316,13 @@ impl Builder<'_> {
         words: [&str; 3],
         units: [Unit; 3],
         stated: bool,
-        all: &[usize],
+        (inputs, loads): (&[usize], &[usize]),
         output: impl Fn(usize) -> Output,
     ) {
         let needs = [
             Needs { position: true, closure: !stated, ..Needs::default() },
             Needs { position: !stated, closure: !stated, speed: true, ..Needs::default() },
-            Needs { speed: true, inertia: true, inputs: all, loads: all, ..PLACED },
+            Needs { speed: true, inertia: true, inputs, loads, ..PLACED },
         ];
         for order in 0..3 {
             self.output(
@@ -303,8 +336,8 @@ impl Builder<'_> {
     }
 
     fn add_reactions(&mut self) {
-        let all: Vec<usize> = (0..self.loads.len()).collect();
-        let needs = Needs { speed: true, inertia: true, masses: true, inputs: &all, loads: &all, ..PLACED };
+        let (inputs, loads) = self.everything();
+        let needs = Needs { speed: true, inertia: true, masses: true, inputs: &inputs, loads: &loads, ..PLACED };
         let linkage = self.linkage;
         for (joint, j) in linkage.joints.iter().enumerate() {
             let (n, first, second) = (&j.name, &linkage.bodies[j.first.body].name, &linkage.bodies[j.second.body].name);
@@ -322,55 +355,162 @@ impl Builder<'_> {
         }
     }
 
-    fn add_actuators(&mut self) {
-        let all: Vec<usize> = (0..self.loads.len()).collect();
-        let mechanism = self.mechanism;
-        for (load, n) in mechanism.actuators.names().into_iter().enumerate() {
-            let own = [load];
-            let others: Vec<usize> = all.iter().copied().filter(|i| *i != load).collect();
-            let Load::Pair { first, second } = self.loads[load] else { continue };
-            let place = Needs { loads: &own, ..self.placing(&[first.body, second.body]) };
-            let dynamic = Needs { loads: &own, ..PLACED };
-            let needs = [
-                place,
-                Needs { speed: true, ..place },
-                Needs { speed: true, inertia: true, inputs: &all, loads: &all, ..dynamic },
-            ];
-            let units = [Unit::Metre, Unit::MetrePerSecond, Unit::MetrePerSecondSquared];
-            let suffixes = ["length", "speed", "acceleration"];
-            let words = ["Length", "Speed of lengthening", "Acceleration of lengthening"];
-            for order in 0..3 {
-                let name = format!("{n}.{}", suffixes[order]);
-                let text = format!("{} of {n}", words[order]);
-                self.output(name, text, units[order], Output::Length { load, order }, needs[order]);
+    /// Inputs that size loads, and all loads.
+    fn everything(&self) -> (Vec<usize>, Vec<usize>) {
+        ((0..self.loading.inputs.len()).collect(), (0..self.loading.loads.len()).collect())
+    }
+
+    /// What a load's displacement is placed by.
+    fn placing_load(&self, load: usize) -> Needs<'static> {
+        let joint = |j: usize| [self.linkage.joints[j].first.body, self.linkage.joints[j].second.body];
+        match self.loading.loads[load] {
+            Load::Pair { first, second } => self.placing(&[first.body, second.body]),
+            Load::Couple { first, second } => self.placing(&[first, second]),
+            Load::Slide { joint: j } => self.placing(&joint(j)),
+            _ => PLACED,
+        }
+    }
+
+    fn add_drives(&mut self) {
+        let (inputs, loads) = self.everything();
+        for (place, drive) in self.loading.drives.clone().into_iter().enumerate() {
+            let Drive { name: n, turns, efficiency } = drive;
+            let slides = !turns && matches!(self.loading.loads[place], Load::Slide { .. });
+            let (units, what) = if turns {
+                ([Unit::Radian, Unit::RadianPerSecond, Unit::RadianPerSecondSquared], "angle")
+            } else {
+                (
+                    [Unit::Metre, Unit::MetrePerSecond, Unit::MetrePerSecondSquared],
+                    if slides { "position" } else { "length" },
+                )
+            };
+            let own = [place];
+            let at = Needs { loads: &own, ..self.placing_load(place) };
+            let all = Needs { speed: true, inertia: true, inputs: &inputs, loads: &loads, ..PLACED };
+            let needs = [at, Needs { speed: true, ..at }, all];
+            let words = ["Present", "First derivative of the", "Second derivative of the"];
+            for (order, suffix) in [what, "speed", "acceleration"].into_iter().enumerate() {
+                let text = format!("{} {what} of {n}", words[order]);
+                let output = Output::Displacement { load: place, order };
+                self.output(format!("{n}.{suffix}"), text, units[order], output, needs[order]);
             }
-            let text = format!("Mass of the mechanism reduced to the length of {n}");
-            let output = Output::ReducedMass { load };
-            self.output(format!("{n}.reduced_mass"), text, Unit::Kilogram, output, Needs { inertia: true, ..dynamic });
-            let text = format!("Force of {n} that holds the mechanism still here under the present loads");
-            let needs = Needs { inputs: &others, loads: &all, ..dynamic };
-            self.output(format!("{n}.holding_force"), text, Unit::Newton, Output::HoldingForce { load }, needs);
+            self.add_one_element(&n, place, turns, efficiency.is_some());
+        }
+    }
+
+    /// The terms of the mechanism reduced to a drive.
+    fn add_one_element(&mut self, n: &str, drive: usize, turns: bool, lossy: bool) {
+        let (inputs, loads) = self.everything();
+        let own = [drive];
+        let others: Vec<usize> = inputs.iter().copied().filter(|i| *i != drive).collect();
+        let demanded: Vec<usize> = others.iter().copied().chain([self.loading.inputs.len() + drive]).collect();
+        // With an efficiency the sign of the drive's power counts: its own force and the speed.
+        let sign = |inputs: &[usize]| -> Vec<usize> {
+            let mut all: Vec<usize> = inputs.iter().copied().chain(lossy.then_some(drive)).collect();
+            all.sort_unstable();
+            all
+        };
+        let (none, others_too) = (sign(&[]), sign(&others));
+        let mass = Needs { inertia: true, speed: lossy, inputs: &none, loads: &own, ..PLACED };
+        let load = Needs { speed: lossy || self.damped(), inputs: &others_too, loads: &loads, ..PLACED };
+        let additional = Needs { speed: true, inertia: true, inputs: &none, loads: &own, ..PLACED };
+        let required = Needs { speed: true, inertia: true, inputs: &demanded, loads: &loads, ..PLACED };
+        let holding = Needs { inputs: &others, loads: &loads, ..PLACED };
+        let (mass_unit, change_unit, unit) = if turns {
+            (Unit::KilogramSquareMetre, Unit::KilogramSquareMetrePerRadian, Unit::NewtonMetre)
+        } else {
+            (Unit::Kilogram, Unit::KilogramPerMetre, Unit::Newton)
+        };
+        let (inertia, force) = if turns { ("inertia", "torque") } else { ("mass", "force") };
+        use OneElement::{
+            AdditionalForce, HoldingForce, ReducedMass, ReducedMassDerivative, RequiredForce, StaticLoad,
+        };
+        for (suffix, text, unit, term, needs) in [
+            (format!("reduced_{inertia}"), "Reduced inertia: of the mechanism, at", mass_unit, ReducedMass, mass),
+            (
+                format!("reduced_{inertia}_derivative"),
+                "Derivative of the reduced inertia along",
+                change_unit,
+                ReducedMassDerivative,
+                mass,
+            ),
+            ("static_load".into(), "Present loads reduced to", unit, StaticLoad, load),
+            (
+                format!("additional_{force}"),
+                "-1/2 speed^2 times the derivative of the reduced inertia of",
+                unit,
+                AdditionalForce,
+                additional,
+            ),
+            (format!("required_{force}"), "What the demanded acceleration takes of", unit, RequiredForce, required),
+            (
+                format!("holding_{force}"),
+                "What holds the mechanism still here, under the present loads, of",
+                unit,
+                HoldingForce,
+                holding,
+            ),
+        ] {
+            let output = Output::OneElement { drive, term };
+            self.output(format!("{n}.{suffix}"), format!("{text} {n}"), unit, output, needs);
+        }
+    }
+
+    fn damped(&self) -> bool {
+        self.mechanism.springs.iter().any(|(_, s)| s.damping.is_some())
+    }
+
+    fn add_springs(&mut self) {
+        for (place, spring) in self.loading.springs.clone().into_iter().enumerate() {
+            let own = [spring.load];
+            let n = &spring.name;
+            let (what, unit, pull, pull_unit) = match self.loading.loads[spring.load] {
+                Load::Couple { .. } => ("angle", Unit::Radian, "torque", Unit::NewtonMetre),
+                Load::Slide { .. } => ("position", Unit::Metre, "force", Unit::Newton),
+                _ => ("length", Unit::Metre, "force", Unit::Newton),
+            };
+            let at = Needs { loads: &own, ..self.placing_load(spring.load) };
+            let output = Output::Displacement { load: spring.load, order: 0 };
+            self.output(format!("{n}.{what}"), format!("Present {what} of {n}"), unit, output, at);
+            let damped = self.mechanism.springs.get(n).is_some_and(|s| s.damping.is_some());
+            let needs = Needs { speed: damped, ..at };
+            let text = format!("Pull of {n}: preload, spring and damper");
+            self.output(format!("{n}.{pull}"), text, pull_unit, Output::Pull { spring: place }, needs);
         }
     }
 
     fn add_markers(&mut self) {
         let mechanism = self.mechanism;
+        let (inputs, loads) = self.everything();
         for (marker, n) in mechanism.markers.names().into_iter().enumerate() {
-            let needs = Needs { marker: Some(marker), ..self.placing(&[self.markers[marker].body]) };
-            for (axis, suffix) in ["x", "y"].into_iter().enumerate() {
-                let text = format!("Position of {n}, {suffix}, mechanism frame");
-                self.output(format!("{n}.{suffix}"), text, Unit::Metre, Output::Marker { marker, axis }, needs);
+            let at = Needs { marker: Some(marker), ..self.placing(&[self.markers[marker].body]) };
+            let moving = Needs { speed: true, ..at };
+            let all =
+                Needs { speed: true, inertia: true, inputs: &inputs, loads: &loads, marker: Some(marker), ..PLACED };
+            let orders = [
+                ("", "Position", Unit::Metre, at),
+                ("velocity_", "Velocity", Unit::MetrePerSecond, moving),
+                ("acceleration_", "Acceleration", Unit::MetrePerSecondSquared, all),
+            ];
+            for (order, (prefix, word, unit, needs)) in orders.into_iter().enumerate() {
+                for (axis, suffix) in ["x", "y"].into_iter().enumerate() {
+                    let text = format!("{word} of {n}, {suffix}, mechanism frame");
+                    let output = Output::Marker { marker, axis, order };
+                    self.output(format!("{n}.{prefix}{suffix}"), text, unit, output, needs);
+                }
             }
         }
     }
 
     fn add_energies(&mut self) {
-        let gravity: Vec<usize> = self.mechanism.gravity.iter().map(|_| self.mechanism.actuators.len()).collect();
+        let gravity: Vec<usize> = self.loading.gravity.into_iter().collect();
+        let stored: Vec<usize> =
+            gravity.iter().copied().chain(self.loading.sized()..self.loading.loads.len()).collect();
         let moving = Needs { speed: true, inertia: true, ..PLACED };
-        let potential = Needs { inputs: &gravity, loads: &gravity, ..PLACED };
+        let potential = Needs { inputs: &gravity, loads: &stored, ..PLACED };
         let joule = Unit::Joule;
         self.output("energy.kinetic".into(), "Kinetic energy".into(), joule, Output::Kinetic, moving);
-        let text = "Potential energy under the present loads of gravity".into();
+        let text = "Potential energy of gravity at the present load factor, and of springs".into();
         self.output("energy.potential".into(), text, joule, Output::Potential, potential);
         let text = "Energy now less energy at the start less work done: the error of the integration".into();
         self.output("energy.drift".into(), text, joule, Output::Drift, Needs::default());

@@ -118,29 +118,33 @@ pub enum Output {
         /// Which part of it.
         part: ReactionPart,
     },
-    /// Distance of an actuator's ends, or its first or second time derivative.
-    Length {
-        /// Place of its load.
+    /// Displacement of a drive's or a spring's load - length, angle or position - or its first or second time derivative.
+    Displacement {
+        /// Place of the load.
         load: usize,
         /// 0, 1 or 2.
         order: usize,
     },
-    /// [CK16] m_zS: mass of the mechanism reduced to an actuator's length.
-    ReducedMass {
-        /// Place of its load.
-        load: usize,
+    /// A term of the mechanism reduced to a drive.
+    OneElement {
+        /// Place of the drive, and of its load.
+        drive: usize,
+        /// Which term.
+        term: OneElement,
     },
-    /// Size of a load that balances all others at rest.
-    HoldingForce {
-        /// Place of the load.
-        load: usize,
+    /// Pull of a spring and damper.
+    Pull {
+        /// Place of the spring.
+        spring: usize,
     },
-    /// Position of a marker.
+    /// Position of a marker, or its first or second time derivative.
     Marker {
         /// Its place.
         marker: usize,
         /// 0 for x, 1 for y.
         axis: usize,
+        /// 0, 1 or 2.
+        order: usize,
     },
     /// Kinetic energy.
     Kinetic,
@@ -148,6 +152,23 @@ pub enum Output {
     Potential,
     /// Energy now less energy at the start less work done.
     Drift,
+}
+
+/// A term of the one-element model of [CK16]: F_S = F_Su + m_zS a_S - Delta F_S, eqs. (16), (37).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OneElement {
+    /// m_zS or I_zS, eqs. (12), (33).
+    ReducedMass,
+    /// Its derivative along the drive.
+    ReducedMassDerivative,
+    /// F_Su or T_Su, eqs. (11), (32), under all present loads but the drive's own.
+    StaticLoad,
+    /// Delta F_S or Delta T_S, eqs. (15), (36).
+    AdditionalForce,
+    /// F_S or T_S for the demanded acceleration, eqs. (16), (37).
+    RequiredForce,
+    /// What holds the mechanism still here under the present loads, without loss.
+    HoldingForce,
 }
 
 /// Part of a joint's reaction.

@@ -27,6 +27,18 @@ pub enum Unit {
     NewtonMetre,
     /// Energy [J].
     Joule,
+    /// Stiffness [N/m].
+    NewtonPerMetre,
+    /// Damping [N.s/m].
+    NewtonSecondPerMetre,
+    /// Torsional stiffness [N.m/rad].
+    NewtonMetrePerRadian,
+    /// Torsional damping [N.m.s/rad].
+    NewtonMetreSecondPerRadian,
+    /// Change of mass with length [kg/m].
+    KilogramPerMetre,
+    /// Change of moment of inertia with angle [kg.m2/rad].
+    KilogramSquareMetrePerRadian,
 }
 
 /// Unit of a Real for display: value in the display unit = factor * value.
@@ -67,6 +79,12 @@ impl Unit {
             Self::Newton => "N",
             Self::NewtonMetre => "N.m",
             Self::Joule => "J",
+            Self::NewtonPerMetre => "N/m",
+            Self::NewtonSecondPerMetre => "N.s/m",
+            Self::NewtonMetrePerRadian => "N.m/rad",
+            Self::NewtonMetreSecondPerRadian => "N.m.s/rad",
+            Self::KilogramPerMetre => "kg/m",
+            Self::KilogramSquareMetrePerRadian => "kg.m2/rad",
         }
     }
 
@@ -84,6 +102,12 @@ impl Unit {
             Self::KilogramSquareMetre => (1, 2, 0, 0),
             Self::Newton => (1, 1, -2, 0),
             Self::NewtonMetre | Self::Joule => (1, 2, -2, 0),
+            Self::NewtonPerMetre => (1, 0, -2, 0),
+            Self::NewtonSecondPerMetre => (1, 0, -1, 0),
+            Self::NewtonMetrePerRadian => (1, 2, -2, -1),
+            Self::NewtonMetreSecondPerRadian => (1, 2, -1, -1),
+            Self::KilogramPerMetre => (1, -1, 0, 0),
+            Self::KilogramSquareMetrePerRadian => (1, 2, 0, -1),
         };
         BaseUnit { kg, m, s, rad }
     }

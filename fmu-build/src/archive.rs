@@ -1,0 +1,128 @@
+//! The zip file of an FMU, the same bytes for the same content.
+//!
+//! In: names and contents. Out: deflated entries in a fixed order, `modelDescription.xml` first, with fixed times and
+//! permissions, without entries for directories (FMI 2.0.5, 2.3).
+
+use anyhow::{Context, Result, bail};
+use std::fs::{self, File};
+use std::io::{BufWriter, Seek, Write};
+use std::path::Path;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
+
+/// Name of the file that describes the FMU.
+pub const MODEL_DESCRIPTION: &str = "modelDescription.xml";
+/// Read and write for the owner, read for all.
+const PERMISSIONS: u32 = 0o644;
+
+/// One file of an FMU.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// Path in the zip, with `/`.
+    pub name: String,
+    /// What the file holds.
+    pub content: Vec<u8>,
+}
+
+/// Write the FMU to `path`; a file that stands there is replaced at once, or not at all.
+///
+/// # Errors
+/// The folder or the file cannot be written, or two entries have one name.
+pub fn write(path: &Path, entries: Vec<Entry>) -> Result<()> {
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder).with_context(|| format!("{}: the folder cannot be made", folder.display()))?;
+    }
+    let partial = path.with_extension("fmu.partial");
+    let file = File::create(&partial).with_context(|| format!("{}: cannot be written", partial.display()))?;
+    let result = write_to(BufWriter::new(file), entries).and_then(|writer| {
+        writer.into_inner()?;
+        Ok(fs::rename(&partial, path)?)
+    });
+    if result.is_err() {
+        // The first error is the one to report.
+        let _ = fs::remove_file(&partial);
+    }
+    result.with_context(|| format!("{}: cannot be written", path.display()))
+}
+
+fn write_to<W: Write + Seek>(sink: W, mut entries: Vec<Entry>) -> Result<W> {
+    entries.sort_by(|a, b| (a.name != MODEL_DESCRIPTION, &a.name).cmp(&(b.name != MODEL_DESCRIPTION, &b.name)));
+    if let Some(pair) = entries.windows(2).find(|pair| pair[0].name == pair[1].name) {
+        bail!("{} would be packed twice; remove one of the two files", pair[0].name);
+    }
+    let options = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Deflated)
+        .compression_level(Some(9))
+        .last_modified_time(DateTime::DEFAULT)
+        .unix_permissions(PERMISSIONS);
+    let mut zip = ZipWriter::new(sink);
+    for entry in &entries {
+        zip.start_file(entry.name.as_str(), options)?;
+        zip.write_all(&entry.content)?;
+    }
+    Ok(zip.finish()?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::{Cursor, Read};
+    use zip::ZipArchive;
+
+    fn entry(name: &str, content: &str) -> Entry {
+        Entry { name: name.to_owned(), content: content.as_bytes().to_vec() }
+    }
+
+    fn entries() -> Vec<Entry> {
+        vec![
+            entry("resources/mechanism.json", "{}"),
+            entry("binaries/linux64/Gear.so", &"machine code ".repeat(1000)),
+            entry("documentation/index.html", "<p>"),
+            entry(MODEL_DESCRIPTION, "<xml/>"),
+        ]
+    }
+
+    fn bytes(entries: Vec<Entry>) -> Vec<u8> {
+        write_to(Cursor::new(Vec::new()), entries).unwrap().into_inner()
+    }
+
+    #[test]
+    fn same_content_gives_the_same_bytes_whatever_the_order() {
+        let mut shuffled = entries();
+        shuffled.reverse();
+        assert_eq!(bytes(entries()), bytes(shuffled));
+    }
+
+    #[test]
+    fn entries_have_fixed_order_time_permissions_and_method() {
+        let mut zip = ZipArchive::new(Cursor::new(bytes(entries()))).unwrap();
+        let names: Vec<_> = (0..zip.len()).map(|i| zip.by_index(i).unwrap().name().unwrap().into_owned()).collect();
+        assert_eq!(
+            names,
+            [MODEL_DESCRIPTION, "binaries/linux64/Gear.so", "documentation/index.html", "resources/mechanism.json"]
+        );
+        for i in 0..zip.len() {
+            let file = zip.by_index(i).unwrap();
+            assert_eq!(file.compression(), CompressionMethod::Deflated);
+            assert_eq!(file.unix_mode().map(|mode| mode & 0o777), Some(PERMISSIONS));
+            let time = file.last_modified().unwrap();
+            assert_eq!((time.year(), time.month(), time.day(), time.hour()), (1980, 1, 1, 0));
+        }
+    }
+
+    #[test]
+    fn content_comes_back() {
+        let mut zip = ZipArchive::new(Cursor::new(bytes(entries()))).unwrap();
+        for expected in entries() {
+            let mut content = Vec::new();
+            zip.by_name(&expected.name).unwrap().read_to_end(&mut content).unwrap();
+            assert_eq!(content, expected.content);
+        }
+    }
+
+    #[test]
+    fn a_name_given_twice_is_refused() {
+        let error = write_to(Cursor::new(Vec::new()), vec![entry("a", "1"), entry("a", "2")]).unwrap_err();
+        assert!(error.to_string().starts_with("a would be packed twice"), "{error}");
+    }
+}

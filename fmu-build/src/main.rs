@@ -1,0 +1,55 @@
+//! `cargo fmu <command>`: builds, tests and demonstrates the FMUs. One file per task.
+//!
+//! In: the command line. Out: files under `target/`, an exit code (0 done, 1 refused with one line, 2 wrong usage).
+
+mod archive;
+mod bench;
+mod command;
+mod demo;
+mod description;
+mod library;
+mod package;
+mod python;
+mod source;
+mod test;
+mod workspace;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+use workspace::Workspace;
+
+#[derive(Parser)]
+#[command(name = "cargo fmu", bin_name = "cargo fmu", version, about = "Builds, tests and demonstrates the FMUs")]
+struct Cli {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Pack mechanisms into target/fmu/<Name>.fmu
+    Package(package::Arguments),
+    /// Run the retraction through FMPy: figures, retraction.csv, retraction.png
+    Demo(demo::Arguments),
+    /// Run every test: Rust, packaging, Python style, FMPy
+    Test,
+    /// Run the benchmarks of the validation package
+    Bench(bench::Arguments),
+}
+
+fn main() -> ExitCode {
+    let workspace = Workspace::locate();
+    let result = match Cli::parse().task {
+        Task::Package(arguments) => package::run(&workspace, &arguments).map(drop),
+        Task::Demo(arguments) => demo::run(&workspace, &arguments),
+        Task::Test => test::run(&workspace),
+        Task::Bench(arguments) => bench::run(&workspace, &arguments),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! `cargo fmu package`: a mechanism becomes an FMU.
+//!
+//! In: a `mechanism.json`. Out: `<Name>.fmu`, and for a folder of `modelDescription/` its `modelDescription.xml`.
+
+use crate::archive::{self, Entry, MODEL_DESCRIPTION};
+use crate::description::Interface;
+use crate::library;
+use crate::source::Source;
+use crate::workspace::{DEFAULT_FMU, MECHANISM, Workspace};
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use linkage_fmu::model::Model;
+use std::collections::HashMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// What the command line says.
+#[derive(Args, Default)]
+pub struct Arguments {
+    /// A mechanism.json, or a folder that holds one [default: modelDescription/LandingGearRetraction]
+    #[arg(value_name = "PATH", conflicts_with = "all")]
+    pub paths: Vec<PathBuf>,
+    /// Every folder of modelDescription/
+    #[arg(long)]
+    pub all: bool,
+    /// Folder for the FMUs [default: target/fmu in the repository]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// A checked mechanism, ready to be packed.
+struct Prepared {
+    source: Source,
+    name: String,
+    mechanism: String,
+    description: String,
+    variables: usize,
+}
+
+/// Pack the mechanisms; the paths of the FMUs, in the order of the arguments.
+///
+/// # Errors
+/// The first mechanism that is refused, before anything is built or written.
+pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>> {
+    let paths = if arguments.all {
+        workspace.description_folders()?
+    } else if arguments.paths.is_empty() {
+        vec![workspace.descriptions().join(DEFAULT_FMU)]
+    } else {
+        arguments.paths.clone()
+    };
+    let mut mechanisms: HashMap<String, PathBuf> = HashMap::new();
+    let mut prepared = Vec::new();
+    for path in &paths {
+        let fmu = prepare(Source::find(workspace, path)?)?;
+        let mechanism = fmu.source.mechanism.clone();
+        if let Some(other) = mechanisms.insert(fmu.name.clone(), mechanism) {
+            bail!(
+                "{}: name is {}, as in {}; both would be {}.fmu, so rename one",
+                fmu.source.mechanism.display(),
+                fmu.name,
+                other.display(),
+                fmu.name
+            );
+        }
+        prepared.push(fmu);
+    }
+    let library = library::build(workspace)?;
+    let out = arguments.out.clone().unwrap_or_else(|| workspace.fmu_folder());
+    prepared.into_iter().map(|fmu| pack(fmu, &library, &out)).collect()
+}
+
+fn prepare(source: Source) -> Result<Prepared> {
+    let path = source.mechanism.display();
+    let mechanism = source.text()?;
+    let model = Model::from_json(&mechanism).with_context(|| path.to_string())?;
+    let interface = Interface::of(&model).with_context(|| path.to_string())?;
+    let description = interface.to_xml().with_context(|| path.to_string())?;
+    let name = model.name().to_owned();
+    if let Some(folder) = source.folder.as_deref().filter(|_| source.keeps_description) {
+        // A name such as `.` says nothing; the full path does.
+        let folder = folder.canonicalize()?;
+        if !folder.ends_with(&name) {
+            bail!("{path}: name is {name}, but the folder is {}; give both one name", folder.display());
+        }
+    }
+    let variables = model.variables().list().len();
+    Ok(Prepared { name, mechanism, description, variables, source })
+}
+
+fn pack(fmu: Prepared, library: &[u8], out: &Path) -> Result<PathBuf> {
+    if let Some(folder) = fmu.source.folder.as_deref().filter(|_| fmu.source.keeps_description) {
+        write_if_changed(&folder.join(MODEL_DESCRIPTION), &fmu.description)?;
+    }
+    let mut entries = fmu.source.companions()?;
+    entries.extend([
+        Entry { name: MODEL_DESCRIPTION.to_owned(), content: fmu.description.into_bytes() },
+        Entry { name: library::place(&fmu.name)?, content: library.to_vec() },
+        Entry { name: format!("resources/{MECHANISM}"), content: fmu.mechanism.into_bytes() },
+    ]);
+    let path = out.join(format!("{}.fmu", fmu.name));
+    archive::write(&path, entries)?;
+    let size = fs::metadata(&path)?.len().div_ceil(1024);
+    println!("{} ({size} KiB, {} variables)", path.display(), fmu.variables);
+    Ok(path)
+}
+
+fn write_if_changed(path: &Path, text: &str) -> Result<()> {
+    if fs::read(path).is_ok_and(|present| present == text.as_bytes()) {
+        return Ok(());
+    }
+    fs::write(path, text).with_context(|| format!("{}: cannot be written", path.display()))?;
+    println!("{} (generated anew)", path.display());
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The committed descriptions are what the engine says today.
+    #[test]
+    fn committed_descriptions_are_current() {
+        let workspace = Workspace::locate();
+        let folders = workspace.description_folders().unwrap();
+        assert!(folders.iter().any(|folder| folder.ends_with(DEFAULT_FMU)), "{folders:?}");
+        for folder in folders {
+            let expected = prepare(Source::find(&workspace, &folder).unwrap()).unwrap().description;
+            let committed = fs::read_to_string(folder.join(MODEL_DESCRIPTION)).unwrap_or_default();
+            assert!(
+                committed == expected,
+                "{}/{MODEL_DESCRIPTION} is out of date; run `cargo fmu package --all` and commit it",
+                folder.display()
+            );
+        }
+    }
+
+    #[test]
+    fn a_folder_and_its_mechanism_are_the_same_source() {
+        let workspace = Workspace::locate();
+        let folder = workspace.descriptions().join(DEFAULT_FMU);
+        let by_folder = Source::find(&workspace, &folder).unwrap();
+        let by_file = Source::find(&workspace, &folder.join("resources").join(MECHANISM)).unwrap();
+        assert!(by_folder.keeps_description && by_file.keeps_description);
+        assert_eq!(by_folder.folder.unwrap().canonicalize().unwrap(), by_file.folder.unwrap());
+    }
+
+    #[test]
+    fn a_path_without_a_mechanism_is_refused_with_the_remedy() {
+        let workspace = Workspace::locate();
+        let message = |path: &str| Source::find(&workspace, &workspace.root().join(path)).unwrap_err().to_string();
+        assert!(
+            message("nowhere")
+                .ends_with("there is no such file or folder; name a mechanism.json or a folder that holds one")
+        );
+        assert!(message("fmu-build").ends_with("put the mechanism there"));
+    }
+}

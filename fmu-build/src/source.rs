@@ -1,0 +1,109 @@
+//! One mechanism as the user names it: a `mechanism.json`, or a folder that holds one.
+//!
+//! In: a path. Out: the mechanism's text and the files that accompany it in the FMU.
+
+use crate::archive::Entry;
+use crate::workspace::{MECHANISM, Workspace};
+use anyhow::{Context, Result, bail};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// What a folder may hold besides the mechanism, under the names that FMI 2.0.5 (2.1, 2.5) gives them.
+const COMPANIONS: [&str; 5] = ["documentation", "extra", "licenses", "model.png", "terminalsAndIcons"];
+
+/// A mechanism on disk.
+#[derive(Debug)]
+pub struct Source {
+    /// The `mechanism.json`.
+    pub mechanism: PathBuf,
+    /// Folder with documentation, icon and the like; none for a `mechanism.json` named by itself.
+    pub folder: Option<PathBuf>,
+    /// Whether the folder is one of `modelDescription/`, which keeps its generated `modelDescription.xml`.
+    pub keeps_description: bool,
+}
+
+impl Source {
+    /// Find the mechanism that `path` names.
+    ///
+    /// # Errors
+    /// There is nothing there, or a folder without a mechanism.
+    pub fn find(workspace: &Workspace, path: &Path) -> Result<Self> {
+        if path.is_file() {
+            return Ok(match described_folder(workspace, path) {
+                Some(folder) => Self::in_folder(workspace, &folder, path.to_path_buf()),
+                None => Self { mechanism: path.to_path_buf(), folder: None, keeps_description: false },
+            });
+        }
+        if !path.is_dir() {
+            bail!("{}: there is no such file or folder; name a {MECHANISM} or a folder that holds one", path.display());
+        }
+        for mechanism in [path.join("resources").join(MECHANISM), path.join(MECHANISM)] {
+            if mechanism.is_file() {
+                return Ok(Self::in_folder(workspace, path, mechanism));
+            }
+        }
+        bail!(
+            "{}: the folder holds neither resources/{MECHANISM} nor {MECHANISM}; put the mechanism there",
+            path.display()
+        );
+    }
+
+    fn in_folder(workspace: &Workspace, folder: &Path, mechanism: PathBuf) -> Self {
+        let keeps_description = is_same(folder.canonicalize().ok().as_deref().and_then(Path::parent), workspace);
+        Self { mechanism, folder: Some(folder.to_path_buf()), keeps_description }
+    }
+
+    /// The mechanism's text.
+    ///
+    /// # Errors
+    /// The file cannot be read or is not UTF-8.
+    pub fn text(&self) -> Result<String> {
+        let path = self.mechanism.display();
+        let bytes = fs::read(&self.mechanism).with_context(|| format!("{path}: cannot be read"))?;
+        String::from_utf8(bytes).ok().with_context(|| format!("{path}: is not UTF-8 text; save it as UTF-8"))
+    }
+
+    /// The accompanying files under their names in the FMU; hidden files stay out.
+    ///
+    /// # Errors
+    /// A file cannot be read, or its name is not UTF-8.
+    pub fn companions(&self) -> Result<Vec<Entry>> {
+        let mut entries = Vec::new();
+        if let Some(folder) = &self.folder {
+            for name in COMPANIONS {
+                collect(&folder.join(name), name, &mut entries)?;
+            }
+        }
+        Ok(entries)
+    }
+}
+
+/// The folder of `modelDescription/` whose `resources/mechanism.json` this is.
+fn described_folder(workspace: &Workspace, mechanism: &Path) -> Option<PathBuf> {
+    let full = mechanism.canonicalize().ok()?;
+    let resources = full.parent().filter(|folder| folder.ends_with("resources"))?;
+    let folder = resources.parent()?;
+    (full.ends_with(MECHANISM) && is_same(folder.parent(), workspace)).then(|| folder.to_path_buf())
+}
+
+fn is_same(parent: Option<&Path>, workspace: &Workspace) -> bool {
+    parent.is_some_and(|parent| workspace.descriptions().canonicalize().is_ok_and(|folder| folder == parent))
+}
+
+fn collect(path: &Path, name: &str, entries: &mut Vec<Entry>) -> Result<()> {
+    if path.is_file() {
+        let content = fs::read(path).with_context(|| format!("{}: cannot be read", path.display()))?;
+        entries.push(Entry { name: name.to_owned(), content });
+    } else if path.is_dir() {
+        for entry in fs::read_dir(path).with_context(|| format!("{}: cannot be listed", path.display()))? {
+            let child = entry?.path();
+            let Some(file_name) = child.file_name().and_then(|file_name| file_name.to_str()) else {
+                bail!("{}: the name is not UTF-8; rename the file", child.display());
+            };
+            if !file_name.starts_with('.') {
+                collect(&child, &format!("{name}/{file_name}"), entries)?;
+            }
+        }
+    }
+    Ok(())
+}

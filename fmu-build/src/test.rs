@@ -1,0 +1,52 @@
+//! `cargo fmu test`: every test there is, stopping at the first stage that fails.
+
+use crate::workspace::Workspace;
+use crate::{command, package, python};
+use anyhow::{Context, Result};
+use std::path::Path;
+use std::process::Command;
+use std::time::Instant;
+
+/// Environment variable that tells the Python tests where the FMUs are.
+const FMU_FOLDER: &str = "LINKAGE_FMU_DIR";
+
+/// Run all stages.
+///
+/// # Errors
+/// The first stage that fails, by name.
+pub fn run(workspace: &Workspace) -> Result<()> {
+    let start = Instant::now();
+    stage("Rust tests", || {
+        // In release: the property tests integrate a great many mechanisms.
+        command::run(command::cargo(workspace).args(["test", "--workspace", "--release"]), "cargo test")
+    })?;
+    stage("packaging", || package::run(workspace, &package::Arguments { all: true, ..Default::default() }).map(drop))?;
+    let python = stage("Python environment", || python::environment(workspace))?;
+    stage("Python style", || style(workspace, &python))?;
+    stage("FMPy tests", || {
+        let mut pytest = Command::new(&python);
+        pytest
+            .args(["-m", "pytest", "-q"])
+            .arg(workspace.python_tests())
+            .env(FMU_FOLDER, workspace.fmu_folder())
+            .current_dir(workspace.root());
+        command::run(&mut pytest, "pytest")
+    })?;
+    println!("all tests passed: Rust, packaging, Python style, FMPy ({:.0} s)", start.elapsed().as_secs_f64());
+    Ok(())
+}
+
+fn style(workspace: &Workspace, python: &Path) -> Result<()> {
+    let settings = workspace.python_tests().join("pyproject.toml");
+    for task in [&["check"][..], &["format", "--check"]] {
+        let mut ruff = Command::new(python);
+        ruff.args(["-m", "ruff"]).args(task).arg("--quiet").arg("--config").arg(&settings).arg(".");
+        command::run(ruff.current_dir(workspace.root()), &format!("ruff {}", task.join(" ")))?;
+    }
+    Ok(())
+}
+
+fn stage<T>(name: &str, body: impl FnOnce() -> Result<T>) -> Result<T> {
+    println!("== {name}");
+    body().with_context(|| format!("stage '{name}' failed"))
+}

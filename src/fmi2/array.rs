@@ -1,0 +1,91 @@
+//! The host's arrays and strings as Rust sees them.
+//!
+//! In: raw pointers with a length. Out: slices, or a refusal that names the argument. An empty array may be NULL.
+
+use super::refusal::Refusal;
+use std::ffi::{CStr, c_char};
+use std::mem::MaybeUninit;
+
+/// Array that the host passes in.
+///
+/// # Errors
+/// NULL or misaligned although `count > 0`, or larger than memory.
+///
+/// # Safety
+/// A valid `pointer` leads to `count` elements that nobody writes during the call (FMI 2.0.5, 2.1.7).
+pub unsafe fn input<'a, T>(name: &str, pointer: *const T, count: usize) -> Result<&'a [T], Refusal> {
+    if count == 0 {
+        return Ok(&[]);
+    }
+    check(name, pointer, count)?;
+    // SAFETY: `check` for what can be seen, the caller for the rest.
+    Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
+}
+
+/// Array that the host wants filled; its memory may be uninitialised.
+///
+/// # Errors
+/// NULL or misaligned although `count > 0`, or larger than memory.
+///
+/// # Safety
+/// A valid `pointer` leads to room for `count` elements that nobody else uses during the call (FMI 2.0.5, 2.1.7).
+pub unsafe fn output<'a, T>(name: &str, pointer: *mut T, count: usize) -> Result<&'a mut [MaybeUninit<T>], Refusal> {
+    if count == 0 {
+        return Ok(&mut []);
+    }
+    check(name, pointer, count)?;
+    // SAFETY: `check` for what can be seen, the caller for the rest.
+    Ok(unsafe { std::slice::from_raw_parts_mut(pointer.cast(), count) })
+}
+
+/// String that the host passes in; `None` if it is NULL.
+///
+/// # Safety
+/// A pointer that is not NULL leads to text with a zero byte at its end that lives during `'a` (FMI 2.0.5, 2.1.4).
+pub unsafe fn text<'a>(pointer: *const c_char) -> Option<&'a CStr> {
+    // SAFETY: the caller's promise.
+    (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })
+}
+
+fn check<T>(name: &str, pointer: *const T, count: usize) -> Result<(), Refusal> {
+    if pointer.is_null() {
+        return Err(Refusal::error(format!("the array '{name}' of {count} elements is NULL")));
+    }
+    if !pointer.is_aligned() {
+        return Err(Refusal::error(format!("the array '{name}' is not aligned to {} bytes", align_of::<T>())));
+    }
+    if count > isize::MAX as usize / size_of::<T>() {
+        return Err(Refusal::error(format!("the array '{name}' of {count} elements is larger than memory")));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::ptr::{null, null_mut};
+
+    #[test]
+    fn an_empty_array_may_be_null() {
+        // SAFETY: no element is promised.
+        unsafe {
+            assert_eq!(input::<f64>("value", null(), 0), Ok(&[][..]));
+            assert!(output::<f64>("value", null_mut(), 0).unwrap().is_empty());
+            assert_eq!(text(null()), None);
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_an_array_is_refused() {
+        let values = [0.0; 2];
+        let misaligned = values.as_ptr().cast::<u8>().wrapping_add(1).cast::<f64>();
+        // SAFETY: each is refused before it is read.
+        unsafe {
+            for refused in
+                [input("x", null::<f64>(), 1), input("x", misaligned, 1), input("x", values.as_ptr(), 1 << 61)]
+            {
+                assert!(refused.unwrap_err().message.contains("'x'"));
+            }
+        }
+    }
+}

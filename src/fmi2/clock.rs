@@ -1,0 +1,173 @@
+//! The instance's own time, held against the communication points that the host names.
+//!
+//! In: the experiment and the steps. Out: the end of an accepted step, or a refusal.
+
+use super::refusal::Refusal;
+
+/// Part of a step by which a communication point may be off. A lost or repeated step is off by a whole one, a host that
+/// keeps its time in other units (ticks, single-precision steps) by far less than this part.
+const STEP_SLACK: f64 = 1e-6;
+
+/// Rounding of a communication point, in units of [`f64::EPSILON`] of the largest time in play. The host may form
+/// `start + n h`, a running sum, or `stop - k h`: a product and two sums, half an epsilon each; the clock's own sum
+/// adds another. Errors of a long running sum do not pile up, as the clock takes over the host's point at every step.
+const ROUNDING: f64 = 8.0;
+
+/// Most of a step by which a host may end past the stop time. There the errors of a running sum do show: half an epsilon
+/// of the time per step. More than this part of a step is more than rounding.
+const STOP_SLACK: f64 = 0.25;
+
+/// Time of one instance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clock {
+    start: f64,
+    time: f64,
+    stop: Option<f64>,
+}
+
+impl Default for Clock {
+    /// Starts at 0 and never stops: what holds if the host does not call `fmi2SetupExperiment`.
+    fn default() -> Self {
+        Clock { start: 0.0, time: 0.0, stop: None }
+    }
+}
+
+impl Clock {
+    /// Clock of an experiment from `start` [s], of any sign, until `stop` [s], if that is defined.
+    ///
+    /// # Errors
+    /// `start` or `stop` is not finite, or `stop` is not after `start`.
+    pub fn new(start: f64, stop: Option<f64>) -> Result<Self, Refusal> {
+        if !start.is_finite() {
+            return Err(Refusal::error(format!("startTime is {start} s; it must be finite")));
+        }
+        match stop {
+            Some(stop) if !(stop.is_finite() && stop > start) => {
+                Err(Refusal::error(format!("stopTime is {stop} s; it must be finite and after startTime = {start} s")))
+            }
+            _ => Ok(Clock { start, time: start, stop }),
+        }
+    }
+
+    /// Present time [s]: end of the last accepted step.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// End [s] of the step that the host asks for.
+    ///
+    /// # Errors
+    /// `h` is not finite and positive, `point` is not the present time, or the step leads past the stop time.
+    pub fn end_of_step(&self, point: f64, h: f64) -> Result<f64, Refusal> {
+        let end = point + h;
+        if !(h > 0.0 && h.is_finite()) {
+            return Err(Refusal::error(format!(
+                "communicationStepSize is {h} s; it must be finite and greater than 0"
+            )));
+        }
+        let slack = self.slack(h);
+        // Negated, so that a NaN is refused.
+        if !((point - self.time).abs() <= slack && end.is_finite()) {
+            return Err(Refusal::error(format!(
+                "currentCommunicationPoint is {point} s, but the instance is at {} s (tolerance {slack:e} s)",
+                self.time
+            )));
+        }
+        match self.stop {
+            Some(stop) if end > stop + self.stop_slack(end, h) => Err(Refusal::error(format!(
+                "the step from {point} s by {h} s ends at {end} s, past stopTime = {stop} s; \
+                 take a shorter step or a later stopTime in fmi2SetupExperiment"
+            ))),
+            _ => Ok(end),
+        }
+    }
+
+    /// Take over the end of a step that was computed.
+    pub fn advance_to(&mut self, end: f64) {
+        self.time = end;
+    }
+
+    fn slack(&self, h: f64) -> f64 {
+        STEP_SLACK * h + ROUNDING * f64::EPSILON * self.scale(h)
+    }
+
+    fn stop_slack(&self, end: f64, h: f64) -> f64 {
+        let steps = (end - self.start) / h;
+        let running_sum = 0.5 * steps * f64::EPSILON * self.scale(h);
+        self.slack(h) + running_sum.min(STOP_SLACK * h)
+    }
+
+    /// Largest time in play [s].
+    fn scale(&self, h: f64) -> f64 {
+        let stop = self.stop.unwrap_or(0.0).abs();
+        self.start.abs().max(self.time.abs() + h).max(stop)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn step(clock: &mut Clock, point: f64, h: f64) {
+        let end = clock.end_of_step(point, h).unwrap();
+        clock.advance_to(end);
+    }
+
+    #[test]
+    fn accepts_points_formed_as_a_sum_or_as_a_product() {
+        for (start, h, count) in
+            [(0.0, 1e-5, 13_000), (-0.05, 1e-5, 13_000), (1e6, 1e-5, 13_000), (0.0, 1e-5, 1_000_000)]
+        {
+            let stop = start + f64::from(count) * h;
+            let mut summed = Clock::new(start, Some(stop)).unwrap();
+            let mut formed = summed;
+            let mut point = start;
+            for n in 0..count {
+                step(&mut summed, point, h);
+                step(&mut formed, start + f64::from(n) * h, h);
+                point += h;
+            }
+            assert!(summed.end_of_step(point, h).is_err());
+            assert!(formed.end_of_step(stop, h).is_err());
+        }
+    }
+
+    #[test]
+    fn a_lost_or_repeated_step_is_refused_even_late() {
+        let h = 1e-5;
+        for time in [0.13, 1e4, -1e4] {
+            let clock = Clock::new(time, None).unwrap();
+            assert!(clock.end_of_step(time, h).is_ok());
+            for point in [time + h, time - h, time + 0.01 * h, f64::NAN, f64::INFINITY] {
+                assert!(clock.end_of_step(point, h).is_err(), "{point}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_step_is_finite_and_positive() {
+        let clock = Clock::default();
+        for h in [0.0, -0.0, -1e-3, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert!(clock.end_of_step(0.0, h).is_err(), "{h}");
+        }
+    }
+
+    #[test]
+    fn the_last_step_may_end_at_the_stop_time_but_not_past_it() {
+        let mut clock = Clock::new(0.0, Some(0.3)).unwrap();
+        for n in 0..3 {
+            step(&mut clock, f64::from(n) * 0.1, 0.1); // 0.2 + 0.1 > 0.3 in floating point
+        }
+        assert!(clock.end_of_step(0.3, 0.1).is_err());
+    }
+
+    #[test]
+    fn an_experiment_is_finite_and_ends_after_its_start() {
+        assert!(Clock::new(f64::NAN, None).is_err());
+        assert!(Clock::new(f64::INFINITY, None).is_err());
+        for stop in [1.0, 0.5, f64::NAN, f64::INFINITY] {
+            assert!(Clock::new(1.0, Some(stop)).is_err(), "{stop}");
+        }
+        assert!(Clock::new(-2.0, Some(-1.0)).is_ok());
+    }
+}

@@ -1,0 +1,166 @@
+//! Where the FMU's resources are: the URI that the host passes, or the place of this library.
+//!
+//! In: `fmuResourceLocation`. Out: a path. Hosts differ: `file:///p`, `file:/p`, `file://localhost/p` and a plain path
+//! all occur, with and without percent-encoding and a trailing slash.
+
+use super::refusal::Refusal;
+use std::path::PathBuf;
+
+/// Folder that the host names.
+///
+/// A URI is percent-decoded; an escape that is none (`%zz`) stands for itself. A plain path is taken as it is.
+///
+/// # Errors
+/// A scheme other than `file`, another machine, or a path that this platform cannot express.
+pub fn from_uri(uri: &[u8]) -> Result<PathBuf, Refusal> {
+    let Some(rest) = strip_prefix_ignoring_case(uri, b"file:") else {
+        return match scheme(uri) {
+            Some(scheme) => Err(Refusal::error(format!(
+                "fmuResourceLocation '{}' has the scheme '{}'; only 'file:' URIs and plain paths can be read",
+                uri.escape_ascii(),
+                scheme.escape_ascii()
+            ))),
+            None => path(uri.to_vec()),
+        };
+    };
+    let local = match rest.strip_prefix(b"//") {
+        None => rest,
+        Some(after) if after.starts_with(b"/") => after,
+        Some(after) => match strip_prefix_ignoring_case(after, b"localhost") {
+            Some(path) if path.starts_with(b"/") => path,
+            _ => {
+                return Err(Refusal::error(format!(
+                    "fmuResourceLocation '{}' names another machine; write 'file:///' and an absolute path",
+                    uri.escape_ascii()
+                )));
+            }
+        },
+    };
+    path(without_slash_before_drive(percent_decoded(local)))
+}
+
+/// Folder `resources` of the FMU from which this library was loaded: `binaries/<platform>/../../resources`.
+///
+/// # Errors
+/// The system does not know where the library is.
+pub fn beside_library() -> Result<PathBuf, Refusal> {
+    let library = library_path().ok_or_else(|| {
+        Refusal::error("fmuResourceLocation is empty and the library's own place is unknown; pass the resources folder")
+    })?;
+    let folder = library.parent().map(PathBuf::from).unwrap_or_default();
+    Ok(folder.join("..").join("..").join("resources"))
+}
+
+#[cfg(unix)]
+fn library_path() -> Option<PathBuf> {
+    use std::os::unix::ffi::OsStrExt;
+    let mut info = std::mem::MaybeUninit::<libc::Dl_info>::zeroed();
+    let address = super::fmi2GetVersion as *const std::ffi::c_void;
+    // SAFETY: dladdr(3) takes any address and fills `info` if it returns non-zero; `dli_fname` is then NULL or a string
+    // that lives as long as the library, which is longer than this call.
+    unsafe {
+        if libc::dladdr(address, info.as_mut_ptr()) == 0 {
+            return None;
+        }
+        let name = info.assume_init().dli_fname;
+        let name = (!name.is_null()).then(|| std::ffi::CStr::from_ptr(name))?;
+        Some(PathBuf::from(std::ffi::OsStr::from_bytes(name.to_bytes())))
+    }
+}
+
+#[cfg(not(unix))]
+fn library_path() -> Option<PathBuf> {
+    None
+}
+
+#[cfg(unix)]
+fn path(bytes: Vec<u8>) -> Result<PathBuf, Refusal> {
+    use std::os::unix::ffi::OsStringExt;
+    Ok(PathBuf::from(std::ffi::OsString::from_vec(bytes)))
+}
+
+#[cfg(not(unix))]
+fn path(bytes: Vec<u8>) -> Result<PathBuf, Refusal> {
+    String::from_utf8(bytes).map(PathBuf::from).map_err(|_| Refusal::error("fmuResourceLocation is not UTF-8"))
+}
+
+/// Scheme of a URI: two letters or more, as one letter is a drive.
+fn scheme(uri: &[u8]) -> Option<&[u8]> {
+    let end = uri.iter().position(|&byte| byte == b':')?;
+    let is_scheme = end > 1 && uri[..end].iter().all(|b| b.is_ascii_alphanumeric() || b"+-.".contains(b));
+    is_scheme.then_some(&uri[..end])
+}
+
+fn strip_prefix_ignoring_case<'a>(text: &'a [u8], prefix: &[u8]) -> Option<&'a [u8]> {
+    let (head, rest) = text.split_at_checked(prefix.len())?;
+    head.eq_ignore_ascii_case(prefix).then_some(rest)
+}
+
+fn percent_decoded(text: &[u8]) -> Vec<u8> {
+    let digit = |at: usize| text.get(at).and_then(|&byte| char::from(byte).to_digit(16));
+    let mut decoded = Vec::with_capacity(text.len());
+    let mut at = 0;
+    while at < text.len() {
+        match (text[at], digit(at + 1), digit(at + 2)) {
+            (b'%', Some(high), Some(low)) => {
+                decoded.push((16 * high + low) as u8);
+                at += 3;
+            }
+            (byte, ..) => {
+                decoded.push(byte);
+                at += 1;
+            }
+        }
+    }
+    decoded
+}
+
+/// `/C:/p` of `file:///C:/p` is `C:/p` on Windows.
+fn without_slash_before_drive(mut path: Vec<u8>) -> Vec<u8> {
+    if cfg!(windows) && path.first() == Some(&b'/') && path.get(2) == Some(&b':') {
+        path.remove(0);
+    }
+    path
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    fn accepts(uri: &str, expected: &str) {
+        assert_eq!(from_uri(uri.as_bytes()).as_deref(), Ok(Path::new(expected)), "{uri}");
+    }
+
+    #[test]
+    fn the_forms_that_hosts_pass() {
+        accepts("file:///tmp/fmu/resources", "/tmp/fmu/resources");
+        accepts("file:/tmp/fmu/resources", "/tmp/fmu/resources");
+        accepts("file://localhost/tmp/fmu/resources", "/tmp/fmu/resources");
+        accepts("FILE://LocalHost/tmp/fmu/resources", "/tmp/fmu/resources");
+        accepts("file:///tmp/fmu/resources/", "/tmp/fmu/resources");
+        accepts("/tmp/fmu/resources", "/tmp/fmu/resources");
+        accepts("fmu/resources", "fmu/resources");
+    }
+
+    #[test]
+    fn percent_encoding_and_utf8() {
+        accepts("file:///tmp/a%20b/r%C3%A4der", "/tmp/a b/räder");
+        accepts("file:///tmp/a b/räder", "/tmp/a b/räder");
+        accepts("file:///tmp/100%25/%zz/%4", "/tmp/100%/%zz/%4");
+        accepts("/tmp/a%20b", "/tmp/a%20b");
+    }
+
+    #[test]
+    fn other_schemes_and_machines_are_refused() {
+        for uri in ["http://host/p", "file://server/share", "file://", "file://localhostile/p", "zip:/p"] {
+            let refusal = from_uri(uri.as_bytes()).unwrap_err();
+            assert!(refusal.message.contains(uri), "{}", refusal.message);
+        }
+    }
+
+    #[test]
+    fn the_library_knows_its_place() {
+        assert!(beside_library().unwrap().ends_with("../../resources"));
+    }
+}

@@ -1,0 +1,112 @@
+//! The C types of FMI 2.0.5 (`fmi2TypesPlatform.h`, `fmi2FunctionTypes.h`).
+//!
+//! In: nothing. Out: the layout that both sides of the boundary share. An enumeration that the host passes in arrives
+//! as a plain integer and is checked where it is used: an unknown number in a Rust enum would be undefined behaviour.
+
+use std::ffi::{c_char, c_int, c_uint, c_void};
+
+/// `fmi2Component`: an instance, opaque to the host.
+pub type Component = *mut c_void;
+/// `fmi2ComponentEnvironment`: a pointer of the host's, handed back to it with every message.
+pub type Environment = *mut c_void;
+/// `fmi2FMUstate`: a saved state, opaque to the host.
+pub type FmuState = *mut c_void;
+/// `fmi2ValueReference`.
+pub type ValueReference = c_uint;
+/// `fmi2Real`.
+pub type Real = f64;
+/// `fmi2Integer`.
+pub type Integer = c_int;
+/// `fmi2Boolean`: 0 is false; any other number is taken for true, as in C.
+pub type Boolean = c_int;
+/// `fmi2String`: text that ends with a zero byte, UTF-8.
+pub type Text = *const c_char;
+/// `fmi2Byte`.
+pub type Byte = c_char;
+
+/// `fmi2False`.
+pub const FALSE: Boolean = 0;
+/// `fmi2True`.
+pub const TRUE: Boolean = 1;
+
+/// `fmi2Type` of model exchange, as the host passes it.
+pub const MODEL_EXCHANGE: c_int = 0;
+/// `fmi2Type` of co-simulation, as the host passes it.
+pub const CO_SIMULATION: c_int = 1;
+
+/// `fmi2StatusKind`, as the host passes it: the status of the last `fmi2DoStep`.
+pub const DO_STEP_STATUS: c_int = 0;
+/// `fmi2StatusKind`, as the host passes it: why a step is pending.
+pub const PENDING_STATUS: c_int = 1;
+/// `fmi2StatusKind`, as the host passes it: end of the last successful step [s].
+pub const LAST_SUCCESSFUL_TIME: c_int = 2;
+/// `fmi2StatusKind`, as the host passes it: whether the FMU wants the simulation to end.
+pub const TERMINATED: c_int = 3;
+
+/// `fmi2Status`: the answer to a call.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
+pub enum Status {
+    /// All well.
+    Ok,
+    /// Done, with something to be said about it.
+    Warning,
+    /// Not available; the instance can go on.
+    Discard,
+    /// Refused or failed; a message says why.
+    Error,
+    /// This instance is beyond repair.
+    Fatal,
+    /// An asynchronous step is running; never answered here.
+    Pending,
+}
+
+/// `fmi2CallbackLogger`: printf-style, hence variadic.
+pub type LoggerCallback = unsafe extern "C" fn(
+    environment: Environment,
+    instance_name: Text,
+    status: Status,
+    category: Text,
+    message: Text,
+    ...
+);
+/// `fmi2CallbackAllocateMemory`; never called.
+pub type AllocateMemory = unsafe extern "C" fn(count: usize, size: usize) -> *mut c_void;
+/// `fmi2CallbackFreeMemory`; never called.
+pub type FreeMemory = unsafe extern "C" fn(memory: *mut c_void);
+/// `fmi2StepFinished`; never called, as no step is asynchronous.
+pub type StepFinished = unsafe extern "C" fn(environment: Environment, status: Status);
+
+/// `fmi2CallbackFunctions`: any member may be NULL.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct CallbackFunctions {
+    /// Receives the messages.
+    pub logger: Option<LoggerCallback>,
+    /// Unused: memory never crosses the boundary.
+    pub allocate_memory: Option<AllocateMemory>,
+    /// Unused: memory never crosses the boundary.
+    pub free_memory: Option<FreeMemory>,
+    /// Unused: every step is synchronous.
+    pub step_finished: Option<StepFinished>,
+    /// First argument of `logger`.
+    pub environment: Environment,
+}
+
+/// `fmi2EventInfo` of model exchange; here for the signature of `fmi2NewDiscreteStates` only.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct EventInfo {
+    /// The event iteration goes on.
+    pub new_discrete_states_needed: Boolean,
+    /// The simulation is to end.
+    pub terminate_simulation: Boolean,
+    /// The nominal values have changed.
+    pub nominals_changed: Boolean,
+    /// The states have jumped.
+    pub values_changed: Boolean,
+    /// `next_event_time` is meaningful.
+    pub next_event_time_defined: Boolean,
+    /// Time of the next event [s].
+    pub next_event_time: Real,
+}

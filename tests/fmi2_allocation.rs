@@ -1,0 +1,56 @@
+//! The success path of a communication step allocates nothing.
+#![allow(unsafe_code)]
+
+mod fmi2_host;
+
+use fmi2_host::Gear;
+use linkage_fmu::fmi2::types::Status;
+use linkage_fmu::fmi2::{fmi2DoStep, fmi2GetReal, fmi2SetReal};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+struct Counting;
+
+thread_local! {
+    static COUNT: Cell<usize> = const { Cell::new(0) };
+}
+
+// SAFETY: everything is passed on to the system's allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.set(COUNT.get() + 1);
+        // SAFETY: the caller's promise.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the caller's promise.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn set_step_get_allocates_nothing() {
+    let h = 1e-4;
+    let gear = Gear::stepping(0.0, Some(1.0));
+    let inputs = [gear.vr("actuator.force"), gear.vr("load_factor")];
+    let outputs = ["crank.angle", "crank.speed", "crank.acceleration", "actuator.length"].map(|name| gear.vr(name));
+    let mut values = [0.0; 4];
+    let mut exchange = |n: i32| {
+        // SAFETY: every array has the length that is passed.
+        unsafe {
+            let force = [30_000.0 + f64::from(n), 3.0];
+            assert_eq!(fmi2SetReal(gear.c, inputs.as_ptr(), 2, force.as_ptr()), Status::Ok);
+            assert_eq!(fmi2DoStep(gear.c, f64::from(n) * h, h, 1), Status::Ok);
+            assert_eq!(fmi2GetReal(gear.c, outputs.as_ptr(), 4, values.as_mut_ptr()), Status::Ok);
+        }
+    };
+    // Tables are built when an output first asks for them.
+    (0..10).for_each(&mut exchange);
+    let before = COUNT.get();
+    (10..200).for_each(&mut exchange);
+    assert_eq!(COUNT.get(), before);
+}
