@@ -358,7 +358,10 @@ impl Reduced {
                 }
             }
         }
-        best.ok_or(ReductionError::Start { name: name.into(), value, range: (low, high) })
+        let (sigma, turn) = best.ok_or(ReductionError::Start { name: name.into(), value, range: (low, high) })?;
+        // Just behind the guess is the last turn's end: the other coordinates are then near their guesses, not a turn on.
+        let behind = growth == 0.0 && self.period().is_some_and(|period| period - sigma < sigma);
+        Ok((sigma, if behind { -1.0 } else { turn }))
     }
 }
 
