@@ -1,0 +1,6 @@
+//! The one-element model against Cink and Kosucki (2016), [CK16]: closed forms with their errata, efficiency, damping.
+#![allow(clippy::unwrap_used)]
+
+mod host;
+mod jib;
+mod slider_crank;
