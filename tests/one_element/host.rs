@@ -3,7 +3,7 @@ use linkage_fmu::model::Model;
 
 /// Rounding of the compared expressions and of the tables (1e-13 of each table's largest value), with up to three tables
 /// multiplied and divided by one another.
-pub const ACCURACY: f64 = 2e-12;
+pub const ACCURACY: f64 = 1e-12;
 
 #[derive(Clone)]
 pub struct Host(pub Model);
