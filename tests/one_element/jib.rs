@@ -96,6 +96,7 @@ fn closed_forms(host: &mut Host, inertia: f64) {
         // At rest the same loads are held by F_Su.
         worst.compare("holding", host.get("cylinder.holding_force"), static_load, MASS * 9.81 / iv);
     }
+    worst.print();
     worst.assert_within(ACCURACY);
 }
 

@@ -80,6 +80,7 @@ fn closed_forms(host: &mut Host, rod_inertia: f64) {
         worst.compare("(4) epsilon_C", host.get("rod.acceleration"), epsilon, size / ROD);
         worst.compare("T", 0.5 * inertia * omega * omega, host.get("energy.kinetic"), 0.0);
     }
+    worst.print();
     worst.assert_within(ACCURACY);
 }
 
