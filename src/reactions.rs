@@ -7,6 +7,7 @@ use crate::closure::{Bordered, Closure};
 use crate::curve::Configuration;
 use crate::linkage::{Freedom, Point, Rates, Vec2, cross, quarter};
 use crate::loads::{Load, Wrench};
+use nalgebra::{DMatrix, DVector};
 
 /// What the first-named body of a joint exerts on the second.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,7 +41,82 @@ pub fn columns(closure: &Closure, c: &Configuration, loads: &[Load]) -> Vec<Vec<
         }
         demands.push(demand);
     }
-    demands.into_iter().map(|demand| column(closure, c, &matrix, demand)).collect()
+    let redundant = self_stresses(closure, c, &matrix);
+    demands
+        .into_iter()
+        .map(|demand| {
+            let factors = solve(closure, &matrix, &generalised(closure, c, &demand));
+            let mut reactions = inward(closure, c, &factors, None, demand);
+            redundant.relieve(&mut reactions);
+            reactions
+        })
+        .collect()
+}
+
+/// Factors of all loop equations, those that follow from others 0, which balance these generalised forces.
+fn solve(closure: &Closure, matrix: &DMatrix<f64>, general: &[f64]) -> Vec<f64> {
+    let mut all = vec![0.0; closure.linkage.rows()];
+    let factors = Bordered::solve_transposed(matrix, general).unwrap_or_default();
+    for (row, factor) in closure.rows().iter().zip(&factors) {
+        all[*row] = *factor;
+    }
+    all
+}
+
+/// Reactions that hold one another in balance without any demand; there are some only if joints are redundant. Of all
+/// reactions in balance those of least norm are told: the least sum of |force|^2 + (moment / size)^2.
+struct SelfStresses {
+    states: Vec<Vec<Reaction>>,
+    /// Inverse of the matrix of their inner products.
+    inverse: DMatrix<f64>,
+    size: f64,
+}
+
+fn self_stresses(closure: &Closure, c: &Configuration, matrix: &DMatrix<f64>) -> SelfStresses {
+    let linkage = &*closure.linkage;
+    let size = linkage.size;
+    let idle = || vec![(Vec2::zeros(), 0.0); linkage.bodies.len()];
+    let mut states = Vec::new();
+    if closure.redundant() {
+        let jacobian = linkage.jacobian(&c.positions, &c.q);
+        for extra in (0..linkage.rows()).filter(|r| !closure.rows().contains(r)) {
+            let balance: Vec<f64> = jacobian.row(extra).iter().map(|g| -g).collect();
+            let mut factors = solve(closure, matrix, &balance);
+            factors[extra] = 1.0;
+            states.push(inward(closure, c, &factors, None, idle()));
+        }
+    }
+    // A prismatic joint outside the tree joins bodies that already turn together: its moment is free.
+    for &joint in linkage.cuts.iter().filter(|&&j| linkage.joints[j].freedom != Freedom::Turn) {
+        states.push(inward(closure, c, &vec![0.0; linkage.rows()], Some(joint), idle()));
+    }
+    let n = states.len();
+    let gram = DMatrix::from_fn(n, n, |i, j| product(&states[i], &states[j], size));
+    let inverse = gram.pseudo_inverse(1e-12).unwrap_or_else(|_| DMatrix::zeros(n, n));
+    SelfStresses { states, inverse, size }
+}
+
+impl SelfStresses {
+    /// Take away what the reactions have of these states.
+    fn relieve(&self, reactions: &mut [Reaction]) {
+        if self.states.is_empty() {
+            return;
+        }
+        let parts = DVector::from_iterator(
+            self.states.len(),
+            self.states.iter().map(|state| product(state, reactions, self.size)),
+        );
+        for (state, part) in self.states.iter().zip((&self.inverse * parts).iter()) {
+            for (r, s) in reactions.iter_mut().zip(state) {
+                r.force -= *part * s.force;
+                r.moment -= part * s.moment;
+            }
+        }
+    }
+}
+
+fn product(a: &[Reaction], b: &[Reaction], size: f64) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.force.dot(&b.force) + a.moment * b.moment / (size * size)).sum()
 }
 
 /// Force and moment about its origin that each body needs for these accelerations.
@@ -55,22 +131,23 @@ fn inertial(closure: &Closure, c: &Configuration, r: &Rates, a: &Rates) -> Vec<(
         .collect()
 }
 
-/// The reactions that give every body the force and moment that it needs.
-fn column(
+/// The reactions that give every body the force and moment that it needs, for these factors of the loop equations and
+/// a unit moment in `twisted`, a prismatic joint outside the tree.
+fn inward(
     closure: &Closure,
     c: &Configuration,
-    matrix: &nalgebra::DMatrix<f64>,
+    factors: &[f64],
+    twisted: Option<usize>,
     mut demand: Vec<(Vec2, f64)>,
 ) -> Vec<Reaction> {
     let linkage = &*closure.linkage;
     let p = &c.positions;
-    let general = generalised(closure, c, &demand);
-    let factors = Bordered::solve_transposed(matrix, &general).unwrap_or(vec![0.0; c.q.len()]);
     let mut reactions = vec![Reaction::default(); linkage.joints.len()];
     // Joints that close loops: their forces relieve the demands of the two bodies.
-    let mut all = vec![0.0; linkage.rows()];
-    for (row, factor) in closure.rows().iter().zip(&factors) {
-        all[*row] = *factor;
+    if let Some(j) = twisted {
+        reactions[j].moment = 1.0;
+        demand[linkage.joints[j].second.body].1 -= 1.0;
+        demand[linkage.joints[j].first.body].1 += 1.0;
     }
     let mut row = 0;
     for &j in &linkage.cuts {
@@ -78,11 +155,11 @@ fn column(
         let force = match joint.freedom {
             Freedom::Turn => {
                 row += 2;
-                Vec2::new(all[row - 2], all[row - 1])
+                Vec2::new(factors[row - 2], factors[row - 1])
             }
             Freedom::Slide(axis) => {
                 row += 1;
-                all[row - 1] * quarter(p.vector(joint.first.body, axis))
+                factors[row - 1] * quarter(p.vector(joint.first.body, axis))
             }
         };
         reactions[j].force = force;

@@ -108,7 +108,7 @@ pub struct Reduced {
     components: Components,
     markers: Vec<Point>,
     grid: Vec<f64>,
-    scale: f64,
+    natural: Natural,
     influence: Table,
     coordinate_tables: Vec<Lazy>,
     displacement_tables: Vec<Lazy>,
@@ -134,8 +134,11 @@ impl Reduced {
         let curve = Curve::trace(closure, &q).map_err(ReductionError::Curve)?;
         let grid = curve.grid();
         let components = Components::new(&loading, &curve);
-        let influence = Table::build(&grid, components.count, &mut |sigma, values| {
-            components.fill(&loading, &curve, &curve.configuration(sigma), values);
+        let natural = Natural::new(&curve);
+        let influence = Table::build(&grid, &components.sizes(&loading, &curve, &natural), &mut |sigma, values| {
+            let c = curve.configuration(sigma);
+            components.fill(&loading, &curve, &c, values);
+            c.amplification
         });
         let influence = influence.map_err(|e| Self::unresolved(&loading, &curve, &e))?;
         Ok(Self {
@@ -143,7 +146,7 @@ impl Reduced {
             displacement_tables: lazies(loading.loads.len()),
             marker_tables: lazies(markers.len()),
             reaction_tables: lazies(curve.linkage().joints.len()),
-            scale: curve.scale(),
+            natural,
             curve,
             loading,
             components,
@@ -215,7 +218,7 @@ impl Reduced {
 
     /// Length along the curve that goes with a motion of the size of one radian.
     pub fn scale(&self) -> f64 {
-        self.scale
+        self.natural.scale
     }
 
     /// A coordinate and its two derivatives along sigma.
@@ -223,7 +226,11 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn coordinate(&self, i: usize) -> Result<&Table, &Unresolved> {
-        self.table(&self.coordinate_tables[i], 3, &|c, v| v.copy_from_slice(&[c.q[i], c.q_sigma[i], c.q_second[i]]))
+        let size = if i < self.linkage().turns { 1.0 } else { self.linkage().size };
+        let sizes = self.natural.derivatives(size);
+        self.table(&self.coordinate_tables[i], &sizes, &|c, v| {
+            v.copy_from_slice(&[c.q[i], c.q_sigma[i], c.q_second[i]]);
+        })
     }
 
     /// A load's displacement and its two derivatives along sigma.
@@ -231,7 +238,8 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn displacement(&self, load: usize) -> Result<&Table, &Unresolved> {
-        self.table(&self.displacement_tables[load], 3, &|c, v| {
+        let sizes = self.natural.derivatives(self.natural.displacement(&self.loading.loads[load], self.linkage()));
+        self.table(&self.displacement_tables[load], &sizes, &|c, v| {
             v.copy_from_slice(&self.loading.loads[load].displacement(self.linkage(), c));
         })
     }
@@ -241,7 +249,8 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn marker(&self, i: usize) -> Result<&Table, &Unresolved> {
-        self.table(&self.marker_tables[i], 6, &|c, v| {
+        let sizes = self.natural.derivatives(self.linkage().size);
+        self.table(&self.marker_tables[i], &[sizes, sizes].concat(), &|c, v| {
             let (p, point) = (&c.positions, self.markers[i]);
             let (x, first) = (p.point(point), p.velocity(&c.rates, point));
             let second = p.acceleration(&c.rates, &c.second, point);
@@ -255,7 +264,11 @@ impl Reduced {
     /// [`Unresolved`].
     pub fn reaction(&self, joint: usize) -> Result<&Table, &Unresolved> {
         let terms = 2 + self.loading.loads.len();
-        self.table(&self.reaction_tables[joint], 3 * terms, &|c, v| {
+        let size = self.linkage().size;
+        let mut forces = vec![self.natural.scale / size, 1.0 / size];
+        forces.extend(self.loading.loads.iter().map(|l| self.natural.displacement(l, self.linkage()) / size));
+        let moments: Vec<f64> = forces.iter().map(|f| f * size).collect();
+        self.table(&self.reaction_tables[joint], &[&forces[..], &forces[..], &moments[..]].concat(), &|c, v| {
             for (k, column) in self.reaction_columns(c).iter().enumerate() {
                 let Reaction { force, moment } = column[joint];
                 (v[k], v[terms + k], v[2 * terms + k]) = (force.x, force.y, moment);
@@ -284,12 +297,14 @@ impl Reduced {
     fn table<'a>(
         &self,
         lazy: &'a Lazy,
-        components: usize,
+        sizes: &[f64],
         exact: &dyn Fn(&Configuration, &mut [f64]),
     ) -> Result<&'a Table, &'a Unresolved> {
         let build = || {
-            Table::build(&self.grid, components, &mut |sigma, values| {
-                exact(&self.curve.configuration(sigma), values);
+            Table::build(&self.grid, sizes, &mut |sigma, values| {
+                let c = self.curve.configuration(sigma);
+                exact(&c, values);
+                c.amplification
             })
         };
         lazy.get_or_init(build).as_ref()
@@ -341,6 +356,12 @@ impl Reduced {
                 };
                 let miss = |x: f64| crate::table::polynomial(table.series(panel, 0), x) - wanted;
                 let slope = |x: f64| crate::table::polynomial(table.series(panel, 1), x);
+                // At the border of panels rounding may hide the change of sign.
+                for x in [-1.0, 1.0] {
+                    if miss(x).abs() <= 8.0 * f64::EPSILON * (1.0 + value.abs()) {
+                        offer(x);
+                    }
+                }
                 for k in 0..SAMPLES {
                     let (x0, x1) = (sample(panel, k).0, sample(panel, k + 1).0);
                     if miss(x0) * miss(x1) <= 0.0 {
@@ -376,7 +397,58 @@ fn bisect(f: &dyn Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
     0.5 * (a + b)
 }
 
+/// Natural sizes, to which the accuracy of tables is related where the values themselves are small.
+#[derive(Clone, Copy, Debug)]
+struct Natural {
+    /// Length along the curve that goes with a motion of the size of one radian.
+    scale: f64,
+}
+
+impl Natural {
+    fn new(curve: &Curve) -> Self {
+        Self { scale: curve.scale() }
+    }
+
+    /// Of a function with this size, and of its two derivatives along sigma.
+    fn derivatives(&self, size: f64) -> [f64; 3] {
+        [size, size / self.scale, size / self.scale.powi(2)]
+    }
+
+    /// Of a load's displacement in a motion of the size of one radian.
+    fn displacement(&self, load: &Load, linkage: &Linkage) -> f64 {
+        match load {
+            Load::Torque { .. } | Load::Couple { .. } => 1.0,
+            Load::Force { .. } | Load::Pair { .. } | Load::Slide { .. } => linkage.size,
+            Load::Gravity(acceleration) => {
+                let mass: f64 = linkage.bodies.iter().map(|b| b.mass).sum();
+                mass * acceleration.norm() * linkage.size
+            }
+        }
+    }
+}
+
 impl Components {
+    /// Natural size of each component.
+    fn sizes(&self, loading: &Loading, curve: &Curve, natural: &Natural) -> Vec<f64> {
+        let mut out = vec![0.0; self.count];
+        let displacement = |load: usize| natural.displacement(&loading.loads[load], curve.linkage());
+        for (load, size) in out[..self.sized].iter_mut().enumerate() {
+            *size = displacement(load) / natural.scale;
+        }
+        for spring in &loading.springs {
+            let s = displacement(spring.load);
+            let mut add = |component: Option<usize>, value: f64| {
+                if let Some(k) = component {
+                    out[k] += value;
+                }
+            };
+            add(self.springs, (spring.preload.abs() + spring.stiffness * s) * s / natural.scale);
+            add(self.damping, spring.damping * (s / natural.scale).powi(2));
+            add(self.winding, spring.stiffness * s * s / natural.scale);
+        }
+        out
+    }
+
     fn new(loading: &Loading, curve: &Curve) -> Self {
         let mut count = loading.sized();
         let mut next = |there: bool| {

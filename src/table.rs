@@ -56,41 +56,49 @@ pub fn polynomial(c: &Series, x: f64) -> f64 {
 }
 
 impl Table {
-    /// Tabulate `exact`, which fills the components at a sigma, on the panels of `grid`, cut in three where needed.
+    /// Tabulate `exact`, which fills the components at a sigma, on the panels of `grid`, cut in three where needed. Each
+    /// component has its natural size in `sizes`; `exact` returns how much it amplifies rounding.
     ///
-    /// Each panel is cut until its series has decayed to [`ACCURACY`], relative to the largest value of the component
-    /// on the whole grid. Panels are cut in three, so that what is in the middle of one stays in the middle of one.
+    /// Each panel is cut until its series has decayed to [`ACCURACY`], relative to the natural size of the component or to
+    /// its largest value on the whole grid, or to the rounding in `exact`: second derivatives amplify it twice. Panels
+    /// are cut in three, so that what is in the middle of one stays in the middle of one.
     ///
     /// # Errors
     /// [`Unresolved`] where cutting does not help.
-    pub fn build(grid: &[f64], components: usize, exact: &mut dyn FnMut(f64, &mut [f64])) -> Result<Self, Unresolved> {
+    pub fn build(
+        grid: &[f64],
+        sizes: &[f64],
+        exact: &mut dyn FnMut(f64, &mut [f64]) -> f64,
+    ) -> Result<Self, Unresolved> {
         const DEEPEST: usize = 9;
+        let components = sizes.len();
         let transform = Transform::new();
         let mut values = vec![0.0; components];
-        let mut fit = |a: f64, b: f64| -> (Vec<Series>, Vec<f64>) {
+        let mut fit = |a: f64, b: f64| -> (Vec<Series>, Vec<f64>, f64) {
             let mut samples = vec![[0.0; NODES]; components];
+            let mut rounding: f64 = 1.0;
             for (j, x) in transform.nodes.iter().enumerate() {
-                exact(a + 0.5 * (b - a) * (1.0 + x), &mut values);
+                rounding = rounding.max(exact(a + 0.5 * (b - a) * (1.0 + x), &mut values));
                 for (sample, value) in samples.iter_mut().zip(&values) {
                     sample[j] = *value;
                 }
             }
             let largest = samples.iter().map(|s| s.iter().fold(0.0, |a: f64, v| a.max(v.abs()))).collect();
-            (samples.iter().map(|s| transform.fit(s)).collect(), largest)
+            (samples.iter().map(|s| transform.fit(s)).collect(), largest, f64::EPSILON * rounding * rounding)
         };
-        let mut whole = vec![0.0f64; components];
+        let mut whole = sizes.to_vec();
         let mut first = Vec::new();
         for pair in grid.windows(2) {
-            let (series, largest) = fit(pair[0], pair[1]);
+            let (series, largest, rounding) = fit(pair[0], pair[1]);
             for (w, l) in whole.iter_mut().zip(&largest) {
                 *w = w.max(*l);
             }
-            first.push((pair[0], pair[1], series));
+            first.push((pair[0], pair[1], series, rounding));
         }
         // What must still be placed, last panel first; each with its depth and its parent's worst tail.
-        let mut open: Vec<_> = first.into_iter().rev().map(|(a, b, s)| (a, b, s, 0, f64::INFINITY)).collect();
+        let mut open: Vec<_> = first.into_iter().rev().map(|(a, b, s, r)| (a, b, s, r, 0, f64::INFINITY)).collect();
         let mut table = Self { borders: vec![grid[0]], components, coefficients: Vec::new() };
-        while let Some((a, b, series, depth, before)) = open.pop() {
+        while let Some((a, b, series, rounding, depth, before)) = open.pop() {
             let (mut worst, mut component) = (0.0, 0);
             for (i, s) in series.iter().enumerate() {
                 let t = if whole[i] > 0.0 { tail(s) / whole[i] } else { 0.0 };
@@ -99,8 +107,8 @@ impl Table {
                 }
             }
             // Cutting no longer helps: what is left of the tail is rounding in the exact evaluator.
-            let rounding = depth > 0 && worst < 1e-10 && worst > 0.1 * before;
-            if worst <= 0.5 * ACCURACY || rounding {
+            let stays = depth > 0 && worst < 1e-10 && worst > 0.1 * before;
+            if worst <= (0.5 * ACCURACY).max(rounding) || stays {
                 table.borders.push(b);
                 table.coefficients.extend(series.iter().map(monomials));
                 continue;
@@ -110,8 +118,8 @@ impl Table {
             }
             let cuts = [a, a + (b - a) / 3.0, b - (b - a) / 3.0, b];
             for k in [2, 1, 0] {
-                let (series, _) = fit(cuts[k], cuts[k + 1]);
-                open.push((cuts[k], cuts[k + 1], series, depth + 1, worst));
+                let (series, _, rounding) = fit(cuts[k], cuts[k + 1]);
+                open.push((cuts[k], cuts[k + 1], series, rounding, depth + 1, worst));
             }
         }
         Ok(table)
@@ -157,7 +165,11 @@ mod tests {
     #[test]
     fn resolves_a_peak_to_the_stated_accuracy() {
         let f = |s: f64| 1.0 / (1e-3 + s * s);
-        let table = Table::build(&[-1.0, 0.3, 2.0], 2, &mut |s, v| v.copy_from_slice(&[f(s), s.sin()])).unwrap();
+        let table = Table::build(&[-1.0, 0.3, 2.0], &[1.0, 1.0], &mut |s, v| {
+            v.copy_from_slice(&[f(s), s.sin()]);
+            1.0
+        })
+        .unwrap();
         for i in 0..=3000 {
             let s = -1.0 + f64::from(i) / 1000.0;
             let spot = table.spot(s);
@@ -169,7 +181,11 @@ mod tests {
 
     #[test]
     fn a_jump_is_refused_and_placed() {
-        let error = Table::build(&[0.0, 1.0], 1, &mut |s, v| v[0] = (s - 0.7).signum()).unwrap_err();
+        let error = Table::build(&[0.0, 1.0], &[1.0], &mut |s, v| {
+            v[0] = (s - 0.7).signum();
+            1.0
+        })
+        .unwrap_err();
         assert!((error.sigma - 0.7).abs() < 1e-3, "{error}");
     }
 
@@ -180,6 +196,14 @@ mod tests {
             seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
             (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
         };
-        assert!(Table::build(&[0.0, 1.0], 1, &mut |s, v| v[0] = s.cos() + 1e-12 * noise()).is_ok());
+        let mut build = |size: f64, level: f64| {
+            Table::build(&[0.0, 1.0], &[1.0], &mut |s, v| {
+                v[0] = size * s.cos() + level * noise();
+                1.0
+            })
+        };
+        assert!(build(1.0, 1e-12).is_ok());
+        assert!(build(0.0, 1e-15).is_ok(), "nothing but rounding, of the natural size");
+        assert!(build(1.0, 1e-6).is_err());
     }
 }

@@ -19,6 +19,8 @@ pub struct Configuration {
     pub rates: Rates,
     /// Second derivatives along sigma.
     pub second: Rates,
+    /// How much a rounding error in the loops is amplified in q_sigma; in q_second twice.
+    pub amplification: f64,
 }
 
 impl Curve {
@@ -59,7 +61,8 @@ impl Curve {
             *second -= along * first;
         }
         let second = linkage.second_rates(&positions, &rates, &q, &q_sigma, &q_second);
-        Configuration { sigma, q, q_sigma, q_second, positions, rates, second }
+        let amplification = bordered.as_ref().map_or(f64::INFINITY, |b| b.amplification);
+        Configuration { sigma, q, q_sigma, q_second, positions, rates, second, amplification }
     }
 
     /// sum of m v . a + I omega alpha.

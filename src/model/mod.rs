@@ -334,9 +334,12 @@ impl State {
         let (sigma, turns) = reduced.find(coordinate, value, &variable)?;
         let mut sigma_dot = 0.0;
         if start.speed != 0.0 {
-            // The exact evaluator: a table's rounding would count as motion at a toggle.
-            let slope = reduced.curve().configuration(sigma).q_sigma[coordinate];
-            if slope.abs() * reduced.scale() < 1e-7 {
+            // From the table, which is as good where branches cross. Nearer to a toggle than some 1e-13 rad, where the
+            // slope is below 1e-6, rounding decides what it is.
+            let table = reduced.coordinate(coordinate);
+            let table = table.map_err(|at| ModelError::Table { name: variable.clone(), at: at.clone() })?;
+            let slope = table.value(table.spot(sigma), 1);
+            if slope.abs() * reduced.scale() < 1e-6 {
                 let name = format!("{name}.start_speed");
                 return Err(ReductionError::StartSpeed { name, value: start.speed }.into());
             }

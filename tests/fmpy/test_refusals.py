@@ -33,7 +33,6 @@ BAD_CALLS: dict[str, Callable[[Instance], Any]] = {
     "get unknown Real": lambda i: i.slave.getReal([NOWHERE]),
     "get unknown Boolean": lambda i: i.slave.getBoolean([NOWHERE]),
     "get Real as Boolean": lambda i: i.slave.getBoolean([i.references["crank.angle"]]),
-    "get Boolean as Real": lambda i: i.slave.getReal([i.references["retracted"]]),
     "set an output": lambda i: i.set("crank.angle", 0.1),
     "set a fixed parameter": lambda i: i.set("crank.length", 0.2),
     "step of zero": lambda i: i.slave.doStep(BEFORE * STEP, 0.0),
