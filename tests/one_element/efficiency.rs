@@ -72,9 +72,9 @@ fn lift(force: f64, speed: f64, steps: usize) -> (f64, f64) {
 fn the_mechanism_gains_what_arrives_of_the_work() {
     // Driven up, and let down against the push.
     let (work, gain) = lift(80_000.0, 0.01, 40);
-    assert!(work > 1e4 && (gain - ETA * work).abs() < 1e-11 * work, "{work} {gain}");
+    assert!(work > 1e3 && (gain - ETA * work).abs() < 1e-11 * work, "{work} {gain}");
     let (work, gain) = lift(10_000.0, -0.01, 20);
-    assert!(work < -1e3 && (gain - work / ETA).abs() < 1e-11 * work.abs() / ETA, "{work} {gain}");
+    assert!(work < -3e2 && (gain - work / ETA).abs() < 1e-11 * work.abs() / ETA, "{work} {gain}");
 }
 
 /// The same for a rotary drive over several turns: K = K0 + eta T (theta - theta0) - work of the piston's weight.
@@ -148,7 +148,7 @@ fn reversals_under_a_changing_force_follow_the_closed_form() {
         host.place(("rail.start_position", slider.x), ("rail.start_speed", slider.v));
         let (mut reversals, mut still) = (0, 0);
         for k in 0..400 {
-            let push = 10.0 + 14.0 * (0.13 * f64::from(k)).sin();
+            let push = 10.0 + 3.5 * (0.05 * f64::from(k)).sin() + 4.0 * (0.4 * f64::from(k)).sin();
             host.set("drive.force", push);
             reversals += slider.advance(push, -10.0, 0.0137);
             host.step(0.0137);
@@ -216,20 +216,21 @@ fn a_swing_under_a_lossy_push_dies_out_and_stops() {
     }
 }
 
-/// At any tolerance the swing must end: in one long step, too, each reversal is met.
+/// At any tolerance the swing ends between the two centres, even in one long step; small swings, too, whose reversals lie
+/// closer together than the error control would need.
 #[test]
 fn one_long_step_meets_each_reversal() {
     for tolerance in [1e-2, 1e-4, 1e-6, 1e-9, 1e-12] {
-        for start in [0.5, 0.6, 1.5] {
-            let slider = Slider { eta: Some(0.9), stiffness: 50.0, ..Slider::default() };
-            let mut host = slider.host(tolerance);
+        for (eta, start) in [(0.9, 0.5), (0.9, 1.5), (0.999, 0.41), (0.999, 0.401), (0.99999, 0.4001)] {
+            let mut host = Slider { eta: Some(eta), stiffness: 50.0, ..Slider::default() }.host(tolerance);
             host.set("drive.force", 20.0);
             host.place(("rail.start_position", start), ("rail.start_speed", 0.0));
             host.step(1000.0);
-            let x = host.get("rail.position");
-            println!("{tolerance:e} from {start}: {x} {:?}", host.0.statistics());
-            assert_eq!(host.get("rail.speed"), 0.0, "{tolerance:e} from {start}");
-            assert!(0.36 - 1e-6 < x && x < 20.0 / 45.0 + 1e-6, "{tolerance:e} from {start}: {x}");
+            let (x, v) = (host.get("rail.position"), host.get("rail.speed"));
+            println!("{tolerance:e}, eta {eta} from {start}: {x} {v} {:?}", host.0.statistics());
+            println!("   drift {:e}", host.get("energy.drift"));
+            assert_eq!(v, 0.0, "{tolerance:e}, eta {eta} from {start}");
+            assert!(0.4 * eta - 1e-9 < x && x < 0.4 / eta + 1e-9, "{tolerance:e}, eta {eta} from {start}: {x}");
         }
     }
 }

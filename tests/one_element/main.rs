@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod consistency;
+mod damping;
 mod efficiency;
 mod four_bar;
 mod host;
