@@ -92,7 +92,8 @@ fn self_stresses(closure: &Closure, c: &Configuration, matrix: &DMatrix<f64>) ->
     }
     let n = states.len();
     let gram = DMatrix::from_fn(n, n, |i, j| product(&states[i], &states[j], size));
-    let inverse = gram.pseudo_inverse(1e-12).unwrap_or_else(|_| DMatrix::zeros(n, n));
+    let none = DMatrix::zeros(n, n);
+    let inverse = if n == 0 { none } else { gram.pseudo_inverse(1e-12).unwrap_or(none) };
     SelfStresses { states, inverse, size }
 }
 
