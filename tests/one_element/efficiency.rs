@@ -216,8 +216,7 @@ fn a_swing_under_a_lossy_push_dies_out_and_stops() {
     }
 }
 
-/// Swings larger than the tolerance end between the two centres, even in one long step, whose error control alone would
-/// let it pass over the reversals of the small ones.
+/// Swings larger than the tolerance end between the two centres, in one long step too.
 #[test]
 fn one_long_step_meets_each_reversal() {
     for tolerance in [1e-2, 1e-4, 1e-6, 1e-9, 1e-12] {
