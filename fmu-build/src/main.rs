@@ -10,6 +10,7 @@ mod description;
 mod library;
 mod package;
 mod python;
+mod schema;
 mod source;
 mod test;
 mod workspace;

@@ -5,6 +5,7 @@
 use crate::archive::{self, Entry, MODEL_DESCRIPTION};
 use crate::description::Interface;
 use crate::library;
+use crate::schema;
 use crate::source::Source;
 use crate::workspace::{DEFAULT_FMU, MECHANISM, Workspace};
 use anyhow::{Context, Result, bail};
@@ -96,7 +97,8 @@ fn pack(fmu: Prepared, library: &[u8], out: &Path) -> Result<PathBuf> {
     entries.extend([
         Entry { name: MODEL_DESCRIPTION.to_owned(), content: fmu.description.into_bytes() },
         Entry { name: library::place(&fmu.name)?, content: library.to_vec() },
-        Entry { name: format!("resources/{MECHANISM}"), content: fmu.mechanism.into_bytes() },
+        Entry { name: format!("resources/{MECHANISM}"), content: schema::led_here(&fmu.mechanism).into_bytes() },
+        Entry { name: format!("resources/{}", schema::NAME), content: schema::TEXT.into() },
     ]);
     let path = out.join(format!("{}.fmu", fmu.name));
     archive::write(&path, entries)?;

@@ -6,6 +6,8 @@ use std::fmt;
 pub enum DefinitionError {
     /// Not JSON, or not the JSON of this format.
     Malformed {
+        /// Path of the key at which the parser stopped; empty at the top.
+        key: String,
         /// The parser's message, with line and column.
         message: String,
     },
@@ -39,7 +41,8 @@ pub enum DefinitionError {
 impl fmt::Display for DefinitionError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Malformed { message } => write!(f, "mechanism.json: {message}"),
+            Self::Malformed { key, message } if key.is_empty() => write!(f, "no mechanism: {message}"),
+            Self::Malformed { key, message } => write!(f, "{key}: {message}"),
             Self::Value { key, value, allowed } => write!(f, "{key} = {value}: must be {allowed}"),
             Self::Unknown { key, name, allowed } => write!(f, "{key} = \"{name}\": there is none; {allowed}"),
             Self::Key { key, message } => write!(f, "{key}: {message}"),

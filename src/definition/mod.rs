@@ -5,6 +5,7 @@
 mod error;
 mod named;
 mod parameters;
+mod place;
 mod validate;
 
 pub use error::DefinitionError;
@@ -297,10 +298,18 @@ impl Mechanism {
     /// # Errors
     /// A message that names the key, its value and what is allowed.
     pub fn from_json(text: &str) -> Result<Self, DefinitionError> {
-        let mut mechanism: Self =
-            serde_json::from_str(text).map_err(|e| DefinitionError::Malformed { message: e.to_string() })?;
+        // Some editors begin a file with a byte order mark.
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let mut mechanism = Self::parse(text).map_err(|e| DefinitionError::Malformed {
+            key: place::key_at(text, e.line(), e.column()),
+            message: e.to_string(),
+        })?;
         mechanism.check()?;
         Ok(mechanism)
+    }
+
+    fn parse(text: &str) -> Result<Self, serde_json::Error> {
+        serde_json::from_str(text)
     }
 }
 

@@ -1,0 +1,383 @@
+//! The schema, the examples of FORMAT.md and the engine agree on what a mechanism is.
+#![allow(clippy::unwrap_used)]
+
+use jsonschema::Validator;
+use linkage_fmu::definition::Mechanism;
+use linkage_fmu::model::Model;
+use linkage_fmu::variables::Causality;
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+
+const SCHEMA: &str = include_str!("../../modelDescription/mechanism.schema.json");
+const FORMAT: &str = include_str!("../../modelDescription/FORMAT.md");
+const GEAR: &str = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
+/// Groups of named entries.
+const GROUPS: [&str; 8] = ["bodies", "joints", "actuators", "forces", "torques", "springs", "markers", "guess"];
+
+fn schema() -> Value {
+    serde_json::from_str(SCHEMA).unwrap()
+}
+
+fn validator() -> Validator {
+    jsonschema::draft202012::new(&schema()).unwrap()
+}
+
+/// Has every element and, taken together, every key that goes with others.
+fn full() -> Value {
+    json!({
+        "$schema": "mechanism.schema.json", "name": "Full", "description": "d",
+        "gravity": { "acceleration": 9.81, "up_angle": 1.5, "load_factor": 1 },
+        "bodies": {
+            "ground": { "length": 1.0, "points": { "anchor": [0.3, -2.0] } },
+            "crank": { "length": 0.1, "mass": 1.2, "shape": "uniform_rod", "points": { "eye": [0.05, 0.02] } },
+            "weight": { "fixed_to": "crank.origin", "angle": 3.0, "mass": 0.3, "center": [0.02, 0.0], "inertia": 0.001 },
+            "rod": { "length": 0.3, "mass": 0.9, "shape": "uniform_rod" },
+            "slider": { "mass": 0.5 }
+        },
+        "joints": {
+            "bearing": { "type": "revolute", "first": "ground.origin", "second": "crank.origin" },
+            "pin": { "type": "revolute", "first": "crank.end", "second": "rod.origin" },
+            "wrist": { "type": "revolute", "first": "rod.end", "second": "slider.origin" },
+            "guide": {
+                "type": "prismatic", "first": "ground.origin", "second": "slider.origin", "axis_angle": 0.0, "angle": 0.0
+            }
+        },
+        "actuators": {
+            "cylinder": { "first": "ground.anchor", "second": "crank.end", "force": 1.0, "efficiency": 0.9 },
+            "servo": { "joint": "bearing", "torque": 1.0 }
+        },
+        "forces": { "push": { "at": "slider.origin", "force": [0.0, 0.0], "constant": true } },
+        "torques": { "motor": { "on": "crank", "torque": 2.0, "constant": false } },
+        "springs": {
+            "coil": {
+                "first": "ground.anchor", "second": "slider.origin", "stiffness": 1.0, "damping": 0.1, "free_length": 0.2,
+                "preload": 1.0
+            },
+            "torsion": { "joint": "bearing", "stiffness": 1.0, "free_angle": 0.3 }
+        },
+        "markers": { "eye": { "at": "crank.eye" } },
+        "start": { "body": "crank", "angle": 0.5, "speed": 1.0 },
+        "guess": { "crank": 0.5, "rod": -0.16, "guide": 0.38 },
+        "solver": { "tolerance": 1e-9 },
+        "experiment": { "stop_time": 1.0, "step_size": 1e-3 }
+    })
+}
+
+/// Where one instance of each definition of the schema stands in the full mechanism.
+const LEVELS: [(&str, &str); 13] = [
+    ("", ""),
+    ("gravity", "/gravity"),
+    ("body", "/bodies/crank"),
+    ("joint", "/joints/guide"),
+    ("actuator", "/actuators/cylinder"),
+    ("force", "/forces/push"),
+    ("torque", "/torques/motor"),
+    ("spring", "/springs/coil"),
+    ("marker", "/markers/eye"),
+    ("start", "/start"),
+    ("solver", "/solver"),
+    ("experiment", "/experiment"),
+    ("ground", "/bodies/ground"),
+];
+
+fn definition(schema: &Value, name: &str) -> Value {
+    if name.is_empty() { schema.clone() } else { schema["$defs"][name].clone() }
+}
+
+fn refusal(mechanism: &Value) -> Option<String> {
+    Mechanism::from_json(&mechanism.to_string()).err().map(|e| e.to_string())
+}
+
+/// The names in backticks after a word of serde's message.
+fn names_after<'a>(message: &'a str, word: &str) -> BTreeSet<&'a str> {
+    let rest = message.split_once(word).unwrap_or_else(|| panic!("`{message}` lacks `{word}`")).1;
+    rest.split('`').skip(1).step_by(2).collect()
+}
+
+fn keys(object: &Value) -> BTreeSet<&str> {
+    object.as_object().unwrap().keys().map(String::as_str).collect()
+}
+
+#[test]
+fn both_accept_the_full_mechanism_and_the_gear() {
+    for mechanism in [full(), serde_json::from_str(GEAR).unwrap()] {
+        let errors: Vec<String> = validator().iter_errors(&mechanism).map(|e| e.to_string()).collect();
+        assert!(errors.is_empty(), "{errors:?}");
+        Model::from_json(&mechanism.to_string()).unwrap();
+    }
+}
+
+#[test]
+fn keys_agree_at_every_level() {
+    let schema = schema();
+    for (name, place) in LEVELS {
+        let mut mechanism = full();
+        mechanism.pointer_mut(place).unwrap()["no_such_key"] = json!(0);
+        assert!(!validator().is_valid(&mechanism), "the schema takes an unknown key at {place}");
+        let message = refusal(&mechanism).unwrap();
+        let definition = definition(&schema, name);
+        let described = keys(&definition["properties"]);
+        assert_eq!(definition["additionalProperties"], json!(false), "{place}");
+        let known = names_after(&message, "expected");
+        if name == "ground" {
+            // A body like others to the parser; the rest of its keys is refused by the check that follows.
+            assert!(described.is_subset(&known));
+            for key in known.difference(&described) {
+                let mut mechanism = full();
+                mechanism["bodies"]["ground"][key] = schema["$defs"]["body"]["properties"][key]["default"].clone();
+                assert!(refusal(&mechanism).is_some() && !validator().is_valid(&mechanism), "ground.{key}");
+            }
+        } else {
+            assert_eq!(described, known, "keys at {place}");
+        }
+    }
+}
+
+#[test]
+fn required_keys_agree_at_every_level() {
+    let schema = schema();
+    for (name, place) in LEVELS {
+        let definition = definition(&schema, name);
+        let required: BTreeSet<&str> =
+            definition["required"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+        let full = full();
+        for key in keys(full.pointer(place).unwrap()) {
+            let mut mechanism = full.clone();
+            mechanism.pointer_mut(place).unwrap().as_object_mut().unwrap().remove(key);
+            let message = refusal(&mechanism).unwrap_or_default();
+            assert_eq!(message.contains(&format!("missing field `{key}`")), required.contains(key), "{place}/{key}");
+            // Where a key is missing to others, geometry included, the schema may see less than the check but not more.
+            assert!(!message.is_empty() || validator().is_valid(&mechanism), "{place}/{key}");
+        }
+        assert!(required.iter().all(|key| keys(full.pointer(place).unwrap()).contains(key)), "{place} lacks a key");
+    }
+}
+
+#[test]
+fn choices_agree() {
+    let schema = schema();
+    for (name, place, key) in [("body", "/bodies/crank", "shape"), ("joint", "/joints/guide", "type")] {
+        let mut mechanism = full();
+        mechanism.pointer_mut(place).unwrap()[key] = json!("no_such_choice");
+        let message = refusal(&mechanism).unwrap();
+        let choices: BTreeSet<&str> = schema["$defs"][name]["properties"][key]["enum"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|v| v.as_str().unwrap())
+            .collect();
+        assert_eq!(names_after(&message, "expected"), choices, "{place}/{key}");
+    }
+}
+
+/// A default that is written down changes nothing.
+#[test]
+fn defaults_agree() {
+    let schema = schema();
+    // One load and one spring of either kind, and nothing that has a default.
+    let mut plain = full();
+    for (place, key) in [
+        ("/gravity", "load_factor"),
+        ("/bodies/weight", "angle"),
+        ("/bodies/weight", "center"),
+        ("/bodies/weight", "inertia"),
+        ("/joints/guide", "axis_angle"),
+        ("/joints/guide", "angle"),
+        ("/actuators/cylinder", "force"),
+        ("/actuators/cylinder", "efficiency"),
+        ("/actuators/servo", "torque"),
+        ("/forces/push", "force"),
+        ("/forces/push", "constant"),
+        ("/torques/motor", "torque"),
+        ("/torques/motor", "constant"),
+        ("/springs/coil", "stiffness"),
+        ("/springs/coil", "damping"),
+        ("/springs/coil", "free_length"),
+        ("/springs/coil", "preload"),
+        ("/springs/torsion", "free_angle"),
+        ("/start", "speed"),
+        ("/bodies/rod", "points"),
+        ("", "description"),
+        ("", "solver"),
+        ("", "experiment"),
+    ] {
+        plain.pointer_mut(place).unwrap().as_object_mut().unwrap().remove(key);
+    }
+    let read = |mechanism: &Value| -> Vec<(String, f64)> {
+        let mut model = Model::from_json(&mechanism.to_string()).unwrap();
+        model.initialize().unwrap();
+        let e = model.experiment();
+        let list = model.variables().list().to_vec();
+        let values = (0..).zip(list).filter(|(_, v)| v.causality != Causality::Parameter);
+        let mut read: Vec<_> = values.map(|(r, v)| (v.name, model.real(r).unwrap())).collect();
+        read.extend([("stop_time".into(), e.stop_time), ("step_size".into(), e.step_size)]);
+        read
+    };
+    let before = read(&plain);
+    let mut compared = 0;
+    for (name, place) in LEVELS.into_iter().chain([
+        ("body", "/bodies/weight"),
+        ("body", "/bodies/rod"),
+        ("actuator", "/actuators/servo"),
+        ("spring", "/springs/torsion"),
+    ]) {
+        let definition = definition(&schema, name);
+        for (key, property) in definition["properties"].as_object().unwrap() {
+            let target = match property["$ref"].as_str() {
+                Some(path) => schema.pointer(path.trim_start_matches('#')).unwrap().clone(),
+                None => json!({}),
+            };
+            let Some(default) = property.get("default").or(target.get("default")) else { continue };
+            let mut mechanism = plain.clone();
+            let element = mechanism.pointer_mut(place).unwrap();
+            if element.get(key).is_some() {
+                continue;
+            }
+            element[key] = default.clone();
+            if refusal(&mechanism).is_some() {
+                // Does not go with this element's other keys.
+                assert!(!validator().is_valid(&mechanism) || place.starts_with("/springs") || key == "torque");
+                continue;
+            }
+            assert_eq!(read(&mechanism), before, "{place}/{key} = {default}");
+            compared += 1;
+        }
+    }
+    assert!(compared >= 20, "{compared} defaults compared");
+}
+
+/// Wrong values: refused by both, or by the engine alone where the schema cannot know.
+#[test]
+fn both_refuse_what_is_wrong() {
+    let geometry = false;
+    let both = true;
+    for (place, value, schema_too) in [
+        ("/name", json!("1st"), both),
+        ("/name", json!("two words"), both),
+        ("/name", json!(3), both),
+        ("/description", json!(3), both),
+        ("/gravity/acceleration", json!(-9.81), both),
+        ("/gravity/up_angle", json!("up"), both),
+        ("/bodies/crank/length", json!(0.0), both),
+        ("/bodies/crank/length", json!(-0.1), both),
+        ("/bodies/crank/mass", json!(-1.0), both),
+        ("/bodies/crank/mass", json!("1"), both),
+        ("/bodies/crank/center", json!([0.0, 0.0]), both),
+        ("/bodies/crank/inertia", json!(1.0), both),
+        ("/bodies/crank/angle", json!(1.0), both),
+        ("/bodies/crank/points", json!({ "end": [0.0, 0.0] }), both),
+        ("/bodies/crank/points", json!({ "a-b": [0.0, 0.0] }), both),
+        ("/bodies/crank/points", json!({ "a": [0.0, 0.0, 0.0] }), both),
+        ("/bodies/crank/points", json!({ "a": [0.0] }), both),
+        ("/bodies/weight/shape", json!("uniform_rod"), both),
+        ("/bodies/weight/inertia", json!(-1e-3), both),
+        ("/bodies/weight/fixed_to", json!("crank"), both),
+        ("/bodies/weight/fixed_to", json!("weight.origin"), geometry),
+        ("/bodies/ground/mass", json!(1.0), both),
+        ("/bodies/a b", json!({}), both),
+        ("/bodies/loose", json!({}), geometry),
+        ("/joints/pin/type", json!("prismatic"), geometry),
+        ("/joints/pin/angle", json!(0.0), both),
+        ("/joints/pin/axis_angle", json!(0.0), both),
+        ("/joints/pin/first", json!("crank"), both),
+        ("/joints/pin/first", json!("crunk.end"), geometry),
+        ("/joints/pin/second", json!("crank.origin"), geometry),
+        ("/actuators/cylinder/torque", json!(1.0), both),
+        ("/actuators/cylinder/joint", json!("pin"), both),
+        ("/actuators/cylinder/second", json!("ground.anchor"), geometry),
+        ("/actuators/cylinder/efficiency", json!(0.0), both),
+        ("/actuators/cylinder/efficiency", json!(1.5), both),
+        ("/actuators/servo/force", json!(1.0), both),
+        ("/actuators/servo/joint", json!("no_joint"), geometry),
+        ("/actuators/empty", json!({}), both),
+        ("/actuators/half", json!({ "first": "crank.end" }), both),
+        ("/forces/push/force", json!([1.0]), both),
+        ("/forces/push/force", json!(1.0), both),
+        ("/forces/push/constant", json!("yes"), both),
+        ("/torques/motor/on", json!("nobody"), geometry),
+        ("/torques/motor/torque", json!([1.0]), both),
+        ("/springs/coil/stiffness", json!(-1.0), both),
+        ("/springs/coil/damping", json!(-1.0), both),
+        ("/springs/coil/free_length", json!(-1.0), both),
+        ("/springs/coil/free_angle", json!(1.0), both),
+        ("/springs/torsion/free_length", json!(1.0), both),
+        ("/springs/coil/joint", json!("pin"), both),
+        ("/markers/eye/at", json!("crank.nowhere"), geometry),
+        ("/start/body", json!("nobody"), geometry),
+        ("/start/joint", json!("guide"), both),
+        ("/start/position", json!(0.3), both),
+        ("/guess/crank", json!("left"), both),
+        ("/guess/nobody", json!(1.0), geometry),
+        ("/solver/tolerance", json!(0.0), both),
+        ("/solver/tolerance", json!(1.0), both),
+        ("/experiment/stop_time", json!(0.0), both),
+        ("/experiment/step_size", json!(-1.0), both),
+        ("/bodies", json!([]), both),
+        ("/start", json!("crank"), both),
+    ] {
+        let (parent, key) = place.rsplit_once('/').unwrap();
+        let mut mechanism = full();
+        mechanism.pointer_mut(parent).unwrap()[key] = value.clone();
+        assert!(Model::from_json(&mechanism.to_string()).is_err(), "the engine takes {place} = {value}");
+        assert_eq!(!validator().is_valid(&mechanism), schema_too, "the schema on {place} = {value}");
+    }
+}
+
+/// Put a part of a file into a whole one: entries of groups one by one, other keys as they are.
+fn add_part(whole: &mut Value, part: &Value) {
+    for (key, value) in part.as_object().unwrap() {
+        if GROUPS.contains(&key.as_str()) {
+            let group = whole.as_object_mut().unwrap().entry(key).or_insert_with(|| json!({}));
+            for (name, entry) in value.as_object().unwrap() {
+                group[name] = entry.clone();
+            }
+        } else {
+            whole[key] = value.clone();
+        }
+    }
+}
+
+#[test]
+fn every_example_runs() {
+    let validator = validator();
+    let mut whole = Value::Null;
+    let (mut wholes, mut parts) = (0, 0);
+    for block in FORMAT.split("```json\n").skip(1) {
+        let text = block.split_once("```").unwrap().0;
+        let example: Value = serde_json::from_str(text).unwrap_or_else(|e| panic!("{e} in\n{text}"));
+        if example.get("name").is_some() {
+            whole = example;
+            wholes += 1;
+        } else {
+            // Parts add up, as a reader would who follows the text.
+            add_part(&mut whole, &example);
+            parts += 1;
+        }
+        let errors: Vec<String> =
+            validator.iter_errors(&whole).map(|e| format!("{}: {e}", e.instance_path())).collect();
+        assert!(errors.is_empty(), "{errors:?} in\n{text}");
+        let mut model = Model::from_json(&whole.to_string()).unwrap_or_else(|e| panic!("{e} in\n{text}"));
+        model.initialize().unwrap_or_else(|e| panic!("{e} in\n{text}"));
+        let drift = model.variables().find("energy.drift").unwrap();
+        for _ in 0..10 {
+            model.step(1e-3).unwrap_or_else(|e| panic!("{e} in\n{text}"));
+        }
+        for reference in 0..model.variables().list().len() as u32 {
+            assert!(model.real(reference).unwrap_or_else(|e| panic!("{e} in\n{text}")).is_finite());
+        }
+        let lost = model.real(drift).unwrap();
+        assert!(lost.abs() < 1e-6, "energy.drift {lost} J in\n{text}");
+    }
+    assert!(wholes >= 3 && parts >= 10, "{wholes} whole mechanisms and {parts} parts found");
+}
+
+/// Every variable named in FORMAT.md's code words is one that some example has.
+#[test]
+fn the_documented_keys_are_all_keys() {
+    let schema = schema();
+    for (name, _) in LEVELS {
+        for key in keys(&definition(&schema, name)["properties"]) {
+            assert!(FORMAT.contains(&format!("`{key}`")), "FORMAT.md does not explain {name}.{key}");
+        }
+    }
+}
