@@ -216,8 +216,7 @@ fn a_swing_under_a_lossy_push_dies_out_and_stops() {
     }
 }
 
-/// Swings larger than the tolerance end between the two centres, even in one long step, whose error control alone would
-/// let it pass over the reversals of the small ones.
+/// Swings larger than the tolerance end between the two centres, in one long step too.
 #[test]
 fn one_long_step_meets_each_reversal() {
     for tolerance in [1e-2, 1e-4, 1e-6, 1e-9, 1e-12] {
@@ -235,4 +234,31 @@ fn one_long_step_meets_each_reversal() {
             assert!(0.4 * eta - 1e-9 < x && x < 0.4 / eta + 1e-9, "{tolerance:e}, eta {eta} from {start}: {x}");
         }
     }
+}
+
+/// A crank that a lossy drive swings there and back over its dead centres, with a damper: what the changing input, the
+/// piston's force and the weight put in is what is found again.
+#[test]
+fn the_energy_balance_stays_closed_over_reversals_of_a_crank() {
+    const JSON: &str = include_str!("../../modelDescription/SliderCrank/resources/mechanism.json");
+    let spring = "\"springs\": { \"damper\": { \"joint\": \"cylinder\", \"damping\": 60 } }, \"markers\"";
+    let mut host = Host::changed(JSON, &[("\"efficiency\": 1", "\"efficiency\": 0.7"), ("\"markers\"", spring)]);
+    host.0.set_tolerance(1e-12).unwrap();
+    host.place(("crank.start_angle", 0.3), ("crank.start_speed", 20.0));
+    let (mut reversals, mut still, mut before, mut most) = (0, 0, 1.0, 0.0f64);
+    for k in 0..2000 {
+        let t = f64::from(k) * 1e-3;
+        host.set("drive.torque", 8.0 * (11.0 * t).sin() + 2.0 * (2.0 * t).cos());
+        host.set("piston.force_y", -60.0 + 40.0 * (5.0 * t).sin());
+        host.step(1e-3);
+        let omega = host.get("crank.speed");
+        reversals += u32::from(omega * before < 0.0);
+        still += u32::from(omega == 0.0);
+        before = if omega == 0.0 { before } else { omega };
+        most = most.max(host.get("energy.kinetic"));
+        assert!(host.get("energy.drift").abs() < 1e-9 * most, "{t}: {}", host.get("energy.drift"));
+    }
+    println!("{reversals} reversals, still {still} times, {most} J, drift {:e}", host.get("energy.drift"));
+    println!("{:?}", host.0.statistics());
+    assert!(reversals > 3);
 }
