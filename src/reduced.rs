@@ -322,7 +322,7 @@ impl Reduced {
         const SAMPLES: usize = 16;
         let growth = self.growth(coordinate);
         let sample = |panel: usize, k: usize| {
-            let x = -1.0 + 2.0 * k as f64 / SAMPLES as f64;
+            let x = OVERLAP * (-1.0 + 2.0 * k as f64 / SAMPLES as f64);
             (x, crate::table::polynomial(table.series(panel, 0), x))
         };
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -349,7 +349,7 @@ impl Reduced {
             for panel in 0..table.panels() {
                 let (a, b) = table.borders(panel);
                 let mut offer = |x: f64| {
-                    let sigma = 0.5 * (a + b) + 0.5 * (b - a) * x;
+                    let (sigma, turn) = self.within_a_turn(0.5 * (a + b) + 0.5 * (b - a) * x, turn);
                     if best.is_none_or(|(s, _)| distance(sigma) < distance(s)) {
                         best = Some((sigma, turn));
                     }
@@ -379,10 +379,29 @@ impl Reduced {
                 }
             }
         }
-        best.ok_or(ReductionError::Start { name: name.into(), value, range: (low, high) })
+        let (sigma, turn) = best.ok_or(ReductionError::Start { name: name.into(), value, range: (low, high) })?;
+        if growth != 0.0 {
+            return Ok((sigma, turn));
+        }
+        // Just behind the guess is the last turn's end: the other coordinates are then near their guesses, not a turn on.
+        let behind = self.period().is_some_and(|period| period - sigma < sigma);
+        Ok((sigma, if behind { -1.0 } else { 0.0 }))
+    }
+
+    /// sigma within the curve, and the number of turns before it, for a sigma just outside.
+    fn within_a_turn(&self, sigma: f64, turns: f64) -> (f64, f64) {
+        let (first, last) = self.curve.range();
+        match self.period() {
+            Some(period) if sigma < first => (sigma + period, turns - 1.0),
+            Some(period) if sigma >= last => (sigma - period, turns + 1.0),
+            Some(_) => (sigma, turns),
+            None => (sigma.clamp(first, last), turns),
+        }
     }
 }
 
+/// Panels are searched for the start this much beyond their ends: at a border rounding must not hide it from both.
+const OVERLAP: f64 = 1.0 + 1e-9;
 /// A stated start this close beyond a toggle is at the toggle [rad or m].
 const TOGGLE: f64 = 1e-9;
 

@@ -11,6 +11,9 @@ use std::process::Stdio;
 
 /// Cargo's name for the engine's package.
 const PACKAGE: &str = "linkage-fmu";
+/// The package that is built: this one. The library comes with it as a dependency, already there when this program runs;
+/// built for itself it would be compiled anew each time, because Cargo gives both the same file.
+const BUILT: &str = env!("CARGO_PKG_NAME");
 
 /// Path of the library in an FMU, after FMI 2.0.5, 2.3.
 ///
@@ -33,7 +36,7 @@ pub fn place(model_identifier: &str) -> Result<String> {
 pub fn build(workspace: &Workspace) -> Result<Vec<u8>> {
     let mut cargo = command::cargo(workspace);
     cargo
-        .args(["build", "--release", "--package", PACKAGE, "--lib", "--message-format=json-render-diagnostics"])
+        .args(["build", "--release", "--package", BUILT, "--message-format=json-render-diagnostics"])
         .stderr(Stdio::inherit());
     let output = cargo.output().with_context(|| command::cannot_start(&cargo, "cargo build"))?;
     if !output.status.success() {

@@ -130,6 +130,20 @@ impl Panel {
         Ok(Self { start, base: base.to_vec(), normal, width, coordinates, length, speed, tip })
     }
 
+    /// The same stretch followed the other way, with its base, the present tip, at `start`: x becomes -x.
+    pub fn mirrored(&self, start: f64) -> Self {
+        // T_k(-x) = (-1)^k T_k(x).
+        let odd = |series: &mut [f64]| series.iter_mut().skip(1).step_by(2).for_each(|c| *c = -*c);
+        let mut mirrored = self.clone();
+        std::mem::swap(&mut mirrored.base, &mut mirrored.tip);
+        mirrored.start = start;
+        mirrored.normal.iter_mut().for_each(|n| *n = -*n);
+        mirrored.coordinates.iter_mut().for_each(|series| odd(series));
+        odd(&mut mirrored.speed);
+        mirrored.length = antiderivative(&mirrored.speed);
+        mirrored
+    }
+
     /// Coordinates at x in [-1, 1], by the series.
     pub fn series_at(&self, x: f64) -> Vec<f64> {
         self.coordinates.iter().map(|s| value(s, x)).collect()

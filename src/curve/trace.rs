@@ -28,14 +28,7 @@ impl Curve {
             None => {
                 let back: Vec<f64> = tangent.iter().map(|t| -t).collect();
                 let (other, _) = follow(&closure, &transform, q, &back)?;
-                panels = other
-                    .iter()
-                    .rev()
-                    .map(|p| reversed(&closure, &transform, p))
-                    .collect::<Result<Vec<_>, _>>()?
-                    .into_iter()
-                    .chain(panels)
-                    .collect();
+                panels = other.iter().rev().map(|p| p.mirrored(-p.end())).chain(panels).collect();
                 Ends::Open
             }
         };
@@ -129,20 +122,6 @@ pub(super) fn describe(closure: &Closure, q: &[f64]) -> String {
     // A long chain is told by its first few coordinates.
     let parts: Vec<String> = (0..q.len().min(6)).map(|i| format!("{} = {:.6} {}", names[i], q[i], unit(i))).collect();
     parts.join(", ")
-}
-
-/// The same stretch traced the other way, ending where it started.
-fn reversed(closure: &Closure, transform: &Transform, panel: &Panel) -> Result<Panel, CurveError> {
-    let length = panel.end() - panel.start;
-    let mut tangent = closure.tangent(&panel.tip);
-    let towards: f64 = tangent.iter().zip(&panel.normal).map(|(t, n)| t * n).sum();
-    if towards > 0.0 {
-        tangent.iter_mut().for_each(|t| *t = -*t);
-    }
-    let w = &closure.weights;
-    let width = (0..tangent.len()).map(|i| tangent[i] * w[i] * w[i] * (panel.base[i] - panel.tip[i])).sum();
-    Panel::build(closure, transform, -panel.start - length, &panel.tip, &tangent, width)
-        .map_err(|_| CurveError::Stuck { position: describe(closure, &panel.tip) })
 }
 
 /// Follow the curve from `q` along `tangent`; the growth of the coordinates if it returns.

@@ -132,6 +132,17 @@ impl Motion<'_> {
         }
     }
 
+    /// 1 in forward motion, 0 in backward motion. Where the drives hold the mechanism at rest, each lets arrive something
+    /// between its forward and its backward value: the common share at which all is in balance.
+    pub fn forward_share(&mut self, sigma: f64, sigma_dot: f64) -> f64 {
+        let direction = if sigma_dot == 0.0 { self.direction_from_rest(sigma) } else { sigma_dot };
+        if direction != 0.0 {
+            return if direction > 0.0 { 1.0 } else { 0.0 };
+        }
+        let (forward, back) = (self.lossy(sigma, 0.0, 1.0).0, self.lossy(sigma, 0.0, -1.0).0);
+        if back > forward { back / (back - forward) } else { 1.0 }
+    }
+
     /// sigma_ddot at any state.
     pub fn acceleration(&mut self, sigma: f64, sigma_dot: f64) -> f64 {
         if !self.reduced.loses_power() {

@@ -180,9 +180,10 @@ impl State {
         }
     }
 
-    /// Sign of the motion: of sigma_dot, at rest of sigma_ddot.
-    fn direction(&mut self, reduced: &Reduced) -> f64 {
-        if self.sigma_dot != 0.0 { self.sigma_dot.signum() } else { self.acceleration(reduced).signum() }
+    /// How much of what arrives of a drive is as in forward motion ([`Motion::forward_share`]).
+    fn forward_share(&mut self, reduced: &Reduced) -> f64 {
+        let Cache { sizes, folded, .. } = &mut self.cache;
+        Motion { reduced, sizes, turns: self.turns, folded }.forward_share(self.sigma, self.sigma_dot)
     }
 
     /// What arrives of a sized load, after the loss of its drive if it has one.
@@ -190,9 +191,9 @@ impl State {
         let size = self.cache.sizes[load];
         match reduced.loading().drives.get(load).and_then(|d| d.efficiency) {
             Some(efficiency) => {
-                let influence = self.influence(reduced, load);
-                let direction = self.direction(reduced) * influence.signum();
-                effective(size, direction, efficiency)
+                let forward = self.influence(reduced, load).signum();
+                let share = self.forward_share(reduced);
+                share * effective(size, forward, efficiency) + (1.0 - share) * effective(size, -forward, efficiency)
             }
             None => size,
         }
