@@ -7,10 +7,11 @@ use linkage_fmu::model::Model;
 use linkage_fmu::variables::Causality;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
+use std::fs;
+use std::path::PathBuf;
 
 const SCHEMA: &str = include_str!("../../modelDescription/mechanism.schema.json");
 const FORMAT: &str = include_str!("../../modelDescription/FORMAT.md");
-const GEAR: &str = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
 /// Groups of named entries.
 const GROUPS: [&str; 8] = ["bodies", "joints", "actuators", "forces", "torques", "springs", "markers", "guess"];
 
@@ -99,8 +100,13 @@ fn keys(object: &Value) -> BTreeSet<&str> {
 }
 
 #[test]
-fn both_accept_the_full_mechanism_and_the_gear() {
-    for mechanism in [full(), serde_json::from_str(GEAR).unwrap()] {
+fn both_accept_the_full_mechanism_and_those_of_this_repository() {
+    let folders = fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../modelDescription")).unwrap();
+    let files = folders.map(|folder| folder.unwrap().path().join("resources/mechanism.json")).filter(|f| f.is_file());
+    let read = |file: PathBuf| -> Value { serde_json::from_str(&fs::read_to_string(file).unwrap()).unwrap() };
+    let committed: Vec<Value> = files.map(read).collect();
+    assert!(!committed.is_empty());
+    for mechanism in committed.into_iter().chain([full()]) {
         let errors: Vec<String> = validator().iter_errors(&mechanism).map(|e| e.to_string()).collect();
         assert!(errors.is_empty(), "{errors:?}");
         Model::from_json(&mechanism.to_string()).unwrap();

@@ -135,9 +135,9 @@ def test_stands_beside_another_mechanism(packed: Path, extracted: Path, tmp_path
 
 
 def refused(done: subprocess.CompletedProcess[str]) -> str:
-    """The one line of a refusal."""
+    """The one line of a refusal; Cargo's own lines are indented."""
     assert done.returncode == 1, done.stdout + done.stderr
-    lines = done.stderr.splitlines()
+    lines = [line for line in done.stderr.splitlines() if not line.startswith(" ")]
     assert len(lines) == 1, done.stderr
     assert lines[0].startswith("error: ")
     return lines[0]
