@@ -82,6 +82,17 @@ fn between(
                 format!("both ends are on {}, so it cannot act: name two bodies", linkage.bodies[first.body].name);
             return Err(DefinitionError::Key { key: key.into(), message });
         }
+        let ends = [first, second];
+        let is_at = |a: Point, b: Point| a.body == b.body && (a.local - b.local).norm() <= 1e-12 * linkage.size;
+        let pinned = linkage.joints.iter().find(|j| {
+            let points = [[j.first, j.second], [j.second, j.first]];
+            j.freedom == Freedom::Turn && points.iter().any(|p| is_at(p[0], ends[0]) && is_at(p[1], ends[1]))
+        });
+        if let Some(joint) = pinned {
+            let message =
+                format!("its two ends are the one point of {}, so its length is zero: name two points", joint.name);
+            return Err(DefinitionError::Key { key: key.into(), message });
+        }
         return Ok(Load::Pair { first, second });
     }
     let name = joint.as_ref().ok_or_else(missing)?;

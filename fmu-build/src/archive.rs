@@ -30,10 +30,12 @@ pub struct Entry {
 /// The folder or the file cannot be written, or two entries have one name.
 pub fn write(path: &Path, entries: Vec<Entry>) -> Result<()> {
     if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder).with_context(|| format!("{}: the folder cannot be made", folder.display()))?;
+        fs::create_dir_all(folder)
+            .with_context(|| format!("{}: the folder cannot be made; name another with --out", folder.display()))?;
     }
     let partial = path.with_extension("fmu.partial");
-    let file = File::create(&partial).with_context(|| format!("{}: cannot be written", partial.display()))?;
+    let file = File::create(&partial)
+        .with_context(|| format!("{}: cannot be written; name another folder with --out", partial.display()))?;
     let result = write_to(BufWriter::new(file), entries).and_then(|writer| {
         writer.into_inner()?;
         Ok(fs::rename(&partial, path)?)

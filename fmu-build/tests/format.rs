@@ -7,10 +7,11 @@ use linkage_fmu::model::Model;
 use linkage_fmu::variables::Causality;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
+use std::fs;
+use std::path::PathBuf;
 
 const SCHEMA: &str = include_str!("../../modelDescription/mechanism.schema.json");
 const FORMAT: &str = include_str!("../../modelDescription/FORMAT.md");
-const GEAR: &str = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
 /// Groups of named entries.
 const GROUPS: [&str; 8] = ["bodies", "joints", "actuators", "forces", "torques", "springs", "markers", "guess"];
 
@@ -99,8 +100,13 @@ fn keys(object: &Value) -> BTreeSet<&str> {
 }
 
 #[test]
-fn both_accept_the_full_mechanism_and_the_gear() {
-    for mechanism in [full(), serde_json::from_str(GEAR).unwrap()] {
+fn both_accept_the_full_mechanism_and_those_of_this_repository() {
+    let folders = fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../modelDescription")).unwrap();
+    let files = folders.map(|folder| folder.unwrap().path().join("resources/mechanism.json")).filter(|f| f.is_file());
+    let read = |file: PathBuf| -> Value { serde_json::from_str(&fs::read_to_string(file).unwrap()).unwrap() };
+    let committed: Vec<Value> = files.map(read).collect();
+    assert!(!committed.is_empty());
+    for mechanism in committed.into_iter().chain([full()]) {
         let errors: Vec<String> = validator().iter_errors(&mechanism).map(|e| e.to_string()).collect();
         assert!(errors.is_empty(), "{errors:?}");
         Model::from_json(&mechanism.to_string()).unwrap();
@@ -124,7 +130,8 @@ fn keys_agree_at_every_level() {
             assert!(described.is_subset(&known));
             for key in known.difference(&described) {
                 let mut mechanism = full();
-                mechanism["bodies"]["ground"][key] = schema["$defs"]["body"]["properties"][key]["default"].clone();
+                mechanism["bodies"]["ground"][key] =
+                    full()["bodies"]["weight"].get(key).cloned().unwrap_or(json!("uniform_rod"));
                 assert!(refusal(&mechanism).is_some() && !validator().is_valid(&mechanism), "ground.{key}");
             }
         } else {
@@ -235,8 +242,9 @@ fn defaults_agree() {
             }
             element[key] = default.clone();
             if refusal(&mechanism).is_some() {
-                // Does not go with this element's other keys.
-                assert!(!validator().is_valid(&mechanism) || place.starts_with("/springs") || key == "torque");
+                // Does not go with this element's other keys, or with the joint that it names.
+                let in_joint = mechanism.pointer(place).unwrap().get("joint").is_some();
+                assert!(in_joint || !validator().is_valid(&mechanism), "{place}/{key} = {default}");
                 continue;
             }
             assert_eq!(read(&mechanism), before, "{place}/{key} = {default}");
@@ -362,8 +370,14 @@ fn every_example_runs() {
         for _ in 0..10 {
             model.step(1e-3).unwrap_or_else(|e| panic!("{e} in\n{text}"));
         }
-        for reference in 0..model.variables().list().len() as u32 {
-            assert!(model.real(reference).unwrap_or_else(|e| panic!("{e} in\n{text}")).is_finite());
+        let crosses = whole["name"] == "Parallelogram";
+        for (reference, variable) in (0..).zip(model.variables().list().to_vec()) {
+            match model.real(reference) {
+                Ok(value) => assert!(value.is_finite(), "{} = {value} in\n{text}", variable.name),
+                // As the text says of reactions where branches cross.
+                Err(_) if crosses && variable.name.contains(".force") => {}
+                Err(e) => panic!("{e} in\n{text}"),
+            }
         }
         let lost = model.real(drift).unwrap();
         assert!(lost.abs() < 1e-6, "energy.drift {lost} J in\n{text}");
@@ -371,7 +385,6 @@ fn every_example_runs() {
     assert!(wholes >= 3 && parts >= 10, "{wholes} whole mechanisms and {parts} parts found");
 }
 
-/// Every variable named in FORMAT.md's code words is one that some example has.
 #[test]
 fn the_documented_keys_are_all_keys() {
     let schema = schema();

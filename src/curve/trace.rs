@@ -1,5 +1,5 @@
 //! Tracing: panel after panel, until the curve returns or runs out.
-use super::panel::{Panel, Refusal};
+use super::panel::{Panel, Refusal, twice_kinetic};
 use super::{Curve, CurveError, Ends};
 use crate::chebyshev::Transform;
 use crate::closure::Closure;
@@ -181,7 +181,17 @@ fn next_panel(
         }
     }
     let position = describe(closure, base);
+    // Next to a position where nothing with mass moves, panels end before they meet it.
+    massless |= twice_kinetic_part(closure, base, tangent) < 1e-6;
     Err(if massless { CurveError::Massless { position } } else { CurveError::Stuck { position } })
+}
+
+/// Twice the kinetic energy of a motion along the tangent, as a part of what the masses would have at unit rates.
+fn twice_kinetic_part(closure: &Closure, q: &[f64], tangent: &[f64]) -> f64 {
+    let linkage = &*closure.linkage;
+    let p = linkage.positions(q);
+    let whole: f64 = linkage.bodies.iter().map(|b| b.mass * linkage.size.powi(2) + b.inertia).sum();
+    if whole > 0.0 { twice_kinetic(linkage, &p, &linkage.rates(&p, q, tangent)) / whole } else { 0.0 }
 }
 
 /// If the panel passes through the start again: the growth of the coordinates, and the panel cut there.

@@ -57,6 +57,16 @@ pub fn key_at(text: &str, line: usize, column: usize) -> String {
             _ => {}
         }
     }
+    // At the end of an object or array it is the whole of it that is at fault: a key or a number is missing.
+    match text.as_bytes().get((start + column).saturating_sub(1)) {
+        Some(b'}') => {
+            if let Some(Level::Object(key)) = levels.last_mut() {
+                *key = None;
+            }
+        }
+        Some(b']') => drop(levels.pop_if(|level| matches!(level, Level::Array(_)))),
+        _ => {}
+    }
     let mut path = String::new();
     for level in &levels {
         match level {
