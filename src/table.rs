@@ -55,16 +55,41 @@ pub fn polynomial(c: &Series, x: f64) -> f64 {
     (sums[0] + x * sums[1]) + x2 * (sums[2] + x * sums[3])
 }
 
+/// Rounding in `exact`, for each component: second differences over distances so small that a smooth function is straight.
+/// One place in each panel; the upper quartile, because near a crossing rounding is amplified.
+fn noise(grid: &[f64], components: usize, exact: &mut dyn FnMut(f64, &mut [f64])) -> Vec<f64> {
+    const DISTANCE: f64 = 1e-8;
+    let mut found = vec![Vec::with_capacity(grid.len()); components];
+    let mut values = [vec![0.0; components], vec![0.0; components], vec![0.0; components]];
+    for pair in grid.windows(2) {
+        let width = pair[1] - pair[0];
+        for (k, v) in (0..).zip(&mut values) {
+            exact(pair[0] + (0.3 + f64::from(k) * DISTANCE) * width, v);
+        }
+        for (i, of_component) in found.iter_mut().enumerate() {
+            of_component.push(0.5 * (values[0][i] - 2.0 * values[1][i] + values[2][i]).abs());
+        }
+    }
+    let quartile = |mut of_component: Vec<f64>| {
+        of_component.sort_by(f64::total_cmp);
+        of_component.get(3 * of_component.len() / 4).copied().unwrap_or(0.0)
+    };
+    found.into_iter().map(quartile).collect()
+}
+
 impl Table {
     /// Tabulate `exact`, which fills the components at a sigma, on the panels of `grid`, cut in three where needed.
     ///
     /// Each panel is cut until its series has decayed to [`ACCURACY`], relative to the largest value of the component
-    /// on the whole grid. Panels are cut in three, so that what is in the middle of one stays in the middle of one.
+    /// on the whole grid, or to the rounding of `exact` itself: a component that is 0 but for rounding has nothing to
+    /// resolve. Panels are cut in three, so that what is in the middle of one stays in the middle of one.
     ///
     /// # Errors
     /// [`Unresolved`] where cutting does not help.
     pub fn build(grid: &[f64], components: usize, exact: &mut dyn FnMut(f64, &mut [f64])) -> Result<Self, Unresolved> {
         const DEEPEST: usize = 9;
+        // Where the tail is below the noise of rounding, cutting does not help.
+        let mut whole: Vec<f64> = noise(grid, components, exact).iter().map(|n| 20.0 * n / ACCURACY).collect();
         let transform = Transform::new();
         let mut values = vec![0.0; components];
         let mut fit = |a: f64, b: f64| -> (Vec<Series>, Vec<f64>) {
@@ -78,7 +103,6 @@ impl Table {
             let largest = samples.iter().map(|s| s.iter().fold(0.0, |a: f64, v| a.max(v.abs()))).collect();
             (samples.iter().map(|s| transform.fit(s)).collect(), largest)
         };
-        let mut whole = vec![0.0f64; components];
         let mut first = Vec::new();
         for pair in grid.windows(2) {
             let (series, largest) = fit(pair[0], pair[1]);
@@ -181,5 +205,14 @@ mod tests {
             (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
         };
         assert!(Table::build(&[0.0, 1.0], 1, &mut |s, v| v[0] = s.cos() + 1e-12 * noise()).is_ok());
+        // Nothing but rounding, and a signal that is not much larger.
+        let grid: Vec<f64> = (0..20).map(f64::from).collect();
+        let table = Table::build(&grid, 3, &mut |s, v| {
+            v.copy_from_slice(&[s, 1e-17 * noise(), s.cos() * 1e-14 + 1e-17 * noise()])
+        });
+        let table = table.unwrap();
+        assert!(table.value(table.spot(7.2), 1).abs() < 1e-16);
+        assert!((table.value(table.spot(7.2), 2) - 1e-14 * 7.2f64.cos()).abs() < 1e-16);
+        assert_eq!(table.panels(), 19);
     }
 }
