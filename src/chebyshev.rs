@@ -73,6 +73,16 @@ pub fn antiderivative(series: &Series) -> [f64; NODES + 1] {
     out
 }
 
+/// Derivative.
+pub fn derivative(series: &Series) -> Series {
+    let mut out = [0.0; NODES];
+    for k in (1..NODES).rev() {
+        out[k - 1] = if k + 1 < NODES { out[k + 1] } else { 0.0 } + 2.0 * k as f64 * series[k];
+    }
+    out[0] *= 0.5;
+    out
+}
+
 /// Coefficients of 1, x, x^2, ... Accurate where the series decays faster than (1 + sqrt 2)^-k, as a resolved panel does.
 pub fn monomials(series: &Series) -> Series {
     // T_k = 2 x T_(k-1) - T_(k-2), coefficient by coefficient.
@@ -134,6 +144,15 @@ mod tests {
         for i in 0..=20 {
             let x = -1.0 + f64::from(i) / 10.0;
             assert!((value(&a, x) - (x.sin() - (-1.0f64).sin())).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn derivative_of_a_sine_is_a_cosine() {
+        let d = derivative(&fitted(f64::sin));
+        for i in 0..=20 {
+            let x = -1.0 + f64::from(i) / 10.0;
+            assert!((value(&d, x) - x.cos()).abs() < 1e-13);
         }
     }
 

@@ -134,7 +134,7 @@ impl Reduced {
         let curve = Curve::trace(closure, &q).map_err(ReductionError::Curve)?;
         let grid = curve.grid();
         let components = Components::new(&loading, &curve);
-        let influence = Table::build(&grid, components.count, &mut |sigma, values| {
+        let influence = Table::build(&grid, &vec![0.0; components.count], &mut |sigma, values| {
             components.fill(&loading, &curve, &curve.configuration(sigma), values);
         });
         let influence = influence.map_err(|e| Self::unresolved(&loading, &curve, &e))?;
@@ -223,7 +223,10 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn coordinate(&self, i: usize) -> Result<&Table, &Unresolved> {
-        self.table(&self.coordinate_tables[i], 3, &|c, v| v.copy_from_slice(&[c.q[i], c.q_sigma[i], c.q_second[i]]))
+        let size = if i < self.linkage().turns { 1.0 } else { self.linkage().size };
+        self.table(&self.coordinate_tables[i], &self.sizes_along(size), &|c, v| {
+            v.copy_from_slice(&[c.q[i], c.q_sigma[i], c.q_second[i]])
+        })
     }
 
     /// A load's displacement and its two derivatives along sigma.
@@ -231,7 +234,7 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn displacement(&self, load: usize) -> Result<&Table, &Unresolved> {
-        self.table(&self.displacement_tables[load], 3, &|c, v| {
+        self.table(&self.displacement_tables[load], &[0.0; 3], &|c, v| {
             v.copy_from_slice(&self.loading.loads[load].displacement(self.linkage(), c));
         })
     }
@@ -241,7 +244,8 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn marker(&self, i: usize) -> Result<&Table, &Unresolved> {
-        self.table(&self.marker_tables[i], 6, &|c, v| {
+        let sizes = self.sizes_along(self.linkage().size).repeat(2);
+        self.table(&self.marker_tables[i], &sizes, &|c, v| {
             let (p, point) = (&c.positions, self.markers[i]);
             let (x, first) = (p.point(point), p.velocity(&c.rates, point));
             let second = p.acceleration(&c.rates, &c.second, point);
@@ -255,7 +259,7 @@ impl Reduced {
     /// [`Unresolved`].
     pub fn reaction(&self, joint: usize) -> Result<&Table, &Unresolved> {
         let terms = 2 + self.loading.loads.len();
-        self.table(&self.reaction_tables[joint], 3 * terms, &|c, v| {
+        self.table(&self.reaction_tables[joint], &vec![0.0; 3 * terms], &|c, v| {
             for (k, column) in self.reaction_columns(c).iter().enumerate() {
                 let Reaction { force, moment } = column[joint];
                 (v[k], v[terms + k], v[2 * terms + k]) = (force.x, force.y, moment);
@@ -281,14 +285,19 @@ impl Reduced {
         }
     }
 
+    /// Sizes of a quantity of this size and of its two derivatives along sigma.
+    fn sizes_along(&self, size: f64) -> [f64; 3] {
+        [size, size / self.scale, size / (self.scale * self.scale)]
+    }
+
     fn table<'a>(
         &self,
         lazy: &'a Lazy,
-        components: usize,
+        sizes: &[f64],
         exact: &dyn Fn(&Configuration, &mut [f64]),
     ) -> Result<&'a Table, &'a Unresolved> {
         let build = || {
-            Table::build(&self.grid, components, &mut |sigma, values| {
+            Table::build(&self.grid, sizes, &mut |sigma, values| {
                 exact(&self.curve.configuration(sigma), values);
             })
         };

@@ -81,15 +81,17 @@ impl Table {
     /// Tabulate `exact`, which fills the components at a sigma, on the panels of `grid`, cut in three where needed.
     ///
     /// Each panel is cut until its series has decayed to [`ACCURACY`], relative to the largest value of the component
-    /// on the whole grid, or to the rounding of `exact` itself: a component that is 0 but for rounding has nothing to
-    /// resolve. Panels are cut in three, so that what is in the middle of one stays in the middle of one.
+    /// on the whole grid, to its size in `sizes` (0 where none is known), or to the rounding of `exact` itself: a component
+    /// that is 0 but for rounding has nothing to resolve. Panels are cut in three, so that what is in the middle of one stays in the middle of one.
     ///
     /// # Errors
     /// [`Unresolved`] where cutting does not help.
-    pub fn build(grid: &[f64], components: usize, exact: &mut dyn FnMut(f64, &mut [f64])) -> Result<Self, Unresolved> {
+    pub fn build(grid: &[f64], sizes: &[f64], exact: &mut dyn FnMut(f64, &mut [f64])) -> Result<Self, Unresolved> {
+        let components = sizes.len();
         const DEEPEST: usize = 9;
         // Where the tail is below the noise of rounding, cutting does not help.
-        let mut whole: Vec<f64> = noise(grid, components, exact).iter().map(|n| 20.0 * n / ACCURACY).collect();
+        let noise = noise(grid, components, exact);
+        let mut whole: Vec<f64> = sizes.iter().zip(&noise).map(|(size, n)| size.max(20.0 * n / ACCURACY)).collect();
         let transform = Transform::new();
         let mut values = vec![0.0; components];
         let mut fit = |a: f64, b: f64| -> (Vec<Series>, Vec<f64>) {
@@ -181,7 +183,8 @@ mod tests {
     #[test]
     fn resolves_a_peak_to_the_stated_accuracy() {
         let f = |s: f64| 1.0 / (1e-3 + s * s);
-        let table = Table::build(&[-1.0, 0.3, 2.0], 2, &mut |s, v| v.copy_from_slice(&[f(s), s.sin()])).unwrap();
+        let table =
+            Table::build(&[-1.0, 0.3, 2.0], &[0.0; 2], &mut |s, v| v.copy_from_slice(&[f(s), s.sin()])).unwrap();
         for i in 0..=3000 {
             let s = -1.0 + f64::from(i) / 1000.0;
             let spot = table.spot(s);
@@ -193,7 +196,7 @@ mod tests {
 
     #[test]
     fn a_jump_is_refused_and_placed() {
-        let error = Table::build(&[0.0, 1.0], 1, &mut |s, v| v[0] = (s - 0.7).signum()).unwrap_err();
+        let error = Table::build(&[0.0, 1.0], &[0.0], &mut |s, v| v[0] = (s - 0.7).signum()).unwrap_err();
         assert!((error.sigma - 0.7).abs() < 1e-3, "{error}");
     }
 
@@ -204,10 +207,10 @@ mod tests {
             seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
             (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
         };
-        assert!(Table::build(&[0.0, 1.0], 1, &mut |s, v| v[0] = s.cos() + 1e-12 * noise()).is_ok());
+        assert!(Table::build(&[0.0, 1.0], &[0.0], &mut |s, v| v[0] = s.cos() + 1e-12 * noise()).is_ok());
         // Nothing but rounding, and a signal that is not much larger.
         let grid: Vec<f64> = (0..20).map(f64::from).collect();
-        let table = Table::build(&grid, 3, &mut |s, v| {
+        let table = Table::build(&grid, &[0.0; 3], &mut |s, v| {
             v.copy_from_slice(&[s, 1e-17 * noise(), s.cos() * 1e-14 + 1e-17 * noise()])
         });
         let table = table.unwrap();
