@@ -116,6 +116,15 @@ pub fn tail(series: &Series) -> f64 {
     series[NODES - 3..].iter().fold(0.0, |a: f64, c| a.max(c.abs()))
 }
 
+/// The series without its last coefficients that are all of the size of its tail: there they are rounding, which
+/// derivatives would amplify.
+pub fn chopped(series: &Series) -> Series {
+    const PLATEAU: f64 = 4.0;
+    let level = PLATEAU * tail(series);
+    let kept = series.iter().rposition(|c| c.abs() > level).map_or(1, |k| k + 1);
+    std::array::from_fn(|k| if k < kept { series[k] } else { 0.0 })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -154,6 +163,15 @@ mod tests {
             let x = -1.0 + f64::from(i) / 10.0;
             assert!((value(&d, x) - x.cos()).abs() < 1e-13);
         }
+    }
+
+    #[test]
+    fn chopping_takes_the_rounding_off_a_straight_line() {
+        let noisy: Series =
+            std::array::from_fn(|k| [2.0, 1.0].get(k).copied().unwrap_or(1e-14 * (1.0 + k as f64).sin()));
+        let line = chopped(&noisy);
+        assert_eq!(line[..2], [2.0, 1.0]);
+        assert!(line[2..].iter().all(|c| *c == 0.0));
     }
 
     #[test]

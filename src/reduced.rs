@@ -367,6 +367,14 @@ impl Reduced {
                 }
             }
         }
+        // Where a closed curve meets its start, rounding may leave a gap between the two ends of the table.
+        if best.is_none() && self.period().is_some() {
+            let start = crate::table::polynomial(table.series(0, 0), -1.0);
+            let turn = if growth == 0.0 { 0.0 } else { ((value - start) / growth).round() };
+            if (value - start - turn * growth).abs() < TOGGLE {
+                best = Some((table.borders(0).0, turn));
+            }
+        }
         best.ok_or(ReductionError::Start { name: name.into(), value, range: (low, high) })
     }
 }

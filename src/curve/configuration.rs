@@ -4,7 +4,7 @@ use crate::linkage::{Point, Positions, Rates};
 
 /// Where rounding is amplified this many times as much as at best in a panel, its series are more accurate than its loop
 /// equations.
-const NEAR: f64 = 5.0;
+const NEAR: f64 = 8.0;
 /// Below this amplification the loop equations are accurate enough.
 const HARMLESS: f64 = 30.0;
 

@@ -1,5 +1,5 @@
 //! One panel of the curve: closed positions as Chebyshev series over a plane's distance from the panel's base.
-use crate::chebyshev::{NODES, Series, Transform, antiderivative, derivative, tail, value};
+use crate::chebyshev::{NODES, Series, Transform, antiderivative, chopped, derivative, tail, value};
 use crate::closure::Closure;
 use crate::linkage::{Linkage, Positions, Rates};
 
@@ -42,6 +42,8 @@ pub enum Refusal {
 const NEAR: f64 = 60.0;
 /// The tip, where the next panel starts, must keep farther away.
 const TIP_NEAR: f64 = 8.0;
+/// Where nodes amplify rounding more than this many times as much as the best one, the series ends in rounding.
+const CROSSING: f64 = 5.0;
 /// Below this amplification no position is too close to a crossing.
 const HARMLESS: f64 = 30.0;
 /// Rounding of coordinates, relative to their size and to 1 rad, before amplification.
@@ -113,14 +115,15 @@ impl Panel {
         if amplification > HARMLESS.max(NEAR * least) {
             return Err(Refusal::NearCrossing);
         }
-        let coordinates: Vec<Series> = (0..n).map(|i| transform.fit(&std::array::from_fn(|j| nodes[j][i]))).collect();
+        let mut coordinates: Vec<Series> =
+            (0..n).map(|i| transform.fit(&std::array::from_fn(|j| nodes[j][i]))).collect();
         for (i, series) in coordinates.iter().enumerate() {
             let size = 1.0 + series[0].abs() * w[i];
             if tail(series) * w[i] > ROUNDING * size * amplification.max(2.0) {
                 return Err(Refusal::TooWide);
             }
         }
-        let speed = transform.fit(&speeds.map(|s| 0.5 * width * s));
+        let mut speed = transform.fit(&speeds.map(|s| 0.5 * width * s));
         let fastest = speeds.iter().fold(0.0, |a: f64, s| a.max(*s));
         let slowest = speeds.iter().fold(f64::INFINITY, |a: f64, s| a.min(*s));
         if fastest == 0.0 || slowest < 1e-7 * fastest {
@@ -129,6 +132,9 @@ impl Panel {
         // The slope of a series is its length times less accurate than the series.
         if tail(&speed) > 20.0 * ROUNDING * amplification.max(2.0) * 0.5 * width * fastest {
             return Err(Refusal::TooWide);
+        }
+        if amplification > HARMLESS.max(CROSSING * least) {
+            coordinates.iter_mut().chain([&mut speed]).for_each(|s| *s = chopped(s));
         }
         let length = antiderivative(&speed);
         let end: Vec<f64> = coordinates.iter().map(|s| value(s, 1.0)).collect();
