@@ -23,7 +23,7 @@ struct Scene {
 
 /// Angle of bar 0 [rad] after 10 s for N four-bars: pi/2 - 2 am(t/2 | -4 k), k = 9.81 ((N + 1)/2 + N) / ((N + 1)/3 + N).
 const CHAINS: [(u32, f64); 3] =
-    [(2, -30.179_800_860_191_205), (10, -30.050_933_495_986_976), (40, -30.026_637_417_190_842)];
+    [(2, -30.179_800_860_191_205), (10, -30.050_933_495_986_976), (40, -30.026_637_417_190_84)];
 
 /// The tables in Markdown.
 pub fn table(descriptions: &Path) -> Result<String, String> {
