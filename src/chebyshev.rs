@@ -158,10 +158,12 @@ mod tests {
 
     #[test]
     fn derivative_of_a_sine_is_a_cosine() {
+        // T_k has the slope k^2 at the ends, by which it amplifies the rounding of its coefficient: twice a mean of values.
+        let allowed = (0..NODES).map(|k| (k * k) as f64).sum::<f64>() * 2.0 * f64::EPSILON;
         let d = derivative(&fitted(f64::sin));
         for i in 0..=20 {
             let x = -1.0 + f64::from(i) / 10.0;
-            assert!((value(&d, x) - x.cos()).abs() < 1e-13);
+            assert!((value(&d, x) - x.cos()).abs() < allowed);
         }
     }
 
