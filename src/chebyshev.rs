@@ -73,6 +73,16 @@ pub fn antiderivative(series: &Series) -> [f64; NODES + 1] {
     out
 }
 
+/// Derivative.
+pub fn derivative(series: &Series) -> Series {
+    let mut out = [0.0; NODES];
+    for k in (1..NODES).rev() {
+        out[k - 1] = if k + 1 < NODES { out[k + 1] } else { 0.0 } + 2.0 * k as f64 * series[k];
+    }
+    out[0] *= 0.5;
+    out
+}
+
 /// Coefficients of 1, x, x^2, ... Accurate where the series decays faster than (1 + sqrt 2)^-k, as a resolved panel does.
 pub fn monomials(series: &Series) -> Series {
     // T_k = 2 x T_(k-1) - T_(k-2), coefficient by coefficient.
@@ -106,6 +116,15 @@ pub fn tail(series: &Series) -> f64 {
     series[NODES - 3..].iter().fold(0.0, |a: f64, c| a.max(c.abs()))
 }
 
+/// The series without its last coefficients that are all of the size of its tail: there they are rounding, which
+/// derivatives would amplify.
+pub fn chopped(series: &Series) -> Series {
+    const PLATEAU: f64 = 4.0;
+    let level = PLATEAU * tail(series);
+    let kept = series.iter().rposition(|c| c.abs() > level).map_or(1, |k| k + 1);
+    std::array::from_fn(|k| if k < kept { series[k] } else { 0.0 })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -135,6 +154,26 @@ mod tests {
             let x = -1.0 + f64::from(i) / 10.0;
             assert!((value(&a, x) - (x.sin() - (-1.0f64).sin())).abs() < 1e-14);
         }
+    }
+
+    #[test]
+    fn derivative_of_a_sine_is_a_cosine() {
+        // T_k has the slope k^2 at the ends, by which it amplifies the rounding of its coefficient: twice a mean of values.
+        let allowed = (0..NODES).map(|k| (k * k) as f64).sum::<f64>() * 2.0 * f64::EPSILON;
+        let d = derivative(&fitted(f64::sin));
+        for i in 0..=20 {
+            let x = -1.0 + f64::from(i) / 10.0;
+            assert!((value(&d, x) - x.cos()).abs() < allowed);
+        }
+    }
+
+    #[test]
+    fn chopping_takes_the_rounding_off_a_straight_line() {
+        let noisy: Series =
+            std::array::from_fn(|k| [2.0, 1.0].get(k).copied().unwrap_or(1e-14 * (1.0 + k as f64).sin()));
+        let line = chopped(&noisy);
+        assert_eq!(line[..2], [2.0, 1.0]);
+        assert!(line[2..].iter().all(|c| *c == 0.0));
     }
 
     #[test]

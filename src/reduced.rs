@@ -110,7 +110,7 @@ pub struct Reduced {
     grid: Vec<f64>,
     natural: Natural,
     influence: Table,
-    coordinate_tables: Vec<Lazy>,
+    coordinate_table: Lazy,
     displacement_tables: Vec<Lazy>,
     marker_tables: Vec<Lazy>,
     reaction_tables: Vec<Lazy>,
@@ -142,7 +142,7 @@ impl Reduced {
         });
         let influence = influence.map_err(|e| Self::unresolved(&loading, &curve, &e))?;
         Ok(Self {
-            coordinate_tables: lazies(curve.linkage().coordinates.len()),
+            coordinate_table: OnceLock::new(),
             displacement_tables: lazies(loading.loads.len()),
             marker_tables: lazies(markers.len()),
             reaction_tables: lazies(curve.linkage().joints.len()),
@@ -221,15 +221,18 @@ impl Reduced {
         self.natural.scale
     }
 
-    /// A coordinate and its two derivatives along sigma.
+    /// Every coordinate with its two derivatives along sigma: three components each.
     ///
     /// # Errors
     /// [`Unresolved`].
-    pub fn coordinate(&self, i: usize) -> Result<&Table, &Unresolved> {
-        let size = if i < self.linkage().turns { 1.0 } else { self.linkage().size };
-        let sizes = self.natural.derivatives(size);
-        self.table(&self.coordinate_tables[i], &sizes, &|c, v| {
-            v.copy_from_slice(&[c.q[i], c.q_sigma[i], c.q_second[i]]);
+    pub fn coordinates(&self) -> Result<&Table, &Unresolved> {
+        let linkage = self.linkage();
+        let size = |i: usize| if i < linkage.turns { 1.0 } else { linkage.size };
+        let sizes: Vec<f64> = (0..linkage.coordinates.len()).flat_map(|i| self.natural.derivatives(size(i))).collect();
+        self.table(&self.coordinate_table, &sizes, &|c, v| {
+            for (i, derivatives) in v.chunks_exact_mut(3).enumerate() {
+                derivatives.copy_from_slice(&[c.q[i], c.q_sigma[i], c.q_second[i]]);
+            }
         })
     }
 
@@ -276,6 +279,14 @@ impl Reduced {
         })
     }
 
+    /// Components of [`Self::reaction`] at sigma from the exact evaluator: for a joint whose reaction grows without bound
+    /// somewhere, so that no table holds it.
+    pub fn exact_reaction(&self, joint: usize, sigma: f64) -> Vec<f64> {
+        let columns = self.reaction_columns(&self.curve.configuration(sigma));
+        let parts = |part: fn(&Reaction) -> f64| columns.iter().map(move |column| part(&column[joint]));
+        parts(|r| r.force.x).chain(parts(|r| r.force.y)).chain(parts(|r| r.moment)).collect()
+    }
+
     /// The exact columns behind [`Self::reaction`].
     pub fn reaction_columns(&self, c: &Configuration) -> Vec<Vec<Reaction>> {
         columns(self.curve.closure(), c, &self.loading.loads)
@@ -317,13 +328,13 @@ impl Reduced {
     /// [`ReductionError::Start`] with the range of the coordinate.
     pub fn find(&self, coordinate: usize, value: f64, name: &str) -> Result<(f64, f64), ReductionError> {
         let table = self
-            .coordinate(coordinate)
+            .coordinates()
             .map_err(|e| ReductionError::Table { what: name.into(), position: self.curve.describe(e.sigma) })?;
         const SAMPLES: usize = 16;
         let growth = self.growth(coordinate);
         let sample = |panel: usize, k: usize| {
             let x = OVERLAP * (-1.0 + 2.0 * k as f64 / SAMPLES as f64);
-            (x, crate::table::polynomial(table.series(panel, 0), x))
+            (x, crate::table::polynomial(table.series(panel, 3 * coordinate), x))
         };
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for panel in 0..table.panels() {
@@ -354,8 +365,8 @@ impl Reduced {
                         best = Some((sigma, turn));
                     }
                 };
-                let miss = |x: f64| crate::table::polynomial(table.series(panel, 0), x) - wanted;
-                let slope = |x: f64| crate::table::polynomial(table.series(panel, 1), x);
+                let miss = |x: f64| crate::table::polynomial(table.series(panel, 3 * coordinate), x) - wanted;
+                let slope = |x: f64| crate::table::polynomial(table.series(panel, 3 * coordinate + 1), x);
                 // At the border of panels rounding may hide the change of sign.
                 for x in [-1.0, 1.0] {
                     if miss(x).abs() <= 8.0 * f64::EPSILON * (1.0 + value.abs()) {

@@ -4,6 +4,7 @@
 
 mod archive;
 mod bench;
+mod chain;
 mod command;
 mod demo;
 mod description;
@@ -32,6 +33,8 @@ enum Task {
     Package(package::Arguments),
     /// Run the retraction through FMPy: figures, retraction.csv, retraction.png
     Demo(demo::Arguments),
+    /// Write the mechanism of a chain of N four-bars
+    Chain(chain::Arguments),
     /// Run every test: Rust, packaging, Python style, FMPy
     Test,
     /// Run the benchmarks of the validation package
@@ -43,6 +46,7 @@ fn main() -> ExitCode {
     let result = match Cli::parse().task {
         Task::Package(arguments) => package::run(&workspace, &arguments).map(drop),
         Task::Demo(arguments) => demo::run(&workspace, &arguments),
+        Task::Chain(arguments) => chain::run(&arguments),
         Task::Test => test::run(&workspace),
         Task::Bench(arguments) => bench::run(&workspace, &arguments),
     };

@@ -2,6 +2,12 @@
 use super::{Curve, panel::twice_kinetic};
 use crate::linkage::{Point, Positions, Rates};
 
+/// Where rounding is amplified this many times as much as at best in a panel, its series are more accurate than its loop
+/// equations.
+const NEAR: f64 = 8.0;
+/// Below this amplification the loop equations are accurate enough.
+const HARMLESS: f64 = 30.0;
+
 /// Where the linkage is at one sigma, and how it moves along the curve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Configuration {
@@ -35,17 +41,19 @@ impl Curve {
         let x = panel.x_at(sigma);
         let mut q = panel.series_at(x);
         let n = q.len();
-        // Close the loops again unless a crossing is so near that this would only add rounding.
-        if let Some((closer, bordered, _)) = closure.on_plane(&q, &panel.base, &panel.normal, panel.u_at(x))
-            && bordered.amplification < 1e4
-        {
+        // Close the loops again and differentiate their equations, unless a crossing is so near that this would amplify
+        // rounding: there the panel's series, whose nodes lie farther from it, are the better evaluator.
+        let closed = closure.on_plane(&q, &panel.base, &panel.normal, panel.u_at(x));
+        let closed =
+            closed.filter(|(_, bordered, _)| bordered.amplification < HARMLESS.max(NEAR * panel.amplification));
+        let at_crossing = closed.is_none();
+        if let Some((closer, ..)) = closed {
             q = closer;
         }
         let positions = linkage.positions(&q);
-        let bordered = closure.bordered(&positions, &q, &panel.normal);
-        let solve =
-            |gaps: &[f64], along: f64| bordered.as_ref().and_then(|b| b.solve(gaps, along)).unwrap_or(vec![0.0; n]);
-        let mut q_sigma = solve(&vec![0.0; n - 1], 1.0);
+        let bordered = if at_crossing { None } else { closure.bordered(&positions, &q, &panel.normal) };
+        let solve = |gaps: &[f64], along: f64| bordered.as_ref().and_then(|b| b.solve(gaps, along));
+        let mut q_sigma = solve(&vec![0.0; n - 1], 1.0).unwrap_or_else(|| panel.slopes_at(x));
         let speed = twice_kinetic(linkage, &positions, &linkage.rates(&positions, &q, &q_sigma)).sqrt();
         q_sigma.iter_mut().for_each(|v| *v /= speed);
         let rates = linkage.rates(&positions, &q, &q_sigma);
@@ -53,7 +61,8 @@ impl Curve {
         let still = linkage.second_rates(&positions, &rates, &q, &q_sigma, &vec![0.0; n]);
         let bias: Vec<f64> =
             closure.pick(&linkage.gap_second_rates(&positions, &rates, &still)).iter().map(|b| -b).collect();
-        let mut q_second = solve(&bias, 0.0);
+        let mut q_second =
+            solve(&bias, 0.0).unwrap_or_else(|| panel.curvatures_at(x).iter().map(|c| c / (speed * speed)).collect());
         // T stays 1/2 along the curve: the part along the tangent follows from sum m v . a + I omega alpha = 0.
         let partial = linkage.second_rates(&positions, &rates, &q, &q_sigma, &q_second);
         let along = self.kinetic_product(&positions, &rates, &partial);

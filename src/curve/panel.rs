@@ -1,5 +1,5 @@
 //! One panel of the curve: closed positions as Chebyshev series over a plane's distance from the panel's base.
-use crate::chebyshev::{NODES, Series, Transform, antiderivative, tail, value};
+use crate::chebyshev::{NODES, Series, Transform, antiderivative, chopped, derivative, tail, value};
 use crate::closure::Closure;
 use crate::linkage::{Linkage, Positions, Rates};
 
@@ -22,6 +22,8 @@ pub struct Panel {
     speed: Series,
     /// Coordinates at its end.
     pub tip: Vec<f64>,
+    /// How much rounding in a gap is amplified where least.
+    pub amplification: f64,
 }
 
 /// Why a panel of some width was not accepted.
@@ -35,8 +37,15 @@ pub enum Refusal {
     Massless,
 }
 
-/// Above this amplification of rounding a position is too close to a crossing to compute with.
-const AMPLIFICATION: f64 = 1e5;
+/// Nodes may amplify rounding this many times as much as the panel's best one: 1 / 16 of a panel away from a crossing in
+/// its middle. Amplification grows with the number of loops, so only its ratio tells of a crossing.
+const NEAR: f64 = 60.0;
+/// The tip, where the next panel starts, must keep farther away.
+const TIP_NEAR: f64 = 8.0;
+/// Where nodes amplify rounding more than this many times as much as the best one, the series ends in rounding.
+const CROSSING: f64 = 5.0;
+/// Below this amplification no position is too close to a crossing.
+const HARMLESS: f64 = 30.0;
 /// Rounding of coordinates, relative to their size and to 1 rad, before amplification.
 const ROUNDING: f64 = 1e-15;
 
@@ -78,6 +87,7 @@ impl Panel {
         let mut nodes: Vec<Vec<f64>> = Vec::with_capacity(NODES);
         let mut speeds = [0.0; NODES];
         let mut amplification: f64 = 1.0;
+        let mut least = f64::INFINITY;
         // Two known points with their slopes, from which the next is extrapolated.
         let mut before = (0.0, base.to_vec(), tangent.to_vec());
         let mut last = before.clone();
@@ -88,10 +98,8 @@ impl Panel {
             if correction > 0.2 * (u - last.0) + 1e-12 {
                 return Err(Refusal::TooWide);
             }
-            if bordered.amplification > AMPLIFICATION {
-                return Err(Refusal::NearCrossing);
-            }
             amplification = amplification.max(bordered.amplification);
+            least = least.min(bordered.amplification);
             let slope = bordered.solve(&vec![0.0; n - 1], 1.0).ok_or(Refusal::NearCrossing)?;
             let steep = (0..n).map(|i| (slope[i] * w[i]).powi(2)).sum::<f64>().sqrt();
             if steep > 1.5 {
@@ -104,14 +112,18 @@ impl Panel {
             last = (u, q.clone(), slope);
             nodes.push(q);
         }
-        let coordinates: Vec<Series> = (0..n).map(|i| transform.fit(&std::array::from_fn(|j| nodes[j][i]))).collect();
+        if amplification > HARMLESS.max(NEAR * least) {
+            return Err(Refusal::NearCrossing);
+        }
+        let mut coordinates: Vec<Series> =
+            (0..n).map(|i| transform.fit(&std::array::from_fn(|j| nodes[j][i]))).collect();
         for (i, series) in coordinates.iter().enumerate() {
             let size = 1.0 + series[0].abs() * w[i];
             if tail(series) * w[i] > ROUNDING * size * amplification.max(2.0) {
                 return Err(Refusal::TooWide);
             }
         }
-        let speed = transform.fit(&speeds.map(|s| 0.5 * width * s));
+        let mut speed = transform.fit(&speeds.map(|s| 0.5 * width * s));
         let fastest = speeds.iter().fold(0.0, |a: f64, s| a.max(*s));
         let slowest = speeds.iter().fold(f64::INFINITY, |a: f64, s| a.min(*s));
         if fastest == 0.0 || slowest < 1e-7 * fastest {
@@ -121,13 +133,16 @@ impl Panel {
         if tail(&speed) > 20.0 * ROUNDING * amplification.max(2.0) * 0.5 * width * fastest {
             return Err(Refusal::TooWide);
         }
+        if amplification > HARMLESS.max(CROSSING * least) {
+            coordinates.iter_mut().chain([&mut speed]).for_each(|s| *s = chopped(s));
+        }
         let length = antiderivative(&speed);
         let end: Vec<f64> = coordinates.iter().map(|s| value(s, 1.0)).collect();
         let (tip, bordered, _) = closure.on_plane(&end, base, &normal, width).ok_or(Refusal::TooWide)?;
-        if bordered.amplification > AMPLIFICATION.sqrt().max(3.0 * amplification) {
+        if bordered.amplification > HARMLESS.max(TIP_NEAR * least) {
             return Err(Refusal::NearCrossing);
         }
-        Ok(Self { start, base: base.to_vec(), normal, width, coordinates, length, speed, tip })
+        Ok(Self { start, base: base.to_vec(), normal, width, coordinates, length, speed, tip, amplification: least })
     }
 
     /// The same stretch followed the other way, with its base, the present tip, at `start`: x becomes -x.
@@ -147,6 +162,16 @@ impl Panel {
     /// Coordinates at x in [-1, 1], by the series.
     pub fn series_at(&self, x: f64) -> Vec<f64> {
         self.coordinates.iter().map(|s| value(s, x)).collect()
+    }
+
+    /// Derivatives of the coordinates with respect to x.
+    pub fn slopes_at(&self, x: f64) -> Vec<f64> {
+        self.coordinates.iter().map(|s| value(&derivative(s), x)).collect()
+    }
+
+    /// Second derivatives of the coordinates with respect to x.
+    pub fn curvatures_at(&self, x: f64) -> Vec<f64> {
+        self.coordinates.iter().map(|s| value(&derivative(&derivative(s)), x)).collect()
     }
 
     /// sigma at x.

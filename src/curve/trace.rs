@@ -48,11 +48,14 @@ impl Curve {
             let x_of = |i: usize| -1.0 + 2.0 * i as f64 / SAMPLES as f64;
             let samples: Vec<f64> = (0..=SAMPLES).map(|i| least(x_of(i))).collect();
             let most = samples.iter().fold(0.0, |a: f64, s| a.max(*s));
-            for i in 1..SAMPLES {
-                if samples[i] <= samples[i - 1] && samples[i] <= samples[i + 1] && samples[i] < 0.3 * most {
-                    let x = minimise(&least, x_of(i - 1), x_of(i + 1));
-                    if least(x) < 1e-6 * most {
-                        found.push(panel.sigma_at(x));
+            for i in 0..=SAMPLES {
+                // At a border the minimum may be in the neighbour, which then finds it.
+                let (below, above) = (i.saturating_sub(1), (i + 1).min(SAMPLES));
+                if samples[i] <= samples[below] && samples[i] <= samples[above] && samples[i] < 0.3 * most {
+                    let x = minimise(&least, x_of(below), x_of(above));
+                    let sigma = panel.sigma_at(x);
+                    if least(x) < 1e-6 * most && found.last().is_none_or(|last| sigma - last > 1e-6 * self.scale()) {
+                        found.push(sigma);
                     }
                 }
             }

@@ -336,9 +336,9 @@ impl State {
         if start.speed != 0.0 {
             // From the table, which is as good where branches cross. Nearer to a toggle than some 1e-13 rad, where the
             // slope is below 1e-6, rounding decides what it is.
-            let table = reduced.coordinate(coordinate);
+            let table = reduced.coordinates();
             let table = table.map_err(|at| ModelError::Table { name: variable.clone(), at: at.clone() })?;
-            let slope = table.value(table.spot(sigma), 1);
+            let slope = table.value(table.spot(sigma), 3 * coordinate + 1);
             if slope.abs() * reduced.scale() < 1e-6 {
                 let name = format!("{name}.start_speed");
                 return Err(ReductionError::StartSpeed { name, value: start.speed }.into());

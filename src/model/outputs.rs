@@ -161,8 +161,8 @@ impl State {
 
     /// A coordinate (order 0) or its time derivative.
     fn coordinate(&mut self, reduced: &Reduced, coordinate: usize, order: usize) -> Result<f64, Unresolved> {
-        let table = checked(reduced.coordinate(coordinate))?;
-        let value = self.derivative(table, 0, reduced, order);
+        let table = checked(reduced.coordinates())?;
+        let value = self.derivative(table, 3 * coordinate, reduced, order);
         Ok(if order == 0 { value + self.turns * reduced.growth(coordinate) } else { value })
     }
 
@@ -257,13 +257,22 @@ impl State {
         if let Some(value) = self.cache.reactions[joint] {
             return Ok(value);
         }
-        let table = checked(reduced.reaction(joint))?;
-        let spot = table.spot(self.sigma);
         let terms = 2 + reduced.loading().loads.len();
+        let exact;
+        let component: &dyn Fn(usize) -> f64 = match reduced.reaction(joint) {
+            Ok(table) => {
+                let spot = table.spot(self.sigma);
+                &move |k| table.value(spot, k)
+            }
+            Err(_) => {
+                exact = reduced.exact_reaction(joint, self.sigma);
+                &|k| exact[k]
+            }
+        };
         let mut value = [0.0; 3];
         let mut add = |term: usize, size: f64| {
             for (part, sum) in value.iter_mut().enumerate() {
-                *sum += size * table.value(spot, part * terms + term);
+                *sum += size * component(part * terms + term);
             }
         };
         add(0, self.acceleration(reduced));
@@ -276,6 +285,7 @@ impl State {
             let pull = self.output(reduced, &[], Output::Pull { spring: place })?;
             add(2 + spring.load, -pull);
         }
+        let value = value.map(finite);
         self.cache.reactions[joint] = Some(value);
         self.cache.used = true;
         Ok(value)
@@ -286,7 +296,8 @@ fn checked<'a>(table: Result<&'a Table, &Unresolved>) -> Result<&'a Table, Unres
     table.map_err(Clone::clone)
 }
 
-/// At a dead centre of a drive no finite force or mass has the effect: the largest finite number stands for it.
+/// At a dead centre of a drive no finite force or mass has the effect, and at some flat positions no finite reaction: the
+/// largest finite number stands for it.
 fn finite(value: f64) -> f64 {
     if value.is_nan() { f64::MAX } else { value.clamp(-f64::MAX, f64::MAX) }
 }

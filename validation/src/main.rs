@@ -1,4 +1,6 @@
 //! Benchmarks: run time against error, on scenes with exact references. Writes its tables beside this package.
+mod benchmarks;
+mod measure;
 mod retraction;
 
 use std::path::Path;
@@ -6,23 +8,23 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let table = match retraction::table(&root.join("../modelDescription/LandingGearRetraction")) {
-        Ok(table) => table,
-        Err(message) => {
+    let descriptions = root.join("../modelDescription");
+    let tables = [
+        ("retraction.md", retraction::table(&descriptions.join("LandingGearRetraction"))),
+        ("benchmarks.md", benchmarks::table(&descriptions)),
+    ];
+    for (name, table) in tables {
+        if let Err(message) = table.and_then(|table| publish(&root.join("results").join(name), &table)) {
             eprintln!("error: {message}");
             return ExitCode::FAILURE;
         }
-    };
-    print!("{table}");
-    let target = root.join("results/retraction.md");
-    match std::fs::write(&target, table) {
-        Ok(()) => {
-            println!("\nwritten to {}", target.display());
-            ExitCode::SUCCESS
-        }
-        Err(e) => {
-            eprintln!("error: {}: {e}", target.display());
-            ExitCode::FAILURE
-        }
     }
+    ExitCode::SUCCESS
+}
+
+fn publish(target: &Path, table: &str) -> Result<(), String> {
+    print!("{table}");
+    std::fs::write(target, table).map_err(|e| format!("{}: {e}", target.display()))?;
+    println!("\nwritten to {}", target.display());
+    Ok(())
 }

@@ -1,0 +1,48 @@
+//! The chain of N four-bars of the IFToMM library of computational benchmark problems, A02, as a `mechanism.json`.
+//!
+//! 2 N + 1 uniform rods of 1 m and 1 kg: bars 0 to N stand on the ground 1 m apart, links 1 to N join their tips. Gravity
+//! 9.81 m/s2 downwards; upright at the start, the tips moving at 1 m/s to the right. Every loop is a parallelogram, so the
+//! chain has one degree of freedom and 2 N loop equations, all of which are singular whenever the bars lie flat.
+use std::f64::consts::FRAC_PI_2;
+use std::fmt::Write;
+
+/// The text of the file for `count` >= 1 four-bars; the pivots come first among the joints, so that every loop is closed
+/// by the bars next to it alone.
+pub fn text(count: u32) -> String {
+    let name = if count == 2 { "FourBarChain".into() } else { format!("FourBarChain{count}") };
+    let (bars, links) = (0..=count, 1..=count);
+    let list = |entries: Vec<String>| entries.join(",\n    ");
+    let pivots: Vec<String> = links.clone().map(|k| format!("\"pivot{k}\": [{k}, 0]")).collect();
+    let rod =
+        |name: &str, k: u32| format!("\"{name}{k}\": {{ \"length\": 1, \"mass\": 1, \"shape\": \"uniform_rod\" }}");
+    let bodies = bars.clone().map(|k| rod("bar", k)).chain(links.clone().map(|k| rod("link", k))).collect();
+    let revolute = |name: &str, k: u32, first: String, second: String| {
+        format!("\"{name}{k}\": {{ \"type\": \"revolute\", \"first\": \"{first}\", \"second\": \"{second}\" }}")
+    };
+    let pivot = |k: u32| if k == 0 { "ground.origin".into() } else { format!("ground.pivot{k}") };
+    let joints = (bars.clone().map(|k| revolute("pivot", k, pivot(k), format!("bar{k}.origin"))))
+        .chain(links.clone().map(|k| revolute("left", k, format!("bar{}.end", k - 1), format!("link{k}.origin"))))
+        .chain(links.clone().map(|k| revolute("right", k, format!("link{k}.end"), format!("bar{k}.end"))))
+        .collect();
+    let guess = (bars.map(|k| format!("\"bar{k}\": {FRAC_PI_2}")))
+        .chain(links.map(|k| format!("\"link{k}\": 0")))
+        .collect::<Vec<_>>()
+        .join(", ");
+    let mut out = String::from("{\n");
+    let mut line = |text: String| {
+        let _ = writeln!(out, "  {text}");
+    };
+    line(format!("\"name\": \"{name}\","));
+    line(format!("\"description\": \"Chain of {count} four-bars, IFToMM benchmark A02\","));
+    line(format!("\"gravity\": {{ \"acceleration\": 9.81, \"up_angle\": {FRAC_PI_2} }},"));
+    line(format!("\"bodies\": {{\n    \"ground\": {{ \"points\": {{ {} }} }},", pivots.join(", ")));
+    line(format!("  {}\n  }},", list(bodies)));
+    line(format!("\"joints\": {{\n    {}\n  }},", list(joints)));
+    line("\"markers\": {\n    \"tip\": { \"at\": \"bar0.end\" }\n  },".into());
+    line(format!("\"start\": {{ \"body\": \"bar0\", \"angle\": {FRAC_PI_2}, \"speed\": -1 }},"));
+    line(format!("\"guess\": {{ {guess} }},"));
+    line("\"solver\": { \"tolerance\": 1e-9 },".into());
+    line("\"experiment\": { \"stop_time\": 10, \"step_size\": 0.01 }".into());
+    out.push_str("}\n");
+    out
+}
