@@ -226,9 +226,11 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn coordinates(&self) -> Result<&Table, &Unresolved> {
-        let linkage = self.linkage();
-        let size = |i: usize| if i < linkage.turns { 1.0 } else { linkage.size };
-        let sizes: Vec<f64> = (0..linkage.coordinates.len()).flat_map(|i| self.natural.derivatives(size(i))).collect();
+        let sizes = || {
+            let linkage = self.linkage();
+            let size = |i: usize| if i < linkage.turns { 1.0 } else { linkage.size };
+            (0..linkage.coordinates.len()).flat_map(|i| self.natural.derivatives(size(i))).collect()
+        };
         self.table(&self.coordinate_table, &sizes, &|c, v| {
             for (i, derivatives) in v.chunks_exact_mut(3).enumerate() {
                 derivatives.copy_from_slice(&[c.q[i], c.q_sigma[i], c.q_second[i]]);
@@ -241,7 +243,8 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn displacement(&self, load: usize) -> Result<&Table, &Unresolved> {
-        let sizes = self.natural.derivatives(self.natural.displacement(&self.loading.loads[load], self.linkage()));
+        let load_size = || self.natural.displacement(&self.loading.loads[load], self.linkage());
+        let sizes = || self.natural.derivatives(load_size()).to_vec();
         self.table(&self.displacement_tables[load], &sizes, &|c, v| {
             v.copy_from_slice(&self.loading.loads[load].displacement(self.linkage(), c));
         })
@@ -252,8 +255,8 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn marker(&self, i: usize) -> Result<&Table, &Unresolved> {
-        let sizes = self.natural.derivatives(self.linkage().size);
-        self.table(&self.marker_tables[i], &[sizes, sizes].concat(), &|c, v| {
+        let sizes = || self.natural.derivatives(self.linkage().size).repeat(2);
+        self.table(&self.marker_tables[i], &sizes, &|c, v| {
             let (p, point) = (&c.positions, self.markers[i]);
             let (x, first) = (p.point(point), p.velocity(&c.rates, point));
             let second = p.acceleration(&c.rates, &c.second, point);
@@ -267,11 +270,14 @@ impl Reduced {
     /// [`Unresolved`].
     pub fn reaction(&self, joint: usize) -> Result<&Table, &Unresolved> {
         let terms = 2 + self.loading.loads.len();
-        let size = self.linkage().size;
-        let mut forces = vec![self.natural.scale / size, 1.0 / size];
-        forces.extend(self.loading.loads.iter().map(|l| self.natural.displacement(l, self.linkage()) / size));
-        let moments: Vec<f64> = forces.iter().map(|f| f * size).collect();
-        self.table(&self.reaction_tables[joint], &[&forces[..], &forces[..], &moments[..]].concat(), &|c, v| {
+        let sizes = || {
+            let size = self.linkage().size;
+            let mut forces = vec![self.natural.scale / size, 1.0 / size];
+            forces.extend(self.loading.loads.iter().map(|l| self.natural.displacement(l, self.linkage()) / size));
+            let moments: Vec<f64> = forces.iter().map(|f| f * size).collect();
+            [&forces[..], &forces[..], &moments[..]].concat()
+        };
+        self.table(&self.reaction_tables[joint], &sizes, &|c, v| {
             for (k, column) in self.reaction_columns(c).iter().enumerate() {
                 let Reaction { force, moment } = column[joint];
                 (v[k], v[terms + k], v[2 * terms + k]) = (force.x, force.y, moment);
@@ -308,11 +314,11 @@ impl Reduced {
     fn table<'a>(
         &self,
         lazy: &'a Lazy,
-        sizes: &[f64],
+        sizes: &dyn Fn() -> Vec<f64>,
         exact: &dyn Fn(&Configuration, &mut [f64]),
     ) -> Result<&'a Table, &'a Unresolved> {
         let build = || {
-            Table::build(&self.grid, sizes, &mut |sigma, values| {
+            Table::build(&self.grid, &sizes(), &mut |sigma, values| {
                 let c = self.curve.configuration(sigma);
                 exact(&c, values);
                 c.amplification

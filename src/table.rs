@@ -55,28 +55,6 @@ pub fn polynomial(c: &Series, x: f64) -> f64 {
     (sums[0] + x * sums[1]) + x2 * (sums[2] + x * sums[3])
 }
 
-/// Rounding in `exact`, for each component: second differences over distances so small that a smooth function is straight.
-/// One place in each panel; the upper quartile, because near a crossing rounding is amplified.
-fn noise(grid: &[f64], components: usize, exact: &mut dyn FnMut(f64, &mut [f64]) -> f64) -> Vec<f64> {
-    const DISTANCE: f64 = 1e-8;
-    let mut found = vec![Vec::with_capacity(grid.len()); components];
-    let mut values = [vec![0.0; components], vec![0.0; components], vec![0.0; components]];
-    for pair in grid.windows(2) {
-        let width = pair[1] - pair[0];
-        for (k, v) in (0..).zip(&mut values) {
-            exact(pair[0] + (0.3 + f64::from(k) * DISTANCE) * width, v);
-        }
-        for (i, of_component) in found.iter_mut().enumerate() {
-            of_component.push(0.5 * (values[0][i] - 2.0 * values[1][i] + values[2][i]).abs());
-        }
-    }
-    let quartile = |mut of_component: Vec<f64>| {
-        of_component.sort_by(f64::total_cmp);
-        of_component.get(3 * of_component.len() / 4).copied().unwrap_or(0.0)
-    };
-    found.into_iter().map(quartile).collect()
-}
-
 impl Table {
     /// Tabulate `exact`, which fills the components at a sigma, on the panels of `grid`, cut in three where needed. Each
     /// component has its natural size in `sizes`; `exact` returns how much it amplifies rounding.
@@ -94,9 +72,7 @@ impl Table {
     ) -> Result<Self, Unresolved> {
         const DEEPEST: usize = 9;
         let components = sizes.len();
-        // Where the tail is below the noise of rounding, cutting does not help.
-        let noise = noise(grid, components, exact);
-        let mut whole: Vec<f64> = sizes.iter().zip(&noise).map(|(size, n)| size.max(20.0 * n / ACCURACY)).collect();
+        let mut whole = sizes.to_vec();
         let transform = Transform::new();
         let mut values = vec![0.0; components];
         let mut fit = |a: f64, b: f64| -> (Vec<Series>, Vec<f64>, f64) {
