@@ -2,7 +2,6 @@
 use crate::definition::DefinitionError;
 use crate::integrator::IntegrationError;
 use crate::reduced::ReductionError;
-use crate::table::Unresolved;
 use crate::variables::Reference;
 use std::fmt;
 
@@ -36,12 +35,12 @@ pub enum ModelError {
         /// Variable.
         name: String,
     },
-    /// An output's table cannot be built.
+    /// An output is not smooth along the motion.
     Table {
         /// Variable.
         name: String,
-        /// Where it is not smooth.
-        at: Unresolved,
+        /// Where the linkage then is.
+        position: String,
     },
     /// A step before initialisation.
     NotInitialised,
@@ -71,7 +70,12 @@ impl fmt::Display for ModelError {
             ),
             Self::Value { name, value, allowed } => write!(f, "{name} = {value}: must be {allowed}"),
             Self::Output { name } => write!(f, "{name} is an output and cannot be set"),
-            Self::Table { name, at } => write!(f, "{name} cannot be computed along the whole motion: {at}"),
+            Self::Table { name, position } => {
+                write!(
+                    f,
+                    "{name} is not smooth near {position}, so that it cannot be told; change the lengths, or do not read it"
+                )
+            }
             Self::NotInitialised => f.write_str("a step was asked for before initialisation"),
             Self::StepSize { h } => write!(f, "step size h = {h} s: must be finite and > 0"),
             Self::Integration(IntegrationError::StepTooSmall { t, step }) => write!(

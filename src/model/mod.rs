@@ -135,7 +135,7 @@ impl Model {
                 };
                 state.output(reduced, &self.inputs, output).map_err(|at| ModelError::Table {
                     name: self.original.variables.list()[reference as usize].name.clone(),
-                    at,
+                    position: reduced.curve().describe(at.sigma),
                 })
             }
             None => Err(self.no_such(reference, "Real")),
@@ -248,7 +248,7 @@ impl Model {
         let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) else {
             return Err(ModelError::NotInitialised);
         };
-        state.apply(reduced, &self.inputs).map_err(|at| ModelError::Table { name: "energy.drift".into(), at })?;
+        state.apply(reduced, &self.inputs);
         let mut y = [state.sigma, state.sigma_dot];
         let mut memory = state.memory;
         let mut motion = Motion { reduced, sizes: &state.applied, turns: state.turns, folded: &mut state.folded };
@@ -337,7 +337,10 @@ impl State {
             // From the table, which is as good where branches cross. Nearer to a toggle than some 1e-13 rad, where the
             // slope is below 1e-6, rounding decides what it is.
             let table = reduced.coordinates();
-            let table = table.map_err(|at| ModelError::Table { name: variable.clone(), at: at.clone() })?;
+            let table = table.map_err(|at| ModelError::Table {
+                name: variable.clone(),
+                position: reduced.curve().describe(at.sigma),
+            })?;
             let slope = table.value(table.spot(sigma), 3 * coordinate + 1);
             if slope.abs() * reduced.scale() < 1e-6 {
                 let name = format!("{name}.start_speed");
@@ -355,19 +358,18 @@ impl State {
             folded: Folded::default(),
             cache: Cache::new(reduced, inputs),
         };
-        let table = |at| ModelError::Table { name: "energy.drift".into(), at };
-        state.reference = state.kinetic() + state.load_potential(reduced).map_err(table)?;
+        state.reference = state.kinetic() + state.load_potential(reduced);
         Ok(state)
     }
 
     /// Take up inputs that have changed since the last step: the change of the loads' potential is work from outside.
-    fn apply(&mut self, reduced: &Reduced, inputs: &[f64]) -> Result<(), crate::table::Unresolved> {
+    fn apply(&mut self, reduced: &Reduced, inputs: &[f64]) {
         let loads = reduced.loading().inputs.len();
         let mut work = 0.0;
         let mut changed = false;
         for (load, input) in inputs[..loads].iter().enumerate() {
             if self.applied[load].to_bits() != input.to_bits() {
-                work -= (input - self.applied[load]) * self.displacement(reduced, load)?;
+                work -= (input - self.applied[load]) * self.displacement(reduced, load);
                 changed = true;
             }
         }
@@ -377,6 +379,5 @@ impl State {
             self.memory.refresh();
             self.folded = Folded::default();
         }
-        Ok(())
     }
 }

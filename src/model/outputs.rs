@@ -77,7 +77,7 @@ impl State {
                     ReactionPart::Moment => moment,
                 })
             }
-            Output::Displacement { load, order: 0 } => self.displacement(reduced, load),
+            Output::Displacement { load, order: 0 } => Ok(self.displacement(reduced, load)),
             Output::Displacement { load, order } => {
                 let table = checked(reduced.displacement(load))?;
                 Ok(self.derivative(table, 0, reduced, order))
@@ -88,7 +88,7 @@ impl State {
             }
             Output::Pull { spring } => {
                 let spring = &reduced.loading().springs[spring];
-                let pull = spring.pull(self.displacement(reduced, spring.load)?);
+                let pull = spring.pull(self.displacement(reduced, spring.load));
                 if spring.damping == 0.0 {
                     return Ok(pull);
                 }
@@ -102,12 +102,12 @@ impl State {
             Output::Kinetic => Ok(self.kinetic()),
             Output::Potential => {
                 let gravity = match reduced.loading().gravity {
-                    Some(load) => -inputs[load] * self.displacement(reduced, load)?,
+                    Some(load) => -inputs[load] * self.displacement(reduced, load),
                     None => 0.0,
                 };
-                Ok(gravity + self.spring_energy(reduced)?)
+                Ok(gravity + self.spring_energy(reduced))
             }
-            Output::Drift => Ok(self.kinetic() + self.load_potential(reduced)? - self.reference),
+            Output::Drift => Ok(self.kinetic() + self.load_potential(reduced) - self.reference),
         }
     }
 
@@ -117,29 +117,28 @@ impl State {
     }
 
     /// Potential of all loads at the applied sizes: less the sum of size times displacement, and the springs' energy [J].
-    pub fn load_potential(&self, reduced: &Reduced) -> Result<f64, Unresolved> {
-        let mut sum = self.spring_energy(reduced)?;
+    pub fn load_potential(&self, reduced: &Reduced) -> f64 {
+        let mut sum = self.spring_energy(reduced);
         for (load, size) in self.applied.iter().enumerate() {
             if *size != 0.0 {
-                sum -= size * self.displacement(reduced, load)?;
+                sum -= size * self.displacement(reduced, load);
             }
         }
-        Ok(sum)
+        sum
     }
 
-    fn spring_energy(&self, reduced: &Reduced) -> Result<f64, Unresolved> {
+    fn spring_energy(&self, reduced: &Reduced) -> f64 {
         let mut sum = 0.0;
         for spring in &reduced.loading().springs {
-            sum += spring.energy(self.displacement(reduced, spring.load)?);
+            sum += spring.energy(self.displacement(reduced, spring.load));
         }
-        Ok(sum)
+        sum
     }
 
     /// Displacement of a load, counted on over whole turns.
-    pub fn displacement(&self, reduced: &Reduced, load: usize) -> Result<f64, Unresolved> {
-        let table = checked(reduced.displacement(load))?;
+    pub fn displacement(&self, reduced: &Reduced, load: usize) -> f64 {
         let growth = if self.turns == 0.0 { 0.0 } else { self.turns * reduced.load_growth(load) };
-        Ok(table.value(table.spot(self.sigma), 0) + growth)
+        reduced.displacement_at(load, self.sigma) + growth
     }
 
     fn influence(&self, reduced: &Reduced, load: usize) -> f64 {

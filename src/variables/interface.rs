@@ -1,76 +1,13 @@
 //! The interface of a mechanism: every variable with its start value and its true dependencies.
+use super::needs::{Effect, Needs, PLACED, effects};
 use super::{
     Causality, Kind, OneElement, Output, Quantity, ReactionPart, Reference, Unit, Value, Variability, Variable,
     Variables,
 };
-use crate::definition::{DefinitionError, Mechanism, Parameter, Role};
+use crate::definition::{DefinitionError, Mechanism, Parameter};
 use crate::linkage::{Freedom, GROUND, Linkage, Point};
-use crate::loading::{Drive, Loading, Spring, markers};
+use crate::loading::{Drive, Loading, markers};
 use crate::loads::Load;
-
-/// What a variable's value follows from; a set of causes.
-#[derive(Clone, Copy, Default)]
-struct Needs<'a> {
-    /// The coordinates at the start: every joint.
-    closure: bool,
-    /// One joint only, which places the body that states the start.
-    joint: Option<usize>,
-    /// The stated start position.
-    position: bool,
-    /// The stated start speed.
-    speed: bool,
-    /// The kinetic energy of given rates.
-    inertia: bool,
-    /// Every body's mass and centre of mass, one by one.
-    masses: bool,
-    /// Sizes of these loads.
-    inputs: &'a [usize],
-    /// Geometry or constants of these loads.
-    loads: &'a [usize],
-    /// Place of this marker.
-    marker: Option<usize>,
-}
-
-/// Depends on where every body is.
-const PLACED: Needs<'static> = Needs {
-    closure: true,
-    joint: None,
-    position: true,
-    speed: false,
-    inertia: false,
-    masses: false,
-    inputs: &[],
-    loads: &[],
-    marker: None,
-};
-
-/// What a parameter acts on, found by changing it and comparing the resolved linkage.
-struct Effect {
-    role: Role,
-    joints: Vec<bool>,
-    inertia: bool,
-    masses: bool,
-    loads: Vec<bool>,
-    markers: Vec<bool>,
-}
-
-impl Effect {
-    fn meets(&self, needs: &Needs) -> bool {
-        match self.role {
-            Role::StartPosition => needs.position,
-            Role::StartSpeed => needs.speed,
-            Role::Tolerance => false,
-            Role::Geometry | Role::Inertia | Role::Load => {
-                (needs.closure && self.joints.contains(&true))
-                    || needs.joint.is_some_and(|j| self.joints[j])
-                    || (needs.inertia && self.inertia)
-                    || (needs.masses && self.masses)
-                    || needs.loads.iter().any(|&l| self.loads[l])
-                    || needs.marker.is_some_and(|m| self.markers[m])
-            }
-        }
-    }
-}
 
 /// Collects the variables in order.
 struct Builder<'a> {
@@ -121,72 +58,6 @@ impl Variables {
         }
         let guid = guid(&mechanism.name, &builder.list);
         Ok(Self { list: builder.list, quantities: builder.quantities, guid })
-    }
-}
-
-/// Change every parameter a little and see what the resolved linkage does.
-fn effects(
-    mechanism: &Mechanism,
-    linkage: &Linkage,
-    parameters: &[(Parameter, f64)],
-    loading: &Loading,
-    all_markers: &[Point],
-) -> Result<Vec<Effect>, DefinitionError> {
-    let mut out = Vec::new();
-    for (parameter, value) in parameters {
-        let mut changed = mechanism.clone();
-        changed.parameters(&mut |p, v| {
-            if p.name == parameter.name {
-                *v = value * 1.001 + 1e-4;
-            }
-        });
-        let other = Linkage::new(&changed)?;
-        // A prismatic joint's angle shows in its second body's.
-        let joint = |l: &Linkage, j: usize| (l.joints[j].clone(), l.bodies[l.joints[j].second.body].offset);
-        let masses = |l: &Linkage| l.bodies.iter().map(|b| (b.mass, b.center, b.inertia)).collect::<Vec<_>>();
-        let kinetic = |l: &Linkage| (0..l.bodies.len()).map(|b| kinetic_constants(l, b)).collect::<Vec<_>>();
-        let (other_loading, other_markers) = (Loading::new(&changed, &other)?, markers(&changed, &other)?);
-        let moved = masses(linkage) != masses(&other);
-        let differs = |l: usize| {
-            let gravity = moved && matches!(loading.loads[l], Load::Gravity(_));
-            gravity || load_constants(loading, l) != load_constants(&other_loading, l)
-        };
-        // Rounding of the same sum in other terms is no effect.
-        let same = |(a, b): (&[f64; 4], &[f64; 4])| a.iter().zip(b).all(|(x, y)| (x - y).abs() <= 1e-12 * x.abs());
-        out.push(Effect {
-            role: parameter.role,
-            joints: (0..linkage.joints.len()).map(|j| joint(linkage, j) != joint(&other, j)).collect(),
-            inertia: !kinetic(linkage).iter().zip(&kinetic(&other)).all(same),
-            masses: moved,
-            loads: (0..loading.loads.len()).map(differs).collect(),
-            markers: all_markers.iter().zip(&other_markers).map(|(a, b)| a != b).collect(),
-        });
-    }
-    Ok(out)
-}
-
-/// What a load depends on: its unit load, its size where that is constant, its spring's law, its drive's efficiency.
-fn load_constants(loading: &Loading, load: usize) -> (&Load, Option<f64>, Option<&Spring>, Option<f64>) {
-    let constant = load.checked_sub(loading.inputs.len()).and_then(|i| loading.constants.get(i));
-    let spring = load.checked_sub(loading.sized()).map(|i| &loading.springs[i]);
-    let efficiency = loading.drives.get(load).and_then(|d| d.efficiency);
-    (&loading.loads[load], constant.copied(), spring, efficiency)
-}
-
-/// What a body's kinetic energy depends on: about its pivot alone if that is fixed, else mass, centre and inertia.
-fn kinetic_constants(linkage: &Linkage, body: usize) -> [f64; 4] {
-    let b = &linkage.bodies[body];
-    let pivot = linkage.joints.iter().filter(|j| j.freedom == Freedom::Turn).find_map(|j| {
-        let (first, second) = (j.first, j.second);
-        match (first.body, second.body) {
-            (GROUND, other) if other == body => Some(second.local),
-            (other, GROUND) if other == body => Some(first.local),
-            _ => None,
-        }
-    });
-    match pivot {
-        Some(pivot) => [b.inertia + b.mass * (b.center - pivot).norm_squared(), 0.0, 0.0, 0.0],
-        None => [b.mass, b.center.x, b.center.y, b.inertia],
     }
 }
 

@@ -5,6 +5,7 @@
 //! This room knows nothing of the FMI functions; the words causality, variability and initial are the standard's own.
 
 mod interface;
+mod needs;
 mod unit;
 
 pub use unit::{BaseUnit, DisplayUnit, Unit};

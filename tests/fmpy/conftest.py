@@ -100,11 +100,14 @@ class Instance:
 Start = Callable[..., Instance]
 
 
+#: Where the packed FMUs are.
+FMU_FOLDER = Path(os.environ.get("LINKAGE_FMU_DIR", REPOSITORY / "target" / "fmu"))
+
+
 @pytest.fixture(scope="session")
 def fmu() -> Path:
     """The packed FMU; LINKAGE_FMU_DIR names another folder than target/fmu."""
-    folder = Path(os.environ.get("LINKAGE_FMU_DIR", REPOSITORY / "target" / "fmu"))
-    path = folder / f"{NAME}.fmu"
+    path = FMU_FOLDER / f"{NAME}.fmu"
     assert path.is_file(), f"{path} is missing; run `cargo fmu package`"
     return path
 

@@ -1,0 +1,113 @@
+//! What the table of influences holds, and the natural sizes of everything that is tabulated.
+use crate::curve::{Configuration, Curve, Ends};
+use crate::linkage::Linkage;
+use crate::loading::Loading;
+use crate::loads::Load;
+
+/// Components of the influence table beyond one for each sized load; each is there only if the mechanism needs it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Components {
+    /// Number of sized loads.
+    pub sized: usize,
+    /// Springs at rest: less the sum of pull times S_sigma.
+    pub springs: Option<usize>,
+    /// Dampers: the sum of damping times S_sigma^2, a force for each unit of sigma_dot.
+    pub damping: Option<usize>,
+    /// What each whole turn adds to the springs, where a torsional spring winds up.
+    pub winding: Option<usize>,
+    /// Number of components.
+    pub count: usize,
+}
+
+/// Natural sizes, to which the accuracy of tables is related where the values themselves are small.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Natural {
+    /// Length along the curve that goes with a motion of the size of one radian.
+    pub(super) scale: f64,
+}
+
+impl Natural {
+    pub(super) fn new(curve: &Curve) -> Self {
+        Self { scale: curve.scale() }
+    }
+
+    /// Of a function with this size, and of its two derivatives along sigma.
+    pub(super) fn derivatives(&self, size: f64) -> [f64; 3] {
+        [size, size / self.scale, size / self.scale.powi(2)]
+    }
+
+    /// Of a load's displacement in a motion of the size of one radian.
+    pub(super) fn displacement(&self, load: &Load, linkage: &Linkage) -> f64 {
+        match load {
+            Load::Torque { .. } | Load::Couple { .. } => 1.0,
+            Load::Force { .. } | Load::Pair { .. } | Load::Slide { .. } => linkage.size,
+            Load::Gravity(acceleration) => {
+                let mass: f64 = linkage.bodies.iter().map(|b| b.mass).sum();
+                mass * acceleration.norm() * linkage.size
+            }
+        }
+    }
+}
+
+impl Components {
+    /// Natural size of each component.
+    pub(super) fn sizes(&self, loading: &Loading, curve: &Curve, natural: &Natural) -> Vec<f64> {
+        let mut out = vec![0.0; self.count];
+        let displacement = |load: usize| natural.displacement(&loading.loads[load], curve.linkage());
+        for (load, size) in out[..self.sized].iter_mut().enumerate() {
+            *size = displacement(load) / natural.scale;
+        }
+        for spring in &loading.springs {
+            let s = displacement(spring.load);
+            let mut add = |component: Option<usize>, value: f64| {
+                if let Some(k) = component {
+                    out[k] += value;
+                }
+            };
+            add(self.springs, (spring.preload.abs() + spring.stiffness * s) * s / natural.scale);
+            add(self.damping, spring.damping * (s / natural.scale).powi(2));
+            add(self.winding, spring.stiffness * s * s / natural.scale);
+        }
+        out
+    }
+
+    pub(super) fn new(loading: &Loading, curve: &Curve) -> Self {
+        let mut count = loading.sized();
+        let mut next = |there: bool| {
+            count += usize::from(there);
+            there.then(|| count - 1)
+        };
+        let springs = next(!loading.springs.is_empty());
+        let damping = next(loading.springs.iter().any(|s| s.damping != 0.0));
+        let winds = |s: &crate::loading::Spring| winding(loading, curve, s) != 0.0;
+        let winding = next(loading.springs.iter().any(winds));
+        Self { sized: loading.sized(), springs, damping, winding, count }
+    }
+
+    pub(super) fn fill(&self, loading: &Loading, curve: &Curve, c: &Configuration, values: &mut [f64]) {
+        let linkage = curve.linkage();
+        values[self.sized..].fill(0.0);
+        for (value, load) in values.iter_mut().zip(&loading.loads[..self.sized]) {
+            *value = load.influence(linkage, c);
+        }
+        for spring in &loading.springs {
+            let [s, s_sigma, _] = loading.loads[spring.load].displacement(linkage, c);
+            let mut add = |component: Option<usize>, value: f64| {
+                if let Some(k) = component {
+                    values[k] += value;
+                }
+            };
+            add(self.springs, -spring.pull(s) * s_sigma);
+            add(self.damping, spring.damping * s_sigma * s_sigma);
+            add(self.winding, -spring.stiffness * winding(loading, curve, spring) * s_sigma);
+        }
+    }
+}
+
+/// How far a spring winds up over one turn of a closed curve.
+fn winding(loading: &Loading, curve: &Curve, spring: &crate::loading::Spring) -> f64 {
+    match curve.ends() {
+        Ends::Closed(growth) => loading.loads[spring.load].growth(curve.linkage(), &|turn| growth[turn]),
+        Ends::Open => 0.0,
+    }
+}

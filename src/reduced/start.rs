@@ -1,0 +1,109 @@
+//! The start on the curve: where a coordinate has a stated value.
+use super::{Reduced, ReductionError};
+
+impl Reduced {
+    /// sigma where a coordinate has this value, and the number of turns of the curve before it: of several the one
+    /// nearest to the guess, where sigma is 0.
+    ///
+    /// # Errors
+    /// [`ReductionError::Start`] with the range of the coordinate.
+    pub fn find(&self, coordinate: usize, value: f64, name: &str) -> Result<(f64, f64), ReductionError> {
+        let table = self
+            .coordinates()
+            .map_err(|e| ReductionError::Table { what: name.into(), position: self.curve.describe(e.sigma) })?;
+        const SAMPLES: usize = 16;
+        let growth = self.growth(coordinate);
+        let sample = |panel: usize, k: usize| {
+            let x = OVERLAP * (-1.0 + 2.0 * k as f64 / SAMPLES as f64);
+            (x, crate::table::polynomial(table.series(panel, 3 * coordinate), x))
+        };
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for panel in 0..table.panels() {
+            for k in 0..=SAMPLES {
+                let (_, q) = sample(panel, k);
+                (low, high) = (low.min(q), high.max(q));
+            }
+        }
+        // On a curve that turns fully round the value may lie some turns away.
+        let turns = if growth == 0.0 {
+            vec![0.0]
+        } else {
+            let around = ((value - 0.5 * (low + high)) / growth).round();
+            (-2..=2).map(|k| around + f64::from(k)).collect()
+        };
+        let mut best: Option<(f64, f64)> = None;
+        let distance = |sigma: f64| match self.period() {
+            Some(period) => sigma.abs().min((period - sigma).abs()),
+            None => sigma.abs(),
+        };
+        for turn in turns {
+            let wanted = value - turn * growth;
+            for panel in 0..table.panels() {
+                let (a, b) = table.borders(panel);
+                let mut offer = |x: f64| {
+                    let (sigma, turn) = self.within_a_turn(0.5 * (a + b) + 0.5 * (b - a) * x, turn);
+                    if best.is_none_or(|(s, _)| distance(sigma) < distance(s)) {
+                        best = Some((sigma, turn));
+                    }
+                };
+                let miss = |x: f64| crate::table::polynomial(table.series(panel, 3 * coordinate), x) - wanted;
+                let slope = |x: f64| crate::table::polynomial(table.series(panel, 3 * coordinate + 1), x);
+                // At the border of panels rounding may hide the change of sign.
+                for x in [-1.0, 1.0] {
+                    if miss(x).abs() <= 8.0 * f64::EPSILON * (1.0 + value.abs()) {
+                        offer(x);
+                    }
+                }
+                for k in 0..SAMPLES {
+                    let (x0, x1) = (sample(panel, k).0, sample(panel, k + 1).0);
+                    if miss(x0) * miss(x1) <= 0.0 {
+                        offer(bisect(&miss, x0, x1));
+                    } else if slope(x0) * slope(x1) <= 0.0 {
+                        // The coordinate turns back here: a start exactly at the toggle.
+                        let x = bisect(&slope, x0, x1);
+                        if miss(x) * miss(x0) <= 0.0 {
+                            offer(bisect(&miss, x0, x));
+                            offer(bisect(&miss, x, x1));
+                        } else if miss(x).abs() < TOGGLE {
+                            offer(x);
+                        }
+                    }
+                }
+            }
+        }
+        let (sigma, turn) = best.ok_or(ReductionError::Start { name: name.into(), value, range: (low, high) })?;
+        if growth != 0.0 {
+            return Ok((sigma, turn));
+        }
+        // Just behind the guess is the last turn's end: the other coordinates are then near their guesses, not a turn on.
+        let behind = self.period().is_some_and(|period| period - sigma < sigma);
+        Ok((sigma, if behind { -1.0 } else { 0.0 }))
+    }
+
+    /// sigma within the curve, and the number of turns before it, for a sigma just outside.
+    fn within_a_turn(&self, sigma: f64, turns: f64) -> (f64, f64) {
+        let (first, last) = self.curve.range();
+        match self.period() {
+            Some(period) if sigma < first => (sigma + period, turns - 1.0),
+            Some(period) if sigma >= last => (sigma - period, turns + 1.0),
+            Some(_) => (sigma, turns),
+            None => (sigma.clamp(first, last), turns),
+        }
+    }
+}
+
+/// Panels are searched for the start this much beyond their ends: at a border rounding must not hide it from both.
+const OVERLAP: f64 = 1.0 + 1e-9;
+/// A stated start this close beyond a toggle is at the toggle [rad or m].
+const TOGGLE: f64 = 1e-9;
+
+/// Root of a function that changes sign: bisection to the last bit.
+fn bisect(f: &dyn Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
+    let rising = f(b) > 0.0 || f(a) < 0.0;
+    for _ in 0..60 {
+        let middle = 0.5 * (a + b);
+        let above = f(middle) > 0.0;
+        if above == rising { b = middle } else { a = middle }
+    }
+    0.5 * (a + b)
+}
