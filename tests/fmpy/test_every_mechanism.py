@@ -1,4 +1,4 @@
-"""Every mechanism of this repository through FMPy: it validates, runs its default experiment, and every output is finite."""
+"""Every mechanism of this repository through FMPy: it validates, it runs by default, and every output is finite."""
 
 import math
 from pathlib import Path
