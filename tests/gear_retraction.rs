@@ -8,13 +8,13 @@ const GEAR: &str = include_str!("../modelDescription/LandingGearRetraction/resou
 /// theta2 [rad] at times [s]: F = 30 kN, load factor 3, from rest at 0.8 rad.
 const REFERENCE: [(f64, f64); 4] = [
     (0.02, 0.754_575_037_883_200_4),
-    (0.05, 0.509_301_986_703_206_5),
+    (0.05, 0.509_301_986_703_906_5),
     (0.10, -0.409_135_231_200_168_4),
     (0.13, -1.237_711_726_689_136_7),
 ];
 const SPEED_AT_013: f64 = -30.118_354_649_349_844;
 /// theta2 = -1.3 rad is reached at this time [s], with this speed [rad/s].
-const RETRACTED: (f64, f64) = (0.132_059_852_744_269_77, -30.257_773_253_560_312);
+const RETRACTED: (f64, f64) = (0.132_059_852_744_259_7, -30.257_773_253_560_312);
 
 struct Gear(Model);
 

@@ -19,7 +19,7 @@ TOLERANCE = 1e-9
 """Default tolerance of the integration."""
 FINAL_ANGLE = -1.2377117266891367
 """Angle of the crank at 0.13 s by quadrature [rad]."""
-RETRACTION_TIME = 0.13205985274426977
+RETRACTION_TIME = 0.1320598527442597
 """Time at which the crank is at -1.3 rad by quadrature [s]."""
 GLOBAL_OVER_LOCAL = 100.0
 """Promised ratio of the angle error at 0.13 s to the tolerance of one step [rad]."""
