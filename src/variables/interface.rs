@@ -313,7 +313,13 @@ impl Builder<'_> {
                 AdditionalForce,
                 additional,
             ),
-            (format!("required_{force}"), "What the demanded acceleration takes of", unit, RequiredForce, required),
+            (
+                "required_force".into(),
+                "Force or torque that the demanded acceleration takes of",
+                unit,
+                RequiredForce,
+                required,
+            ),
             (
                 format!("holding_{force}"),
                 "What holds the mechanism still here, under the present loads, of",

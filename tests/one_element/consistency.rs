@@ -115,7 +115,7 @@ fn check(index: usize, place: f64, speed: f64, sizes: &[f64], efficiency: f64) {
     let v = host.get(&name("speed"));
     let size = [present, reduced * acceleration, load, additional].into_iter().fold(0.0, |a: f64, x| a.max(x.abs()));
     let mut worst = Worst::default();
-    worst.compare("inverse undoes forward", host.get(&name(&format!("required_{force}"))), present, size);
+    worst.compare("inverse undoes forward", host.get(&name("required_force")), present, size);
     worst.compare("(16), (37)", load + reduced * acceleration - additional, present, size);
     if efficiency == 1.0 {
         worst.compare("T", 0.5 * reduced * v * v, host.get("energy.kinetic"), 0.0);

@@ -132,7 +132,7 @@ fn compare(worst: &mut Worst, host: &mut Host, e: &Expected, force: f64, demand:
     worst.compare("acceleration", host.get(&name("acceleration")), acceleration, full / e.inertia);
     let required = e.load + e.inertia * demand - additional;
     let size = full.max(e.inertia * demand.abs());
-    worst.compare("required", host.get(&name(&format!("required_{force_name}"))), required, size);
+    worst.compare("required", host.get(&name("required_force")), required, size);
     worst.compare("T", host.get("energy.kinetic"), 0.5 * e.inertia * e.speed * e.speed, 0.0);
 }
 

@@ -70,7 +70,7 @@ fn closed_forms(host: &mut Host, rod_inertia: f64) {
         worst.compare("(11) T_Su", host.get("drive.static_load"), static_load, (MASS * 9.81 - force) * R);
         worst.compare("(15) Delta T_S", host.get("drive.additional_torque"), additional, part);
         let required = static_load + inertia * demand - additional;
-        worst.compare("(16) T_S", host.get("drive.required_torque"), required, full.max(inertia * demand).max(part));
+        worst.compare("(16) T_S", host.get("drive.required_force"), required, full.max(inertia * demand).max(part));
         worst.compare("(17) epsilon_S", host.get("drive.acceleration"), acceleration, full.max(part) / inertia);
         let size = (R * acceleration).abs() + R * omega * omega;
         let a = rz * acceleration + omega * omega * drz;

@@ -30,7 +30,7 @@ const MISJUDGED: f64 = 100.0;
 const REFUSED: u32 = 3;
 
 fn config(cases: u32) -> ProptestConfig {
-    let factor = std::env::var("RANDOM_LINKAGES").ok().and_then(|v| v.parse::<u32>().ok()).unwrap_or(1);
+    let factor = std::env::var("RANDOM_LINKAGES").ok().and_then(|v| v.parse::<u32>().ok()).unwrap_or(2);
     let cases = cases * factor;
     ProptestConfig {
         cases,
