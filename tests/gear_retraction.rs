@@ -113,3 +113,30 @@ fn changing_inputs_leaves_the_energy_balance_closed() {
     }
     assert!(gear.get("energy.kinetic") > 1e3);
 }
+
+#[test]
+fn sizes_beyond_reason_are_errors_not_numbers() {
+    let mut gear = Gear::new(1e-9);
+    let start = (gear.get("crank.angle"), gear.get("crank.speed"));
+    gear.set("actuator.force", 1e308);
+    gear.set("load_factor", -1e308);
+    for name in ["crank.acceleration", "joint1.force", "wheel.acceleration_x"] {
+        let reference = gear.0.variables().find(name).unwrap();
+        let error = gear.0.real(reference).unwrap_err().to_string();
+        assert!(error.contains(name) && error.contains("largest number"), "{error}");
+    }
+    let error = gear.0.step(1e-3).unwrap_err().to_string();
+    assert!(error.contains("solver.tolerance") && error.contains("inputs"), "{error}");
+    assert_eq!((gear.get("crank.angle"), gear.get("crank.speed")), start);
+    gear.set("actuator.force", 30_000.0);
+    gear.set("load_factor", 3.0);
+    for (name, value) in [("crank.mass", 1e308), ("crank.length", 1e200), ("gravity.acceleration", 1e308)] {
+        let mut gear = Gear::new(1e-9);
+        gear.set(name, value);
+        // Either refused, or every output it still tells is a number.
+        if gear.0.initialize().is_ok() {
+            let accelerates = gear.0.variables().find("crank.acceleration").unwrap();
+            assert!(gear.0.real(accelerates).is_ok_and(f64::is_finite) || gear.0.step(1e-3).is_err(), "{name}");
+        }
+    }
+}

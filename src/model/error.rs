@@ -42,6 +42,11 @@ pub enum ModelError {
         /// Where the linkage then is.
         position: String,
     },
+    /// An output overflows.
+    Overflow {
+        /// Variable.
+        name: String,
+    },
     /// A step before initialisation.
     NotInitialised,
     /// A step that is no step.
@@ -74,6 +79,12 @@ impl fmt::Display for ModelError {
                 write!(
                     f,
                     "{name} is not smooth near {position}, so that it cannot be told; change the lengths, or do not read it"
+                )
+            }
+            Self::Overflow { name } => {
+                write!(
+                    f,
+                    "{name} is beyond the largest number under the present inputs and parameters: check their sizes"
                 )
             }
             Self::NotInitialised => f.write_str("a step was asked for before initialisation"),

@@ -133,10 +133,12 @@ impl Model {
                 let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) else {
                     return Err(ModelError::NotInitialised);
                 };
-                state.output(reduced, &self.inputs, output).map_err(|at| ModelError::Table {
-                    name: self.original.variables.list()[reference as usize].name.clone(),
-                    position: reduced.curve().describe(at.sigma),
-                })
+                let name = || self.original.variables.list()[reference as usize].name.clone();
+                match state.output(reduced, &self.inputs, output) {
+                    Ok(value) if value.is_finite() => Ok(value),
+                    Ok(_) => Err(ModelError::Overflow { name: name() }),
+                    Err(at) => Err(ModelError::Table { name: name(), position: reduced.curve().describe(at.sigma) }),
+                }
             }
             None => Err(self.no_such(reference, "Real")),
         }
