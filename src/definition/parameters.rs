@@ -193,7 +193,9 @@ impl Mechanism {
                 visit(p("damping", "Damping", linear, rotary, range), v);
             }
             if let Some(v) = &mut spring.free_length {
-                visit(p("free_length", "Free length", Unit::Metre, Unit::Metre, Range::Finite), v);
+                // A distance is not negative, a position along an axis may be.
+                let range = if spring.joint.is_none() { Range::NonNegative } else { Range::Finite };
+                visit(p("free_length", "Free length", Unit::Metre, Unit::Metre, range), v);
             }
             if let Some(v) = &mut spring.free_angle {
                 visit(p("free_angle", "Free angle", Unit::Radian, Unit::Radian, Range::Finite), v);
@@ -203,32 +205,18 @@ impl Mechanism {
             }
         }
         let start = &mut self.start;
-        if let (Some(name), Some(v)) = (&start.body, &mut start.angle) {
-            let p = |n: &str, text: &str, unit, role| {
-                make(
-                    format!("{name}.start_{n}"),
-                    format!("start.{n}"),
-                    format!("{text} of {name} at the start"),
-                    unit,
-                    Range::Finite,
-                    role,
-                )
+        let stated = match (&start.body, &mut start.angle, &start.joint, &mut start.position) {
+            (Some(body), Some(v), ..) => Some((body, v, "angle", Unit::Radian, Unit::RadianPerSecond)),
+            (.., Some(joint), Some(v)) => Some((joint, v, "position", Unit::Metre, Unit::MetrePerSecond)),
+            _ => None,
+        };
+        if let Some((name, value, quantity, unit, speed_unit)) = stated {
+            let p = |n: &str, unit, role| {
+                let (key, text) = (format!("start.{n}"), format!("Start {n} of {name}"));
+                make(format!("{name}.start_{n}"), key, text, unit, Range::Finite, role)
             };
-            visit(p("angle", "Angle", Unit::Radian, StartPosition), v);
-            visit(p("speed", "Angular speed", Unit::RadianPerSecond, StartSpeed), &mut start.speed);
-        } else if let (Some(name), Some(v)) = (&start.joint, &mut start.position) {
-            let p = |n: &str, text: &str, unit, role| {
-                make(
-                    format!("{name}.start_{n}"),
-                    format!("start.{n}"),
-                    format!("{text} of {name} at the start"),
-                    unit,
-                    Range::Finite,
-                    role,
-                )
-            };
-            visit(p("position", "Position", Unit::Metre, StartPosition), v);
-            visit(p("speed", "Speed", Unit::MetrePerSecond, StartSpeed), &mut start.speed);
+            visit(p(quantity, unit, StartPosition), value);
+            visit(p("speed", speed_unit, StartSpeed), &mut start.speed);
         }
         visit(
             make(

@@ -209,13 +209,6 @@ impl Mechanism {
                 let message = "a spring in a revolute joint has a free_angle, any other a free_length";
                 return Err(key_error(key, message));
             }
-            if let (None, Some(length)) = (&spring.joint, spring.free_length)
-                && length < 0.0
-            {
-                let allowed = "a finite number >= 0".into();
-                let key = format!("{key}.free_length");
-                return Err(DefinitionError::Value { key, value: format!("{length}"), allowed });
-            }
         }
         for (name, force) in self.forces.iter() {
             self.point(&format!("forces.{name}.at"), &force.at)?;

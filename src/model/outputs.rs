@@ -1,6 +1,7 @@
 //! Outputs on demand: each from its table, at the present state, under the present inputs.
 use super::State;
 use super::motion::{Folded, Motion, effective};
+use crate::linkage::Freedom;
 use crate::reduced::Reduced;
 use crate::table::{Table, Unresolved};
 use crate::variables::{OneElement, Output, ReactionPart};
@@ -268,9 +269,11 @@ impl State {
                 &|k| exact[k]
             }
         };
+        // A revolute joint transmits no moment.
+        let parts = if reduced.linkage().joints[joint].freedom == Freedom::Turn { 2 } else { 3 };
         let mut value = [0.0; 3];
         let mut add = |term: usize, size: f64| {
-            for (part, sum) in value.iter_mut().enumerate() {
+            for (part, sum) in value.iter_mut().enumerate().take(parts) {
                 *sum += size * component(part * terms + term);
             }
         };
