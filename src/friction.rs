@@ -85,6 +85,13 @@ impl<T: Number> Loop<T> {
         }
     }
 
+    /// Forget the reactions and effects.
+    pub fn clear(&mut self) {
+        let none = [T::constant(0.0); 2];
+        self.free.fill(none);
+        self.effect.fill(none);
+    }
+
     /// Friction M_j of the last solution.
     pub fn friction(&self, j: usize) -> T {
         -(self.arm[j] * self.size[j])

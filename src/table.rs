@@ -55,7 +55,22 @@ pub fn polynomial(c: &Series, x: f64) -> f64 {
     (sums[0] + x * sums[1]) + x2 * (sums[2] + x * sums[3])
 }
 
+/// Derivative of [`polynomial`] along x.
+pub fn slope(c: &Series, x: f64) -> f64 {
+    c.iter().enumerate().skip(1).rev().fold(0.0, |sum, (k, c)| sum * x + k as f64 * c)
+}
+
 impl Table {
+    /// A table of nothing.
+    pub fn empty() -> Self {
+        Self { borders: Vec::new(), components: 0, coefficients: Vec::new() }
+    }
+
+    /// Number of components.
+    pub fn components(&self) -> usize {
+        self.components
+    }
+
     /// Tabulate `exact`, which fills the components at a sigma, on the panels of `grid`, cut in three where needed. Each
     /// component has its natural size in `sizes`; `exact` returns how much it amplifies rounding.
     ///

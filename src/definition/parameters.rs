@@ -259,10 +259,7 @@ impl Mechanism {
                 visit(p("surface_angle", "Angle of the flat area", Unit::Radian, Range::Finite), v);
             }
             let unit = Unit::One;
-            visit(
-                p("drag_coefficient", "Drag coefficient", unit, Range::NonNegative),
-                &mut surface.drag_coefficient,
-            );
+            visit(p("drag_coefficient", "Drag coefficient", unit, Range::NonNegative), &mut surface.drag_coefficient);
         }
         for (name, stop) in self.stops.iter_mut() {
             let p = |n: &str, text: &str, unit, range| {

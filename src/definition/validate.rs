@@ -188,10 +188,8 @@ impl Mechanism {
             } else if joint.pin_radius.is_some() {
                 return Err(key_error(key("pin_radius"), "goes with a revolute joint only"));
             }
-            let own = [
-                ("static_coefficient", joint.static_coefficient),
-                ("kinetic_coefficient", joint.kinetic_coefficient),
-            ];
+            let own =
+                [("static_coefficient", joint.static_coefficient), ("kinetic_coefficient", joint.kinetic_coefficient)];
             for (k, value) in own {
                 if value.is_some() && self.friction.is_none() {
                     return Err(key_error(key(k), "there is no friction that it could change: add the key friction"));
@@ -285,7 +283,10 @@ impl Mechanism {
         if let Some(air) = &self.air {
             check_finite("air.airspeed".into(), air.airspeed)?;
         } else if let Some(name) = self.surfaces.names().first() {
-            return Err(key_error(format!("surfaces.{name}"), "there is no air that could drag on it: add the key air"));
+            return Err(key_error(
+                format!("surfaces.{name}"),
+                "there is no air that could drag on it: add the key air",
+            ));
         }
         for (name, s) in self.surfaces.iter() {
             let key = |k: &str| format!("surfaces.{name}.{k}");
