@@ -19,21 +19,66 @@ pub struct Law {
     pub kinetic_speed: f64,
 }
 
+/// A stretch of slip speeds in which the law is smooth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Band {
+    /// |v| up to V_S: in proportion.
+    Ramp,
+    /// Between V_S and V_d: the cubic step; with the sign of v.
+    Step(f64),
+    /// Above V_d: constant; with the sign of v.
+    Level(f64),
+}
+
 impl Law {
-    /// mu with the sign of v [1], at the slip speed v [m/s] of any sign.
-    pub fn signed<T: Number>(&self, v: T) -> T {
-        let speed = v.value().abs();
-        let sign = if v.value() < 0.0 { -1.0 } else { 1.0 };
-        let (low, high) = (self.static_coefficient, self.kinetic_coefficient);
-        if speed <= self.static_speed {
-            v * T::constant(low / self.static_speed)
-        } else if speed < self.kinetic_speed {
-            let s = (v * T::constant(sign) - T::constant(self.static_speed))
-                * T::constant(1.0 / (self.kinetic_speed - self.static_speed));
-            let step = s * s * (T::constant(3.0) - s * T::constant(2.0));
-            (T::constant(low) + step * T::constant(high - low)) * T::constant(sign)
+    /// The stretch in which v [m/s] lies.
+    pub fn band(&self, v: f64) -> Band {
+        let sign = if v < 0.0 { -1.0 } else { 1.0 };
+        if v.abs() <= self.static_speed {
+            Band::Ramp
+        } else if v.abs() < self.kinetic_speed {
+            Band::Step(sign)
         } else {
-            T::constant(sign * high)
+            Band::Level(sign)
+        }
+    }
+
+    /// First and last v of a stretch [m/s].
+    pub fn range(&self, band: Band) -> (f64, f64) {
+        let (low, high) = (self.static_speed, self.kinetic_speed);
+        match band {
+            Band::Ramp => (-low, low),
+            Band::Step(sign) if sign > 0.0 => (low, high),
+            Band::Step(_) => (-high, -low),
+            Band::Level(sign) if sign > 0.0 => (high, f64::INFINITY),
+            Band::Level(_) => (f64::NEG_INFINITY, -high),
+        }
+    }
+
+    /// The stretch next to `band` towards v.
+    pub fn next(&self, band: Band, v: f64) -> Band {
+        let (low, high) = self.range(band);
+        let upward = v > 0.5 * (low.max(-f64::MAX) + high.min(f64::MAX));
+        match band {
+            Band::Ramp => Band::Step(if upward { 1.0 } else { -1.0 }),
+            Band::Step(sign) if upward == (sign > 0.0) => Band::Level(sign),
+            Band::Step(_) => Band::Ramp,
+            Band::Level(sign) => Band::Step(sign),
+        }
+    }
+
+    /// mu with the sign of v [1], at the slip speed v [m/s] of any sign; `band` is followed beyond its ends.
+    pub fn signed<T: Number>(&self, v: T, band: Band) -> T {
+        let (low, high) = (self.static_coefficient, self.kinetic_coefficient);
+        match band {
+            Band::Ramp => v * T::constant(low / self.static_speed),
+            Band::Step(sign) => {
+                let s = (v * T::constant(sign) - T::constant(self.static_speed))
+                    * T::constant(1.0 / (self.kinetic_speed - self.static_speed));
+                let step = s * s * (T::constant(3.0) - s * T::constant(2.0));
+                (T::constant(low) + step * T::constant(high - low)) * T::constant(sign)
+            }
+            Band::Level(sign) => T::constant(sign * high),
         }
     }
 }

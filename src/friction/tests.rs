@@ -5,27 +5,33 @@ use proptest::prelude::*;
 
 const LAW: Law = Law { static_coefficient: 0.19, kinetic_coefficient: 0.026, static_speed: 0.01, kinetic_speed: 1.0 };
 
+fn mu(v: f64) -> f64 {
+    LAW.signed(v, LAW.band(v))
+}
+
 #[test]
 fn law_passes_through_its_points() {
-    assert_eq!(LAW.signed(0.0), 0.0);
-    assert!((LAW.signed(0.005) - 0.095).abs() < 1e-16);
-    assert!((LAW.signed(0.01) - 0.19).abs() < 1e-16);
+    assert_eq!(mu(0.0), 0.0);
+    assert!((mu(0.005) - 0.095).abs() < 1e-16);
+    assert!((mu(0.01) - 0.19).abs() < 1e-16);
     // Half way, the cubic step is half way.
-    assert!((LAW.signed(0.505) - 0.5 * (0.19 + 0.026)).abs() < 1e-15);
-    assert!((LAW.signed(1.0) - 0.026).abs() < 1e-16);
-    assert_eq!(LAW.signed(7.0), 0.026);
+    assert!((mu(0.505) - 0.5 * (0.19 + 0.026)).abs() < 1e-15);
+    assert!((mu(1.0) - 0.026).abs() < 1e-16);
+    assert_eq!(mu(7.0), 0.026);
 }
 
 proptest! {
     #[test]
     fn law_is_odd_and_its_derivative_is_that_of_differences(v in -2.0..2.0f64) {
-        prop_assert_eq!(LAW.signed(-v), -LAW.signed(v));
+        prop_assert_eq!(mu(-v), -mu(v));
         let kink = [0.0, LAW.static_speed, LAW.kinetic_speed].iter().any(|k| (v.abs() - k).abs() < 1e-6);
         if !kink {
             let h = 1e-7;
-            let slope = LAW.signed(Dual::<1>::variable(v, 0)).slope[0];
-            let difference = (LAW.signed(v + h) - LAW.signed(v - h)) / (2.0 * h);
+            let slope = LAW.signed(Dual::<1>::variable(v, 0), LAW.band(v)).slope[0];
+            let difference = (mu(v + h) - mu(v - h)) / (2.0 * h);
             // Third derivative of the cubic step, and rounding of the quotient.
+            let (low, high) = LAW.range(LAW.band(v));
+            prop_assert!(low <= v && v <= high);
             prop_assert!((slope - difference).abs() < 1e-8 * (1.0 + slope.abs()));
         }
     }
@@ -75,4 +81,13 @@ fn friction_that_feeds_itself_is_an_error() {
     // Beyond it there is a solution of the wrong sign only.
     one.arm[0] = 0.04;
     assert_eq!(one.solve(), Err(Locked));
+}
+
+#[test]
+fn bands_follow_one_another() {
+    for (v, beyond) in [(0.005, 0.02), (0.02, 0.005), (0.5, 1.5), (1.5, 0.5)] {
+        for sign in [1.0, -1.0] {
+            assert_eq!(LAW.next(LAW.band(sign * v), sign * beyond), LAW.band(sign * beyond), "{v} to {beyond}");
+        }
+    }
 }

@@ -4,7 +4,7 @@
 //! the loads that the state decides. Written once for values and for values with derivatives.
 use super::panel::{Folded, Given, series_at};
 use crate::drag::Meeting;
-use crate::friction::{Locked, Loop};
+use crate::friction::{Band, Locked, Loop};
 use crate::number::Number;
 use crate::reduced::{Reduced, Row, Scene};
 
@@ -35,6 +35,8 @@ pub struct Acting<T> {
     pub loads: Vec<T>,
     /// Reactions and friction.
     pub friction: Loop<T>,
+    /// Stretch of its law in which each pin is taken to be; where none is stated, that of its slip speed.
+    pub bands: Vec<Option<Band>>,
     /// Effects in each row but friction.
     sums: Vec<T>,
 }
@@ -49,6 +51,7 @@ impl<T: Number> Acting<T> {
             arriving: vec![zero; lossy],
             loads: vec![zero; loads],
             friction: Loop::new(pins),
+            bands: vec![None; pins],
             sums: vec![zero; rows],
         }
     }
@@ -220,7 +223,8 @@ impl<T: Number> Acting<T> {
         let first = scene.loads.len() - n;
         for (j, pin) in scene.pins.iter().enumerate() {
             let slip = at(scene.column(0, first + j)) * sigma_dot * T::constant(pin.radius);
-            self.friction.arm[j] = pin.law.signed(slip) * T::constant(pin.radius);
+            let band = self.bands[j].unwrap_or_else(|| pin.law.band(slip.value()));
+            self.friction.arm[j] = pin.law.signed(slip, band) * T::constant(pin.radius);
         }
         self.friction.clear();
         for (row, what) in scene.rows.iter().enumerate().skip(1) {

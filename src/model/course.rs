@@ -4,7 +4,7 @@
 //! left, reversals of drives with an efficiency - are roots on the interpolant of a step, polished on the integration itself.
 use super::motion::Motion;
 use super::travel::Travel;
-use crate::friction::Locked;
+use crate::friction::{Band, Locked};
 use crate::integrator::{Dense, IntegrationError, Integrator, Step, System};
 
 /// Why a course ended early.
@@ -52,6 +52,8 @@ enum Event {
     Bumper(usize),
     /// sigma_dot changes its sign.
     Reversal,
+    /// A pin comes to another stretch of its law.
+    Band(usize),
 }
 
 /// Advance z = (sigma, sigma_dot, energy lost if N = 3) by exactly `span`; returns the energy lost in impacts [J].
@@ -72,6 +74,13 @@ where
 {
     let mut lost = 0.0;
     let mut t = 0.0;
+    let pins = motion.scene.map_or(&[][..], |s| &s.pins);
+    for (pin, p) in pins.iter().enumerate() {
+        let band = p.law.band(motion.slip(pin, z[0], z[1]));
+        motion.set_band(pin, band);
+    }
+    // A pin whose last change of stretch took no time: it goes along the border and stays where it is for one step.
+    let mut along = None;
     while t < span {
         if let Some(side) = contact.resting {
             if around.locked[side] || rests(motion, around, side, z[0])? {
@@ -94,7 +103,7 @@ where
         }
         let before = *integrator;
         let step = integrator.step(motion, t, z, span, tolerance).map_err(|e| failure(motion, e))?;
-        let Some((s, event)) = first_event(motion, around, contact, &step) else {
+        let Some((s, event)) = first_event(motion, around, contact, &step, along.take()) else {
             *z = step.end;
             t += step.h;
             if step.reached {
@@ -132,6 +141,14 @@ where
                     if contact.touching[side].is_some() { None } else { bumper(motion, around, side) };
             }
             Event::Reversal => z[1] = 0.0,
+            Event::Band(pin) => {
+                let (law, band) = (pins[pin].law, motion.work.acting.bands[pin].unwrap_or(Band::Ramp));
+                let next = law.next(band, motion.slip(pin, z[0], z[1]));
+                motion.set_band(pin, next);
+                if h <= 1e-14 * span {
+                    along = Some(pin);
+                }
+            }
         }
     }
     Ok(lost)
@@ -214,6 +231,7 @@ fn first_event<'m, const N: usize>(
     around: &Surroundings,
     contact: &Contact,
     step: &Step<N>,
+    along: Option<usize>,
 ) -> Option<(f64, Event)>
 where
     Motion<'m>: System<N>,
@@ -223,7 +241,12 @@ where
     let near =
         |side: usize| around.travel[side].is_some_and(|e| (step.start[0] - e.position) * outward(side) + reach > 0.0);
     let sides = [near(0), near(1)];
-    if !reverses && sides == [false; 2] {
+    let pins = motion.scene.map_or(0, |s| s.pins.len());
+    let mut changing = false;
+    for pin in (0..pins).filter(|p| along != Some(*p)) {
+        changing |= may_change(motion, pin, step);
+    }
+    if !reverses && sides == [false; 2] && !changing {
         return None;
     }
     let dense = step.dense(motion);
@@ -237,6 +260,9 @@ where
     };
     if reverses {
         offer(dense.first_passage(1, 0.0, -motion.mode.direction, false), Event::Reversal);
+    }
+    for pin in (0..pins).filter(|p| changing && along != Some(*p)) {
+        offer(change_of_band(motion, &dense, pin), Event::Band(pin));
     }
     for side in (0..2).filter(|&side| sides[side]) {
         let Some(end) = around.travel[side] else { continue };
@@ -281,6 +307,47 @@ fn bumper_event<const N: usize>(motion: &mut Motion, dense: &Dense<N>, k: usize,
             return Some(b);
         }
         before = now;
+    }
+    None
+}
+
+/// Whether a pin may come to another stretch of its law within a step: its slip speed at either end is nearer to a border
+/// than it may have changed.
+fn may_change<const N: usize>(motion: &mut Motion, pin: usize, step: &Step<N>) -> bool {
+    let Some(scene) = motion.scene else { return false };
+    let law = scene.pins[pin].law;
+    let band = motion.work.acting.bands[pin].unwrap_or(Band::Ramp);
+    let (low, high) = law.range(band);
+    let (a, b) = (motion.slip(pin, step.start[0], step.start[1]), motion.slip(pin, step.end[0], step.end[1]));
+    // Between the ends it may go beyond them by about as much as it differs, or as the speed has changed.
+    let speed = step.start[1].abs().max(step.end[1].abs());
+    let per_speed = if speed > 0.0 { a.abs().max(b.abs()) / speed } else { 0.0 };
+    let margin = (b - a).abs() + per_speed * step.excursion(1);
+    a.min(b) - margin < low || a.max(b) + margin > high
+}
+
+/// Part of a step after which a pin's slip speed leaves its stretch.
+fn change_of_band<const N: usize>(motion: &mut Motion, dense: &Dense<N>, pin: usize) -> Option<f64> {
+    const SAMPLES: usize = 8;
+    let law = motion.scene?.pins[pin].law;
+    let (low, high) = law.range(motion.work.acting.bands[pin]?);
+    let mut outside = |s: f64| {
+        let y = dense.at(s);
+        let v = motion.slip(pin, y[0], y[1]);
+        v < low || v > high
+    };
+    // Just after a change it may still seem outside by rounding.
+    let mut last = 0.0;
+    for i in 1..=SAMPLES {
+        let (mut a, mut b) = (last, i as f64 / SAMPLES as f64);
+        if outside(b) {
+            for _ in 0..60 {
+                let middle = 0.5 * (a + b);
+                if outside(middle) { b = middle } else { a = middle }
+            }
+            return Some(b);
+        }
+        last = b;
     }
     None
 }

@@ -5,7 +5,7 @@
 //! drag, bumpers, dampers, efficiencies - is in the scene; a mechanism without them does not pay for them.
 use super::acting::{Acting, Effect, Mode};
 use super::panel::{Folded, Given, series_at};
-use crate::friction::Locked;
+use crate::friction::{Band, Locked};
 use crate::integrator::System;
 use crate::number::{Dual, Number};
 use crate::reduced::{Reduced, Scene};
@@ -123,6 +123,21 @@ impl Motion<'_> {
             *arriving = share * *arriving + (1.0 - share) * back;
         }
         Ok(0.0)
+    }
+
+    /// Slip speed of a pin [m/s].
+    pub fn slip(&mut self, pin: usize, sigma: f64, sigma_dot: f64) -> f64 {
+        let x = self.place(sigma);
+        let Some(scene) = self.scene else { return 0.0 };
+        let first = scene.loads.len() - scene.pins.len();
+        let series = scene.table.series(self.work.folded.panel, scene.column(0, first + pin));
+        polynomial(series, x) * sigma_dot * scene.pins[pin].radius
+    }
+
+    /// State the stretch of its law in which a pin is, until told otherwise.
+    pub fn set_band(&mut self, pin: usize, band: Band) {
+        self.work.acting.bands[pin] = Some(band);
+        self.work.tangent.bands[pin] = Some(band);
     }
 
     /// How far the load of a bumper is beyond its stop, and the push of the bumper if it is in contact.
