@@ -89,7 +89,11 @@ fn names_that_nothing_carries() {
         ("crank.end", "crank", &["joints.joint2.first", "body.point"]),
         ("\"coupler.end\"", "\"coupler.origin.end\"", &["joints.joint3.first", "origin, end"]),
         ("\"on\": \"crank\"", "\"on\": \"crnk\"", &["torques.crank.on", "\"crnk\"", "bodies are"]),
-        ("\"body\": \"crank\"", "\"body\": \"crnk\"", &["start.body", "\"crnk\"", "bodies are"]),
+        (
+            "\"start\": { \"body\": \"crank\"",
+            "\"start\": { \"body\": \"crnk\"",
+            &["start.body", "\"crnk\"", "bodies are"],
+        ),
         ("\"leg.end\"", "\"wheel.origin\"", &["bodies.wheel.fixed_to", "circle"]),
         ("\"coupler\": 0.46", "\"copuler\": 0.46", &["guess.copuler", "crank, coupler, follower"]),
         (", \"coupler\": 0.46", "", &["guess.coupler", "missing", "rough angle [rad]"]),
@@ -101,8 +105,7 @@ fn names_that_nothing_carries() {
 #[test]
 fn linkages_that_cannot_move_as_one() {
     // Two degrees of freedom, none, and a body that hangs on nothing.
-    let without =
-        ",\n    \"joint4\": { \"type\": \"revolute\", \"first\": \"ground.end\", \"second\": \"follower.origin\" }";
+    let without = ",\n    \"joint4\": { \"type\": \"revolute\", \"first\": \"ground.end\", \"second\": \"follower.origin\", \"pin_radius\": 0.015 }";
     check(&changed(without, ""), &["3 degrees of freedom", "must have 1"]);
     let more = "\"joint1\": { \"type\": \"revolute\", \"first\": \"ground.origin\", \"second\": \"coupler.end\" },\n    \"joint0\":";
     let text = changed("\"length\": 0.217", "\"length\": 0.317").replace("\"joint1\":", more);

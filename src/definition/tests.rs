@@ -29,7 +29,7 @@ fn errors_name_the_key_the_value_and_what_is_allowed() {
         ("crank.end", "crank.tip", vec!["joints.joint2.first", "crank.tip", "origin, end, actuator"]),
         ("revolute", "hinge", vec!["unknown variant `hinge`", "revolute"]),
         ("\"leg.end\"", "\"wheel.origin\"", vec!["bodies.wheel.fixed_to", "circle"]),
-        ("\"body\": \"crank\"", "\"body\": \"crunk\"", vec!["start.body", "crunk"]),
+        ("\"start\": { \"body\": \"crank\"", "\"start\": { \"body\": \"crunk\"", vec!["start.body", "crunk"]),
         ("\"tolerance\": 1e-9", "\"tolerance\": 1e-30", vec!["solver.tolerance", "1e-14"]),
         ("{", "[", vec!["line"]),
     ] {

@@ -367,7 +367,7 @@ impl Builder<'_> {
         let additional = Needs { speed: true, inertia: true, inputs: &none, loads: &own, ..PLACED };
         let required = Needs { speed: true, inertia: true, masses: rubs, inputs: &demanded, loads: &loads, ..PLACED };
         let holding = Needs { inputs: &others, loads: &frictionless, ..PLACED };
-        let breakaway = Needs { inputs: &others, loads: &loads, ..PLACED };
+        let breakaway = Needs { statics: true, ..holding };
         let (mass_unit, change_unit, unit) = if turns {
             (Unit::KilogramSquareMetre, Unit::KilogramSquareMetrePerRadian, Unit::NewtonMetre)
         } else {
@@ -514,8 +514,7 @@ impl Builder<'_> {
 
     fn add_energies(&mut self) {
         let gravity: Vec<usize> = self.loading.gravity.into_iter().collect();
-        let stored: Vec<usize> =
-            gravity.iter().copied().chain(self.loading.sized()..self.loading.loads.len()).collect();
+        let stored: Vec<usize> = gravity.iter().copied().chain(self.loading.sized()..self.loading.base()).collect();
         let moving = Needs { speed: true, inertia: true, ..PLACED };
         let potential = Needs { inputs: &gravity, loads: &stored, ..PLACED };
         let joule = Unit::Joule;

@@ -26,6 +26,8 @@ pub(super) struct Needs<'a> {
     pub(super) loads: &'a [usize],
     /// Place of this marker.
     pub(super) marker: Option<usize>,
+    /// Static friction of the joints.
+    pub(super) statics: bool,
 }
 
 /// Depends on where every body is.
@@ -39,6 +41,7 @@ pub(super) const PLACED: Needs<'static> = Needs {
     inputs: &[],
     loads: &[],
     marker: None,
+    statics: false,
 };
 
 /// What a parameter acts on, found by changing it and comparing the resolved linkage.
@@ -49,6 +52,7 @@ pub(super) struct Effect {
     masses: bool,
     loads: Vec<bool>,
     markers: Vec<bool>,
+    statics: bool,
 }
 
 impl Effect {
@@ -64,6 +68,7 @@ impl Effect {
                     || (needs.masses && self.masses)
                     || needs.loads.iter().any(|&l| self.loads[l])
                     || needs.marker.is_some_and(|m| self.markers[m])
+                    || (needs.statics && self.statics)
             }
         }
     }
@@ -119,6 +124,7 @@ pub(super) fn effects(
             masses: moved,
             loads: (0..loading.loads.len()).map(differs).collect(),
             markers: all_markers.iter().zip(&other_markers).map(|(a, b)| a != b).collect(),
+            statics: statics(loading) != statics(&other_loading),
         });
     }
     Ok(out)
@@ -152,6 +158,12 @@ fn load_constants(loading: &Loading, load: usize) -> Constants<'_> {
         surface: air.map(|(air, surface)| (air.density, air.flow, air.relative_wind, surface)),
         pin: pins.and_then(|f| f.pins.iter().find(|p| p.load == load).map(|p| (f.enabled, p))),
     }
+}
+
+/// What static friction depends on besides positions: whether there is any, pin radii and coefficients.
+fn statics(loading: &Loading) -> Vec<(bool, f64, f64)> {
+    let pins = loading.friction.iter().flat_map(|f| f.pins.iter().map(|p| (f.enabled, p)));
+    pins.map(|(enabled, p)| (enabled, p.radius, p.law.static_coefficient)).collect()
 }
 
 /// What a body's kinetic energy depends on: about its pivot alone if that is fixed, else mass, centre and inertia.
