@@ -7,12 +7,14 @@ mod dense;
 mod dop853;
 mod linear;
 mod radau;
+mod root;
 mod step;
 mod stiffness;
 mod system;
 
 pub use controller::{IntegrationError, Integrator, Method, Statistics};
 pub use dense::Dense;
+pub use root::Direction;
 pub use step::Step;
 pub use system::System;
 

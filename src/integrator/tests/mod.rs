@@ -6,6 +6,7 @@ mod choice;
 mod dop853;
 mod radau_iia;
 mod retake;
+mod root;
 
 /// y'' = -y as (y, y').
 pub struct Oscillator;
