@@ -72,26 +72,15 @@ impl Law {
     pub fn signed<T: Number>(&self, v: T, band: Band) -> T {
         let (low, high) = (self.static_coefficient, self.kinetic_coefficient);
         match band {
-            Band::Ramp => limited(v * T::constant(1.0 / self.static_speed), -2.0, 2.0) * T::constant(low),
+            Band::Ramp => v * T::constant(low / self.static_speed),
             Band::Step(sign) => {
                 let s = (v * T::constant(sign) - T::constant(self.static_speed))
                     * T::constant(1.0 / (self.kinetic_speed - self.static_speed));
-                let s = limited(s, -0.25, 1.25);
                 let step = s * s * (T::constant(3.0) - s * T::constant(2.0));
                 (T::constant(low) + step * T::constant(high - low)) * T::constant(sign)
             }
             Band::Level(sign) => T::constant(sign * high),
         }
-    }
-}
-
-fn limited<T: Number>(x: T, low: f64, high: f64) -> T {
-    if x.value() < low {
-        T::constant(low)
-    } else if x.value() > high {
-        T::constant(high)
-    } else {
-        x
     }
 }
 

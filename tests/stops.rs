@@ -204,13 +204,13 @@ fn an_elastic_stop_gives_everything_back() {
 fn a_bumper_holds_by_its_spring() {
     let mut gear = Gear::new()
         .with(&[("upstop.rigid", false)])
-        .set(&[("upstop.angle", -1.2), ("upstop.stiffness", 2e5), ("upstop.damping", 2e3)])
+        .set(&[("upstop.angle", -1.29), ("upstop.stiffness", 5e6), ("upstop.damping", 5e4)])
         .start();
     gear.0.step(3.0).unwrap();
     assert!(gear.is("retracted"));
-    let pressed = -1.2 - gear.get("crank.angle");
+    let pressed = -1.29 - gear.get("crank.angle");
     assert!(pressed > 0.0 && gear.get("crank.speed").abs() < 1e-6, "{pressed} {}", gear.get("crank.speed"));
-    assert!((gear.get("upstop.torque") - 2e5 * pressed).abs() < 1e-3 * 2e5 * pressed);
+    assert!((gear.get("upstop.torque") - 5e6 * pressed).abs() < 1e-6 * 5e6 * pressed);
     assert!(gear.get("energy.drift").abs() < 1e-4, "{}", gear.get("energy.drift"));
     // A bumper without damping gives the energy back; it never pulls.
     let mut gear = Gear::new()

@@ -5,7 +5,7 @@
 use super::motion::Motion;
 use super::travel::Travel;
 use crate::friction::{Band, Locked};
-use crate::integrator::{Dense, IntegrationError, Integrator, Step, System};
+use crate::integrator::{Dense, Direction, IntegrationError, Integrator, Step, System};
 
 /// Why a course ended early.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,6 +54,8 @@ enum Event {
     Reversal,
     /// A pin comes to another stretch of its law.
     Band(usize),
+    /// The interpolant tried a state in which friction locks: the step is taken again, shorter.
+    Unknown,
 }
 
 /// Advance z = (sigma, sigma_dot, energy lost if N = 3) by exactly `span`; returns the energy lost in impacts [J].
@@ -75,10 +77,7 @@ where
     let mut lost = 0.0;
     let mut t = 0.0;
     let pins = motion.scene.map_or(&[][..], |s| &s.pins);
-    for (pin, p) in pins.iter().enumerate() {
-        let band = p.law.band(motion.slip(pin, z[0], z[1]));
-        motion.set_band(pin, band);
-    }
+    let mut stale = true;
     // A pin whose last change of stretch took no time: it goes along the border and stays where it is for one step.
     let mut along = None;
     while t < span {
@@ -88,10 +87,12 @@ where
             }
             contact.resting = None;
             integrator.restart();
+            stale = true;
         }
         if let Some(side) = pushes_out(motion, around, z) {
             lost += strike(motion, around, contact, side, z, tolerance)?;
             integrator.restart();
+            stale = true;
             continue;
         }
         motion.mode.touching = contact.touching;
@@ -101,7 +102,9 @@ where
                 return Ok(lost);
             }
         }
-        let before = *integrator;
+        if std::mem::take(&mut stale) {
+            motion.set_bands(z[0], z[1]);
+        }
         let step = integrator.step(motion, t, z, span, tolerance).map_err(|e| failure(motion, e))?;
         let Some((s, event)) = first_event(motion, around, contact, &step, along.take()) else {
             *z = step.end;
@@ -111,15 +114,11 @@ where
             }
             continue;
         };
-        // Land on the event by integrating up to it.
+        // Land on the event by a step that ends there.
         let mut h = s * step.h;
         let mut there = *z;
         for _ in 0..6 {
-            *integrator = before;
-            there = *z;
-            if h > 0.0 {
-                integrator.advance(motion, &mut there, h, tolerance).map_err(|e| failure(motion, e))?;
-            }
+            there = integrator.retake(motion, &step, h).end;
             let Event::End(side) = event else { break };
             let miss = around.travel[side].map_or(0.0, |e| e.position - there[0]);
             let correction = miss / there[1];
@@ -133,7 +132,13 @@ where
         }
         *z = there;
         t += h;
-        integrator.restart();
+        match event {
+            Event::Band(_) | Event::Unknown => integrator.refresh(),
+            _ => {
+                integrator.restart();
+                stale = true;
+            }
+        }
         match event {
             Event::End(side) => lost += strike(motion, around, contact, side, z, tolerance)?,
             Event::Bumper(side) => {
@@ -141,10 +146,11 @@ where
                     if contact.touching[side].is_some() { None } else { bumper(motion, around, side) };
             }
             Event::Reversal => z[1] = 0.0,
+            Event::Unknown => {}
             Event::Band(pin) => {
                 let (law, band) = (pins[pin].law, motion.work.acting.bands[pin].unwrap_or(Band::Ramp));
                 let next = law.next(band, motion.slip(pin, z[0], z[1]));
-                motion.set_band(pin, next);
+                motion.set_band(pin, Some(next));
                 if h <= 1e-14 * span {
                     along = Some(pin);
                 }
@@ -156,6 +162,10 @@ where
 
 fn failure(motion: &Motion, error: IntegrationError) -> Stopped {
     if motion.locked { Stopped::Locked } else { Stopped::Integration(error) }
+}
+
+fn towards(sign: f64) -> Direction {
+    if sign > 0.0 { Direction::Rising } else { Direction::Falling }
 }
 
 fn outward(side: usize) -> f64 {
@@ -250,6 +260,9 @@ where
         return None;
     }
     let dense = step.dense(motion);
+    if !dense.at(0.5).iter().all(|y| y.is_finite()) {
+        return Some((0.25, Event::Unknown));
+    }
     let mut first: Option<(f64, Event)> = None;
     let mut offer = |s: Option<f64>, event: Event| {
         if let Some(s) = s
@@ -259,7 +272,7 @@ where
         }
     };
     if reverses {
-        offer(dense.first_passage(1, 0.0, -motion.mode.direction, false), Event::Reversal);
+        offer(dense.first_passage(1, 0.0, towards(-motion.mode.direction), false), Event::Reversal);
     }
     for pin in (0..pins).filter(|p| changing && along != Some(*p)) {
         offer(change_of_band(motion, &dense, pin), Event::Band(pin));
@@ -268,7 +281,7 @@ where
         let Some(end) = around.travel[side] else { continue };
         let leaving = (step.start[0] - end.position) * outward(side) >= 0.0;
         if contact.touching[side].is_none() {
-            offer(dense.first_passage(0, end.position, outward(side), leaving), Event::End(side));
+            offer(dense.first_passage(0, end.position, towards(outward(side)), leaving), Event::End(side));
         }
         if let Some(k) = bumper(motion, around, side) {
             let touches = contact.touching[side].is_some();
@@ -277,7 +290,7 @@ where
                 // Coming back from beyond.
                 let beyond = (step.start[0] - end.position) * outward(side) > 0.0;
                 if beyond {
-                    offer(dense.first_passage(0, end.position, -outward(side), false), Event::End(side));
+                    offer(dense.first_passage(0, end.position, towards(-outward(side)), false), Event::End(side));
                 }
             }
         }

@@ -106,6 +106,7 @@ impl Motion<'_> {
     /// # Errors
     /// [`Locked`].
     pub fn settle(&mut self, sigma: f64, sigma_dot: f64) -> Result<f64, Locked> {
+        self.clear_bands();
         if !self.reverses() {
             return Ok(self.effect(sigma, sigma_dot)?.acceleration);
         }
@@ -134,10 +135,26 @@ impl Motion<'_> {
         polynomial(series, x) * sigma_dot * scene.pins[pin].radius
     }
 
-    /// State the stretch of its law in which a pin is, until told otherwise.
-    pub fn set_band(&mut self, pin: usize, band: Band) {
-        self.work.acting.bands[pin] = Some(band);
-        self.work.tangent.bands[pin] = Some(band);
+    /// State the stretch of its law in which a pin is, until told otherwise; with none, its slip speed tells.
+    pub fn set_band(&mut self, pin: usize, band: Option<Band>) {
+        self.work.acting.bands[pin] = band;
+        self.work.tangent.bands[pin] = band;
+    }
+
+    /// State the stretches in which all pins are at this state.
+    pub fn set_bands(&mut self, sigma: f64, sigma_dot: f64) {
+        for pin in 0..self.scene.map_or(0, |s| s.pins.len()) {
+            let slip = self.slip(pin, sigma, sigma_dot);
+            let band = self.scene.map(|s| s.pins[pin].law.band(slip));
+            self.set_band(pin, band);
+        }
+    }
+
+    /// Let slip speeds tell the stretches.
+    fn clear_bands(&mut self) {
+        for pin in 0..self.work.acting.bands.len() {
+            self.set_band(pin, None);
+        }
     }
 
     /// How far the load of a bumper is beyond its stop, and the push of the bumper if it is in contact.
@@ -178,6 +195,20 @@ impl System<2> for Motion<'_> {
 
 /// With a scene: (sigma, sigma_dot, energy lost).
 impl System<3> for Motion<'_> {
+    const CAN_BE_STIFF: bool = true;
+
+    fn jacobian(&mut self, _t: f64, y: &[f64; 3]) -> [[f64; 3]; 3] {
+        match self.tangent(y[0], y[1]) {
+            Ok(Effect { acceleration: a, lost: l }) => {
+                [[0.0, 1.0, 0.0], [a.slope[0], a.slope[1], 0.0], [l.slope[0], l.slope[1], 0.0]]
+            }
+            Err(Locked) => {
+                self.locked = true;
+                [[f64::NAN; 3]; 3]
+            }
+        }
+    }
+
     fn derivative(&mut self, _t: f64, y: &[f64; 3]) -> [f64; 3] {
         match self.effect(y[0], y[1]) {
             Ok(effect) => [y[1], effect.acceleration, effect.lost],

@@ -46,7 +46,7 @@ impl Row {
 
     /// The line for tolerance 10^-exponent.
     pub fn line(&self, exponent: i32, error: f64) -> String {
-        let Statistics { evaluations, accepted, rejected } = self.work;
+        let Statistics { evaluations, accepted, rejected, .. } = self.work;
         let time = self.microseconds;
         format!("| 1e-{exponent} | {error:.1e} | {time:.1} | {evaluations} | {accepted} | {rejected} |\n")
     }

@@ -1,0 +1,317 @@
+//! Step sizes and the choice of the method.
+//!
+//! Source: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.4 (step-size control); Hairer, Wanner, Solving ODEs II (1996),
+//! IV.2 (detecting stiffness), IV.8 (Radau).
+use super::linear::largest_eigenvalue;
+use super::radau::{Before, Start};
+use super::step::{Stages, Step, Trial};
+use super::stiffness::Stiffness;
+use super::{System, dop853, radau};
+
+/// Why an integration stopped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum IntegrationError {
+    /// No step above the round-off of time meets the tolerance.
+    StepTooSmall {
+        /// Time since the start of the span [s].
+        t: f64,
+        /// The step size that was still too large [s].
+        step: f64,
+    },
+}
+
+/// A method of integration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Explicit Runge-Kutta of order 8, Dormand and Prince.
+    #[default]
+    Dop853,
+    /// Implicit Runge-Kutta of order 5, Radau IIA.
+    Radau,
+}
+
+/// Work done so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// Right-hand-side evaluations.
+    pub evaluations: u64,
+    /// Accepted steps of all methods.
+    pub accepted: u64,
+    /// Rejected steps of all methods.
+    pub rejected: u64,
+    /// Jacobians.
+    pub jacobians: u64,
+    /// Iterations of Newton's method.
+    pub newton_iterations: u64,
+    /// Accepted steps of Radau IIA.
+    pub implicit: u64,
+}
+
+/// Limits of the step-size control as in DOP853; its safety factor is 0.9, at which the retraction at tolerance 1e-12 takes
+/// a quarter more evaluations, in rejected steps.
+const SAFETY: f64 = 0.8;
+const SHRINK_MOST: f64 = 1.0 / 3.0;
+const GROW_MOST: f64 = 6.0;
+/// At a kink an estimate means the order of magnitude: what it is multiplied by there.
+pub(super) const AT_A_KINK: f64 = 10.0;
+/// Shrinking where the error is not finite.
+const SHRINK_INFINITE: f64 = 0.1;
+/// Shrinking where Newton's method does not converge.
+const SHRINK_UNSOLVED: f64 = 0.25;
+/// A step below this part of the span cannot be told from round-off in time.
+const SMALLEST: f64 = 1e-14;
+
+/// Memory of the integration between spans: proposed step size, last derivative, compensation of the sums, and what the
+/// choice of the method goes by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Integrator<const N: usize> {
+    /// Step size that the error control proposes next [s]; none before the first step.
+    proposal: Option<f64>,
+    /// Derivative at the present point, while it is valid.
+    derivative: Option<[f64; N]>,
+    /// What the last sums lost to rounding, component by component.
+    carry: [f64; N],
+    stiffness: Stiffness,
+    /// The last step, if it was one of Radau.
+    before: Option<Before<N>>,
+    method: Method,
+    statistics: Statistics,
+}
+
+impl<const N: usize> Default for Integrator<N> {
+    fn default() -> Self {
+        Self {
+            proposal: None,
+            derivative: None,
+            carry: [0.0; N],
+            stiffness: Stiffness::default(),
+            before: None,
+            method: Method::default(),
+            statistics: Statistics::default(),
+        }
+    }
+}
+
+impl<const N: usize> Integrator<N> {
+    /// Work done so far.
+    pub fn statistics(&self) -> Statistics {
+        self.statistics
+    }
+
+    /// The method of the last step.
+    pub fn method(&self) -> Method {
+        self.method
+    }
+
+    /// The right-hand side has changed (new inputs): forget the last derivative, keep the step size.
+    pub fn refresh(&mut self) {
+        self.derivative = None;
+    }
+
+    /// The state or the right-hand side has jumped: forget everything but the statistics.
+    pub fn restart(&mut self) {
+        *self = Self { statistics: self.statistics, method: self.method, ..Self::default() };
+    }
+
+    /// Advance `y` by exactly `span` > 0 [s].
+    ///
+    /// # Errors
+    /// [`IntegrationError::StepTooSmall`]; `y` and the memory are then those of the last accepted step.
+    pub fn advance<S: System<N>>(
+        &mut self,
+        system: &mut S,
+        y: &mut [f64; N],
+        span: f64,
+        tolerance: f64,
+    ) -> Result<(), IntegrationError> {
+        let mut t = 0.0;
+        while t < span {
+            let step = self.step(system, t, y, span, tolerance)?;
+            *y = step.end;
+            t += step.h;
+            if step.reached {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// One accepted step from (t, y) towards `end`, not past it; the step that reaches it ends there exactly.
+    ///
+    /// # Errors
+    /// [`IntegrationError::StepTooSmall`].
+    pub fn step<S: System<N>>(
+        &mut self,
+        system: &mut S,
+        t: f64,
+        y: &[f64; N],
+        end: f64,
+        tolerance: f64,
+    ) -> Result<Step<N>, IntegrationError> {
+        let first = match self.derivative {
+            Some(f) => f,
+            None => self.evaluate(system, t, y),
+        };
+        let rest = end - t;
+        let scale = system.scale(y, &first);
+        let mut wish = match self.proposal {
+            Some(h) => h,
+            None => self.starting_step(system, t, y, &first, &scale, rest, tolerance),
+        };
+        if S::CAN_BE_STIFF && self.stiffness.implicit {
+            return self.implicit_step(system, t, y, &first, end, wish, &scale, tolerance);
+        }
+        let mut grow_most = GROW_MOST;
+        loop {
+            let h = fitted(wish, rest);
+            let (slopes, last, carry) = dop853::attempt(system, t, y, &first, h, &self.carry);
+            self.statistics.evaluations += dop853::tableau::STAGES as u64;
+            let (mut error, cautious) = dop853::error(&slopes, h, &scale, tolerance);
+            // Where a kink lies just so, the first estimate vanishes by chance.
+            if error <= 1.0 && system.piece(t, y) != system.piece(t + h, &last) {
+                error = AT_A_KINK * cautious;
+            }
+            let grow = SAFETY * error.powf(-1.0 / dop853::ERROR_POWER);
+            if error <= 1.0 {
+                if S::CAN_BE_STIFF {
+                    self.stiffness.explicit_step(h, dop853::stiffness(y, &last, &slopes, h, &scale), grow);
+                    self.before = None;
+                }
+                let trial = Trial::explicit(t, y, h, &self.carry, slopes, last, carry);
+                return Ok(self.accept(trial, wish, grow.clamp(SHRINK_MOST, grow_most), rest));
+            }
+            grow_most = 1.0;
+            wish = self.reject(t, h, if error.is_finite() { grow.max(SHRINK_MOST) } else { SHRINK_INFINITE }, end)?;
+        }
+    }
+
+    /// [`Self::step`] by Radau.
+    #[allow(clippy::too_many_arguments)]
+    fn implicit_step<S: System<N>>(
+        &mut self,
+        system: &mut S,
+        t: f64,
+        y: &[f64; N],
+        first: &[f64; N],
+        end: f64,
+        mut wish: f64,
+        scale: &[f64; N],
+        tolerance: f64,
+    ) -> Result<Step<N>, IntegrationError> {
+        let jacobian = system.jacobian(t, y);
+        self.statistics.jacobians += 1;
+        let (carry, before) = (self.carry, self.before);
+        let start =
+            Start { t, y, first, jacobian: &jacobian, carry: &carry, before: before.as_ref(), scale, tolerance };
+        let rest = end - t;
+        let mut grow_most = GROW_MOST;
+        loop {
+            let h = fitted(wish, rest);
+            let Some((trial, error)) = radau::attempt(system, &start, h, &mut self.statistics) else {
+                grow_most = 1.0;
+                wish = self.reject(t, h, SHRINK_UNSOLVED, end)?;
+                continue;
+            };
+            let grow = SAFETY * error.powf(-1.0 / radau::ERROR_POWER);
+            if error <= 1.0 {
+                self.stiffness.implicit_step(h, largest_eigenvalue(&jacobian));
+                self.statistics.implicit += 1;
+                if let Stages::Radau(stages) = &trial.step.stages {
+                    self.before = Some(Before::new(&trial.step, stages));
+                }
+                return Ok(self.accept(trial, wish, grow.clamp(SHRINK_MOST, grow_most), rest));
+            }
+            grow_most = 1.0;
+            wish =
+                self.reject(t, h, if error.is_finite() { grow.max(SHRINK_INFINITE) } else { SHRINK_INFINITE }, end)?;
+        }
+    }
+
+    /// The step of exactly size h [s], 0 < h <= step.h, from the start of `step`, by its method and without error control;
+    /// `step` is the last one made. The integration goes on from its end: as it is, or after [`Self::refresh`] or
+    /// [`Self::restart`].
+    pub fn retake<S: System<N>>(&mut self, system: &mut S, step: &Step<N>, h: f64) -> Step<N> {
+        let trial = match &step.stages {
+            Stages::Dop853(slopes) => {
+                self.statistics.evaluations += dop853::tableau::STAGES as u64;
+                let (slopes, end, carry) = dop853::attempt(system, step.t, &step.start, &slopes[0], h, &step.carry);
+                Trial::explicit(step.t, &step.start, h, &step.carry, slopes, end, carry)
+            }
+            Stages::Radau(stages) => radau::shorten(system, step, stages, h, &mut self.statistics),
+        };
+        if let Stages::Radau(stages) = &trial.step.stages {
+            self.before = Some(Before::new(&trial.step, stages));
+        }
+        self.derivative = Some(trial.last);
+        self.carry = trial.carry;
+        trial.step
+    }
+
+    /// Go on from the end of this step, which was wished to have the size `wish` and could grow by `grow`.
+    fn accept(&mut self, mut trial: Trial<N>, wish: f64, grow: f64, rest: f64) -> Step<N> {
+        let h = trial.step.h;
+        // A step cut short by the end of the span says little about the size that is possible.
+        self.proposal = Some(if h < wish { (h * grow).max(wish) } else { h * grow });
+        self.derivative = Some(trial.last);
+        self.carry = trial.carry;
+        self.method = trial.step.method();
+        self.statistics.accepted += 1;
+        trial.step.reached = h == rest;
+        trial.step
+    }
+
+    /// The next size to try after one that was too large.
+    fn reject(&mut self, t: f64, h: f64, shrink: f64, end: f64) -> Result<f64, IntegrationError> {
+        self.statistics.rejected += 1;
+        let wish = h * shrink;
+        if wish < SMALLEST * end.abs() { Err(IntegrationError::StepTooSmall { t, step: wish }) } else { Ok(wish) }
+    }
+
+    fn evaluate<S: System<N>>(&mut self, system: &mut S, t: f64, y: &[f64; N]) -> [f64; N] {
+        self.statistics.evaluations += 1;
+        system.derivative(t, y)
+    }
+
+    /// First step size: Hairer, Norsett, Wanner, II.4, with the error of an explicit Euler step as the guide; for a system
+    /// that can be stiff, one at which DOP853 is stable.
+    #[allow(clippy::too_many_arguments)]
+    fn starting_step<S: System<N>>(
+        &mut self,
+        system: &mut S,
+        t: f64,
+        y: &[f64; N],
+        first: &[f64; N],
+        scale: &[f64; N],
+        rest: f64,
+        tolerance: f64,
+    ) -> f64 {
+        let size = |v: &[f64; N]| (0..N).map(|i| (v[i] / scale[i]).powi(2)).sum::<f64>().sqrt();
+        let slope = size(first);
+        let h0 = if slope > 0.0 { (0.01 / slope).min(rest) } else { rest };
+        let ahead = std::array::from_fn(|i| y[i] + h0 * first[i]);
+        let second = self.evaluate(system, t + h0, &ahead);
+        let bend = size(&std::array::from_fn(|i| second[i] - first[i])) / h0;
+        let largest = slope.max(bend);
+        let h1 = if largest > 0.0 { (tolerance / largest).powf(0.125).min(rest) } else { rest };
+        let mut h = h1.min(100.0 * h0);
+        if S::CAN_BE_STIFF {
+            self.statistics.jacobians += 1;
+            let lambda = largest_eigenvalue(&system.jacobian(t, y));
+            if h * lambda > dop853::STABLE_TO {
+                h = dop853::STABLE_TO / lambda;
+            }
+        }
+        h
+    }
+}
+
+/// Fit the rest of the span: one step if it nearly reaches, two equal ones rather than a long and a tiny one.
+fn fitted(wish: f64, rest: f64) -> f64 {
+    if wish * 1.01 >= rest {
+        rest
+    } else if wish * 2.0 > rest {
+        0.5 * rest
+    } else {
+        wish
+    }
+}

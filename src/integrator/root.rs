@@ -1,0 +1,182 @@
+//! Where the interpolant of a step first passes a level.
+//!
+//! On [0, 1] a polynomial lies within the range of its Bernstein coefficients, and it has at most as many roots in (0, 1) as
+//! they change sign (equal for one change). Halving the interval (de Casteljau) until each part has one change at most
+//! finds every root; the parts are gone through from left to right.
+//! Source: Farouki, The Bernstein polynomial basis: a centennial retrospective, Comput. Aided Geom. Des. 29 (2012), 379.
+use super::Dense;
+use super::dense::TERMS;
+
+/// In which direction a level is passed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// From below to above.
+    Rising,
+    /// From above to below.
+    Falling,
+}
+
+/// Bernstein coefficients of a polynomial of degree 7 on an interval.
+type Coefficients = [f64; TERMS + 1];
+
+/// Halvings of the step after which a part is a point.
+const DEEPEST: u32 = 50;
+/// Rounding of the coefficients in units of the last place of the largest number they are made of.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+impl<const N: usize> Dense<N> {
+    /// The first s in (0, 1] at which this component passes the level in this direction; none if it does not. A touch that
+    /// does not pass is no passage; an end exactly on the level is one, as the polynomial does not tell what follows.
+    ///
+    /// With `leaving` the step starts on the level, up to rounding, and that is no passage: neither with a speed away from
+    /// it nor with the speed 0 and an acceleration. Without, the signs at the two ends are those of the exact states, so
+    /// no passage is lost between one step and the next.
+    pub fn first_passage(&self, component: usize, level: f64, direction: Direction, leaving: bool) -> Option<f64> {
+        let sign = match direction {
+            Direction::Rising => 1.0,
+            Direction::Falling => -1.0,
+        };
+        let mut b = self.bernstein(component);
+        b.iter_mut().for_each(|b| *b = sign * (*b - level));
+        b[0] = sign * (self.start[component] - level);
+        b[TERMS] = sign * (self.end[component] - level);
+        let largest = b.iter().fold(level.abs().max(self.start[component].abs()), |m, b| m.max(b.abs()));
+        let mut search = Search { noise: ROUNDING * largest, below: b[0] < 0.0 };
+        if leaving {
+            search.below = false;
+            b[0] = 0.0;
+            if b[1].abs() <= search.noise {
+                b[1] = 0.0;
+            }
+        }
+        if b.iter().all(|b| *b < 0.0) {
+            return None;
+        }
+        search.part(&b, 0.0, 1.0, 0).or_else(|| (search.below && b[TERMS] >= 0.0).then_some(1.0))
+    }
+
+    /// Bernstein coefficients: Horner's rule of the nested form, where s and 1 - s raise the degree by one.
+    fn bernstein(&self, component: usize) -> Coefficients {
+        let mut b = [0.0; TERMS + 1];
+        for (i, term) in self.terms.iter().enumerate().rev() {
+            // b[..=degree] are the coefficients of the inner polynomial.
+            let degree = TERMS - 1 - i;
+            b[..=degree].iter_mut().for_each(|b| *b += term[component]);
+            let raised = (degree + 1) as f64;
+            if i % 2 == 0 {
+                for k in (1..=degree + 1).rev() {
+                    b[k] = b[k - 1] * k as f64 / raised;
+                }
+                b[0] = 0.0;
+            } else {
+                for (k, b) in b[..=degree].iter_mut().enumerate() {
+                    *b *= (degree + 1 - k) as f64 / raised;
+                }
+            }
+        }
+        b.iter_mut().for_each(|b| *b += self.start[component]);
+        b
+    }
+}
+
+/// The search for a passage of 0 from below, from left to right.
+struct Search {
+    /// Below this, coefficients are rounding.
+    noise: f64,
+    /// Whether the polynomial was below 0 where it last was not 0.
+    below: bool,
+}
+
+impl Search {
+    /// The first passage in the part [a, a + width] with coefficients b.
+    fn part(&mut self, b: &Coefficients, a: f64, width: f64, depth: u32) -> Option<f64> {
+        let (mut least, mut most, mut changes) = (0.0_f64, 0.0_f64, 0);
+        let (mut first, mut last) = (0.0, 0.0);
+        for &b in b {
+            (least, most) = (least.min(b), most.max(b));
+            if b != 0.0 {
+                changes += u32::from(last * b < 0.0);
+                if first == 0.0 {
+                    first = b;
+                }
+                last = b;
+            }
+        }
+        if most <= 0.0 {
+            self.below |= least < 0.0;
+            return None;
+        }
+        if least >= 0.0 {
+            let passed = self.below && a > 0.0;
+            self.below = false;
+            return passed.then_some(a);
+        }
+        if most.max(-least) <= self.noise {
+            return None;
+        }
+        if self.below && first > 0.0 {
+            // The passage fell between two parts, in rounding.
+            self.below = false;
+            return Some(a);
+        }
+        if changes == 1 || depth == DEEPEST {
+            self.below = last < 0.0;
+            return (first < 0.0 && last > 0.0).then(|| (a + width * root(b)).min(1.0));
+        }
+        let (left, right) = halves(b);
+        let half = 0.5 * width;
+        self.part(&left, a, half, depth + 1).or_else(|| self.part(&right, a + half, half, depth + 1))
+    }
+}
+
+/// Coefficients on the two halves of the interval: de Casteljau.
+fn halves(b: &Coefficients) -> (Coefficients, Coefficients) {
+    let (mut left, mut right) = (*b, *b);
+    for (level, left) in left.iter_mut().enumerate().skip(1) {
+        for k in 0..=TERMS - level {
+            right[k] = 0.5 * (right[k] + right[k + 1]);
+        }
+        *left = right[0];
+    }
+    (left, right)
+}
+
+/// The one root in (0, 1] of a polynomial whose coefficients change sign once, from below: Illinois, kept between bounds.
+fn root(b: &Coefficients) -> f64 {
+    let at = |s: f64| {
+        let mut b = *b;
+        for level in 1..=TERMS {
+            for k in 0..=TERMS - level {
+                b[k] += s * (b[k + 1] - b[k]);
+            }
+        }
+        b[0]
+    };
+    let (mut low, mut high) = (0.0, 1.0);
+    let (mut below, mut above) = (b[0], b[TERMS]);
+    // Bounds replaced in a row: low ones count up, high ones down.
+    let mut run = 0;
+    for i in 0..100 {
+        let secant = low - below * (high - low) / (above - below);
+        // Every third time in the middle, so that the interval halves whatever the polynomial.
+        let s = if i % 3 != 2 && secant > low && secant < high { secant } else { 0.5 * (low + high) };
+        if s <= low || s >= high || high - low <= f64::EPSILON * high {
+            break;
+        }
+        let value = at(s);
+        if value < 0.0 {
+            (low, below, run) = (s, value, run.max(0) + 1);
+        } else if value > 0.0 {
+            (high, above, run) = (s, value, run.min(0) - 1);
+        } else {
+            return s;
+        }
+        // The bound that stays is given half its value, so that the secant moves it too.
+        if run > 1 {
+            above *= 0.5;
+        } else if run < -1 {
+            below *= 0.5;
+        }
+    }
+    high
+}

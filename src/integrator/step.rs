@@ -1,0 +1,98 @@
+//! One step: what every method leaves of it.
+use super::{Dense, Method, System, dop853, radau};
+
+/// One accepted step from t to t + h.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step<const N: usize> {
+    /// Start of the step since the start of the span [s].
+    pub t: f64,
+    /// Step size [s].
+    pub h: f64,
+    /// Whether it ends at the end of the span.
+    pub reached: bool,
+    /// State at the start.
+    pub start: [f64; N],
+    /// State at the end.
+    pub end: [f64; N],
+    /// What the sums up to the start had lost to rounding.
+    pub(super) carry: [f64; N],
+    pub(super) stages: Stages<N>,
+}
+
+/// What the interpolant and a shorter step from the same start need, method by method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Stages<const N: usize> {
+    Dop853(dop853::Slopes<N>),
+    Radau(radau::Stages<N>),
+}
+
+/// A step of which the error is not known yet.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Trial<const N: usize> {
+    pub step: Step<N>,
+    /// What the sums up to the end have lost to rounding.
+    pub carry: [f64; N],
+    /// f at the end.
+    pub last: [f64; N],
+}
+
+impl<const N: usize> Trial<N> {
+    /// A step of DOP853: its start with what the sums had lost there, its slopes, its end with what they have lost there.
+    pub fn explicit(
+        t: f64,
+        start: &[f64; N],
+        h: f64,
+        carry: &[f64; N],
+        slopes: dop853::Slopes<N>,
+        end: [f64; N],
+        lost: [f64; N],
+    ) -> Self {
+        let last = slopes[dop853::tableau::STAGES];
+        let stages = Stages::Dop853(slopes);
+        Self { step: Step { t, h, reached: false, start: *start, end, carry: *carry, stages }, carry: lost, last }
+    }
+}
+
+impl<const N: usize> Step<N> {
+    /// The method that made the step.
+    pub fn method(&self) -> Method {
+        match self.stages {
+            Stages::Dop853(_) => Method::Dop853,
+            Stages::Radau(_) => Method::Radau,
+        }
+    }
+
+    /// How far component n can have come from its start within the step: the step size times the largest rate in a stage;
+    /// unknown, so infinite, where the interpolant costs nothing.
+    pub fn excursion(&self, n: usize) -> f64 {
+        match &self.stages {
+            Stages::Dop853(slopes) => slopes.iter().fold(0.0, |most: f64, f| most.max(f[n].abs())) * self.h,
+            Stages::Radau(_) => f64::INFINITY,
+        }
+    }
+
+    /// Interpolant over this step: of order 7 after DOP853, for three evaluations; the collocation polynomial, of order
+    /// 3, after Radau.
+    pub fn dense<S: System<N>>(&self, system: &mut S) -> Dense<N> {
+        match &self.stages {
+            Stages::Dop853(slopes) => dop853::dense(self, slopes, system),
+            Stages::Radau(stages) => radau::dense(self, stages),
+        }
+    }
+}
+
+/// y + increment + carry, and what that sum loses to rounding: Knuth's two-sum.
+pub(super) fn add_compensated<const N: usize>(
+    y: &[f64; N],
+    increment: &[f64; N],
+    carry: &[f64; N],
+) -> ([f64; N], [f64; N]) {
+    let (mut end, mut lost) = ([0.0; N], [0.0; N]);
+    for n in 0..N {
+        let delta = increment[n] + carry[n];
+        end[n] = y[n] + delta;
+        let back = end[n] - y[n];
+        lost[n] = (y[n] - (end[n] - back)) + (delta - back);
+    }
+    (end, lost)
+}

@@ -1,0 +1,71 @@
+//! When to leave one method for the other.
+//!
+//! DOP853 held back by stiffness cannot lengthen its steps though h |lambda| is about 1 or more: near 6 at the end of its
+//! interval of stability, less at tight tolerances, where the stiff components spoil its stages first. Once it has been so
+//! for a few steps Radau takes over. It gives back when, for a few, its steps are shorter than those of DOP853 were. A
+//! change that did not pay doubles the number of steps before the next one, so that trials stay a small part of the work.
+
+/// Steps held back before Radau takes over.
+const PATIENCE: u32 = 6;
+/// A change that does not pay doubles the patience, up to this.
+const MOST_PATIENCE: u32 = 192;
+/// Steps in a row not held back that clear the count.
+const CLEARED_AFTER: u32 = 6;
+/// h |lambda| from which a step can be held back.
+const HELD_BACK: f64 = 1.0;
+/// A step that could grow by this was not held back, but cut short by the end of its span.
+const GROWING: f64 = 2.0;
+/// Short steps in a row before DOP853 takes over.
+const SHORT_STEPS: u32 = 3;
+
+/// Counts of the choice between the methods.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Stiffness {
+    /// Whether Radau is at work.
+    pub implicit: bool,
+    /// Explicit: steps held back. Implicit: short steps in a row.
+    hits: u32,
+    /// Steps in a row that were no hits.
+    misses: u32,
+    /// Changes in a row that have not paid.
+    failures: u32,
+    /// Steps of DOP853 that Radau has saved since it took over.
+    saved: f64,
+    /// Size of the last explicit step that was held back [s].
+    explicit_h: f64,
+}
+
+impl Stiffness {
+    /// An explicit step of size h at this h |lambda|, that could have grown by `grow`, has been accepted.
+    pub fn explicit_step(&mut self, h: f64, h_lambda: f64, grow: f64) {
+        if h_lambda > HELD_BACK && grow < GROWING {
+            (self.hits, self.misses, self.explicit_h) = (self.hits + 1, 0, h);
+        } else {
+            self.misses += 1;
+            if self.misses >= CLEARED_AFTER {
+                self.hits = 0;
+            }
+        }
+        if self.hits >= self.patience() {
+            *self = Self { implicit: true, hits: 0, misses: 0, saved: 0.0, ..*self };
+        }
+    }
+
+    /// An implicit step of size h where |lambda| is the largest eigenvalue has been accepted.
+    pub fn implicit_step(&mut self, h: f64, lambda: f64) {
+        self.saved += h / self.explicit_h - 1.0;
+        if h * lambda >= HELD_BACK.max(self.explicit_h * lambda) {
+            self.hits = 0;
+            return;
+        }
+        self.hits += 1;
+        if self.hits >= SHORT_STEPS {
+            let failures = if self.saved >= f64::from(self.patience()) { 0 } else { self.failures + 1 };
+            *self = Self { failures, ..Self::default() };
+        }
+    }
+
+    fn patience(&self) -> u32 {
+        (PATIENCE << self.failures.min(16)).min(MOST_PATIENCE)
+    }
+}

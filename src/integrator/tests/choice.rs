@@ -1,0 +1,177 @@
+//! The choice between the methods, and kinks.
+use super::radau_iia::VanDerPol;
+use crate::integrator::{Integrator, Method, System};
+
+/// y' = -rate(t) (y - cos t) - sin t, exact: cos t; stiff in the first and the last third of 0 <= t <= 30.
+struct Phases;
+impl Phases {
+    fn rate(t: f64) -> f64 {
+        let bump = |x: f64| 0.5 * (1.0 + (4.0 * x).tanh());
+        1e6 * (1.0 - bump(t - 10.0) + bump(t - 20.0)) + 0.1
+    }
+}
+impl System<1> for Phases {
+    const CAN_BE_STIFF: bool = true;
+    fn derivative(&mut self, t: f64, y: &[f64; 1]) -> [f64; 1] {
+        [-Self::rate(t) * (y[0] - t.cos()) - t.sin()]
+    }
+    fn scale(&self, _y: &[f64; 1], _f: &[f64; 1]) -> [f64; 1] {
+        [1.0]
+    }
+    fn jacobian(&mut self, t: f64, _y: &[f64; 1]) -> [[f64; 1]; 1] {
+        [[-Self::rate(t)]]
+    }
+}
+
+#[test]
+fn the_method_follows_the_stiffness_both_ways() {
+    for tolerance in [1e-6, 1e-9, 1e-12] {
+        let (mut t, mut y, mut integrator) = (0.0, [1.0], Integrator::default());
+        let (mut changes, mut last, mut seen) = (0, Method::Dop853, Vec::new());
+        while t < 30.0 {
+            let step = integrator.step(&mut Phases, t, &y, 30.0, tolerance).unwrap();
+            (t, y) = (t + step.h, step.end);
+            assert!((y[0] - t.cos()).abs() < 100.0 * tolerance, "t {t}: {:e}", y[0] - t.cos());
+            if integrator.method() != last {
+                last = integrator.method();
+                changes += 1;
+                seen.push((t, last));
+            }
+            if step.reached {
+                break;
+            }
+        }
+        println!("{tolerance:e}: {:?} {seen:?}", integrator.statistics());
+        let methods: Vec<Method> = seen.iter().map(|(_, method)| *method).collect();
+        assert!(methods.starts_with(&[Method::Radau, Method::Dop853]) && methods.ends_with(&[Method::Radau]));
+        assert!(changes <= 7, "{changes} changes: {seen:?}");
+    }
+}
+
+#[test]
+fn a_problem_of_middling_stiffness_does_not_waver() {
+    // Between the methods: neither is much better. Changes are rare against steps.
+    for stiffness in [1e-1, 1e-2, 1e-3] {
+        for tolerance in [1e-5, 1e-8, 1e-11] {
+            let (mut t, mut y, mut integrator) = (0.0, [2.0, -0.66], Integrator::default());
+            let (mut changes, mut last) = (0, Method::Dop853);
+            while t < 20.0 {
+                let step = integrator.step(&mut VanDerPol(stiffness), t, &y, 20.0, tolerance).unwrap();
+                (t, y) = (t + step.h, step.end);
+                changes += u32::from(integrator.method() != last);
+                last = integrator.method();
+                if step.reached {
+                    break;
+                }
+            }
+            println!("eps {stiffness}, tolerance {tolerance:e}: {changes} changes, {:?}", integrator.statistics());
+            assert!(u64::from(changes) * 10 < integrator.statistics().accepted);
+        }
+    }
+}
+
+/// A body on a rough plane, pushed by sin t, friction with a ramp: v' = sin t - 0.7 sat(v / width); (x, v).
+#[derive(Clone, Copy)]
+struct Ramp {
+    width: f64,
+}
+impl System<2> for Ramp {
+    const CAN_BE_STIFF: bool = true;
+    fn derivative(&mut self, t: f64, y: &[f64; 2]) -> [f64; 2] {
+        [y[1], t.sin() - 0.7 * (y[1] / self.width).clamp(-1.0, 1.0)]
+    }
+    fn scale(&self, _y: &[f64; 2], _f: &[f64; 2]) -> [f64; 2] {
+        [1.0, 1.0]
+    }
+    fn piece(&mut self, _t: f64, y: &[f64; 2]) -> i32 {
+        (y[1] > self.width) as i32 - (y[1] < -self.width) as i32
+    }
+    fn jacobian(&mut self, _t: f64, y: &[f64; 2]) -> [[f64; 2]; 2] {
+        [[0.0, 1.0], [0.0, if y[1].abs() < self.width { -0.7 / self.width } else { 0.0 }]]
+    }
+}
+
+/// The exact motion of [`Ramp`], piece by piece: on the ramp v' = sin t - a v, beside it v' = sin t -+ 0.7; the times of the
+/// kinks by bisection.
+fn exact(width: f64, end: f64) -> [f64; 2] {
+    let a = 0.7 / width;
+    let (mut t, mut x, mut v, mut side) = (0.0_f64, 0.0, 0.0, 0.0);
+    loop {
+        let state = |u: f64| {
+            if side == 0.0 {
+                let forced = |t: f64| (a * t.sin() - t.cos()) / (a * a + 1.0);
+                let free = v - forced(t);
+                let decay = -(-a * (u - t)).exp_m1();
+                let integral = |t: f64| (-a * t.cos() - t.sin()) / (a * a + 1.0);
+                (x + free / a * decay + integral(u) - integral(t), forced(u) + free * (1.0 - decay))
+            } else {
+                let s = u - t;
+                let v1 = v + t.cos() - u.cos() - 0.7 * side * s;
+                (x + (v + t.cos()) * s - (u.sin() - t.sin()) - 0.35 * side * s * s, v1)
+            }
+        };
+        let inside = |u: f64| if side == 0.0 { state(u).1.abs() <= width } else { state(u).1 * side >= width };
+        let (mut low, mut high) = (t, (t + 1e-3).min(end));
+        while inside(high) && high < end {
+            low = high;
+            high = (high + 1e-3).min(end);
+        }
+        if inside(high) {
+            return state(end).into();
+        }
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if inside(middle) { low = middle } else { high = middle }
+        }
+        let (x1, v1) = state(low);
+        side = if side == 0.0 { v1.signum() } else { 0.0 };
+        (t, x, v) = (low, x1, width * v1.signum());
+    }
+}
+
+#[test]
+fn kinks_cost_no_accuracy() {
+    // Seven kinks, each up to the tolerance in v, which is up to 6 times that in x at the end.
+    for width in [1e-2, 1e-4, 1e-6] {
+        for tolerance in [1e-9, 1e-11, 1e-12] {
+            let (mut y, mut integrator) = ([0.0, 0.0], Integrator::default());
+            integrator.advance(&mut Ramp { width }, &mut y, 10.0, tolerance).unwrap();
+            let reference = exact(width, 10.0);
+            let error = (y[0] - reference[0]).abs().max((y[1] - reference[1]).abs());
+            println!("width {width:e}, tolerance {tolerance:e}: {error:.1e} {:?}", integrator.statistics());
+            assert!(error < 20.0 * tolerance, "width {width}, tolerance {tolerance}: error {error}");
+        }
+    }
+}
+
+#[test]
+fn a_copied_memory_repeats_the_same_bits() {
+    let mut integrator = Integrator::default();
+    let mut y = [0.0, 0.0];
+    let mut system = Ramp { width: 1e-6 };
+    for _ in 0..200 {
+        let (mut again, mut z) = (integrator, y);
+        integrator.advance(&mut system, &mut y, 1e-3, 1e-10).unwrap();
+        again.advance(&mut system, &mut z, 1e-3, 1e-10).unwrap();
+        assert_eq!((y, integrator), (z, again));
+    }
+}
+
+#[test]
+fn a_system_that_cannot_be_stiff_is_never_asked_for_a_jacobian() {
+    struct Explicit;
+    impl System<1> for Explicit {
+        fn derivative(&mut self, _t: f64, y: &[f64; 1]) -> [f64; 1] {
+            [-1e4 * y[0]]
+        }
+        fn scale(&self, _y: &[f64; 1], _f: &[f64; 1]) -> [f64; 1] {
+            [1.0]
+        }
+        fn jacobian(&mut self, _t: f64, _y: &[f64; 1]) -> [[f64; 1]; 1] {
+            panic!("asked for a Jacobian")
+        }
+    }
+    let mut integrator = Integrator::default();
+    integrator.advance(&mut Explicit, &mut [1.0], 1.0, 1e-6).unwrap();
+    assert_eq!(integrator.statistics().implicit, 0);
+}

@@ -1,0 +1,57 @@
+//! A shorter step from the same start, and going on from its end.
+use super::Oscillator;
+use super::radau_iia::VanDerPol;
+use crate::integrator::{Integrator, Method};
+
+#[test]
+fn an_explicit_step_cut_short_is_the_step_of_that_size() {
+    let (mut integrator, mut y, mut t) = (Integrator::default(), [1.0, 0.0], 0.0);
+    for _ in 0..5 {
+        let step = integrator.step(&mut Oscillator, t, &y, 100.0, 1e-12).unwrap();
+        let short = integrator.retake(&mut Oscillator, &step, 0.37 * step.h);
+        assert_eq!((short.t, short.start, short.h, short.reached), (step.t, step.start, 0.37 * step.h, false));
+        (t, y) = (t + short.h, short.end);
+        assert!((y[0] - t.cos()).hypot(y[1] + t.sin()) < 1e-11);
+        integrator.refresh();
+    }
+    // The whole step again gives the same bits, compensation included.
+    let step = integrator.step(&mut Oscillator, t, &y, 100.0, 1e-12).unwrap();
+    let memory = integrator;
+    assert_eq!(integrator.retake(&mut Oscillator, &step, step.h).end, step.end);
+    let next = integrator.step(&mut Oscillator, t + step.h, &step.end, 100.0, 1e-12).unwrap();
+    let mut memory = memory;
+    assert_eq!(next, memory.step(&mut Oscillator, t + step.h, &step.end, 100.0, 1e-12).unwrap());
+}
+
+#[test]
+fn an_implicit_step_cut_short_stays_on_the_solution() {
+    let tolerance = 1e-10;
+    let mut reference = Integrator::default();
+    let mut stiff = VanDerPol(1e-5);
+    let (mut integrator, mut y, mut t) = (Integrator::default(), [2.0, -0.66], 0.0);
+    let mut cut = 0;
+    while t < 0.5 {
+        let step = integrator.step(&mut stiff, t, &y, 0.5, tolerance).unwrap();
+        if step.method() != Method::Radau {
+            (t, y) = (t + step.h, step.end);
+            continue;
+        }
+        let part = 0.2 + 0.7 * f64::from(cut % 10) / 10.0;
+        let short = integrator.retake(&mut stiff, &step, part * step.h);
+        let dense = step.dense(&mut stiff).at(part);
+        assert!((short.end[0] - dense[0]).abs() < 10.0 * tolerance);
+        assert!((short.end[1] - dense[1]).abs() < 100.0 * tolerance * step.end[1].abs().max(1.0));
+        (t, y) = (t + short.h, short.end);
+        cut += 1;
+        if cut % 3 == 0 {
+            integrator.refresh();
+        }
+        if cut % 50 == 0 {
+            integrator.restart();
+        }
+    }
+    assert!(cut > 100, "{cut}");
+    let mut z = [2.0, -0.66];
+    reference.advance(&mut stiff, &mut z, t, 1e-11).unwrap();
+    assert!((y[0] - z[0]).abs() < 100.0 * tolerance && (y[1] - z[1]).abs() < 100.0 * tolerance, "{y:?} {z:?}");
+}
