@@ -1,4 +1,5 @@
-//! Adaptive integration of y' = f(t, y): explicit (DOP853) where it can be, implicit (Radau IIA) where it must be.
+//! Adaptive integration of y' = f(t, y): explicit (DOP853, or RK4 over short spans) where it can be, implicit
+//! (Radau IIA) where it must be.
 //!
 //! In: a first-order system, a start, a span, a tolerance. Out: y at the exact end of the span; for each step, on request,
 //! the interpolant and where it passes a level. It must not know what y means.
@@ -7,6 +8,7 @@ mod dense;
 mod dop853;
 mod linear;
 mod radau;
+mod rk4;
 mod root;
 mod step;
 mod stiffness;

@@ -1,5 +1,5 @@
 //! One step: what every method leaves of it.
-use super::{Dense, Method, System, dop853, radau};
+use super::{Dense, Method, System, dop853, radau, rk4};
 
 /// One accepted step from t to t + h.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +23,7 @@ pub struct Step<const N: usize> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Stages<const N: usize> {
     Dop853(dop853::Slopes<N>),
+    Rk4(rk4::Slopes<N>),
     Radau(radau::Stages<N>),
 }
 
@@ -58,15 +59,17 @@ impl<const N: usize> Step<N> {
     pub fn method(&self) -> Method {
         match self.stages {
             Stages::Dop853(_) => Method::Dop853,
+            Stages::Rk4(_) => Method::Rk4,
             Stages::Radau(_) => Method::Radau,
         }
     }
 
-    /// Interpolant over this step: of order 7 after DOP853, for three evaluations; the collocation polynomial, of order
-    /// 3, after Radau.
+    /// Interpolant over this step: of order 7 after DOP853, for three evaluations; of order 3 after RK4
+    /// (Hermite's cubic) and after Radau (the collocation polynomial).
     pub fn dense<S: System<N>>(&self, system: &mut S) -> Dense<N> {
         match &self.stages {
             Stages::Dop853(slopes) => dop853::dense(self, slopes, system),
+            Stages::Rk4(slopes) => rk4::dense(self, slopes),
             Stages::Radau(stages) => radau::dense(self, stages),
         }
     }

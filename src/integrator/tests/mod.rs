@@ -6,6 +6,7 @@ mod choice;
 mod dop853;
 mod radau_iia;
 mod retake;
+mod rk4;
 mod root;
 
 /// y'' = -y as (y, y').
