@@ -4,52 +4,10 @@
 //! IV.2 (detecting stiffness), IV.8 (Radau).
 use super::linear::largest_eigenvalue;
 use super::radau::{Before, Start};
+use super::starting::starting_step;
 use super::step::{Stages, Step, Trial};
 use super::stiffness::Stiffness;
-use super::{System, dop853, radau, rk4};
-
-/// Why an integration stopped.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum IntegrationError {
-    /// No step above the round-off of time meets the tolerance.
-    StepTooSmall {
-        /// Time since the start of the span [s].
-        t: f64,
-        /// The step size that was still too large [s].
-        step: f64,
-    },
-}
-
-/// A method of integration.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Method {
-    /// Explicit Runge-Kutta of order 8, Dormand and Prince.
-    #[default]
-    Dop853,
-    /// Explicit Runge-Kutta of order 4, the classical one.
-    Rk4,
-    /// Implicit Runge-Kutta of order 5, Radau IIA.
-    Radau,
-}
-
-/// Work done so far.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Statistics {
-    /// Right-hand-side evaluations.
-    pub evaluations: u64,
-    /// Accepted steps of all methods.
-    pub accepted: u64,
-    /// Rejected steps of all methods.
-    pub rejected: u64,
-    /// Jacobians.
-    pub jacobians: u64,
-    /// Iterations of Newton's method.
-    pub newton_iterations: u64,
-    /// Accepted steps of Radau IIA.
-    pub implicit: u64,
-    /// Accepted steps of RK4; those of DOP853 are the rest.
-    pub short: u64,
-}
+use super::{IntegrationError, Method, Statistics, System, dop853, radau, rk4};
 
 /// Limits of the step-size control as in DOP853; its safety factor is 0.9, at which the retraction at tolerance 1e-12 takes
 /// a quarter more evaluations, in rejected steps.
@@ -199,7 +157,7 @@ impl<const N: usize> Integrator<N> {
         let scale = system.scale(y, &first);
         let wish = match self.proposal {
             Some(h) => h,
-            None => self.starting_step(system, t, y, &first, &scale, rest, tolerance),
+            None => starting_step(system, (t, y, &first), &scale, rest, tolerance, &mut self.statistics),
         };
         Begin { t, first, rest, scale, wish }
     }
@@ -365,38 +323,6 @@ impl<const N: usize> Integrator<N> {
     fn evaluate<S: System<N>>(&mut self, system: &mut S, t: f64, y: &[f64; N]) -> [f64; N] {
         self.statistics.evaluations += 1;
         system.derivative(t, y)
-    }
-
-    /// First step size: Hairer, Norsett, Wanner, II.4, with the error of an explicit Euler step as the guide; for a system
-    /// that can be stiff, one at which DOP853 is stable.
-    #[allow(clippy::too_many_arguments)]
-    fn starting_step<S: System<N>>(
-        &mut self,
-        system: &mut S,
-        t: f64,
-        y: &[f64; N],
-        first: &[f64; N],
-        scale: &[f64; N],
-        rest: f64,
-        tolerance: f64,
-    ) -> f64 {
-        let size = |v: &[f64; N]| (0..N).map(|i| (v[i] / scale[i]).powi(2)).sum::<f64>().sqrt();
-        let slope = size(first);
-        let h0 = if slope > 0.0 { (0.01 / slope).min(rest) } else { rest };
-        let ahead = std::array::from_fn(|i| y[i] + h0 * first[i]);
-        let second = self.evaluate(system, t + h0, &ahead);
-        let bend = size(&std::array::from_fn(|i| second[i] - first[i])) / h0;
-        let largest = slope.max(bend);
-        let h1 = if largest > 0.0 { (tolerance / largest).powf(0.125).min(rest) } else { rest };
-        let mut h = h1.min(100.0 * h0);
-        if S::CAN_BE_STIFF {
-            self.statistics.jacobians += 1;
-            let lambda = largest_eigenvalue(&system.jacobian(t, y));
-            if h * lambda > dop853::STABLE_TO {
-                h = dop853::STABLE_TO / lambda;
-            }
-        }
-        h
     }
 }
 

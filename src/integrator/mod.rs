@@ -6,19 +6,24 @@
 mod controller;
 mod dense;
 mod dop853;
+mod error;
 mod linear;
 mod radau;
 mod rk4;
 mod root;
+mod starting;
 mod step;
 mod stiffness;
 mod system;
+mod work;
 
-pub use controller::{IntegrationError, Integrator, Method, Statistics};
+pub use controller::Integrator;
 pub use dense::Dense;
+pub use error::IntegrationError;
 pub use root::Direction;
 pub use step::Step;
 pub use system::System;
+pub use work::{Method, Statistics};
 
 #[cfg(test)]
 mod tests;
