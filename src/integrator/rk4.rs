@@ -75,7 +75,7 @@ pub(super) fn judge<const N: usize>(h: f64, outcome: &Outcome<N>, scale: &[f64; 
     }
     // h (allowed e / e)^(1/4), e^6 being the quantities compared.
     let reach = h * (allowed.cbrt() / square).sqrt().sqrt().sqrt();
-    Err(if reach.is_finite() { reach } else { 0.0 })
+    Err(if reach.is_finite() { reach } else { 0.1 * h })
 }
 
 /// Interpolant of order 3: Hermite's cubic, II.6, eq. (6.7).
