@@ -4,48 +4,10 @@
 //! IV.2 (detecting stiffness), IV.8 (Radau).
 use super::linear::largest_eigenvalue;
 use super::radau::{Before, Start};
+use super::starting::starting_step;
 use super::step::{Stages, Step, Trial};
 use super::stiffness::Stiffness;
-use super::{System, dop853, radau};
-
-/// Why an integration stopped.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum IntegrationError {
-    /// No step above the round-off of time meets the tolerance.
-    StepTooSmall {
-        /// Time since the start of the span [s].
-        t: f64,
-        /// The step size that was still too large [s].
-        step: f64,
-    },
-}
-
-/// A method of integration.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Method {
-    /// Explicit Runge-Kutta of order 8, Dormand and Prince.
-    #[default]
-    Dop853,
-    /// Implicit Runge-Kutta of order 5, Radau IIA.
-    Radau,
-}
-
-/// Work done so far.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Statistics {
-    /// Right-hand-side evaluations.
-    pub evaluations: u64,
-    /// Accepted steps of all methods.
-    pub accepted: u64,
-    /// Rejected steps of all methods.
-    pub rejected: u64,
-    /// Jacobians.
-    pub jacobians: u64,
-    /// Iterations of Newton's method.
-    pub newton_iterations: u64,
-    /// Accepted steps of Radau IIA.
-    pub implicit: u64,
-}
+use super::{IntegrationError, Method, Statistics, System, dop853, radau, rk4};
 
 /// Limits of the step-size control as in DOP853; its safety factor is 0.9, at which the retraction at tolerance 1e-12 takes
 /// a quarter more evaluations, in rejected steps.
@@ -58,8 +20,26 @@ pub(super) const AT_A_KINK: f64 = 10.0;
 const SHRINK_INFINITE: f64 = 0.1;
 /// Shrinking where Newton's method does not converge.
 const SHRINK_UNSOLVED: f64 = 0.25;
+/// A span this many times shorter than the step that DOP853 would take may be one for RK4.
+const SHORT: f64 = 4.0;
+/// What each step of DOP853 adds to the span at which RK4 is tried again.
+const SHORT_AGAIN: f64 = 1.02;
 /// A step below this part of the span cannot be told from round-off in time.
 const SMALLEST: f64 = 1e-14;
+
+/// What a step starts with.
+struct Begin<const N: usize> {
+    /// Start since the start of the span [s].
+    t: f64,
+    /// f at the start.
+    first: [f64; N],
+    /// Time to the end of the span [s].
+    rest: f64,
+    /// Sizes of the components.
+    scale: [f64; N],
+    /// Step size that the error control proposes [s].
+    wish: f64,
+}
 
 /// Memory of the integration between spans: proposed step size, last derivative, compensation of the sums, and what the
 /// choice of the method goes by.
@@ -72,6 +52,8 @@ pub struct Integrator<const N: usize> {
     /// What the last sums lost to rounding, component by component.
     carry: [f64; N],
     stiffness: Stiffness,
+    /// Span up to which one step of RK4 has met its share of the tolerance, as far as is known [s].
+    short: f64,
     /// The last step, if it was one of Radau.
     before: Option<Before<N>>,
     method: Method,
@@ -85,6 +67,7 @@ impl<const N: usize> Default for Integrator<N> {
             derivative: None,
             carry: [0.0; N],
             stiffness: Stiffness::default(),
+            short: f64::INFINITY,
             before: None,
             method: Method::default(),
             statistics: Statistics::default(),
@@ -126,7 +109,12 @@ impl<const N: usize> Integrator<N> {
     ) -> Result<(), IntegrationError> {
         let mut t = 0.0;
         while t < span {
-            let step = self.step(system, t, y, span, tolerance)?;
+            let begin = self.begin(system, t, y, span, tolerance);
+            if let Some(end) = self.short_step(system, y, &begin, tolerance) {
+                *y = end;
+                break;
+            }
+            let step = self.long_step(system, y, &begin, span, tolerance)?;
             *y = step.end;
             t += step.h;
             if step.reached {
@@ -148,25 +136,86 @@ impl<const N: usize> Integrator<N> {
         end: f64,
         tolerance: f64,
     ) -> Result<Step<N>, IntegrationError> {
+        let begin = self.begin(system, t, y, end, tolerance);
+        let carry = self.carry;
+        if let Some(end) = self.short_step(system, y, &begin, tolerance) {
+            let first = begin.first;
+            let stages = Stages::Rk4(rk4::Slopes { first, last: self.derivative.unwrap_or(first) });
+            return Ok(Step { t, h: begin.rest, reached: true, start: *y, end, carry, stages });
+        }
+        self.long_step(system, y, &begin, end, tolerance)
+    }
+
+    /// What a step from (t, y) towards `end` starts with.
+    #[inline]
+    fn begin<S: System<N>>(&mut self, system: &mut S, t: f64, y: &[f64; N], end: f64, tolerance: f64) -> Begin<N> {
         let first = match self.derivative {
             Some(f) => f,
             None => self.evaluate(system, t, y),
         };
         let rest = end - t;
         let scale = system.scale(y, &first);
-        let mut wish = match self.proposal {
+        let wish = match self.proposal {
             Some(h) => h,
-            None => self.starting_step(system, t, y, &first, &scale, rest, tolerance),
+            None => starting_step(system, (t, y, &first), &scale, rest, tolerance, &mut self.statistics),
         };
-        if S::CAN_BE_STIFF && self.stiffness.implicit {
-            return self.implicit_step(system, t, y, &first, end, wish, &scale, tolerance);
+        Begin { t, first, rest, scale, wish }
+    }
+
+    /// The end of the span by one step of RK4, if it is short enough for that.
+    #[inline]
+    fn short_step<S: System<N>>(
+        &mut self,
+        system: &mut S,
+        y: &[f64; N],
+        begin: &Begin<N>,
+        tolerance: f64,
+    ) -> Option<[f64; N]> {
+        let &Begin { t, ref first, rest: h, ref scale, wish } = begin;
+        if h > self.short || h * SHORT > wish || S::CAN_BE_STIFF && self.stiffness.implicit {
+            return None;
         }
+        let outcome = rk4::attempt(system, t, y, first, h, &self.carry);
+        self.statistics.evaluations += rk4::EVALUATIONS;
+        if let Err(reach) = rk4::judge(h, &outcome, scale, tolerance) {
+            self.short = reach;
+            self.statistics.rejected += 1;
+            return None;
+        }
+        if system.piece(t, y) != system.piece(t + h, &outcome.end) {
+            self.statistics.rejected += 1;
+            return None;
+        }
+        self.derivative = Some(outcome.last);
+        self.carry = outcome.carry;
+        self.method = Method::Rk4;
+        if S::CAN_BE_STIFF {
+            self.before = None;
+        }
+        self.statistics.accepted += 1;
+        self.statistics.short += 1;
+        Some(outcome.end)
+    }
+
+    /// One accepted step of DOP853 or Radau.
+    fn long_step<S: System<N>>(
+        &mut self,
+        system: &mut S,
+        y: &[f64; N],
+        begin: &Begin<N>,
+        end: f64,
+        tolerance: f64,
+    ) -> Result<Step<N>, IntegrationError> {
+        if S::CAN_BE_STIFF && self.stiffness.implicit {
+            return self.implicit_step(system, y, begin, end, tolerance);
+        }
+        let &Begin { t, ref first, rest, ref scale, mut wish } = begin;
         let mut grow_most = GROW_MOST;
         loop {
             let h = fitted(wish, rest);
-            let (slopes, last, carry) = dop853::attempt(system, t, y, &first, h, &self.carry);
+            let (slopes, last, carry) = dop853::attempt(system, t, y, first, h, &self.carry);
             self.statistics.evaluations += dop853::tableau::STAGES as u64;
-            let (mut error, cautious) = dop853::error(&slopes, h, &scale, tolerance);
+            let (mut error, cautious) = dop853::error(&slopes, h, scale, tolerance);
             // Where a kink lies just so, the first estimate vanishes by chance.
             if error <= 1.0 && system.piece(t, y) != system.piece(t + h, &last) {
                 error = AT_A_KINK * cautious;
@@ -174,9 +223,10 @@ impl<const N: usize> Integrator<N> {
             let grow = SAFETY * error.powf(-1.0 / dop853::ERROR_POWER);
             if error <= 1.0 {
                 if S::CAN_BE_STIFF {
-                    self.stiffness.explicit_step(h, dop853::stiffness(y, &last, &slopes, h, &scale), grow);
+                    self.stiffness.explicit_step(h, dop853::stiffness(y, &last, &slopes, h, scale), grow);
                     self.before = None;
                 }
+                self.short *= SHORT_AGAIN;
                 let trial = Trial::explicit(t, y, h, &self.carry, slopes, last, carry);
                 return Ok(self.accept(trial, wish, grow.clamp(SHRINK_MOST, grow_most), rest));
             }
@@ -185,25 +235,21 @@ impl<const N: usize> Integrator<N> {
         }
     }
 
-    /// [`Self::step`] by Radau.
-    #[allow(clippy::too_many_arguments)]
+    /// [`Self::long_step`] by Radau.
     fn implicit_step<S: System<N>>(
         &mut self,
         system: &mut S,
-        t: f64,
         y: &[f64; N],
-        first: &[f64; N],
+        begin: &Begin<N>,
         end: f64,
-        mut wish: f64,
-        scale: &[f64; N],
         tolerance: f64,
     ) -> Result<Step<N>, IntegrationError> {
+        let &Begin { t, ref first, rest, ref scale, mut wish } = begin;
         let jacobian = system.jacobian(t, y);
         self.statistics.jacobians += 1;
         let (carry, before) = (self.carry, self.before);
         let start =
             Start { t, y, first, jacobian: &jacobian, carry: &carry, before: before.as_ref(), scale, tolerance };
-        let rest = end - t;
         let mut grow_most = GROW_MOST;
         loop {
             let h = fitted(wish, rest);
@@ -236,6 +282,13 @@ impl<const N: usize> Integrator<N> {
                 self.statistics.evaluations += dop853::tableau::STAGES as u64;
                 let (slopes, end, carry) = dop853::attempt(system, step.t, &step.start, &slopes[0], h, &step.carry);
                 Trial::explicit(step.t, &step.start, h, &step.carry, slopes, end, carry)
+            }
+            Stages::Rk4(slopes) => {
+                self.statistics.evaluations += rk4::EVALUATIONS;
+                let rk4::Outcome { end, carry, last, .. } =
+                    rk4::attempt(system, step.t, &step.start, &slopes.first, h, &step.carry);
+                let stages = Stages::Rk4(rk4::Slopes { first: slopes.first, last });
+                Trial { step: Step { h, reached: false, end, stages, ..*step }, carry, last }
             }
             Stages::Radau(stages) => radau::shorten(system, step, stages, h, &mut self.statistics),
         };
@@ -270,38 +323,6 @@ impl<const N: usize> Integrator<N> {
     fn evaluate<S: System<N>>(&mut self, system: &mut S, t: f64, y: &[f64; N]) -> [f64; N] {
         self.statistics.evaluations += 1;
         system.derivative(t, y)
-    }
-
-    /// First step size: Hairer, Norsett, Wanner, II.4, with the error of an explicit Euler step as the guide; for a system
-    /// that can be stiff, one at which DOP853 is stable.
-    #[allow(clippy::too_many_arguments)]
-    fn starting_step<S: System<N>>(
-        &mut self,
-        system: &mut S,
-        t: f64,
-        y: &[f64; N],
-        first: &[f64; N],
-        scale: &[f64; N],
-        rest: f64,
-        tolerance: f64,
-    ) -> f64 {
-        let size = |v: &[f64; N]| (0..N).map(|i| (v[i] / scale[i]).powi(2)).sum::<f64>().sqrt();
-        let slope = size(first);
-        let h0 = if slope > 0.0 { (0.01 / slope).min(rest) } else { rest };
-        let ahead = std::array::from_fn(|i| y[i] + h0 * first[i]);
-        let second = self.evaluate(system, t + h0, &ahead);
-        let bend = size(&std::array::from_fn(|i| second[i] - first[i])) / h0;
-        let largest = slope.max(bend);
-        let h1 = if largest > 0.0 { (tolerance / largest).powf(0.125).min(rest) } else { rest };
-        let mut h = h1.min(100.0 * h0);
-        if S::CAN_BE_STIFF {
-            self.statistics.jacobians += 1;
-            let lambda = largest_eigenvalue(&system.jacobian(t, y));
-            if h * lambda > dop853::STABLE_TO {
-                h = dop853::STABLE_TO / lambda;
-            }
-        }
-        h
     }
 }
 

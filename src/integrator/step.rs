@@ -1,5 +1,5 @@
 //! One step: what every method leaves of it.
-use super::{Dense, Method, System, dop853, radau};
+use super::{Dense, Method, System, dop853, radau, rk4};
 
 /// One accepted step from t to t + h.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +23,7 @@ pub struct Step<const N: usize> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Stages<const N: usize> {
     Dop853(dop853::Slopes<N>),
+    Rk4(rk4::Slopes<N>),
     Radau(radau::Stages<N>),
 }
 
@@ -58,6 +59,7 @@ impl<const N: usize> Step<N> {
     pub fn method(&self) -> Method {
         match self.stages {
             Stages::Dop853(_) => Method::Dop853,
+            Stages::Rk4(_) => Method::Rk4,
             Stages::Radau(_) => Method::Radau,
         }
     }
@@ -67,15 +69,16 @@ impl<const N: usize> Step<N> {
     pub fn excursion(&self, n: usize) -> f64 {
         match &self.stages {
             Stages::Dop853(slopes) => slopes.iter().fold(0.0, |most: f64, f| most.max(f[n].abs())) * self.h,
-            Stages::Radau(_) => f64::INFINITY,
+            _ => f64::INFINITY,
         }
     }
 
-    /// Interpolant over this step: of order 7 after DOP853, for three evaluations; the collocation polynomial, of order
-    /// 3, after Radau.
+    /// Interpolant over this step: of order 7 after DOP853, for three evaluations; of order 3 after RK4
+    /// (Hermite's cubic) and after Radau (the collocation polynomial).
     pub fn dense<S: System<N>>(&self, system: &mut S) -> Dense<N> {
         match &self.stages {
             Stages::Dop853(slopes) => dop853::dense(self, slopes, system),
+            Stages::Rk4(slopes) => rk4::dense(self, slopes),
             Stages::Radau(stages) => radau::dense(self, stages),
         }
     }

@@ -175,3 +175,51 @@ fn a_system_that_cannot_be_stiff_is_never_asked_for_a_jacobian() {
     integrator.advance(&mut Explicit, &mut [1.0], 1.0, 1e-6).unwrap();
     assert_eq!(integrator.statistics().implicit, 0);
 }
+
+/// [`Ramp`] with the energy lost as a third component: its time derivative is friction times v.
+struct Losing(Ramp);
+impl System<3> for Losing {
+    const CAN_BE_STIFF: bool = true;
+    fn derivative(&mut self, t: f64, y: &[f64; 3]) -> [f64; 3] {
+        let [v, a] = self.0.derivative(t, &[y[0], y[1]]);
+        [v, a, (t.sin() - a) * v]
+    }
+    fn scale(&self, _y: &[f64; 3], _f: &[f64; 3]) -> [f64; 3] {
+        [1.0; 3]
+    }
+    fn piece(&mut self, t: f64, y: &[f64; 3]) -> i32 {
+        self.0.piece(t, &[y[0], y[1]])
+    }
+    fn jacobian(&mut self, t: f64, y: &[f64; 3]) -> [[f64; 3]; 3] {
+        let [[_, one], [_, slope]] = self.0.jacobian(t, &[y[0], y[1]]);
+        let friction = t.sin() - self.0.derivative(t, &[y[0], y[1]])[1];
+        [[0.0, one, 0.0], [0.0, slope, 0.0], [0.0, friction - slope * y[1], 0.0]]
+    }
+}
+
+#[test]
+fn the_energy_lost_is_integrated_with_the_motion() {
+    for (width, tolerance) in [(1e-2, 1e-10), (1e-4, 1e-10), (1e-6, 1e-10), (1e-6, 1e-12)] {
+        let whole = |parts: u32, tolerance: f64| {
+            let (mut y, mut integrator) = ([0.0; 3], Integrator::default());
+            let mut t = 0.0;
+            for part in 1..=parts {
+                let end = 10.0 * f64::from(part) / f64::from(parts);
+                while t < end {
+                    let step = integrator.step(&mut Losing(Ramp { width }), t, &y, end, tolerance).unwrap();
+                    (t, y) = (if step.reached { end } else { t + step.h }, step.end);
+                }
+            }
+            y
+        };
+        let reference = exact(width, 10.0);
+        let (one, many) = (whole(1, tolerance), whole(1000, tolerance));
+        for y in [one, many] {
+            assert!(
+                (y[0] - reference[0]).abs().max((y[1] - reference[1]).abs()) < 20.0 * tolerance,
+                "{y:?} {reference:?}"
+            );
+        }
+        assert!((one[2] - many[2]).abs() < 20.0 * tolerance, "{one:?} {many:?}");
+    }
+}

@@ -4,8 +4,10 @@ use super::{Statistics, Step, System};
 
 mod choice;
 mod dop853;
+mod linear;
 mod radau_iia;
 mod retake;
+mod rk4;
 mod root;
 
 /// y'' = -y as (y, y').
