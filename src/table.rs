@@ -43,6 +43,7 @@ pub struct Spot {
 }
 
 /// Value of a polynomial with monomial coefficients: four interleaved Horner schemes, so that they overlap.
+#[inline]
 pub fn polynomial(c: &Series, x: f64) -> f64 {
     let x2 = x * x;
     let x4 = x2 * x2;

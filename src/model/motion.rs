@@ -46,6 +46,7 @@ pub struct Motion<'a> {
 }
 
 impl Motion<'_> {
+    #[inline(always)]
     fn place(&mut self, sigma: f64) -> f64 {
         self.work.folded.place(self.reduced, self.scene, &self.given, sigma)
     }
@@ -182,6 +183,7 @@ impl Motion<'_> {
 
 /// No loss of power: (sigma, sigma_dot).
 impl System<2> for Motion<'_> {
+    #[inline(always)]
     fn derivative(&mut self, _t: f64, y: &[f64; 2]) -> [f64; 2] {
         let x = self.place(y[0]);
         [y[1], polynomial(&self.work.folded.force, x)]

@@ -60,6 +60,7 @@ impl Folded {
     }
 
     /// x on the panel at sigma, which is entered if it is another one.
+    #[inline(always)]
     pub fn place(&mut self, reduced: &Reduced, scene: Option<&Scene>, given: &Given, sigma: f64) -> f64 {
         if !(self.low <= sigma && sigma < self.high) {
             self.enter(reduced, scene, given, sigma);
@@ -68,6 +69,7 @@ impl Folded {
     }
 
     /// x on the present panel at sigma, with derivatives if sigma has some.
+    #[inline(always)]
     pub fn x<T: Number>(&self, sigma: T) -> T {
         sigma.chain(self.offset + (sigma.value() - self.center) * self.inverse, self.inverse)
     }

@@ -51,6 +51,14 @@ impl Memory {
         }
     }
 
+    /// Forget all but the statistics.
+    fn restart(&mut self) {
+        match self {
+            Self::Conservative(i) => i.restart(),
+            Self::Lossy(i) => i.restart(),
+        }
+    }
+
     /// The right-hand side has changed.
     fn refresh(&mut self) {
         match self {
@@ -148,10 +156,10 @@ impl State {
     pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64, tolerance: f64) -> Result<(), ModelError> {
         let scene = self.apply(reduced, inputs)?;
         let around = self.surroundings(reduced, &inputs.locks);
-        let (mut memory, mut contact) = (self.memory, self.contact);
+        let mut contact = self.contact;
         let given = Given { sizes: &self.applied, airspeed: self.airspeed, turns: self.turns };
         let mut motion = Motion { reduced, scene, given, mode: Mode::default(), work: &mut self.work, locked: false };
-        let (y, lost) = match &mut memory {
+        let (y, lost) = match &mut self.memory {
             Memory::Conservative(integrator) => {
                 let mut y = [self.sigma, self.sigma_dot];
                 let lost = if around.travel == [None; 2] {
@@ -167,10 +175,16 @@ impl State {
                 ([z[0], z[1]], lost.map(|lost| lost + z[2]))
             }
         };
-        let lost = lost.map_err(|stopped| match stopped {
-            Stopped::Integration(error) => ModelError::Integration(error),
-            Stopped::Locked => ModelError::Locked { position: self.describe(reduced) },
-        })?;
+        let lost = match lost {
+            Ok(lost) => lost,
+            Err(stopped) => {
+                self.memory.restart();
+                return Err(match stopped {
+                    Stopped::Integration(error) => ModelError::Integration(error),
+                    Stopped::Locked => ModelError::Locked { position: self.describe(reduced) },
+                });
+            }
+        };
         let mut y = y;
         let (first, last) = reduced.curve().range();
         match reduced.period() {
@@ -184,12 +198,13 @@ impl State {
             }
             None if !(first..=last).contains(&y[0]) => {
                 let position = reduced.curve().describe(y[0]);
+                self.memory.restart();
                 return Err(ModelError::Travel { position });
             }
             _ => {}
         }
         [self.sigma, self.sigma_dot] = y;
-        (self.memory, self.contact) = (memory, contact);
+        self.contact = contact;
         self.reference -= lost;
         self.cache.forget();
         Ok(())
