@@ -11,5 +11,6 @@ pub mod loads;
 pub mod model;
 pub mod reactions;
 pub mod reduced;
+pub mod rigid_fem;
 pub mod table;
 pub mod variables;

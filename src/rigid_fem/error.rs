@@ -1,0 +1,89 @@
+//! What the rigid-link finite elements refuse.
+use std::fmt;
+
+/// Why there is no finite element model, or no step. The text names the quantity, the value, the limit and the remedy.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RigidFemError {
+    /// A prismatic joint: an element has two pins.
+    Prismatic {
+        /// Name of the joint.
+        joint: String,
+    },
+    /// A moving body that is no binary link.
+    Nodes {
+        /// Name of the body.
+        body: String,
+        /// Number of different points at which joints hold it.
+        count: usize,
+    },
+    /// An axial stiffness E A that is not finite and > 0.
+    AxialStiffness {
+        /// Name of the body.
+        body: String,
+        /// The value [N].
+        value: f64,
+    },
+    /// A drive with an efficiency: its force jumps where the motion turns back.
+    Efficiency {
+        /// Name of the drive.
+        drive: String,
+    },
+    /// A step that is no step.
+    StepSize {
+        /// Which one, `h` or `h_fem`.
+        name: &'static str,
+        /// The value [s].
+        value: f64,
+    },
+    /// The equilibrium iterations of a step did not converge, or a force became infinite.
+    Equilibrium {
+        /// The step [s].
+        h: f64,
+        /// Last correction of a node's position [m].
+        correction: f64,
+        /// Below this it would have converged [m].
+        limit: f64,
+    },
+    /// No static stretch of the rods was found at the start.
+    Stretch {
+        /// Last correction of a node's position [m].
+        correction: f64,
+        /// Below this it would have converged [m].
+        limit: f64,
+    },
+}
+
+impl fmt::Display for RigidFemError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Prismatic { joint } => write!(
+                f,
+                "{joint} is prismatic: rigid finite elements take revolute joints only; choose the reduced model"
+            ),
+            Self::Nodes { body, count } => write!(
+                f,
+                "{body} is held by joints at {count} points: a rigid finite element has exactly 2 of them; choose the reduced model"
+            ),
+            Self::AxialStiffness { body, value } => {
+                write!(f, "axial stiffness of {body} = {value} N: must be finite and > 0; state E A of the rod")
+            }
+            Self::Efficiency { drive } => write!(
+                f,
+                "{drive} has an efficiency, which rigid finite elements do not know: leave it out or choose the reduced model"
+            ),
+            Self::StepSize { name, value } => write!(f, "step size {name} = {value} s: must be finite and > 0"),
+            Self::Equilibrium { h, correction, limit } => write!(
+                f,
+                "no equilibrium at the end of a step of {h:e} s: the iterations still move a node by {correction:e} m, allowed are {limit:e} m; \
+                 take a smaller step or check the sizes of the inputs"
+            ),
+            Self::Stretch { correction, limit } => write!(
+                f,
+                "no static stretch at the start: the iterations still move a node by {correction:e} m, allowed are {limit:e} m; \
+                 raise the axial stiffness or lower the loads"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for RigidFemError {}
