@@ -23,10 +23,19 @@ pub enum RigidFemError {
         /// The value [N].
         value: f64,
     },
-    /// A drive with an efficiency: its force jumps where the motion turns back.
+    /// A node can move without moving any mass: its accelerations would be anything.
+    Massless {
+        /// Name of the lightest body there.
+        body: String,
+        /// Its mass [kg].
+        mass: f64,
+    },
+    /// A drive that loses power: its force jumps where the motion turns back.
     Efficiency {
         /// Name of the drive.
         drive: String,
+        /// Its efficiency [1].
+        value: f64,
     },
     /// A step that is no step.
     StepSize {
@@ -67,9 +76,14 @@ impl fmt::Display for RigidFemError {
             Self::AxialStiffness { body, value } => {
                 write!(f, "axial stiffness of {body} = {value} N: must be finite and > 0; state E A of the rod")
             }
-            Self::Efficiency { drive } => write!(
+            Self::Massless { body, mass } => write!(
                 f,
-                "{drive} has an efficiency, which rigid finite elements do not know: leave it out or choose the reduced model"
+                "mass of {body} = {mass} kg: one of its joints can move by a stretch of the rods alone, without moving any mass; \
+                 give {body} a mass off its pivot or choose the reduced model"
+            ),
+            Self::Efficiency { drive, value } => write!(
+                f,
+                "efficiency of {drive} = {value}: rigid finite elements know no losses in drives; set it to 1 or choose the reduced model"
             ),
             Self::StepSize { name, value } => write!(f, "step size {name} = {value} s: must be finite and > 0"),
             Self::Equilibrium { h, correction, limit } => write!(

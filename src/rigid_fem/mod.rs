@@ -37,6 +37,8 @@ pub struct RigidFem {
     /// In the order of the loading: the sized ones, then one for each spring.
     loads: Vec<NodalLoad>,
     springs: Vec<Spring>,
+    /// Names of the elements' bodies.
+    names: Vec<String>,
     /// Largest distance of two named points of one body [m].
     size: f64,
 }
@@ -73,19 +75,22 @@ impl RigidFem {
     /// [`Linkage::bodies`]; it is asked for moving bodies only.
     ///
     /// # Errors
-    /// A prismatic joint, a body that joints do not hold at exactly two points, an E A out of range, a drive with an
-    /// efficiency.
+    /// A prismatic joint, a body that joints do not hold at exactly two points, an E A out of range, a drive whose
+    /// efficiency is not 1.
     pub fn new(
         linkage: &Linkage,
         loading: &Loading,
         axial_stiffness: &dyn Fn(usize) -> f64,
     ) -> Result<Self, RigidFemError> {
         let mesh = Mesh::new(linkage, axial_stiffness)?;
-        if let Some(drive) = loading.drives.iter().find(|d| d.efficiency.is_some()) {
-            return Err(RigidFemError::Efficiency { drive: drive.name.clone() });
+        for drive in &loading.drives {
+            if let Some(value) = drive.efficiency.filter(|eta| *eta != 1.0) {
+                return Err(RigidFemError::Efficiency { drive: drive.name.clone(), value });
+            }
         }
         let loads = loading.loads.iter().filter_map(|load| NodalLoad::new(load, linkage, &mesh)).collect();
-        Ok(Self { mesh, loads, springs: loading.springs.clone(), size: linkage.size })
+        let names = linkage.bodies[1..].iter().map(|b| b.name.clone()).collect();
+        Ok(Self { mesh, loads, springs: loading.springs.clone(), names, size: linkage.size })
     }
 
     /// Number of unknowns: two for each moving node.

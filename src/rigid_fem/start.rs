@@ -12,6 +12,8 @@ const CONVERGED: f64 = 2e-15;
 const ITERATIONS: usize = 30;
 /// Singular values below this part of the largest are those of rods that are redundant.
 const RANK: f64 = 1e-11;
+/// An eigenvalue of the mass matrix below this part of the largest is rounding.
+const MASSLESS: f64 = 1e-12;
 
 impl RigidFem {
     /// The rigid linkage at its coordinates `q` [rad] and speeds `q_dot` [rad/s]: rods of their lengths without force, no
@@ -44,10 +46,11 @@ impl RigidFem {
     /// comes from the rate at which N changes. Where rods are redundant, N is the one of least strain energy.
     ///
     /// # Errors
-    /// The iterations for the stretch do not converge.
+    /// A node that can move without moving any mass; the iterations for the stretch do not converge.
     pub fn start(&self, linkage: &Linkage, q: &[f64], q_dot: &[f64], sizes: &[f64]) -> Result<State, RigidFemError> {
         let rigid = self.unstretched(linkage, q, q_dot);
         let mut state = rigid.clone();
+        self.check_masses(&System::new(self, &state).mass)?;
         let limit = CONVERGED * self.size;
         let mut correction = f64::INFINITY;
         for _ in 0..ITERATIONS {
@@ -92,6 +95,20 @@ impl RigidFem {
             }
         }
         Err(RigidFemError::Stretch { correction, limit })
+    }
+
+    /// The mass matrix must be positive definite: Newmark's method would let the accelerations of a massless motion grow
+    /// from step to step.
+    fn check_masses(&self, mass: &DMatrix<f64>) -> Result<(), RigidFemError> {
+        let eigen = mass.clone().symmetric_eigen();
+        if eigen.eigenvalues.min() > MASSLESS * eigen.eigenvalues.max() {
+            return Ok(());
+        }
+        let node = eigen.eigenvectors.column(eigen.eigenvalues.imin()).iamax() / 2;
+        let at_node = (0..self.names.len()).filter(|&i| self.mesh.nodes[i].contains(&node));
+        let lightest = at_node.min_by(|&i, &k| self.mesh.elements[i].mass.total_cmp(&self.mesh.elements[k].mass));
+        let i = lightest.unwrap_or_default();
+        Err(RigidFemError::Massless { body: self.names[i].clone(), mass: self.mesh.elements[i].mass })
     }
 }
 
