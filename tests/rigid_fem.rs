@@ -459,6 +459,20 @@ fn a_refused_step_changes_nothing() {
 }
 
 #[test]
+fn vibration_that_grows_is_an_error_not_a_motion() {
+    // Up and down at 30 rad/s through the toggles, at steps of thirty times a rod's radian.
+    let text = changed(GEAR, |m| m["actuators"]["actuator"]["force"] = json!(20_000));
+    let mut gear = Both::new(&text, 1.0, 2e-3);
+    let start = gear.energy();
+    let error = (0..200).find_map(|_| gear.fem_step(1e-2).err()).unwrap();
+    println!("{error}");
+    assert!(matches!(error, RigidFemError::Strain { limit: 1e-2, .. }), "{error}");
+    // Before it is told, it is no more than the energy of this strain, E A L 1e-4 / 2, in each rod.
+    let most: f64 = [(2.1e9, 0.1755), (8.9376e7, 0.217), (3.0492e8, 0.34)].iter().map(|(ea, l)| ea * l * 5e-5).sum();
+    assert!((gear.energy() - start).abs() < 2.0 * most, "{} J of {most} J", gear.energy() - start);
+}
+
+#[test]
 fn what_is_no_binary_link_is_refused_by_name() {
     let refused = |text: &str, ea: f64| {
         let mut model = Model::from_json(text).unwrap();

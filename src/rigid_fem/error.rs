@@ -53,6 +53,17 @@ pub enum RigidFemError {
         /// Below this it would have converged [m].
         limit: f64,
     },
+    /// A rod is stretched or pressed further than a rigid link may be.
+    Strain {
+        /// Name of the body.
+        body: String,
+        /// Change of its length by its length [1].
+        strain: f64,
+        /// Largest amount allowed [1].
+        limit: f64,
+        /// The step [s].
+        h: f64,
+    },
     /// No static stretch of the rods was found at the start.
     Stretch {
         /// Last correction of a node's position [m].
@@ -90,6 +101,12 @@ impl fmt::Display for RigidFemError {
                 f,
                 "no equilibrium at the end of a step of {h:e} s: the iterations still move a node by {correction:e} m, allowed are {limit:e} m; \
                  take a smaller step or check the sizes of the inputs"
+            ),
+            Self::Strain { body, strain, limit, h } => write!(
+                f,
+                "{body} is stretched by {strain:.2e} of its length where {limit} is allowed, at steps of {h:e} s: either the steps \
+                 are too long and its vibration grows, or the loads are too large for its axial stiffness; take smaller steps or \
+                 raise the axial stiffness"
             ),
             Self::Stretch { correction, limit } => write!(
                 f,
