@@ -381,6 +381,26 @@ fn a_chain_of_four_bars_and_a_turning_crank_follow_too() {
 }
 
 #[test]
+fn a_redundant_rod_follows_too() {
+    // A sixth rod across both parallelograms: the rods' forces are no longer told by balance alone.
+    let text = changed(CHAIN, |m| {
+        m["bodies"]["long"] = json!({ "length": 2, "mass": 2, "shape": "uniform_rod" });
+        m["joints"]["long1"] = json!({ "type": "revolute", "first": "bar0.end", "second": "long.origin" });
+        m["joints"]["long2"] = json!({ "type": "revolute", "first": "long.end", "second": "bar2.end" });
+        m["guess"]["long"] = json!(0);
+    });
+    let mut chain = Both::new(&text, 1.0, 2e-5);
+    let differs = chain.differences();
+    for _ in 0..60 {
+        chain.step(1e-2);
+    }
+    let [angle, speed, ..] = chain.differences();
+    println!("redundant: {differs:?}, then {angle:e} {speed:e}");
+    assert!(differs[2] < 1e-6, "acceleration differs by {:e}", differs[2]);
+    assert!(angle < 1e-6 && speed < 1e-5, "{angle:e} {speed:e}");
+}
+
+#[test]
 fn seven_bodies_with_a_joint_of_four_follow_too() {
     let mut worst = Vec::new();
     for factor in [1e-2, 1e-1] {
@@ -440,6 +460,7 @@ fn a_state_is_all_that_a_step_needs() {
     assert_eq!(divided(3e-4), divided(2.5e-4));
     assert_ne!(divided(3e-4), divided(2e-4));
     assert_eq!(divided(1.0), divided(1e-3));
+    assert_eq!(divided(5e-4), divided(5e-4 * (1.0 - 1e-9)));
 }
 
 #[test]
@@ -450,6 +471,8 @@ fn a_refused_step_changes_nothing() {
         let error = gear.fem.advance(&mut gear.state, &mut gear.room, &gear.sizes, h, h_fem).unwrap_err();
         assert!(matches!(error, RigidFemError::StepSize { .. }), "{error}");
     }
+    let error = gear.fem.advance(&mut gear.state, &mut gear.room, &gear.sizes, 1.0, 1e-300).unwrap_err();
+    assert!(error.to_string().contains("raise h_fem"), "{error}");
     for sizes in [vec![1e300; 7], vec![f64::NAN; 7]] {
         let error = gear.fem.advance(&mut gear.state, &mut gear.room, &sizes, 1e-2, 1e-3).unwrap_err();
         assert!(error.to_string().contains("smaller step"), "{error}");

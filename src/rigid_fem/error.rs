@@ -44,6 +44,13 @@ pub enum RigidFemError {
         /// The value [s].
         value: f64,
     },
+    /// A step is divided into too many.
+    Substeps {
+        /// Their number.
+        count: f64,
+        /// Largest number allowed.
+        limit: f64,
+    },
     /// The equilibrium iterations of a step did not converge, or a force became infinite.
     Equilibrium {
         /// The step [s].
@@ -97,6 +104,9 @@ impl fmt::Display for RigidFemError {
                 "efficiency of {drive} = {value}: rigid finite elements know no losses in drives; set it to 1 or choose the reduced model"
             ),
             Self::StepSize { name, value } => write!(f, "step size {name} = {value} s: must be finite and > 0"),
+            Self::Substeps { count, limit } => {
+                write!(f, "a step would take {count:e} steps of h_fem, allowed are {limit:e}: raise h_fem")
+            }
             Self::Equilibrium { h, correction, limit } => write!(
                 f,
                 "no equilibrium at the end of a step of {h:e} s: the iterations still move a node by {correction:e} m, allowed are {limit:e} m; \

@@ -19,6 +19,10 @@ use crate::linkage::Vec2;
 const CONVERGED: f64 = 1e-12;
 /// The gear takes at most five corrections at h = 2 ms; where this many do not suffice the step is far too long.
 const ITERATIONS: usize = 40;
+/// A step that is a multiple of `h_fem` but for this part is divided into that number: hosts subtract times.
+const ROUNDING: f64 = 1e-6;
+/// More substeps than this would seem to take for ever.
+const SUBSTEPS: f64 = 1e9;
 /// Largest strain |l - L| / L of a rod that stands for a rigid link [1]: several times what steel bears.
 const STRAIN: f64 = 1e-2;
 
@@ -67,7 +71,7 @@ impl RigidFem {
     /// took [J], by the trapezoidal rule. On an error the state is what it was.
     ///
     /// # Errors
-    /// A step that is not finite and > 0; no equilibrium at the end of a step; a rod stretched by more than 1 %.
+    /// A step that is not finite and > 0, or too many of them; no equilibrium at the end of a step; a rod stretched by more than 1 %.
     pub fn advance(
         &self,
         state: &mut State,
@@ -81,8 +85,10 @@ impl RigidFem {
                 return Err(RigidFemError::StepSize { name, value });
             }
         }
-        // A step that is a multiple but for rounding is divided into that number.
-        let count = (h / h_fem * (1.0 - 4.0 * f64::EPSILON)).ceil().max(1.0);
+        let count = (h / h_fem * (1.0 - ROUNDING)).ceil().max(1.0);
+        if count > SUBSTEPS {
+            return Err(RigidFemError::Substeps { count, limit: SUBSTEPS });
+        }
         let substep = h / count;
         room.backup.copy_from(state);
         let mut lost = 0.0;
