@@ -36,9 +36,10 @@ impl RigidFem {
     /// Let go of without stretch (M a = Q - c), the rods would take up their forces by vibrating about their static stretch
     /// with an amplitude as large as it, for ever, since Newmark's method damps nothing: the joints' forces would swing
     /// between zero and twice what they are for rigid links. On the landing gear the joints' forces then differ from those
-    /// of rigid links by 58 % of the largest during the first 10 ms; started as here, by 0.005 %. So the motion starts with the stretch that its own forces give,
-    /// and with lengths that do not change: l_dot = l_ddot = 0. Positions x, velocities v, accelerations a and rods' forces
-    /// N then follow from
+    /// of rigid links by 58 % of the largest during the first 10 ms; started as here, by 0.005 %.
+    ///
+    /// So the motion starts with the stretch that its own forces give, and with lengths that do not change:
+    /// l_dot = l_ddot = 0. Positions x, velocities v, accelerations a and rods' forces N then follow from
     ///
     ///     M a + G^T N = Q - c,    G a = -l omega^2,    l - L = N L / (E A),    G v = 0,    G = dl/dx
     ///
