@@ -14,5 +14,6 @@ pub mod model;
 pub mod number;
 pub mod reactions;
 pub mod reduced;
+pub mod rigid_fem;
 pub mod table;
 pub mod variables;
