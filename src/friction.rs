@@ -102,6 +102,7 @@ pub struct Loop<T> {
     pub size: Vec<T>,
     matrix: Vec<f64>,
     rest: Vec<T>,
+    torque: Vec<T>,
     /// Iterations that the last solution took.
     pub iterations: u32,
 }
@@ -127,6 +128,7 @@ impl<T: Number> Loop<T> {
             size: vec![zero; n],
             matrix: vec![0.0; n * n],
             rest: vec![zero; n],
+            torque: vec![zero; n],
             iterations: 0,
         }
     }
@@ -145,58 +147,105 @@ impl<T: Number> Loop<T> {
 
     /// Solve for the sizes |R_i| by Newton's method from the reactions without friction, to rounding.
     ///
-    /// At small coefficients the solution is unique and the determinant of Newton's matrix near 1; where it is not
-    /// positive, friction holds more than the reactions that cause it can explain.
+    /// The matrix is I + K, K_ij = u_i . effect_ij m_j with the direction u_i of R_i. Where K is small it is kept from one
+    /// iteration to the next, and (I + K)^-1 taken as I - K + K^2; else the matrix is solved anew each time. At small
+    /// coefficients the solution is unique and the determinant near 1; where it is not positive, friction holds more than
+    /// the reactions that cause it can explain.
     ///
     /// # Errors
     /// [`Locked`]: no solution, or none that is continuously connected with that without friction.
     pub fn solve(&mut self) -> Result<(), Locked> {
         const MOST: u32 = 60;
+        /// Largest row sum of |K| that counts as small.
+        const SMALL: f64 = 0.2;
+        /// Iterations after which K is taken anew.
+        const KEPT: u32 = 4;
         let n = self.arm.len();
         for i in 0..n {
             self.size[i] = norm(self.free[i]);
         }
-        let mut last = f64::INFINITY;
+        let mut bound = f64::INFINITY;
+        let mut settled = false;
         for iteration in 1..=MOST {
             self.iterations = iteration;
-            let mut scale = f64::MIN_POSITIVE;
-            for i in 0..n {
-                let mut r = self.free[i];
-                for j in 0..n {
-                    let friction = self.friction(j);
-                    let effect = self.effect[i * n + j];
-                    r = [r[0] + effect[0] * friction, r[1] + effect[1] * friction];
-                }
-                let size = norm(r);
-                let (x, y) = (r[0].value(), r[1].value());
-                let length = size.value().max(f64::MIN_POSITIVE);
-                for j in 0..n {
-                    let effect = self.effect[i * n + j];
-                    let along = (x * effect[0].value() + y * effect[1].value()) / length;
-                    self.matrix[i * n + j] = along * self.arm[j].value() + f64::from(u8::from(i == j));
-                }
-                self.rest[i] = size - self.size[i];
-                scale = scale.max(length);
+            let anew = bound > SMALL || iteration > KEPT;
+            let scale = self.residual(anew);
+            let mut determinant = 1.0;
+            if anew {
+                bound =
+                    self.matrix.chunks_exact(n).fold(0.0, |most: f64, row| most.max(row.iter().map(|k| k.abs()).sum()));
             }
-            let determinant = eliminate(&mut self.matrix, &mut self.rest);
+            if bound <= SMALL {
+                self.neumann();
+            } else {
+                for i in 0..n {
+                    self.matrix[i * n + i] += 1.0;
+                }
+                determinant = eliminate(&mut self.matrix, &mut self.rest);
+            }
             let mut change: f64 = 0.0;
             for i in 0..n {
-                let step = self.rest[i];
-                change = change.max(step.value().abs() / scale);
-                self.size[i] = self.size[i] + step;
+                change = change.max(self.rest[i].value().abs() / scale);
+                self.size[i] = self.size[i] + self.rest[i];
             }
             if !change.is_finite() {
                 return Err(Locked);
             }
-            // Newton's method squares the error: below this the new one is rounding. The derivatives that T may carry
-            // need this step too, as they converge one step behind.
-            if change < 1e-9 && last < 1e-3 || change == 0.0 {
+            // What is left after this correction: Newton's method squares it, the series leaves its third power of K.
+            let left = change * (change + if bound <= SMALL { bound * bound * bound } else { 0.0 });
+            // Derivatives that T may carry converge one iteration behind.
+            if settled || (left < 1e-16 && !T::CARRIES) || change == 0.0 {
                 let sensible = determinant > 0.0 && self.size.iter().all(|s| s.value() >= 0.0);
                 return if sensible { Ok(()) } else { Err(Locked) };
             }
-            last = change;
+            settled = left < 1e-16;
         }
         Err(Locked)
+    }
+
+    /// |R_i| at the present sizes less the present sizes, in `rest`, and K in `matrix` if it is wanted `anew`; returns the
+    /// largest |R_i|.
+    fn residual(&mut self, anew: bool) -> f64 {
+        let n = self.arm.len();
+        for j in 0..n {
+            self.torque[j] = self.friction(j);
+        }
+        let mut scale = f64::MIN_POSITIVE;
+        for i in 0..n {
+            let mut r = self.free[i];
+            let effects = &self.effect[i * n..(i + 1) * n];
+            for (effect, torque) in effects.iter().zip(&self.torque) {
+                r = [r[0] + effect[0] * *torque, r[1] + effect[1] * *torque];
+            }
+            let size = norm(r);
+            scale = scale.max(size.value());
+            self.rest[i] = size - self.size[i];
+            if anew {
+                let inverse = 1.0 / size.value().max(f64::MIN_POSITIVE);
+                let (x, y) = (r[0].value() * inverse, r[1].value() * inverse);
+                let row = &mut self.matrix[i * n..(i + 1) * n];
+                for ((k, effect), arm) in row.iter_mut().zip(effects).zip(&self.arm) {
+                    *k = (x * effect[0].value() + y * effect[1].value()) * arm.value();
+                }
+            }
+        }
+        scale
+    }
+
+    /// rest <- (I - K + K^2) rest.
+    fn neumann(&mut self) {
+        let n = self.arm.len();
+        self.torque.copy_from_slice(&self.rest);
+        for _ in 0..2 {
+            // Horner: x <- rest - K x, twice, in place row by row, which only speeds it up.
+            for i in 0..n {
+                let mut sum = self.torque[i];
+                for j in 0..n {
+                    sum = sum - self.rest[j] * T::constant(self.matrix[i * n + j]);
+                }
+                self.rest[i] = sum;
+            }
+        }
     }
 }
 

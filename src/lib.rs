@@ -12,6 +12,7 @@ pub mod loading;
 pub mod loads;
 pub mod model;
 pub mod number;
+pub mod powers;
 pub mod reactions;
 pub mod reduced;
 pub mod rigid_fem;

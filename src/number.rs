@@ -6,6 +6,8 @@ use std::ops::{Add, Mul, Neg, Sub};
 pub trait Number:
     Copy + Debug + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
+    /// Whether it carries derivatives.
+    const CARRIES: bool;
     /// A constant.
     fn constant(value: f64) -> Self;
     /// The value.
@@ -17,6 +19,8 @@ pub trait Number:
 }
 
 impl Number for f64 {
+    const CARRIES: bool = false;
+
     fn constant(value: f64) -> Self {
         value
     }
@@ -82,6 +86,8 @@ impl<const N: usize> Neg for Dual<N> {
 }
 
 impl<const N: usize> Number for Dual<N> {
+    const CARRIES: bool = true;
+
     fn constant(value: f64) -> Self {
         Self { value, slope: [0.0; N] }
     }

@@ -56,11 +56,6 @@ pub fn polynomial(c: &Series, x: f64) -> f64 {
     (sums[0] + x * sums[1]) + x2 * (sums[2] + x * sums[3])
 }
 
-/// Derivative of [`polynomial`] along x.
-pub fn slope(c: &Series, x: f64) -> f64 {
-    c.iter().enumerate().skip(1).rev().fold(0.0, |sum, (k, c)| sum * x + k as f64 * c)
-}
-
 impl Table {
     /// A table of nothing.
     pub fn empty() -> Self {

@@ -69,7 +69,8 @@ impl<const N: usize> Step<N> {
     pub fn excursion(&self, n: usize) -> f64 {
         match &self.stages {
             Stages::Dop853(slopes) => slopes.iter().fold(0.0, |most: f64, f| most.max(f[n].abs())) * self.h,
-            _ => f64::INFINITY,
+            Stages::Rk4(slopes) => 1.5 * slopes.first[n].abs().max(slopes.last[n].abs()) * self.h,
+            Stages::Radau(_) => f64::INFINITY,
         }
     }
 

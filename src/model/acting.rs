@@ -2,10 +2,11 @@
 //!
 //! In: a scene, the sizes of the given loads, the state. Out: the acceleration along the curve, the power lost, the sizes of
 //! the loads that the state decides. Written once for values and for values with derivatives.
-use super::panel::{Folded, Given, series_at};
+use super::panel::{Folded, Given};
 use crate::drag::Meeting;
 use crate::friction::{Band, Locked, Loop};
 use crate::number::Number;
+use crate::powers::Powers;
 use crate::reduced::{Reduced, Row, Scene};
 
 /// What is decided between steps, not within one.
@@ -68,8 +69,8 @@ impl<T: Number> Acting<T> {
         mode: &Mode,
         [sigma, sigma_dot]: [T; 2],
     ) -> Result<Effect<T>, Locked> {
-        let x = folded.x(sigma);
-        let at = |component: usize| series_at(scene.table.series(folded.panel, component), x);
+        let powers = Powers::new(folded.x(sigma));
+        let at = |component: usize| powers.at(scene.table.series(folded.panel, component));
         let damping = reduced.components().damping;
         let mut lost = T::constant(0.0);
         // What the state decides, but for friction.
@@ -86,7 +87,7 @@ impl<T: Number> Acting<T> {
         let free = scene.loads.len() - scene.pins.len();
         for row in 0..scene.rows.len() {
             let force = if row == 0 { &folded.force } else { &folded.reactions[row - 1] };
-            let mut sum = series_at(force, x);
+            let mut sum = powers.at(force);
             if let Some(k) = damping {
                 let drag = at(scene.given(row, k)) * sigma_dot;
                 sum = sum - drag;
@@ -137,8 +138,8 @@ impl<T: Number> Acting<T> {
         target: T,
         breakaway: Option<f64>,
     ) -> Result<T, Locked> {
-        let x = folded.x(sigma);
-        let at = |component: usize| series_at(scene.table.series(folded.panel, component), x);
+        let powers = Powers::new(folded.x(sigma));
+        let at = |component: usize| powers.at(scene.table.series(folded.panel, component));
         let influence = at(scene.given(0, load));
         // What the load must give along the curve without friction, and what this share of it is.
         let bare = target - (self.sums[0] - influence * size);

@@ -4,10 +4,11 @@
 //! is one polynomial: the sizes are folded into its coefficients when the panel is entered. What a state decides - friction,
 //! drag, bumpers, dampers, efficiencies - is in the scene; a mechanism without them does not pay for them.
 use super::acting::{Acting, Effect, Mode};
-use super::panel::{Folded, Given, series_at};
+use super::panel::{Folded, Given};
 use crate::friction::{Band, Locked};
 use crate::integrator::System;
 use crate::number::{Dual, Number};
+use crate::powers::Powers;
 use crate::reduced::{Reduced, Scene};
 use crate::table::polynomial;
 
@@ -73,7 +74,10 @@ impl Motion<'_> {
         let y = [Dual::variable(sigma, 0), Dual::variable(sigma_dot, 1)];
         let Work { folded, tangent, .. } = &mut *self.work;
         match self.scene {
-            None => Ok(Effect { acceleration: series_at(&folded.force, folded.x(y[0])), lost: Dual::constant(0.0) }),
+            None => {
+                let acceleration = Powers::new(folded.x(y[0])).at(&folded.force);
+                Ok(Effect { acceleration, lost: Dual::constant(0.0) })
+            }
             Some(scene) => tangent.evaluate((self.reduced, scene), &self.given, folded, &self.mode, y),
         }
     }

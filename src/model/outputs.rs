@@ -7,6 +7,7 @@ use super::panel::Given;
 use super::state::{State, scene};
 use crate::friction::Locked;
 use crate::linkage::Freedom;
+use crate::powers::Powers;
 use crate::reduced::{Reduced, Scene};
 use crate::table::{Table, Unresolved};
 use crate::variables::{OneElement, Output, ReactionPart};
@@ -425,16 +426,22 @@ impl State {
         let effect = self.effect(reduced, inputs)?;
         let loading = reduced.loading();
         let terms = 2 + loading.base();
-        let table = reduced.reaction(joint);
+        let table = reduced.reaction(joint).map(|table| {
+            let spot = table.spot(self.sigma);
+            (table, spot.panel, Powers::new(spot.x))
+        });
         let exact = if table.is_err() { reduced.exact_reaction(joint, self.sigma) } else { Vec::new() };
         // A revolute joint transmits no moment.
         let parts = if reduced.linkage().joints[joint].freedom == Freedom::Turn { 2 } else { 3 };
         let mut value = [0.0; 3];
         let mut add = |term: usize, size: f64| {
+            if size == 0.0 {
+                return;
+            }
             for (part, sum) in value.iter_mut().enumerate().take(parts) {
                 *sum += size
-                    * match table {
-                        Ok(table) => table.value(table.spot(self.sigma), part * terms + term),
+                    * match &table {
+                        Ok((table, panel, powers)) => powers.at(table.series(*panel, part * terms + term)),
                         Err(_) => part_of(&exact[term], part),
                     };
             }

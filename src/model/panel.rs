@@ -2,7 +2,7 @@
 use crate::chebyshev::{NODES, Series};
 use crate::number::Number;
 use crate::reduced::{Reduced, Scene};
-use crate::table::{Table, polynomial, slope};
+use crate::table::Table;
 
 /// Sizes of everything that the state does not decide.
 #[derive(Clone, Copy, Debug)]
@@ -122,9 +122,4 @@ impl Folded {
         components.winding.into_iter().for_each(|k| add(k, self.turns));
         sum
     }
-}
-
-/// A polynomial at x, with derivatives if x has some.
-pub fn series_at<T: Number>(series: &Series, x: T) -> T {
-    x.chain(polynomial(series, x.value()), slope(series, x.value()))
 }
