@@ -352,7 +352,7 @@ def report(fmu: Path, work: Path) -> tuple[str, bool]:
         "",
         "## Trajectories",
         f"Largest difference from FMPy over all steps of {', '.join(f'`{name}`' for name in OUTPUTS)}, each as",
-        f"a part of its largest value; at most {bound:.0e} is allowed, 100 times the FMU's tolerance. The error is that",
+        f"a part of its largest value; at most {bound:.0e} is allowed, 100 times the tolerance. The error is that",
         "of the last angle against a 34-digit quadrature.",
         "",
         *table(["case", "importer", "`crank.angle` at 0.13 s [rad]", "difference", "error [rad]"], comparison),
