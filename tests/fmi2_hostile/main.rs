@@ -8,5 +8,7 @@ mod every_call;
 #[path = "../fmi2_host/mod.rs"]
 mod fmi2_host;
 mod play;
+mod resources;
 mod sequences;
 mod standard;
+mod threads;
