@@ -15,18 +15,25 @@ const PACKAGE: &str = "linkage-fmu";
 /// built for itself it would be compiled anew each time, because Cargo gives both the same file.
 const BUILT: &str = env!("CARGO_PKG_NAME");
 
-/// Path of the library in an FMU, after FMI 2.0.5, 2.3.
+/// This platform's name, after FMI 2.0.5, 2.3.
 ///
 /// # Errors
-/// FMI 2.0 has no folder for this operating system.
-pub fn place(model_identifier: &str) -> Result<String> {
-    let platform = match OS {
+/// FMI 2.0 has no name for this operating system.
+pub fn platform() -> Result<&'static str> {
+    Ok(match OS {
         "linux" => "linux64",
         "windows" => "win64",
         "macos" => "darwin64",
         other => bail!("{other}: FMI 2.0 names no folder for this system; build on Linux, Windows or macOS"),
-    };
-    Ok(format!("binaries/{platform}/{model_identifier}.{DLL_EXTENSION}"))
+    })
+}
+
+/// Path of the library in an FMU.
+///
+/// # Errors
+/// As for [`platform`].
+pub fn place(model_identifier: &str) -> Result<String> {
+    Ok(format!("binaries/{}/{model_identifier}.{DLL_EXTENSION}", platform()?))
 }
 
 /// Build the library in release and read it.

@@ -4,6 +4,7 @@
 
 mod archive;
 mod bench;
+mod binary;
 mod chain;
 mod command;
 mod demo;

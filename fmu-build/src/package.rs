@@ -3,6 +3,7 @@
 //! In: a `mechanism.json`. Out: `<Name>.fmu`, and for a folder of `modelDescription/` its `modelDescription.xml`.
 
 use crate::archive::{self, Entry, MODEL_DESCRIPTION};
+use crate::binary::{self, Binary};
 use crate::description::Interface;
 use crate::library;
 use crate::schema;
@@ -27,6 +28,9 @@ pub struct Arguments {
     /// Folder for the FMUs [default: target/fmu in the repository]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// One more platform's library, built elsewhere from this same version (win64=path/to.dll); may be given repeatedly
+    #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = binary::parse)]
+    pub binaries: Vec<binary::Named>,
 }
 
 /// A checked mechanism, ready to be packed.
@@ -66,9 +70,27 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
         }
         prepared.push(fmu);
     }
+    let binaries = further(&arguments.binaries)?;
     let library = library::build(workspace)?;
     let out = arguments.out.clone().unwrap_or_else(|| workspace.fmu_folder());
-    prepared.into_iter().map(|fmu| pack(fmu, &library, &out)).collect()
+    prepared.into_iter().map(|fmu| pack(fmu, &library, &binaries, &out)).collect()
+}
+
+/// The libraries of other platforms.
+fn further(named: &[binary::Named]) -> Result<Vec<Binary>> {
+    let mut binaries: Vec<Binary> = Vec::new();
+    for named in named {
+        let binary = Binary::read(named)?;
+        let platform = binary.platform();
+        if library::platform()? == platform {
+            bail!("--binary {platform}: that library is built here; leave it out");
+        }
+        if binaries.iter().any(|other| other.platform() == platform) {
+            bail!("--binary {platform}: given twice; name one library for each platform");
+        }
+        binaries.push(binary);
+    }
+    Ok(binaries)
 }
 
 fn prepare(source: Source) -> Result<Prepared> {
@@ -89,7 +111,7 @@ fn prepare(source: Source) -> Result<Prepared> {
     Ok(Prepared { name, mechanism, description, variables, source })
 }
 
-fn pack(fmu: Prepared, library: &[u8], out: &Path) -> Result<PathBuf> {
+fn pack(fmu: Prepared, library: &[u8], binaries: &[Binary], out: &Path) -> Result<PathBuf> {
     if let Some(folder) = fmu.source.folder.as_deref().filter(|_| fmu.source.keeps_description) {
         write_if_changed(&folder.join(MODEL_DESCRIPTION), &fmu.description)?;
     }
@@ -100,6 +122,7 @@ fn pack(fmu: Prepared, library: &[u8], out: &Path) -> Result<PathBuf> {
         Entry { name: format!("resources/{MECHANISM}"), content: schema::led_here(&fmu.mechanism).into_bytes() },
         Entry { name: format!("resources/{}", schema::NAME), content: schema::TEXT.into() },
     ]);
+    entries.extend(binaries.iter().map(|binary| binary.entry(&fmu.name)));
     let path = out.join(format!("{}.fmu", fmu.name));
     archive::write(&path, entries)?;
     let size = fs::metadata(&path)?.len().div_ceil(1024);

@@ -29,6 +29,7 @@ fn locations_that_lead_nowhere() {
         ("no/such/folder", "'no/such/folder/mechanism.json'"),
         ("file:///no/such/f%C3%B6lder", "'/no/such/földer/mechanism.json'"),
         ("file:///tmp/a%00b", "cannot read"),
+        ("file:///no/a%0Ab", "'/no/a\\nb/mechanism.json'"),
         ("file:///tmp/%FF%FE", "cannot read"),
         ("file:", "'mechanism.json'"),
         ("file:///", "'/mechanism.json'"),
