@@ -14,6 +14,7 @@ mod package;
 mod python;
 mod schema;
 mod source;
+mod terminals;
 mod test;
 mod workspace;
 

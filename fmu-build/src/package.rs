@@ -8,6 +8,7 @@ use crate::description::Interface;
 use crate::library;
 use crate::schema;
 use crate::source::Source;
+use crate::terminals;
 use crate::workspace::{DEFAULT_FMU, MECHANISM, Workspace};
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -39,6 +40,7 @@ struct Prepared {
     name: String,
     mechanism: String,
     description: String,
+    terminals: Option<String>,
     variables: usize,
 }
 
@@ -107,8 +109,9 @@ fn prepare(source: Source) -> Result<Prepared> {
             bail!("{path}: name is {name}, but the folder is {}; give both one name", folder.display());
         }
     }
+    let terminals = terminals::to_xml(model.variables()).with_context(|| path.to_string())?;
     let variables = model.variables().list().len();
-    Ok(Prepared { name, mechanism, description, variables, source })
+    Ok(Prepared { name, mechanism, description, terminals, variables, source })
 }
 
 fn pack(fmu: Prepared, library: &[u8], binaries: &[Binary], out: &Path) -> Result<PathBuf> {
@@ -122,6 +125,10 @@ fn pack(fmu: Prepared, library: &[u8], binaries: &[Binary], out: &Path) -> Resul
         Entry { name: format!("resources/{MECHANISM}"), content: schema::led_here(&fmu.mechanism).into_bytes() },
         Entry { name: format!("resources/{}", schema::NAME), content: schema::TEXT.into() },
     ]);
+    // A file of the user's own says more than the generated one.
+    if let Some(text) = fmu.terminals.filter(|_| entries.iter().all(|entry| entry.name != terminals::PLACE)) {
+        entries.push(Entry { name: terminals::PLACE.to_owned(), content: text.into_bytes() });
+    }
     entries.extend(binaries.iter().map(|binary| binary.entry(&fmu.name)));
     let path = out.join(format!("{}.fmu", fmu.name));
     archive::write(&path, entries)?;
