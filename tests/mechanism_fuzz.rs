@@ -1,6 +1,6 @@
 //! Spoiled `mechanism.json` texts: each is a mechanism or a message, without a panic and in bounded time.
 //!
-//! LINKAGE_FMU_CASES sets the number of texts of each kind:
+//! The same texts each time, unless LINKAGE_FMU_CASES sets how many of each kind there are:
 //! `LINKAGE_FMU_CASES=20000 cargo test --test mechanism_fuzz -- --nocapture`.
 #![allow(clippy::unwrap_used)]
 
@@ -8,7 +8,7 @@ use linkage_fmu::model::Model;
 use linkage_fmu::variables::Causality;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
-use proptest::test_runner::{Config, TestRunner};
+use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use serde_json::Value;
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -100,12 +100,17 @@ fn read(text: &str) -> bool {
 
 /// Run texts of one kind.
 fn run(kind: &str, texts: impl Strategy<Value = String>) {
-    let cases = std::env::var("LINKAGE_FMU_CASES").map_or(CASES, |text| text.parse().unwrap());
+    let asked = std::env::var("LINKAGE_FMU_CASES").ok().map(|text| text.parse().unwrap());
+    let cases = asked.unwrap_or(CASES);
     let worker = Worker::new();
     let (mechanisms, longest) = (Cell::new(0_u32), Cell::new(Duration::ZERO));
     let config = Config { cases, failure_persistence: None, max_shrink_time: 60_000, ..Config::default() };
     let start = Instant::now();
-    let result = TestRunner::new(config).run(&texts, |text| {
+    let mut runner = match asked {
+        Some(_) => TestRunner::new(config),
+        None => TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha)),
+    };
+    let result = runner.run(&texts, |text| {
         let start = Instant::now();
         worker.texts.send(text.clone()).unwrap();
         // Past this the worker never answers again: the text is told as it is, not shrunk.

@@ -138,6 +138,18 @@ fn check_one(platform: &Platform, content: &[u8]) -> Result<()> {
     Ok(())
 }
 
+/// Whether a library exports functions of FMI only: others could clash with those of an importer's other libraries.
+///
+/// # Errors
+/// The name of one that is none, or the file is no library.
+pub fn exports_fmi_only(content: &[u8]) -> Result<()> {
+    let names = exports(&object::File::parse(content)?)?;
+    match names.iter().find(|name| !name.starts_with("fmi2")) {
+        Some(name) => bail!("it exports {name}, which is no function of FMI"),
+        None => Ok(()),
+    }
+}
+
 /// Names that a library exports, as C has them.
 fn exports(library: &object::File) -> Result<Vec<String>> {
     let mut names = Vec::new();
@@ -188,6 +200,7 @@ mod tests {
         let program = fs::read(std::env::current_exe().unwrap()).unwrap();
         let message = check(platform("win64"), &program).unwrap_err().to_string();
         assert!(message.contains("Elf for X86_64") && message.contains("Pe for X86_64"), "{message}");
+        assert!(exports_fmi_only(b"no library").is_err());
         let message = check(platform("linux64"), &program).unwrap_err().to_string();
         assert!(message.contains("does not export") || message.contains("no shared library"), "{message}");
     }

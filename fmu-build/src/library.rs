@@ -1,5 +1,6 @@
 //! The shared library that goes into every FMU.
 
+use crate::binary;
 use crate::command;
 use crate::workspace::Workspace;
 use anyhow::{Context, Result, bail};
@@ -51,7 +52,9 @@ pub fn build(workspace: &Workspace) -> Result<Vec<u8>> {
     }
     let path = artifact(&String::from_utf8_lossy(&output.stdout))
         .with_context(|| format!("cargo build of {PACKAGE} made no .{DLL_EXTENSION}; has [lib] crate-type cdylib?"))?;
-    fs::read(&path).with_context(|| format!("{}: cannot be read", path.display()))
+    let content = fs::read(&path).with_context(|| format!("{}: cannot be read", path.display()))?;
+    binary::exports_fmi_only(&content).with_context(|| format!("{}: cannot be packed", path.display()))?;
+    Ok(content)
 }
 
 /// The shared library among Cargo's messages, one JSON object a line.

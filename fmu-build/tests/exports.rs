@@ -1,5 +1,6 @@
 //! The shared library as the loader of an importer sees it: what it exports, and what it needs.
 #![cfg(all(target_os = "linux", target_arch = "x86_64"))]
+#![allow(clippy::unwrap_used)]
 
 use object::read::NameOrOrdinal;
 use object::{Object, ObjectSection};

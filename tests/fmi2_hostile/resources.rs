@@ -85,10 +85,17 @@ fn a_file_that_may_not_be_read() {
     let folder = Folder::new("unreadable");
     let file = folder.0.join("mechanism.json");
     fs::write(&file, mechanism()).unwrap();
-    fs::set_permissions(&file, fs::Permissions::from_mode(0)).unwrap();
+    fs::set_permissions(&file, fs::Permissions::from_mode(0o000)).unwrap();
     // The superuser may read everything.
     if File::open(&file).is_err() {
         assert!(refusal(folder.0.to_str().unwrap()).contains("ermission"));
+    }
+    // Memory at the address 0, which nobody can read.
+    let unreadable = Path::new("/proc/self/mem");
+    if unreadable.exists() {
+        fs::remove_file(&file).unwrap();
+        std::os::unix::fs::symlink(unreadable, &file).unwrap();
+        assert!(refusal(folder.0.to_str().unwrap()).contains("cannot read"));
     }
 }
 
