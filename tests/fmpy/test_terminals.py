@@ -1,12 +1,13 @@
-"""terminalsAndIcons.xml: valid after the schema of FMI 3.0, from which FMI 2.0.5 takes it over, and true to the variables."""
+"""terminalsAndIcons.xml: valid after the schema of FMI 3.0, as FMI 2.0.5 has it, and true to the variables; icons."""
 
 from __future__ import annotations
 
+import zipfile
 from pathlib import Path
 
 import fmpy
 import pytest
-from conftest import FMU_FOLDER
+from conftest import FMU_FOLDER, REPOSITORY
 from fmpy import extract, read_model_description
 from lxml import etree
 
@@ -34,6 +35,13 @@ def test_each_drive_is_a_terminal(tmp_path: Path, name: str, drives: dict[str, l
         causalities = [variables[member.get("variableName")].causality for member in members]
         assert causalities == ["input", "output", "output", "output"]
     assert found == drives
+
+
+@pytest.mark.parametrize("name", sorted(p.parent.name for p in (REPOSITORY / "modelDescription").glob("*/resources")))
+def test_each_fmu_has_an_icon_and_documentation(name: str) -> None:
+    with zipfile.ZipFile(FMU_FOLDER / f"{name}.fmu") as archive:
+        assert archive.read("model.png").startswith(b"\x89PNG\r\n")
+        assert b"<html" in archive.read("documentation/index.html")
 
 
 def test_without_a_drive_there_is_no_file(tmp_path: Path) -> None:
