@@ -48,6 +48,7 @@ fn text_that_is_no_mechanism() {
 fn keys_and_types() {
     for (from, to, fragments) in [
         ("\"mass\": 13.689", "\"mas\": 13.689", &["bodies.crank.mas", "`mas`", "`mass`", "line"][..]),
+        ("\"mass\": 13.689", "\"ma\\nss\": 13.689", &["bodies.crank.ma\\nss", "`ma\\nss`", "`mass`"]),
         ("\"mass\": 13.689", "\"mass\": \"13\"", &["bodies.crank.mass", "\"13\"", "f64", "line"]),
         ("\"length\": 0.1755", "\"length\": 1e999", &["bodies.crank.length", "out of range", "line"]),
         ("\"length\": 0.1755", "\"length\": NaN", &["bodies.crank.length", "line"]),

@@ -1,25 +1,44 @@
-//! `cargo fmu bench`: the benchmarks of the validation package.
+//! `cargo fmu bench`: the benchmarks of the validation package, and the comparison of importers.
 
-use crate::command;
 use crate::workspace::Workspace;
-use anyhow::Result;
+use crate::{command, package, python};
+use anyhow::{Context, Result};
 use clap::Args;
 use std::ffi::OsString;
+use std::process::Command;
+
+/// First argument that asks for the comparison of importers.
+const IMPORTERS: &str = "importers";
 
 /// What the command line says.
 #[derive(Args)]
 pub struct Arguments {
-    /// Handed to the validation package as they are
+    /// `importers`: the landing gear in FMPy, libcosim and ECOS; all else goes to the validation package as it is
     #[arg(value_name = "ARGS", trailing_var_arg = true, allow_hyphen_values = true)]
     pub rest: Vec<OsString>,
 }
 
-/// Run the benchmarks.
+/// Run the benchmarks, or the importers.
 ///
 /// # Errors
-/// The benchmarks cannot be built or fail.
+/// The benchmarks cannot be built or fail; the importers cannot be installed or do not agree.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
+    if arguments.rest.len() == 1 && arguments.rest[0] == IMPORTERS {
+        return importers(workspace);
+    }
     let mut cargo = command::cargo(workspace);
     cargo.args(["run", "--release", "--quiet", "--package", "validation", "--"]).args(&arguments.rest);
     command::run(&mut cargo, "validation")
+}
+
+/// Pack the default FMU, drive it with each importer, and write the results.
+fn importers(workspace: &Workspace) -> Result<()> {
+    let fmus = package::run(workspace, &package::Arguments::default())?;
+    let fmu = fmus.first().context("no FMU was packed")?;
+    let folder = workspace.importers();
+    let python = python::environment_of(&workspace.importers_environment(), &folder.join("requirements.txt"))?;
+    let mut script = Command::new(python);
+    script.arg(folder.join("importers.py")).arg(fmu);
+    script.arg("--out").arg(workspace.results().join("importers.md")).arg("--work").arg(workspace.importers_work());
+    command::run(&mut script, "importers.py")
 }

@@ -1,5 +1,6 @@
 //! The shared library that goes into every FMU.
 
+use crate::binary;
 use crate::command;
 use crate::workspace::Workspace;
 use anyhow::{Context, Result, bail};
@@ -15,18 +16,25 @@ const PACKAGE: &str = "linkage-fmu";
 /// built for itself it would be compiled anew each time, because Cargo gives both the same file.
 const BUILT: &str = env!("CARGO_PKG_NAME");
 
-/// Path of the library in an FMU, after FMI 2.0.5, 2.3.
+/// This platform's name, after FMI 2.0.5, 2.3.
 ///
 /// # Errors
-/// FMI 2.0 has no folder for this operating system.
-pub fn place(model_identifier: &str) -> Result<String> {
-    let platform = match OS {
+/// FMI 2.0 has no name for this operating system.
+pub fn platform() -> Result<&'static str> {
+    Ok(match OS {
         "linux" => "linux64",
         "windows" => "win64",
         "macos" => "darwin64",
         other => bail!("{other}: FMI 2.0 names no folder for this system; build on Linux, Windows or macOS"),
-    };
-    Ok(format!("binaries/{platform}/{model_identifier}.{DLL_EXTENSION}"))
+    })
+}
+
+/// Path of the library in an FMU.
+///
+/// # Errors
+/// As for [`platform`].
+pub fn place(model_identifier: &str) -> Result<String> {
+    Ok(format!("binaries/{}/{model_identifier}.{DLL_EXTENSION}", platform()?))
 }
 
 /// Build the library in release and read it.
@@ -44,7 +52,9 @@ pub fn build(workspace: &Workspace) -> Result<Vec<u8>> {
     }
     let path = artifact(&String::from_utf8_lossy(&output.stdout))
         .with_context(|| format!("cargo build of {PACKAGE} made no .{DLL_EXTENSION}; has [lib] crate-type cdylib?"))?;
-    fs::read(&path).with_context(|| format!("{}: cannot be read", path.display()))
+    let content = fs::read(&path).with_context(|| format!("{}: cannot be read", path.display()))?;
+    binary::exports_fmi_only(&content).with_context(|| format!("{}: cannot be packed", path.display()))?;
+    Ok(content)
 }
 
 /// The shared library among Cargo's messages, one JSON object a line.

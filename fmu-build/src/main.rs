@@ -4,6 +4,7 @@
 
 mod archive;
 mod bench;
+mod binary;
 mod chain;
 mod command;
 mod demo;
@@ -13,6 +14,7 @@ mod package;
 mod python;
 mod schema;
 mod source;
+mod terminals;
 mod test;
 mod workspace;
 

@@ -3,10 +3,12 @@
 //! In: a `mechanism.json`. Out: `<Name>.fmu`, and for a folder of `modelDescription/` its `modelDescription.xml`.
 
 use crate::archive::{self, Entry, MODEL_DESCRIPTION};
+use crate::binary::{self, Binary};
 use crate::description::Interface;
 use crate::library;
 use crate::schema;
 use crate::source::Source;
+use crate::terminals;
 use crate::workspace::{DEFAULT_FMU, MECHANISM, Workspace};
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -27,6 +29,9 @@ pub struct Arguments {
     /// Folder for the FMUs [default: target/fmu in the repository]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// One more platform's library, built elsewhere from this same version (win64=path/to.dll); may be given repeatedly
+    #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = binary::parse)]
+    pub binaries: Vec<binary::Named>,
 }
 
 /// A checked mechanism, ready to be packed.
@@ -35,6 +40,7 @@ struct Prepared {
     name: String,
     mechanism: String,
     description: String,
+    terminals: Option<String>,
     variables: usize,
 }
 
@@ -66,9 +72,27 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
         }
         prepared.push(fmu);
     }
+    let binaries = further(&arguments.binaries)?;
     let library = library::build(workspace)?;
     let out = arguments.out.clone().unwrap_or_else(|| workspace.fmu_folder());
-    prepared.into_iter().map(|fmu| pack(fmu, &library, &out)).collect()
+    prepared.into_iter().map(|fmu| pack(fmu, &library, &binaries, &out)).collect()
+}
+
+/// The libraries of other platforms.
+fn further(named: &[binary::Named]) -> Result<Vec<Binary>> {
+    let mut binaries: Vec<Binary> = Vec::new();
+    for named in named {
+        let binary = Binary::read(named)?;
+        let platform = binary.platform();
+        if library::platform()? == platform {
+            bail!("--binary {platform}: that library is built here; leave it out");
+        }
+        if binaries.iter().any(|other| other.platform() == platform) {
+            bail!("--binary {platform}: given twice; name one library for each platform");
+        }
+        binaries.push(binary);
+    }
+    Ok(binaries)
 }
 
 fn prepare(source: Source) -> Result<Prepared> {
@@ -85,11 +109,12 @@ fn prepare(source: Source) -> Result<Prepared> {
             bail!("{path}: name is {name}, but the folder is {}; give both one name", folder.display());
         }
     }
+    let terminals = terminals::to_xml(model.variables()).with_context(|| path.to_string())?;
     let variables = model.variables().list().len();
-    Ok(Prepared { name, mechanism, description, variables, source })
+    Ok(Prepared { name, mechanism, description, terminals, variables, source })
 }
 
-fn pack(fmu: Prepared, library: &[u8], out: &Path) -> Result<PathBuf> {
+fn pack(fmu: Prepared, library: &[u8], binaries: &[Binary], out: &Path) -> Result<PathBuf> {
     if let Some(folder) = fmu.source.folder.as_deref().filter(|_| fmu.source.keeps_description) {
         write_if_changed(&folder.join(MODEL_DESCRIPTION), &fmu.description)?;
     }
@@ -100,6 +125,11 @@ fn pack(fmu: Prepared, library: &[u8], out: &Path) -> Result<PathBuf> {
         Entry { name: format!("resources/{MECHANISM}"), content: schema::led_here(&fmu.mechanism).into_bytes() },
         Entry { name: format!("resources/{}", schema::NAME), content: schema::TEXT.into() },
     ]);
+    // A file of the user's own says more than the generated one.
+    if let Some(text) = fmu.terminals.filter(|_| entries.iter().all(|entry| entry.name != terminals::PLACE)) {
+        entries.push(Entry { name: terminals::PLACE.to_owned(), content: text.into_bytes() });
+    }
+    entries.extend(binaries.iter().map(|binary| binary.entry(&fmu.name)));
     let path = out.join(format!("{}.fmu", fmu.name));
     archive::write(&path, entries)?;
     let size = fs::metadata(&path)?.len().div_ceil(1024);

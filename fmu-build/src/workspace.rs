@@ -63,6 +63,26 @@ impl Workspace {
         self.root.join("target").join("venv")
     }
 
+    /// Python's virtual environment for the comparison of importers.
+    pub fn importers_environment(&self) -> PathBuf {
+        self.root.join("target").join("venv-importers")
+    }
+
+    /// Where the comparison of importers keeps what it makes on the way.
+    pub fn importers_work(&self) -> PathBuf {
+        self.root.join("target").join("importers")
+    }
+
+    /// The comparison of importers: its script, its requirements and the library that listens.
+    pub fn importers(&self) -> PathBuf {
+        self.root.join("validation").join("importers")
+    }
+
+    /// The committed results of the benchmarks.
+    pub fn results(&self) -> PathBuf {
+        self.root.join("validation").join("results")
+    }
+
     /// The Python tests, with their requirements and settings.
     pub fn python_tests(&self) -> PathBuf {
         self.root.join("tests").join("fmpy")

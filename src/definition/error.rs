@@ -1,5 +1,5 @@
 //! What can be wrong with a definition.
-use std::fmt;
+use std::fmt::{self, Write};
 
 /// A refused definition; the text names the key, the value and what is allowed.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,13 +40,16 @@ pub enum DefinitionError {
 
 impl fmt::Display for DefinitionError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Malformed { key, message } if key.is_empty() => write!(f, "no mechanism: {message}"),
-            Self::Malformed { key, message } => write!(f, "{key}: {message}"),
-            Self::Value { key, value, allowed } => write!(f, "{key} = {value}: must be {allowed}"),
-            Self::Unknown { key, name, allowed } => write!(f, "{key} = \"{name}\": there is none; {allowed}"),
-            Self::Key { key, message } => write!(f, "{key}: {message}"),
-        }
+        let line = match self {
+            Self::Malformed { key, message } if key.is_empty() => format!("no mechanism: {message}"),
+            Self::Malformed { key, message } => format!("{key}: {message}"),
+            Self::Value { key, value, allowed } => format!("{key} = {value}: must be {allowed}"),
+            Self::Unknown { key, name, allowed } => format!("{key} = \"{name}\": there is none; {allowed}"),
+            Self::Key { key, message } => format!("{key}: {message}"),
+        };
+        // A key in the file may hold any character, and a message is one line.
+        line.chars()
+            .try_for_each(|c| if c.is_control() { write!(f, "{}", c.escape_default()) } else { f.write_char(c) })
     }
 }
 

@@ -13,10 +13,15 @@ use super::types::{DO_STEP_STATUS, LAST_SUCCESSFUL_TIME, PENDING_STATUS, TERMINA
 use crate::model::Model;
 use crate::variables::{Kind, Reference};
 use std::ffi::{CStr, c_int};
+use std::fs::File;
+use std::io::Read;
 use std::mem::MaybeUninit;
+use std::path::Path;
 
 /// File in the resources folder that defines the mechanism.
 const MECHANISM: &str = "mechanism.json";
+/// Most bytes that file may have; a mechanism of 100 bodies has some 30 thousand.
+const LARGEST: u64 = 16 << 20;
 
 /// One instance of the FMU.
 #[derive(Debug)]
@@ -51,8 +56,7 @@ pub fn load(fmu_type: c_int, guid: Option<&CStr>, location: Option<&CStr>) -> Re
         None => location::beside_library()?,
     };
     let file = resources.join(MECHANISM);
-    let json = std::fs::read_to_string(&file)
-        .map_err(|error| Refusal::error(format!("cannot read '{}': {error}", file.display())))?;
+    let json = read(&file)?;
     let model = Model::from_json(&json).map_err(|error| Refusal::error(format!("'{}': {error}", file.display())))?;
     if guid.to_bytes() != model.variables().guid().as_bytes() {
         return Err(Refusal::error(format!(
@@ -63,6 +67,29 @@ pub fn load(fmu_type: c_int, guid: Option<&CStr>, location: Option<&CStr>) -> Re
         )));
     }
     Ok(model)
+}
+
+/// Text of the file. What is no file, such as a pipe, is not opened, as that could wait for ever; what is too large is
+/// not read.
+fn read(file: &Path) -> Result<String, Refusal> {
+    let refused = |reason: String| Refusal::error(format!("cannot read '{}': {reason}", file.display()));
+    let metadata = std::fs::metadata(file).map_err(|error| refused(error.to_string()))?;
+    if !metadata.is_file() {
+        return Err(refused(format!("it is no file; put the mechanism's {MECHANISM} there")));
+    }
+    let too_large =
+        |size: u64| refused(format!("it has {size} bytes, and a mechanism at most {LARGEST}; is it the right file?"));
+    if metadata.len() > LARGEST {
+        return Err(too_large(metadata.len()));
+    }
+    let mut text = String::new();
+    let read = File::open(file).and_then(|file| file.take(LARGEST + 1).read_to_string(&mut text));
+    match read {
+        // The size that the system tells need not be the true one.
+        Ok(size) if size as u64 > LARGEST => Err(too_large(size as u64)),
+        Ok(_) => Ok(text),
+        Err(error) => Err(refused(error.to_string())),
+    }
 }
 
 impl Instance {

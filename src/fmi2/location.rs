@@ -139,6 +139,8 @@ mod tests {
         accepts("file://localhost/tmp/fmu/resources", "/tmp/fmu/resources");
         accepts("FILE://LocalHost/tmp/fmu/resources", "/tmp/fmu/resources");
         accepts("file:///tmp/fmu/resources/", "/tmp/fmu/resources");
+        // ECOS puts `file:///` before an absolute path.
+        accepts("file:////tmp/fmu/resources", "/tmp/fmu/resources");
         accepts("/tmp/fmu/resources", "/tmp/fmu/resources");
         accepts("fmu/resources", "fmu/resources");
     }

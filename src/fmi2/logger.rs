@@ -84,11 +84,12 @@ impl Logger {
         }
     }
 
-    /// Report something under the category that belongs to the status. A zero byte inside the text is made visible.
+    /// Report something under the category that belongs to the status, on one line: a control character inside the text,
+    /// as a path may hold it, is made visible.
     pub fn log(&self, status: Status, message: &str) {
         let category = Category::of(status);
         let (Some(callback), true) = (self.callback, self.is_on(category)) else { return };
-        let Ok(message) = CString::new(message.replace('\0', "\\0")) else { return };
+        let Ok(message) = CString::new(on_one_line(message)) else { return };
         // SAFETY: FMI 2.0.5, 2.1.5: the host's logger may be called from within any FMI function, with its own
         // environment and printf-style arguments; "%s" takes one string. All strings outlive the call.
         unsafe {
@@ -132,6 +133,17 @@ impl Logger {
     fn is_on(&self, category: Category) -> bool {
         self.enabled & category.bit() != 0
     }
+}
+
+fn on_one_line(message: &str) -> String {
+    let mut line = String::with_capacity(message.len());
+    for c in message.chars() {
+        match c.is_control() {
+            true => line.extend(c.escape_default()),
+            false => line.push(c),
+        }
+    }
+    line
 }
 
 fn bits(category: &CStr) -> Result<u8, Refusal> {
@@ -194,6 +206,11 @@ mod tests {
         assert!(refusal.message.contains("logEverything"));
         assert!(logger.set_debug_logging(true, [None].into_iter()).is_err());
         assert_eq!(logger.enabled, FAILURES);
+    }
+
+    #[test]
+    fn a_message_is_one_line() {
+        assert_eq!(on_one_line("räder\0 a\r\nb\u{7f} 'c'"), "räder\\u{0} a\\r\\nb\\u{7f} 'c'");
     }
 
     #[test]

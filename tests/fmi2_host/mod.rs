@@ -8,6 +8,7 @@ use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::path::{Path, PathBuf};
 use std::ptr::null;
+use std::sync::OnceLock;
 
 pub const RESOURCES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/modelDescription/LandingGearRetraction/resources");
 
@@ -59,9 +60,11 @@ pub fn callbacks(logger: Option<LoggerCallback>, log: &Log) -> CallbackFunctions
     CallbackFunctions { logger, allocate_memory: None, free_memory: None, step_finished: None, environment }
 }
 
-/// The gear as the engine sees it: for value references and the GUID.
+/// The gear as the engine sees it: for value references and the GUID. Read once, as a test makes many instances.
 pub fn gear() -> Model {
-    Model::from_json(&std::fs::read_to_string(Path::new(RESOURCES).join("mechanism.json")).unwrap()).unwrap()
+    static GEAR: OnceLock<Model> = OnceLock::new();
+    let read = || Model::from_json(&std::fs::read_to_string(Path::new(RESOURCES).join("mechanism.json")).unwrap());
+    GEAR.get_or_init(|| read().unwrap()).clone()
 }
 
 pub fn c(text: &str) -> CString {

@@ -1,0 +1,207 @@
+//! Shared libraries that were built elsewhere: `--binary win64=path/to.dll` adds one more platform to an FMU.
+//!
+//! In: a platform's name and a file. Out: the file's bytes, after a look whether it is a library of that platform with
+//! the functions of FMI 2.0 in it.
+
+use crate::archive::Entry;
+use anyhow::{Context, Result, bail};
+use object::read::NameOrOrdinal;
+use object::read::macho::{FatArch, MachOFatFile32, MachOFatFile64};
+use object::{Architecture, BinaryFormat, FileKind, Object, ObjectKind};
+use std::fs;
+use std::path::PathBuf;
+
+/// A function that every library of an FMU has.
+const FUNCTION: &str = "fmi2Instantiate";
+
+/// A platform of FMI 2.0.5, 2.3.
+#[derive(Debug)]
+struct Platform {
+    name: &'static str,
+    extension: &'static str,
+    format: BinaryFormat,
+    architectures: &'static [Architecture],
+}
+
+const PLATFORMS: [Platform; 6] = [
+    Platform { name: "win32", extension: "dll", format: BinaryFormat::Pe, architectures: &[Architecture::I386] },
+    Platform { name: "win64", extension: "dll", format: BinaryFormat::Pe, architectures: &[Architecture::X86_64] },
+    Platform { name: "linux32", extension: "so", format: BinaryFormat::Elf, architectures: &[Architecture::I386] },
+    Platform { name: "linux64", extension: "so", format: BinaryFormat::Elf, architectures: &[Architecture::X86_64] },
+    Platform {
+        name: "darwin32",
+        extension: "dylib",
+        format: BinaryFormat::MachO,
+        architectures: &[Architecture::I386],
+    },
+    // Importers look here on both kinds of processors.
+    Platform {
+        name: "darwin64",
+        extension: "dylib",
+        format: BinaryFormat::MachO,
+        architectures: &[Architecture::X86_64, Architecture::Aarch64],
+    },
+];
+
+/// A platform and a file, as the command line names them.
+#[derive(Clone, Debug)]
+pub struct Named {
+    platform: &'static Platform,
+    file: PathBuf,
+}
+
+/// `PLATFORM=PATH`.
+///
+/// # Errors
+/// Another form, or an unknown platform.
+pub fn parse(text: &str) -> Result<Named, String> {
+    let known = || PLATFORMS.map(|platform| platform.name).join(", ");
+    let (name, file) = text.split_once('=').ok_or_else(|| format!("write PLATFORM=PATH; platforms: {}", known()))?;
+    let platform = PLATFORMS
+        .iter()
+        .find(|platform| platform.name == name)
+        .ok_or_else(|| format!("there is no platform {name} in FMI 2.0; platforms: {}", known()))?;
+    Ok(Named { platform, file: file.into() })
+}
+
+/// A library that was looked at.
+#[derive(Debug)]
+pub struct Binary {
+    platform: &'static Platform,
+    content: Vec<u8>,
+}
+
+impl Binary {
+    /// Read the file and look at it.
+    ///
+    /// # Errors
+    /// There is no such file, or it is no library of the platform.
+    pub fn read(named: &Named) -> Result<Self> {
+        let (file, platform) = (named.file.display(), named.platform);
+        if !named.file.is_file() {
+            bail!("{file}: there is no such file; name the library for {}", platform.name);
+        }
+        let content = fs::read(&named.file).with_context(|| format!("{file}: cannot be read"))?;
+        check(platform, &content).with_context(|| format!("{file}: is no FMU's library for {}", platform.name))?;
+        Ok(Self { platform, content })
+    }
+
+    /// Name of its platform.
+    pub fn platform(&self) -> &'static str {
+        self.platform.name
+    }
+
+    /// The entry in the FMU of a mechanism with this modelIdentifier.
+    pub fn entry(&self, model_identifier: &str) -> Entry {
+        let Platform { name, extension, .. } = self.platform;
+        Entry { name: format!("binaries/{name}/{model_identifier}.{extension}"), content: self.content.clone() }
+    }
+}
+
+/// Whether one library in the file, which may hold several, is the platform's.
+fn check(platform: &Platform, content: &[u8]) -> Result<()> {
+    match FileKind::parse(content).map_err(|_| anyhow::anyhow!("the file is no library at all"))? {
+        FileKind::MachOFat32 => check_each(platform, content, MachOFatFile32::parse(content)?.arches()),
+        FileKind::MachOFat64 => check_each(platform, content, MachOFatFile64::parse(content)?.arches()),
+        _ => check_one(platform, content),
+    }
+}
+
+fn check_each<A: FatArch>(platform: &Platform, content: &[u8], parts: &[A]) -> Result<()> {
+    let mut result = Err(anyhow::anyhow!("the file holds no library"));
+    for part in parts {
+        result = check_one(platform, part.data(content)?);
+        if result.is_ok() {
+            break;
+        }
+    }
+    result
+}
+
+fn check_one(platform: &Platform, content: &[u8]) -> Result<()> {
+    let library = object::File::parse(content)?;
+    let (format, architecture) = (library.format(), library.architecture());
+    if format != platform.format || !platform.architectures.contains(&architecture) {
+        bail!(
+            "it is {format:?} for {architecture:?}, and not {:?} for {}",
+            platform.format,
+            platform.architectures.iter().map(|a| format!("{a:?}")).collect::<Vec<_>>().join(" or ")
+        );
+    }
+    // Bundles of macOS are loaded as dynamic libraries are.
+    if library.kind() != ObjectKind::Dynamic && format != BinaryFormat::MachO {
+        bail!("it is no shared library");
+    }
+    if !exports(&library)?.iter().any(|name| name == FUNCTION) {
+        bail!("it does not export {FUNCTION}");
+    }
+    Ok(())
+}
+
+/// Whether a library exports functions of FMI only: others could clash with those of an importer's other libraries.
+///
+/// # Errors
+/// The name of one that is none, or the file is no library.
+pub fn exports_fmi_only(content: &[u8]) -> Result<()> {
+    let names = exports(&object::File::parse(content)?)?;
+    match names.iter().find(|name| !name.starts_with("fmi2")) {
+        Some(name) => bail!("it exports {name}, which is no function of FMI"),
+        None => Ok(()),
+    }
+}
+
+/// Names that a library exports, as C has them.
+fn exports(library: &object::File) -> Result<Vec<String>> {
+    let mut names = Vec::new();
+    for export in library.exports()? {
+        if let NameOrOrdinal::Name(name) = export?.name() {
+            let name = String::from_utf8_lossy(name);
+            // On macOS a C name has a `_` before it.
+            let plain = name.strip_prefix('_').filter(|_| library.format() == BinaryFormat::MachO);
+            names.push(plain.unwrap_or(&name).to_owned());
+        }
+    }
+    Ok(names)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn platform(name: &str) -> &'static Platform {
+        PLATFORMS.iter().find(|platform| platform.name == name).unwrap()
+    }
+
+    #[test]
+    fn a_platform_and_a_path_are_named() {
+        let named = parse("win64=a b=c.dll").unwrap();
+        assert_eq!((named.platform.name, named.file), ("win64", PathBuf::from("a b=c.dll")));
+        assert!(parse("win64").unwrap_err().contains("PLATFORM=PATH"));
+        let message = parse("win16=x.dll").unwrap_err();
+        assert!(message.contains("win16") && message.contains("win32, win64, linux32"), "{message}");
+    }
+
+    #[test]
+    fn what_is_no_library_is_refused() {
+        for content in
+            [&b""[..], b"MZ", b"#!/bin/sh\n", &[0x7f, b'E', b'L', b'F'], &[0xca, 0xfe, 0xba, 0xbe, 0, 0, 0, 9]]
+        {
+            for platform in &PLATFORMS {
+                assert!(check(platform, content).is_err(), "{content:?}");
+            }
+        }
+        let missing = parse("win64=no/such.dll").unwrap();
+        assert!(Binary::read(&missing).unwrap_err().to_string().contains("no/such.dll: there is no such file"));
+    }
+
+    #[test]
+    #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
+    fn a_program_is_no_library() {
+        let program = fs::read(std::env::current_exe().unwrap()).unwrap();
+        let message = check(platform("win64"), &program).unwrap_err().to_string();
+        assert!(message.contains("Elf for X86_64") && message.contains("Pe for X86_64"), "{message}");
+        assert!(exports_fmi_only(b"no library").is_err());
+        let message = check(platform("linux64"), &program).unwrap_err().to_string();
+        assert!(message.contains("does not export") || message.contains("no shared library"), "{message}");
+    }
+}

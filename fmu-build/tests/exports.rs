@@ -1,0 +1,65 @@
+//! The shared library as the loader of an importer sees it: what it exports, and what it needs.
+#![cfg(all(target_os = "linux", target_arch = "x86_64"))]
+#![allow(clippy::unwrap_used)]
+
+use object::read::NameOrOrdinal;
+use object::{Object, ObjectSection};
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+/// Functions of FMI 2.0.5: common, co-simulation, model exchange.
+const FUNCTIONS: usize = 44;
+/// Libraries that every Linux with glibc has.
+const NEEDED: [&str; 4] = ["libgcc_s.so.1", "libm.so.6", "libc.so.6", "ld-linux-x86-64.so.2"];
+/// Version of glibc that README.md names.
+const GLIBC: (u32, u32) = (2, 35);
+
+/// The library that cargo builds beside this test, from the same sources as the packed one.
+fn library() -> Vec<u8> {
+    let folder = std::env::current_exe().unwrap().parent().unwrap().to_owned();
+    let name = "liblinkage_fmu.so";
+    let path: PathBuf = [folder.join(name), folder.join("..").join(name)].into_iter().find(|p| p.exists()).unwrap();
+    std::fs::read(path).unwrap()
+}
+
+#[test]
+fn nothing_but_the_functions_of_fmi_is_exported() {
+    let content = library();
+    let library = object::File::parse(&*content).unwrap();
+    let names: BTreeSet<String> = library
+        .exports()
+        .unwrap()
+        .filter_map(|export| match export.unwrap().name() {
+            NameOrOrdinal::Name(name) => Some(String::from_utf8_lossy(name).into_owned()),
+            NameOrOrdinal::Ordinal(_) => None,
+        })
+        .collect();
+    assert_eq!(names.iter().filter(|name| !name.starts_with("fmi2")).collect::<Vec<_>>(), [""; 0]);
+    assert_eq!(names.len(), FUNCTIONS, "{names:?}");
+}
+
+#[test]
+fn only_libraries_that_every_linux_has_are_needed() {
+    let content = library();
+    let library = object::File::parse(&*content).unwrap();
+    for needed in library.import_libraries().unwrap() {
+        let needed = needed.unwrap();
+        let name = String::from_utf8_lossy(needed.name());
+        assert!(NEEDED.contains(&&*name), "{name}");
+    }
+}
+
+#[test]
+fn the_version_of_glibc_is_the_one_that_is_told() {
+    let content = library();
+    let library = object::File::parse(&*content).unwrap();
+    let strings = library.section_by_name(".dynstr").unwrap().data().unwrap();
+    let newest = strings.split(|byte| *byte == 0).filter_map(|text| {
+        let (major, minor) = std::str::from_utf8(text).ok()?.strip_prefix("GLIBC_")?.split_once('.')?;
+        Some((major.parse::<u32>().ok()?, minor.split('.').next()?.parse::<u32>().ok()?))
+    });
+    let newest = newest.max().unwrap();
+    assert!(newest <= GLIBC, "GLIBC_{}.{} is needed: say so in README.md and here", newest.0, newest.1);
+    let readme = include_str!("../../README.md");
+    assert!(readme.contains(&format!("glibc {}.{}", GLIBC.0, GLIBC.1)), "README.md names another glibc");
+}

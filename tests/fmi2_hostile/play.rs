@@ -1,0 +1,286 @@
+//! Random calls, and a model of what each must answer: phases after `standard`, a clock, and what makes a step fail.
+
+use crate::calls::{self, Call, Target};
+use crate::fmi2_host::Gear;
+use crate::standard::{Phase, is_legal};
+use linkage_fmu::fmi2::types::{Status, Text};
+use linkage_fmu::fmi2::*;
+use std::ffi::{CStr, c_int};
+
+/// One call of a sequence.
+#[derive(Clone, Debug)]
+pub enum Op {
+    Setup {
+        tolerance: Option<f64>,
+        start: f64,
+        length: Option<f64>,
+    },
+    Enter,
+    Exit,
+    Terminate,
+    Reset,
+    SetForce(f64),
+    SetStartAngle(f64),
+    SetCrankLength(f64),
+    ReadAngle,
+    ReadSome,
+    Step(f64),
+    /// A step of this size from a point that is off by this many steps.
+    StepFromElsewhere(f64, f64),
+    Logging(Logging),
+    /// One of the calls of `calls` that are refused in this phase, or harmless.
+    Other(usize),
+}
+
+#[derive(Clone, Copy, Debug)]
+pub enum Logging {
+    AllOn,
+    AllOff,
+    ErrorsOnly,
+    DiscardsOff,
+}
+
+/// Larger forces than this make a step fail.
+const ABSURD: f64 = 1e100;
+
+/// Place of energy.drift among the watched variables.
+const DRIFT: usize = 5;
+
+/// An instance, and what must be true of it.
+pub struct Player {
+    pub gear: Gear,
+    target: Target,
+    others: Vec<Call>,
+    phase: Phase,
+    start: f64,
+    time: f64,
+    stop: Option<f64>,
+    force: f64,
+    logs_errors: bool,
+    logs_discards: bool,
+    /// What a refused call must leave alone; cheap to read in every phase.
+    watched: Vec<u32>,
+}
+
+impl Player {
+    pub fn new() -> Self {
+        let gear = Gear::new();
+        gear.log.take();
+        let target = Target::of(&gear);
+        let names =
+            ["actuator.force", "crank.start_angle", "crank.length", "crank.angle", "crank.speed", "energy.drift"];
+        let watched = names.map(|name| gear.vr(name)).to_vec();
+        let others = calls::all().into_iter().filter(|call| call.function != "fmi2DoStep").collect();
+        Player {
+            gear,
+            target,
+            others,
+            phase: Phase::Instantiated,
+            start: 0.0,
+            time: 0.0,
+            stop: None,
+            force: 30_000.0,
+            logs_errors: true,
+            logs_discards: true,
+            watched,
+        }
+    }
+
+    /// Number of calls that [`Op::Other`] can name.
+    pub fn others(&self) -> usize {
+        self.others.len()
+    }
+
+    /// As after `new`.
+    pub fn renew(&mut self) {
+        self.play(&Op::Reset);
+        self.play(&Op::Logging(Logging::AllOn));
+    }
+
+    /// Bits of the watched variables, 0 where one cannot be read.
+    fn watch(&self) -> [u64; 6] {
+        let mut bits = [0; 6];
+        for (bits, reference) in bits.iter_mut().zip(&self.watched) {
+            let mut value = 0.0;
+            // SAFETY: one reference, room for one value.
+            if unsafe { fmi2GetReal(self.gear.c, reference, 1, &mut value) } == Status::Ok {
+                *bits = value.to_bits();
+            }
+        }
+        self.gear.log.take();
+        bits
+    }
+
+    /// Every variable that can be read.
+    pub fn everything(&self) -> Vec<Option<u64>> {
+        let read = |reference: u32| {
+            let mut value = 0.0;
+            // SAFETY: one reference, room for one value.
+            let status = unsafe { fmi2GetReal(self.gear.c, &reference, 1, &mut value) };
+            (status == Status::Ok).then_some(value.to_bits())
+        };
+        let all = (0..self.gear.count()).map(read).collect();
+        self.gear.log.take();
+        all
+    }
+
+    /// Make the call and hold the answer against the model, the log and, if it was refused, the watched values. Returns
+    /// whether it was accepted.
+    pub fn play(&mut self, op: &Op) -> bool {
+        let Some(expected) = self.expected(op) else { return false };
+        let refused = expected != Status::Ok;
+        // A step that cannot be computed changes the phase, and nothing else.
+        let before = refused.then(|| self.watch());
+        let phase = self.phase;
+        let status = self.call(op);
+        assert_eq!(status, expected, "{op:?} in {phase:?}: {:?}", self.gear.log.take());
+        let complaints = self.gear.log.take().iter().filter(|m| m.status >= Status::Discard as c_int).count();
+        let logged = match expected {
+            Status::Ok => false,
+            Status::Discard => self.logs_discards,
+            _ => self.logs_errors,
+        };
+        assert_eq!(complaints, usize::from(logged), "{op:?} in {phase:?}");
+        if let Some(before) = before {
+            let mut after = self.watch();
+            if self.fails(op) {
+                self.phase = Phase::Failed;
+                after[DRIFT] = before[DRIFT]; // has a test of its own
+            }
+            assert_eq!(after, before, "{op:?} in {phase:?}");
+        } else {
+            self.accepted(op);
+        }
+        !refused
+    }
+
+    /// What the standard asks for; nothing where rounding decides.
+    fn expected(&self, op: &Op) -> Option<Status> {
+        let ok_if = |fine: bool| Some(if fine { Status::Ok } else { Status::Error });
+        let legal = |function: &str| is_legal(function, self.phase);
+        match op {
+            Op::Setup { tolerance, start, length } => ok_if(
+                legal("fmi2SetupExperiment")
+                    && start.is_finite()
+                    && length.is_none_or(|length| length > 0.0 && length.is_finite())
+                    && tolerance.is_none_or(|tolerance| (1e-14..=1e-2).contains(&tolerance)),
+            ),
+            Op::Enter => ok_if(legal("fmi2EnterInitializationMode")),
+            Op::Exit => ok_if(legal("fmi2ExitInitializationMode")),
+            Op::Terminate => ok_if(legal("fmi2Terminate")),
+            Op::Reset => ok_if(legal("fmi2Reset")),
+            Op::SetForce(force) => ok_if(legal("fmi2SetReal") && force.is_finite()),
+            // Parameters: before the end of initialization mode (2.2.7).
+            Op::SetStartAngle(value) => ok_if(self.is_early() && value.is_finite()),
+            Op::SetCrankLength(value) => ok_if(self.is_early() && value.is_finite() && *value > 0.0),
+            Op::ReadAngle => ok_if(self.phase != Phase::Instantiated),
+            Op::ReadSome => ok_if(true),
+            Op::Step(h) => {
+                let good = legal("fmi2DoStep") && *h > 0.0 && h.is_finite();
+                if let (Some(stop), true) = (self.stop, good) {
+                    let past = self.time + h - stop;
+                    if past.abs() < 0.3 * h {
+                        return None;
+                    }
+                    return ok_if(past < 0.0 && self.force.abs() <= ABSURD);
+                }
+                ok_if(good && self.force.abs() <= ABSURD)
+            }
+            Op::StepFromElsewhere(..) => Some(Status::Error),
+            Op::Logging(_) => ok_if(legal("fmi2SetDebugLogging")),
+            Op::Other(index) => {
+                let call = &self.others[*index];
+                let expected = match call.statuses.as_bytes()[self.phase as usize] {
+                    b'O' => Status::Ok,
+                    b'D' => Status::Discard,
+                    _ => Status::Error,
+                };
+                let harmless = call.function.starts_with("fmi2Get") || call.function == "fmi2FreeFMUstate";
+                (harmless || expected != Status::Ok).then_some(expected)
+            }
+        }
+    }
+
+    /// Whether a step is accepted, but cannot be computed.
+    fn fails(&self, op: &Op) -> bool {
+        let in_time = |h: f64| self.stop.is_none_or(|stop| self.time + h < stop);
+        matches!(op, Op::Step(h) if *h > 0.0 && h.is_finite() && in_time(*h))
+            && self.phase == Phase::Step
+            && self.force.abs() > ABSURD
+    }
+
+    /// Whether a step could not be computed.
+    pub fn has_failed(&self) -> bool {
+        self.phase == Phase::Failed
+    }
+
+    fn is_early(&self) -> bool {
+        matches!(self.phase, Phase::Instantiated | Phase::Initialization)
+    }
+
+    fn call(&self, op: &Op) -> Status {
+        let c = self.gear.c;
+        // SAFETY: the component is valid; every array has the length that is passed.
+        unsafe {
+            match op {
+                Op::Setup { tolerance, start, length } => fmi2SetupExperiment(
+                    c,
+                    tolerance.is_some().into(),
+                    tolerance.unwrap_or(f64::NAN),
+                    *start,
+                    length.is_some().into(),
+                    start + length.unwrap_or(f64::NAN),
+                ),
+                Op::Enter => fmi2EnterInitializationMode(c),
+                Op::Exit => fmi2ExitInitializationMode(c),
+                Op::Terminate => fmi2Terminate(c),
+                Op::Reset => fmi2Reset(c),
+                Op::SetForce(value) => fmi2SetReal(c, &self.watched[0], 1, value),
+                Op::SetStartAngle(value) => fmi2SetReal(c, &self.watched[1], 1, value),
+                Op::SetCrankLength(value) => fmi2SetReal(c, &self.watched[2], 1, value),
+                Op::ReadAngle => fmi2GetReal(c, &self.watched[3], 1, &mut 0.0),
+                Op::ReadSome => fmi2GetReal(c, self.watched.as_ptr(), 3, [0.0; 3].as_mut_ptr()),
+                Op::Step(h) => fmi2DoStep(c, self.time, *h, 1),
+                Op::StepFromElsewhere(h, steps) => fmi2DoStep(c, self.time + steps * h, *h, 0),
+                Op::Logging(logging) => {
+                    let (on, names): (c_int, &[&CStr]) = match logging {
+                        Logging::AllOn => (1, &[]),
+                        Logging::AllOff => (0, &[c"logAll"]),
+                        Logging::ErrorsOnly => (1, &[c"logStatusError"]),
+                        Logging::DiscardsOff => (0, &[c"logStatusDiscard"]),
+                    };
+                    let pointers: Vec<Text> = names.iter().map(|name| name.as_ptr()).collect();
+                    fmi2SetDebugLogging(c, on, pointers.len(), pointers.as_ptr())
+                }
+                Op::Other(index) => (self.others[*index].run)(&self.target),
+            }
+        }
+    }
+
+    /// The model's side of an accepted call.
+    fn accepted(&mut self, op: &Op) {
+        match op {
+            Op::Setup { start, length, .. } => {
+                (self.start, self.time) = (*start, *start);
+                self.stop = length.map(|length| start + length);
+            }
+            Op::Enter => self.phase = Phase::Initialization,
+            Op::Exit => self.phase = Phase::Step,
+            Op::Terminate => self.phase = Phase::Terminated,
+            Op::Reset => {
+                (self.phase, self.force) = (Phase::Instantiated, 30_000.0);
+                (self.start, self.time, self.stop) = (0.0, 0.0, None);
+            }
+            Op::SetForce(value) => self.force = *value,
+            Op::Step(h) => self.time += h,
+            Op::Logging(logging) => match logging {
+                Logging::AllOn => (self.logs_errors, self.logs_discards) = (true, true),
+                Logging::AllOff => (self.logs_errors, self.logs_discards) = (false, false),
+                Logging::ErrorsOnly => (self.logs_errors, self.logs_discards) = (true, false),
+                Logging::DiscardsOff => self.logs_discards = false,
+            },
+            Op::SetStartAngle(_) | Op::SetCrankLength(_) | Op::ReadAngle | Op::ReadSome => {}
+            Op::StepFromElsewhere(..) | Op::Other(_) => {}
+        }
+    }
+}

@@ -1,0 +1,88 @@
+//! Random sequences of calls. Each answer is the model's, and the instance ends as one that got the accepted calls only.
+
+use crate::play::{Logging, Op, Player};
+use proptest::prelude::*;
+use proptest::test_runner::{Config, TestRunner};
+use std::cell::RefCell;
+
+const SEQUENCES: u32 = 3000;
+const LONGEST: usize = 80;
+
+fn force() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        12 => -40_000.0..40_000.0,
+        1 => Just(1e300),
+        1 => prop_oneof![Just(f64::NAN), Just(f64::INFINITY), Just(f64::NEG_INFINITY)],
+    ]
+}
+
+fn odd() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        Just(f64::NAN),
+        Just(f64::INFINITY),
+        Just(f64::NEG_INFINITY),
+        Just(0.0),
+        Just(-0.0),
+        Just(-1e-3),
+        Just(-f64::MIN_POSITIVE)
+    ]
+}
+
+fn op(others: usize) -> impl Strategy<Value = Op> {
+    let tolerance = prop_oneof![2 => Just(None), 2 => (1e-12..1e-6).prop_map(Some), 1 => odd().prop_map(Some)];
+    let start = prop_oneof![2 => Just(0.0), 2 => -10.0..10.0, 1 => Just(f64::NAN)];
+    let length = prop_oneof![2 => Just(None), 2 => (1e-3..0.2).prop_map(Some), 1 => odd().prop_map(Some)];
+    prop_oneof![
+        3 => (tolerance, start, length).prop_map(|(tolerance, start, length)| Op::Setup { tolerance, start, length }),
+        4 => Just(Op::Enter),
+        4 => Just(Op::Exit),
+        1 => Just(Op::Terminate),
+        1 => Just(Op::Reset),
+        6 => force().prop_map(Op::SetForce),
+        3 => prop_oneof![4 => 0.3..0.9, 1 => Just(f64::NAN)].prop_map(Op::SetStartAngle),
+        1 => odd().prop_map(Op::SetCrankLength),
+        3 => Just(Op::ReadAngle),
+        2 => Just(Op::ReadSome),
+        12 => prop_oneof![6 => 1e-5..5e-3, 1 => odd()].prop_map(Op::Step),
+        2 => (1e-5..1e-3, prop_oneof![0.01..3.0, -3.0..-0.01]).prop_map(|(h, off)| Op::StepFromElsewhere(h, off)),
+        1 => prop_oneof![
+            Just(Logging::AllOn), Just(Logging::AllOff), Just(Logging::ErrorsOnly), Just(Logging::DiscardsOff)
+        ].prop_map(Op::Logging),
+        20 => (0..others).prop_map(Op::Other),
+    ]
+}
+
+#[test]
+fn random_sequences_are_answered_as_the_standard_says() {
+    // Two instances for all sequences: after each, both are reset, which must leave no trace.
+    let pair = RefCell::new((Player::new(), Player::new()));
+    let others = pair.borrow().0.others();
+    let config = Config { cases: SEQUENCES, failure_persistence: None, ..Config::default() };
+    let result = TestRunner::new(config).run(&prop::collection::vec(op(others), 1..LONGEST), |ops| {
+        let (player, twin) = &mut *pair.borrow_mut();
+        player.renew();
+        twin.renew();
+        for op in &ops {
+            // The twin gets what is accepted, and a step that fails, as that changes the phase.
+            if player.play(op) || player.has_failed() != twin.has_failed() {
+                twin.play(op);
+            }
+        }
+        prop_assert_eq!(player.everything(), twin.everything());
+        Ok(())
+    });
+    result.unwrap_or_else(|error| panic!("{error}"));
+}
+
+/// A step that cannot be computed leaves every output as it was under the same inputs.
+#[test]
+#[ignore = "fails: Model::step books the work of a changed input before it integrates, and keeps it if that fails"]
+fn a_failed_step_leaves_the_energy_balance() {
+    let mut player = Player::new();
+    for op in [Op::Enter, Op::Exit, Op::Step(1e-3), Op::SetForce(1e300)] {
+        assert!(player.play(&op));
+    }
+    let before = player.everything();
+    assert!(!player.play(&Op::Step(1e-3)));
+    assert_eq!(player.everything(), before);
+}
