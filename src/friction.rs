@@ -102,7 +102,6 @@ pub struct Loop<T> {
     pub size: Vec<T>,
     matrix: Vec<f64>,
     rest: Vec<T>,
-    torque: Vec<T>,
     /// Iterations that the last solution took.
     pub iterations: u32,
 }
@@ -128,7 +127,6 @@ impl<T: Number> Loop<T> {
             size: vec![zero; n],
             matrix: vec![0.0; n * n],
             rest: vec![zero; n],
-            torque: vec![zero; n],
             iterations: 0,
         }
     }
@@ -147,42 +145,119 @@ impl<T: Number> Loop<T> {
 
     /// Solve for the sizes |R_i| by Newton's method from the reactions without friction, to rounding.
     ///
-    /// The matrix is I + K, K_ij = u_i . effect_ij m_j with the direction u_i of R_i. Where K is small it is kept from one
-    /// iteration to the next, and (I + K)^-1 taken as I - K + K^2; else the matrix is solved anew each time. At small
-    /// coefficients the solution is unique and the determinant near 1; where it is not positive, friction holds more than
-    /// the reactions that cause it can explain.
+    /// The matrix is I + K, K_ij = u_i . effect_ij m_j with the direction u_i of R_i. For a few joints and a small K, as is
+    /// usual, its inverse is I - K + K^2 near enough; else the matrix is solved. At small coefficients the solution is unique
+    /// and the determinant near 1; where it is not positive, friction holds more than the reactions that cause it can explain.
     ///
     /// # Errors
     /// [`Locked`]: no solution, or none that is continuously connected with that without friction.
     pub fn solve(&mut self) -> Result<(), Locked> {
-        const MOST: u32 = 60;
-        /// Largest row sum of |K| that counts as small.
+        let few = match self.arm.len() {
+            1 => self.solve_few::<1>(),
+            2 => self.solve_few::<2>(),
+            3 => self.solve_few::<3>(),
+            4 => self.solve_few::<4>(),
+            _ => false,
+        };
+        if few { Ok(()) } else { self.solve_any() }
+    }
+
+    /// [`Self::solve`] for N joints and a small K; false if K is not small.
+    fn solve_few<const N: usize>(&mut self) -> bool {
+        /// Largest row sum of |K| that counts as small; with it the determinant is positive.
         const SMALL: f64 = 0.2;
-        /// Iterations after which K is taken anew.
-        const KEPT: u32 = 4;
+        const MOST: u32 = 12;
+        let (Some(free), Some(arm)) = (self.free.first_chunk::<N>(), self.arm.first_chunk::<N>()) else { return false };
+        let zero = T::constant(0.0);
+        let mut pull = [[[zero; 2]; N]; N];
+        for (pull, effects) in pull.iter_mut().zip(self.effect.chunks_exact(N)) {
+            for ((pull, effect), arm) in pull.iter_mut().zip(effects).zip(arm) {
+                *pull = [-(effect[0] * *arm), -(effect[1] * *arm)];
+            }
+        }
+        let mut size = free.map(norm);
+        let mut settled = false;
+        for iteration in 1..=MOST {
+            let mut rest = [zero; N];
+            let mut matrix = [[0.0; N]; N];
+            let (mut scale, mut bound) = (f64::MIN_POSITIVE, 0.0);
+            for i in 0..N {
+                let mut r = free[i];
+                for j in 0..N {
+                    r = [r[0] + pull[i][j][0] * size[j], r[1] + pull[i][j][1] * size[j]];
+                }
+                let length = norm(r);
+                rest[i] = length - size[i];
+                scale = f64::max(scale, length.value());
+                let inverse = 1.0 / length.value().max(f64::MIN_POSITIVE);
+                let (x, y) = (r[0].value() * inverse, r[1].value() * inverse);
+                let mut sum = 0.0;
+                for j in 0..N {
+                    matrix[i][j] = x * pull[i][j][0].value() + y * pull[i][j][1].value();
+                    sum += matrix[i][j].abs();
+                }
+                bound = f64::max(bound, sum);
+            }
+            if !(bound <= SMALL) {
+                return false;
+            }
+            let times = |v: &[T; N]| -> [T; N] {
+                std::array::from_fn(|i| {
+                    let mut sum = rest[i];
+                    for j in 0..N {
+                        sum = sum + v[j] * T::constant(matrix[i][j]);
+                    }
+                    sum
+                })
+            };
+            let step = times(&times(&rest));
+            let mut change: f64 = 0.0;
+            for i in 0..N {
+                size[i] = size[i] + step[i];
+                change = change.max(step[i].value().abs());
+            }
+            change /= scale;
+            // What is left after this correction: Newton's method squares it, the series leaves its third power of K.
+            // Derivatives that T may carry converge one iteration behind.
+            let left = change * (change + bound * bound * bound);
+            if settled || (left < 1e-16 && !T::CARRIES) || change == 0.0 {
+                self.iterations = iteration;
+                self.size.copy_from_slice(&size);
+                return size.iter().all(|s| s.value() >= 0.0);
+            }
+            settled = left < 1e-16;
+        }
+        false
+    }
+
+    /// [`Self::solve`] for any number of joints and any K.
+    fn solve_any(&mut self) -> Result<(), Locked> {
+        const MOST: u32 = 60;
         let n = self.arm.len();
         for i in 0..n {
             self.size[i] = norm(self.free[i]);
         }
-        let mut bound = f64::INFINITY;
         let mut settled = false;
         for iteration in 1..=MOST {
             self.iterations = iteration;
-            let anew = bound > SMALL || iteration > KEPT;
-            let scale = self.residual(anew);
-            let mut determinant = 1.0;
-            if anew {
-                bound =
-                    self.matrix.chunks_exact(n).fold(0.0, |most: f64, row| most.max(row.iter().map(|k| k.abs()).sum()));
-            }
-            if bound <= SMALL {
-                self.neumann();
-            } else {
-                for i in 0..n {
-                    self.matrix[i * n + i] += 1.0;
+            let mut scale = f64::MIN_POSITIVE;
+            for i in 0..n {
+                let mut r = self.free[i];
+                for j in 0..n {
+                    let (effect, friction) = (self.effect[i * n + j], self.friction(j));
+                    r = [r[0] + effect[0] * friction, r[1] + effect[1] * friction];
                 }
-                determinant = eliminate(&mut self.matrix, &mut self.rest);
+                let size = norm(r);
+                let inverse = 1.0 / size.value().max(f64::MIN_POSITIVE);
+                for j in 0..n {
+                    let effect = self.effect[i * n + j];
+                    let along = (r[0].value() * effect[0].value() + r[1].value() * effect[1].value()) * inverse;
+                    self.matrix[i * n + j] = along * self.arm[j].value() + f64::from(u8::from(i == j));
+                }
+                self.rest[i] = size - self.size[i];
+                scale = scale.max(size.value());
             }
+            let determinant = eliminate(&mut self.matrix, &mut self.rest);
             let mut change: f64 = 0.0;
             for i in 0..n {
                 change = change.max(self.rest[i].value().abs() / scale);
@@ -191,61 +266,13 @@ impl<T: Number> Loop<T> {
             if !change.is_finite() {
                 return Err(Locked);
             }
-            // What is left after this correction: Newton's method squares it, the series leaves its third power of K.
-            let left = change * (change + if bound <= SMALL { bound * bound * bound } else { 0.0 });
-            // Derivatives that T may carry converge one iteration behind.
-            if settled || (left < 1e-16 && !T::CARRIES) || change == 0.0 {
+            if settled || (change * change < 1e-16 && !T::CARRIES) || change == 0.0 {
                 let sensible = determinant > 0.0 && self.size.iter().all(|s| s.value() >= 0.0);
                 return if sensible { Ok(()) } else { Err(Locked) };
             }
-            settled = left < 1e-16;
+            settled = change * change < 1e-16;
         }
         Err(Locked)
-    }
-
-    /// |R_i| at the present sizes less the present sizes, in `rest`, and K in `matrix` if it is wanted `anew`; returns the
-    /// largest |R_i|.
-    fn residual(&mut self, anew: bool) -> f64 {
-        let n = self.arm.len();
-        for j in 0..n {
-            self.torque[j] = self.friction(j);
-        }
-        let mut scale = f64::MIN_POSITIVE;
-        for i in 0..n {
-            let mut r = self.free[i];
-            let effects = &self.effect[i * n..(i + 1) * n];
-            for (effect, torque) in effects.iter().zip(&self.torque) {
-                r = [r[0] + effect[0] * *torque, r[1] + effect[1] * *torque];
-            }
-            let size = norm(r);
-            scale = scale.max(size.value());
-            self.rest[i] = size - self.size[i];
-            if anew {
-                let inverse = 1.0 / size.value().max(f64::MIN_POSITIVE);
-                let (x, y) = (r[0].value() * inverse, r[1].value() * inverse);
-                let row = &mut self.matrix[i * n..(i + 1) * n];
-                for ((k, effect), arm) in row.iter_mut().zip(effects).zip(&self.arm) {
-                    *k = (x * effect[0].value() + y * effect[1].value()) * arm.value();
-                }
-            }
-        }
-        scale
-    }
-
-    /// rest <- (I - K + K^2) rest.
-    fn neumann(&mut self) {
-        let n = self.arm.len();
-        self.torque.copy_from_slice(&self.rest);
-        for _ in 0..2 {
-            // Horner: x <- rest - K x, twice, in place row by row, which only speeds it up.
-            for i in 0..n {
-                let mut sum = self.torque[i];
-                for j in 0..n {
-                    sum = sum - self.rest[j] * T::constant(self.matrix[i * n + j]);
-                }
-                self.rest[i] = sum;
-            }
-        }
     }
 }
 

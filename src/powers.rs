@@ -33,6 +33,14 @@ impl<T: Number> Powers<T> {
         Self { x, powers, slopes }
     }
 
+    /// Polynomials at x, as many as there is room for.
+    #[inline]
+    pub fn all(&self, series: &[Series], values: &mut [T]) {
+        for (value, series) in values.iter_mut().zip(series) {
+            *value = self.at(series);
+        }
+    }
+
     /// A polynomial at x.
     #[inline]
     pub fn at(&self, series: &Series) -> T {

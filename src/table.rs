@@ -167,6 +167,12 @@ impl Table {
         &self.coefficients[panel * self.components + component]
     }
 
+    /// Monomial coefficients of some components on one panel.
+    pub fn block(&self, panel: usize, components: std::ops::Range<usize>) -> &[Series] {
+        let first = panel * self.components;
+        &self.coefficients[first + components.start..first + components.end]
+    }
+
     /// Value of a component at a place.
     pub fn value(&self, spot: Spot, component: usize) -> f64 {
         polynomial(self.series(spot.panel, component), spot.x)

@@ -38,7 +38,9 @@ pub struct Acting<T> {
     pub friction: Loop<T>,
     /// Stretch of its law in which each pin is taken to be; where none is stated, that of its slip speed.
     pub bands: Vec<Option<Band>>,
-    /// Effects in each row but friction.
+    /// Effects of sigma_dot^2 and of each of the scene's loads of unit size, row by row.
+    effects: Vec<T>,
+    /// Effects of all but friction, in each row.
     sums: Vec<T>,
 }
 
@@ -53,6 +55,7 @@ impl<T: Number> Acting<T> {
             loads: vec![zero; loads],
             friction: Loop::new(pins),
             bands: vec![None; pins],
+            effects: vec![zero; rows * (1 + loads)],
             sums: vec![zero; rows],
         }
     }
@@ -72,6 +75,10 @@ impl<T: Number> Acting<T> {
         let powers = Powers::new(folded.x(sigma));
         let at = |component: usize| powers.at(scene.table.series(folded.panel, component));
         let damping = reduced.components().damping;
+        let stride = scene.stride();
+        for (row, values) in self.effects.chunks_exact_mut(stride).enumerate() {
+            powers.all(scene.table.block(folded.panel, scene.states(row)), values);
+        }
         let mut lost = T::constant(0.0);
         // What the state decides, but for friction.
         for (k, &load) in scene.lossy.iter().enumerate() {
@@ -85,9 +92,11 @@ impl<T: Number> Acting<T> {
         self.blow(reduced, scene, given, sigma_dot, &at);
         self.press(reduced, scene, folded, mode, sigma_dot, &at);
         let free = scene.loads.len() - scene.pins.len();
+        let square = sigma_dot * sigma_dot;
         for row in 0..scene.rows.len() {
             let force = if row == 0 { &folded.force } else { &folded.reactions[row - 1] };
-            let mut sum = powers.at(force);
+            let effects = &self.effects[row * stride..(row + 1) * stride];
+            let mut sum = powers.at(force) + effects[0] * square;
             if let Some(k) = damping {
                 let drag = at(scene.given(row, k)) * sigma_dot;
                 sum = sum - drag;
@@ -95,27 +104,23 @@ impl<T: Number> Acting<T> {
                     lost = lost + drag * sigma_dot;
                 }
             }
-            if row > 0 {
-                sum = sum + at(scene.square(row)) * sigma_dot * sigma_dot;
-            }
             for (&load, &size) in scene.lossy.iter().zip(&self.arriving) {
                 sum = sum + at(scene.given(row, load)) * size;
             }
-            for (k, &size) in self.loads[..free].iter().enumerate() {
-                let share = at(scene.column(row, k)) * size;
-                sum = sum + share;
+            for (&effect, &size) in effects[1..].iter().zip(&self.loads[..free]) {
+                sum = sum + effect * size;
                 if row == 0 {
-                    lost = lost - share * sigma_dot;
+                    lost = lost - effect * size * sigma_dot;
                 }
             }
             self.sums[row] = sum;
         }
         let mut acceleration = self.sums[0];
         if !scene.pins.is_empty() {
-            self.rub(scene, sigma_dot, &at)?;
+            self.rub(scene, sigma_dot)?;
             for j in 0..scene.pins.len() {
                 self.loads[free + j] = self.friction.friction(j);
-                let share = at(scene.column(0, free + j)) * self.loads[free + j];
+                let share = self.effects[1 + free + j] * self.loads[free + j];
                 acceleration = acceleration + share;
                 lost = lost - share * sigma_dot;
             }
@@ -219,21 +224,21 @@ impl<T: Number> Acting<T> {
     }
 
     /// Friction of all pins.
-    fn rub(&mut self, scene: &Scene, sigma_dot: T, at: &impl Fn(usize) -> T) -> Result<(), Locked> {
-        let n = scene.pins.len();
-        let first = scene.loads.len() - n;
+    fn rub(&mut self, scene: &Scene, sigma_dot: T) -> Result<(), Locked> {
+        let (n, stride) = (scene.pins.len(), scene.stride());
+        let first = stride - n;
         for (j, pin) in scene.pins.iter().enumerate() {
-            let slip = at(scene.column(0, first + j)) * sigma_dot * T::constant(pin.radius);
+            let slip = self.effects[first + j] * sigma_dot * T::constant(pin.radius);
             let band = self.bands[j].unwrap_or_else(|| pin.law.band(slip.value()));
             self.friction.arm[j] = pin.law.signed(slip, band) * T::constant(pin.radius);
         }
-        self.friction.clear();
         for (row, what) in scene.rows.iter().enumerate().skip(1) {
             let Row::Reaction { pin, part } = *what else { continue };
             let axis = part.axis();
             self.friction.free[pin][axis] = self.sums[row];
-            for j in 0..n {
-                self.friction.effect[pin * n + j][axis] = at(scene.column(row, first + j));
+            let effects = &self.effects[row * stride + first..(row + 1) * stride];
+            for (out, effect) in self.friction.effect[pin * n..(pin + 1) * n].iter_mut().zip(effects) {
+                out[axis] = *effect;
             }
         }
         self.friction.solve()

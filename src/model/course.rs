@@ -252,10 +252,7 @@ where
         |side: usize| around.travel[side].is_some_and(|e| (step.start[0] - e.position) * outward(side) + reach > 0.0);
     let sides = [near(0), near(1)];
     let pins = motion.scene.map_or(0, |s| s.pins.len());
-    let mut changing = false;
-    for pin in (0..pins).filter(|p| along != Some(*p)) {
-        changing |= may_change(motion, pin, step);
-    }
+    let changing = (0..pins).any(|pin| along != Some(pin) && may_change(motion, pin, step));
     if !reverses && sides == [false; 2] && !changing {
         return None;
     }
@@ -275,7 +272,9 @@ where
         offer(dense.first_passage(1, 0.0, towards(-motion.mode.direction), false), Event::Reversal);
     }
     for pin in (0..pins).filter(|p| changing && along != Some(*p)) {
-        offer(change_of_band(motion, &dense, pin), Event::Band(pin));
+        if may_change(motion, pin, step) {
+            offer(change_of_band(motion, &dense, pin), Event::Band(pin));
+        }
     }
     for side in (0..2).filter(|&side| sides[side]) {
         let Some(end) = around.travel[side] else { continue };
@@ -344,23 +343,42 @@ fn change_of_band<const N: usize>(motion: &mut Motion, dense: &Dense<N>, pin: us
     const SAMPLES: usize = 8;
     let law = motion.scene?.pins[pin].law;
     let (low, high) = law.range(motion.work.acting.bands[pin]?);
-    let mut outside = |s: f64| {
+    // How far beyond the stretch; negative within.
+    let mut beyond = |s: f64| {
         let y = dense.at(s);
         let v = motion.slip(pin, y[0], y[1]);
-        v < low || v > high
+        (low - v).max(v - high)
     };
-    // Just after a change it may still seem outside by rounding.
-    let mut last = 0.0;
+    let (mut a, mut at_a) = (0.0, beyond(0.0).min(0.0));
     for i in 1..=SAMPLES {
-        let (mut a, mut b) = (last, i as f64 / SAMPLES as f64);
-        if outside(b) {
-            for _ in 0..60 {
-                let middle = 0.5 * (a + b);
-                if outside(middle) { b = middle } else { a = middle }
-            }
-            return Some(b);
+        let b = i as f64 / SAMPLES as f64;
+        let at_b = beyond(b);
+        if at_b > 0.0 {
+            return Some(passage(&mut beyond, (a, at_a), (b, at_b)));
         }
-        last = b;
+        (a, at_a) = (b, at_b);
     }
     None
+}
+
+/// Where a function passes from <= 0 at a to > 0 at b, on the far side: false position after Illinois (Dowell and Jarratt,
+/// BIT 11 (1971), 168), with halving where it is slow.
+fn passage(f: &mut dyn FnMut(f64) -> f64, (mut a, mut at_a): (f64, f64), (mut b, mut at_b): (f64, f64)) -> f64 {
+    const CLOSE: f64 = 1e-15;
+    for k in 0..100 {
+        if b - a <= CLOSE {
+            break;
+        }
+        let line = b - at_b * (b - a) / (at_b - at_a);
+        let c = if k % 8 == 7 || !(a < line && line < b) { 0.5 * (a + b) } else { line };
+        let at_c = f(c);
+        if at_c > 0.0 {
+            (b, at_b) = (c, at_c);
+            at_a *= 0.5;
+        } else {
+            (a, at_a) = (c, at_c);
+            at_b *= 0.5;
+        }
+    }
+    b
 }

@@ -114,7 +114,7 @@ impl Folded {
             }
         };
         for (load, size) in given.sizes.iter().enumerate() {
-            if !scene.is_some_and(|s| s.lossy.contains(&load)) {
+            if *size != 0.0 && !scene.is_some_and(|s| s.lossy.contains(&load)) {
                 add(load, *size);
             }
         }

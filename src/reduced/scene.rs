@@ -58,26 +58,30 @@ pub struct Scene {
     pub rows: Vec<Row>,
     /// Effects, row by row as [`Self::column`] says; then what the laws need.
     pub table: Table,
-    /// Number of components of [`super::Components`], then of `loads`.
-    given: usize,
-    /// Components of each row: one for sigma_dot^2, the given ones, the loads.
+    /// Components of each row: one for sigma_dot^2, one for each of `loads`, then those of [`super::Components`].
     width: usize,
 }
 
 impl Scene {
-    /// Component of the effect of sigma_dot^2 in a row; 0 in the row of the motion.
-    pub fn square(&self, row: usize) -> usize {
-        row * self.width
+    /// Number of components that [`Self::states`] has of each row.
+    pub fn stride(&self) -> usize {
+        1 + self.loads.len()
     }
 
-    /// Component of the effect of [`super::Components`] number `k` in a row.
-    pub fn given(&self, row: usize, k: usize) -> usize {
-        row * self.width + 1 + k
+    /// Components of a row that the state sizes: the effect of sigma_dot^2 (0 in the row of the motion), then those of
+    /// `loads`.
+    pub fn states(&self, row: usize) -> std::ops::Range<usize> {
+        row * self.width..row * self.width + self.stride()
     }
 
     /// Component of the effect of `loads[k]` in a row.
     pub fn column(&self, row: usize, k: usize) -> usize {
-        row * self.width + 1 + self.given + k
+        row * self.width + 1 + k
+    }
+
+    /// Component of the effect of [`super::Components`] number `k` in a row.
+    pub fn given(&self, row: usize, k: usize) -> usize {
+        row * self.width + self.stride() + k
     }
 
     /// First of the two components with the direction of a surface in the mechanism frame.
@@ -128,7 +132,7 @@ impl Scene {
         let natural =
             |b: &usize| reduced.natural.displacement(&loading.loads[loading.stops[*b].load], reduced.linkage());
         sizes.extend(bumpers.iter().map(natural));
-        let mut scene = Self { lossy, air, bumpers, pins, loads, rows, table: Table::empty(), given, width };
+        let mut scene = Self { lossy, air, bumpers, pins, loads, rows, table: Table::empty(), width };
         scene.table = Table::build(&reduced.grid, &sizes, &mut |sigma, values| {
             let c = reduced.curve.configuration(sigma);
             scene.fill(reduced, &c, values);
@@ -153,7 +157,7 @@ impl Scene {
                 Row::Reaction { .. } => part(2 + load) + part(0) * influence[load],
             };
             out[0] = part(1);
-            let (given, rest) = out[1..].split_at_mut(self.given);
+            let (rest, given) = out[1..].split_at_mut(self.loads.len());
             reduced.components.fill_effects(loading, &reduced.curve, c, &effect, given);
             for (value, &load) in rest.iter_mut().zip(&self.loads) {
                 *value = effect(load);
@@ -198,9 +202,9 @@ fn row_sizes(reduced: &Reduced, row: Row, loads: &[usize]) -> Vec<f64> {
         Row::Reaction { .. } => natural.scale / linkage.size,
     };
     let mut out = vec![if row == Row::Motion { 0.0 } else { 1.0 / linkage.size }];
-    let given = reduced.components.sizes(loading, &reduced.curve, natural);
-    out.extend(given.iter().map(|s| s * factor));
     let size = |l: &usize| natural.displacement(&loading.loads[*l], linkage) / natural.scale * factor;
     out.extend(loads.iter().map(size));
+    let given = reduced.components.sizes(loading, &reduced.curve, natural);
+    out.extend(given.iter().map(|s| s * factor));
     out
 }
