@@ -163,11 +163,9 @@ fn required_keys_agree_at_every_level() {
 #[test]
 fn choices_agree() {
     let schema = schema();
-    for (name, place, key) in [
-        ("body", "/bodies/crank", "shape"),
-        ("joint", "/joints/guide", "type"),
-        ("solver", "/solver", "method"),
-    ] {
+    for (name, place, key) in
+        [("body", "/bodies/crank", "shape"), ("joint", "/joints/guide", "type"), ("solver", "/solver", "method")]
+    {
         let mut mechanism = full();
         mechanism.pointer_mut(place).unwrap()[key] = json!("no_such_choice");
         let message = refusal(&mechanism).unwrap();
