@@ -171,6 +171,54 @@ fn a_refused_set_changes_nothing() {
 }
 
 #[test]
+fn strings_are_set_read_and_reset() {
+    let gear = Gear::new();
+    assert_eq!(gear.get_text("solver.method").as_deref(), Ok("reduced"));
+    assert_eq!(gear.set_text("solver.method", "rigid_fem"), Status::Ok);
+    assert_eq!(gear.get_text("solver.method").as_deref(), Ok("rigid_fem"));
+    for bad in ["", "Reduced", "rigid_fem ", "\u{e4}"] {
+        gear.log.take();
+        assert_eq!(gear.set_text("solver.method", bad), Status::Error);
+        let expected = format!("fmi2SetString: solver.method = \"{bad}\": must be \"reduced\" or \"rigid_fem\"");
+        assert_eq!(gear.refusal(), expected);
+    }
+    let method = gear.vr("solver.method");
+    // SAFETY: every array has the length that is passed.
+    unsafe {
+        // All or none: a good word before a Real, an unknown reference, a bad word, a NULL.
+        for (second, word) in [
+            (gear.vr("crank.length"), c"reduced".as_ptr()),
+            (gear.count(), c"reduced".as_ptr()),
+            (method, c"no".as_ptr()),
+            (method, c"\xff".as_ptr()),
+            (method, null()),
+        ] {
+            let words = [c"reduced".as_ptr(), word];
+            assert_eq!(fmi2SetString(gear.c, [method, second].as_ptr(), 2, words.as_ptr()), Status::Error);
+        }
+        assert_eq!(gear.get_text("solver.method").as_deref(), Ok("rigid_fem"));
+        // Both pointers of one call hold at once.
+        let mut two = [null(); 2];
+        assert_eq!(fmi2GetString(gear.c, [method, method].as_ptr(), 2, two.as_mut_ptr()), Status::Ok);
+        assert_eq!(two.map(|text| CStr::from_ptr(text)), [c"rigid_fem"; 2]);
+        assert_eq!(
+            fmi2GetString(gear.c, [method, gear.vr("crank.angle")].as_ptr(), 2, two.as_mut_ptr()),
+            Status::Error
+        );
+        assert_eq!(fmi2GetReal(gear.c, &method, 1, &mut 0.0), Status::Error);
+        assert_eq!(fmi2SetReal(gear.c, &method, 1, &0.0), Status::Error);
+        assert_eq!(gear.initialize(), Status::Ok);
+        gear.log.take();
+        assert_eq!(gear.set_text("solver.method", "reduced"), Status::Error);
+        assert!(gear.refusal().contains("'solver.method'"));
+        assert_eq!(gear.step(0.0, H), Status::Ok);
+        assert_eq!(gear.get_text("solver.method").as_deref(), Ok("rigid_fem"));
+        assert_eq!(fmi2Reset(gear.c), Status::Ok);
+    }
+    assert_eq!(gear.get_text("solver.method").as_deref(), Ok("reduced"));
+}
+
+#[test]
 fn a_refused_step_changes_nothing() {
     let (gear, twin) = (Gear::stepping(0.0, Some(0.01)), Gear::stepping(0.0, Some(0.01)));
     let refused = [

@@ -34,18 +34,39 @@ static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn set_step_get_allocates_nothing() {
+    exchange_allocates_nothing("reduced");
+}
+
+#[test]
+fn nor_do_the_finite_elements() {
+    exchange_allocates_nothing("rigid_fem");
+}
+
+fn exchange_allocates_nothing(method: &str) {
     let h = 1e-4;
-    let gear = Gear::stepping(0.0, Some(1.0));
+    let gear = Gear::new();
+    assert_eq!(gear.set_text("solver.method", method), Status::Ok);
+    assert_eq!(gear.initialize(), Status::Ok);
     let inputs = [gear.vr("actuator.force"), gear.vr("load_factor")];
-    let outputs = ["crank.angle", "crank.speed", "crank.acceleration", "actuator.length"].map(|name| gear.vr(name));
-    let mut values = [0.0; 4];
+    let outputs = [
+        "crank.angle",
+        "crank.speed",
+        "crank.acceleration",
+        "actuator.acceleration",
+        "actuator.reduced_mass",
+        "wheel.acceleration_x",
+        "joint2.force",
+        "energy.drift",
+    ];
+    let outputs = outputs.map(|name| gear.vr(name));
+    let mut values = [0.0; 8];
     let mut exchange = |n: i32| {
         // SAFETY: every array has the length that is passed.
         unsafe {
             let force = [30_000.0 + f64::from(n), 3.0];
             assert_eq!(fmi2SetReal(gear.c, inputs.as_ptr(), 2, force.as_ptr()), Status::Ok);
             assert_eq!(fmi2DoStep(gear.c, f64::from(n) * h, h, 1), Status::Ok);
-            assert_eq!(fmi2GetReal(gear.c, outputs.as_ptr(), 4, values.as_mut_ptr()), Status::Ok);
+            assert_eq!(fmi2GetReal(gear.c, outputs.as_ptr(), 8, values.as_mut_ptr()), Status::Ok);
         }
     };
     // Tables are built when an output first asks for them.

@@ -298,6 +298,7 @@ fn each_load_alone_accelerates_both_alike() {
         let text = changed(GEAR, |m| {
             m["actuators"]["actuator"]["force"] = json!(0);
             m["gravity"]["load_factor"] = json!(0);
+            m["stops"]["downstop"]["enabled"] = json!(false);
             match name.split_once('.') {
                 Some(("wheel", axis)) => {
                     m["forces"]["wheel"]["force"] = if axis == "force_x" { json!([size, 0]) } else { json!([0, size]) }

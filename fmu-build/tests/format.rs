@@ -32,7 +32,7 @@ fn full() -> Value {
             "ground": { "length": 1.0, "points": { "anchor": [0.3, -2.0] } },
             "crank": { "length": 0.1, "mass": 1.2, "shape": "uniform_rod", "points": { "eye": [0.05, 0.02] } },
             "weight": { "fixed_to": "crank.origin", "angle": 3.0, "mass": 0.3, "center": [0.02, 0.0], "inertia": 0.001 },
-            "rod": { "length": 0.3, "mass": 0.9, "shape": "uniform_rod" },
+            "rod": { "length": 0.3, "mass": 0.9, "shape": "uniform_rod", "axial_stiffness": 1e7 },
             "slider": { "mass": 0.5 }
         },
         "joints": {
@@ -59,7 +59,7 @@ fn full() -> Value {
         "markers": { "eye": { "at": "crank.eye" } },
         "start": { "body": "crank", "angle": 0.5, "speed": 1.0 },
         "guess": { "crank": 0.5, "rod": -0.16, "guide": 0.38 },
-        "solver": { "tolerance": 1e-9 },
+        "solver": { "tolerance": 1e-9, "method": "reduced", "fem_step": 1e-5 },
         "experiment": { "stop_time": 1.0, "step_size": 1e-3 }
     })
 }
@@ -163,7 +163,9 @@ fn required_keys_agree_at_every_level() {
 #[test]
 fn choices_agree() {
     let schema = schema();
-    for (name, place, key) in [("body", "/bodies/crank", "shape"), ("joint", "/joints/guide", "type")] {
+    for (name, place, key) in
+        [("body", "/bodies/crank", "shape"), ("joint", "/joints/guide", "type"), ("solver", "/solver", "method")]
+    {
         let mut mechanism = full();
         mechanism.pointer_mut(place).unwrap()[key] = json!("no_such_choice");
         let message = refusal(&mechanism).unwrap();
@@ -318,6 +320,12 @@ fn both_refuse_what_is_wrong() {
         ("/guess/nobody", json!(1.0), geometry),
         ("/solver/tolerance", json!(0.0), both),
         ("/solver/tolerance", json!(1.0), both),
+        ("/solver/method", json!("fem"), both),
+        ("/solver/fem_step", json!(0.0), both),
+        ("/solver/method", json!("rigid_fem"), geometry),
+        ("/bodies/rod/axial_stiffness", json!(0.0), both),
+        ("/bodies/weight/axial_stiffness", json!(1e7), both),
+        ("/bodies/ground/axial_stiffness", json!(1e7), both),
         ("/experiment/stop_time", json!(0.0), both),
         ("/experiment/step_size", json!(-1.0), both),
         ("/bodies", json!([]), both),

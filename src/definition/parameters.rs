@@ -76,7 +76,9 @@ pub enum Role {
     StartPosition,
     /// The speed at the start.
     StartSpeed,
-    /// The tolerance of the integration.
+    /// The stretch of bodies as rods.
+    Elasticity,
+    /// The tolerance or the step of the integration.
     Tolerance,
 }
 
@@ -86,7 +88,7 @@ const TOLERANCE: Range = Range::Between(1e-14, 1e-1);
 impl Mechanism {
     /// Call `visit` with every parameter and its value, in the order of the file.
     pub fn parameters(&mut self, visit: &mut dyn FnMut(Parameter, &mut f64)) {
-        use Role::{Geometry, Inertia, Load, StartPosition, StartSpeed, Tolerance};
+        use Role::{Elasticity, Geometry, Inertia, Load, StartPosition, StartSpeed, Tolerance};
         let make = |name: String, key: String, text: String, unit, range, role| Parameter {
             name,
             key,
@@ -111,7 +113,7 @@ impl Mechanism {
                 let text = format!("{text} of {name}");
                 make(format!("{name}.{n}"), format!("bodies.{name}.{key}"), text, unit, range, role)
             };
-            let Body { angle, length, mass, center, inertia, points, .. } = body;
+            let Body { angle, length, mass, center, inertia, axial_stiffness, points, .. } = body;
             if let Some(v) = angle {
                 visit(p("angle", "angle", "Angle of the x axis", Unit::Radian, Range::Finite, Geometry), v);
             }
@@ -129,6 +131,10 @@ impl Mechanism {
                 if let Some(v) = inertia {
                     let text = "Moment of inertia about the centre of mass";
                     visit(p("inertia", "inertia", text, Unit::KilogramSquareMetre, Range::NonNegative, Inertia), v);
+                }
+                if let Some(v) = axial_stiffness {
+                    let (n, text) = ("axial_stiffness", "Axial stiffness E A");
+                    visit(p(n, n, text, Unit::Newton, Range::Positive, Elasticity), v);
                 }
             }
             for (point, [x, y]) in points.iter_mut() {
@@ -307,6 +313,10 @@ impl Mechanism {
             ),
             &mut self.solver.tolerance,
         );
+        if let Some(v) = self.solver.method.and(self.solver.fem_step.as_mut()) {
+            let (n, text) = ("solver.fem_step", "Largest step of the rigid finite elements");
+            visit(make(n.into(), n.into(), text.into(), Unit::Second, Range::Positive, Tolerance), v);
+        }
     }
 
     /// Call `visit` with every Boolean parameter: its name, what it says, and its value.

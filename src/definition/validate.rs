@@ -1,5 +1,5 @@
 //! Checks of a definition that need no geometry: numbers in range, names that resolve, keys that go together.
-use super::{Body, DefinitionError, GROUND, JointKind, Mechanism};
+use super::{Body, DefinitionError, GROUND, JointKind, Mechanism, Solver};
 
 type Check = Result<(), DefinitionError>;
 
@@ -30,6 +30,7 @@ impl Mechanism {
     pub(super) fn check(&mut self) -> Check {
         check_name("name", &self.name)?;
         self.check_names()?;
+        self.check_solver()?;
         let mut wrong = None;
         self.parameters(&mut |parameter, value| {
             if wrong.is_none() && !parameter.range.contains(*value) {
@@ -61,6 +62,20 @@ impl Mechanism {
             }
         }
         Ok(())
+    }
+
+    /// A stated method has a step.
+    fn check_solver(&mut self) -> Check {
+        match self.solver.method {
+            Some(_) => {
+                self.solver.fem_step.get_or_insert(Solver::FEM_STEP);
+                Ok(())
+            }
+            None if self.solver.fem_step.is_some() => {
+                Err(key_error("solver.fem_step", "goes with solver.method only: add that key"))
+            }
+            None => Ok(()),
+        }
     }
 
     fn check_names(&self) -> Check {
@@ -136,11 +151,18 @@ impl Mechanism {
                 ("shape", body.shape.is_some()),
                 ("center", body.center.is_some()),
                 ("inertia", body.inertia.is_some()),
+                ("axial_stiffness", body.axial_stiffness.is_some()),
             ];
             if name == GROUND
                 && let Some((k, _)) = given.iter().find(|(_, there)| *there)
             {
                 return Err(key_error(key(k), "the ground does not move: it has only length and points"));
+            }
+            if let (Some(_), Some(to)) = (body.axial_stiffness, &body.fixed_to) {
+                let other = to.split('.').next().unwrap_or_default();
+                let message =
+                    format!("{name} is part of {other}: state the axial stiffness of the body that they are fixed to");
+                return Err(key_error(key("axial_stiffness"), message));
             }
             if body.angle.is_some() && body.fixed_to.is_none() {
                 return Err(key_error(key("angle"), "goes with fixed_to only; a moving body's angle is in guess"));

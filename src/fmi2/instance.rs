@@ -8,11 +8,11 @@ use super::location;
 use super::logger::Logger;
 use super::phase::Phase;
 use super::refusal::Refusal;
-use super::types::{Boolean, CO_SIMULATION, FALSE, MODEL_EXCHANGE, Real, Status, TRUE};
+use super::types::{Boolean, CO_SIMULATION, FALSE, MODEL_EXCHANGE, Real, Status, TRUE, Text};
 use super::types::{DO_STEP_STATUS, LAST_SUCCESSFUL_TIME, PENDING_STATUS, TERMINATED};
 use crate::model::Model;
 use crate::variables::{Kind, Reference};
-use std::ffi::{CStr, c_int};
+use std::ffi::{CStr, CString, c_int};
 use std::fs::File;
 use std::io::Read;
 use std::mem::MaybeUninit;
@@ -34,6 +34,8 @@ pub struct Instance {
     set_up: bool,
     clock: Clock,
     model: Model,
+    /// Texts that `fmi2GetString` told last: its pointers lead here.
+    texts: Vec<CString>,
 }
 
 /// Model of a new instance: read `mechanism.json`, now and not earlier, so that a user may edit its numbers.
@@ -95,7 +97,14 @@ fn read(file: &Path) -> Result<String, Refusal> {
 impl Instance {
     /// Instance in the phase that follows `fmi2Instantiate`.
     pub fn new(logger: Logger, model: Model) -> Self {
-        Instance { phase: Phase::Instantiated, logger, set_up: false, clock: Clock::default(), model }
+        Instance {
+            phase: Phase::Instantiated,
+            logger,
+            set_up: false,
+            clock: Clock::default(),
+            model,
+            texts: Vec::new(),
+        }
     }
 
     /// `fmi2SetupExperiment`. Not called, the start time is 0 and there is no stop time.
@@ -182,7 +191,20 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2GetInteger`, `fmi2GetString`: a mechanism has no variables of these types.
+    /// `fmi2GetString`: the pointers hold until the next call of it, or the end of the instance.
+    pub fn get_string(&mut self, references: &[Reference], values: &mut [MaybeUninit<Text>]) -> Result<(), Refusal> {
+        self.texts.clear();
+        for (&reference, value) in references.iter().zip(values) {
+            access::may_get(self.model.variables(), self.phase, reference, Kind::String)?;
+            let text = CString::new(self.model.text(reference)?)
+                .map_err(|_| Refusal::error(format!("value reference {reference}: the text holds a zero byte")))?;
+            value.write(text.as_ptr());
+            self.texts.push(text);
+        }
+        Ok(())
+    }
+
+    /// `fmi2GetInteger`: a mechanism has no variables of this type.
     pub fn get_none(&self, references: &[Reference], kind: Kind) -> Result<(), Refusal> {
         match references.first() {
             None => Ok(()),
@@ -217,7 +239,24 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2SetInteger`, `fmi2SetString`: a mechanism has no variables of these types.
+    /// `fmi2SetString`: all values, or none.
+    pub fn set_string(&mut self, references: &[Reference], values: &[Option<&CStr>]) -> Result<(), Refusal> {
+        let mut texts = Vec::with_capacity(values.len());
+        for (&reference, value) in references.iter().zip(values) {
+            access::may_set(self.model.variables(), self.phase, reference, Kind::String)?;
+            let value =
+                value.ok_or_else(|| Refusal::error(format!("value reference {reference}: the text is NULL")))?;
+            let text = value.to_string_lossy();
+            self.model.check_text(reference, &text)?;
+            texts.push(text);
+        }
+        for (&reference, text) in references.iter().zip(&texts) {
+            self.model.set_text(reference, text)?;
+        }
+        Ok(())
+    }
+
+    /// `fmi2SetInteger`: a mechanism has no variables of this type.
     pub fn set_none(&self, references: &[Reference], kind: Kind) -> Result<(), Refusal> {
         match references.first() {
             None => Ok(()),

@@ -181,7 +181,8 @@ pub unsafe extern "C" fn fmi2GetBoolean(
     unsafe { call(c, &phase::GET_BOOLEAN, |i| i.get_boolean(input("vr", vr, count)?, output("value", value, count)?)) }
 }
 
-/// Read Strings: there are none, so that only the empty list can be read.
+/// Read Strings; they live until the next call of this function or the end of the instance. On an error the array may be
+/// filled in part.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetString(
     c: Component,
@@ -190,12 +191,7 @@ pub unsafe extern "C" fn fmi2GetString(
     value: *mut Text,
 ) -> Status {
     // SAFETY: both arrays have `count` elements (2.1.7).
-    unsafe {
-        call(c, &phase::GET_STRING, |i| {
-            output("value", value, count)?;
-            i.get_none(input("vr", vr, count)?, Kind::String)
-        })
-    }
+    unsafe { call(c, &phase::GET_STRING, |i| i.get_string(input("vr", vr, count)?, output("value", value, count)?)) }
 }
 
 /// Set Real inputs and parameters, all or none.
@@ -239,7 +235,7 @@ pub unsafe extern "C" fn fmi2SetBoolean(
     unsafe { call(c, &phase::SET_BOOLEAN, |i| i.set_boolean(input("vr", vr, count)?, input("value", value, count)?)) }
 }
 
-/// Set Strings: there are none, so that only the empty list can be set.
+/// Set String parameters, all or none; the texts are copied.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetString(
     c: Component,
@@ -247,11 +243,11 @@ pub unsafe extern "C" fn fmi2SetString(
     count: usize,
     value: *const Text,
 ) -> Status {
-    // SAFETY: both arrays have `count` elements (2.1.7).
+    // SAFETY: both arrays have `count` elements, each a string or NULL (2.1.7).
     unsafe {
         call(c, &phase::SET_STRING, |i| {
-            input("value", value, count)?;
-            i.set_none(input("vr", vr, count)?, Kind::String)
+            let texts: Vec<_> = input("value", value, count)?.iter().map(|&value| text(value)).collect();
+            i.set_string(input("vr", vr, count)?, &texts)
         })
     }
 }

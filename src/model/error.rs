@@ -2,6 +2,7 @@
 use crate::definition::DefinitionError;
 use crate::integrator::IntegrationError;
 use crate::reduced::ReductionError;
+use crate::rigid_fem::RigidFemError;
 use crate::variables::Reference;
 use std::fmt;
 
@@ -29,6 +30,35 @@ pub enum ModelError {
         value: f64,
         /// What is allowed.
         allowed: String,
+    },
+    /// A text that is none of the words allowed.
+    Text {
+        /// Variable.
+        name: String,
+        /// The text.
+        value: String,
+        /// What is allowed.
+        allowed: String,
+    },
+    /// The rigid finite elements refused the mechanism or a step.
+    RigidFem(RigidFemError),
+    /// Something that the reduced model has and the rigid finite elements have not.
+    NotElastic {
+        /// Variable.
+        name: String,
+        /// Its value.
+        value: String,
+        /// What can be done besides choosing the reduced model.
+        remedy: String,
+    },
+    /// The rigid finite elements came to a stop.
+    StopPassed {
+        /// The stop's quantity.
+        name: String,
+        /// Its value.
+        value: f64,
+        /// When, from the beginning of the step [s].
+        time: f64,
     },
     /// An output cannot be set.
     Output {
@@ -88,6 +118,21 @@ impl fmt::Display for ModelError {
                 count.saturating_sub(1)
             ),
             Self::Value { name, value, allowed } => write!(f, "{name} = {value}: must be {allowed}"),
+            Self::Text { name, value, allowed } => write!(f, "{name} = \"{value}\": must be {allowed}"),
+            Self::RigidFem(RigidFemError::Substeps { count, limit }) => write!(
+                f,
+                "a step would take {count:e} steps of solver.fem_step, allowed are {limit:e}: raise solver.fem_step"
+            ),
+            Self::RigidFem(e) => write!(f, "solver.method = \"rigid_fem\": {e}"),
+            Self::NotElastic { name, value, remedy } => write!(
+                f,
+                "{name} = {value}: solver.method = \"rigid_fem\" does not have it; {remedy}, or choose solver.method = \"reduced\""
+            ),
+            Self::StopPassed { name, value, time } => write!(
+                f,
+                "{name} = {value}: this stop is reached {time} s into the step, and solver.method = \"rigid_fem\" has no stops; \
+                 end the run before, set the stop's enabled to false, or choose solver.method = \"reduced\""
+            ),
             Self::Output { name } => write!(f, "{name} is an output and cannot be set"),
             Self::Table { name, position } => {
                 write!(
@@ -127,6 +172,12 @@ impl std::error::Error for ModelError {}
 impl From<ReductionError> for ModelError {
     fn from(e: ReductionError) -> Self {
         Self::Reduction(e)
+    }
+}
+
+impl From<RigidFemError> for ModelError {
+    fn from(e: RigidFemError) -> Self {
+        Self::RigidFem(e)
     }
 }
 

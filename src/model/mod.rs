@@ -3,6 +3,7 @@
 //! In: a definition's text, values set by the host, steps. Out: values by reference. It must not know FMI's life cycle.
 mod acting;
 mod course;
+mod elastic;
 mod error;
 mod motion;
 mod outputs;
@@ -13,9 +14,10 @@ mod travel;
 pub use crate::integrator::Statistics;
 pub use error::ModelError;
 
-use crate::definition::{Experiment, Mechanism, Range, Role};
+use crate::definition::{Experiment, Mechanism, Method, Range, Role};
 use crate::reduced::Reduced;
 use crate::variables::{Causality, Quantity, Reference, Value, Variables};
+use elastic::Elastic;
 use outputs::Unknown;
 use state::State;
 use std::sync::Arc;
@@ -32,7 +34,16 @@ pub struct Model {
     inputs: Inputs,
     /// For the present parameters; none after one of them has changed.
     reduced: Option<Arc<Reduced>>,
-    state: Option<State>,
+    state: Option<Motion>,
+}
+
+/// The state of motion in the formulation that solver.method chose.
+#[derive(Clone, Debug)]
+enum Motion {
+    /// Along the curve.
+    Reduced(State),
+    /// By rigid finite elements.
+    RigidFem(Box<Elastic>),
 }
 
 /// What a definition gives, before any value is set.
@@ -148,16 +159,21 @@ impl Model {
                     return Err(ModelError::NotInitialised);
                 };
                 let name = || self.original.variables.list()[reference as usize].name.clone();
-                match state.output(reduced, &self.inputs, output) {
+                let value = match state {
+                    Motion::Reduced(state) => state.output(reduced, &self.inputs, output),
+                    Motion::RigidFem(state) => state.output(reduced, &self.inputs, output),
+                };
+                match value {
                     Ok(value) if value.is_finite() => Ok(value),
                     Ok(_) => Err(ModelError::Overflow { name: name() }),
                     Err(Unknown::Table(at)) => {
                         Err(ModelError::Table { name: name(), position: reduced.curve().describe(at.sigma) })
                     }
                     Err(Unknown::Locked) => Err(ModelError::Locked { position: state.describe(reduced) }),
+                    Err(Unknown::RigidFem(error)) => Err(error.into()),
                 }
             }
-            Some(Quantity::Flag(_) | Quantity::Lock(_) | Quantity::AtStop(_)) | None => {
+            Some(Quantity::Flag(_) | Quantity::Lock(_) | Quantity::AtStop(_) | Quantity::Method) | None => {
                 Err(self.no_such(reference, "Real"))
             }
         }
@@ -173,7 +189,7 @@ impl Model {
             Some(Quantity::Parameter(i)) => self.original.ranges[i].0,
             Some(Quantity::Input(_)) => Range::Finite,
             Some(Quantity::Output(_)) => return Err(ModelError::Output { name: name() }),
-            Some(Quantity::Flag(_) | Quantity::Lock(_) | Quantity::AtStop(_)) | None => {
+            Some(Quantity::Flag(_) | Quantity::Lock(_) | Quantity::AtStop(_) | Quantity::Method) | None => {
                 return Err(self.no_such(reference, "Real"));
             }
         };
@@ -193,7 +209,11 @@ impl Model {
             Some(Quantity::Input(i)) if self.inputs.reals[i].to_bits() != value.to_bits() => {
                 self.inputs.reals[i] = value;
                 if let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) {
-                    state.cache.set(i, reduced.loading().inputs.len(), value);
+                    let loads = reduced.loading().inputs.len();
+                    match state {
+                        Motion::Reduced(state) => state.cache.set(i, loads, value),
+                        Motion::RigidFem(state) => state.set(i, loads, value),
+                    }
                 }
             }
             Some(Quantity::Parameter(i)) if self.parameters[i].to_bits() != value.to_bits() => {
@@ -254,8 +274,10 @@ impl Model {
         match self.original.variables.quantity(reference) {
             Some(Quantity::Lock(i)) if self.inputs.locks[i] != value => {
                 self.inputs.locks[i] = value;
-                if let Some(state) = &mut self.state {
-                    state.cache.forget();
+                match &mut self.state {
+                    Some(Motion::Reduced(state)) => state.cache.forget(),
+                    Some(Motion::RigidFem(state)) => state.forget(),
+                    None => {}
                 }
             }
             Some(Quantity::Flag(i)) if self.flags[i] != value => {
@@ -272,6 +294,53 @@ impl Model {
             _ => {}
         }
         Ok(())
+    }
+
+    /// Present value of a String.
+    ///
+    /// # Errors
+    /// No String has this reference.
+    pub fn text(&self, reference: Reference) -> Result<&'static str, ModelError> {
+        match self.original.variables.quantity(reference) {
+            Some(Quantity::Method) => Ok(self.method().word()),
+            _ => Err(self.no_such(reference, "String")),
+        }
+    }
+
+    /// Whether [`Self::set_text`] would accept this value; changes nothing.
+    ///
+    /// # Errors
+    /// No String has this reference, or the text is none of its words.
+    pub fn check_text(&self, reference: Reference, value: &str) -> Result<(), ModelError> {
+        self.method_of(reference, value).map(|_| ())
+    }
+
+    /// Set a String parameter. After a step, it takes effect with the next initialisation only.
+    ///
+    /// # Errors
+    /// As [`Self::check_text`].
+    pub fn set_text(&mut self, reference: Reference, value: &str) -> Result<(), ModelError> {
+        let method = self.method_of(reference, value)?;
+        if self.method() != method {
+            self.mechanism.solver.method = Some(method);
+            self.state = None;
+        }
+        Ok(())
+    }
+
+    fn method(&self) -> Method {
+        self.mechanism.solver.method.unwrap_or_default()
+    }
+
+    fn method_of(&self, reference: Reference, value: &str) -> Result<Method, ModelError> {
+        match self.original.variables.quantity(reference) {
+            Some(Quantity::Method) => Method::of_word(value).ok_or_else(|| {
+                let words = Method::ALL.map(|method| format!("\"{}\"", method.word()));
+                let name = self.original.variables.list()[reference as usize].name.clone();
+                ModelError::Text { name, value: value.into(), allowed: words.join(" or ") }
+            }),
+            _ => Err(self.no_such(reference, "String")),
+        }
     }
 
     /// Override the relative tolerance of the integration; the same as setting solver.tolerance.
@@ -306,7 +375,10 @@ impl Model {
         let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) else {
             return Err(ModelError::NotInitialised);
         };
-        state.step(reduced, &self.inputs, h, tolerance)
+        match state {
+            Motion::Reduced(state) => state.step(reduced, &self.inputs, h, tolerance),
+            Motion::RigidFem(state) => state.step(reduced, &self.inputs, h),
+        }
     }
 
     /// Back to what [`Self::from_json`] gave.
@@ -321,19 +393,46 @@ impl Model {
 
     /// Right-hand-side evaluations and accepted and rejected integration steps since initialisation.
     pub fn statistics(&self) -> Statistics {
-        self.state.as_ref().map_or_else(Statistics::default, State::statistics)
+        self.state.as_ref().map_or_else(Statistics::default, Motion::statistics)
     }
 
     /// The state, put at the start if there is none yet.
-    fn state(&mut self) -> Result<&mut State, ModelError> {
+    fn state(&mut self) -> Result<&mut Motion, ModelError> {
         if self.state.is_none() {
             let reduced = Arc::clone(self.reduced()?);
-            self.state = Some(State::at_start(&reduced, &self.mechanism, &self.inputs)?);
+            let (mechanism, inputs) = (&self.mechanism, &self.inputs);
+            self.state = Some(match self.method() {
+                Method::Reduced => Motion::Reduced(State::at_start(&reduced, mechanism, inputs)?),
+                Method::RigidFem => Motion::RigidFem(Box::new(Elastic::at_start(&reduced, mechanism, inputs)?)),
+            });
         }
         self.state.as_mut().ok_or(ModelError::NotInitialised)
     }
 
     fn no_such(&self, reference: Reference, kind: &'static str) -> ModelError {
         ModelError::Reference { reference, kind, count: self.original.variables.list().len() }
+    }
+}
+
+impl Motion {
+    fn statistics(&self) -> Statistics {
+        match self {
+            Self::Reduced(state) => state.statistics(),
+            Self::RigidFem(state) => state.statistics(),
+        }
+    }
+
+    fn describe(&self, reduced: &Reduced) -> String {
+        match self {
+            Self::Reduced(state) => state.describe(reduced),
+            Self::RigidFem(state) => state.describe(reduced),
+        }
+    }
+
+    fn at_stop(&self, reduced: &Reduced, stop: usize) -> bool {
+        match self {
+            Self::Reduced(state) => state.at_stop(reduced, stop),
+            Self::RigidFem(state) => state.at_stop(reduced, stop),
+        }
     }
 }

@@ -9,6 +9,7 @@ use crate::friction::Locked;
 use crate::linkage::Freedom;
 use crate::powers::Powers;
 use crate::reduced::{Reduced, Scene};
+use crate::rigid_fem::RigidFemError;
 use crate::table::{Table, Unresolved};
 use crate::variables::{OneElement, Output, ReactionPart};
 
@@ -19,6 +20,14 @@ pub enum Unknown {
     Table(Unresolved),
     /// Friction and reactions have no common solution.
     Locked,
+    /// The finite elements' forces are not finite.
+    RigidFem(RigidFemError),
+}
+
+impl From<RigidFemError> for Unknown {
+    fn from(e: RigidFemError) -> Self {
+        Self::RigidFem(e)
+    }
 }
 
 impl From<Unresolved> for Unknown {

@@ -198,6 +198,11 @@ impl Reduced {
         })
     }
 
+    /// The point that a marker is.
+    pub fn marker_point(&self, i: usize) -> Point {
+        self.markers[i]
+    }
+
     /// A joint's reaction: force x, force y, moment; each for sigma_ddot = 1, sigma_dot^2 = 1, then each load = 1 but those
     /// that a state sizes.
     ///

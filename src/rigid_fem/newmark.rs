@@ -80,21 +80,38 @@ impl RigidFem {
         h: f64,
         h_fem: f64,
     ) -> Result<f64, RigidFemError> {
+        self.advance_watched(state, room, sizes, [h, h_fem], &mut |_, _| Ok(()))
+    }
+
+    /// [`Self::advance`] by `h` in steps of at most `h_fem` [s], where `watch` sees the state after each of these steps, with
+    /// its length [s], and may refuse it.
+    ///
+    /// # Errors
+    /// As [`Self::advance`]; what `watch` refuses.
+    pub fn advance_watched<E: From<RigidFemError>>(
+        &self,
+        state: &mut State,
+        room: &mut Workspace,
+        sizes: &[f64],
+        [h, h_fem]: [f64; 2],
+        watch: &mut dyn FnMut(&State, f64) -> Result<(), E>,
+    ) -> Result<f64, E> {
         for (name, value) in [("h", h), ("h_fem", h_fem)] {
             if !(value.is_finite() && value > 0.0) {
-                return Err(RigidFemError::StepSize { name, value });
+                return Err(RigidFemError::StepSize { name, value }.into());
             }
         }
         let count = (h / h_fem * (1.0 - ROUNDING)).ceil().max(1.0);
         if count > SUBSTEPS {
-            return Err(RigidFemError::Substeps { count, limit: SUBSTEPS });
+            return Err(RigidFemError::Substeps { count, limit: SUBSTEPS }.into());
         }
         let substep = h / count;
         room.backup.copy_from(state);
         let mut lost = 0.0;
         let mut power = self.lost_power(state);
         for _ in 0..count as u64 {
-            if let Err(error) = self.substep(state, room, sizes, substep) {
+            let done = self.substep(state, room, sizes, substep).map_err(E::from);
+            if let Err(error) = done.and_then(|()| watch(state, substep)) {
                 state.copy_from(&room.backup);
                 return Err(error);
             }

@@ -2,7 +2,7 @@
 //!
 //! In: a load of [`crate::loads`]. Out: its displacement S and, by virtual work, the forces dS/dx at the nodes of every
 //! element. It must not know how large the load is, nor time.
-use super::element::Span;
+use super::element::{Ends, Span};
 use super::mesh::{Mesh, Spot};
 use crate::linkage::{GROUND, Linkage, Vec2};
 use crate::loads::Load;
@@ -118,6 +118,47 @@ impl NodalLoad {
                 let speed =
                     |e: Option<usize>| e.map_or(0.0, |i| Span::new(mesh.place(i, at.x)).speed(mesh.rate(i, at.v)));
                 speed(second) - speed(first)
+            }
+        }
+    }
+
+    /// S_ddot [m/s2, rad/s2 or W/s] where the nodes have the accelerations `a`.
+    pub fn acceleration(&self, mesh: &Mesh, at: &Present, a: &[Vec2]) -> f64 {
+        let still = Ends { x: [Vec2::zeros(); 2], v: [Vec2::zeros(); 2], a: [Vec2::zeros(); 2] };
+        // Position, velocity and acceleration.
+        let point = |spot: Spot| match spot {
+            Spot::Fixed(position) => Ends { x: [position; 2], ..still },
+            Spot::Moving { element, place } => {
+                let ends = mesh.ends(element, at.x, at.v, a);
+                Ends {
+                    x: [place.interpolate(ends.x); 2],
+                    v: [place.interpolate(ends.v); 2],
+                    a: [place.interpolate(ends.a); 2],
+                }
+            }
+        };
+        match *self {
+            Self::Weight(acceleration) => mesh
+                .elements
+                .iter()
+                .enumerate()
+                .map(|(i, e)| e.mass * acceleration.dot(&e.center.interpolate(mesh.rate(i, a))))
+                .sum(),
+            Self::Force(spot, direction) => direction.dot(&point(spot).a[0]),
+            Self::Pair(first, second) => {
+                // L^2 = d . d, twice differentiated.
+                let (first, second) = (point(first), point(second));
+                let [gap, speed, change] =
+                    [second.x[0] - first.x[0], second.v[0] - first.v[0], second.a[0] - first.a[0]];
+                let length = gap.norm();
+                let rate = gap.dot(&speed) / length;
+                (speed.norm_squared() + gap.dot(&change) - rate * rate) / length
+            }
+            Self::Couple(first, second) => {
+                let of = |e: Option<usize>| {
+                    e.map_or(0.0, |i| mesh.elements[i].angular_acceleration(&mesh.ends(i, at.x, at.v, a)))
+                };
+                of(second) - of(first)
             }
         }
     }

@@ -44,6 +44,11 @@ impl RigidFem {
         [load.displacement(&self.mesh, &at), load.rate(&self.mesh, &at)]
     }
 
+    /// Second derivative of a load's displacement, from the state's accelerations.
+    pub fn displacement_acceleration(&self, state: &State, load: usize) -> f64 {
+        self.loads[load].acceleration(&self.mesh, &state.present(), &state.accelerations)
+    }
+
     /// What the first-named body of each joint exerts on the second, under loads of these sizes, which must be those that
     /// the state's accelerations are in balance with: Newton's and Euler's equations of the elements, whose two nodal forces
     /// are their inertia and their rod's force less the loads on them. `out` has one place for each joint of the linkage.

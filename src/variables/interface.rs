@@ -4,7 +4,7 @@ use super::{
     Causality, Kind, OneElement, Output, Quantity, ReactionPart, Reference, Unit, Value, Variability, Variable,
     Variables,
 };
-use crate::definition::{DefinitionError, Mechanism, Parameter};
+use crate::definition::{DefinitionError, Mechanism, Method, Parameter};
 use crate::linkage::{Freedom, GROUND, Linkage, Point};
 use crate::loading::{Drive, Loading, markers};
 use crate::loads::Load;
@@ -16,6 +16,8 @@ struct Builder<'a> {
     list: Vec<Variable>,
     quantities: Vec<Quantity>,
     effects: Vec<Effect>,
+    /// Of each output: places among the parameters on which its initial value depends.
+    marks: Vec<Vec<Reference>>,
     parameters: Vec<(Parameter, f64)>,
     /// Boolean parameters: name, text, start value.
     flags: Vec<(String, String, bool)>,
@@ -42,6 +44,7 @@ impl Variables {
             list: Vec::new(),
             quantities: Vec::new(),
             effects,
+            marks: Vec::new(),
             parameters,
             flags,
             loading,
@@ -108,11 +111,39 @@ impl Builder<'_> {
             dependencies,
         });
         // References of the parameters are known once all outputs are placed; until then, places among the parameters.
-        let places = (0..self.effects.len()).filter(|&i| self.effects[i].meets(&needs));
-        let marks: Vec<Reference> = places.map(|i| i as Reference).collect();
-        let last = self.list.len() - 1;
-        self.list[last].initial_dependencies.extend(marks);
+        let stretched = self.stretched(quantity);
+        let loads: Vec<usize> = (0..self.loading.base()).collect();
+        let all = Needs { speed: true, inertia: true, masses: true, loads: &loads, elasticity: true, ..PLACED };
+        let places = (0..self.effects.len())
+            .filter(|&i| self.effects[i].meets(&needs) || (stretched && self.effects[i].meets(&all)));
+        self.marks.push(places.map(|i| i as Reference).collect());
+        if stretched {
+            let last = self.list.len() - 1;
+            let initial = &mut self.list[last].initial_dependencies;
+            initial.extend(0..self.loading.inputs.len() as Reference);
+            initial.sort_unstable();
+            initial.dedup();
+        }
         self.quantities.push(quantity);
+    }
+
+    /// Whether the rods' stretch at the start, which follows from all that acts there, changes an output. One-element terms
+    /// are those of the rigid linkage.
+    fn stretched(&self, quantity: Quantity) -> bool {
+        self.mechanism.solver.method.is_some()
+            && matches!(
+                quantity,
+                Quantity::Output(
+                    Output::Turn { .. }
+                        | Output::Slide { .. }
+                        | Output::Reaction { .. }
+                        | Output::Displacement { .. }
+                        | Output::Pull { .. }
+                        | Output::Marker { .. }
+                        | Output::Kinetic
+                        | Output::Potential
+                )
+            )
     }
 
     fn add_inputs(&mut self) {
@@ -180,7 +211,12 @@ impl Builder<'_> {
         self.list.push(Variable {
             name,
             description,
-            kind: if unit.is_some() { Kind::Real } else { Kind::Boolean },
+            kind: match start {
+                Value::Real(_) => Kind::Real,
+                Value::Integer(_) => Kind::Integer,
+                Value::Boolean(_) => Kind::Boolean,
+                Value::String(_) => Kind::String,
+            },
             causality,
             variability,
             unit,
@@ -527,11 +563,9 @@ impl Builder<'_> {
 
     fn add_parameters(&mut self) {
         let first = self.list.len() as Reference;
-        for v in &mut self.list {
-            let direct = v.dependencies.len();
-            for mark in &mut v.initial_dependencies[direct..] {
-                *mark += first;
-            }
+        let outputs = self.list.iter_mut().filter(|v| v.causality == Causality::Output);
+        for (v, marks) in outputs.zip(std::mem::take(&mut self.marks)) {
+            v.initial_dependencies.extend(marks.into_iter().map(|place| first + place));
         }
         for (i, (parameter, value)) in std::mem::take(&mut self.parameters).into_iter().enumerate() {
             let start = (Value::Real(value), Some(parameter.unit));
@@ -541,6 +575,13 @@ impl Builder<'_> {
         for (i, (name, text, value)) in std::mem::take(&mut self.flags).into_iter().enumerate() {
             let start = (Value::Boolean(value), None);
             self.known(name, text, Causality::Parameter, Variability::Fixed, start, Quantity::Flag(i));
+        }
+        if let Some(method) = self.mechanism.solver.method {
+            let words = Method::ALL.map(Method::word).join(" or ");
+            let text = format!("Formulation of the motion: {words}");
+            let start = (Value::String(method.word().into()), None);
+            let name = "solver.method".into();
+            self.known(name, text, Causality::Parameter, Variability::Fixed, start, Quantity::Method);
         }
     }
 }

@@ -93,6 +93,8 @@ pub enum Quantity {
     Input(usize),
     /// A Boolean of the definition, by its place among those.
     Flag(usize),
+    /// The formulation of the motion, by its word.
+    Method,
     /// Whether a lock is engaged.
     Lock(usize),
     /// Whether the mechanism is at a stop.

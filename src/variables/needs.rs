@@ -28,6 +28,8 @@ pub(super) struct Needs<'a> {
     pub(super) marker: Option<usize>,
     /// Static friction of the joints.
     pub(super) statics: bool,
+    /// The stretch of bodies as rods, and whether they are rods.
+    pub(super) elasticity: bool,
 }
 
 /// Depends on where every body is.
@@ -42,6 +44,7 @@ pub(super) const PLACED: Needs<'static> = Needs {
     loads: &[],
     marker: None,
     statics: false,
+    elasticity: false,
 };
 
 /// What a parameter acts on, found by changing it and comparing the resolved linkage.
@@ -60,6 +63,7 @@ impl Effect {
         match self.role {
             Role::StartPosition => needs.position,
             Role::StartSpeed => needs.speed,
+            Role::Elasticity => needs.elasticity,
             Role::Tolerance => false,
             Role::Geometry | Role::Inertia | Role::Load => {
                 (needs.closure && self.joints.contains(&true))
@@ -74,7 +78,7 @@ impl Effect {
     }
 }
 
-/// Change every parameter a little and see what the resolved linkage does.
+/// Change every parameter a little and see what the resolved linkage does: numbers, flags, then the method if stated.
 pub(super) fn effects(
     mechanism: &Mechanism,
     linkage: &Linkage,
@@ -101,6 +105,9 @@ pub(super) fn effects(
         let mut changed = mechanism.clone();
         changed.flags(&mut |name, _, v| *v ^= name == *flag);
         changes.push((Role::Load, changed));
+    }
+    if mechanism.solver.method.is_some() {
+        changes.push((Role::Elasticity, mechanism.clone()));
     }
     let mut out = Vec::new();
     for (role, changed) in changes {

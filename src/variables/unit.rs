@@ -11,6 +11,8 @@ pub enum Unit {
     RadianPerSecond,
     /// Angular acceleration [rad/s2].
     RadianPerSecondSquared,
+    /// Time [s].
+    Second,
     /// Length [m].
     Metre,
     /// Area [m2].
@@ -75,6 +77,7 @@ impl Unit {
             Self::Radian => "rad",
             Self::RadianPerSecond => "rad/s",
             Self::RadianPerSecondSquared => "rad/s2",
+            Self::Second => "s",
             Self::Metre => "m",
             Self::SquareMetre => "m2",
             Self::MetrePerSecond => "m/s",
@@ -101,6 +104,7 @@ impl Unit {
             Self::Radian => (0, 0, 0, 1),
             Self::RadianPerSecond => (0, 0, -1, 1),
             Self::RadianPerSecondSquared => (0, 0, -2, 1),
+            Self::Second => (0, 0, 1, 0),
             Self::Metre => (0, 1, 0, 0),
             Self::SquareMetre => (0, 2, 0, 0),
             Self::MetrePerSecond => (0, 1, -1, 0),

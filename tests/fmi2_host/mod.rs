@@ -135,6 +135,29 @@ impl Gear {
         unsafe { fmi2SetReal(self.c, &self.vr(name), 1, &value) }
     }
 
+    pub fn get_text(&self, name: &str) -> Result<String, Status> {
+        let mut value = null();
+        // SAFETY: one reference, room for one value, which is copied before the next call.
+        match unsafe { fmi2GetString(self.c, &self.vr(name), 1, &mut value) } {
+            Status::Ok => Ok(owned(value)),
+            status => Err(status),
+        }
+    }
+
+    pub fn set_text(&self, name: &str, value: &str) -> Status {
+        // SAFETY: one reference, one value; the text does not outlive the call.
+        unsafe { fmi2SetString(self.c, &self.vr(name), 1, &c(value).as_ptr()) }
+    }
+
+    /// From the instantiated phase into step mode.
+    pub fn initialize(&self) -> Status {
+        // SAFETY: the component is valid.
+        unsafe {
+            assert_eq!(fmi2EnterInitializationMode(self.c), Status::Ok);
+            fmi2ExitInitializationMode(self.c)
+        }
+    }
+
     pub fn step(&self, point: f64, h: f64) -> Status {
         // SAFETY: the component is valid.
         unsafe { fmi2DoStep(self.c, point, h, 1) }

@@ -2,6 +2,7 @@
 mod benchmarks;
 mod measure;
 mod retraction;
+mod rigid_fem;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -11,6 +12,7 @@ fn main() -> ExitCode {
     let descriptions = root.join("../modelDescription");
     let tables = [
         ("retraction.md", retraction::table(&descriptions.join("LandingGearRetraction"))),
+        ("rigid_fem.md", rigid_fem::table(&descriptions.join("LandingGearRetraction"))),
         ("benchmarks.md", benchmarks::table(&descriptions)),
     ];
     for (name, table) in tables {

@@ -1,0 +1,94 @@
+//! Scene S1 by rigid-link finite elements: order of the step, elastic limit, energy and run time.
+use crate::measure;
+use linkage_fmu::model::{Model, ModelError};
+use std::fmt::Write;
+use std::path::Path;
+use std::time::Instant;
+
+const SPAN: f64 = 0.13;
+/// Runs of which the fastest counts.
+const RUNS: usize = 3;
+/// Steps whose limit stands for the elastic gear's exact motion [s].
+const FINEST: [f64; 2] = [2e-6, 1e-6];
+
+/// What one step gives at the end of the span.
+struct Point {
+    theta: f64,
+    drift: f64,
+    milliseconds: f64,
+}
+
+/// The table in Markdown.
+pub fn table(folder: &Path) -> Result<String, String> {
+    let text = measure::mechanism(folder)?;
+    let mut model = Model::from_json(&text).map_err(|e| e.to_string())?;
+    report(&mut model).map_err(|e| e.to_string())
+}
+
+fn report(model: &mut Model) -> Result<String, ModelError> {
+    let mut out = String::from("# Rigid-link finite elements against the reduced model\n\n");
+    model.set_tolerance(1e-13)?;
+    let rigid = run(model)?;
+    let limit = |model: &mut Model, factor: f64| -> Result<f64, ModelError> {
+        let [coarse, fine] = [elastic(model, factor, FINEST[0])?, elastic(model, factor, FINEST[1])?];
+        Ok(fine.theta + (fine.theta - coarse.theta) / 3.0)
+    };
+    let own = limit(model, 1.0)?;
+    let _ = writeln!(
+        out,
+        "Scene S1 (30 kN, load factor 3, from rest, 0.13 s) in the engine, without a host, one doStep, solver.method = \
+         rigid_fem. theta2 at 0.13 s against the reduced model (tolerance 1e-13, {:.2} ms) and against the finite elements' \
+         own limit for h to 0. The difference between the two is the stretch of the rods, the elastic limit: \
+         **{:.4e} rad**; with ten times the axial stiffness {:.4e} rad. Order: from the row above, against the own limit. \
+         Drift: of energy.drift, of some 1e4 J. Time: the fastest of {RUNS} runs, one core.\n",
+        rigid.milliseconds,
+        own - rigid.theta,
+        limit(model, 10.0)? - rigid.theta
+    );
+    out.push_str("| solver.fem_step h [s] | to the reduced model [rad] | to the own limit [rad] | order | drift [J] | time [ms] |\n");
+    out.push_str("|---|---|---|---|---|---|\n");
+    let mut above: Option<(f64, f64)> = None;
+    for h in [2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6] {
+        let Point { theta, drift, milliseconds } = elastic(model, 1.0, h)?;
+        let error = theta - own;
+        let order = above
+            .map_or(String::new(), |(before, last)| format!("{:.3}", (last / error).abs().ln() / f64::ln(before / h)));
+        let _ = writeln!(
+            out,
+            "| {h:.0e} | {:.4e} | {error:.3e} | {order} | {drift:.1e} | {milliseconds:.2} |",
+            theta - rigid.theta
+        );
+        above = Some((h, error));
+    }
+    Ok(out)
+}
+
+/// By finite elements, E A times `factor`.
+fn elastic(model: &mut Model, factor: f64, fem_step: f64) -> Result<Point, ModelError> {
+    model.reset();
+    let mut settings = vec![("solver.fem_step".to_string(), fem_step)];
+    for body in ["crank", "coupler", "follower"] {
+        let name = format!("{body}.axial_stiffness");
+        let stated = measure::output(model, &name)?;
+        settings.push((name, factor * stated));
+    }
+    for (name, value) in settings {
+        let reference = model.variables().find(&name).unwrap_or_default();
+        model.set_real(reference, value)?;
+    }
+    let method = model.variables().find("solver.method").unwrap_or_default();
+    model.set_text(method, "rigid_fem")?;
+    run(model)
+}
+
+fn run(model: &mut Model) -> Result<Point, ModelError> {
+    let mut milliseconds = f64::INFINITY;
+    for _ in 0..RUNS {
+        model.initialize()?;
+        let began = Instant::now();
+        model.step(SPAN)?;
+        milliseconds = (began.elapsed().as_secs_f64() * 1e3).min(milliseconds);
+    }
+    let theta = measure::output(model, "crank.angle")?;
+    Ok(Point { theta, drift: measure::output(model, "energy.drift")?, milliseconds })
+}
