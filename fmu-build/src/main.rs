@@ -12,6 +12,7 @@ mod description;
 mod library;
 mod package;
 mod python;
+mod report;
 mod schema;
 mod source;
 mod terminals;
@@ -37,6 +38,8 @@ enum Task {
     Demo(demo::Arguments),
     /// Write the mechanism of a chain of N four-bars
     Chain(chain::Arguments),
+    /// Recompute the papers' figures through FMPy: validation/report.md, validation/figures
+    Report(report::Arguments),
     /// Run every test: Rust, packaging, Python style, FMPy
     Test,
     /// Run the benchmarks of the validation package
@@ -49,6 +52,7 @@ fn main() -> ExitCode {
         Task::Package(arguments) => package::run(&workspace, &arguments).map(drop),
         Task::Demo(arguments) => demo::run(&workspace, &arguments),
         Task::Chain(arguments) => chain::run(&arguments),
+        Task::Report(arguments) => report::run(&workspace, &arguments),
         Task::Test => test::run(&workspace),
         Task::Bench(arguments) => bench::run(&workspace, &arguments),
     };

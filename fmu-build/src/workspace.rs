@@ -88,8 +88,18 @@ impl Workspace {
         self.root.join("tests").join("fmpy")
     }
 
+    /// The Python programs of the commands.
+    pub fn scripts(&self) -> PathBuf {
+        self.root.join("fmu-build").join("python")
+    }
+
     /// The demo's Python script.
     pub fn demo_script(&self) -> PathBuf {
-        self.root.join("fmu-build").join("python").join("demo.py")
+        self.scripts().join("demo.py")
+    }
+
+    /// What was measured, and the report on the papers.
+    pub fn validation(&self) -> PathBuf {
+        self.root.join("validation")
     }
 }

@@ -1,0 +1,70 @@
+"""One style for all figures, and files that are the same on every run."""
+
+from __future__ import annotations
+
+import io
+import re
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.figure import Figure as Canvas
+from PIL import Image
+
+from .page import Figure
+
+BLUE, ORANGE, GREEN, RED = "#0b5394", "#d9730d", "#2e7d32", "#a61c3c"
+"""Colours of curves, told apart in grey too by the style of the line."""
+CLOSED_FORM = {"color": "black", "linewidth": 0.7, "zorder": 3}
+"""A closed form: a thin line over the FMU's curve."""
+FAINT = {"color": "0.55", "linewidth": 1.0}
+"""What is there for comparison only."""
+
+STYLE = {
+    "font.family": "DejaVu Sans",
+    "font.size": 9.5,
+    "axes.grid": True,
+    "grid.alpha": 0.3,
+    "grid.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.xmargin": 0.0,
+    "lines.linewidth": 2.0,
+    "legend.frameon": True,
+    "legend.framealpha": 0.9,
+    "legend.edgecolor": "none",
+    "legend.fontsize": 8.5,
+    "figure.constrained_layout.use": True,
+    "svg.hashsalt": "linkage-fmu",
+    "svg.fonttype": "path",
+    "figure.constrained_layout.w_pad": 0.08,
+    "figure.constrained_layout.h_pad": 0.06,
+}
+RESOLUTION = 120
+"""Of the PNG files [dots per inch]."""
+COLOURS = 64
+"""Of the PNG files: lines and their soft edges need no more."""
+
+
+def write(figure: Figure, folder: Path) -> None:
+    """Draw one figure into NAME.png and NAME.svg."""
+    with mpl.rc_context(STYLE):
+        canvas = Canvas(figsize=figure.size)
+        figure.draw(canvas)
+        picture, drawing = io.BytesIO(), io.StringIO()
+        canvas.savefig(picture, format="png", dpi=RESOLUTION, metadata={"Software": None})
+        canvas.savefig(drawing, format="svg", metadata={"Date": None, "Creator": None})
+    image = Image.open(picture).convert("RGB").quantize(COLOURS, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    image.save(folder / f"{figure.name}.png", optimize=True, dpi=(RESOLUTION, RESOLUTION))
+    (folder / f"{figure.name}.svg").write_text(shortened(drawing.getvalue()), encoding="utf-8", newline="\n")
+
+
+def shortened(drawing: str) -> str:
+    """An SVG without blanks at the ends of lines, and with coordinates of lines to a hundredth of a point."""
+
+    def line(text: str) -> str:
+        text = text.rstrip()
+        if re.match(r"(<path d=\")?[ML] ", text.lstrip()):
+            text = re.sub(r"-?\d+\.\d{3,}", lambda number: f"{float(number[0]):.2f}", text)
+        return text + "\n"
+
+    return "".join(line(text) for text in drawing.splitlines())

@@ -1,0 +1,76 @@
+"""The report on the papers: what its runs give, and that the committed pages are what `cargo fmu report` writes."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from conftest import FMU_FOLDER, REPOSITORY
+from report.build import sections
+from report.page import Section, text
+
+NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
+ROUNDING = 1e-10
+"""Of the one-element model's identities: a few rounding errors of the tables, 1e-13, with room."""
+REFERENCE_TIME = 0.13205985274426
+"""Retraction without friction by 34-digit quadrature [s]."""
+REFERENCE_TIME_WITH_FRICTION = 0.13448835
+"""With friction, by an independent code [s]."""
+
+
+@pytest.fixture(scope="module")
+def found() -> dict[str, Section]:
+    """The numbers, without drawings."""
+    return {section.title: section for section in sections(FMU_FOLDER)}
+
+
+def test_retraction_time_and_angle(found: dict[str, Section]) -> None:
+    values = found["[HF08] motion"].values
+    assert round(values["retraction_time"], 3) == 0.132
+    assert abs(values["retraction_time"] - REFERENCE_TIME) < 1e-10
+    assert abs(values["angle"] - 2.1) < 1e-12
+
+
+def test_friction_adds_about_two_per_cent(found: dict[str, Section]) -> None:
+    values = found["[HF08] friction"].values
+    assert 1.5 < values["share"] < 2.5
+    assert 1.5 < values["share_air"] < 2.5
+    assert abs(values["rough_time"] - REFERENCE_TIME_WITH_FRICTION) < 1e-8
+    assert values["law"] < 1e-12
+    assert (values["static"], values["kinetic"]) == (0.19, 0.026)
+    # This friction is zero at rest: both motions start alike.
+    assert values["start"] == pytest.approx(values["rough_start"], rel=1e-12)
+
+
+def test_loads_superpose_and_friction_costs_force(found: dict[str, Section]) -> None:
+    assert found["[HF08] loads"].values["superposition"] < ROUNDING
+    assert found["[HF08] loads"].values["drag_end"] < 0.2
+    values = found["[HF08] inverse dynamics"].values
+    assert values["extra_least"] > 0.0
+    assert values["plain"] < values["forward"] < 30e3
+    assert values["round_trip"] < ROUNDING
+
+
+@pytest.mark.parametrize("title", ["[CK16] slider-crank", "[CK16] jib"])
+def test_one_element_model(found: dict[str, Section], title: str) -> None:
+    for name in ("closed", "identity", "sum", "round_trip"):
+        assert found[title].values[name] < ROUNDING, name
+
+
+def test_committed_page(found: dict[str, Section]) -> None:
+    """Word for word what the command writes; numbers within a unit of their last digit."""
+    committed = (REPOSITORY / "validation" / "report.md").read_text(encoding="utf-8")
+    written = text(list(found.values()))
+    again = "; run `cargo fmu report` and commit what it writes"
+    assert NUMBER.sub("#", committed) == NUMBER.sub("#", written), f"the words differ{again}"
+    for there, here in zip(NUMBER.findall(committed), NUMBER.findall(written), strict=True):
+        decimals = len(there.partition(".")[2])
+        unit = 0.0 if "e" in there else 1.01 * 10.0**-decimals if decimals else 0.0
+        assert abs(float(there) - float(here)) <= unit, f"{there} is now {here}{again}"
+
+
+def test_committed_figures(found: dict[str, Section]) -> None:
+    """A PNG and an SVG for each figure of the page, no others."""
+    names = {figure.name for section in found.values() for figure in section.figures}
+    there = {path.name for path in (REPOSITORY / "validation" / "figures").iterdir()}
+    assert there == {f"{name}.{suffix}" for name in names for suffix in ("png", "svg")}
