@@ -160,7 +160,7 @@ fn every_output_tends_to_that_of_rigid_links() {
 
 #[test]
 fn outputs_follow_an_input_at_once() {
-    let mut elastic = gear(1e5, 1e-5);
+    let mut elastic = gear(1e5, 1e-4);
     let mut rigid = elastic.clone();
     choose(&mut rigid, "reduced");
     for model in [&mut rigid, &mut elastic] {
@@ -172,8 +172,9 @@ fn outputs_follow_an_input_at_once() {
     }
     let mut seen = Vec::new();
     compare(&mut rigid, &mut elastic, &mut seen);
-    for (name, size, differs) in &seen {
-        // Accelerations jump by some hundredths; vibrations that the step does not resolve take (h omega / 2)^-2 of that.
+    for (name, size, differs) in seen.iter().filter(|(name, ..)| name != "energy.drift") {
+        // Vibrations that the step does not resolve take (h omega / 2)^-2 of the jump in the accelerations that the bodies
+        // would have without rods: 1e-5 of some 1e3 rad/s2.
         assert!(*differs < 1e-3 * size.max(1e-3), "{name}: {differs:e} of {size:e}");
     }
     let accelerations = ["crank.acceleration", "joint2.force"].map(|name| get(&mut elastic, name));
@@ -183,7 +184,7 @@ fn outputs_follow_an_input_at_once() {
     assert_ne!(accelerations, ["crank.acceleration", "joint2.force"].map(|name| get(&mut elastic, name)));
     let differs = get(&mut rigid, "crank.angle") - get(&mut elastic, "crank.angle");
     // 4e2 h^2.
-    assert!(differs.abs() < 4e-8, "{differs:e}");
+    assert!(differs.abs() < 4e-6, "{differs:e}");
     // The work of the jump is booked: what is left is the step's error, of 1e4 J.
     assert!(get(&mut elastic, "energy.drift").abs() < 1.0, "{}", get(&mut elastic, "energy.drift"));
 }

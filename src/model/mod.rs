@@ -38,6 +38,8 @@ pub struct Model {
 }
 
 /// The state of motion in the formulation that solver.method chose.
+// The reduced model's steps pay for no indirection.
+#[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug)]
 enum Motion {
     /// Along the curve.

@@ -53,8 +53,30 @@ impl RigidFem {
     /// the state's accelerations are in balance with: Newton's and Euler's equations of the elements, whose two nodal forces
     /// are their inertia and their rod's force less the loads on them. `out` has one place for each joint of the linkage.
     pub fn reactions(&self, state: &State, room: &mut Workspace, sizes: &[f64], out: &mut [Reaction]) {
+        self.reactions_after(state, state, room, sizes, 0.0, out);
+    }
+
+    /// [`Self::reactions`] of a state that [`RigidFem::rebalance`] with the step `h` [s] made of `before`. The rods' forces
+    /// have not followed yet; their part K_e h^2 / 4 of the change of accelerations, with which the sizes are in balance,
+    /// stands for what they will take up.
+    pub fn reactions_after(
+        &self,
+        before: &State,
+        state: &State,
+        room: &mut Workspace,
+        sizes: &[f64],
+        h: f64,
+        out: &mut [Reaction],
+    ) {
         let forces = room.forces_mut();
         self.pin_forces(&state.present(), &state.accelerations, sizes, forces);
+        for (i, (element, force)) in self.mesh.elements.iter().zip(&mut *forces).enumerate() {
+            let span = Span::new(self.mesh.place(i, &state.positions));
+            let [now, then] = [state, before].map(|s| self.mesh.rate(i, &s.accelerations));
+            let apart = span.along.dot(&((now[1] - then[1]) - (now[0] - then[0])));
+            let pull = 0.25 * h * h * element.axial_stiffness / element.length * apart * span.along;
+            *force = [force[0] - pull, force[1] + pull];
+        }
         for (reaction, shares) in out.iter_mut().zip(&self.mesh.joints) {
             *reaction = Reaction::default();
             for share in shares {

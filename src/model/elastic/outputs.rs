@@ -84,7 +84,8 @@ impl Elastic {
             return Ok(());
         }
         self.balance()?;
-        self.fem.reactions(&self.present, &mut self.room, &self.sizes, &mut self.reactions.1);
+        let (state, present, h) = (&self.state, &self.present, self.fem_step);
+        self.fem.reactions_after(state, present, &mut self.room, &self.sizes, h, &mut self.reactions.1);
         self.reactions.0 = true;
         Ok(())
     }
