@@ -54,6 +54,7 @@ impl Linkage {
             });
         }
         linkage.group_turns();
+        linkage.close_loops();
         Ok(linkage)
     }
 
@@ -114,6 +115,7 @@ impl Linkage {
             joints: Vec::new(),
             tree: Vec::new(),
             cuts: Vec::new(),
+            loops: Vec::new(),
             coordinates: Vec::new(),
             turns: 0,
             size: if size > 0.0 { size } else { 1.0 },

@@ -11,17 +11,18 @@ pub use components::Components;
 pub use error::ReductionError;
 
 use crate::closure::{Closure, guessed};
-use crate::curve::{Configuration, Curve, Ends};
+use crate::curve::{Configuration, Curve, Ends, Workspace};
 use crate::definition::Mechanism;
 use crate::linkage::{Linkage, Point};
 use crate::loading::{Loading, markers};
 use crate::loads::Load;
-use crate::reactions::{Reaction, columns};
-use crate::table::{Table, Unresolved};
+use crate::reactions::{Columns, Reaction};
+use crate::table::{ACCURACY, Table, Unresolved};
 use components::Natural;
 use std::sync::{Arc, OnceLock};
 
-type Lazy = OnceLock<Result<Table, Unresolved>>;
+/// Tables that come from the same evaluations, built when one of them is first asked for.
+type Lazy = OnceLock<Vec<Result<Table, Unresolved>>>;
 
 /// A linkage reduced to one element on its curve, where the reduced inertia is 1.
 #[derive(Debug)]
@@ -33,14 +34,10 @@ pub struct Reduced {
     grid: Vec<f64>,
     natural: Natural,
     influence: Table,
-    coordinate_table: Lazy,
-    displacement_tables: Vec<Lazy>,
-    marker_tables: Vec<Lazy>,
-    reaction_tables: Vec<Lazy>,
-}
-
-fn lazies(count: usize) -> Vec<Lazy> {
-    (0..count).map(|_| OnceLock::new()).collect()
+    coordinate_table: Result<Table, Unresolved>,
+    displacement_tables: Lazy,
+    marker_tables: Lazy,
+    reaction_tables: Lazy,
 }
 
 impl Reduced {
@@ -55,20 +52,26 @@ impl Reduced {
         let guess = guessed(&linkage, &mechanism.guess).map_err(ReductionError::Assembly)?;
         let (closure, q) = Closure::assemble(Arc::new(linkage), &guess).map_err(ReductionError::Assembly)?;
         let curve = Curve::trace(closure, &q).map_err(ReductionError::Curve)?;
-        let grid = curve.grid();
+        let grid = curve.grid(ACCURACY);
         let components = Components::new(&loading, &curve);
         let natural = Natural::new(&curve);
-        let influence = Table::build(&grid, &components.sizes(&loading, &curve, &natural), &mut |sigma, values| {
-            let c = curve.configuration(sigma);
-            components.fill(&loading, &curve, &c, values);
-            c.amplification
-        });
-        let influence = influence.map_err(|e| Self::unresolved(&loading, &curve, &e))?;
+        // The start needs the coordinates in any case: both tables from the same evaluations.
+        let sizes = [components.sizes(&loading, &curve, &natural), natural.coordinates(curve.linkage())];
+        let fill = &mut |c: &Configuration, values: &mut [f64]| {
+            let (influences, coordinates) = values.split_at_mut(components.count);
+            components.fill(&loading, &curve, c, influences);
+            for (i, derivatives) in coordinates.chunks_exact_mut(3).enumerate() {
+                derivatives.copy_from_slice(&[c.q[i], c.q_sigma[i], c.q_second[i]]);
+            }
+        };
+        let mut tables = tabulate(&curve, &grid, &sizes, fill);
+        let coordinate_table = tables.swap_remove(1);
+        let influence = tables.swap_remove(0).map_err(|e| Self::unresolved(&loading, &curve, &e))?;
         Ok(Self {
-            coordinate_table: OnceLock::new(),
-            displacement_tables: lazies(loading.loads.len()),
-            marker_tables: lazies(markers.len()),
-            reaction_tables: lazies(curve.linkage().joints.len()),
+            coordinate_table,
+            displacement_tables: OnceLock::new(),
+            marker_tables: OnceLock::new(),
+            reaction_tables: OnceLock::new(),
             natural,
             curve,
             loading,
@@ -129,7 +132,7 @@ impl Reduced {
     pub fn growth(&self, coordinate: usize) -> f64 {
         match self.curve.ends() {
             Ends::Closed(growth) => growth[coordinate],
-            Ends::Open => 0.0,
+            Ends::Open | Ends::Stopped { .. } => 0.0,
         }
     }
 
@@ -149,16 +152,7 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn coordinates(&self) -> Result<&Table, &Unresolved> {
-        let sizes = || {
-            let linkage = self.linkage();
-            let size = |i: usize| if i < linkage.turns { 1.0 } else { linkage.size };
-            (0..linkage.coordinates.len()).flat_map(|i| self.natural.derivatives(size(i))).collect()
-        };
-        self.table(&self.coordinate_table, &sizes, &|c, v| {
-            for (i, derivatives) in v.chunks_exact_mut(3).enumerate() {
-                derivatives.copy_from_slice(&[c.q[i], c.q_sigma[i], c.q_second[i]]);
-            }
-        })
+        self.coordinate_table.as_ref()
     }
 
     /// A load's displacement and its two derivatives along sigma.
@@ -166,11 +160,16 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn displacement(&self, load: usize) -> Result<&Table, &Unresolved> {
-        let load_size = || self.natural.displacement(&self.loading.loads[load], self.linkage());
-        let sizes = || self.natural.derivatives(load_size()).to_vec();
-        self.table(&self.displacement_tables[load], &sizes, &|c, v| {
-            v.copy_from_slice(&self.loading.loads[load].displacement(self.linkage(), c));
-        })
+        let loads = &self.loading.loads;
+        let size = |l: &Load| self.natural.derivatives(self.natural.displacement(l, self.linkage())).to_vec();
+        let tables = self.displacement_tables.get_or_init(|| {
+            self.tabulate(&loads.iter().map(size).collect::<Vec<_>>(), &mut |c, values| {
+                for (load, v) in loads.iter().zip(values.chunks_exact_mut(3)) {
+                    v.copy_from_slice(&load.displacement(self.linkage(), c));
+                }
+            })
+        });
+        tables[load].as_ref()
     }
 
     /// A load's displacement at sigma: from its table, or from the exact evaluator where the ends of an actuator come so
@@ -187,13 +186,17 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn marker(&self, i: usize) -> Result<&Table, &Unresolved> {
-        let sizes = || self.natural.derivatives(self.linkage().size).repeat(2);
-        self.table(&self.marker_tables[i], &sizes, &|c, v| {
-            let (p, point) = (&c.positions, self.markers[i]);
-            let (x, first) = (p.point(point), p.velocity(&c.rates, point));
-            let second = p.acceleration(&c.rates, &c.second, point);
-            v.copy_from_slice(&[x.x, first.x, second.x, x.y, first.y, second.y]);
-        })
+        let size = self.natural.derivatives(self.linkage().size).repeat(2);
+        let tables = self.marker_tables.get_or_init(|| {
+            self.tabulate(&vec![size; self.markers.len()], &mut |c, values| {
+                for (&point, v) in self.markers.iter().zip(values.chunks_exact_mut(6)) {
+                    let (x, first) = (c.positions.point(point), c.positions.velocity(&c.rates, point));
+                    let second = c.positions.acceleration(&c.rates, &c.second, point);
+                    v.copy_from_slice(&[x.x, first.x, second.x, x.y, first.y, second.y]);
+                }
+            })
+        });
+        tables[i].as_ref()
     }
 
     /// A joint's reaction: force x, force y, moment; each for sigma_ddot = 1, sigma_dot^2 = 1, then each load = 1.
@@ -209,12 +212,20 @@ impl Reduced {
             let moments: Vec<f64> = forces.iter().map(|f| f * size).collect();
             [&forces[..], &forces[..], &moments[..]].concat()
         };
-        self.table(&self.reaction_tables[joint], &sizes, &|c, v| {
-            for (k, column) in self.reaction_columns(c).iter().enumerate() {
-                let Reaction { force, moment } = column[joint];
-                (v[k], v[terms + k], v[2 * terms + k]) = (force.x, force.y, moment);
-            }
-        })
+        let tables = self.reaction_tables.get_or_init(|| {
+            let joints = self.linkage().joints.len();
+            let mut columns = Columns::default();
+            self.tabulate(&vec![sizes(); joints], &mut |c, values| {
+                let reactions = columns.fill(self.curve.closure(), c, &self.loading.loads);
+                for (joint, v) in values.chunks_exact_mut(3 * terms).enumerate() {
+                    for k in 0..terms {
+                        let Reaction { force, moment } = reactions[k * joints + joint];
+                        (v[k], v[terms + k], v[2 * terms + k]) = (force.x, force.y, moment);
+                    }
+                }
+            })
+        });
+        tables[joint].as_ref()
     }
 
     /// Components of [`Self::reaction`] at sigma from the exact evaluator: for a joint whose reaction grows without bound
@@ -227,7 +238,9 @@ impl Reduced {
 
     /// The exact columns behind [`Self::reaction`].
     pub fn reaction_columns(&self, c: &Configuration) -> Vec<Vec<Reaction>> {
-        columns(self.curve.closure(), c, &self.loading.loads)
+        let mut columns = Columns::default();
+        let reactions = columns.fill(self.curve.closure(), c, &self.loading.loads);
+        reactions.chunks_exact(self.linkage().joints.len()).map(<[Reaction]>::to_vec).collect()
     }
 
     /// Why the influences are not smooth: two ends meet, or nothing with mass moves.
@@ -243,19 +256,26 @@ impl Reduced {
         }
     }
 
-    fn table<'a>(
+    fn tabulate(
         &self,
-        lazy: &'a Lazy,
-        sizes: &dyn Fn() -> Vec<f64>,
-        exact: &dyn Fn(&Configuration, &mut [f64]),
-    ) -> Result<&'a Table, &'a Unresolved> {
-        let build = || {
-            Table::build(&self.grid, &sizes(), &mut |sigma, values| {
-                let c = self.curve.configuration(sigma);
-                exact(&c, values);
-                c.amplification
-            })
-        };
-        lazy.get_or_init(build).as_ref()
+        sizes: &[Vec<f64>],
+        exact: &mut dyn FnMut(&Configuration, &mut [f64]),
+    ) -> Vec<Result<Table, Unresolved>> {
+        tabulate(&self.curve, &self.grid, sizes, exact)
     }
+}
+
+/// Tables of functions of the configuration.
+fn tabulate(
+    curve: &Curve,
+    grid: &[f64],
+    sizes: &[Vec<f64>],
+    exact: &mut dyn FnMut(&Configuration, &mut [f64]),
+) -> Vec<Result<Table, Unresolved>> {
+    let (mut work, mut c) = (Workspace::default(), Configuration::default());
+    Table::build_all(grid, curve.crossings(), sizes, &mut |sigma, values| {
+        curve.configure(sigma, &mut work, &mut c);
+        exact(&c, values);
+        c.amplification
+    })
 }
