@@ -288,8 +288,8 @@ impl Closure {
         along: f64,
     ) -> Option<Landing> {
         const ITERATIONS: usize = 12;
-        /// Larger corrections are not of the size of rounding, however amplified.
-        const COARSE: f64 = 1e-6;
+        /// Larger corrections that still shrink are not of the size of rounding.
+        const COARSE: f64 = 1e-9;
         let (mut first, mut last) = (None, f64::INFINITY);
         for _ in 0..ITERATIONS {
             if !self.linearise(q, work) {
@@ -308,7 +308,7 @@ impl Closure {
                 *x += s;
             }
             let first = *first.get_or_insert(size);
-            if size < COARSE {
+            if size < COARSE || size >= 0.5 * last {
                 let amplification = self.amplification(normal, work);
                 if !amplification.is_finite() {
                     return None;

@@ -271,15 +271,17 @@ fn resolved(series: &Series, rounding: f64) -> Result<f64, Refusal> {
     let tail = tail(series);
     if !(tail <= rounding) {
         let shorter = (rounding / tail).powf(1.0 / ORDER);
-        return Err(Refusal::TooWide(if shorter.is_finite() { (0.97 * shorter).clamp(0.3, 0.95) } else { ASTRAY }));
+        return Err(Refusal::TooWide(if shorter.is_finite() { (0.93 * shorter).clamp(0.3, 0.93) } else { ASTRAY }));
     }
     let last = series.iter().rposition(|c| c.abs() > rounding).unwrap_or(0);
     let largest = series[1..].iter().fold(0.0, |a: f64, c| a.max(c.abs()));
     if last < 2 || largest <= rounding {
         return Ok(f64::INFINITY);
     }
+    // The order, a fraction, at which the coefficients fall below rounding; the next one at least has.
     let decay = (largest / rounding).ln();
-    Ok((decay / (last as f64) - decay / (ORDER - 1.0)).exp())
+    let order = last as f64 + ((series[last].abs() / rounding).ln() * last as f64 / decay).min(1.0);
+    Ok((decay / order - decay / (ORDER - 1.0)).exp())
 }
 
 /// Points of the curve with their slopes, from which the next point is extrapolated.

@@ -134,7 +134,7 @@ fn follow(
 ) -> Result<(Vec<Panel>, Stop), CurveError> {
     /// The next panel is tried narrower than it is expected to resolve by this factor, and wider than the last by at most
     /// the other.
-    const CAUTION: f64 = 0.95;
+    const CAUTION: f64 = 0.9;
     const GROWTH: f64 = 2.0;
     let linkage = &*closure.linkage;
     let mut panels: Vec<Panel> = Vec::new();
