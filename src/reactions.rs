@@ -24,6 +24,12 @@ impl Default for Reaction {
     }
 }
 
+/// Reactions of all joints, for sigma_ddot = 1, for sigma_dot^2 = 1, then for each load = 1.
+pub fn columns(closure: &Closure, c: &Configuration, loads: &[Load]) -> Vec<Vec<Reaction>> {
+    let joints = closure.linkage.joints.len();
+    Columns::default().fill(closure, c, loads).chunks_exact(joints).map(<[Reaction]>::to_vec).collect()
+}
+
 /// What a body needs: force, and moment about the origin of its frame.
 type Demand = (Vec2, f64);
 

@@ -24,6 +24,15 @@ impl fmt::Display for Unresolved {
     }
 }
 
+/// Where tables start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    /// First sigma of each panel, then the last sigma of all.
+    pub borders: Vec<f64>,
+    /// What is in the middle of a panel and must stay in the middle of one: where the exact function amplifies rounding.
+    pub centers: Vec<f64>,
+}
+
 /// Functions of sigma on panels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
@@ -59,29 +68,27 @@ pub fn polynomial(c: &Series, x: f64) -> f64 {
 impl Table {
     /// Tabulate several sets of functions that come from the same evaluations on the panels of `grid`, cut where needed.
     /// `sizes` has each set's natural sizes of its components; `exact` fills the components of all sets, one after the
-    /// other, at a sigma, and returns how much it amplifies rounding. A panel with one of the `centers` in its middle is
-    /// cut in three, so that it stays in the middle of one.
+    /// other, at a sigma, and returns how much it amplifies rounding.
     ///
     /// Each panel is cut until the set's series have decayed to [`ACCURACY`], relative to the natural size of the component
     /// or to its largest value on the whole grid, or to the rounding in `exact`: second derivatives amplify it twice.
     /// A set is [`Unresolved`] where cutting does not help.
     pub fn build_all(
-        grid: &[f64],
-        centers: &[f64],
+        grid: &Grid,
         sizes: &[Vec<f64>],
         exact: &mut dyn FnMut(f64, &mut [f64]) -> f64,
     ) -> Vec<Result<Self, Unresolved>> {
         let mut sets: Vec<Set> = Vec::new();
         for size in sizes {
             let first = sets.last().map_or(0, |s| s.components.end);
-            let table = Self { borders: vec![grid[0]], components: size.len(), coefficients: Vec::new() };
+            let table = Self { borders: vec![grid.borders[0]], components: size.len(), coefficients: Vec::new() };
             sets.push(Set { components: first..first + size.len(), whole: size.clone(), table, unresolved: None });
         }
         let components = sets.last().map_or(0, |s| s.components.end);
         let mut sampler = Sampler { transform: Transform::new(), values: vec![0.0; components], exact };
         // What must still be placed, last panel first.
         let mut open = Vec::new();
-        for pair in grid.windows(2).rev() {
+        for pair in grid.borders.windows(2).rev() {
             let mut stretch = sampler.stretch(pair[0], pair[1]);
             stretch.before = vec![f64::INFINITY; sets.len()];
             open.push(stretch);
@@ -116,7 +123,7 @@ impl Table {
             if pieces == 1 {
                 continue;
             }
-            if centers.iter().any(|c| a < *c && *c < b) {
+            if grid.centers.iter().any(|c| a < *c && *c < b) {
                 pieces = 3;
             }
             let border = |k: usize| match k {
@@ -137,13 +144,12 @@ impl Table {
     /// # Errors
     /// [`Unresolved`] where cutting does not help.
     pub fn build(
-        grid: &[f64],
-        centers: &[f64],
+        grid: &Grid,
         sizes: &[f64],
         exact: &mut dyn FnMut(f64, &mut [f64]) -> f64,
     ) -> Result<Self, Unresolved> {
-        let nothing = Err(Unresolved { sigma: grid[0], component: 0 });
-        Self::build_all(grid, centers, &[sizes.to_vec()], exact).pop().unwrap_or(nothing)
+        let nothing = Err(Unresolved { sigma: grid.borders[0], component: 0 });
+        Self::build_all(grid, &[sizes.to_vec()], exact).pop().unwrap_or(nothing)
     }
 
     /// Number of panels.
@@ -271,10 +277,14 @@ impl Sampler<'_> {
 mod tests {
     use super::*;
 
+    fn grid(borders: &[f64]) -> Grid {
+        Grid { borders: borders.to_vec(), centers: Vec::new() }
+    }
+
     #[test]
     fn resolves_a_peak_to_the_stated_accuracy() {
         let f = |s: f64| 1.0 / (1e-3 + s * s);
-        let table = Table::build(&[-1.0, 0.3, 2.0], &[], &[1.0, 1.0], &mut |s, v| {
+        let table = Table::build(&grid(&[-1.0, 0.3, 2.0]), &[1.0, 1.0], &mut |s, v| {
             v.copy_from_slice(&[f(s), s.sin()]);
             1.0
         })
@@ -290,7 +300,7 @@ mod tests {
 
     #[test]
     fn a_jump_is_refused_and_placed() {
-        let error = Table::build(&[0.0, 1.0], &[], &[1.0], &mut |s, v| {
+        let error = Table::build(&grid(&[0.0, 1.0]), &[1.0], &mut |s, v| {
             v[0] = (s - 0.7).signum();
             1.0
         })
@@ -306,7 +316,7 @@ mod tests {
             (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
         };
         let mut build = |size: f64, level: f64| {
-            Table::build(&[0.0, 1.0], &[], &[1.0], &mut |s, v| {
+            Table::build(&grid(&[0.0, 1.0]), &[1.0], &mut |s, v| {
                 v[0] = size * s.cos() + level * noise();
                 1.0
             })

@@ -16,8 +16,8 @@ use crate::definition::Mechanism;
 use crate::linkage::{Linkage, Point};
 use crate::loading::{Loading, markers};
 use crate::loads::Load;
-use crate::reactions::{Columns, Reaction};
-use crate::table::{ACCURACY, Table, Unresolved};
+use crate::reactions::{Columns, Reaction, columns};
+use crate::table::{ACCURACY, Grid, Table, Unresolved};
 use components::Natural;
 use std::sync::{Arc, OnceLock};
 
@@ -31,7 +31,7 @@ pub struct Reduced {
     loading: Loading,
     components: Components,
     markers: Vec<Point>,
-    grid: Vec<f64>,
+    grid: Grid,
     natural: Natural,
     influence: Table,
     coordinate_table: Result<Table, Unresolved>,
@@ -52,7 +52,7 @@ impl Reduced {
         let guess = guessed(&linkage, &mechanism.guess).map_err(ReductionError::Assembly)?;
         let (closure, q) = Closure::assemble(Arc::new(linkage), &guess).map_err(ReductionError::Assembly)?;
         let curve = Curve::trace(closure, &q).map_err(ReductionError::Curve)?;
-        let grid = curve.grid(ACCURACY);
+        let grid = Grid { borders: curve.grid(ACCURACY), centers: curve.crossings().to_vec() };
         let components = Components::new(&loading, &curve);
         let natural = Natural::new(&curve);
         // The start needs the coordinates in any case: both tables from the same evaluations.
@@ -238,9 +238,7 @@ impl Reduced {
 
     /// The exact columns behind [`Self::reaction`].
     pub fn reaction_columns(&self, c: &Configuration) -> Vec<Vec<Reaction>> {
-        let mut columns = Columns::default();
-        let reactions = columns.fill(self.curve.closure(), c, &self.loading.loads);
-        reactions.chunks_exact(self.linkage().joints.len()).map(<[Reaction]>::to_vec).collect()
+        columns(self.curve.closure(), c, &self.loading.loads)
     }
 
     /// Why the influences are not smooth: two ends meet, or nothing with mass moves.
@@ -268,12 +266,12 @@ impl Reduced {
 /// Tables of functions of the configuration.
 fn tabulate(
     curve: &Curve,
-    grid: &[f64],
+    grid: &Grid,
     sizes: &[Vec<f64>],
     exact: &mut dyn FnMut(&Configuration, &mut [f64]),
 ) -> Vec<Result<Table, Unresolved>> {
     let (mut work, mut c) = (Workspace::default(), Configuration::default());
-    Table::build_all(grid, curve.crossings(), sizes, &mut |sigma, values| {
+    Table::build_all(grid, sizes, &mut |sigma, values| {
         curve.configure(sigma, &mut work, &mut c);
         exact(&c, values);
         c.amplification
