@@ -65,7 +65,22 @@ pub fn polynomial(c: &Series, x: f64) -> f64 {
     (sums[0] + x * sums[1]) + x2 * (sums[2] + x * sums[3])
 }
 
+/// Derivative of [`polynomial`] along x.
+pub fn slope(c: &Series, x: f64) -> f64 {
+    c.iter().enumerate().skip(1).rev().fold(0.0, |sum, (k, c)| sum * x + k as f64 * c)
+}
+
 impl Table {
+    /// A table of nothing.
+    pub fn empty() -> Self {
+        Self { borders: Vec::new(), components: 0, coefficients: Vec::new() }
+    }
+
+    /// Number of components.
+    pub fn components(&self) -> usize {
+        self.components
+    }
+
     /// Tabulate several sets of functions that come from the same evaluations on the panels of `grid`, cut where needed.
     /// `sizes` has each set's natural sizes of its components; `exact` fills the components of all sets, one after the
     /// other, at a sigma, and returns how much it amplifies rounding.

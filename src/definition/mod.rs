@@ -51,6 +51,21 @@ pub struct Mechanism {
     /// Points whose position, velocity and acceleration are outputs.
     #[serde(default)]
     pub markers: Named<Marker>,
+    /// Joint friction; none where absent.
+    #[serde(default)]
+    pub friction: Option<Friction>,
+    /// Air that flows past the mechanism; none where absent.
+    #[serde(default)]
+    pub air: Option<Air>,
+    /// Surfaces on which the air drags.
+    #[serde(default)]
+    pub surfaces: Named<Surface>,
+    /// Stops: ends of the travel.
+    #[serde(default)]
+    pub stops: Named<Stop>,
+    /// Locks, which hold the mechanism at a stop.
+    #[serde(default)]
+    pub locks: Named<Lock>,
     /// Position and speed at the start.
     pub start: Start,
     /// Rough angle [rad] of each turning body and position [m] of each prismatic joint: which assembly is meant.
@@ -135,6 +150,15 @@ pub struct Joint {
     /// Prismatic only: angle of the second body's x axis from the first's [rad]; 0 where absent.
     #[serde(default)]
     pub angle: Option<f64>,
+    /// Revolute only: radius of the pin [m], >= 0; without one the joint has no friction.
+    #[serde(default)]
+    pub pin_radius: Option<f64>,
+    /// Coefficient of static friction in this joint [1], >= 0; that of `friction` where absent.
+    #[serde(default)]
+    pub static_coefficient: Option<f64>,
+    /// Coefficient of kinetic friction in this joint [1], >= 0; that of `friction` where absent.
+    #[serde(default)]
+    pub kinetic_coefficient: Option<f64>,
 }
 
 /// Kind of a joint.
@@ -239,6 +263,149 @@ pub struct Spring {
 pub struct Marker {
     /// The point (`body.point`).
     pub at: String,
+}
+
+/// Friction in the joints ([HF08] section 4): in every revolute joint with a pin radius, and in every prismatic joint.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Friction {
+    /// Whether it acts.
+    #[serde(default)]
+    pub enabled: bool,
+    /// Coefficient of static friction mu_S [1], >= 0.
+    pub static_coefficient: f64,
+    /// Coefficient of kinetic friction mu_d [1], >= 0.
+    pub kinetic_coefficient: f64,
+    /// Slip speed V_S at which friction is static [m/s], > 0; below, it is in proportion to the speed.
+    #[serde(default = "static_speed")]
+    pub static_speed: f64,
+    /// Slip speed V_d from which friction is kinetic [m/s], > V_S.
+    #[serde(default = "one")]
+    pub kinetic_speed: f64,
+}
+
+fn static_speed() -> f64 {
+    0.01
+}
+
+/// Air in uniform flow. Its speed is the input `airspeed`.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Air {
+    /// Mass density [kg/m3], >= 0.
+    pub density: f64,
+    /// Direction in which the air flows, angle from the X axis [rad].
+    pub flow_angle: f64,
+    /// Whether the motion of the surfaces counts for the speed of the air that meets them.
+    #[serde(default)]
+    pub relative_wind: bool,
+    /// Start value of the input `airspeed` [m/s].
+    #[serde(default)]
+    pub airspeed: f64,
+}
+
+/// A surface on which air drags: a strip along the line between two points of one body, or an area at a point. The drag is
+/// 1/2 density |u| u c S, where u is the air's velocity relative to the surface and S the area that faces it ([HF08] (1)).
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Surface {
+    /// One end of a strip (`body.point`).
+    #[serde(default)]
+    pub from: Option<String>,
+    /// The other end, on the same body.
+    #[serde(default)]
+    pub to: Option<String>,
+    /// Width of a strip [m], >= 0.
+    #[serde(default)]
+    pub width: Option<f64>,
+    /// Place of an area (`body.point`).
+    #[serde(default)]
+    pub at: Option<String>,
+    /// The area [m2], >= 0.
+    #[serde(default)]
+    pub area: Option<f64>,
+    /// Angle in the body's frame of the line in which a flat area lies [rad]; where absent, the area is as large from all
+    /// sides.
+    #[serde(default)]
+    pub surface_angle: Option<f64>,
+    /// Drag coefficient c [1], >= 0.
+    pub drag_coefficient: f64,
+}
+
+/// A stop: an end of the travel, stated by the angle of a turning body, the position of a prismatic joint, the angle of a
+/// revolute one, or the distance of two points.
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Stop {
+    /// Turning body.
+    #[serde(default)]
+    pub body: Option<String>,
+    /// Joint, in place of a body.
+    #[serde(default)]
+    pub joint: Option<String>,
+    /// One of two points (`body.point`), in place of a body.
+    #[serde(default)]
+    pub first: Option<String>,
+    /// The other point.
+    #[serde(default)]
+    pub second: Option<String>,
+    /// Whether the travel ends below or above the stated value.
+    pub limit: Limit,
+    /// Angle [rad] of the body, or of a revolute joint's second body from its first.
+    #[serde(default)]
+    pub angle: Option<f64>,
+    /// Position along a prismatic joint [m].
+    #[serde(default)]
+    pub position: Option<f64>,
+    /// Distance of the two points [m].
+    #[serde(default)]
+    pub length: Option<f64>,
+    /// Whether it is there.
+    #[serde(default = "yes")]
+    pub enabled: bool,
+    /// Whether it is rigid; else it is a bumper, a spring and damper that only pushes.
+    #[serde(default = "yes")]
+    pub rigid: bool,
+    /// Rigid: speed after an impact over the speed before [1], from 0 to 1.
+    #[serde(default)]
+    pub restitution: f64,
+    /// Bumper: stiffness [N/m or N.m/rad], >= 0.
+    #[serde(default)]
+    pub stiffness: f64,
+    /// Bumper: damping [N.s/m or N.m.s/rad], >= 0.
+    #[serde(default)]
+    pub damping: f64,
+    /// Name of the Boolean output that tells whether the mechanism is at this stop; `<name>.reached` where absent.
+    #[serde(default)]
+    pub flag: Option<String>,
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// Which end of the travel a stop is.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "snake_case")]
+pub enum Limit {
+    /// The value may not fall below.
+    Lower,
+    /// The value may not rise above.
+    Upper,
+}
+
+/// A lock: while its input `<name>.engage` is true it takes hold of the mechanism when that comes to a stop's position, and
+/// holds it there by a force at a point, along the path of that point.
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Lock {
+    /// The stop at which it holds.
+    pub stop: String,
+    /// Point on which it acts (`body.point`).
+    pub at: String,
+    /// Start value of `<name>.engage`.
+    #[serde(default)]
+    pub engage: bool,
 }
 
 /// Position and speed at the start, of a turning body or of a prismatic joint.

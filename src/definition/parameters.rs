@@ -13,6 +13,8 @@ pub enum Range {
     Positive,
     /// > 0 and <= 1.
     Fraction,
+    /// From 0 to 1.
+    Unit,
     /// From the first to the second.
     Between(f64, f64),
 }
@@ -26,6 +28,7 @@ impl Range {
                 Self::NonNegative => value >= 0.0,
                 Self::Positive => value > 0.0,
                 Self::Fraction => value > 0.0 && value <= 1.0,
+                Self::Unit => (0.0..=1.0).contains(&value),
                 Self::Between(low, high) => (low..=high).contains(&value),
             }
     }
@@ -37,6 +40,7 @@ impl Range {
             Self::NonNegative => "a finite number >= 0".into(),
             Self::Positive => "a finite number > 0".into(),
             Self::Fraction => "a number > 0 and <= 1".into(),
+            Self::Unit => "a number from 0 to 1".into(),
             Self::Between(low, high) => format!("a number from {low:e} to {high:e}"),
         }
     }
@@ -148,6 +152,20 @@ impl Mechanism {
             if let Some(v) = &mut joint.angle {
                 visit(p("angle", "Angle between the bodies"), v);
             }
+            let p = |n: &str, text: &str, unit| {
+                let text = format!("{text} of {name}");
+                let (n, key) = (format!("{name}.{n}"), format!("joints.{name}.{n}"));
+                make(n, key, text, unit, Range::NonNegative, Load)
+            };
+            if let Some(v) = &mut joint.pin_radius {
+                visit(p("pin_radius", "Radius of the pin", Unit::Metre), v);
+            }
+            if let Some(v) = &mut joint.static_coefficient {
+                visit(p("static_coefficient", "Coefficient of static friction", Unit::One), v);
+            }
+            if let Some(v) = &mut joint.kinetic_coefficient {
+                visit(p("kinetic_coefficient", "Coefficient of kinetic friction", Unit::One), v);
+            }
         }
         for (name, actuator) in self.actuators.iter_mut() {
             if let Some(v) = &mut actuator.efficiency {
@@ -204,6 +222,66 @@ impl Mechanism {
                 visit(p("preload", "Preload", Unit::Newton, Unit::NewtonMetre, Range::Finite), v);
             }
         }
+        if let Some(f) = &mut self.friction {
+            let p = |n: &str, text: &str, unit, range| {
+                make(format!("friction.{n}"), format!("friction.{n}"), text.into(), unit, range, Load)
+            };
+            let (one, speed) = (Unit::One, Unit::MetrePerSecond);
+            let (not_less, more) = (Range::NonNegative, Range::Positive);
+            let text = "Coefficient of static friction";
+            visit(p("static_coefficient", text, one, not_less), &mut f.static_coefficient);
+            let text = "Coefficient of kinetic friction";
+            visit(p("kinetic_coefficient", text, one, not_less), &mut f.kinetic_coefficient);
+            visit(p("static_speed", "Slip speed at which friction is static", speed, more), &mut f.static_speed);
+            visit(p("kinetic_speed", "Slip speed from which friction is kinetic", speed, more), &mut f.kinetic_speed);
+        }
+        if let Some(air) = &mut self.air {
+            let p = |n: &str, text: &str, unit, range| {
+                make(format!("air.{n}"), format!("air.{n}"), text.into(), unit, range, Load)
+            };
+            let unit = Unit::KilogramPerCubicMetre;
+            visit(p("density", "Mass density of the air", unit, Range::NonNegative), &mut air.density);
+            let text = "Direction in which the air flows, angle from the X axis";
+            visit(p("flow_angle", text, Unit::Radian, Range::Finite), &mut air.flow_angle);
+        }
+        for (name, surface) in self.surfaces.iter_mut() {
+            let p = |n: &str, text: &str, unit, range| {
+                let (key, text) = (format!("surfaces.{name}.{n}"), format!("{text} of {name}"));
+                make(format!("{name}.{n}"), key, text, unit, range, Load)
+            };
+            if let Some(v) = &mut surface.width {
+                visit(p("width", "Width of the surface", Unit::Metre, Range::NonNegative), v);
+            }
+            if let Some(v) = &mut surface.area {
+                visit(p("area", "Area", Unit::SquareMetre, Range::NonNegative), v);
+            }
+            if let Some(v) = &mut surface.surface_angle {
+                visit(p("surface_angle", "Angle of the flat area", Unit::Radian, Range::Finite), v);
+            }
+            let unit = Unit::One;
+            visit(p("drag_coefficient", "Drag coefficient", unit, Range::NonNegative), &mut surface.drag_coefficient);
+        }
+        for (name, stop) in self.stops.iter_mut() {
+            let p = |n: &str, text: &str, unit, range| {
+                let (key, text) = (format!("stops.{name}.{n}"), format!("{text} of {name}"));
+                make(format!("{name}.{n}"), key, text, unit, range, Load)
+            };
+            let turns = stop.angle.is_some();
+            if let Some(v) = &mut stop.angle {
+                visit(p("angle", "Angle", Unit::Radian, Range::Finite), v);
+            }
+            if let Some(v) = &mut stop.position {
+                visit(p("position", "Position", Unit::Metre, Range::Finite), v);
+            }
+            if let Some(v) = &mut stop.length {
+                visit(p("length", "Distance of the points", Unit::Metre, Range::NonNegative), v);
+            }
+            let unit = if turns { Unit::NewtonMetrePerRadian } else { Unit::NewtonPerMetre };
+            visit(p("restitution", "Restitution", Unit::One, Range::Unit), &mut stop.restitution);
+            visit(p("stiffness", "Stiffness as a bumper", unit, Range::NonNegative), &mut stop.stiffness);
+            let unit = if turns { Unit::NewtonMetreSecondPerRadian } else { Unit::NewtonSecondPerMetre };
+            visit(p("damping", "Damping as a bumper", unit, Range::NonNegative), &mut stop.damping);
+        }
         let start = &mut self.start;
         let stated = match (&start.body, &mut start.angle, &start.joint, &mut start.position) {
             (Some(body), Some(v), ..) => Some((body, v, "angle", Unit::Radian, Unit::RadianPerSecond)),
@@ -229,5 +307,21 @@ impl Mechanism {
             ),
             &mut self.solver.tolerance,
         );
+    }
+
+    /// Call `visit` with every Boolean parameter: its name, what it says, and its value.
+    pub fn flags(&mut self, visit: &mut dyn FnMut(String, String, &mut bool)) {
+        if let Some(f) = &mut self.friction {
+            visit("friction.enabled".into(), "Whether the joints have friction".into(), &mut f.enabled);
+        }
+        if let Some(air) = &mut self.air {
+            let text = "Whether the motion of the surfaces counts for the speed of the air that meets them";
+            visit("air.relative_wind".into(), text.into(), &mut air.relative_wind);
+        }
+        for (name, stop) in self.stops.iter_mut() {
+            visit(format!("{name}.enabled"), format!("Whether {name} is there"), &mut stop.enabled);
+            let text = format!("Whether {name} is rigid; else it is a spring and damper that only pushes");
+            visit(format!("{name}.rigid"), text, &mut stop.rigid);
+        }
     }
 }

@@ -46,6 +46,8 @@ impl Mechanism {
         self.check_bodies()?;
         self.check_joints()?;
         self.check_loads()?;
+        self.check_surfaces()?;
+        self.check_stops()?;
         self.check_start()?;
         let e = self.experiment;
         for (key, value) in [("stop_time", e.stop_time), ("step_size", e.step_size)] {
@@ -62,7 +64,7 @@ impl Mechanism {
     }
 
     fn check_names(&self) -> Check {
-        let groups: [(&str, Vec<&str>); 7] = [
+        let groups: [(&str, Vec<&str>); 10] = [
             ("bodies", self.bodies.names()),
             ("joints", self.joints.names()),
             ("actuators", self.actuators.names()),
@@ -70,6 +72,9 @@ impl Mechanism {
             ("torques", self.torques.names()),
             ("springs", self.springs.names()),
             ("markers", self.markers.names()),
+            ("surfaces", self.surfaces.names()),
+            ("stops", self.stops.names()),
+            ("locks", self.locks.names()),
         ];
         for (group, names) in groups {
             for name in names {
@@ -180,6 +185,15 @@ impl Mechanism {
                         return Err(key_error(key(k), "goes with a prismatic joint only"));
                     }
                 }
+            } else if joint.pin_radius.is_some() {
+                return Err(key_error(key("pin_radius"), "goes with a revolute joint only"));
+            }
+            let own =
+                [("static_coefficient", joint.static_coefficient), ("kinetic_coefficient", joint.kinetic_coefficient)];
+            for (k, value) in own {
+                if value.is_some() && self.friction.is_none() {
+                    return Err(key_error(key(k), "there is no friction that it could change: add the key friction"));
+                }
             }
         }
         Ok(())
@@ -263,6 +277,82 @@ impl Mechanism {
         }
         let allowed = format!("the bodies are {}", self.bodies.names().join(", "));
         Err(DefinitionError::Unknown { key, name: name.into(), allowed })
+    }
+
+    fn check_surfaces(&self) -> Check {
+        if let Some(air) = &self.air {
+            check_finite("air.airspeed".into(), air.airspeed)?;
+        } else if let Some(name) = self.surfaces.names().first() {
+            return Err(key_error(
+                format!("surfaces.{name}"),
+                "there is no air that could drag on it: add the key air",
+            ));
+        }
+        for (name, s) in self.surfaces.iter() {
+            let key = |k: &str| format!("surfaces.{name}.{k}");
+            match (&s.from, &s.to, s.width, &s.at, s.area) {
+                (Some(from), Some(to), Some(_), None, None) => {
+                    let (first, a) = self.point(&key("from"), from)?;
+                    let (second, b) = self.point(&key("to"), to)?;
+                    if first != second || a == b {
+                        return Err(key_error(key("to"), "must be another point of the same body as `from`"));
+                    }
+                    if s.surface_angle.is_some() {
+                        return Err(key_error(key("surface_angle"), "goes with an area; a strip lies along its line"));
+                    }
+                }
+                (None, None, None, Some(at), Some(_)) => {
+                    self.point(&key("at"), at)?;
+                }
+                _ => return Err(key_error(format!("surfaces.{name}"), "give from, to and width, or at and area")),
+            }
+        }
+        Ok(())
+    }
+
+    fn check_stops(&self) -> Check {
+        for (name, s) in self.stops.iter() {
+            let key = |k: &str| format!("stops.{name}.{k}");
+            let asked = match (&s.body, &s.joint, &s.first, &s.second) {
+                (Some(body), None, None, None) => {
+                    self.check_body(key("body"), body)?;
+                    "angle"
+                }
+                (None, Some(_), None, None) | (None, None, Some(_), Some(_)) => {
+                    let turns = self.check_ends(&format!("stops.{name}"), &s.first, &s.second, &s.joint)?;
+                    if turns {
+                        "angle"
+                    } else if s.joint.is_some() {
+                        "position"
+                    } else {
+                        "length"
+                    }
+                }
+                _ => return Err(key_error(format!("stops.{name}"), "give body, or joint, or first and second")),
+            };
+            let given = [("angle", s.angle), ("position", s.position), ("length", s.length)];
+            if given.iter().any(|(k, value)| value.is_some() != (*k == asked)) {
+                return Err(key_error(format!("stops.{name}"), format!("give {asked}, and no other value")));
+            }
+            if let Some(flag) = &s.flag {
+                check_name(&key("flag"), flag)?;
+            }
+        }
+        for (name, lock) in self.locks.iter() {
+            if self.stops.get(&lock.stop).is_none() {
+                let allowed = match self.stops.names() {
+                    names if names.is_empty() => "there are no stops: add the key stops".into(),
+                    names => format!("the stops are {}", names.join(", ")),
+                };
+                return Err(DefinitionError::Unknown {
+                    key: format!("locks.{name}.stop"),
+                    name: lock.stop.clone(),
+                    allowed,
+                });
+            }
+            self.point(&format!("locks.{name}.at"), &lock.at)?;
+        }
+        Ok(())
     }
 
     fn check_start(&self) -> Check {

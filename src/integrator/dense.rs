@@ -33,4 +33,29 @@ impl<const N: usize> Dense<N> {
             self.start[n] + sum
         })
     }
+
+    /// First s in (0, 1] at which component n passes `level` in this direction.
+    pub fn first_passage(&self, n: usize, level: f64, direction: f64, leaving: bool) -> Option<f64> {
+        const SAMPLES: usize = 32;
+        let beyond = |s: f64| (self.at(s)[n] - level) * direction;
+        let mut free = !leaving;
+        let mut last = 0.0;
+        for i in 1..=SAMPLES {
+            let s = i as f64 / SAMPLES as f64;
+            if beyond(s) > 0.0 {
+                if free {
+                    let (mut a, mut b) = (last, s);
+                    for _ in 0..60 {
+                        let middle = 0.5 * (a + b);
+                        if beyond(middle) > 0.0 { b = middle } else { a = middle }
+                    }
+                    return Some(b);
+                }
+            } else {
+                free = true;
+            }
+            last = s;
+        }
+        None
+    }
 }

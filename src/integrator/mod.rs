@@ -253,6 +253,11 @@ impl<const N: usize> Integrator<N> {
 }
 
 impl<const N: usize> Step<N> {
+    /// How far component n can have come from its start within the step: the step size times the largest rate in a stage.
+    pub fn excursion(&self, n: usize) -> f64 {
+        self.stages.iter().fold(0.0, |most: f64, f| most.max(f[n].abs())) * self.h.abs()
+    }
+
     /// Error estimate over the tolerance: below 1 the step is good. II.10, eq. (10.17).
     fn error(&self, scale: &[f64; N], tolerance: f64) -> f64 {
         let (mut fifth, mut third) = (0.0, 0.0);

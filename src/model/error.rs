@@ -56,6 +56,20 @@ pub enum ModelError {
     },
     /// The integration stopped.
     Integration(IntegrationError),
+    /// Friction and reactions have no common solution.
+    Locked {
+        /// Where the linkage then is.
+        position: String,
+    },
+    /// The start is beyond a stop.
+    BeyondStop {
+        /// The stop's quantity.
+        name: String,
+        /// Its value.
+        value: f64,
+        /// The value at the start.
+        start: f64,
+    },
     /// The motion leaves the stretch that was traced.
     Travel {
         /// Where the linkage is then.
@@ -92,6 +106,14 @@ impl fmt::Display for ModelError {
             Self::Integration(IntegrationError::StepTooSmall { t, step }) => write!(
                 f,
                 "the integration stopped {t} s into the step: no step above {step:.1e} s meets solver.tolerance; check the sizes of the inputs"
+            ),
+            Self::Locked { position } => write!(
+                f,
+                "friction locks the mechanism near {position}: the coefficients or pin radii ask for more friction than the reactions can cause; reduce them"
+            ),
+            Self::BeyondStop { name, value, start } => write!(
+                f,
+                "{name} = {value}: the start, at {start}, is beyond this stop; move the start or the stop, or set the stop's enabled to false"
             ),
             Self::Travel { position } => {
                 write!(f, "the motion has gone past the end of its travel at {position}: limit the loads or the time")

@@ -1,18 +1,23 @@
 //! The model: one mechanism with its present parameters, inputs and state, and its outputs on demand.
 //!
 //! In: a definition's text, values set by the host, steps. Out: values by reference. It must not know FMI's life cycle.
+mod acting;
+mod course;
 mod error;
 mod motion;
 mod outputs;
+mod panel;
+mod state;
+mod travel;
 
 pub use crate::integrator::Statistics;
 pub use error::ModelError;
 
 use crate::definition::{Experiment, Mechanism, Range, Role};
-use crate::reduced::{Reduced, ReductionError};
-use crate::variables::{Causality, Kind, Quantity, Reference, Value, Variables};
-use motion::{Folded, Memory, Motion};
-use outputs::Cache;
+use crate::reduced::Reduced;
+use crate::variables::{Causality, Quantity, Reference, Value, Variables};
+use outputs::Unknown;
+use state::State;
 use std::sync::Arc;
 
 /// One mechanism with its parameters, inputs and state.
@@ -23,7 +28,8 @@ pub struct Model {
     /// With the present parameters.
     mechanism: Mechanism,
     parameters: Vec<f64>,
-    inputs: Vec<f64>,
+    flags: Vec<bool>,
+    inputs: Inputs,
     /// For the present parameters; none after one of them has changed.
     reduced: Option<Arc<Reduced>>,
     state: Option<State>,
@@ -36,26 +42,18 @@ struct Original {
     variables: Variables,
     ranges: Vec<(Range, Role)>,
     parameters: Vec<f64>,
-    inputs: Vec<f64>,
+    flags: Vec<bool>,
+    inputs: Inputs,
     reduced: Arc<Reduced>,
 }
 
-/// The state of motion, with the memory of the integration.
-#[derive(Clone, Debug)]
-struct State {
-    /// Length along the curve; on a closed one within its first turn.
-    sigma: f64,
-    sigma_dot: f64,
-    /// Whole turns of a closed curve made so far.
-    turns: f64,
-    /// Sizes of the loads in the last step: those that the integration and the energy balance know.
-    applied: Vec<f64>,
-    /// Energy at the start, plus the work of changing sizes, less the energy lost since.
-    reference: f64,
-    memory: Memory,
-    /// Right-hand side for the applied sizes, for the integration.
-    folded: Folded,
-    cache: Cache,
+/// What the host sets between steps.
+#[derive(Clone, Debug, PartialEq)]
+struct Inputs {
+    /// Sizes of loads, then demanded accelerations of the drives, then the speed of the air if there is air.
+    reals: Vec<f64>,
+    /// Whether each lock is engaged.
+    locks: Vec<bool>,
 }
 
 impl Model {
@@ -71,19 +69,35 @@ impl Model {
             ranges.push((p.range, p.role));
             parameters.push(*value);
         });
-        let starts = variables.list().iter().filter(|v| v.causality == Causality::Input);
-        let inputs: Vec<f64> = starts.map(|v| if let Some(Value::Real(x)) = v.start { x } else { 0.0 }).collect();
+        let mut flags = Vec::new();
+        mechanism.clone().flags(&mut |_, _, value| flags.push(*value));
+        let mut inputs = Inputs { reals: Vec::new(), locks: Vec::new() };
+        for v in variables.list().iter().filter(|v| v.causality == Causality::Input) {
+            match v.start {
+                Some(Value::Real(x)) => inputs.reals.push(x),
+                Some(Value::Boolean(x)) => inputs.locks.push(x),
+                _ => {}
+            }
+        }
         let reduced = Arc::new(Reduced::new(&mechanism)?);
         let original = Original {
             mechanism: mechanism.clone(),
             variables,
             ranges,
             parameters: parameters.clone(),
+            flags: flags.clone(),
             inputs: inputs.clone(),
             reduced: Arc::clone(&reduced),
         };
-        let mut model =
-            Self { original: Arc::new(original), mechanism, parameters, inputs, reduced: Some(reduced), state: None };
+        let mut model = Self {
+            original: Arc::new(original),
+            mechanism,
+            parameters,
+            flags,
+            inputs,
+            reduced: Some(reduced),
+            state: None,
+        };
         model.state()?;
         model.state = None;
         Ok(model)
@@ -127,7 +141,7 @@ impl Model {
     pub fn real(&mut self, reference: Reference) -> Result<f64, ModelError> {
         match self.original.variables.quantity(reference) {
             Some(Quantity::Parameter(i)) => Ok(self.parameters[i]),
-            Some(Quantity::Input(i)) => Ok(self.inputs[i]),
+            Some(Quantity::Input(i)) => Ok(self.inputs.reals[i]),
             Some(Quantity::Output(output)) => {
                 self.state()?;
                 let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) else {
@@ -137,10 +151,15 @@ impl Model {
                 match state.output(reduced, &self.inputs, output) {
                     Ok(value) if value.is_finite() => Ok(value),
                     Ok(_) => Err(ModelError::Overflow { name: name() }),
-                    Err(at) => Err(ModelError::Table { name: name(), position: reduced.curve().describe(at.sigma) }),
+                    Err(Unknown::Table(at)) => {
+                        Err(ModelError::Table { name: name(), position: reduced.curve().describe(at.sigma) })
+                    }
+                    Err(Unknown::Locked) => Err(ModelError::Locked { position: state.describe(reduced) }),
                 }
             }
-            None => Err(self.no_such(reference, "Real")),
+            Some(Quantity::Flag(_) | Quantity::Lock(_) | Quantity::AtStop(_)) | None => {
+                Err(self.no_such(reference, "Real"))
+            }
         }
     }
 
@@ -154,7 +173,9 @@ impl Model {
             Some(Quantity::Parameter(i)) => self.original.ranges[i].0,
             Some(Quantity::Input(_)) => Range::Finite,
             Some(Quantity::Output(_)) => return Err(ModelError::Output { name: name() }),
-            None => return Err(self.no_such(reference, "Real")),
+            Some(Quantity::Flag(_) | Quantity::Lock(_) | Quantity::AtStop(_)) | None => {
+                return Err(self.no_such(reference, "Real"));
+            }
         };
         if range.contains(value) {
             return Ok(());
@@ -169,8 +190,8 @@ impl Model {
     pub fn set_real(&mut self, reference: Reference, value: f64) -> Result<(), ModelError> {
         self.check_real(reference, value)?;
         match self.original.variables.quantity(reference) {
-            Some(Quantity::Input(i)) if self.inputs[i].to_bits() != value.to_bits() => {
-                self.inputs[i] = value;
+            Some(Quantity::Input(i)) if self.inputs.reals[i].to_bits() != value.to_bits() => {
+                self.inputs.reals[i] = value;
                 if let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) {
                     state.cache.set(i, reduced.loading().inputs.len(), value);
                 }
@@ -197,25 +218,60 @@ impl Model {
     /// Present value of a Boolean.
     ///
     /// # Errors
-    /// No Boolean has this reference.
+    /// No Boolean has this reference, or the present parameters give no mechanism.
     pub fn boolean(&mut self, reference: Reference) -> Result<bool, ModelError> {
-        Err(self.no_such(reference, "Boolean"))
+        match self.original.variables.quantity(reference) {
+            Some(Quantity::Flag(i)) => Ok(self.flags[i]),
+            Some(Quantity::Lock(i)) => Ok(self.inputs.locks[i]),
+            Some(Quantity::AtStop(stop)) => {
+                let reduced = Arc::clone(self.reduced()?);
+                Ok(self.state()?.at_stop(&reduced, stop))
+            }
+            _ => Err(self.no_such(reference, "Boolean")),
+        }
     }
 
     /// Whether [`Self::set_boolean`] would accept this value; changes nothing.
     ///
     /// # Errors
-    /// No Boolean has this reference.
+    /// No Boolean has this reference, or it is an output.
     pub fn check_boolean(&self, reference: Reference, _value: bool) -> Result<(), ModelError> {
-        Err(self.no_such(reference, "Boolean"))
+        match self.original.variables.quantity(reference) {
+            Some(Quantity::Flag(_) | Quantity::Lock(_)) => Ok(()),
+            Some(Quantity::AtStop(_)) => {
+                Err(ModelError::Output { name: self.original.variables.list()[reference as usize].name.clone() })
+            }
+            _ => Err(self.no_such(reference, "Boolean")),
+        }
     }
 
-    /// Set a Boolean input or parameter.
+    /// Set a Boolean input or parameter. After a step, a parameter takes effect with the next initialisation only.
     ///
     /// # Errors
     /// As [`Self::check_boolean`].
     pub fn set_boolean(&mut self, reference: Reference, value: bool) -> Result<(), ModelError> {
-        self.check_boolean(reference, value)
+        self.check_boolean(reference, value)?;
+        match self.original.variables.quantity(reference) {
+            Some(Quantity::Lock(i)) if self.inputs.locks[i] != value => {
+                self.inputs.locks[i] = value;
+                if let Some(state) = &mut self.state {
+                    state.cache.forget();
+                }
+            }
+            Some(Quantity::Flag(i)) if self.flags[i] != value => {
+                self.flags[i] = value;
+                let mut place = 0;
+                self.mechanism.flags(&mut |_, _, v| {
+                    if place == i {
+                        *v = value;
+                    }
+                    place += 1;
+                });
+                (self.state, self.reduced) = (None, None);
+            }
+            _ => {}
+        }
+        Ok(())
     }
 
     /// Override the relative tolerance of the integration; the same as setting solver.tolerance.
@@ -250,38 +306,14 @@ impl Model {
         let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) else {
             return Err(ModelError::NotInitialised);
         };
-        state.apply(reduced, &self.inputs);
-        let mut y = [state.sigma, state.sigma_dot];
-        let mut memory = state.memory;
-        let mut motion = Motion { reduced, sizes: &state.applied, turns: state.turns, folded: &mut state.folded };
-        let lost = memory.advance(&mut motion, &mut y, h, tolerance).map_err(ModelError::Integration)?;
-        let (first, last) = reduced.curve().range();
-        match reduced.period() {
-            Some(period) if !(first..last).contains(&y[0]) => {
-                let around = ((y[0] - first) / period).floor();
-                y[0] -= around * period;
-                state.turns += around;
-                // The panel in memory is counted on over whole turns; sigma no longer is.
-                state.folded = Folded::default();
-                state.cache.recount();
-            }
-            None if !(first..=last).contains(&y[0]) => {
-                let position = reduced.curve().describe(y[0]);
-                return Err(ModelError::Travel { position });
-            }
-            _ => {}
-        }
-        [state.sigma, state.sigma_dot] = y;
-        state.memory = memory;
-        state.reference -= lost;
-        state.cache.forget();
-        Ok(())
+        state.step(reduced, &self.inputs, h, tolerance)
     }
 
     /// Back to what [`Self::from_json`] gave.
     pub fn reset(&mut self) {
         self.mechanism = self.original.mechanism.clone();
         self.parameters.clone_from(&self.original.parameters);
+        self.flags.clone_from(&self.original.flags);
         self.inputs.clone_from(&self.original.inputs);
         self.reduced = Some(Arc::clone(&self.original.reduced));
         self.state = None;
@@ -289,7 +321,7 @@ impl Model {
 
     /// Right-hand-side evaluations and accepted and rejected integration steps since initialisation.
     pub fn statistics(&self) -> Statistics {
-        self.state.as_ref().map_or_else(Statistics::default, |s| s.memory.statistics())
+        self.state.as_ref().map_or_else(Statistics::default, State::statistics)
     }
 
     /// The state, put at the start if there is none yet.
@@ -302,84 +334,6 @@ impl Model {
     }
 
     fn no_such(&self, reference: Reference, kind: &'static str) -> ModelError {
-        debug_assert!(self.original.variables.get(reference).is_none_or(|v| v.kind == Kind::Real));
         ModelError::Reference { reference, kind, count: self.original.variables.list().len() }
-    }
-}
-
-impl State {
-    /// The state that the definition states.
-    fn at_start(reduced: &Reduced, mechanism: &Mechanism, inputs: &[f64]) -> Result<Self, ModelError> {
-        let start = &mechanism.start;
-        let linkage = reduced.linkage();
-        let (coordinate, value, name, quantity) = match (&start.body, &start.joint) {
-            (Some(body), _) => {
-                let (carrier, angle) = linkage.carrier(mechanism, body).unwrap_or((0, 0.0));
-                let turn = linkage.bodies[carrier].turn;
-                let value = start.angle.unwrap_or(0.0) - angle - linkage.bodies[carrier].offset;
-                (turn, value, body, "angle")
-            }
-            (None, Some(joint)) => {
-                let place = linkage.coordinates[linkage.turns..].iter().position(|c| c == joint);
-                (place.map(|i| i + linkage.turns), start.position.unwrap_or(0.0), joint, "position")
-            }
-            (None, None) => (None, 0.0, &mechanism.name, "angle"),
-        };
-        let variable = format!("{name}.start_{quantity}");
-        let coordinate = coordinate.ok_or_else(|| {
-            ModelError::Definition(crate::definition::DefinitionError::Unknown {
-                key: "start".into(),
-                name: name.clone(),
-                allowed: format!("state one of the coordinates {}", linkage.coordinates.join(", ")),
-            })
-        })?;
-        let (sigma, turns) = reduced.find(coordinate, value, &variable)?;
-        let mut sigma_dot = 0.0;
-        if start.speed != 0.0 {
-            // From the table, which is as good where branches cross. Nearer to a toggle than some 1e-13 rad, where the
-            // slope is below 1e-6, rounding decides what it is.
-            let table = reduced.coordinates();
-            let table = table.map_err(|at| ModelError::Table {
-                name: variable.clone(),
-                position: reduced.curve().describe(at.sigma),
-            })?;
-            let slope = table.value(table.spot(sigma), 3 * coordinate + 1);
-            if slope.abs() * reduced.scale() < 1e-6 {
-                let name = format!("{name}.start_speed");
-                return Err(ReductionError::StartSpeed { name, value: start.speed }.into());
-            }
-            sigma_dot = start.speed / slope;
-        }
-        let mut state = Self {
-            sigma,
-            sigma_dot,
-            turns,
-            applied: reduced.sizes(inputs),
-            reference: 0.0,
-            memory: Memory::new(reduced),
-            folded: Folded::default(),
-            cache: Cache::new(reduced, inputs),
-        };
-        state.reference = state.kinetic() + state.load_potential(reduced);
-        Ok(state)
-    }
-
-    /// Take up inputs that have changed since the last step: the change of the loads' potential is work from outside.
-    fn apply(&mut self, reduced: &Reduced, inputs: &[f64]) {
-        let loads = reduced.loading().inputs.len();
-        let mut work = 0.0;
-        let mut changed = false;
-        for (load, input) in inputs[..loads].iter().enumerate() {
-            if self.applied[load].to_bits() != input.to_bits() {
-                work -= (input - self.applied[load]) * self.displacement(reduced, load);
-                changed = true;
-            }
-        }
-        if changed {
-            self.reference += work;
-            self.applied[..loads].copy_from_slice(&inputs[..loads]);
-            self.memory.refresh();
-            self.folded = Folded::default();
-        }
     }
 }

@@ -1,15 +1,42 @@
 //! Outputs on demand: each from its table, at the present state, under the present inputs.
-use super::State;
-use super::motion::{Folded, Motion, effective};
+use super::Inputs;
+use super::acting::Mode;
+use super::course::rests;
+use super::motion::{Motion, Work};
+use super::panel::Given;
+use super::state::{State, scene};
+use crate::friction::Locked;
 use crate::linkage::Freedom;
-use crate::reduced::Reduced;
+use crate::reduced::{Reduced, Scene};
 use crate::table::{Table, Unresolved};
 use crate::variables::{OneElement, Output, ReactionPart};
+
+/// Why an output cannot be told.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Unknown {
+    /// Its table cannot be built.
+    Table(Unresolved),
+    /// Friction and reactions have no common solution.
+    Locked,
+}
+
+impl From<Unresolved> for Unknown {
+    fn from(at: Unresolved) -> Self {
+        Self::Table(at)
+    }
+}
+
+impl From<Locked> for Unknown {
+    fn from(_: Locked) -> Self {
+        Self::Locked
+    }
+}
 
 /// What several outputs of one state share.
 #[derive(Clone, Debug)]
 pub struct Cache {
-    acceleration: Option<f64>,
+    /// What acts and follows, once evaluated.
+    effect: Option<Effect>,
     /// Force x, force y and moment of each joint.
     reactions: Vec<Option<[f64; 3]>>,
     /// Whether a reaction has been computed in this state.
@@ -17,23 +44,39 @@ pub struct Cache {
     /// Sizes of the sized loads under the present inputs.
     sizes: Vec<f64>,
     /// Right-hand side for these sizes.
-    folded: Folded,
+    work: Work,
+    /// Whether `work` is for a scene with moving air.
+    air: bool,
+}
+
+/// What acts in a state.
+#[derive(Clone, Copy, Debug)]
+struct Effect {
+    /// sigma_ddot of the motion.
+    acceleration: f64,
+    /// sigma_ddot if nothing held the mechanism at an end of its travel.
+    free: f64,
+    /// End at which it is held.
+    held: Option<usize>,
+    /// Whether the stop there holds it; else a lock.
+    by_stop: bool,
 }
 
 impl Cache {
-    pub fn new(reduced: &Reduced, inputs: &[f64]) -> Self {
+    pub fn new(reduced: &Reduced, scene: Option<&Scene>, inputs: &[f64]) -> Self {
         Self {
-            acceleration: None,
+            effect: None,
             reactions: vec![None; reduced.linkage().joints.len()],
             used: false,
             sizes: reduced.sizes(inputs),
-            folded: Folded::default(),
+            work: Work::new(scene),
+            air: scene.is_some_and(|s| s.air),
         }
     }
 
     /// The state has changed.
     pub fn forget(&mut self) {
-        self.acceleration = None;
+        self.effect = None;
         if self.used {
             self.reactions.fill(None);
             self.used = false;
@@ -44,14 +87,14 @@ impl Cache {
     pub fn set(&mut self, input: usize, loads: usize, value: f64) {
         if input < loads {
             self.sizes[input] = value;
-            self.folded = Folded::default();
+            self.work.folded.forget();
         }
         self.forget();
     }
 
     /// The way in which sigma is counted has changed.
     pub fn recount(&mut self) {
-        self.folded = Folded::default();
+        self.work.folded.forget();
     }
 }
 
@@ -59,18 +102,18 @@ impl State {
     /// Value of an output under these inputs.
     ///
     /// # Errors
-    /// [`Unresolved`]: its table cannot be built.
-    pub fn output(&mut self, reduced: &Reduced, inputs: &[f64], output: Output) -> Result<f64, Unresolved> {
+    /// [`Unknown`].
+    pub fn output(&mut self, reduced: &Reduced, inputs: &Inputs, output: Output) -> Result<f64, Unknown> {
         match output {
             Output::Turn { body, order } => {
                 let body = &reduced.linkage().bodies[body];
                 let Some(turn) = body.turn else { return Ok(0.0) };
-                let value = self.coordinate(reduced, turn, order)?;
+                let value = self.coordinate(reduced, inputs, turn, order)?;
                 Ok(if order == 0 { value + body.offset } else { value })
             }
-            Output::Slide { coordinate, order } => self.coordinate(reduced, coordinate, order),
+            Output::Slide { coordinate, order } => self.coordinate(reduced, inputs, coordinate, order),
             Output::Reaction { joint, part } => {
-                let [x, y, moment] = self.reaction(reduced, joint)?;
+                let [x, y, moment] = self.reaction(reduced, inputs, joint)?;
                 Ok(match part {
                     ReactionPart::X => x,
                     ReactionPart::Y => y,
@@ -81,29 +124,38 @@ impl State {
             Output::Displacement { load, order: 0 } => Ok(self.displacement(reduced, load)),
             Output::Displacement { load, order } => {
                 let table = checked(reduced.displacement(load))?;
-                Ok(self.derivative(table, 0, reduced, order))
+                self.derivative(table, 0, reduced, inputs, order)
             }
-            Output::OneElement { drive, term } => {
-                let demand = inputs.get(reduced.loading().inputs.len() + drive).copied().unwrap_or(0.0);
-                self.one_element(reduced, drive, term, demand)
-            }
-            Output::Pull { spring } => {
-                let spring = &reduced.loading().springs[spring];
-                let pull = spring.pull(self.displacement(reduced, spring.load));
-                if spring.damping == 0.0 {
-                    return Ok(pull);
-                }
-                let table = checked(reduced.displacement(spring.load))?;
-                Ok(pull + spring.damping * self.derivative(table, 0, reduced, 1))
-            }
+            Output::OneElement { drive, term } => self.one_element(reduced, inputs, drive, term),
+            Output::Pull { spring } => self.pull(reduced, spring),
             Output::Marker { marker, axis, order } => {
                 let table = checked(reduced.marker(marker))?;
-                Ok(self.derivative(table, 3 * axis, reduced, order))
+                self.derivative(table, 3 * axis, reduced, inputs, order)
+            }
+            Output::Friction { pin } => {
+                self.effect(reduced, inputs)?;
+                let load = reduced.loading().friction.as_ref().map(|f| f.pins[pin].load);
+                Ok(load.map_or(0.0, |load| self.of_state(reduced, load)))
+            }
+            Output::Drag { surface } => {
+                self.effect(reduced, inputs)?;
+                let Some(air) = &reduced.loading().air else { return Ok(0.0) };
+                let load = air.surfaces[surface].load;
+                Ok(air.flow.x * self.of_state(reduced, load) + air.flow.y * self.of_state(reduced, load + 1))
+            }
+            Output::Stop { stop } => {
+                self.effect(reduced, inputs)?;
+                let load = reduced.loading().stops[stop].load;
+                Ok(self.of_state(reduced, load) + self.of_stop(reduced, stop))
+            }
+            Output::Lock { lock } => {
+                self.effect(reduced, inputs)?;
+                Ok(self.of_lock(reduced, inputs, lock))
             }
             Output::Kinetic => Ok(self.kinetic()),
             Output::Potential => {
                 let gravity = match reduced.loading().gravity {
-                    Some(load) => -inputs[load] * self.displacement(reduced, load),
+                    Some(load) => -inputs.reals[load] * self.displacement(reduced, load),
                     None => 0.0,
                 };
                 Ok(gravity + self.spring_energy(reduced))
@@ -142,75 +194,182 @@ impl State {
         reduced.displacement_at(load, self.sigma) + growth
     }
 
+    fn pull(&self, reduced: &Reduced, spring: usize) -> Result<f64, Unknown> {
+        let spring = &reduced.loading().springs[spring];
+        let pull = spring.pull(self.displacement(reduced, spring.load));
+        if spring.damping == 0.0 {
+            return Ok(pull);
+        }
+        let table = checked(reduced.displacement(spring.load))?;
+        Ok(pull + spring.damping * table.value(table.spot(self.sigma), 1) * self.sigma_dot)
+    }
+
     fn influence(&self, reduced: &Reduced, load: usize) -> f64 {
         let table = reduced.influence();
         table.value(table.spot(self.sigma), load)
     }
 
-    /// sigma_ddot under the present inputs.
-    fn acceleration(&mut self, reduced: &Reduced) -> f64 {
-        if let Some(value) = self.cache.acceleration {
-            return value;
+    /// Call `with` with the motion under the present inputs and the scene it is in.
+    fn moving<R>(
+        &mut self,
+        reduced: &Reduced,
+        inputs: &Inputs,
+        with: impl FnOnce(&mut Motion, Option<&Scene>) -> R,
+    ) -> Result<R, Unknown> {
+        let scene = scene(reduced, inputs).map_err(|_| Unknown::Locked)?;
+        let cache = &mut self.cache;
+        if scene.is_some_and(|s| s.air) != cache.air {
+            (cache.work, cache.air) = (Work::new(scene), scene.is_some_and(|s| s.air));
         }
-        let Cache { sizes, folded, .. } = &mut self.cache;
-        let mut motion = Motion { reduced, sizes, turns: self.turns, folded };
-        let value = motion.acceleration(self.sigma, self.sigma_dot);
-        self.cache.acceleration = Some(value);
-        value
+        let airspeed = reduced.loading().air.as_ref().and(inputs.reals.last().copied()).unwrap_or(0.0);
+        let given = Given { sizes: &cache.sizes, airspeed, turns: self.turns };
+        let mode = Mode { touching: self.contact.touching, ..Mode::default() };
+        let mut motion = Motion { reduced, scene, given, mode, work: &mut cache.work, locked: false };
+        Ok(with(&mut motion, scene))
+    }
+
+    /// What acts under the present inputs; evaluated once for a state.
+    fn effect(&mut self, reduced: &Reduced, inputs: &Inputs) -> Result<Effect, Unknown> {
+        if let Some(effect) = self.cache.effect {
+            return Ok(effect);
+        }
+        let (sigma, sigma_dot, resting) = (self.sigma, self.sigma_dot, self.contact.resting);
+        let around = resting.map(|side| (side, self.surroundings(reduced, &inputs.locks)));
+        let effect = self.moving(reduced, inputs, |motion, _| {
+            let free = motion.settle(sigma, sigma_dot)?;
+            let mut effect = Effect { acceleration: free, free, held: None, by_stop: false };
+            if let Some((side, around)) = around {
+                let pressed = rests(motion, &around, side, sigma)?;
+                if pressed || around.locked[side] {
+                    effect = Effect { acceleration: 0.0, free, held: Some(side), by_stop: pressed };
+                }
+            }
+            Ok::<_, Locked>(effect)
+        })??;
+        self.cache.effect = Some(effect);
+        Ok(effect)
+    }
+
+    /// Size of a load that the state decides, as last evaluated.
+    fn of_state(&self, reduced: &Reduced, load: usize) -> f64 {
+        let scene = reduced.scene(self.cache.air).ok().flatten();
+        let place = scene.and_then(|s| s.loads.iter().position(|l| *l == load));
+        place.map_or(0.0, |k| self.cache.work.acting.loads[k])
+    }
+
+    /// Force or torque with which a rigid stop holds the mechanism.
+    fn of_stop(&self, reduced: &Reduced, stop: usize) -> f64 {
+        match self.cache.effect {
+            Some(Effect { held: Some(side), by_stop: true, free, .. })
+                if self.travel[side].is_some_and(|e| e.stop == stop) =>
+            {
+                let load = reduced.loading().stops[stop].load;
+                let slope = reduced.displacement(load).map_or(f64::NAN, |t| t.value(t.spot(self.sigma), 1));
+                finite(-free / slope)
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// Force with which a lock holds the mechanism, along the path of its point; positive towards the stop.
+    fn of_lock(&self, reduced: &Reduced, inputs: &Inputs, lock: usize) -> f64 {
+        let loading = reduced.loading();
+        match self.cache.effect {
+            Some(Effect { held: Some(side), by_stop: false, free, .. })
+                if self.travel[side].is_some_and(|e| e.stop == loading.locks[lock].stop) && inputs.locks[lock] =>
+            {
+                let outward = if side == 0 { -1.0 } else { 1.0 };
+                // Several locks at one stop share the load evenly along the curve.
+                let stop = loading.locks[lock].stop;
+                let engaged = loading.locks.iter().zip(&inputs.locks).filter(|(l, on)| **on && l.stop == stop).count();
+                let path = reduced.lock_path(lock, self.sigma);
+                finite(-free * outward / (path.norm() * engaged as f64))
+            }
+            _ => 0.0,
+        }
     }
 
     /// A coordinate (order 0) or its time derivative.
-    fn coordinate(&mut self, reduced: &Reduced, coordinate: usize, order: usize) -> Result<f64, Unresolved> {
+    fn coordinate(
+        &mut self,
+        reduced: &Reduced,
+        inputs: &Inputs,
+        coordinate: usize,
+        order: usize,
+    ) -> Result<f64, Unknown> {
         let table = checked(reduced.coordinates())?;
-        let value = self.derivative(table, 3 * coordinate, reduced, order);
+        let value = self.derivative(table, 3 * coordinate, reduced, inputs, order)?;
         Ok(if order == 0 { value + self.turns * reduced.growth(coordinate) } else { value })
     }
 
     /// Time derivative of a function whose table has it and its two derivatives along sigma from component `first` on.
-    fn derivative(&mut self, table: &Table, first: usize, reduced: &Reduced, order: usize) -> f64 {
+    fn derivative(
+        &mut self,
+        table: &Table,
+        first: usize,
+        reduced: &Reduced,
+        inputs: &Inputs,
+        order: usize,
+    ) -> Result<f64, Unknown> {
         let spot = table.spot(self.sigma);
-        match order {
+        Ok(match order {
             0 => table.value(spot, first),
             1 => table.value(spot, first + 1) * self.sigma_dot,
             _ => {
-                let acceleration = self.acceleration(reduced);
+                let acceleration = self.effect(reduced, inputs)?.acceleration;
                 let bend = table.value(spot, first + 2);
                 table.value(spot, first + 1) * acceleration + bend * self.sigma_dot * self.sigma_dot
             }
-        }
+        })
     }
 
-    /// How much of what arrives of a drive is as in forward motion ([`Motion::forward_share`]).
-    fn forward_share(&mut self, reduced: &Reduced) -> f64 {
-        let Cache { sizes, folded, .. } = &mut self.cache;
-        Motion { reduced, sizes, turns: self.turns, folded }.forward_share(self.sigma, self.sigma_dot)
+    /// What arrives of a sized load, after the loss of its drive if it has one; as last evaluated.
+    fn arriving(&self, reduced: &Reduced, load: usize) -> f64 {
+        let scene = reduced.scene(self.cache.air).ok().flatten();
+        let place = scene.and_then(|s| s.lossy.iter().position(|l| *l == load));
+        place.map_or(self.cache.sizes[load], |k| self.cache.work.acting.arriving[k])
     }
 
-    /// What arrives of a sized load, after the loss of its drive if it has one.
-    fn arriving(&mut self, reduced: &Reduced, load: usize) -> f64 {
-        let size = self.cache.sizes[load];
-        match reduced.loading().drives.get(load).and_then(|d| d.efficiency) {
-            Some(efficiency) => {
-                let forward = self.influence(reduced, load).signum();
-                let share = self.forward_share(reduced);
-                share * effective(size, forward, efficiency) + (1.0 - share) * effective(size, -forward, efficiency)
-            }
-            None => size,
+    /// Force along sigma of everything but one drive: in the present motion, or at rest without friction.
+    fn others(&mut self, reduced: &Reduced, inputs: &Inputs, drive: usize, moving: bool) -> Result<f64, Unknown> {
+        let influence = self.influence(reduced, drive);
+        if moving {
+            let free = self.effect(reduced, inputs)?.free;
+            return Ok(free - self.arriving(reduced, drive) * influence);
         }
+        let sigma = self.sigma;
+        let at_rest = self.moving(reduced, inputs, |motion, _| motion.settle(sigma, 0.0))??;
+        let force = at_rest - self.arriving(reduced, drive) * influence;
+        // The evaluation at rest has taken the place of that in motion.
+        self.cache.effect = None;
+        Ok(force)
     }
 
-    /// Force along sigma of everything but one drive: at rest, or with the dampers at the present speed.
-    fn others(&mut self, reduced: &Reduced, drive: usize, moving: bool) -> f64 {
-        let table = reduced.influence();
-        let spot = table.spot(self.sigma);
-        let components = reduced.components();
-        let mut sum = 0.0;
-        for load in (0..components.sized).filter(|l| *l != drive) {
-            sum += self.arriving(reduced, load) * table.value(spot, load);
-        }
-        sum += components.springs.map_or(0.0, |k| table.value(spot, k));
-        sum += components.winding.map_or(0.0, |k| self.turns * table.value(spot, k));
-        if moving { sum - components.damping.map_or(0.0, |k| self.sigma_dot * table.value(spot, k)) } else { sum }
+    /// Force along sigma that a drive must give, where friction depends on it: for an acceleration along the curve, or to
+    /// begin to move in a direction.
+    fn inverse(
+        &mut self,
+        reduced: &Reduced,
+        inputs: &Inputs,
+        drive: usize,
+        acceleration: f64,
+        breakaway: Option<f64>,
+    ) -> Result<f64, Unknown> {
+        let (sigma, sigma_dot) = (self.sigma, if breakaway.is_some() { 0.0 } else { self.sigma_dot });
+        let influence = self.influence(reduced, drive);
+        self.cache.effect = None;
+        self.moving(reduced, inputs, |motion, scene| {
+            let free = motion.settle(sigma, sigma_dot)?;
+            let Some(scene) = scene else {
+                let size = motion.given.sizes[drive];
+                return Ok(acceleration - (free - size * influence));
+            };
+            let lossy = scene.lossy.iter().position(|l| *l == drive);
+            let work = &mut *motion.work;
+            let size = lossy.map_or(motion.given.sizes[drive], |k| work.acting.arriving[k]);
+            work.acting.required(scene, &work.folded, sigma, (drive, size), acceleration, breakaway)
+        })?
+        .map_err(Unknown::from)
     }
 
     /// A term of the mechanism reduced to a drive. With S the drive's displacement, m_zS = 1 / S_sigma^2, because the
@@ -218,10 +377,10 @@ impl State {
     fn one_element(
         &mut self,
         reduced: &Reduced,
+        inputs: &Inputs,
         drive: usize,
         term: OneElement,
-        demand: f64,
-    ) -> Result<f64, Unresolved> {
+    ) -> Result<f64, Unknown> {
         let table = checked(reduced.displacement(drive))?;
         let spot = table.spot(self.sigma);
         let (slope, bend) = (table.value(spot, 1), table.value(spot, 2));
@@ -237,61 +396,102 @@ impl State {
         let value = match term {
             OneElement::ReducedMass => lossy(present, 1.0 / (slope * slope)),
             OneElement::ReducedMassDerivative => lossy(present, -2.0 * bend / slope.powi(4)),
-            OneElement::StaticLoad => lossy(present, -self.others(reduced, drive, true) / slope),
+            OneElement::StaticLoad => lossy(present, -self.others(reduced, inputs, drive, true)? / slope),
             OneElement::AdditionalForce => lossy(present, bend * (self.sigma_dot / slope).powi(2)),
             OneElement::RequiredForce => {
+                let demand = inputs.reals.get(reduced.loading().inputs.len() + drive).copied().unwrap_or(0.0);
                 let acceleration = (demand - bend * self.sigma_dot * self.sigma_dot) / slope;
-                let force = (acceleration - self.others(reduced, drive, true)) / slope;
+                let force = self.inverse(reduced, inputs, drive, acceleration, None)? / slope;
                 let moving = if speed == 0.0 { demand } else { speed };
                 lossy(force * moving, force)
             }
             OneElement::HoldingForce => {
-                let others = self.others(reduced, drive, false);
+                let others = self.others(reduced, inputs, drive, false)?;
                 if others == 0.0 { 0.0 } else { -others / slope }
+            }
+            OneElement::BreakawayForward | OneElement::BreakawayBackward => {
+                let forward = if term == OneElement::BreakawayForward { 1.0 } else { -1.0 };
+                let force = self.inverse(reduced, inputs, drive, 0.0, Some(forward * slope.signum()))? / slope;
+                lossy(force * forward, force)
             }
         };
         Ok(finite(value))
     }
 
-    fn reaction(&mut self, reduced: &Reduced, joint: usize) -> Result<[f64; 3], Unresolved> {
+    fn reaction(&mut self, reduced: &Reduced, inputs: &Inputs, joint: usize) -> Result<[f64; 3], Unknown> {
         if let Some(value) = self.cache.reactions[joint] {
             return Ok(value);
         }
-        let terms = 2 + reduced.loading().loads.len();
-        let exact;
-        let component: &dyn Fn(usize) -> f64 = match reduced.reaction(joint) {
-            Ok(table) => {
-                let spot = table.spot(self.sigma);
-                &move |k| table.value(spot, k)
-            }
-            Err(_) => {
-                exact = reduced.exact_reaction(joint, self.sigma);
-                &|k| exact[k]
-            }
-        };
+        let effect = self.effect(reduced, inputs)?;
+        let loading = reduced.loading();
+        let terms = 2 + loading.base();
+        let table = reduced.reaction(joint);
+        let exact = if table.is_err() { reduced.exact_reaction(joint, self.sigma) } else { Vec::new() };
         // A revolute joint transmits no moment.
         let parts = if reduced.linkage().joints[joint].freedom == Freedom::Turn { 2 } else { 3 };
         let mut value = [0.0; 3];
         let mut add = |term: usize, size: f64| {
             for (part, sum) in value.iter_mut().enumerate().take(parts) {
-                *sum += size * component(part * terms + term);
+                *sum += size
+                    * match table {
+                        Ok(table) => table.value(table.spot(self.sigma), part * terms + term),
+                        Err(_) => part_of(&exact[term], part),
+                    };
             }
         };
-        add(0, self.acceleration(reduced));
+        add(0, effect.acceleration);
         add(1, self.sigma_dot * self.sigma_dot);
         for load in 0..reduced.components().sized {
-            let size = self.arriving(reduced, load);
-            add(2 + load, size);
+            add(2 + load, self.arriving(reduced, load));
         }
-        for (place, spring) in reduced.loading().springs.iter().enumerate() {
-            let pull = self.output(reduced, &[], Output::Pull { spring: place })?;
-            add(2 + spring.load, -pull);
+        for (place, spring) in loading.springs.iter().enumerate() {
+            add(2 + spring.load, -self.pull(reduced, place)?);
+        }
+        let scene = reduced.scene(self.cache.air).ok().flatten();
+        let by_scene = scene.map_or(&[][..], |s| &s.loads);
+        let states = loading.loads.len() - loading.base();
+        let mut add_state = |load: usize, size: f64| -> Result<(), Unknown> {
+            if size == 0.0 {
+                return Ok(());
+            }
+            let table = reduced.state_reaction(joint);
+            for (part, sum) in value.iter_mut().enumerate().take(parts) {
+                *sum += size
+                    * match (&table, exact.get(2 + load)) {
+                        (Ok(table), _) => table.value(table.spot(self.sigma), part * states + load - loading.base()),
+                        (Err(_), Some(exact)) => part_of(exact, part),
+                        (Err(at), None) => return Err(Unknown::Table((*at).clone())),
+                    };
+            }
+            Ok(())
+        };
+        for (k, &load) in by_scene.iter().enumerate() {
+            add_state(load, self.cache.work.acting.loads[k])?;
+        }
+        if let Some(side) = effect.held {
+            if let Some(end) = self.travel[side].filter(|_| effect.by_stop) {
+                add_state(loading.stops[end.stop].load, self.of_stop(reduced, end.stop))?;
+            }
+            for lock in 0..loading.locks.len() {
+                let force = self.of_lock(reduced, inputs, lock);
+                if force != 0.0 {
+                    let outward = if side == 0 { -1.0 } else { 1.0 };
+                    let held = reduced.lock_reaction(lock, self.sigma, joint);
+                    for (part, sum) in value.iter_mut().enumerate().take(parts) {
+                        *sum += outward * force * part_of(&held, part);
+                    }
+                }
+            }
         }
         let value = value.map(finite);
         self.cache.reactions[joint] = Some(value);
         self.cache.used = true;
         Ok(value)
     }
+}
+
+fn part_of(reaction: &crate::reactions::Reaction, part: usize) -> f64 {
+    [reaction.force.x, reaction.force.y, reaction.moment][part]
 }
 
 fn checked<'a>(table: Result<&'a Table, &Unresolved>) -> Result<&'a Table, Unresolved> {

@@ -90,22 +90,35 @@ impl Components {
         Self { sized: loading.sized(), springs, damping, winding, count }
     }
 
+    /// The components of the motion: the effect of a load is its influence.
     pub(super) fn fill(&self, loading: &Loading, curve: &Curve, c: &Configuration, values: &mut [f64]) {
-        let linkage = curve.linkage();
+        self.fill_effects(loading, curve, c, &|load| loading.loads[load].influence(curve.linkage(), c), values);
+    }
+
+    /// The components of whatever each load of unit size has this `effect` on.
+    pub(super) fn fill_effects(
+        &self,
+        loading: &Loading,
+        curve: &Curve,
+        c: &Configuration,
+        effect: &dyn Fn(usize) -> f64,
+        values: &mut [f64],
+    ) {
         values[self.sized..].fill(0.0);
-        for (value, load) in values.iter_mut().zip(&loading.loads[..self.sized]) {
-            *value = load.influence(linkage, c);
+        for (load, value) in values[..self.sized].iter_mut().enumerate() {
+            *value = effect(load);
         }
         for spring in &loading.springs {
-            let [s, s_sigma, _] = loading.loads[spring.load].displacement(linkage, c);
+            let [s, s_sigma, _] = loading.loads[spring.load].displacement(curve.linkage(), c);
+            let of_pull = effect(spring.load);
             let mut add = |component: Option<usize>, value: f64| {
                 if let Some(k) = component {
                     values[k] += value;
                 }
             };
-            add(self.springs, -spring.pull(s) * s_sigma);
-            add(self.damping, spring.damping * s_sigma * s_sigma);
-            add(self.winding, -spring.stiffness * winding(loading, curve, spring) * s_sigma);
+            add(self.springs, -spring.pull(s) * of_pull);
+            add(self.damping, spring.damping * s_sigma * of_pull);
+            add(self.winding, -spring.stiffness * winding(loading, curve, spring) * of_pull);
         }
     }
 }

@@ -5,15 +5,17 @@
 //! It must not know the present state, the inputs or FMI.
 mod components;
 mod error;
+mod scene;
 mod start;
 
 pub use components::Components;
 pub use error::ReductionError;
+pub use scene::{Row, Scene};
 
 use crate::closure::{Closure, guessed};
 use crate::curve::{Configuration, Curve, Ends, Workspace};
 use crate::definition::Mechanism;
-use crate::linkage::{Linkage, Point};
+use crate::linkage::{Linkage, Point, Vec2};
 use crate::loading::{Loading, markers};
 use crate::loads::Load;
 use crate::reactions::{Columns, Reaction, columns};
@@ -38,6 +40,9 @@ pub struct Reduced {
     displacement_tables: Lazy,
     marker_tables: Lazy,
     reaction_tables: Lazy,
+    state_reaction_tables: Lazy,
+    /// Without and with air that moves.
+    scenes: [OnceLock<Result<Option<Scene>, Unresolved>>; 2],
 }
 
 impl Reduced {
@@ -72,6 +77,8 @@ impl Reduced {
             displacement_tables: OnceLock::new(),
             marker_tables: OnceLock::new(),
             reaction_tables: OnceLock::new(),
+            state_reaction_tables: OnceLock::new(),
+            scenes: [OnceLock::new(), OnceLock::new()],
             natural,
             curve,
             loading,
@@ -116,11 +123,6 @@ impl Reduced {
     /// Whether a drive has an efficiency.
     pub fn has_efficiency(&self) -> bool {
         self.loading.drives.iter().any(|d| d.efficiency.is_some())
-    }
-
-    /// Whether dampers or drives lose power.
-    pub fn loses_power(&self) -> bool {
-        self.components.damping.is_some() || self.has_efficiency()
     }
 
     /// S_sigma of every sized load, then what [`Components`] tells: the right-hand side is their sum, each times its size.
@@ -199,46 +201,75 @@ impl Reduced {
         tables[i].as_ref()
     }
 
-    /// A joint's reaction: force x, force y, moment; each for sigma_ddot = 1, sigma_dot^2 = 1, then each load = 1.
+    /// A joint's reaction: force x, force y, moment; each for sigma_ddot = 1, sigma_dot^2 = 1, then each load = 1 but those
+    /// that a state sizes.
     ///
     /// # Errors
     /// [`Unresolved`].
     pub fn reaction(&self, joint: usize) -> Result<&Table, &Unresolved> {
-        let terms = 2 + self.loading.loads.len();
+        let loads = &self.loading.loads[..self.loading.base()];
         let sizes = || {
             let size = self.linkage().size;
-            let mut forces = vec![self.natural.scale / size, 1.0 / size];
-            forces.extend(self.loading.loads.iter().map(|l| self.natural.displacement(l, self.linkage()) / size));
-            let moments: Vec<f64> = forces.iter().map(|f| f * size).collect();
-            [&forces[..], &forces[..], &moments[..]].concat()
+            reaction_sizes(vec![self.natural.scale / size, 1.0 / size], loads, &self.natural, self.linkage())
         };
-        let tables = self.reaction_tables.get_or_init(|| {
-            let joints = self.linkage().joints.len();
-            let mut columns = Columns::default();
-            self.tabulate(&vec![sizes(); joints], &mut |c, values| {
-                let reactions = columns.fill(self.curve.closure(), c, &self.loading.loads);
-                for (joint, v) in values.chunks_exact_mut(3 * terms).enumerate() {
-                    for k in 0..terms {
-                        let Reaction { force, moment } = reactions[k * joints + joint];
-                        (v[k], v[terms + k], v[2 * terms + k]) = (force.x, force.y, moment);
-                    }
+        self.reaction_tables.get_or_init(|| self.reactions(sizes(), loads, 0))[joint].as_ref()
+    }
+
+    /// A joint's reaction to the loads that a state sizes: force x, force y, moment; each for each of these loads = 1.
+    ///
+    /// # Errors
+    /// [`Unresolved`].
+    pub fn state_reaction(&self, joint: usize) -> Result<&Table, &Unresolved> {
+        let loads = &self.loading.loads[self.loading.base()..];
+        let sizes = || reaction_sizes(Vec::new(), loads, &self.natural, self.linkage());
+        self.state_reaction_tables.get_or_init(|| self.reactions(sizes(), loads, 2))[joint].as_ref()
+    }
+
+    /// Tables of the reactions of all joints for these loads, without the first `skipped` of their columns: for each joint
+    /// force x, force y, moment; each for all columns.
+    fn reactions(&self, sizes: Vec<f64>, loads: &[Load], skipped: usize) -> Vec<Result<Table, Unresolved>> {
+        let joints = self.linkage().joints.len();
+        let terms = 2 + loads.len() - skipped;
+        let mut columns = Columns::default();
+        self.tabulate(&vec![sizes; joints], &mut |c, values| {
+            let reactions = &columns.fill(self.curve.closure(), c, loads)[skipped * joints..];
+            for (joint, v) in values.chunks_exact_mut((3 * terms).max(1)).enumerate() {
+                for k in 0..terms {
+                    let Reaction { force, moment } = reactions[k * joints + joint];
+                    (v[k], v[terms + k], v[2 * terms + k]) = (force.x, force.y, moment);
                 }
-            })
-        });
-        tables[joint].as_ref()
+            }
+        })
     }
 
-    /// Components of [`Self::reaction`] at sigma from the exact evaluator: for a joint whose reaction grows without bound
-    /// somewhere, so that no table holds it.
-    pub fn exact_reaction(&self, joint: usize, sigma: f64) -> Vec<f64> {
-        let columns = self.reaction_columns(&self.curve.configuration(sigma));
-        let parts = |part: fn(&Reaction) -> f64| columns.iter().map(move |column| part(&column[joint]));
-        parts(|r| r.force.x).chain(parts(|r| r.force.y)).chain(parts(|r| r.moment)).collect()
+    /// What a joint transmits at sigma from the exact evaluator, for a joint whose reaction grows without bound somewhere,
+    /// so that no table holds it: a column for sigma_ddot = 1, for sigma_dot^2 = 1, then for each load = 1.
+    pub fn exact_reaction(&self, joint: usize, sigma: f64) -> Vec<Reaction> {
+        let all = columns(self.curve.closure(), &self.curve.configuration(sigma), &self.loading.loads);
+        all.iter().map(|column| column[joint]).collect()
     }
 
-    /// The exact columns behind [`Self::reaction`].
-    pub fn reaction_columns(&self, c: &Configuration) -> Vec<Vec<Reaction>> {
-        columns(self.curve.closure(), c, &self.loading.loads)
+    /// How the point of a lock moves along sigma: dr / d sigma, from the exact evaluator.
+    pub fn lock_path(&self, lock: usize, sigma: f64) -> Vec2 {
+        let c = self.curve.configuration(sigma);
+        c.positions.velocity(&c.rates, self.loading.locks[lock].at)
+    }
+
+    /// What a joint transmits if a lock pushes its point with 1 N forward along its path at sigma; from the exact evaluator.
+    pub fn lock_reaction(&self, lock: usize, sigma: f64, joint: usize) -> Reaction {
+        let c = self.curve.configuration(sigma);
+        let at = self.loading.locks[lock].at;
+        let direction = c.positions.velocity(&c.rates, at).normalize();
+        columns(self.curve.closure(), &c, &[Load::Force { at, direction }])[2][joint]
+    }
+
+    /// What acts besides loads of a given size, where anything does: dampers, drives with an efficiency, bumpers, friction,
+    /// and if `air` moves, its drag.
+    ///
+    /// # Errors
+    /// [`Unresolved`].
+    pub fn scene(&self, air: bool) -> Result<Option<&Scene>, &Unresolved> {
+        self.scenes[usize::from(air)].get_or_init(|| Scene::build(self, air)).as_ref().map(Option::as_ref)
     }
 
     /// Why the influences are not smooth: two ends meet, or nothing with mass moves.
@@ -276,4 +307,12 @@ fn tabulate(
         exact(&c, values);
         c.amplification
     })
+}
+
+/// Natural sizes of reactions: of these terms, then of loads; for both forces and the moment.
+fn reaction_sizes(terms: Vec<f64>, loads: &[Load], natural: &Natural, linkage: &Linkage) -> Vec<f64> {
+    let mut forces = terms;
+    forces.extend(loads.iter().map(|l| natural.displacement(l, linkage) / linkage.size));
+    let moments: Vec<f64> = forces.iter().map(|f| f * linkage.size).collect();
+    [&forces[..], &forces[..], &moments[..]].concat()
 }

@@ -17,6 +17,8 @@ struct Builder<'a> {
     quantities: Vec<Quantity>,
     effects: Vec<Effect>,
     parameters: Vec<(Parameter, f64)>,
+    /// Boolean parameters: name, text, start value.
+    flags: Vec<(String, String, bool)>,
     loading: Loading,
     markers: Vec<Point>,
 }
@@ -30,8 +32,10 @@ impl Variables {
         let linkage = Linkage::new(mechanism)?;
         let mut parameters = Vec::new();
         mechanism.clone().parameters(&mut |p, value| parameters.push((p, *value)));
+        let mut flags = Vec::new();
+        mechanism.clone().flags(&mut |name, text, value| flags.push((name, text, *value)));
         let (loading, markers) = (Loading::new(mechanism, &linkage)?, markers(mechanism, &linkage)?);
-        let effects = effects(mechanism, &linkage, &parameters, &loading, &markers)?;
+        let effects = effects(mechanism, &linkage, &parameters, &flags, &loading, &markers)?;
         let mut builder = Builder {
             mechanism,
             linkage: &linkage,
@@ -39,6 +43,7 @@ impl Variables {
             quantities: Vec::new(),
             effects,
             parameters,
+            flags,
             loading,
             markers,
         };
@@ -48,6 +53,8 @@ impl Variables {
         builder.add_drives();
         builder.add_springs();
         builder.add_markers();
+        builder.add_surfaces();
+        builder.add_stops();
         builder.add_energies();
         builder.add_parameters();
         for (i, v) in builder.list.iter().enumerate() {
@@ -83,14 +90,19 @@ impl Builder<'_> {
     }
 
     fn output(&mut self, name: String, description: String, unit: Unit, output: Output, needs: Needs) {
+        self.add_output(name, description, Some(unit), Quantity::Output(output), needs);
+    }
+
+    fn add_output(&mut self, name: String, description: String, unit: Option<Unit>, quantity: Quantity, needs: Needs) {
         let dependencies: Vec<Reference> = needs.inputs.iter().map(|&i| i as Reference).collect();
+        let real = unit.is_some();
         self.list.push(Variable {
             name,
             description,
-            kind: Kind::Real,
+            kind: if real { Kind::Real } else { Kind::Boolean },
             causality: Causality::Output,
-            variability: Variability::Continuous,
-            unit: Some(unit),
+            variability: if real { Variability::Continuous } else { Variability::Discrete },
+            unit,
             start: None,
             initial_dependencies: dependencies.clone(),
             dependencies,
@@ -100,7 +112,7 @@ impl Builder<'_> {
         let marks: Vec<Reference> = places.map(|i| i as Reference).collect();
         let last = self.list.len() - 1;
         self.list[last].initial_dependencies.extend(marks);
-        self.quantities.push(Quantity::Output(output));
+        self.quantities.push(quantity);
     }
 
     fn add_inputs(&mut self) {
@@ -139,20 +151,44 @@ impl Builder<'_> {
             names.push(format!("{}.demanded_acceleration", drive.name));
             starts.push((0.0, unit, format!("Acceleration of {} for which the required drive is told", drive.name)));
         }
-        for (i, (name, (start, unit, description))) in names.into_iter().zip(starts).enumerate() {
-            self.list.push(Variable {
-                name,
-                description,
-                kind: Kind::Real,
-                causality: Causality::Input,
-                variability: Variability::Continuous,
-                unit: Some(unit),
-                start: Some(Value::Real(start)),
-                dependencies: Vec::new(),
-                initial_dependencies: Vec::new(),
-            });
-            self.quantities.push(Quantity::Input(i));
+        if let Some(air) = &m.air {
+            names.push("airspeed".into());
+            let text = "Speed at which the air flows past the mechanism's frame".into();
+            starts.push((air.airspeed, Unit::MetrePerSecond, text));
         }
+        for (i, (name, (start, unit, description))) in names.into_iter().zip(starts).enumerate() {
+            let start = (Value::Real(start), Some(unit));
+            self.known(name, description, Causality::Input, Variability::Continuous, start, Quantity::Input(i));
+        }
+        for (i, (name, lock)) in m.locks.iter().enumerate() {
+            let description = format!("Whether {name} holds the mechanism when it is at {}", lock.stop);
+            let (name, start) = (format!("{name}.engage"), (Value::Boolean(lock.engage), None));
+            self.known(name, description, Causality::Input, Variability::Discrete, start, Quantity::Lock(i));
+        }
+    }
+
+    /// An input or a parameter.
+    fn known(
+        &mut self,
+        name: String,
+        description: String,
+        causality: Causality,
+        variability: Variability,
+        (start, unit): (Value, Option<Unit>),
+        quantity: Quantity,
+    ) {
+        self.list.push(Variable {
+            name,
+            description,
+            kind: if unit.is_some() { Kind::Real } else { Kind::Boolean },
+            causality,
+            variability,
+            unit,
+            start: Some(start),
+            dependencies: Vec::new(),
+            initial_dependencies: Vec::new(),
+        });
+        self.quantities.push(quantity);
     }
 
     /// Positions, speeds and accelerations of the coordinates.
@@ -223,12 +259,41 @@ impl Builder<'_> {
                 let description = format!("{text} that {first} exerts on {second} in {n}");
                 self.output(format!("{n}.{suffix}"), description, unit, Output::Reaction { joint, part }, needs);
             }
+            let pins = self.loading.friction.as_ref().map_or(&[][..], |f| &f.pins);
+            if let Some(pin) = pins.iter().position(|p| p.joint == joint) {
+                let (suffix, word, unit) = if j.freedom == Freedom::Turn {
+                    ("friction_torque", "Friction torque", Unit::NewtonMetre)
+                } else {
+                    ("friction_force", "Friction force along the axis", Unit::Newton)
+                };
+                let text = format!("{word} that {first} exerts on {second} in {n}");
+                self.output(format!("{n}.{suffix}"), text, unit, Output::Friction { pin }, needs);
+            }
         }
     }
 
-    /// Inputs that size loads, and all loads.
+    /// Inputs that act on the motion, and all loads.
     fn everything(&self) -> (Vec<usize>, Vec<usize>) {
-        ((0..self.loading.inputs.len()).collect(), (0..self.loading.loads.len()).collect())
+        let mut inputs: Vec<usize> = (0..self.loading.inputs.len()).collect();
+        inputs.extend(self.airspeed());
+        inputs.extend(self.locks());
+        (inputs, (0..self.loading.loads.len()).collect())
+    }
+
+    /// Place of the speed of the air among the inputs.
+    fn airspeed(&self) -> Option<usize> {
+        self.loading.air.as_ref().map(|_| self.loading.inputs.len() + self.loading.drives.len())
+    }
+
+    /// Places of the locks' inputs.
+    fn locks(&self) -> std::ops::Range<usize> {
+        let first = self.loading.inputs.len() + self.loading.drives.len() + usize::from(self.airspeed().is_some());
+        first..first + self.loading.locks.len()
+    }
+
+    /// Whether joints have friction, if it is enabled.
+    fn rubs(&self) -> bool {
+        self.loading.friction.as_ref().is_some_and(|f| !f.pins.is_empty())
     }
 
     /// What a load's displacement is placed by.
@@ -273,20 +338,36 @@ impl Builder<'_> {
     fn add_one_element(&mut self, n: &str, drive: usize, turns: bool, lossy: bool) {
         let (inputs, loads) = self.everything();
         let own = [drive];
-        let others: Vec<usize> = inputs.iter().copied().filter(|i| *i != drive).collect();
-        let demanded: Vec<usize> = others.iter().copied().chain([self.loading.inputs.len() + drive]).collect();
-        // With an efficiency the sign of the drive's power counts: its own force and the speed.
-        let sign = |inputs: &[usize]| -> Vec<usize> {
-            let mut all: Vec<usize> = inputs.iter().copied().chain(lossy.then_some(drive)).collect();
+        let locks = self.locks();
+        // What is held by a lock or not makes no difference to what a drive would have to do.
+        let free: Vec<usize> = inputs.iter().copied().filter(|i| !locks.contains(i)).collect();
+        let others: Vec<usize> = free.iter().copied().filter(|i| *i != drive).collect();
+        let with = |inputs: &[usize], more: Option<usize>| -> Vec<usize> {
+            let mut all: Vec<usize> = inputs.iter().copied().chain(more).collect();
             all.sort_unstable();
+            all.dedup();
             all
         };
-        let (none, others_too) = (sign(&[]), sign(&others));
+        let demanded = with(&others, Some(self.loading.inputs.len() + drive));
+        // With an efficiency the sign of the drive's power counts: its own force and the speed. Friction depends on all.
+        let rubs = self.rubs();
+        let (none, others_too) = (with(&[], lossy.then_some(drive)), with(&others, (lossy || rubs).then_some(drive)));
+        let pins: Vec<usize> = self.loading.friction.iter().flat_map(|f| &f.pins).map(|p| p.load).collect();
+        let frictionless: Vec<usize> = loads.iter().copied().filter(|l| !pins.contains(l)).collect();
+        let relative = self.loading.air.is_some();
         let mass = Needs { inertia: true, speed: lossy, inputs: &none, loads: &own, ..PLACED };
-        let load = Needs { speed: lossy || self.damped(), inputs: &others_too, loads: &loads, ..PLACED };
+        let load = Needs {
+            speed: lossy || rubs || relative || self.damped(),
+            inertia: rubs,
+            masses: rubs,
+            inputs: &others_too,
+            loads: &loads,
+            ..PLACED
+        };
         let additional = Needs { speed: true, inertia: true, inputs: &none, loads: &own, ..PLACED };
-        let required = Needs { speed: true, inertia: true, inputs: &demanded, loads: &loads, ..PLACED };
-        let holding = Needs { inputs: &others, loads: &loads, ..PLACED };
+        let required = Needs { speed: true, inertia: true, masses: rubs, inputs: &demanded, loads: &loads, ..PLACED };
+        let holding = Needs { inputs: &others, loads: &frictionless, ..PLACED };
+        let breakaway = Needs { inputs: &others, loads: &loads, ..PLACED };
         let (mass_unit, change_unit, unit) = if turns {
             (Unit::KilogramSquareMetre, Unit::KilogramSquareMetrePerRadian, Unit::NewtonMetre)
         } else {
@@ -294,7 +375,8 @@ impl Builder<'_> {
         };
         let (inertia, force) = if turns { ("inertia", "torque") } else { ("mass", "force") };
         use OneElement::{
-            AdditionalForce, HoldingForce, ReducedMass, ReducedMassDerivative, RequiredForce, StaticLoad,
+            AdditionalForce, BreakawayBackward, BreakawayForward, HoldingForce, ReducedMass, ReducedMassDerivative,
+            RequiredForce, StaticLoad,
         };
         for (suffix, text, unit, term, needs) in [
             (format!("reduced_{inertia}"), "Reduced inertia: of the mechanism, at", mass_unit, ReducedMass, mass),
@@ -330,6 +412,19 @@ impl Builder<'_> {
         ] {
             let output = Output::OneElement { drive, term };
             self.output(format!("{n}.{suffix}"), format!("{text} {n}"), unit, output, needs);
+        }
+        if rubs {
+            for (suffix, text, term) in [
+                (
+                    "forward",
+                    "What begins to move the mechanism forward from rest against static friction, of",
+                    BreakawayForward,
+                ),
+                ("backward", "What begins to move it backward, of", BreakawayBackward),
+            ] {
+                let output = Output::OneElement { drive, term };
+                self.output(format!("{n}.breakaway_{force}_{suffix}"), format!("{text} {n}"), unit, output, breakaway);
+            }
         }
     }
 
@@ -379,6 +474,44 @@ impl Builder<'_> {
         }
     }
 
+    fn add_surfaces(&mut self) {
+        let Some(air) = self.loading.air.clone() else { return };
+        let inputs: Vec<usize> = self.airspeed().into_iter().collect();
+        for (place, surface) in air.surfaces.iter().enumerate() {
+            let own = [surface.load, surface.load + 1, surface.load + 2];
+            let needs = Needs { speed: true, inputs: &inputs, loads: &own, ..self.placing(&[surface.start.body]) };
+            let text = format!("Drag on the surface {}, along the flow", surface.name);
+            let output = Output::Drag { surface: place };
+            self.output(format!("{}.drag", surface.name), text, Unit::Newton, output, needs);
+        }
+    }
+
+    fn add_stops(&mut self) {
+        let (inputs, loads) = self.everything();
+        let all = Needs { speed: true, inertia: true, inputs: &inputs, loads: &loads, ..PLACED };
+        for (place, stop) in self.loading.stops.clone().into_iter().enumerate() {
+            let n = &stop.name;
+            let (own, defined) = ([stop.load], self.mechanism.stops.get(n));
+            let flag = defined.and_then(|s| s.flag.clone()).unwrap_or_else(|| format!("{n}.reached"));
+            let at = match self.loading.loads[stop.load] {
+                Load::Torque { body } => Needs { loads: &own, ..self.placing(&[body]) },
+                _ => Needs { loads: &own, ..self.placing_load(stop.load) },
+            };
+            let text = format!("Whether the mechanism is at {n}");
+            self.add_output(flag, text, None, Quantity::AtStop(place), at);
+            let (suffix, unit) =
+                if stop.quantity == "angle" { ("torque", Unit::NewtonMetre) } else { ("force", Unit::Newton) };
+            let text = format!("Push of {n} against the mechanism");
+            self.output(format!("{n}.{suffix}"), text, unit, Output::Stop { stop: place }, all);
+        }
+        for (place, lock) in self.loading.locks.clone().into_iter().enumerate() {
+            let stop = &self.loading.stops[lock.stop].name;
+            let text = format!("Force with which {} holds, positive towards {stop}", lock.name);
+            let output = Output::Lock { lock: place };
+            self.output(format!("{}.force", lock.name), text, Unit::Newton, output, all);
+        }
+    }
+
     fn add_energies(&mut self) {
         let gravity: Vec<usize> = self.loading.gravity.into_iter().collect();
         let stored: Vec<usize> =
@@ -402,18 +535,13 @@ impl Builder<'_> {
             }
         }
         for (i, (parameter, value)) in std::mem::take(&mut self.parameters).into_iter().enumerate() {
-            self.list.push(Variable {
-                name: parameter.name,
-                description: parameter.description,
-                kind: Kind::Real,
-                causality: Causality::Parameter,
-                variability: Variability::Fixed,
-                unit: Some(parameter.unit),
-                start: Some(Value::Real(value)),
-                dependencies: Vec::new(),
-                initial_dependencies: Vec::new(),
-            });
-            self.quantities.push(Quantity::Parameter(i));
+            let start = (Value::Real(value), Some(parameter.unit));
+            let (name, text) = (parameter.name, parameter.description);
+            self.known(name, text, Causality::Parameter, Variability::Fixed, start, Quantity::Parameter(i));
+        }
+        for (i, (name, text, value)) in std::mem::take(&mut self.flags).into_iter().enumerate() {
+            let start = (Value::Boolean(value), None);
+            self.known(name, text, Causality::Parameter, Variability::Fixed, start, Quantity::Flag(i));
         }
     }
 }

@@ -89,8 +89,14 @@ pub struct Variable {
 pub enum Quantity {
     /// A number of the definition, by its place among the parameters.
     Parameter(usize),
-    /// The size of a load, by its place.
+    /// A Real that the host sets between steps, by its place.
     Input(usize),
+    /// A Boolean of the definition, by its place among those.
+    Flag(usize),
+    /// Whether a lock is engaged.
+    Lock(usize),
+    /// Whether the mechanism is at a stop.
+    AtStop(usize),
     /// Computed from the state.
     Output(Output),
 }
@@ -147,6 +153,26 @@ pub enum Output {
         /// 0, 1 or 2.
         order: usize,
     },
+    /// Friction in a joint: on the second-named body.
+    Friction {
+        /// Place among the joints with friction.
+        pin: usize,
+    },
+    /// Drag on a surface, along the flow.
+    Drag {
+        /// Place of the surface.
+        surface: usize,
+    },
+    /// Force or torque of a stop.
+    Stop {
+        /// Place of the stop.
+        stop: usize,
+    },
+    /// Force of a lock.
+    Lock {
+        /// Place of the lock.
+        lock: usize,
+    },
     /// Kinetic energy.
     Kinetic,
     /// Potential energy under the present load factor.
@@ -170,6 +196,10 @@ pub enum OneElement {
     RequiredForce,
     /// What holds the mechanism still here under the present loads, without loss.
     HoldingForce,
+    /// What begins to move the mechanism here from rest, forward along the drive, against static friction.
+    BreakawayForward,
+    /// The same backward.
+    BreakawayBackward,
 }
 
 /// Part of a joint's reaction.

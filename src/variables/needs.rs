@@ -1,7 +1,8 @@
 //! Dependencies: what a variable follows from, and what each parameter acts on.
 use crate::definition::{DefinitionError, Mechanism, Parameter, Role};
-use crate::linkage::{Freedom, GROUND, Linkage, Point};
-use crate::loading::{Loading, Spring, markers};
+use crate::drag::Surface;
+use crate::linkage::{Freedom, GROUND, Linkage, Point, Vec2};
+use crate::loading::{Air, Loading, Pin, Spring, Stop, markers};
 use crate::loads::Load;
 
 /// What a variable's value follows from; a set of causes.
@@ -73,10 +74,11 @@ pub(super) fn effects(
     mechanism: &Mechanism,
     linkage: &Linkage,
     parameters: &[(Parameter, f64)],
+    flags: &[(String, String, bool)],
     loading: &Loading,
     all_markers: &[Point],
 ) -> Result<Vec<Effect>, DefinitionError> {
-    let mut out = Vec::new();
+    let mut changes = Vec::new();
     for (parameter, value) in parameters {
         let mut changed = mechanism.clone();
         changed.parameters(&mut |p, v| {
@@ -84,6 +86,19 @@ pub(super) fn effects(
                 *v = value * 1.001 + 1e-4;
             }
         });
+        // So that V_d stays above V_S, whichever changes.
+        if let Some(friction) = &mut changed.friction {
+            friction.kinetic_speed = friction.kinetic_speed.max(1.01 * friction.static_speed);
+        }
+        changes.push((parameter.role, changed));
+    }
+    for (flag, ..) in flags {
+        let mut changed = mechanism.clone();
+        changed.flags(&mut |name, _, v| *v ^= name == *flag);
+        changes.push((Role::Load, changed));
+    }
+    let mut out = Vec::new();
+    for (role, changed) in changes {
         let other = Linkage::new(&changed)?;
         // A prismatic joint's angle shows in its second body's.
         let joint = |l: &Linkage, j: usize| (l.joints[j].clone(), l.bodies[l.joints[j].second.body].offset);
@@ -98,7 +113,7 @@ pub(super) fn effects(
         // Rounding of the same sum in other terms is no effect.
         let same = |(a, b): (&[f64; 4], &[f64; 4])| a.iter().zip(b).all(|(x, y)| (x - y).abs() <= 1e-12 * x.abs());
         out.push(Effect {
-            role: parameter.role,
+            role,
             joints: (0..linkage.joints.len()).map(|j| joint(linkage, j) != joint(&other, j)).collect(),
             inertia: !kinetic(linkage).iter().zip(&kinetic(&other)).all(same),
             masses: moved,
@@ -109,12 +124,34 @@ pub(super) fn effects(
     Ok(out)
 }
 
-/// What a load depends on: its unit load, its size where that is constant, its spring's law, its drive's efficiency.
-fn load_constants(loading: &Loading, load: usize) -> (&Load, Option<f64>, Option<&Spring>, Option<f64>) {
+/// What a load depends on: its unit load, and what sizes it.
+#[derive(PartialEq)]
+struct Constants<'a> {
+    load: &'a Load,
+    constant: Option<f64>,
+    spring: Option<&'a Spring>,
+    efficiency: Option<f64>,
+    stop: Option<&'a Stop>,
+    /// Density, flow and relative wind, and the surface.
+    surface: Option<(f64, Vec2, bool, &'a Surface)>,
+    /// Whether there is friction, and its pin.
+    pin: Option<(bool, &'a Pin)>,
+}
+
+fn load_constants(loading: &Loading, load: usize) -> Constants<'_> {
     let constant = load.checked_sub(loading.inputs.len()).and_then(|i| loading.constants.get(i));
-    let spring = load.checked_sub(loading.sized()).map(|i| &loading.springs[i]);
-    let efficiency = loading.drives.get(load).and_then(|d| d.efficiency);
-    (&loading.loads[load], constant.copied(), spring, efficiency)
+    let surface = |air: &'_ Air| air.surfaces.iter().position(|s| (s.load..s.load + 3).contains(&load));
+    let air = loading.air.as_ref().and_then(|air| surface(air).map(|i| (air, &air.surfaces[i])));
+    let pins = loading.friction.as_ref();
+    Constants {
+        load: &loading.loads[load],
+        constant: constant.copied(),
+        spring: load.checked_sub(loading.sized()).and_then(|i| loading.springs.get(i)),
+        efficiency: loading.drives.get(load).and_then(|d| d.efficiency),
+        stop: loading.stops.iter().find(|s| s.load == load),
+        surface: air.map(|(air, surface)| (air.density, air.flow, air.relative_wind, surface)),
+        pin: pins.and_then(|f| f.pins.iter().find(|p| p.load == load).map(|p| (f.enabled, p))),
+    }
 }
 
 /// What a body's kinetic energy depends on: about its pivot alone if that is fixed, else mass, centre and inertia.

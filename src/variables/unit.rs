@@ -13,6 +13,8 @@ pub enum Unit {
     RadianPerSecondSquared,
     /// Length [m].
     Metre,
+    /// Area [m2].
+    SquareMetre,
     /// Speed [m/s].
     MetrePerSecond,
     /// Acceleration [m/s2].
@@ -21,6 +23,8 @@ pub enum Unit {
     Kilogram,
     /// Moment of inertia [kg.m2].
     KilogramSquareMetre,
+    /// Mass density [kg/m3].
+    KilogramPerCubicMetre,
     /// Force [N].
     Newton,
     /// Torque [N.m].
@@ -72,10 +76,12 @@ impl Unit {
             Self::RadianPerSecond => "rad/s",
             Self::RadianPerSecondSquared => "rad/s2",
             Self::Metre => "m",
+            Self::SquareMetre => "m2",
             Self::MetrePerSecond => "m/s",
             Self::MetrePerSecondSquared => "m/s2",
             Self::Kilogram => "kg",
             Self::KilogramSquareMetre => "kg.m2",
+            Self::KilogramPerCubicMetre => "kg/m3",
             Self::Newton => "N",
             Self::NewtonMetre => "N.m",
             Self::Joule => "J",
@@ -96,10 +102,12 @@ impl Unit {
             Self::RadianPerSecond => (0, 0, -1, 1),
             Self::RadianPerSecondSquared => (0, 0, -2, 1),
             Self::Metre => (0, 1, 0, 0),
+            Self::SquareMetre => (0, 2, 0, 0),
             Self::MetrePerSecond => (0, 1, -1, 0),
             Self::MetrePerSecondSquared => (0, 1, -2, 0),
             Self::Kilogram => (1, 0, 0, 0),
             Self::KilogramSquareMetre => (1, 2, 0, 0),
+            Self::KilogramPerCubicMetre => (1, -3, 0, 0),
             Self::Newton => (1, 1, -2, 0),
             Self::NewtonMetre | Self::Joule => (1, 2, -2, 0),
             Self::NewtonPerMetre => (1, 0, -2, 0),

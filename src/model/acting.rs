@@ -1,0 +1,242 @@
+//! What acts in a scene at one state: dampers, drives with an efficiency, drag, bumpers, friction.
+//!
+//! In: a scene, the sizes of the given loads, the state. Out: the acceleration along the curve, the power lost, the sizes of
+//! the loads that the state decides. Written once for values and for values with derivatives.
+use super::panel::{Folded, Given, series_at};
+use crate::drag::Meeting;
+use crate::friction::{Locked, Loop};
+use crate::number::Number;
+use crate::reduced::{Reduced, Row, Scene};
+
+/// What is decided between steps, not within one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Mode {
+    /// Sign of sigma_dot for the drives with an efficiency; it holds until sigma_dot passes through 0.
+    pub direction: f64,
+    /// Bumper, by its place in the scene, that is in contact at the low and at the high end of the travel.
+    pub touching: [Option<usize>; 2],
+}
+
+/// Result of an evaluation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effect<T> {
+    /// sigma_ddot.
+    pub acceleration: T,
+    /// Power that leaves the mechanism beyond the work of the given loads [W].
+    pub lost: T,
+}
+
+/// Room for an evaluation, with what it found last.
+#[derive(Clone, Debug)]
+pub struct Acting<T> {
+    /// What arrives of the drives with an efficiency, in the scene's order.
+    pub arriving: Vec<T>,
+    /// Sizes of the scene's loads.
+    pub loads: Vec<T>,
+    /// Reactions and friction.
+    pub friction: Loop<T>,
+    /// Effects in each row but friction.
+    sums: Vec<T>,
+}
+
+impl<T: Number> Acting<T> {
+    /// Room for a scene.
+    pub fn new(scene: Option<&Scene>) -> Self {
+        let zero = T::constant(0.0);
+        let (lossy, loads, pins, rows) =
+            scene.map_or((0, 0, 0, 0), |s| (s.lossy.len(), s.loads.len(), s.pins.len(), s.rows.len()));
+        Self {
+            arriving: vec![zero; lossy],
+            loads: vec![zero; loads],
+            friction: Loop::new(pins),
+            sums: vec![zero; rows],
+        }
+    }
+
+    /// Evaluate at a state; `folded` holds at sigma.
+    ///
+    /// # Errors
+    /// [`Locked`]: friction and reactions have no common solution.
+    pub fn evaluate(
+        &mut self,
+        (reduced, scene): (&Reduced, &Scene),
+        given: &Given,
+        folded: &Folded,
+        mode: &Mode,
+        [sigma, sigma_dot]: [T; 2],
+    ) -> Result<Effect<T>, Locked> {
+        let x = folded.x(sigma);
+        let at = |component: usize| series_at(scene.table.series(folded.panel, component), x);
+        let damping = reduced.components().damping;
+        let mut lost = T::constant(0.0);
+        // What the state decides, but for friction.
+        for (k, &load) in scene.lossy.iter().enumerate() {
+            let influence = at(scene.given(0, load));
+            let full = influence * T::constant(given.sizes[load]);
+            let efficiency = reduced.loading().drives[load].efficiency.unwrap_or(1.0);
+            let part = efficient(full.value(), mode.direction, efficiency);
+            self.arriving[k] = T::constant(given.sizes[load] * part);
+            lost = lost + full * T::constant(1.0 - part) * sigma_dot;
+        }
+        self.blow(reduced, scene, given, sigma_dot, &at);
+        self.press(reduced, scene, folded, mode, sigma_dot, &at);
+        let free = scene.loads.len() - scene.pins.len();
+        for row in 0..scene.rows.len() {
+            let force = if row == 0 { &folded.force } else { &folded.reactions[row - 1] };
+            let mut sum = series_at(force, x);
+            if let Some(k) = damping {
+                let drag = at(scene.given(row, k)) * sigma_dot;
+                sum = sum - drag;
+                if row == 0 {
+                    lost = lost + drag * sigma_dot;
+                }
+            }
+            if row > 0 {
+                sum = sum + at(scene.square(row)) * sigma_dot * sigma_dot;
+            }
+            for (&load, &size) in scene.lossy.iter().zip(&self.arriving) {
+                sum = sum + at(scene.given(row, load)) * size;
+            }
+            for (k, &size) in self.loads[..free].iter().enumerate() {
+                let share = at(scene.column(row, k)) * size;
+                sum = sum + share;
+                if row == 0 {
+                    lost = lost - share * sigma_dot;
+                }
+            }
+            self.sums[row] = sum;
+        }
+        let mut acceleration = self.sums[0];
+        if !scene.pins.is_empty() {
+            self.rub(scene, sigma_dot, &at)?;
+            for j in 0..scene.pins.len() {
+                self.loads[free + j] = self.friction.friction(j);
+                let share = at(scene.column(0, free + j)) * self.loads[free + j];
+                acceleration = acceleration + share;
+                lost = lost - share * sigma_dot;
+            }
+        }
+        Ok(Effect { acceleration, lost })
+    }
+
+    /// Force along the curve of a sized load, not subject to friction itself, with which sigma_ddot is `target` in the state
+    /// of the last evaluation: inverse dynamics with friction as the loop of its own. `size` is the load's present size.
+    /// With `breakaway`, every pin has its static friction against a motion in that direction.
+    ///
+    /// # Errors
+    /// [`Locked`].
+    pub fn required(
+        &mut self,
+        scene: &Scene,
+        folded: &Folded,
+        sigma: T,
+        (load, size): (usize, T),
+        target: T,
+        breakaway: Option<f64>,
+    ) -> Result<T, Locked> {
+        let x = folded.x(sigma);
+        let at = |component: usize| series_at(scene.table.series(folded.panel, component), x);
+        let influence = at(scene.given(0, load));
+        // What the load must give along the curve without friction, and what this share of it is.
+        let bare = target - (self.sums[0] - influence * size);
+        let n = scene.pins.len();
+        let first = scene.loads.len() - n;
+        if n == 0 {
+            return Ok(bare);
+        }
+        if let Some(direction) = breakaway {
+            for (j, pin) in scene.pins.iter().enumerate() {
+                let slip = at(scene.column(0, first + j)).value() * direction;
+                let arm = pin.law.static_coefficient * pin.radius;
+                self.friction.arm[j] = T::constant(if slip < 0.0 { -arm } else { arm });
+            }
+        }
+        let share = bare * influence.chain(1.0 / influence.value(), -1.0 / influence.value().powi(2));
+        self.friction.clear();
+        for (row, what) in scene.rows.iter().enumerate().skip(1) {
+            let Row::Reaction { pin, part } = *what else { continue };
+            let axis = part.axis();
+            let of_load = at(scene.given(row, load));
+            self.friction.free[pin][axis] = self.sums[row] + of_load * (share - size);
+            let each = of_load * influence.chain(1.0 / influence.value(), -1.0 / influence.value().powi(2));
+            for j in 0..n {
+                let effect = at(scene.column(row, first + j)) - each * at(scene.column(0, first + j));
+                self.friction.effect[pin * n + j][axis] = effect;
+            }
+        }
+        self.friction.solve()?;
+        let mut force = bare;
+        for j in 0..n {
+            force = force - at(scene.column(0, first + j)) * self.friction.friction(j);
+        }
+        Ok(force)
+    }
+
+    /// Drag of the air.
+    fn blow(&mut self, reduced: &Reduced, scene: &Scene, given: &Given, sigma_dot: T, at: &impl Fn(usize) -> T) {
+        let Some(air) = reduced.loading().air.as_ref().filter(|_| scene.air) else { return };
+        for (i, surface) in air.surfaces.iter().enumerate() {
+            let rate = |k: usize| at(scene.column(0, 3 * i + k)) * sigma_dot;
+            let mut wind = [air.flow.x, air.flow.y].map(|f| T::constant(f * given.airspeed));
+            let mut omega = T::constant(0.0);
+            if air.relative_wind {
+                wind = [wind[0] - rate(0), wind[1] - rate(1)];
+                omega = rate(2);
+            }
+            let line = [at(scene.line(i)), at(scene.line(i) + 1)];
+            let drag = surface.drag(air.density, &Meeting { wind, omega, line });
+            self.loads[3 * i..3 * i + 3].copy_from_slice(&drag);
+        }
+    }
+
+    /// Bumpers in contact push back.
+    fn press(
+        &mut self,
+        reduced: &Reduced,
+        scene: &Scene,
+        folded: &Folded,
+        mode: &Mode,
+        sigma_dot: T,
+        at: &impl Fn(usize) -> T,
+    ) {
+        let first = scene.loads.len() - scene.pins.len() - scene.bumpers.len();
+        for (k, &stop) in scene.bumpers.iter().enumerate() {
+            let touches = mode.touching.contains(&Some(k));
+            self.loads[first + k] = if touches {
+                let stop = &reduced.loading().stops[stop];
+                let wound = folded.turns * reduced.load_growth(stop.load);
+                let beyond = at(scene.pressed(k)) + T::constant(wound - stop.value);
+                let rate = at(scene.column(0, first + k)) * sigma_dot;
+                -(beyond * T::constant(stop.stiffness) + rate * T::constant(stop.damping))
+            } else {
+                T::constant(0.0)
+            };
+        }
+    }
+
+    /// Friction of all pins.
+    fn rub(&mut self, scene: &Scene, sigma_dot: T, at: &impl Fn(usize) -> T) -> Result<(), Locked> {
+        let n = scene.pins.len();
+        let first = scene.loads.len() - n;
+        for (j, pin) in scene.pins.iter().enumerate() {
+            let slip = at(scene.column(0, first + j)) * sigma_dot * T::constant(pin.radius);
+            self.friction.arm[j] = pin.law.signed(slip) * T::constant(pin.radius);
+        }
+        self.friction.clear();
+        for (row, what) in scene.rows.iter().enumerate().skip(1) {
+            let Row::Reaction { pin, part } = *what else { continue };
+            let axis = part.axis();
+            self.friction.free[pin][axis] = self.sums[row];
+            for j in 0..n {
+                self.friction.effect[pin * n + j][axis] = at(scene.column(row, first + j));
+            }
+        }
+        self.friction.solve()
+    }
+}
+
+/// [CK16] eqs. (5), (29): what part of a drive's force `full` (times its influence) arrives when the motion has this
+/// direction: eta where power flows in, 1/eta where it flows back.
+fn efficient(full: f64, direction: f64, efficiency: f64) -> f64 {
+    if full * direction > 0.0 { efficiency } else { 1.0 / efficiency }
+}

@@ -1,0 +1,286 @@
+//! The course of a motion over one communication step: integration from event to event.
+//!
+//! In: the motion, the travel, what holds. Out: the state at the exact end. Events - impacts on stops, bumpers touched and
+//! left, reversals of drives with an efficiency - are roots on the interpolant of a step, polished on the integration itself.
+use super::motion::Motion;
+use super::travel::Travel;
+use crate::friction::Locked;
+use crate::integrator::{Dense, IntegrationError, Integrator, Step, System};
+
+/// Why a course ended early.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stopped {
+    /// The integration stopped.
+    Integration(IntegrationError),
+    /// Friction and reactions have no common solution.
+    Locked,
+}
+
+impl From<Locked> for Stopped {
+    fn from(_: Locked) -> Self {
+        Self::Locked
+    }
+}
+
+/// What is at the ends of the travel during a step; positions in the frame of sigma.
+#[derive(Clone, Copy, Debug)]
+pub struct Surroundings {
+    /// Ends.
+    pub travel: Travel,
+    /// Whether a lock is engaged there.
+    pub locked: [bool; 2],
+}
+
+/// Where the motion is besides its sigma and sigma_dot.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Contact {
+    /// End at which the mechanism rests.
+    pub resting: Option<usize>,
+    /// Bumper, by its place in the scene, in contact at each end.
+    pub touching: [Option<usize>; 2],
+}
+
+/// Flight between two impacts below which they are one contact [s].
+const FLIGHT: f64 = 1e-10;
+
+/// An event within a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Event {
+    /// The end of the travel on this side is passed.
+    End(usize),
+    /// The bumper on this side begins or ceases to push.
+    Bumper(usize),
+    /// sigma_dot changes its sign.
+    Reversal,
+}
+
+/// Advance z = (sigma, sigma_dot, energy lost if N = 3) by exactly `span`; returns the energy lost in impacts [J].
+///
+/// # Errors
+/// [`Stopped`].
+pub fn advance<'m, const N: usize>(
+    integrator: &mut Integrator<N>,
+    motion: &mut Motion<'m>,
+    around: &Surroundings,
+    contact: &mut Contact,
+    z: &mut [f64; N],
+    span: f64,
+    tolerance: f64,
+) -> Result<f64, Stopped>
+where
+    Motion<'m>: System<N>,
+{
+    let mut lost = 0.0;
+    let mut t = 0.0;
+    while t < span {
+        if let Some(side) = contact.resting {
+            if around.locked[side] || rests(motion, around, side, z[0])? {
+                return Ok(lost);
+            }
+            contact.resting = None;
+            integrator.restart();
+        }
+        if let Some(side) = pushes_out(motion, around, z) {
+            lost += strike(motion, around, contact, side, z, tolerance)?;
+            integrator.restart();
+            continue;
+        }
+        motion.mode.touching = contact.touching;
+        if motion.reverses() {
+            motion.mode.direction = motion.direction(z[0], z[1])?;
+            if motion.mode.direction == 0.0 {
+                return Ok(lost);
+            }
+        }
+        let before = *integrator;
+        let step = integrator.step(motion, t, z, span, tolerance).map_err(|e| failure(motion, e))?;
+        let Some((s, event)) = first_event(motion, around, contact, &step) else {
+            *z = step.end;
+            t += step.h;
+            if step.reached {
+                break;
+            }
+            continue;
+        };
+        // Land on the event by integrating up to it.
+        let mut h = s * step.h;
+        let mut there = *z;
+        for _ in 0..6 {
+            *integrator = before;
+            there = *z;
+            if h > 0.0 {
+                integrator.advance(motion, &mut there, h, tolerance).map_err(|e| failure(motion, e))?;
+            }
+            let Event::End(side) = event else { break };
+            let miss = around.travel[side].map_or(0.0, |e| e.position - there[0]);
+            let correction = miss / there[1];
+            let small =
+                correction.abs() <= 1e-15 * span.max(step.h) || miss.abs() <= 4.0 * f64::EPSILON * there[0].abs();
+            let next = h + correction;
+            if small || !(next > 0.0 && next <= step.h && correction.abs() < 0.1 * step.h) {
+                break;
+            }
+            h = next;
+        }
+        *z = there;
+        t += h;
+        integrator.restart();
+        match event {
+            Event::End(side) => lost += strike(motion, around, contact, side, z, tolerance)?,
+            Event::Bumper(side) => {
+                contact.touching[side] =
+                    if contact.touching[side].is_some() { None } else { bumper(motion, around, side) };
+            }
+            Event::Reversal => z[1] = 0.0,
+        }
+    }
+    Ok(lost)
+}
+
+fn failure(motion: &Motion, error: IntegrationError) -> Stopped {
+    if motion.locked { Stopped::Locked } else { Stopped::Integration(error) }
+}
+
+fn outward(side: usize) -> f64 {
+    if side == 0 { -1.0 } else { 1.0 }
+}
+
+/// The scene's bumper at an end.
+fn bumper(motion: &Motion, around: &Surroundings, side: usize) -> Option<usize> {
+    let end = around.travel[side]?;
+    motion.scene.and_then(|s| s.bumpers.iter().position(|&b| b == end.stop))
+}
+
+fn rigid(motion: &Motion, around: &Surroundings, side: usize) -> bool {
+    around.travel[side].is_some_and(|e| motion.reduced.loading().stops[e.stop].rigid)
+}
+
+/// Whether a mechanism at rest at an end stays there: the loads press it against a rigid stop.
+pub fn rests(motion: &mut Motion, around: &Surroundings, side: usize, sigma: f64) -> Result<bool, Locked> {
+    Ok(rigid(motion, around, side) && motion.settle(sigma, 0.0)? * outward(side) >= 0.0)
+}
+
+/// Side on which the mechanism is at a rigid end, or at a lock that is engaged, and moves outward.
+fn pushes_out<const N: usize>(motion: &Motion, around: &Surroundings, z: &[f64; N]) -> Option<usize> {
+    (0..2).find(|&side| {
+        let moves = z[1] * outward(side) > 0.0;
+        let at = around.travel[side].is_some_and(|e| (z[0] - e.position) * outward(side) >= 0.0);
+        moves && at && rigid(motion, around, side)
+    })
+}
+
+/// The mechanism comes to an end of its travel: it is caught, bounces, comes to rest or meets a bumper. Returns the energy
+/// lost [J].
+fn strike<const N: usize>(
+    motion: &mut Motion,
+    around: &Surroundings,
+    contact: &mut Contact,
+    side: usize,
+    z: &mut [f64; N],
+    tolerance: f64,
+) -> Result<f64, Locked> {
+    let Some(end) = around.travel[side] else { return Ok(0.0) };
+    let before = 0.5 * z[1] * z[1];
+    z[0] = end.position;
+    if around.locked[side] {
+        z[1] = 0.0;
+        contact.resting = Some(side);
+        return Ok(before);
+    }
+    if !rigid(motion, around, side) {
+        if z[1] * outward(side) > 0.0 {
+            contact.touching[side] = bumper(motion, around, side);
+        }
+        return Ok(0.0);
+    }
+    // Newton's law of impact.
+    z[1] *= -motion.reduced.loading().stops[end.stop].restitution;
+    if z[1] != 0.0 {
+        let press = motion.settle(z[0], 0.0)? * outward(side);
+        let shortest = FLIGHT.max(0.1 * tolerance * (motion.reduced.scale() / press.abs()).sqrt());
+        if press > 0.0 && 2.0 * z[1].abs() < shortest * press {
+            z[1] = 0.0;
+        }
+    }
+    if z[1] == 0.0 {
+        contact.resting = Some(side);
+    }
+    Ok(before - 0.5 * z[1] * z[1])
+}
+
+/// The first event in a step, and the part of the step before it.
+fn first_event<'m, const N: usize>(
+    motion: &mut Motion<'m>,
+    around: &Surroundings,
+    contact: &Contact,
+    step: &Step<N>,
+) -> Option<(f64, Event)>
+where
+    Motion<'m>: System<N>,
+{
+    let reverses = motion.reverses() && step.end[1] * motion.mode.direction < 0.0;
+    let reach = 1.5 * step.excursion(0);
+    let near =
+        |side: usize| around.travel[side].is_some_and(|e| (step.start[0] - e.position) * outward(side) + reach > 0.0);
+    let sides = [near(0), near(1)];
+    if !reverses && sides == [false; 2] {
+        return None;
+    }
+    let dense = step.dense(motion);
+    let mut first: Option<(f64, Event)> = None;
+    let mut offer = |s: Option<f64>, event: Event| {
+        if let Some(s) = s
+            && first.is_none_or(|(other, _)| s < other)
+        {
+            first = Some((s, event));
+        }
+    };
+    if reverses {
+        offer(dense.first_passage(1, 0.0, -motion.mode.direction, false), Event::Reversal);
+    }
+    for side in (0..2).filter(|&side| sides[side]) {
+        let Some(end) = around.travel[side] else { continue };
+        let leaving = (step.start[0] - end.position) * outward(side) >= 0.0;
+        if contact.touching[side].is_none() {
+            offer(dense.first_passage(0, end.position, outward(side), leaving), Event::End(side));
+        }
+        if let Some(k) = bumper(motion, around, side) {
+            let touches = contact.touching[side].is_some();
+            offer(bumper_event(motion, &dense, k, touches), Event::Bumper(side));
+            if around.locked[side] {
+                // Coming back from beyond.
+                let beyond = (step.start[0] - end.position) * outward(side) > 0.0;
+                if beyond {
+                    offer(dense.first_passage(0, end.position, -outward(side), false), Event::End(side));
+                }
+            }
+        }
+    }
+    first
+}
+
+/// Part of a step after which a bumper that touches lets go, or one that is pressed while it does not push begins to.
+fn bumper_event<const N: usize>(motion: &mut Motion, dense: &Dense<N>, k: usize, touches: bool) -> Option<f64> {
+    const SAMPLES: usize = 12;
+    let mut passed = |s: f64| {
+        let y = dense.at(s);
+        let (beyond, push) = motion.pressure(k, y[0], y[1]);
+        // A bumper that touches lets go when it would pull; one that does not begins when it would push, if it is pressed.
+        if touches { push < 0.0 } else { beyond > 0.0 && push > 0.0 }
+    };
+    // At the start, just after an event, it may be so by rounding.
+    let mut before = passed(0.0);
+    for i in 1..=SAMPLES {
+        let (mut a, mut b) = ((i - 1) as f64 / SAMPLES as f64, i as f64 / SAMPLES as f64);
+        let now = passed(b);
+        if now && !before {
+            for _ in 0..60 {
+                let middle = 0.5 * (a + b);
+                if passed(middle) { b = middle } else { a = middle }
+            }
+            return Some(b);
+        }
+        before = now;
+    }
+    None
+}

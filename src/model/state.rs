@@ -1,0 +1,268 @@
+//! The state of motion, and how it goes on.
+use super::acting::Mode;
+use super::course::{Contact, Stopped, Surroundings, advance};
+use super::motion::{Motion, Work};
+use super::outputs::Cache;
+use super::panel::Given;
+use super::travel::{Travel, travel};
+use super::{Inputs, ModelError};
+use crate::definition::{DefinitionError, Mechanism};
+use crate::integrator::{Integrator, Statistics};
+use crate::reduced::{Reduced, ReductionError, Scene};
+
+/// The state of motion, with the memory of the integration.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// Length along the curve; on a closed one within its first turn.
+    pub sigma: f64,
+    pub sigma_dot: f64,
+    /// Whole turns of a closed curve made so far.
+    pub turns: f64,
+    /// What the ends of the travel do.
+    pub contact: Contact,
+    /// Ends of the travel.
+    pub travel: Travel,
+    /// Sizes of the loads in the last step: those that the integration and the energy balance know.
+    pub applied: Vec<f64>,
+    /// Speed of the air in the last step [m/s].
+    airspeed: f64,
+    /// Energy at the start, plus the work of changing sizes, less the energy lost since.
+    pub reference: f64,
+    memory: Memory,
+    /// Right-hand side for the applied sizes, for the integration.
+    work: Work,
+    pub cache: Cache,
+}
+
+/// Memory of the integration.
+#[derive(Clone, Copy, Debug)]
+enum Memory {
+    /// No power is lost: the state is (sigma, sigma_dot).
+    Conservative(Integrator<2>),
+    /// The energy lost is integrated too.
+    Lossy(Integrator<3>),
+}
+
+impl Memory {
+    fn statistics(&self) -> Statistics {
+        match self {
+            Self::Conservative(i) => i.statistics(),
+            Self::Lossy(i) => i.statistics(),
+        }
+    }
+
+    /// The right-hand side has changed.
+    fn refresh(&mut self) {
+        match self {
+            Self::Conservative(i) => i.refresh(),
+            Self::Lossy(i) => i.refresh(),
+        }
+    }
+}
+
+/// Speed of the air under these inputs.
+fn airspeed(reduced: &Reduced, inputs: &Inputs) -> f64 {
+    reduced.loading().air.as_ref().and(inputs.reals.last().copied()).unwrap_or(0.0)
+}
+
+/// What acts under these inputs besides loads of given sizes.
+///
+/// # Errors
+/// [`ModelError::Table`]: a reaction that causes friction is not smooth.
+pub fn scene<'a>(reduced: &'a Reduced, inputs: &Inputs) -> Result<Option<&'a Scene>, ModelError> {
+    let air = reduced.loading().air.as_ref();
+    let moves = air.is_some_and(|air| air.relative_wind || airspeed(reduced, inputs) != 0.0);
+    reduced
+        .scene(moves)
+        .map_err(|at| ModelError::Table { name: "friction".into(), position: reduced.curve().describe(at.sigma) })
+}
+
+impl State {
+    /// The state that the definition states.
+    pub fn at_start(reduced: &Reduced, mechanism: &Mechanism, inputs: &Inputs) -> Result<Self, ModelError> {
+        let start = &mechanism.start;
+        let linkage = reduced.linkage();
+        let (coordinate, value, name, quantity) = match (&start.body, &start.joint) {
+            (Some(body), _) => {
+                let (carrier, angle) = linkage.carrier(mechanism, body).unwrap_or((0, 0.0));
+                let turn = linkage.bodies[carrier].turn;
+                let value = start.angle.unwrap_or(0.0) - angle - linkage.bodies[carrier].offset;
+                (turn, value, body, "angle")
+            }
+            (None, Some(joint)) => {
+                let place = linkage.coordinates[linkage.turns..].iter().position(|c| c == joint);
+                (place.map(|i| i + linkage.turns), start.position.unwrap_or(0.0), joint, "position")
+            }
+            (None, None) => (None, 0.0, &mechanism.name, "angle"),
+        };
+        let variable = format!("{name}.start_{quantity}");
+        let coordinate = coordinate.ok_or_else(|| {
+            ModelError::Definition(DefinitionError::Unknown {
+                key: "start".into(),
+                name: name.clone(),
+                allowed: format!("state one of the coordinates {}", linkage.coordinates.join(", ")),
+            })
+        })?;
+        let (sigma, turns) = reduced.find(coordinate, value, &variable)?;
+        let mut sigma_dot = 0.0;
+        if start.speed != 0.0 {
+            // From the table, which is as good where branches cross. Nearer to a toggle than some 1e-13 rad, where the
+            // slope is below 1e-6, rounding decides what it is.
+            let table = reduced.coordinates();
+            let table = table.map_err(|at| ModelError::Table {
+                name: variable.clone(),
+                position: reduced.curve().describe(at.sigma),
+            })?;
+            let slope = table.value(table.spot(sigma), 3 * coordinate + 1);
+            if slope.abs() * reduced.scale() < 1e-6 {
+                let name = format!("{name}.start_speed");
+                return Err(ReductionError::StartSpeed { name, value: start.speed }.into());
+            }
+            sigma_dot = start.speed / slope;
+        }
+        let travel = travel(reduced, sigma, turns)?;
+        let here = sigma + turns * reduced.period().unwrap_or(0.0);
+        let resting = (0..2).find(|&side| sigma_dot == 0.0 && travel[side].is_some_and(|e| e.position == here));
+        let scene = scene(reduced, inputs)?;
+        let mut state = Self {
+            sigma,
+            sigma_dot,
+            turns,
+            contact: Contact { resting, touching: [None; 2] },
+            travel,
+            applied: reduced.sizes(&inputs.reals),
+            airspeed: airspeed(reduced, inputs),
+            reference: 0.0,
+            memory: memory(scene),
+            work: Work::new(scene),
+            cache: Cache::new(reduced, scene, &inputs.reals),
+        };
+        state.reference = state.kinetic() + state.load_potential(reduced);
+        Ok(state)
+    }
+
+    /// Advance by exactly `h` [s] under these inputs. On an error the state is what it was.
+    ///
+    /// # Errors
+    /// The integration stopped, friction locks, the travel of an open curve without stops ended.
+    pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64, tolerance: f64) -> Result<(), ModelError> {
+        let scene = self.apply(reduced, inputs)?;
+        let around = self.surroundings(reduced, &inputs.locks);
+        let (mut memory, mut contact) = (self.memory, self.contact);
+        let given = Given { sizes: &self.applied, airspeed: self.airspeed, turns: self.turns };
+        let mut motion = Motion { reduced, scene, given, mode: Mode::default(), work: &mut self.work, locked: false };
+        let (y, lost) = match &mut memory {
+            Memory::Conservative(integrator) => {
+                let mut y = [self.sigma, self.sigma_dot];
+                let lost = if around.travel == [None; 2] {
+                    integrator.advance(&mut motion, &mut y, h, tolerance).map(|()| 0.0).map_err(Stopped::Integration)
+                } else {
+                    advance(integrator, &mut motion, &around, &mut contact, &mut y, h, tolerance)
+                };
+                (y, lost)
+            }
+            Memory::Lossy(integrator) => {
+                let mut z = [self.sigma, self.sigma_dot, 0.0];
+                let lost = advance(integrator, &mut motion, &around, &mut contact, &mut z, h, tolerance);
+                ([z[0], z[1]], lost.map(|lost| lost + z[2]))
+            }
+        };
+        let lost = lost.map_err(|stopped| match stopped {
+            Stopped::Integration(error) => ModelError::Integration(error),
+            Stopped::Locked => ModelError::Locked { position: self.describe(reduced) },
+        })?;
+        let mut y = y;
+        let (first, last) = reduced.curve().range();
+        match reduced.period() {
+            Some(period) if !(first..last).contains(&y[0]) => {
+                let around = ((y[0] - first) / period).floor();
+                y[0] -= around * period;
+                self.turns += around;
+                // The panel in memory is counted on over whole turns; sigma no longer is.
+                self.work.folded.forget();
+                self.cache.recount();
+            }
+            None if !(first..=last).contains(&y[0]) => {
+                let position = reduced.curve().describe(y[0]);
+                return Err(ModelError::Travel { position });
+            }
+            _ => {}
+        }
+        [self.sigma, self.sigma_dot] = y;
+        (self.memory, self.contact) = (memory, contact);
+        self.reference -= lost;
+        self.cache.forget();
+        Ok(())
+    }
+
+    /// The ends of the travel in the frame of sigma, and whether a lock is engaged at each.
+    pub fn surroundings(&self, reduced: &Reduced, locks: &[bool]) -> Surroundings {
+        let shift = self.turns * reduced.period().unwrap_or(0.0);
+        let mut travel = self.travel;
+        let mut locked = [false; 2];
+        for (end, locked) in travel.iter_mut().zip(&mut locked) {
+            if let Some(end) = end {
+                end.position -= shift;
+                let mut all = reduced.loading().locks.iter().zip(locks);
+                *locked = all.any(|(lock, engaged)| *engaged && lock.stop == end.stop);
+            }
+        }
+        Surroundings { travel, locked }
+    }
+
+    /// Whether the mechanism is at a stop: in contact with it, or held there.
+    pub fn at_stop(&self, reduced: &Reduced, stop: usize) -> bool {
+        let here = self.sigma + self.turns * reduced.period().unwrap_or(0.0);
+        (0..2).any(|side| {
+            let outward = if side == 0 { -1.0 } else { 1.0 };
+            self.travel[side].is_some_and(|e| e.stop == stop && (here - e.position) * outward >= 0.0)
+        })
+    }
+
+    /// Work done so far.
+    pub fn statistics(&self) -> Statistics {
+        self.memory.statistics()
+    }
+
+    /// Where the linkage is.
+    pub fn describe(&self, reduced: &Reduced) -> String {
+        reduced.curve().describe(self.sigma)
+    }
+
+    /// Take up inputs that have changed since the last step: the change of the loads' potential is work from outside.
+    fn apply<'a>(&mut self, reduced: &'a Reduced, inputs: &Inputs) -> Result<Option<&'a Scene>, ModelError> {
+        let scene = scene(reduced, inputs)?;
+        let loads = reduced.loading().inputs.len();
+        let mut work = 0.0;
+        let mut changed = false;
+        for (load, input) in inputs.reals[..loads].iter().enumerate() {
+            if self.applied[load].to_bits() != input.to_bits() {
+                work -= (input - self.applied[load]) * self.displacement(reduced, load);
+                changed = true;
+            }
+        }
+        let airspeed = airspeed(reduced, inputs);
+        let blows = |speed: f64| reduced.loading().air.as_ref().is_some_and(|air| air.relative_wind || speed != 0.0);
+        if blows(airspeed) != blows(self.airspeed) {
+            (self.memory, self.work) = (memory(scene), Work::new(scene));
+        }
+        if airspeed.to_bits() != self.airspeed.to_bits() {
+            self.airspeed = airspeed;
+            changed = true;
+        }
+        if changed {
+            self.reference += work;
+            self.applied[..loads].copy_from_slice(&inputs.reals[..loads]);
+            self.memory.refresh();
+            self.work.folded.forget();
+        }
+        Ok(scene)
+    }
+}
+
+fn memory(scene: Option<&Scene>) -> Memory {
+    match scene {
+        None => Memory::Conservative(Integrator::default()),
+        Some(_) => Memory::Lossy(Integrator::default()),
+    }
+}

@@ -1,0 +1,119 @@
+//! Numbers that may carry derivatives: formulas written once give values, or values and their exact derivatives.
+use std::fmt::Debug;
+use std::ops::{Add, Mul, Neg, Sub};
+
+/// What a formula needs of a number.
+pub trait Number:
+    Copy + Debug + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
+{
+    /// A constant.
+    fn constant(value: f64) -> Self;
+    /// The value.
+    fn value(self) -> f64;
+    /// Square root, for a value > 0.
+    fn sqrt(self) -> Self;
+    /// A function of this number, given its value and its derivative.
+    fn chain(self, value: f64, derivative: f64) -> Self;
+}
+
+impl Number for f64 {
+    fn constant(value: f64) -> Self {
+        value
+    }
+
+    fn value(self) -> f64 {
+        self
+    }
+
+    fn sqrt(self) -> Self {
+        f64::sqrt(self)
+    }
+
+    fn chain(self, value: f64, _derivative: f64) -> Self {
+        value
+    }
+}
+
+/// A value with its derivatives with respect to N quantities.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dual<const N: usize> {
+    /// Value.
+    pub value: f64,
+    /// Derivatives.
+    pub slope: [f64; N],
+}
+
+impl<const N: usize> Dual<N> {
+    /// The quantity number `k` itself.
+    pub fn variable(value: f64, k: usize) -> Self {
+        let mut slope = [0.0; N];
+        slope[k] = 1.0;
+        Self { value, slope }
+    }
+}
+
+impl<const N: usize> Add for Dual<N> {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { value: self.value + other.value, slope: std::array::from_fn(|i| self.slope[i] + other.slope[i]) }
+    }
+}
+
+impl<const N: usize> Sub for Dual<N> {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        self + -other
+    }
+}
+
+impl<const N: usize> Mul for Dual<N> {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        let slope = std::array::from_fn(|i| self.value * other.slope[i] + self.slope[i] * other.value);
+        Self { value: self.value * other.value, slope }
+    }
+}
+
+impl<const N: usize> Neg for Dual<N> {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self { value: -self.value, slope: self.slope.map(|s| -s) }
+    }
+}
+
+impl<const N: usize> Number for Dual<N> {
+    fn constant(value: f64) -> Self {
+        Self { value, slope: [0.0; N] }
+    }
+
+    fn value(self) -> f64 {
+        self.value
+    }
+
+    fn sqrt(self) -> Self {
+        let root = self.value.sqrt();
+        self.chain(root, 0.5 / root)
+    }
+
+    fn chain(self, value: f64, derivative: f64) -> Self {
+        Self { value, slope: self.slope.map(|s| s * derivative) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn derivatives_are_those_of_the_closed_form() {
+        let (x, y) = (Dual::<2>::variable(0.7, 0), Dual::variable(-1.3, 1));
+        let f = (x * x * y - y * Dual::constant(2.0)) * (x * x + y * y).sqrt();
+        let root = (0.49f64 + 1.69).sqrt();
+        let outer = 0.49 * -1.3 + 2.6;
+        assert!((f.value - outer * root).abs() < 1e-15);
+        assert!((f.slope[0] - (2.0 * 0.7 * -1.3 * root + outer * 0.7 / root)).abs() < 1e-14);
+        assert!((f.slope[1] - ((0.49 - 2.0) * root + outer * -1.3 / root)).abs() < 1e-14);
+        let sine = x.chain(0.7f64.sin(), 0.7f64.cos());
+        assert_eq!(sine.slope, [0.7f64.cos(), 0.0]);
+    }
+}
