@@ -45,17 +45,16 @@ impl Curve {
     /// Where between the outer of three x the margin is least. Solutions have a pole at a crossing: the inverse of one,
     /// seen in the direction that it has at the middle x, changes sign there and is nearly linear.
     fn least_margin(&self, panel: &Panel, [below, middle, above]: [f64; 3], work: &mut Workspace) -> f64 {
-        let mut solve = |x: f64, direction: Option<&[f64]>| {
+        // Where the equations have no solution, the crossing is found.
+        let solve = |x: f64, work: &mut Workspace| {
             let regular = self.closure.linearise(&panel.series_at(x), work);
-            let solution = self.closure.probe(&panel.normal, work);
-            let along = direction.map_or(0.0, |d| if regular { 1.0 / dot(solution, d) } else { 0.0 });
-            (along, if direction.is_none() { solution.to_vec() } else { Vec::new() })
+            regular.then(|| self.closure.probe(&panel.normal, work).to_vec())
         };
-        let direction = solve(middle, None).1;
-        let mut signed = |x: f64| solve(x, Some(&direction)).0;
+        let Some(direction) = solve(middle, work) else { return middle };
+        let mut signed = |x: f64| solve(x, work).map_or(0.0, |solution| 1.0 / dot(&solution, &direction));
         let (mut a, mut b) = (below, above);
         let (mut fa, mut fb) = (signed(a), signed(b));
-        if fa * fb > 0.0 {
+        if !(fa * fb <= 0.0) {
             return minimise(&mut |x| self.margin(panel, x, work), below, above);
         }
         // Regula falsi; an end that stays counts half (Illinois).
