@@ -2,64 +2,15 @@
 //!
 //! In: a linkage and a guess. Out: closed coordinates, the independent loop equations, and Newton's method on a plane
 //! across the curve of closed positions. It must not know loads or time.
+mod error;
 mod factors;
 
+pub use error::AssemblyError;
 pub use factors::{Factors, dot};
 
 use crate::linkage::{Freedom, Linkage, Positions};
 use nalgebra::{DMatrix, DVector};
-use std::fmt;
 use std::sync::Arc;
-
-/// Why a linkage could not be assembled.
-#[derive(Clone, Debug, PartialEq)]
-pub enum AssemblyError {
-    /// A coordinate without a guess, or a guess without a coordinate.
-    Guess {
-        /// Name in the guess.
-        name: String,
-        /// What to do.
-        message: String,
-    },
-    /// No closed position near the guess.
-    Open {
-        /// The joint with the largest gap.
-        joint: String,
-        /// That gap [m].
-        gap: f64,
-    },
-    /// Not one degree of freedom.
-    Freedom {
-        /// How many there are.
-        count: usize,
-    },
-    /// Two branches cross at the guess.
-    Crossing,
-}
-
-impl fmt::Display for AssemblyError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Guess { name, message } => write!(f, "guess.{name}: {message}"),
-            Self::Open { joint, gap } => write!(
-                f,
-                "the loops do not close from the guess: {joint} stays open by {gap:.3e} m; check the lengths, or guess closer"
-            ),
-            Self::Freedom { count } => write!(
-                f,
-                "the linkage has {count} degrees of freedom where it must have 1: {}",
-                if *count == 0 { "remove a joint or add a body" } else { "add a joint or remove a body" }
-            ),
-            Self::Crossing => write!(
-                f,
-                "two branches of motion cross at the guess: guess a position off the crossing, on the branch that is meant \
-                 (start may still state the crossing itself)"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for AssemblyError {}
 
 /// A gap below this part of the linkage's size is closed; Newton's method gets there from rounding alone.
 const CLOSED: f64 = 1e-14;

@@ -54,7 +54,7 @@ impl Curve {
         let mut signed = |x: f64| solve(x, work).map_or(0.0, |solution| 1.0 / dot(&solution, &direction));
         let (mut a, mut b) = (below, above);
         let (mut fa, mut fb) = (signed(a), signed(b));
-        if !(fa * fb <= 0.0) {
+        if fa * fb > 0.0 || (fa * fb).is_nan() {
             return minimise(&mut |x| self.margin(panel, x, work), below, above);
         }
         // Regula falsi; an end that stays counts half (Illinois).

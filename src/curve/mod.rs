@@ -9,6 +9,7 @@
 mod configuration;
 mod crossings;
 mod grid;
+mod known;
 mod panel;
 mod trace;
 mod travel;

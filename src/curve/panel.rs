@@ -1,5 +1,6 @@
 //! One panel of the curve: closed positions as Chebyshev series over a plane's distance from the panel's base.
 use super::configuration::{Configuration, Workspace};
+use super::known::Known;
 use crate::chebyshev::{NODES, Series, Transform, antiderivative, chopped, derivative, tail, value, with_slope};
 use crate::closure::Closure;
 use crate::linkage::{Linkage, Positions, Rates};
@@ -17,10 +18,12 @@ pub struct Panel {
     pub width: f64,
     /// Each coordinate as a series in x = 2 u / width - 1.
     pub coordinates: Vec<Series>,
-    /// sigma - start as a series in x.
+    /// sigma - start as a series in x, and its value at the tip.
     length: [f64; NODES + 1],
-    /// d sigma / d x as a series in x.
+    span: f64,
+    /// d sigma / d x as a series in x, and its values at both ends.
     speed: Series,
+    rims: [f64; 2],
     /// Coordinates at its end.
     pub tip: Vec<f64>,
     /// How much rounding in a gap is amplified where least.
@@ -97,7 +100,7 @@ pub fn twice_kinetic(linkage: &Linkage, p: &Positions, r: &Rates) -> f64 {
 impl Panel {
     /// Last sigma.
     pub fn end(&self) -> f64 {
-        self.start + self.length.iter().sum::<f64>()
+        self.start + self.span
     }
 
     /// Try to build the panel that starts at `base`. Returns the unit tangent at its tip with it, and by what factor it might
@@ -135,11 +138,11 @@ impl Panel {
             amplifications[j] = landing.amplification;
             linkage.place(&c.q, &mut c.positions);
             speeds[j] = c.derive(closure, &normal, work);
-            if !(speeds[j] > 0.0) {
+            if speeds[j] == 0.0 || speeds[j].is_nan() {
                 return Err(Refusal::Massless);
             }
             let steep = (0..n).map(|i| (c.q_sigma[i] * w[i]).powi(2)).sum::<f64>().sqrt() * speeds[j];
-            if !(steep <= 1.5) {
+            if steep > 1.5 || steep.is_nan() {
                 return Err(Refusal::TooWide(ASTRAY));
             }
             known.add(u, &c.q, &c.q_sigma, speeds[j]);
@@ -182,13 +185,16 @@ impl Panel {
         let mut ahead = Vec::new();
         work.loops.factors.tangent(&normal, 1.0, &mut ahead);
         closure.normalise(&mut ahead);
+        let length = antiderivative(&speed);
         let panel = Self {
             start: base.sigma,
             base: base.q.clone(),
             normal,
             width,
             coordinates,
-            length: antiderivative(&speed),
+            span: length.iter().sum(),
+            length,
+            rims: [-1.0, 1.0].map(|x| value(&speed, x)),
             speed,
             tip,
             amplification: least,
@@ -210,6 +216,8 @@ impl Panel {
         mirrored.coordinates.iter_mut().for_each(|series| odd(series));
         odd(&mut mirrored.speed);
         mirrored.length = antiderivative(&mirrored.speed);
+        mirrored.span = mirrored.length.iter().sum();
+        mirrored.rims.reverse();
         mirrored
     }
 
@@ -243,8 +251,12 @@ impl Panel {
 
     /// x at sigma: Newton's method on a monotonic series.
     pub fn x_at(&self, sigma: f64) -> f64 {
-        let (start, end) = (self.start, self.end());
-        let mut x = (2.0 * (sigma - start) / (end - start) - 1.0).clamp(-1.0, 1.0);
+        let start = self.start;
+        // From the cubic that has the right slopes at both ends.
+        let s = (sigma - start) / self.span;
+        let [m0, m1] = self.rims.map(|rim| self.span / rim);
+        let mut x = -1.0 + s * (m0 + s * ((6.0 - 2.0 * m0 - m1) + s * (m0 + m1 - 4.0)));
+        x = if x.is_finite() { x.clamp(-1.0, 1.0) } else { 0.0 };
         for _ in 0..20 {
             let (length, speed) = with_slope(&self.length, &self.speed, x);
             let step = (sigma - start - length) / speed;
@@ -269,7 +281,7 @@ impl Panel {
 /// Coefficients decay like rho^-k, where rho, while it is large, is inversely proportional to the width.
 fn resolved(series: &Series, rounding: f64) -> Result<f64, Refusal> {
     let tail = tail(series);
-    if !(tail <= rounding) {
+    if tail > rounding || tail.is_nan() {
         let shorter = (rounding / tail).powf(1.0 / ORDER);
         return Err(Refusal::TooWide(if shorter.is_finite() { (0.93 * shorter).clamp(0.3, 0.93) } else { ASTRAY }));
     }
@@ -282,54 +294,4 @@ fn resolved(series: &Series, rounding: f64) -> Result<f64, Refusal> {
     let decay = (largest / rounding).ln();
     let order = last as f64 + ((series[last].abs() / rounding).ln() * last as f64 / decay).min(1.0);
     Ok((decay / order - decay / (ORDER - 1.0)).exp())
-}
-
-/// Points of the curve with their slopes, from which the next point is extrapolated.
-#[derive(Debug, Default)]
-struct Known {
-    u: [f64; Self::MOST],
-    q: [Vec<f64>; Self::MOST],
-    slope: [Vec<f64>; Self::MOST],
-    count: usize,
-    /// The place that the next point takes.
-    next: usize,
-}
-
-impl Known {
-    /// Points in use.
-    const MOST: usize = 4;
-
-    fn start(&mut self, q: &[f64], slope: &[f64]) {
-        (self.count, self.next) = (0, 0);
-        self.add(0.0, q, slope, 1.0);
-    }
-
-    fn add(&mut self, u: f64, q: &[f64], direction: &[f64], speed: f64) {
-        let at = self.next;
-        self.u[at] = u;
-        self.q[at].clear();
-        self.q[at].extend_from_slice(q);
-        self.slope[at].clear();
-        self.slope[at].extend(direction.iter().map(|d| speed * d));
-        (self.count, self.next) = ((self.count + 1).min(Self::MOST), (at + 1) % Self::MOST);
-    }
-
-    /// Hermite's polynomial through the known points with their slopes.
-    fn extrapolate(&self, u: f64, q: &mut Vec<f64>) {
-        q.clear();
-        q.resize(self.q[0].len(), 0.0);
-        for i in 0..self.count {
-            let (mut basis, mut slope) = (1.0, 0.0);
-            for k in (0..self.count).filter(|k| *k != i) {
-                let apart = self.u[i] - self.u[k];
-                basis *= (u - self.u[k]) / apart;
-                slope += 1.0 / apart;
-            }
-            let away = u - self.u[i];
-            let (of_value, of_slope) = ((1.0 - 2.0 * away * slope) * basis * basis, away * basis * basis);
-            for (sum, (value, slope)) in q.iter_mut().zip(self.q[i].iter().zip(&self.slope[i])) {
-                *sum += of_value * value + of_slope * slope;
-            }
-        }
-    }
 }

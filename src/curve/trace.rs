@@ -82,7 +82,7 @@ impl Curve {
                 if low || high { Ends::Stopped { low, high } } else { Ends::Open }
             }
         };
-        if !(last > first) {
+        if last <= first {
             return Err(CurveError::Outside { position: describe(&closure, q) });
         }
         let mut curve = Self { closure, transform, panels, range: (first, last), ends, crossings: Vec::new() };

@@ -30,7 +30,6 @@ impl<'a> Travel<'a> {
     /// The first sigma of the panel at which travel ends: between two nodes that differ in sign, or where it dips below 0
     /// between them.
     pub(super) fn left(&mut self, panel: &Panel, nodes: &[f64]) -> Option<f64> {
-        // The panel's ends are exact, its nodes those of its series.
         let mut x: Vec<f64> = vec![-1.0];
         x.extend(nodes);
         x.push(1.0);

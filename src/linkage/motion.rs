@@ -83,7 +83,7 @@ impl Linkage {
         p.angle.clear();
         p.angle.extend(self.bodies.iter().map(|b| b.turn.map_or(0.0, |t| q[t]) + b.offset));
         p.turn.clear();
-        // Bodies that do not turn are told apart so that their cosines cost nothing.
+        // Cosines of the ground, and of what slides on it unturned, cost nothing.
         p.turn.extend(p.angle.iter().map(|&a| if a == 0.0 { (1.0, 0.0) } else { (a.cos(), a.sin()) }));
         p.origin.clear();
         p.origin.resize(self.bodies.len(), Vec2::zeros());
