@@ -69,6 +69,14 @@ impl Linkage {
         Ok(linkage)
     }
 
+    /// The bodies alone, unturned: enough to see what a mass acts on.
+    ///
+    /// # Errors
+    /// As [`Self::loose`].
+    pub(crate) fn masses(mechanism: &Mechanism) -> Result<Vec<Body>, DefinitionError> {
+        Ok(Self::bodies_of(mechanism)?.bodies)
+    }
+
     /// Place of a point of the definition in this linkage.
     ///
     /// # Errors

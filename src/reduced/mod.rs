@@ -37,7 +37,7 @@ pub struct Reduced {
     natural: Natural,
     influence: Table,
     coordinate_table: Result<Table, Unresolved>,
-    displacement_tables: Lazy,
+    displacement_tables: Vec<OnceLock<Result<Table, Unresolved>>>,
     marker_tables: Lazy,
     reaction_tables: Lazy,
     state_reaction_tables: Lazy,
@@ -60,21 +60,34 @@ impl Reduced {
         let grid = Grid { borders: curve.grid(ACCURACY), centers: curve.crossings().to_vec() };
         let components = Components::new(&loading, &curve);
         let natural = Natural::new(&curve);
-        // The start needs the coordinates in any case: both tables from the same evaluations.
-        let sizes = [components.sizes(&loading, &curve, &natural), natural.coordinates(curve.linkage())];
+        // The start needs the coordinates, the energies of the given loads and the places of the stops in any case: all
+        // from the same evaluations.
+        let needed: Vec<usize> = (0..loading.base()).chain(loading.stops.iter().map(|s| s.load)).collect();
+        let size = |&l: &usize| natural.derivatives(natural.displacement(&loading.loads[l], curve.linkage())).to_vec();
+        let mut sizes = vec![components.sizes(&loading, &curve, &natural), natural.coordinates(curve.linkage())];
+        sizes.extend(needed.iter().map(size));
         let fill = &mut |c: &Configuration, values: &mut [f64]| {
-            let (influences, coordinates) = values.split_at_mut(components.count);
+            let (influences, rest) = values.split_at_mut(components.count);
+            let (coordinates, displacements) = rest.split_at_mut(3 * c.q.len());
             components.fill(&loading, &curve, c, influences);
             for (i, derivatives) in coordinates.chunks_exact_mut(3).enumerate() {
                 derivatives.copy_from_slice(&[c.q[i], c.q_sigma[i], c.q_second[i]]);
             }
+            for (&load, v) in needed.iter().zip(displacements.chunks_exact_mut(3)) {
+                v.copy_from_slice(&loading.loads[load].displacement(curve.linkage(), c));
+            }
         };
         let mut tables = tabulate(&curve, &grid, &sizes, fill);
+        let displacement_tables: Vec<_> = loading.loads.iter().map(|_| OnceLock::new()).collect();
+        for (load, table) in needed.into_iter().zip(tables.drain(2..)) {
+            // Two stops of one load have the same table.
+            let _ = displacement_tables[load].set(table);
+        }
         let coordinate_table = tables.swap_remove(1);
         let influence = tables.swap_remove(0).map_err(|e| Self::unresolved(&loading, &curve, &e))?;
         Ok(Self {
             coordinate_table,
-            displacement_tables: OnceLock::new(),
+            displacement_tables,
             marker_tables: OnceLock::new(),
             reaction_tables: OnceLock::new(),
             state_reaction_tables: OnceLock::new(),
@@ -162,16 +175,13 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn displacement(&self, load: usize) -> Result<&Table, &Unresolved> {
-        let loads = &self.loading.loads;
-        let size = |l: &Load| self.natural.derivatives(self.natural.displacement(l, self.linkage())).to_vec();
-        let tables = self.displacement_tables.get_or_init(|| {
-            self.tabulate(&loads.iter().map(size).collect::<Vec<_>>(), &mut |c, values| {
-                for (load, v) in loads.iter().zip(values.chunks_exact_mut(3)) {
-                    v.copy_from_slice(&load.displacement(self.linkage(), c));
-                }
-            })
-        });
-        tables[load].as_ref()
+        let table = || {
+            let (linkage, load) = (self.linkage(), &self.loading.loads[load]);
+            let size = self.natural.derivatives(self.natural.displacement(load, linkage)).to_vec();
+            let mut fill = |c: &Configuration, v: &mut [f64]| v.copy_from_slice(&load.displacement(linkage, c));
+            self.tabulate(&[size], &mut fill).swap_remove(0)
+        };
+        self.displacement_tables[load].get_or_init(table).as_ref()
     }
 
     /// A load's displacement at sigma: from its table, or from the exact evaluator where the ends of an actuator come so

@@ -1,7 +1,7 @@
 //! Dependencies: what a variable follows from, and what each parameter acts on.
 use crate::definition::{DefinitionError, Mechanism, Parameter, Role};
 use crate::drag::Surface;
-use crate::linkage::{Body, Freedom, GROUND, Linkage, Point, Vec2};
+use crate::linkage::{Body, Freedom, GROUND, Joint, Linkage, Point, Vec2};
 use crate::loading::{Air, Loading, Pin, Spring, Stop, markers};
 use crate::loads::Load;
 
@@ -128,38 +128,49 @@ struct Resolved<'a> {
 impl<'a> Resolved<'a> {
     fn new(mechanism: &Mechanism, loading: &'a Loading, markers: &'a [Point]) -> Result<Self, DefinitionError> {
         let linkage = Linkage::loose(mechanism)?;
-        Ok(Self { kinetic: kinetic_constants(&linkage), linkage, loading, markers })
+        Ok(Self { kinetic: kinetic_constants(&linkage.joints, &linkage.bodies), linkage, loading, markers })
     }
 
-    /// How another mechanism differs, in a number with this role. The linkage itself does not follow from loads: for these
-    /// it is `same`.
+    /// How another mechanism differs, in a number with this role: masses place nothing, and what loads are does not change
+    /// the linkage.
     fn effect(&self, role: Role, changed: &Mechanism, same: &Linkage) -> Result<Effect, DefinitionError> {
         let mut effect = Effect::none(role, self);
-        let other = if role == Role::Load { None } else { Some(Linkage::loose(changed)?) };
-        if let Some(other) = &other {
-            // A prismatic joint's angle shows in its second body's.
-            let offset = |l: &Linkage, j: usize| l.bodies[l.joints[j].second.body].offset;
-            for (j, differs) in effect.joints.iter_mut().enumerate() {
-                *differs = self.linkage.joints[j] != other.joints[j] || offset(&self.linkage, j) != offset(other, j);
+        match role {
+            Role::Geometry => {
+                let other = Linkage::loose(changed)?;
+                // A prismatic joint's angle shows in its second body's.
+                let offset = |l: &Linkage, j: usize| l.bodies[l.joints[j].second.body].offset;
+                for (j, differs) in effect.joints.iter_mut().enumerate() {
+                    let same = self.linkage.joints[j] == other.joints[j];
+                    *differs = !same || offset(&self.linkage, j) != offset(&other, j);
+                }
+                self.compare_masses(&other.joints, &other.bodies, &mut effect);
+                self.compare_loads(&Loading::new(changed, &other)?, &mut effect);
+                effect.markers = self.markers.iter().zip(&markers(changed, &other)?).map(|(a, b)| a != b).collect();
             }
-            // Rounding of the same sum in other terms is no effect.
-            let same = |(a, b): (&[f64; 4], &[f64; 4])| a.iter().zip(b).all(|(x, y)| (x - y).abs() <= 1e-12 * x.abs());
-            effect.inertia = !self.kinetic.iter().zip(&kinetic_constants(other)).all(same);
-            effect.masses = self
-                .linkage
-                .bodies
-                .iter()
-                .zip(&other.bodies)
-                .any(|(a, b)| (a.mass, a.center, a.inertia) != (b.mass, b.center, b.inertia));
+            Role::Inertia => {
+                self.compare_masses(&self.linkage.joints, &Linkage::masses(changed)?, &mut effect);
+                self.compare_loads(self.loading, &mut effect);
+            }
+            _ => self.compare_loads(&Loading::new(changed, same)?, &mut effect),
         }
-        let other = other.as_ref().unwrap_or(same);
-        let loading = Loading::new(changed, other)?;
+        Ok(effect)
+    }
+
+    fn compare_masses(&self, joints: &[Joint], bodies: &[Body], effect: &mut Effect) {
+        // Rounding of the same sum in other terms is no effect.
+        let same = |(a, b): (&[f64; 4], &[f64; 4])| a.iter().zip(b).all(|(x, y)| (x - y).abs() <= 1e-12 * x.abs());
+        effect.inertia = !self.kinetic.iter().zip(&kinetic_constants(joints, bodies)).all(same);
+        let mut pairs = self.linkage.bodies.iter().zip(bodies);
+        effect.masses = pairs.any(|(a, b)| (a.mass, a.center, a.inertia) != (b.mass, b.center, b.inertia));
+    }
+
+    /// The masses must have been compared.
+    fn compare_loads(&self, other: &Loading, effect: &mut Effect) {
         for (l, differs) in effect.loads.iter_mut().enumerate() {
             let gravity = effect.masses && matches!(self.loading.loads[l], Load::Gravity(_));
-            *differs = gravity || load_constants(self.loading, l) != load_constants(&loading, l);
+            *differs = gravity || load_constants(self.loading, l) != load_constants(other, l);
         }
-        effect.markers = self.markers.iter().zip(&markers(changed, other)?).map(|(a, b)| a != b).collect();
-        Ok(effect)
     }
 }
 
@@ -194,9 +205,9 @@ fn load_constants(loading: &Loading, load: usize) -> Constants<'_> {
 }
 
 /// What every body's kinetic energy depends on: about its pivot alone if that is fixed, else mass, centre and inertia.
-fn kinetic_constants(linkage: &Linkage) -> Vec<[f64; 4]> {
-    let mut pivots = vec![None; linkage.bodies.len()];
-    for joint in linkage.joints.iter().filter(|j| j.freedom == Freedom::Turn).rev() {
+fn kinetic_constants(joints: &[Joint], bodies: &[Body]) -> Vec<[f64; 4]> {
+    let mut pivots = vec![None; bodies.len()];
+    for joint in joints.iter().filter(|j| j.freedom == Freedom::Turn).rev() {
         for (on_ground, other) in [(joint.first, joint.second), (joint.second, joint.first)] {
             if on_ground.body == GROUND {
                 pivots[other.body] = Some(other.local);
@@ -207,5 +218,5 @@ fn kinetic_constants(linkage: &Linkage) -> Vec<[f64; 4]> {
         Some(pivot) => [b.inertia + b.mass * (b.center - pivot).norm_squared(), 0.0, 0.0, 0.0],
         None => [b.mass, b.center.x, b.center.y, b.inertia],
     };
-    linkage.bodies.iter().zip(&pivots).map(constants).collect()
+    bodies.iter().zip(&pivots).map(constants).collect()
 }
