@@ -229,7 +229,7 @@ impl Closure {
     }
 
     /// Newton's method from `q` to the closed position on the plane normal . (q - base) = along, which is put in its place.
-    /// The equations are left linearised where the last correction, of the size of rounding, was found.
+    /// The equations are left linearised there.
     pub fn on_plane(
         &self,
         work: &mut Workspace,
@@ -241,6 +241,8 @@ impl Closure {
         const ITERATIONS: usize = 12;
         /// Larger corrections that still shrink are not of the size of rounding.
         const COARSE: f64 = 1e-9;
+        /// Smaller corrections leave the linearised equations what they are but for rounding.
+        const UNMOVED: f64 = 4.0 * f64::EPSILON;
         let (mut first, mut last) = (None, f64::INFINITY);
         for _ in 0..ITERATIONS {
             if !self.linearise(q, work) {
@@ -267,6 +269,10 @@ impl Closure {
                 let rounding = 1e-15 * (1.0 + amplification);
                 // Converged: the last correction was of the size of rounding, or corrections no longer shrink.
                 if size < rounding || (size >= 0.5 * last && size < 1e3 * rounding) {
+                    // A solution changes by up to the amplification times a change of position.
+                    if size > UNMOVED && !self.linearise(q, work) {
+                        return None;
+                    }
                     return Some(Landing { amplification, first });
                 }
             }
