@@ -7,8 +7,6 @@ pub(super) struct Known {
     q: [Vec<f64>; Self::MOST],
     slope: [Vec<f64>; Self::MOST],
     count: usize,
-    /// The place that the next point takes.
-    next: usize,
 }
 
 impl Known {
@@ -17,19 +15,24 @@ impl Known {
 
     /// Forget all points but the first, at u = 0.
     pub(super) fn start(&mut self, q: &[f64], slope: &[f64]) {
-        (self.count, self.next) = (0, 0);
+        self.count = 0;
         self.add(0.0, q, slope, 1.0);
     }
 
-    /// Take in a point at u, where the coordinates move in `direction` at `speed`, for the oldest one.
+    /// Take in a point at u, where the coordinates move in `direction` at `speed`: for the oldest one, or for the base once
+    /// two nodes are known, as it is so near the first of them that rounding would be extrapolated.
     pub(super) fn add(&mut self, u: f64, q: &[f64], direction: &[f64], speed: f64) {
-        let at = self.next;
+        let at = match self.count {
+            2 if self.u[0] == 0.0 => 0,
+            Self::MOST => (0..Self::MOST).fold(0, |a, b| if self.u[b] < self.u[a] { b } else { a }),
+            count => count,
+        };
         self.u[at] = u;
         self.q[at].clear();
         self.q[at].extend_from_slice(q);
         self.slope[at].clear();
         self.slope[at].extend(direction.iter().map(|d| speed * d));
-        (self.count, self.next) = ((self.count + 1).min(Self::MOST), (at + 1) % Self::MOST);
+        self.count = self.count.max(at + 1);
     }
 
     /// Hermite's polynomial through the known points with their slopes.
