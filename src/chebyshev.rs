@@ -20,7 +20,7 @@ pub fn nodes() -> [f64; NODES] {
 pub struct Transform {
     /// Nodes, ascending.
     pub nodes: [f64; NODES],
-    /// T_k(x_j), row k.
+    /// T_k(x_j), row j.
     basis: [[f64; NODES]; NODES],
 }
 
@@ -28,21 +28,23 @@ impl Transform {
     /// The transform for [`NODES`] nodes.
     pub fn new() -> Self {
         let nodes = nodes();
-        let basis = std::array::from_fn(|k| {
-            std::array::from_fn(|j| {
-                let angle = PI * (k as f64) * ((NODES - 1 - j) as f64 + 0.5) / NODES as f64;
-                angle.cos()
-            })
+        let basis = std::array::from_fn(|j| {
+            std::array::from_fn(|k| (PI * (k as f64) * ((NODES - 1 - j) as f64 + 0.5) / NODES as f64).cos())
         });
         Self { nodes, basis }
     }
 
     /// Coefficients of the polynomial through `values` at the nodes.
     pub fn fit(&self, values: &[f64; NODES]) -> Series {
-        std::array::from_fn(|k| {
-            let sum: f64 = values.iter().zip(&self.basis[k]).map(|(v, t)| v * t).sum();
-            sum * if k == 0 { 1.0 } else { 2.0 } / NODES as f64
-        })
+        let mut out = [0.0; NODES];
+        for (value, row) in values.iter().zip(&self.basis) {
+            for (sum, t) in out.iter_mut().zip(row) {
+                *sum += value * t;
+            }
+        }
+        out.iter_mut().for_each(|c| *c *= 2.0 / NODES as f64);
+        out[0] *= 0.5;
+        out
     }
 }
 
@@ -59,6 +61,17 @@ pub fn value(series: &[f64], x: f64) -> f64 {
         (b1, b2) = (c + 2.0 * x * b1 - b2, b1);
     }
     series[0] + x * b1 - b2
+}
+
+/// Values at x of an antiderivative and of its slope, side by side.
+pub fn with_slope(antiderivative: &[f64; NODES + 1], slope: &Series, x: f64) -> (f64, f64) {
+    let (mut b1, mut b2) = (antiderivative[NODES], 0.0);
+    let (mut d1, mut d2) = (0.0, 0.0);
+    for k in (1..NODES).rev() {
+        (b1, b2) = (antiderivative[k] + 2.0 * x * b1 - b2, b1);
+        (d1, d2) = (slope[k] + 2.0 * x * d1 - d2, d1);
+    }
+    (antiderivative[0] + x * b1 - b2, slope[0] + x * d1 - d2)
 }
 
 /// Antiderivative that vanishes at x = -1; one coefficient more than the series.
@@ -83,29 +96,29 @@ pub fn derivative(series: &Series) -> Series {
     out
 }
 
+/// Monomial coefficients of the Chebyshev polynomials: T_k = 2 x T_(k-1) - T_(k-2), coefficient by coefficient.
+const MONOMIALS: [[f64; NODES]; NODES] = {
+    let mut rows = [[0.0; NODES]; NODES];
+    rows[0][0] = 1.0;
+    rows[1][1] = 1.0;
+    let mut k = 2;
+    while k < NODES {
+        let mut i = 0;
+        while i < NODES {
+            rows[k][i] = if i > 0 { 2.0 * rows[k - 1][i - 1] } else { 0.0 } - rows[k - 2][i];
+            i += 1;
+        }
+        k += 1;
+    }
+    rows
+};
+
 /// Coefficients of 1, x, x^2, ... Accurate where the series decays faster than (1 + sqrt 2)^-k, as a resolved panel does.
 pub fn monomials(series: &Series) -> Series {
-    // T_k = 2 x T_(k-1) - T_(k-2), coefficient by coefficient.
     let mut out = [0.0; NODES];
-    let (mut previous, mut current) = ([0.0; NODES], [0.0; NODES]);
-    previous[0] = 1.0;
-    current[1] = 1.0;
-    for (k, c) in series.iter().enumerate() {
-        let basis = match k {
-            0 => previous,
-            1 => current,
-            _ => {
-                let mut next = [0.0; NODES];
-                for i in 0..NODES {
-                    next[i] = if i > 0 { 2.0 * current[i - 1] } else { 0.0 } - previous[i];
-                }
-                previous = current;
-                current = next;
-                next
-            }
-        };
-        for i in 0..NODES {
-            out[i] += c * basis[i];
+    for (c, row) in series.iter().zip(&MONOMIALS) {
+        for (sum, m) in out.iter_mut().zip(row) {
+            *sum += c * m;
         }
     }
     out

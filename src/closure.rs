@@ -2,60 +2,15 @@
 //!
 //! In: a linkage and a guess. Out: closed coordinates, the independent loop equations, and Newton's method on a plane
 //! across the curve of closed positions. It must not know loads or time.
-use crate::linkage::{Linkage, Positions};
-use nalgebra::{DMatrix, DVector, Dyn, LU};
-use std::fmt;
+mod error;
+mod factors;
+
+pub use error::AssemblyError;
+pub use factors::{Factors, dot};
+
+use crate::linkage::{Freedom, Linkage, Positions};
+use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
-
-/// Why a linkage could not be assembled.
-#[derive(Clone, Debug, PartialEq)]
-pub enum AssemblyError {
-    /// A coordinate without a guess, or a guess without a coordinate.
-    Guess {
-        /// Name in the guess.
-        name: String,
-        /// What to do.
-        message: String,
-    },
-    /// No closed position near the guess.
-    Open {
-        /// The joint with the largest gap.
-        joint: String,
-        /// That gap [m].
-        gap: f64,
-    },
-    /// Not one degree of freedom.
-    Freedom {
-        /// How many there are.
-        count: usize,
-    },
-    /// Two branches cross at the guess.
-    Crossing,
-}
-
-impl fmt::Display for AssemblyError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Guess { name, message } => write!(f, "guess.{name}: {message}"),
-            Self::Open { joint, gap } => write!(
-                f,
-                "the loops do not close from the guess: {joint} stays open by {gap:.3e} m; check the lengths, or guess closer"
-            ),
-            Self::Freedom { count } => write!(
-                f,
-                "the linkage has {count} degrees of freedom where it must have 1: {}",
-                if *count == 0 { "remove a joint or add a body" } else { "add a joint or remove a body" }
-            ),
-            Self::Crossing => write!(
-                f,
-                "two branches of motion cross at the guess: guess a position off the crossing, on the branch that is meant \
-                 (start may still state the crossing itself)"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for AssemblyError {}
 
 /// A gap below this part of the linkage's size is closed; Newton's method gets there from rounding alone.
 const CLOSED: f64 = 1e-14;
@@ -73,24 +28,30 @@ pub struct Closure {
     pub weights: Vec<f64>,
 }
 
-/// The loop equations and a plane across the curve, linearised at one position.
-pub struct Bordered {
-    lu: LU<f64, Dyn, Dyn>,
-    /// Largest entry of a rough inverse: how much rounding in a gap is amplified.
-    pub amplification: f64,
+/// Room for the loop equations at one position after another: values and the linearised equations.
+#[derive(Clone, Debug, Default)]
+pub struct Workspace {
+    /// Where the bodies are at the coordinates last linearised at.
+    pub positions: Positions,
+    /// The independent loop equations, linearised there.
+    pub factors: Factors,
+    /// Values of all loop equations.
+    gaps: Vec<f64>,
+    /// Values of the independent ones.
+    picked: Vec<f64>,
+    /// A change of coordinates.
+    step: Vec<f64>,
+    /// Rows of one loop.
+    partials: [Vec<f64>; 2],
 }
 
-impl Bordered {
-    /// Solve for the change of coordinates, given changes of the independent gaps and along the plane's normal.
-    pub fn solve(&self, gaps: &[f64], along: f64) -> Option<Vec<f64>> {
-        let mut right = DVector::from_iterator(gaps.len() + 1, gaps.iter().copied().chain([along]));
-        self.lu.solve_mut(&mut right).then(|| right.as_slice().to_vec())
-    }
-
-    /// Solve the transposed system: factors of the independent gaps whose sum with the normal gives `right`.
-    pub fn solve_transposed(matrix: &DMatrix<f64>, right: &[f64]) -> Option<Vec<f64>> {
-        matrix.transpose().lu().solve(&DVector::from_column_slice(right)).map(|x| x.as_slice().to_vec())
-    }
+/// How Newton's method came to a position on a plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Landing {
+    /// Largest entry of a rough inverse of the equations there: how much rounding in a gap is amplified.
+    pub amplification: f64,
+    /// Size of the first correction (weighted).
+    pub first: f64,
 }
 
 /// Weights that make coordinates comparable.
@@ -192,72 +153,128 @@ impl Closure {
         &self.rows
     }
 
-    /// The square matrix of the independent loop equations and the plane with this normal.
-    pub fn matrix(&self, p: &Positions, q: &[f64], normal: &[f64]) -> DMatrix<f64> {
-        let j = self.linkage.jacobian(p, q);
-        let n = q.len();
-        DMatrix::from_fn(n, n, |r, c| if r < n - 1 { j[(self.rows[r], c)] } else { normal[c] })
+    /// The loop equations linearised at `q`; false where they lose rank to the last bit.
+    pub fn linearise(&self, q: &[f64], work: &mut Workspace) -> bool {
+        let linkage = &*self.linkage;
+        linkage.place(q, &mut work.positions);
+        work.factors.clear(q.len());
+        let (mut row, mut kept) = (0, self.rows.iter().peekable());
+        for (place, &joint) in linkage.cuts.iter().enumerate() {
+            linkage.partials(&work.positions, q, place, &mut work.partials);
+            let count = if linkage.joints[joint].freedom == Freedom::Turn { 2 } else { 1 };
+            for partials in &work.partials[..count] {
+                if kept.next_if(|r| **r == row).is_some() {
+                    let columns = linkage.loops[place].columns.iter().copied();
+                    if !work.factors.push(columns.zip(partials.iter().copied()), &self.weights) {
+                        return false;
+                    }
+                }
+                row += 1;
+            }
+        }
+        work.factors.finish()
     }
 
-    /// The linearised equations, ready to solve.
-    pub fn bordered(&self, p: &Positions, q: &[f64], normal: &[f64]) -> Option<Bordered> {
-        let n = q.len();
-        let lu = self.matrix(p, q, normal).lu();
-        let mut probe = Bordered { lu, amplification: 0.0 };
+    /// How much rounding in a gap is amplified in solutions on planes with this normal: the largest entry of two of them.
+    pub fn amplification(&self, normal: &[f64], work: &mut Workspace) -> f64 {
+        let mut largest: f64 = 0.0;
         for k in 0..2 {
-            let signs: Vec<f64> = (0..n - 1).map(|i| if (i >> k) % 2 == 0 { 1.0 } else { -1.0 }).collect();
-            let gaps: Vec<f64> = signs.iter().map(|s| s * self.linkage.size).collect();
-            let x = probe.solve(&gaps, 0.0)?;
-            let worst = x.iter().zip(&self.weights).fold(0.0, |a: f64, (x, w)| a.max((x * w).abs()));
-            if !worst.is_finite() {
-                return None;
-            }
-            probe.amplification = probe.amplification.max(worst);
+            work.picked.clear();
+            let size = self.linkage.size;
+            work.picked.extend((0..self.rows.len()).map(|i| if (i >> k) % 2 == 0 { size } else { -size }));
+            work.factors.solve(&work.picked, normal, 0.0, &mut work.step);
+            let worst = self.size(&work.step);
+            // A solution that is not a number must not be lost in the maximum.
+            largest = if worst >= largest || worst.is_nan() { worst } else { largest };
         }
-        Some(probe)
+        largest
+    }
+
+    /// A solution on a plane with this normal, for gaps that favour no combination of loops.
+    pub fn probe<'w>(&self, normal: &[f64], work: &'w mut Workspace) -> &'w [f64] {
+        work.picked.clear();
+        work.picked.extend((0..self.rows.len()).map(|i| self.linkage.size * (1.0 + 3.7 * i as f64).sin()));
+        work.factors.solve(&work.picked, normal, 0.0, &mut work.step);
+        &work.step
+    }
+
+    /// Largest of the changes of coordinates, weighted.
+    fn size(&self, step: &[f64]) -> f64 {
+        let mut largest: f64 = 0.0;
+        for (s, w) in step.iter().zip(&self.weights) {
+            let size = (s * w).abs();
+            if !size.is_finite() {
+                return f64::INFINITY;
+            }
+            largest = largest.max(size);
+        }
+        largest
     }
 
     /// Unit tangent of the curve, in the weighted norm; its sign is arbitrary.
     pub fn tangent(&self, q: &[f64]) -> Vec<f64> {
-        let n = q.len();
-        let j = scaled_jacobian(&self.linkage, &self.linkage.positions(q), q, &self.weights);
-        // Square with a zero row, so that the decomposition has all n right singular vectors.
-        let square = DMatrix::from_fn(n, n, |r, c| if r < n - 1 { j[(self.rows[r], c)] } else { 0.0 });
-        let svd = square.svd(false, true);
-        let least = svd.singular_values.imin();
-        match &svd.v_t {
-            Some(v) => (0..n).map(|i| v[(least, i)] / self.weights[i]).collect(),
-            None => vec![0.0; n],
+        let mut work = Workspace::default();
+        if !self.linearise(q, &mut work) {
+            return vec![0.0; q.len()];
         }
+        let mut tangent = work.factors.null;
+        self.normalise(&mut tangent);
+        tangent
     }
 
-    /// Newton's method from `q` to the closed position on the plane normal . (q - base) = along.
-    /// Returns the position, the linearised equations there, and the size of the first correction (weighted).
-    pub fn on_plane(&self, q: &[f64], base: &[f64], normal: &[f64], along: f64) -> Option<(Vec<f64>, Bordered, f64)> {
+    /// Give a change of coordinates the weighted norm 1.
+    pub fn normalise(&self, tangent: &mut [f64]) {
+        let norm = tangent.iter().zip(&self.weights).map(|(t, w)| (t * w).powi(2)).sum::<f64>().sqrt();
+        tangent.iter_mut().for_each(|t| *t /= norm);
+    }
+
+    /// Newton's method from `q` to the closed position on the plane normal . (q - base) = along, which is put in its place.
+    /// The equations are left linearised there.
+    pub fn on_plane(
+        &self,
+        work: &mut Workspace,
+        q: &mut [f64],
+        base: &[f64],
+        normal: &[f64],
+        along: f64,
+    ) -> Option<Landing> {
         const ITERATIONS: usize = 12;
-        let mut q = q.to_vec();
+        /// Larger corrections that still shrink are not of the size of rounding.
+        const COARSE: f64 = 1e-9;
+        /// Smaller corrections leave the linearised equations what they are but for rounding.
+        const UNMOVED: f64 = 4.0 * f64::EPSILON;
         let (mut first, mut last) = (None, f64::INFINITY);
         for _ in 0..ITERATIONS {
-            let p = self.linkage.positions(&q);
-            let bordered = self.bordered(&p, &q, normal)?;
-            let gaps: Vec<f64> = self.pick(&self.linkage.gaps(&p)).iter().map(|g| -g).collect();
-            let off: f64 = (0..q.len()).map(|i| normal[i] * (q[i] - base[i])).sum();
-            let step = bordered.solve(&gaps, along - off)?;
-            let size = step.iter().zip(&self.weights).fold(0.0, |a: f64, (s, w)| a.max((s * w).abs()));
-            if !size.is_finite() || size > 1.0 {
+            if !self.linearise(q, work) {
                 return None;
             }
-            first.get_or_insert(size);
-            let rounding = 1e-15 * (1.0 + bordered.amplification);
-            // Converged: the last correction was of the size of rounding, or corrections no longer shrink.
-            if size < rounding || (size >= 0.5 * last && size < 1e3 * rounding) {
-                for (x, s) in q.iter_mut().zip(&step) {
-                    *x += s;
-                }
-                return Some((q, bordered, first.unwrap_or(0.0)));
+            self.linkage.measure(&work.positions, &mut work.gaps);
+            work.picked.clear();
+            work.picked.extend(self.rows.iter().map(|&r| -work.gaps[r]));
+            let off: f64 = (0..q.len()).map(|i| normal[i] * (q[i] - base[i])).sum();
+            work.factors.solve(&work.picked, normal, along - off, &mut work.step);
+            let size = self.size(&work.step);
+            if size > 1.0 {
+                return None;
             }
-            for (x, s) in q.iter_mut().zip(&step) {
+            for (x, s) in q.iter_mut().zip(&work.step) {
                 *x += s;
+            }
+            let first = *first.get_or_insert(size);
+            if size < COARSE || size >= 0.5 * last {
+                let amplification = self.amplification(normal, work);
+                if !amplification.is_finite() {
+                    return None;
+                }
+                let rounding = 1e-15 * (1.0 + amplification);
+                // Converged: the last correction was of the size of rounding, or corrections no longer shrink.
+                if size < rounding || (size >= 0.5 * last && size < 1e3 * rounding) {
+                    // A solution changes by up to the amplification times a change of position.
+                    if size > UNMOVED && !self.linearise(q, work) {
+                        return None;
+                    }
+                    return Some(Landing { amplification, first });
+                }
             }
             last = size;
         }

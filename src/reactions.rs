@@ -3,7 +3,7 @@
 //! In: a configuration and the loads. Out: one column of joint reactions for each of these terms. Newton and Euler's
 //! equations of every body, inward along the spanning tree; the joints that close the loops follow from the loop
 //! Jacobian: J^T lambda = generalised forces. A column alone need not be in balance; the sum over a motion is.
-use crate::closure::{Bordered, Closure};
+use crate::closure::{Closure, Workspace};
 use crate::curve::Configuration;
 use crate::linkage::{Freedom, Point, Rates, Vec2, cross, quarter};
 use crate::loads::{Load, Wrench};
@@ -26,41 +26,110 @@ impl Default for Reaction {
 
 /// Reactions of all joints, for sigma_ddot = 1, for sigma_dot^2 = 1, then for each load = 1.
 pub fn columns(closure: &Closure, c: &Configuration, loads: &[Load]) -> Vec<Vec<Reaction>> {
-    let linkage = &*closure.linkage;
-    let n = c.q.len();
-    let weights = &closure.weights;
-    let normal: Vec<f64> = (0..n).map(|i| c.q_sigma[i] * weights[i] * weights[i]).collect();
-    let matrix = closure.matrix(&c.positions, &c.q, &normal);
-    let at_rest = Rates { angle: vec![0.0; linkage.bodies.len()], origin: vec![Vec2::zeros(); linkage.bodies.len()] };
-    let mut demands = vec![inertial(closure, c, &at_rest, &c.rates), inertial(closure, c, &c.rates, &c.second)];
-    for load in loads {
-        let mut demand = vec![(Vec2::zeros(), 0.0); linkage.bodies.len()];
-        for Wrench { body, force, moment } in load.wrenches(linkage, &c.positions) {
-            demand[body].0 -= force;
-            demand[body].1 -= moment;
-        }
-        demands.push(demand);
-    }
-    let redundant = self_stresses(closure, c, &matrix);
-    demands
-        .into_iter()
-        .map(|demand| {
-            let factors = solve(closure, &matrix, &generalised(closure, c, &demand));
-            let mut reactions = inward(closure, c, &factors, None, demand);
-            redundant.relieve(&mut reactions);
-            reactions
-        })
-        .collect()
+    let joints = closure.linkage.joints.len();
+    Columns::default().fill(closure, c, loads).chunks_exact(joints).map(<[Reaction]>::to_vec).collect()
 }
 
-/// Factors of all loop equations, those that follow from others 0, which balance these generalised forces.
-fn solve(closure: &Closure, matrix: &DMatrix<f64>, general: &[f64]) -> Vec<f64> {
-    let mut all = vec![0.0; closure.linkage.rows()];
-    let factors = Bordered::solve_transposed(matrix, general).unwrap_or_default();
-    for (row, factor) in closure.rows().iter().zip(&factors) {
-        all[*row] = *factor;
+/// What a body needs: force, and moment about the origin of its frame.
+type Demand = (Vec2, f64);
+
+/// Room for the reactions of one configuration after another.
+#[derive(Debug, Default)]
+pub struct Columns {
+    work: Workspace,
+    normal: Vec<f64>,
+    at_rest: Rates,
+    demand: Vec<Demand>,
+    /// Forces and moments of the bodies while they are summed inward.
+    summed: Vec<Demand>,
+    general: Vec<f64>,
+    factors: Vec<f64>,
+    all_factors: Vec<f64>,
+    /// Reactions of all joints, term after term.
+    reactions: Vec<Reaction>,
+}
+
+impl Columns {
+    /// Reactions of all joints, for sigma_ddot = 1, for sigma_dot^2 = 1, then for each load = 1: term after term.
+    pub fn fill(&mut self, closure: &Closure, c: &Configuration, loads: &[Load]) -> &[Reaction] {
+        let linkage = &*closure.linkage;
+        let joints = linkage.joints.len();
+        self.normal.clear();
+        self.normal.extend(c.q_sigma.iter().zip(&closure.weights).map(|(q, w)| q * w * w));
+        let regular = closure.linearise(&c.q, &mut self.work);
+        self.at_rest.angle.resize(linkage.bodies.len(), 0.0);
+        self.at_rest.origin.resize(linkage.bodies.len(), Vec2::zeros());
+        self.reactions.clear();
+        self.reactions.resize((2 + loads.len()) * joints, Reaction::default());
+        let redundant = self.self_stresses(closure, c, regular);
+        for term in 0..2 + loads.len() {
+            match term {
+                0 => inertial(closure, c, &self.at_rest, &c.rates, &mut self.demand),
+                1 => inertial(closure, c, &c.rates, &c.second, &mut self.demand),
+                _ => {
+                    self.demand.clear();
+                    self.demand.resize(linkage.bodies.len(), (Vec2::zeros(), 0.0));
+                    for Wrench { body, force, moment } in loads[term - 2].wrenches(linkage, &c.positions) {
+                        self.demand[body].0 -= force;
+                        self.demand[body].1 -= moment;
+                    }
+                }
+            }
+            self.general.clear();
+            self.general.resize(c.q.len(), 0.0);
+            generalised(closure, c, &self.demand, &mut self.summed, &mut self.general);
+            self.balance(closure, regular);
+            let reactions = &mut self.reactions[term * joints..(term + 1) * joints];
+            inward(closure, c, &self.all_factors, None, &mut self.demand, reactions);
+            redundant.relieve(reactions);
+        }
+        &self.reactions
     }
-    all
+
+    /// Factors of all loop equations, those that follow from others 0, which balance the generalised forces.
+    fn balance(&mut self, closure: &Closure, regular: bool) {
+        self.all_factors.clear();
+        self.all_factors.resize(closure.linkage.rows(), 0.0);
+        if regular {
+            self.work.factors.solve_transposed(&self.normal, &mut self.general, &mut self.factors);
+            for (row, factor) in closure.rows().iter().zip(&self.factors) {
+                self.all_factors[*row] = *factor;
+            }
+        }
+    }
+
+    fn self_stresses(&mut self, closure: &Closure, c: &Configuration, regular: bool) -> SelfStresses {
+        let linkage = &*closure.linkage;
+        let size = linkage.size;
+        let idle = || vec![(Vec2::zeros(), 0.0); linkage.bodies.len()];
+        let mut states = Vec::new();
+        let mut state = |factors: &[f64], twisted: Option<usize>| {
+            let mut reactions = vec![Reaction::default(); linkage.joints.len()];
+            inward(closure, c, factors, twisted, &mut idle(), &mut reactions);
+            states.push(reactions);
+        };
+        if closure.redundant() {
+            let jacobian = linkage.jacobian(&c.positions, &c.q);
+            for extra in (0..linkage.rows()).filter(|r| !closure.rows().contains(r)) {
+                self.general.clear();
+                self.general.extend(jacobian.row(extra).iter().map(|g| -g));
+                self.balance(closure, regular);
+                self.all_factors[extra] = 1.0;
+                state(&self.all_factors, None);
+            }
+        }
+        // A prismatic joint outside the tree joins bodies that already turn together: its moment is free.
+        for &joint in linkage.cuts.iter().filter(|&&j| linkage.joints[j].freedom != Freedom::Turn) {
+            state(&vec![0.0; linkage.rows()], Some(joint));
+        }
+        let n = states.len();
+        if n == 0 {
+            return SelfStresses { states, inverse: DMatrix::zeros(0, 0), size };
+        }
+        let gram = DMatrix::from_fn(n, n, |i, j| product(&states[i], &states[j], size));
+        let inverse = gram.pseudo_inverse(1e-12).unwrap_or(DMatrix::zeros(n, n));
+        SelfStresses { states, inverse, size }
+    }
 }
 
 /// Reactions that hold one another in balance without any demand; there are some only if joints are redundant. Of all
@@ -70,31 +139,6 @@ struct SelfStresses {
     /// Inverse of the matrix of their inner products.
     inverse: DMatrix<f64>,
     size: f64,
-}
-
-fn self_stresses(closure: &Closure, c: &Configuration, matrix: &DMatrix<f64>) -> SelfStresses {
-    let linkage = &*closure.linkage;
-    let size = linkage.size;
-    let idle = || vec![(Vec2::zeros(), 0.0); linkage.bodies.len()];
-    let mut states = Vec::new();
-    if closure.redundant() {
-        let jacobian = linkage.jacobian(&c.positions, &c.q);
-        for extra in (0..linkage.rows()).filter(|r| !closure.rows().contains(r)) {
-            let balance: Vec<f64> = jacobian.row(extra).iter().map(|g| -g).collect();
-            let mut factors = solve(closure, matrix, &balance);
-            factors[extra] = 1.0;
-            states.push(inward(closure, c, &factors, None, idle()));
-        }
-    }
-    // A prismatic joint outside the tree joins bodies that already turn together: its moment is free.
-    for &joint in linkage.cuts.iter().filter(|&&j| linkage.joints[j].freedom != Freedom::Turn) {
-        states.push(inward(closure, c, &vec![0.0; linkage.rows()], Some(joint), idle()));
-    }
-    let n = states.len();
-    let gram = DMatrix::from_fn(n, n, |i, j| product(&states[i], &states[j], size));
-    let none = DMatrix::zeros(n, n);
-    let inverse = if n == 0 { none } else { gram.pseudo_inverse(1e-12).unwrap_or(none) };
-    SelfStresses { states, inverse, size }
 }
 
 impl SelfStresses {
@@ -120,30 +164,28 @@ fn product(a: &[Reaction], b: &[Reaction], size: f64) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.force.dot(&b.force) + a.moment * b.moment / (size * size)).sum()
 }
 
-/// Force and moment about its origin that each body needs for these accelerations.
-fn inertial(closure: &Closure, c: &Configuration, r: &Rates, a: &Rates) -> Vec<(Vec2, f64)> {
+/// What each body needs for these accelerations.
+fn inertial(closure: &Closure, c: &Configuration, r: &Rates, a: &Rates, demand: &mut Vec<Demand>) {
     let p = &c.positions;
-    let bodies = closure.linkage.bodies.iter().enumerate();
-    bodies
-        .map(|(i, body)| {
-            let force = body.mass * p.acceleration(r, a, Point { body: i, local: body.center });
-            (force, body.inertia * a.angle[i] + cross(p.vector(i, body.center), force))
-        })
-        .collect()
+    demand.clear();
+    demand.extend(closure.linkage.bodies.iter().enumerate().map(|(i, body)| {
+        let force = body.mass * p.acceleration(r, a, Point { body: i, local: body.center });
+        (force, body.inertia * a.angle[i] + cross(p.vector(i, body.center), force))
+    }));
 }
 
-/// The reactions that give every body the force and moment that it needs, for these factors of the loop equations and
-/// a unit moment in `twisted`, a prismatic joint outside the tree.
+/// The reactions that give every body what it needs, for these factors of the loop equations and a unit moment in
+/// `twisted`, a prismatic joint outside the tree. The demand is used up.
 fn inward(
     closure: &Closure,
     c: &Configuration,
     factors: &[f64],
     twisted: Option<usize>,
-    mut demand: Vec<(Vec2, f64)>,
-) -> Vec<Reaction> {
+    demand: &mut [Demand],
+    reactions: &mut [Reaction],
+) {
     let linkage = &*closure.linkage;
     let p = &c.positions;
-    let mut reactions = vec![Reaction::default(); linkage.joints.len()];
     // Joints that close loops: their forces relieve the demands of the two bodies.
     if let Some(j) = twisted {
         reactions[j].moment = 1.0;
@@ -183,30 +225,27 @@ fn inward(
         let sign = if branch.reversed { -1.0 } else { 1.0 };
         reactions[branch.joint] = Reaction { force: sign * force, moment: sign * couple };
     }
-    reactions
 }
 
-/// Generalised forces of the demands: their virtual work for each change of a coordinate.
-fn generalised(closure: &Closure, c: &Configuration, demand: &[(Vec2, f64)]) -> Vec<f64> {
+/// Generalised forces of the demands: their virtual work for each change of a coordinate; added to `out`.
+fn generalised(closure: &Closure, c: &Configuration, demand: &[Demand], summed: &mut Vec<Demand>, out: &mut [f64]) {
     let linkage = &*closure.linkage;
     let p = &c.positions;
-    let mut force: Vec<Vec2> = demand.iter().map(|d| d.0).collect();
     // Moments about the origins of the bodies' frames.
-    let mut moment: Vec<f64> = demand.iter().map(|d| d.1).collect();
-    let mut out = vec![0.0; c.q.len()];
-    for branch in linkage.tree.iter().rev() {
-        let (_, to, axis) = linkage.arms(p, branch);
+    summed.clear();
+    summed.extend_from_slice(demand);
+    for (branch, arms) in linkage.tree.iter().zip(&p.arms).rev() {
         let (child, parent) = (branch.child, branch.parent);
+        let (force, moment) = summed[child];
         if let Some(turn) = linkage.bodies[child].turn {
-            out[turn] += moment[child] - cross(to, force[child]);
+            out[turn] += moment - cross(arms.to, force);
         }
         if let Some(slide) = branch.slide {
-            out[slide] += axis.dot(&force[child]);
+            out[slide] += arms.axis.dot(&force);
         }
         // The pivot moves with the parent; only the force is passed on, turning has its own coordinate.
-        let (pivot, passed) = (p.origin[child] + to, force[child]);
-        force[parent] += passed;
-        moment[parent] += cross(pivot - p.origin[parent], passed);
+        let pivot = p.origin[child] + arms.to;
+        summed[parent].0 += force;
+        summed[parent].1 += cross(pivot - p.origin[parent], force);
     }
-    out
 }

@@ -4,6 +4,7 @@
 //! read without allocation, lock or branch on the mechanism's size. It must not know what the functions mean.
 use crate::chebyshev::{NODES, Series, Transform, monomials, tail};
 use std::fmt;
+use std::ops::Range;
 
 /// A table resolves its components to this part of their largest value.
 pub const ACCURACY: f64 = 1e-13;
@@ -21,6 +22,15 @@ impl fmt::Display for Unresolved {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "component {} is not smooth at sigma = {}", self.component, self.sigma)
     }
+}
+
+/// Where tables start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    /// First sigma of each panel, then the last sigma of all.
+    pub borders: Vec<f64>,
+    /// What is in the middle of a panel and must stay in the middle of one: where the exact function amplifies rounding.
+    pub centers: Vec<f64>,
 }
 
 /// Functions of sigma on panels.
@@ -67,77 +77,90 @@ impl Table {
         self.components
     }
 
-    /// Tabulate `exact`, which fills the components at a sigma, on the panels of `grid`, cut in three where needed. Each
-    /// component has its natural size in `sizes`; `exact` returns how much it amplifies rounding.
+    /// Tabulate several sets of functions that come from the same evaluations on the panels of `grid`, cut where needed.
+    /// `sizes` has each set's natural sizes of its components; `exact` fills the components of all sets, one after the
+    /// other, at a sigma, and returns how much it amplifies rounding.
     ///
-    /// Each panel is cut until its series has decayed to [`ACCURACY`], relative to the natural size of the component or to
-    /// its largest value on the whole grid, or to the rounding in `exact`: second derivatives amplify it twice. Panels
-    /// are cut in three, so that what is in the middle of one stays in the middle of one.
+    /// Each panel is cut until the set's series have decayed to [`ACCURACY`], relative to the natural size of the component
+    /// or to its largest value on the whole grid, or to the rounding in `exact`: second derivatives amplify it twice.
+    /// A set is [`Unresolved`] where cutting does not help.
+    pub fn build_all(
+        grid: &Grid,
+        sizes: &[Vec<f64>],
+        exact: &mut dyn FnMut(f64, &mut [f64]) -> f64,
+    ) -> Vec<Result<Self, Unresolved>> {
+        let mut sets: Vec<Set> = Vec::new();
+        for size in sizes {
+            let first = sets.last().map_or(0, |s| s.components.end);
+            let table = Self { borders: vec![grid.borders[0]], components: size.len(), coefficients: Vec::new() };
+            sets.push(Set { components: first..first + size.len(), whole: size.clone(), table, unresolved: None });
+        }
+        let components = sets.last().map_or(0, |s| s.components.end);
+        let mut sampler = Sampler { transform: Transform::new(), values: vec![0.0; components], exact };
+        // What must still be placed, last panel first.
+        let mut open = Vec::new();
+        for pair in grid.borders.windows(2).rev() {
+            let mut stretch = sampler.stretch(pair[0], pair[1]);
+            stretch.before = vec![f64::INFINITY; sets.len()];
+            open.push(stretch);
+        }
+        for stretch in &open {
+            for set in &mut sets {
+                for (whole, largest) in set.whole.iter_mut().zip(&stretch.largest[set.components.clone()]) {
+                    *whole = whole.max(*largest);
+                }
+            }
+        }
+        while let Some(stretch) = open.pop() {
+            let (a, b) = (stretch.a, stretch.b);
+            let mut pieces = 1;
+            // A set that has been placed here, or is given up, has nothing more to be seen to in the pieces.
+            let mut before = vec![f64::NAN; sets.len()];
+            for (k, set) in sets.iter_mut().enumerate() {
+                if stretch.before[k].is_nan() || set.unresolved.is_some() {
+                    continue;
+                }
+                match set.place(&stretch, stretch.before[k]) {
+                    Placed::Resolved => {}
+                    Placed::Cut(tail, into) => {
+                        before[k] = tail;
+                        pieces = pieces.max(into);
+                    }
+                    Placed::Unresolved(component) => {
+                        set.unresolved = Some(Unresolved { sigma: 0.5 * (a + b), component });
+                    }
+                }
+            }
+            if pieces == 1 {
+                continue;
+            }
+            if grid.centers.iter().any(|c| a < *c && *c < b) {
+                pieces = 3;
+            }
+            let border = |k: usize| match k {
+                0 => a,
+                k if k == pieces => b,
+                k => a + (b - a) * k as f64 / pieces as f64,
+            };
+            for k in (0..pieces).rev() {
+                let part = stretch.part / pieces as f64;
+                open.push(Stretch { part, before: before.clone(), ..sampler.stretch(border(k), border(k + 1)) });
+            }
+        }
+        sets.into_iter().map(|set| set.unresolved.map_or(Ok(set.table), Err)).collect()
+    }
+
+    /// One set of functions tabulated, as by [`Self::build_all`].
     ///
     /// # Errors
     /// [`Unresolved`] where cutting does not help.
     pub fn build(
-        grid: &[f64],
+        grid: &Grid,
         sizes: &[f64],
         exact: &mut dyn FnMut(f64, &mut [f64]) -> f64,
     ) -> Result<Self, Unresolved> {
-        const DEEPEST: usize = 9;
-        let components = sizes.len();
-        let mut whole = sizes.to_vec();
-        let transform = Transform::new();
-        let mut values = vec![0.0; components];
-        let mut fit = |a: f64, b: f64| -> (Vec<Series>, Vec<f64>, f64) {
-            let mut samples = vec![[0.0; NODES]; components];
-            let mut rounding: f64 = 1.0;
-            for (j, x) in transform.nodes.iter().enumerate() {
-                rounding = rounding.max(exact(a + 0.5 * (b - a) * (1.0 + x), &mut values));
-                for (sample, value) in samples.iter_mut().zip(&values) {
-                    sample[j] = *value;
-                }
-            }
-            let largest = samples.iter().map(|s| s.iter().fold(0.0, |a: f64, v| a.max(v.abs()))).collect();
-            (
-                samples.iter().map(|s| transform.fit(s)).collect(),
-                largest,
-                (f64::EPSILON * rounding * rounding).min(10.0 * ACCURACY),
-            )
-        };
-        let mut first = Vec::new();
-        for pair in grid.windows(2) {
-            let (series, largest, rounding) = fit(pair[0], pair[1]);
-            for (w, l) in whole.iter_mut().zip(&largest) {
-                *w = w.max(*l);
-            }
-            first.push((pair[0], pair[1], series, rounding));
-        }
-        // What must still be placed, last panel first; each with its depth and its parent's worst tail.
-        let mut open: Vec<_> = first.into_iter().rev().map(|(a, b, s, r)| (a, b, s, r, 0, f64::INFINITY)).collect();
-        let mut table = Self { borders: vec![grid[0]], components, coefficients: Vec::new() };
-        while let Some((a, b, series, rounding, depth, before)) = open.pop() {
-            let (mut worst, mut component) = (0.0, 0);
-            for (i, s) in series.iter().enumerate() {
-                let t = if whole[i] > 0.0 { tail(s) / whole[i] } else { 0.0 };
-                if t > worst || t.is_nan() {
-                    (worst, component) = (t, i);
-                }
-            }
-            // Cutting no longer helps: what is left of the tail is rounding in the exact evaluator.
-            let stays = depth > 0 && worst < 1e-10 && worst > 0.1 * before;
-            if worst <= (0.5 * ACCURACY).max(rounding) || stays {
-                table.borders.push(b);
-                table.coefficients.extend(series.iter().map(monomials));
-                continue;
-            }
-            if depth == DEEPEST || !worst.is_finite() {
-                return Err(Unresolved { sigma: 0.5 * (a + b), component });
-            }
-            let cuts = [a, a + (b - a) / 3.0, b - (b - a) / 3.0, b];
-            for k in [2, 1, 0] {
-                let (series, _, rounding) = fit(cuts[k], cuts[k + 1]);
-                open.push((cuts[k], cuts[k + 1], series, rounding, depth + 1, worst));
-            }
-        }
-        Ok(table)
+        let nothing = Err(Unresolved { sigma: grid.borders[0], component: 0 });
+        Self::build_all(grid, &[sizes.to_vec()], exact).pop().unwrap_or(nothing)
     }
 
     /// Number of panels.
@@ -179,14 +202,106 @@ impl Table {
     }
 }
 
+/// Functions that are tabulated together.
+struct Set {
+    /// Their places among all components.
+    components: Range<usize>,
+    /// Natural size of each component, or its largest value on the grid.
+    whole: Vec<f64>,
+    table: Table,
+    unresolved: Option<Unresolved>,
+}
+
+/// What becomes of a set on a stretch.
+enum Placed {
+    Resolved,
+    /// Its largest tail, and into how many pieces to cut.
+    Cut(f64, usize),
+    /// This component is not smooth.
+    Unresolved(usize),
+}
+
+impl Set {
+    fn place(&mut self, stretch: &Stretch, before: f64) -> Placed {
+        /// No piece is shorter than this part of a panel of the grid.
+        const SHORTEST: f64 = 1.0 / 20_000.0;
+        /// Order of the coefficients that must be small.
+        const ORDER: f64 = (NODES - 2) as f64;
+        let series = &stretch.series[self.components.clone()];
+        let (mut worst, mut component) = (0.0, 0);
+        for (i, (s, whole)) in series.iter().zip(&self.whole).enumerate() {
+            let t = if *whole > 0.0 { tail(s) / whole } else { 0.0 };
+            if t > worst || t.is_nan() {
+                (worst, component) = (t, i);
+            }
+        }
+        let allowed = (0.5 * ACCURACY).max(stretch.rounding);
+        // Cutting no longer helps: what is left of the tail is rounding in the exact evaluator.
+        let stays = stretch.part < 1.0 && worst < 1e-10 && worst > 0.1 * before;
+        if worst <= allowed || stays {
+            self.table.borders.push(stretch.b);
+            self.table.coefficients.extend(series.iter().map(monomials));
+            return Placed::Resolved;
+        }
+        if stretch.part < SHORTEST || !worst.is_finite() {
+            return Placed::Unresolved(component);
+        }
+        Placed::Cut(worst, if (worst / allowed).powf(1.0 / ORDER) > 1.9 { 3 } else { 2 })
+    }
+}
+
+/// All components on a stretch of sigma.
+struct Stretch {
+    a: f64,
+    b: f64,
+    /// Its length as a part of its panel of the grid.
+    part: f64,
+    series: Vec<Series>,
+    largest: Vec<f64>,
+    /// Rounding in the values, relative to the largest.
+    rounding: f64,
+    /// For each set the worst tail on the stretch that this is a piece of; not a number if it is settled.
+    before: Vec<f64>,
+}
+
+/// Samples functions at the nodes of a stretch.
+struct Sampler<'a> {
+    transform: Transform,
+    values: Vec<f64>,
+    exact: &'a mut dyn FnMut(f64, &mut [f64]) -> f64,
+}
+
+impl Sampler<'_> {
+    fn stretch(&mut self, a: f64, b: f64) -> Stretch {
+        let mut samples = vec![[0.0; NODES]; self.values.len()];
+        let mut rounding: f64 = 1.0;
+        for (j, x) in self.transform.nodes.iter().enumerate() {
+            rounding = rounding.max((self.exact)(a + 0.5 * (b - a) * (1.0 + x), &mut self.values));
+            for (sample, value) in samples.iter_mut().zip(&self.values) {
+                sample[j] = *value;
+            }
+        }
+        let largest = samples.iter().map(|s| s.iter().fold(0.0, |a: f64, v| a.max(v.abs()))).collect();
+        for sample in &mut samples {
+            *sample = self.transform.fit(sample);
+        }
+        let rounding = (f64::EPSILON * rounding * rounding).min(10.0 * ACCURACY);
+        Stretch { a, b, part: 1.0, series: samples, largest, rounding, before: Vec::new() }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn grid(borders: &[f64]) -> Grid {
+        Grid { borders: borders.to_vec(), centers: Vec::new() }
+    }
+
     #[test]
     fn resolves_a_peak_to_the_stated_accuracy() {
         let f = |s: f64| 1.0 / (1e-3 + s * s);
-        let table = Table::build(&[-1.0, 0.3, 2.0], &[1.0, 1.0], &mut |s, v| {
+        let table = Table::build(&grid(&[-1.0, 0.3, 2.0]), &[1.0, 1.0], &mut |s, v| {
             v.copy_from_slice(&[f(s), s.sin()]);
             1.0
         })
@@ -202,7 +317,7 @@ mod tests {
 
     #[test]
     fn a_jump_is_refused_and_placed() {
-        let error = Table::build(&[0.0, 1.0], &[1.0], &mut |s, v| {
+        let error = Table::build(&grid(&[0.0, 1.0]), &[1.0], &mut |s, v| {
             v[0] = (s - 0.7).signum();
             1.0
         })
@@ -218,7 +333,7 @@ mod tests {
             (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
         };
         let mut build = |size: f64, level: f64| {
-            Table::build(&[0.0, 1.0], &[1.0], &mut |s, v| {
+            Table::build(&grid(&[0.0, 1.0]), &[1.0], &mut |s, v| {
                 v[0] = size * s.cos() + level * noise();
                 1.0
             })

@@ -1,6 +1,7 @@
 //! The exact evaluator: one configuration with its derivatives along the curve.
 use super::{Curve, panel::twice_kinetic};
-use crate::linkage::{Point, Positions, Rates};
+use crate::closure::{self, Closure};
+use crate::linkage::{Linkage, Point, Positions, Rates};
 
 /// Where rounding is amplified this many times as much as at best in a panel, its series are more accurate than its loop
 /// equations.
@@ -9,7 +10,7 @@ const NEAR: f64 = 8.0;
 const HARMLESS: f64 = 30.0;
 
 /// Where the linkage is at one sigma, and how it moves along the curve.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Configuration {
     /// Length along the curve.
     pub sigma: f64,
@@ -29,60 +30,109 @@ pub struct Configuration {
     pub amplification: f64,
 }
 
+/// Room for one configuration after another.
+#[derive(Clone, Debug, Default)]
+pub struct Workspace {
+    /// The loop equations.
+    pub(super) loops: closure::Workspace,
+    /// Values of all loop equations.
+    gaps: Vec<f64>,
+    /// What the independent ones must change by.
+    right: Vec<f64>,
+}
+
+impl Configuration {
+    /// The first derivatives, from a direction along the curve in `q_sigma`, to unit speed.
+    fn set_out(&mut self, linkage: &Linkage) -> f64 {
+        linkage.move_at(&self.positions, &self.q, &self.q_sigma, &mut self.rates);
+        let speed = twice_kinetic(linkage, &self.positions, &self.rates).sqrt();
+        self.q_sigma.iter_mut().chain(&mut self.rates.angle).for_each(|v| *v /= speed);
+        self.rates.origin.iter_mut().for_each(|v| *v /= speed);
+        speed
+    }
+
+    /// The second derivatives, of which `q_second` holds all but the part along the curve: T stays 1/2 along it, and that
+    /// part follows from sum m v . a + I omega alpha = 0.
+    fn bend(&mut self, linkage: &Linkage) {
+        linkage.accelerate(&self.positions, &self.rates, [&self.q, &self.q_sigma, &self.q_second], &mut self.second);
+        let along = kinetic_product(linkage, &self.positions, &self.rates, &self.second);
+        for (second, first) in self.q_second.iter_mut().zip(&self.q_sigma) {
+            *second -= along * first;
+        }
+        for (second, first) in self.second.angle.iter_mut().zip(&self.rates.angle) {
+            *second -= along * first;
+        }
+        for (second, first) in self.second.origin.iter_mut().zip(&self.rates.origin) {
+            *second -= along * first;
+        }
+    }
+
+    /// Derivatives along the curve at the coordinates `q` and their positions, where the loop equations have been
+    /// linearised; the curve leads along `normal`. Returns the speed d sigma / d u of motion across its planes.
+    pub(super) fn derive(&mut self, closure: &Closure, normal: &[f64], work: &mut Workspace) -> f64 {
+        let linkage = &*closure.linkage;
+        let factors = &work.loops.factors;
+        factors.tangent(normal, 1.0, &mut self.q_sigma);
+        let speed = self.set_out(linkage);
+        // Second derivatives of the gaps must vanish: J q'' = -bias.
+        self.q_second.clear();
+        self.q_second.resize(self.q.len(), 0.0);
+        linkage.accelerate(&self.positions, &self.rates, [&self.q, &self.q_sigma, &self.q_second], &mut self.second);
+        linkage.gap_second_rates(&self.positions, &self.rates, &self.second, &mut work.gaps);
+        work.right.clear();
+        work.right.extend(closure.rows().iter().map(|&r| -work.gaps[r]));
+        factors.solve(&work.right, normal, 0.0, &mut self.q_second);
+        self.bend(linkage);
+        speed
+    }
+}
+
 impl Curve {
     /// The configuration at sigma, within the curve's range: loops closed by Newton's method, the tangent from the null
     /// vector of the loop Jacobian, the curvature from the second derivatives of the loop equations and from T = 1/2.
     pub fn configuration(&self, sigma: f64) -> Configuration {
-        let (first, last) = self.range();
-        let sigma = sigma.clamp(first, last);
-        let place = self.panels.partition_point(|p| p.start <= sigma).max(1) - 1;
-        let panel = &self.panels[place];
-        let (closure, linkage) = (&self.closure, &*self.closure.linkage);
-        let x = panel.x_at(sigma);
-        let mut q = panel.series_at(x);
-        let n = q.len();
-        // Close the loops again and differentiate their equations, unless a crossing is so near that this would amplify
-        // rounding: there the panel's series, whose nodes lie farther from it, are the better evaluator.
-        let closed = closure.on_plane(&q, &panel.base, &panel.normal, panel.u_at(x));
-        let closed =
-            closed.filter(|(_, bordered, _)| bordered.amplification < HARMLESS.max(NEAR * panel.amplification));
-        let at_crossing = closed.is_none();
-        if let Some((closer, ..)) = closed {
-            q = closer;
-        }
-        let positions = linkage.positions(&q);
-        let bordered = if at_crossing { None } else { closure.bordered(&positions, &q, &panel.normal) };
-        let solve = |gaps: &[f64], along: f64| bordered.as_ref().and_then(|b| b.solve(gaps, along));
-        let mut q_sigma = solve(&vec![0.0; n - 1], 1.0).unwrap_or_else(|| panel.slopes_at(x));
-        let speed = twice_kinetic(linkage, &positions, &linkage.rates(&positions, &q, &q_sigma)).sqrt();
-        q_sigma.iter_mut().for_each(|v| *v /= speed);
-        let rates = linkage.rates(&positions, &q, &q_sigma);
-        // Second derivatives of the gaps must vanish: J q'' = -bias.
-        let still = linkage.second_rates(&positions, &rates, &q, &q_sigma, &vec![0.0; n]);
-        let bias: Vec<f64> =
-            closure.pick(&linkage.gap_second_rates(&positions, &rates, &still)).iter().map(|b| -b).collect();
-        let mut q_second =
-            solve(&bias, 0.0).unwrap_or_else(|| panel.curvatures_at(x).iter().map(|c| c / (speed * speed)).collect());
-        // T stays 1/2 along the curve: the part along the tangent follows from sum m v . a + I omega alpha = 0.
-        let partial = linkage.second_rates(&positions, &rates, &q, &q_sigma, &q_second);
-        let along = self.kinetic_product(&positions, &rates, &partial);
-        for (second, first) in q_second.iter_mut().zip(&q_sigma) {
-            *second -= along * first;
-        }
-        let second = linkage.second_rates(&positions, &rates, &q, &q_sigma, &q_second);
-        let amplification = bordered.as_ref().map_or(f64::INFINITY, |b| b.amplification);
-        Configuration { sigma, q, q_sigma, q_second, positions, rates, second, amplification }
+        let mut c = Configuration::default();
+        self.configure(sigma, &mut Workspace::default(), &mut c);
+        c
     }
 
-    /// sum of m v . a + I omega alpha.
-    fn kinetic_product(&self, p: &Positions, r: &Rates, a: &Rates) -> f64 {
-        let bodies = &self.closure.linkage.bodies;
-        let mut sum = 0.0;
-        for (i, body) in bodies.iter().enumerate().skip(1) {
-            let point = Point { body: i, local: body.center };
-            sum += body.mass * p.velocity(r, point).dot(&p.acceleration(r, a, point))
-                + body.inertia * r.angle[i] * a.angle[i];
+    /// As [`Self::configuration`], in place.
+    pub fn configure(&self, sigma: f64, work: &mut Workspace, c: &mut Configuration) {
+        let (first, last) = self.traced();
+        c.sigma = sigma.clamp(first, last);
+        let place = self.panels.partition_point(|p| p.start <= c.sigma).max(1) - 1;
+        let panel = &self.panels[place];
+        let (closure, linkage) = (&self.closure, &*self.closure.linkage);
+        let x = panel.x_at(c.sigma);
+        panel.place(x, &mut c.q);
+        // Close the loops again and differentiate their equations, unless a crossing is so near that this would amplify
+        // rounding: there the panel's series, whose nodes lie farther from it, are the better evaluator.
+        let landing = closure.on_plane(&mut work.loops, &mut c.q, &panel.base, &panel.normal, panel.u_at(x));
+        let most = HARMLESS.max(NEAR * panel.amplification);
+        if let Some(landing) = landing.filter(|l| l.amplification < most) {
+            linkage.place(&c.q, &mut c.positions);
+            c.derive(closure, &panel.normal, work);
+            c.amplification = landing.amplification;
+            return;
         }
-        sum
+        panel.place(x, &mut c.q);
+        linkage.place(&c.q, &mut c.positions);
+        c.q_sigma = panel.slopes_at(x);
+        let speed = c.set_out(linkage);
+        c.q_second = panel.curvatures_at(x);
+        c.q_second.iter_mut().for_each(|v| *v /= speed * speed);
+        c.bend(linkage);
+        c.amplification = f64::INFINITY;
     }
+}
+
+/// sum of m v . a + I omega alpha.
+fn kinetic_product(linkage: &Linkage, p: &Positions, r: &Rates, a: &Rates) -> f64 {
+    let mut sum = 0.0;
+    for (i, body) in linkage.bodies.iter().enumerate().skip(1) {
+        let point = Point { body: i, local: body.center };
+        sum +=
+            body.mass * p.velocity(r, point).dot(&p.acceleration(r, a, point)) + body.inertia * r.angle[i] * a.angle[i];
+    }
+    sum
 }

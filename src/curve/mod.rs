@@ -7,10 +7,14 @@
 //! [CK16] is 1 everywhere, its derivative 0, and a motion without loads is sigma = sigma_0 + sigma_dot t exactly. A toggle
 //! is an ordinary point of it. Where branches cross, the curve goes straight on.
 mod configuration;
+mod crossings;
+mod grid;
+mod known;
 mod panel;
 mod trace;
+mod travel;
 
-pub use configuration::Configuration;
+pub use configuration::{Configuration, Workspace};
 pub use panel::Panel;
 
 use crate::chebyshev::Transform;
@@ -28,6 +32,11 @@ pub enum CurveError {
     },
     /// No panel, however short, leads on from this position.
     Stuck {
+        /// Coordinates by name.
+        position: String,
+    },
+    /// No travel is permitted from this position.
+    Outside {
         /// Coordinates by name.
         position: String,
     },
@@ -60,6 +69,9 @@ impl fmt::Display for CurveError {
                     "the linkage cannot be followed past {position}: its motion ends or has a cusp there; change the lengths"
                 )
             }
+            Self::Outside { position } => {
+                write!(f, "no travel is permitted from {position}: state a position within the limits, or widen them")
+            }
             Self::TooLong { panels } => {
                 write!(f, "the motion does not return to its start within {panels} panels; simplify the linkage")
             }
@@ -80,6 +92,13 @@ pub enum Ends {
     Closed(Vec<f64>),
     /// It was traced as far as the prismatic joints reasonably go.
     Open,
+    /// It leaves the permitted travel at the low end of sigma, the high end, or both; where not, it is open.
+    Stopped {
+        /// At the first sigma.
+        low: bool,
+        /// At the last sigma.
+        high: bool,
+    },
 }
 
 /// The curve of closed positions of a linkage.
@@ -88,6 +107,8 @@ pub struct Curve {
     closure: Closure,
     transform: Transform,
     panels: Vec<Panel>,
+    /// First and last sigma; the panels reach on where travel stops.
+    range: (f64, f64),
     ends: Ends,
     /// Values of sigma where branches cross, ascending.
     crossings: Vec<f64>,
@@ -96,6 +117,11 @@ pub struct Curve {
 impl Curve {
     /// First and last sigma.
     pub fn range(&self) -> (f64, f64) {
+        self.range
+    }
+
+    /// First and last sigma of the panels: where travel stops, they reach on.
+    fn traced(&self) -> (f64, f64) {
         match (self.panels.first(), self.panels.last()) {
             (Some(first), Some(last)) => (first.start, last.end()),
             _ => (0.0, 0.0),
@@ -109,7 +135,7 @@ impl Curve {
 
     /// Mean length along the curve for a motion of the size of one radian (of all coordinates together).
     pub fn scale(&self) -> f64 {
-        let (first, last) = self.range();
+        let (first, last) = self.traced();
         (last - first) / self.panels.iter().map(|p| p.width).sum::<f64>()
     }
 
@@ -136,28 +162,6 @@ impl Curve {
     /// The loop equations.
     pub(crate) fn closure(&self) -> &Closure {
         &self.closure
-    }
-
-    /// Borders of panels on which tables start: those of the curve, moved so that every crossing is in the middle of one.
-    pub fn grid(&self) -> Vec<f64> {
-        let mut grid: Vec<f64> = self.panels.iter().map(|p| p.start).collect();
-        grid.push(self.range().1);
-        for &at in &self.crossings {
-            let place = grid.partition_point(|s| *s < at);
-            let (below, above) = (grid[place.max(1) - 1], grid[place.min(grid.len() - 1)]);
-            // Far enough from the borders next to it, or take these borders away.
-            let radius = 0.45 * (above - below);
-            let (first, last) = (grid[0], grid[grid.len() - 1]);
-            let radius = radius.min(at - first).min(last - at);
-            grid.retain(|s| (s - at).abs() > radius || *s == first || *s == last);
-            for border in [at - radius, at + radius] {
-                if border > first && border < last {
-                    let place = grid.partition_point(|s| *s < border);
-                    grid.insert(place, border);
-                }
-            }
-        }
-        grid
     }
 }
 

@@ -1,5 +1,7 @@
 //! One panel of the curve: closed positions as Chebyshev series over a plane's distance from the panel's base.
-use crate::chebyshev::{NODES, Series, Transform, antiderivative, chopped, derivative, tail, value};
+use super::configuration::{Configuration, Workspace};
+use super::known::Known;
+use crate::chebyshev::{NODES, Series, Transform, antiderivative, chopped, derivative, tail, value, with_slope};
 use crate::closure::Closure;
 use crate::linkage::{Linkage, Positions, Rates};
 
@@ -16,21 +18,50 @@ pub struct Panel {
     pub width: f64,
     /// Each coordinate as a series in x = 2 u / width - 1.
     pub coordinates: Vec<Series>,
-    /// sigma - start as a series in x.
+    /// sigma - start as a series in x, and its value at the tip.
     length: [f64; NODES + 1],
-    /// d sigma / d x as a series in x.
+    span: f64,
+    /// d sigma / d x as a series in x, and its values at both ends.
     speed: Series,
+    rims: [f64; 2],
     /// Coordinates at its end.
     pub tip: Vec<f64>,
     /// How much rounding in a gap is amplified where least.
     pub amplification: f64,
+    /// The same at the nodes.
+    pub amplifications: [f64; NODES],
+    /// Of each coordinate's second derivative along sigma: tail of its series in x, and its largest value.
+    pub bends: Vec<[f64; 2]>,
+}
+
+/// Where a panel starts, and what leads on from there.
+#[derive(Clone, Debug)]
+pub struct Base {
+    /// sigma.
+    pub sigma: f64,
+    /// Coordinates.
+    pub q: Vec<f64>,
+    /// Unit tangent.
+    pub tangent: Vec<f64>,
+}
+
+/// Room for one panel after another.
+#[derive(Debug, Default)]
+pub struct Room {
+    /// For configurations.
+    pub work: Workspace,
+    c: Configuration,
+    /// Coordinates and their second derivatives at the nodes.
+    nodes: Vec<[f64; NODES]>,
+    seconds: Vec<[f64; NODES]>,
+    known: Known,
 }
 
 /// Why a panel of some width was not accepted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Refusal {
-    /// The series does not resolve it, or Newton's method went astray: a shorter one may do.
-    TooWide,
+    /// The series does not resolve it, or Newton's method went astray: one shorter by this factor may do.
+    TooWide(f64),
     /// A node is too close to a position where branches cross: a slightly different one may do.
     NearCrossing,
     /// The kinetic energy vanishes at one of its positions.
@@ -48,6 +79,10 @@ const CROSSING: f64 = 5.0;
 const HARMLESS: f64 = 30.0;
 /// Rounding of coordinates, relative to their size and to 1 rad, before amplification.
 const ROUNDING: f64 = 1e-15;
+/// A panel on which Newton's method goes astray is shortened by this factor.
+const ASTRAY: f64 = 0.7;
+/// Order of the coefficients that must be of the size of rounding.
+const ORDER: f64 = (NODES - 2) as f64;
 
 /// Twice the kinetic energy at these rates: sum of m v^2 + I omega^2.
 pub fn twice_kinetic(linkage: &Linkage, p: &Positions, r: &Rates) -> f64 {
@@ -65,84 +100,108 @@ pub fn twice_kinetic(linkage: &Linkage, p: &Positions, r: &Rates) -> f64 {
 impl Panel {
     /// Last sigma.
     pub fn end(&self) -> f64 {
-        self.start + self.length.iter().sum::<f64>()
+        self.start + self.span
     }
 
-    /// Try to build the panel that starts at `base` with the unit tangent `tangent`.
+    /// Try to build the panel that starts at `base`. Returns the unit tangent at its tip with it, and by what factor it might
+    /// have been wider.
     ///
     /// # Errors
     /// A [`Refusal`].
     pub fn build(
         closure: &Closure,
         transform: &Transform,
-        start: f64,
-        base: &[f64],
-        tangent: &[f64],
+        base: &Base,
         width: f64,
-    ) -> Result<Self, Refusal> {
-        let n = base.len();
+        room: &mut Room,
+    ) -> Result<(Self, Vec<f64>, f64), Refusal> {
+        let n = base.q.len();
         let linkage = &*closure.linkage;
         let w = &closure.weights;
-        let normal: Vec<f64> = (0..n).map(|i| tangent[i] * w[i] * w[i]).collect();
-        let mut nodes: Vec<Vec<f64>> = Vec::with_capacity(NODES);
+        let normal: Vec<f64> = (0..n).map(|i| base.tangent[i] * w[i] * w[i]).collect();
+        let Room { work, c, nodes, seconds, known } = room;
+        for samples in [&mut *nodes, &mut *seconds] {
+            samples.clear();
+            samples.resize(n, [0.0; NODES]);
+        }
         let mut speeds = [0.0; NODES];
-        let mut amplification: f64 = 1.0;
-        let mut least = f64::INFINITY;
-        // Two known points with their slopes, from which the next is extrapolated.
-        let mut before = (0.0, base.to_vec(), tangent.to_vec());
-        let mut last = before.clone();
+        let mut amplifications = [0.0; NODES];
+        let mut last = 0.0;
+        known.start(&base.q, &base.tangent);
         for (j, x) in transform.nodes.iter().enumerate() {
             let u = 0.5 * width * (1.0 + x);
-            let ahead = if j == 0 { linear(&last, u) } else { cubic(&before, &last, u) };
-            let (q, bordered, correction) = closure.on_plane(&ahead, base, &normal, u).ok_or(Refusal::TooWide)?;
-            if correction > 0.2 * (u - last.0) + 1e-12 {
-                return Err(Refusal::TooWide);
+            known.extrapolate(u, &mut c.q);
+            let landing = closure
+                .on_plane(&mut work.loops, &mut c.q, &base.q, &normal, u)
+                .filter(|l| l.first <= 0.2 * (u - last) + 1e-12)
+                .ok_or(Refusal::TooWide(ASTRAY))?;
+            amplifications[j] = landing.amplification;
+            linkage.place(&c.q, &mut c.positions);
+            speeds[j] = c.derive(closure, &normal, work);
+            if speeds[j] == 0.0 || speeds[j].is_nan() {
+                return Err(Refusal::Massless);
             }
-            amplification = amplification.max(bordered.amplification);
-            least = least.min(bordered.amplification);
-            let slope = bordered.solve(&vec![0.0; n - 1], 1.0).ok_or(Refusal::NearCrossing)?;
-            let steep = (0..n).map(|i| (slope[i] * w[i]).powi(2)).sum::<f64>().sqrt();
-            if steep > 1.5 {
-                return Err(Refusal::TooWide);
+            let steep = (0..n).map(|i| (c.q_sigma[i] * w[i]).powi(2)).sum::<f64>().sqrt() * speeds[j];
+            if steep > 1.5 || steep.is_nan() {
+                return Err(Refusal::TooWide(ASTRAY));
             }
-            let p = linkage.positions(&q);
-            let rates = linkage.rates(&p, &q, &slope);
-            speeds[j] = twice_kinetic(linkage, &p, &rates).sqrt();
-            before = last;
-            last = (u, q.clone(), slope);
-            nodes.push(q);
+            known.add(u, &c.q, &c.q_sigma, speeds[j]);
+            for (i, (sample, second)) in nodes.iter_mut().zip(&mut *seconds).enumerate() {
+                (sample[j], second[j]) = (c.q[i], c.q_second[i]);
+            }
+            last = u;
         }
+        let amplification = amplifications.iter().fold(1.0, |a: f64, b| a.max(*b));
+        let least = amplifications.iter().fold(f64::INFINITY, |a: f64, b| a.min(*b));
         if amplification > HARMLESS.max(NEAR * least) {
             return Err(Refusal::NearCrossing);
         }
-        let mut coordinates: Vec<Series> =
-            (0..n).map(|i| transform.fit(&std::array::from_fn(|j| nodes[j][i]))).collect();
-        for (i, series) in coordinates.iter().enumerate() {
-            let size = 1.0 + series[0].abs() * w[i];
-            if tail(series) * w[i] > ROUNDING * size * amplification.max(2.0) {
-                return Err(Refusal::TooWide);
-            }
+        let rounding = ROUNDING * amplification.max(2.0);
+        let mut wider = f64::INFINITY;
+        let mut coordinates: Vec<Series> = nodes.iter().map(|samples| transform.fit(samples)).collect();
+        for (series, w) in coordinates.iter().zip(w) {
+            let size = (1.0 + series[0].abs() * w) / w;
+            wider = wider.min(resolved(series, rounding * size)?);
         }
-        let mut speed = transform.fit(&speeds.map(|s| 0.5 * width * s));
         let fastest = speeds.iter().fold(0.0, |a: f64, s| a.max(*s));
         let slowest = speeds.iter().fold(f64::INFINITY, |a: f64, s| a.min(*s));
-        if fastest == 0.0 || slowest < 1e-7 * fastest {
+        if slowest < 1e-7 * fastest {
             return Err(Refusal::Massless);
         }
+        let mut speed = transform.fit(&speeds.map(|s| 0.5 * width * s));
         // The slope of a series is its length times less accurate than the series.
-        if tail(&speed) > 20.0 * ROUNDING * amplification.max(2.0) * 0.5 * width * fastest {
-            return Err(Refusal::TooWide);
-        }
+        wider = wider.min(resolved(&speed, 20.0 * rounding * 0.5 * width * fastest)?);
         if amplification > HARMLESS.max(CROSSING * least) {
             coordinates.iter_mut().chain([&mut speed]).for_each(|s| *s = chopped(s));
         }
-        let length = antiderivative(&speed);
-        let end: Vec<f64> = coordinates.iter().map(|s| value(s, 1.0)).collect();
-        let (tip, bordered, _) = closure.on_plane(&end, base, &normal, width).ok_or(Refusal::TooWide)?;
-        if bordered.amplification > HARMLESS.max(TIP_NEAR * least) {
+        let bend = |s: &[f64; NODES]| [tail(&transform.fit(s)), s.iter().fold(0.0, |a: f64, v| a.max(v.abs()))];
+        let bends = seconds.iter().map(bend).collect();
+        let mut tip: Vec<f64> = coordinates.iter().map(|s| value(s, 1.0)).collect();
+        let landing =
+            closure.on_plane(&mut work.loops, &mut tip, &base.q, &normal, width).ok_or(Refusal::TooWide(ASTRAY))?;
+        if landing.amplification > HARMLESS.max(TIP_NEAR * least) {
             return Err(Refusal::NearCrossing);
         }
-        Ok(Self { start, base: base.to_vec(), normal, width, coordinates, length, speed, tip, amplification: least })
+        let mut ahead = Vec::new();
+        work.loops.factors.tangent(&normal, 1.0, &mut ahead);
+        closure.normalise(&mut ahead);
+        let length = antiderivative(&speed);
+        let panel = Self {
+            start: base.sigma,
+            base: base.q.clone(),
+            normal,
+            width,
+            coordinates,
+            span: length.iter().sum(),
+            length,
+            rims: [-1.0, 1.0].map(|x| value(&speed, x)),
+            speed,
+            tip,
+            amplification: least,
+            amplifications,
+            bends,
+        };
+        Ok((panel, ahead, wider))
     }
 
     /// The same stretch followed the other way, with its base, the present tip, at `start`: x becomes -x.
@@ -153,15 +212,26 @@ impl Panel {
         std::mem::swap(&mut mirrored.base, &mut mirrored.tip);
         mirrored.start = start;
         mirrored.normal.iter_mut().for_each(|n| *n = -*n);
+        mirrored.amplifications.reverse();
         mirrored.coordinates.iter_mut().for_each(|series| odd(series));
         odd(&mut mirrored.speed);
         mirrored.length = antiderivative(&mirrored.speed);
+        mirrored.span = mirrored.length.iter().sum();
+        mirrored.rims.reverse();
         mirrored
     }
 
     /// Coordinates at x in [-1, 1], by the series.
     pub fn series_at(&self, x: f64) -> Vec<f64> {
-        self.coordinates.iter().map(|s| value(s, x)).collect()
+        let mut q = Vec::new();
+        self.place(x, &mut q);
+        q
+    }
+
+    /// As [`Self::series_at`], in place.
+    pub fn place(&self, x: f64, q: &mut Vec<f64>) {
+        q.clear();
+        q.extend(self.coordinates.iter().map(|s| value(s, x)));
     }
 
     /// Derivatives of the coordinates with respect to x.
@@ -181,12 +251,18 @@ impl Panel {
 
     /// x at sigma: Newton's method on a monotonic series.
     pub fn x_at(&self, sigma: f64) -> f64 {
-        let (start, end) = (self.start, self.end());
-        let mut x = (2.0 * (sigma - start) / (end - start) - 1.0).clamp(-1.0, 1.0);
+        let start = self.start;
+        // From the cubic that has the right slopes at both ends.
+        let s = (sigma - start) / self.span;
+        let [m0, m1] = self.rims.map(|rim| self.span / rim);
+        let mut x = -1.0 + s * (m0 + s * ((6.0 - 2.0 * m0 - m1) + s * (m0 + m1 - 4.0)));
+        x = if x.is_finite() { x.clamp(-1.0, 1.0) } else { 0.0 };
         for _ in 0..20 {
-            let step = (sigma - self.sigma_at(x)) / value(&self.speed, x);
+            let (length, speed) = with_slope(&self.length, &self.speed, x);
+            let step = (sigma - start - length) / speed;
             x = (x + step).clamp(-1.0, 1.0);
-            if step.abs() < 1e-15 {
+            // The next step would be of the size of the square of this one.
+            if step.abs() < 1e-9 {
                 break;
             }
         }
@@ -199,23 +275,23 @@ impl Panel {
     }
 }
 
-type Known = (f64, Vec<f64>, Vec<f64>);
-
-fn linear(a: &Known, u: f64) -> Vec<f64> {
-    a.1.iter().zip(&a.2).map(|(q, s)| q + (u - a.0) * s).collect()
-}
-
-/// Cubic through two points with their slopes.
-fn cubic(a: &Known, b: &Known, u: f64) -> Vec<f64> {
-    let h = b.0 - a.0;
-    let s = (u - a.0) / h;
-    let (s2, s3) = (s * s, s * s * s);
-    (0..a.1.len())
-        .map(|i| {
-            (2.0 * s3 - 3.0 * s2 + 1.0) * a.1[i]
-                + (s3 - 2.0 * s2 + s) * h * a.2[i]
-                + (3.0 * s2 - 2.0 * s3) * b.1[i]
-                + (s3 - s2) * h * b.2[i]
-        })
-        .collect()
+/// By what factor a panel might be wider whose function has this series, if a coefficient of order [`ORDER`] may have the
+/// size `rounding`; refused if it may not be as wide as it is.
+///
+/// Coefficients decay like rho^-k, where rho, while it is large, is inversely proportional to the width.
+fn resolved(series: &Series, rounding: f64) -> Result<f64, Refusal> {
+    let tail = tail(series);
+    if tail > rounding || tail.is_nan() {
+        let shorter = (rounding / tail).powf(1.0 / ORDER);
+        return Err(Refusal::TooWide(if shorter.is_finite() { (0.93 * shorter).clamp(0.3, 0.93) } else { ASTRAY }));
+    }
+    let last = series.iter().rposition(|c| c.abs() > rounding).unwrap_or(0);
+    let largest = series[1..].iter().fold(0.0, |a: f64, c| a.max(c.abs()));
+    if last < 2 || largest <= rounding {
+        return Ok(f64::INFINITY);
+    }
+    // The order, a fraction, at which the coefficients fall below rounding; the next one at least has.
+    let decay = (largest / rounding).ln();
+    let order = last as f64 + ((series[last].abs() / rounding).ln() * last as f64 / decay).min(1.0);
+    Ok((decay / order - decay / (ORDER - 1.0)).exp())
 }

@@ -1,8 +1,10 @@
-//! Tracing: panel after panel, until the curve returns or runs out.
-use super::panel::{Panel, Refusal, twice_kinetic};
+//! Tracing: panel after panel, until the curve returns, leaves the permitted travel, or runs out.
+use super::panel::{Base, Panel, Refusal, Room, twice_kinetic};
+use super::travel::Travel;
 use super::{Curve, CurveError, Ends};
 use crate::chebyshev::Transform;
 use crate::closure::Closure;
+use crate::linkage::Positions;
 use std::f64::consts::TAU;
 
 /// Widths of panels in the weighted norm: the first tried, the largest, and the one below which tracing gives up.
@@ -14,66 +16,79 @@ const PANELS: usize = 20_000;
 /// Prismatic joints are followed this many sizes of the linkage far.
 const REACH: f64 = 100.0;
 
+/// Why the curve was followed no farther.
+enum Stop {
+    /// It returned; the coordinates have grown by these amounts.
+    Returned(Vec<f64>),
+    /// The permitted travel ends at this sigma.
+    Left(f64),
+    /// Prismatic joints have gone far enough.
+    Far,
+}
+
 impl Curve {
     /// Trace the whole curve through the closed position `q`, where sigma is 0.
     ///
     /// # Errors
     /// [`CurveError`].
     pub fn trace(closure: Closure, q: &[f64]) -> Result<Self, CurveError> {
+        Self::follow_both(closure, q, None)
+    }
+
+    /// Trace the curve through the closed position `q`, where sigma is 0, as far as travel is permitted: in each direction
+    /// up to the first point where `inside` turns from positive to negative. It is a continuous function of the
+    /// positions, not negative at `q` but for rounding. The range of sigma ends exactly there; the panel it is in is
+    /// traced to its end. If travel is limited nowhere, this is [`Self::trace`].
+    ///
+    /// # Errors
+    /// [`CurveError`].
+    pub fn trace_within(
+        closure: Closure,
+        q: &[f64],
+        inside: &mut dyn FnMut(&Positions) -> f64,
+    ) -> Result<Self, CurveError> {
+        Self::follow_both(closure, q, Some(inside))
+    }
+
+    fn follow_both(
+        closure: Closure,
+        q: &[f64],
+        inside: Option<&mut dyn FnMut(&Positions) -> f64>,
+    ) -> Result<Self, CurveError> {
         let tangent = closure.tangent(q);
+        let mut travel = inside.map(|inside| Travel::new(&closure.linkage, inside));
         let transform = Transform::new();
-        let (mut panels, closed) = follow(&closure, &transform, q, &tangent)?;
-        let ends = match closed {
-            Some(growth) => Ends::Closed(growth),
-            None => {
+        let mut room = Room::default();
+        let (mut panels, stop) = follow(&closure, &transform, q, &tangent, travel.as_mut(), &mut room)?;
+        let end = |panels: &[Panel]| panels.last().map_or(0.0, Panel::end);
+        let (mut first, mut last) = (0.0, end(&panels));
+        let ends = match stop {
+            Stop::Returned(growth) => Ends::Closed(growth),
+            Stop::Left(_) | Stop::Far => {
+                let high = matches!(stop, Stop::Left(_));
+                if let Stop::Left(sigma) = stop {
+                    last = sigma;
+                }
                 let back: Vec<f64> = tangent.iter().map(|t| -t).collect();
-                let (other, _) = follow(&closure, &transform, q, &back)?;
+                let (other, stop) = follow(&closure, &transform, q, &back, travel.as_mut(), &mut room)?;
+                let low = !matches!(stop, Stop::Far);
+                first = match stop {
+                    Stop::Left(sigma) => -sigma,
+                    Stop::Far => -end(&other),
+                    // The limit met forward just touches the curve and was not seen from behind.
+                    Stop::Returned(_) => last - end(&other),
+                };
                 panels = other.iter().rev().map(|p| p.mirrored(-p.end())).chain(panels).collect();
-                Ends::Open
+                if low || high { Ends::Stopped { low, high } } else { Ends::Open }
             }
         };
-        let mut curve = Self { closure, transform, panels, ends, crossings: Vec::new() };
+        if last <= first {
+            return Err(CurveError::Outside { position: describe(&closure, q) });
+        }
+        let mut curve = Self { closure, transform, panels, range: (first, last), ends, crossings: Vec::new() };
         curve.crossings = curve.find_crossings();
         curve.check_redundant()?;
         Ok(curve)
-    }
-
-    /// Positions where the loop equations lose rank: there other branches cross.
-    fn find_crossings(&self) -> Vec<f64> {
-        let mut found = Vec::new();
-        for panel in &self.panels {
-            // The smallest singular value falls linearly to 0 on both sides of a crossing.
-            let least = |x: f64| self.least_singular(panel, x);
-            const SAMPLES: usize = 24;
-            let x_of = |i: usize| -1.0 + 2.0 * i as f64 / SAMPLES as f64;
-            let samples: Vec<f64> = (0..=SAMPLES).map(|i| least(x_of(i))).collect();
-            let most = samples.iter().fold(0.0, |a: f64, s| a.max(*s));
-            for i in 0..=SAMPLES {
-                // At a border the minimum may be in the neighbour, which then finds it.
-                let (below, above) = (i.saturating_sub(1), (i + 1).min(SAMPLES));
-                if samples[i] <= samples[below] && samples[i] <= samples[above] && samples[i] < 0.3 * most {
-                    let x = minimise(&least, x_of(below), x_of(above));
-                    let sigma = panel.sigma_at(x);
-                    if least(x) < 1e-6 * most && found.last().is_none_or(|last| sigma - last > 1e-6 * self.scale()) {
-                        found.push(sigma);
-                    }
-                }
-            }
-        }
-        found
-    }
-
-    fn least_singular(&self, panel: &Panel, x: f64) -> f64 {
-        let q = panel.series_at(x);
-        let p = self.closure.linkage.positions(&q);
-        let mut m = self.closure.matrix(&p, &q, &panel.normal);
-        let n = q.len();
-        for r in 0..n {
-            for c in 0..n {
-                m[(r, c)] /= self.closure.weights[c] * if r + 1 < n { self.closure.linkage.size } else { 1.0 };
-            }
-        }
-        m.singular_values().min()
     }
 
     /// The loop equations that follow from others must hold everywhere.
@@ -99,25 +114,6 @@ impl Curve {
     }
 }
 
-/// Golden-section search.
-fn minimise(f: &impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
-    const GOLDEN: f64 = 0.618_033_988_749_895;
-    let (mut c, mut d) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
-    let (mut fc, mut fd) = (f(c), f(d));
-    while b - a > 1e-9 {
-        if fc < fd {
-            (b, d, fd) = (d, c, fc);
-            c = b - GOLDEN * (b - a);
-            fc = f(c);
-        } else {
-            (a, c, fc) = (c, d, fd);
-            d = a + GOLDEN * (b - a);
-            fd = f(d);
-        }
-    }
-    0.5 * (a + b)
-}
-
 /// Coordinates by name, in words.
 pub(super) fn describe(closure: &Closure, q: &[f64]) -> String {
     let names = &closure.linkage.coordinates;
@@ -127,65 +123,84 @@ pub(super) fn describe(closure: &Closure, q: &[f64]) -> String {
     parts.join(", ")
 }
 
-/// Follow the curve from `q` along `tangent`; the growth of the coordinates if it returns.
+/// Follow the curve from `q` along `tangent`.
 fn follow(
     closure: &Closure,
     transform: &Transform,
     q: &[f64],
     tangent: &[f64],
-) -> Result<(Vec<Panel>, Option<Vec<f64>>), CurveError> {
+    mut travel: Option<&mut Travel>,
+    room: &mut Room,
+) -> Result<(Vec<Panel>, Stop), CurveError> {
+    /// The next panel is tried narrower than it is expected to resolve by this factor, and wider than the last by at most
+    /// the other.
+    const CAUTION: f64 = 0.9;
+    const GROWTH: f64 = 2.0;
     let linkage = &*closure.linkage;
     let mut panels: Vec<Panel> = Vec::new();
-    let (mut base, mut direction) = (q.to_vec(), tangent.to_vec());
-    let (mut sigma, mut width) = (0.0, FIRST);
+    let mut base = Base { sigma: 0.0, q: q.to_vec(), tangent: tangent.to_vec() };
+    let (mut width, mut widest_before) = (FIRST, None);
+    if let Some(travel) = &mut travel {
+        travel.start(q);
+    }
     loop {
-        let panel = next_panel(closure, transform, sigma, &base, &direction, &mut width)?;
-        if let Some((growth, last)) = returned(closure, transform, q, tangent, &panel, panels.is_empty()) {
-            panels.extend(last);
-            return Ok((panels, Some(growth)));
+        let (panel, ahead, wider) = next_panel(closure, transform, &base, &mut width, room)?;
+        let returns = returned(closure, transform, q, tangent, &panel, panels.is_empty(), room);
+        let left = travel.as_mut().and_then(|t| t.left(&panel, &transform.nodes));
+        if let Some((growth, cut)) = returns {
+            // The travel may end on the way back to the start.
+            let end = cut.as_ref().map_or(panel.start, Panel::end);
+            if left.is_none_or(|sigma| sigma >= end) {
+                panels.extend(cut);
+                return Ok((panels, Stop::Returned(growth)));
+            }
         }
-        let mut ahead = closure.tangent(&panel.tip);
-        let along: f64 = ahead.iter().zip(&panel.normal).map(|(t, n)| t * n).sum();
-        if along < 0.0 {
-            ahead.iter_mut().for_each(|t| *t = -*t);
-        }
-        sigma = panel.end();
-        base.clone_from(&panel.tip);
-        direction = ahead;
-        let far = base[linkage.turns..].iter().any(|s| s.abs() > REACH * linkage.size);
+        base = Base { sigma: panel.end(), q: panel.tip.clone(), tangent: ahead };
+        let far = base.q[linkage.turns..].iter().any(|s| s.abs() > REACH * linkage.size);
+        // How wide it might have been, and how that changes from panel to panel.
+        let widest = panel.width * wider.min(GROWTH);
+        let trend = widest_before.map_or(1.0, |before: f64| (widest / before).clamp(0.5, GROWTH));
+        width = (CAUTION * widest * trend).min(GROWTH * panel.width).min(LARGEST);
+        widest_before = Some(widest);
         panels.push(panel);
+        if let Some(sigma) = left {
+            return Ok((panels, Stop::Left(sigma)));
+        }
         if far {
-            return Ok((panels, None));
+            return Ok((panels, Stop::Far));
         }
         if panels.len() >= PANELS {
             return Err(CurveError::TooLong { panels: PANELS });
         }
-        width = (1.4 * width).min(LARGEST);
     }
 }
 
-/// The widest panel that resolves, from the proposed width downwards.
+/// The widest panel that resolves, from the proposed width downwards; the tangent at its tip, and by what factor it might
+/// have been wider.
 fn next_panel(
     closure: &Closure,
     transform: &Transform,
-    sigma: f64,
-    base: &[f64],
-    tangent: &[f64],
+    base: &Base,
     width: &mut f64,
-) -> Result<Panel, CurveError> {
+    room: &mut Room,
+) -> Result<(Panel, Vec<f64>, f64), CurveError> {
     let mut massless = false;
     while *width > SMALLEST {
-        match Panel::build(closure, transform, sigma, base, tangent, *width) {
-            Ok(panel) => return Ok(panel),
+        match Panel::build(closure, transform, base, *width, room) {
+            Ok(built) => return Ok(built),
             Err(refusal) => {
                 massless = refusal == Refusal::Massless;
-                *width *= if refusal == Refusal::NearCrossing { 0.93 } else { 0.7 };
+                *width *= match refusal {
+                    Refusal::TooWide(shorter) => shorter,
+                    Refusal::NearCrossing => 0.93,
+                    Refusal::Massless => 0.7,
+                };
             }
         }
     }
-    let position = describe(closure, base);
+    let position = describe(closure, &base.q);
     // Next to a position where nothing with mass moves, panels end before they meet it.
-    massless |= twice_kinetic_part(closure, base, tangent) < 1e-6;
+    massless |= twice_kinetic_part(closure, &base.q, &base.tangent) < 1e-6;
     Err(if massless { CurveError::Massless { position } } else { CurveError::Stuck { position } })
 }
 
@@ -205,6 +220,7 @@ fn returned(
     tangent: &[f64],
     panel: &Panel,
     first: bool,
+    room: &mut Room,
 ) -> Option<(Vec<f64>, Option<Panel>)> {
     let (n, w) = (start.len(), &closure.weights);
     let turns = closure.linkage.turns;
@@ -231,6 +247,7 @@ fn returned(
         return Some((growth, None));
     }
     let direction: Vec<f64> = (0..n).map(|i| panel.normal[i] / (w[i] * w[i])).collect();
-    let cut = Panel::build(closure, transform, panel.start, &panel.base, &direction, u).ok()?;
+    let base = Base { sigma: panel.start, q: panel.base.clone(), tangent: direction };
+    let (cut, ..) = Panel::build(closure, transform, &base, u, room).ok()?;
     Some((growth, Some(cut)))
 }

@@ -54,7 +54,27 @@ impl Linkage {
             });
         }
         linkage.group_turns();
+        linkage.close_loops();
         Ok(linkage)
+    }
+
+    /// Bodies and joints alone, with nothing that says how they hang together: enough to see what a number acts on.
+    ///
+    /// # Errors
+    /// As [`Self::new`], but for bodies that nothing holds.
+    pub(crate) fn loose(mechanism: &Mechanism) -> Result<Self, DefinitionError> {
+        let mut linkage = Self::bodies_of(mechanism)?;
+        linkage.add_joints(mechanism)?;
+        linkage.group_turns();
+        Ok(linkage)
+    }
+
+    /// The bodies alone, unturned: enough to see what a mass acts on.
+    ///
+    /// # Errors
+    /// As [`Self::loose`].
+    pub(crate) fn masses(mechanism: &Mechanism) -> Result<Vec<Body>, DefinitionError> {
+        Ok(Self::bodies_of(mechanism)?.bodies)
     }
 
     /// Place of a point of the definition in this linkage.
@@ -76,22 +96,26 @@ impl Linkage {
         let named: Vec<(&str, &definition::Body)> = mechanism.bodies.iter().collect();
         let mut order: Vec<usize> = (0..named.len()).filter(|&i| named[i].1.fixed_to.is_none()).collect();
         order.sort_by_key(|&i| named[i].0 != definition::GROUND);
+        let mut carriers = vec![GROUND; named.len()];
+        for (carrier, &i) in order.iter().enumerate() {
+            carriers[i] = carrier;
+        }
         let mut moments = vec![Moments::default(); order.len()];
         let mut placed = Vec::new();
         let mut size: f64 = 0.0;
-        for &(name, body) in &named {
+        for (i, &(name, body)) in named.iter().enumerate() {
             // Follow fixed_to to the carrier, composing places and angles.
-            let (mut place, mut angle, mut at) = (Vec2::zeros(), 0.0, mechanism.bodies.position(name));
+            let (mut place, mut angle, mut at) = (Vec2::zeros(), 0.0, i);
             let mut current = body;
             while let Some(to) = &current.fixed_to {
                 let (parent, [x, y]) = mechanism.point(&format!("bodies.{name}.fixed_to"), to)?;
                 let own = current.angle.unwrap_or(0.0);
                 place = Vec2::new(x, y) + turned(place, own);
                 angle += own;
-                at = Some(parent);
+                at = parent;
                 current = named[parent].1;
             }
-            let carrier = order.iter().position(|&i| Some(i) == at).unwrap_or(GROUND);
+            let carrier = carriers[at];
             moments[carrier].add(Moments::of(body, place, angle));
             placed.push((carrier, place, angle));
             size = size.max(place.norm()).max(body.length.unwrap_or(0.0));
@@ -114,6 +138,7 @@ impl Linkage {
             joints: Vec::new(),
             tree: Vec::new(),
             cuts: Vec::new(),
+            loops: Vec::new(),
             coordinates: Vec::new(),
             turns: 0,
             size: if size > 0.0 { size } else { 1.0 },
@@ -187,28 +212,23 @@ impl Linkage {
         let leaders: Vec<usize> = (0..self.bodies.len()).map(|i| self.bodies[i].turn.unwrap_or(i)).collect();
         // Where the ground is in a group, its angle is 0.
         let ground = (leaders[GROUND], self.bodies[GROUND].offset);
-        let mut numbers: Vec<usize> = Vec::new();
+        // The number of each leader's group; the body that names a coordinate has no offset from it.
+        let mut numbers: Vec<Option<(usize, f64)>> = vec![None; leaders.len()];
         for (i, leader) in leaders.iter().enumerate() {
+            let body = &mut self.bodies[i];
             if *leader == ground.0 {
-                self.bodies[i].turn = None;
-                self.bodies[i].offset -= ground.1;
+                body.turn = None;
+                body.offset -= ground.1;
                 continue;
             }
-            let number = numbers.iter().position(|l| l == leader).unwrap_or_else(|| {
-                numbers.push(*leader);
-                self.coordinates.push(self.bodies[i].name.clone());
-                numbers.len() - 1
+            let (number, shift) = *numbers[*leader].get_or_insert_with(|| {
+                self.coordinates.push(body.name.clone());
+                (self.coordinates.len() - 1, body.offset)
             });
-            self.bodies[i].turn = Some(number);
+            body.turn = Some(number);
+            body.offset -= shift;
         }
-        self.turns = numbers.len();
-        // The body that names a coordinate has no offset from it.
-        for number in 0..self.turns {
-            let shift = self.bodies.iter().find(|b| b.turn == Some(number)).map_or(0.0, |b| b.offset);
-            for body in self.bodies.iter_mut().filter(|b| b.turn == Some(number)) {
-                body.offset -= shift;
-            }
-        }
+        self.turns = self.coordinates.len();
         for branch in &mut self.tree {
             if matches!(self.joints[branch.joint].freedom, Freedom::Slide(_)) {
                 branch.slide = Some(self.coordinates.len());

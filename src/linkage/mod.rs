@@ -9,7 +9,8 @@ mod build;
 mod loops;
 mod motion;
 
-pub use motion::{Positions, Rates};
+pub use loops::Loop;
+pub use motion::{Arms, Positions, Rates};
 
 use nalgebra::Vector2;
 
@@ -93,6 +94,8 @@ pub struct Linkage {
     pub tree: Vec<Branch>,
     /// Joints outside the tree: each closes a loop.
     pub cuts: Vec<usize>,
+    /// For each of them, the way round its loop.
+    pub loops: Vec<Loop>,
     /// Names of the coordinates: the body that gives an angle, the joint that gives a position.
     pub coordinates: Vec<String>,
     /// Number of coordinates that are angles; they come first.

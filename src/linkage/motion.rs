@@ -2,7 +2,7 @@
 use super::{Branch, Freedom, Linkage, Point, Vec2, quarter};
 
 /// Where every body is.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Positions {
     /// Angle of each body [rad].
     pub angle: Vec<f64>,
@@ -10,10 +10,23 @@ pub struct Positions {
     turn: Vec<(f64, f64)>,
     /// Origin of each body's frame [m].
     pub origin: Vec<Vec2>,
+    /// Of each branch of the tree.
+    pub arms: Vec<Arms>,
+}
+
+/// Of a branch of the tree, in the mechanism frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Arms {
+    /// From the parent's origin to the joint's point on it [m].
+    pub from: Vec2,
+    /// From the child's origin to the joint's point on it [m].
+    pub to: Vec2,
+    /// Direction in which the child moves as the joint's position grows; 0 for a revolute joint.
+    pub axis: Vec2,
 }
 
 /// First or second derivatives of angles and origins with respect to a parameter of the motion.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rates {
     /// Of the angle of each body [rad per unit].
     pub angle: Vec<f64>,
@@ -47,27 +60,53 @@ impl Positions {
     }
 }
 
+impl Rates {
+    /// Put the angles' rates in, for rates of the coordinates.
+    fn turn(&mut self, linkage: &Linkage, of_coordinates: &[f64]) {
+        self.angle.clear();
+        self.angle.extend(linkage.bodies.iter().map(|b| b.turn.map_or(0.0, |t| of_coordinates[t])));
+        self.origin.clear();
+        self.origin.resize(linkage.bodies.len(), Vec2::zeros());
+    }
+}
+
 impl Linkage {
     /// Positions of all bodies at the coordinates q.
     pub fn positions(&self, q: &[f64]) -> Positions {
-        let angle: Vec<f64> = self.bodies.iter().map(|b| b.turn.map_or(0.0, |t| q[t]) + b.offset).collect();
-        let turn = angle.iter().map(|a| (a.cos(), a.sin())).collect();
-        let mut p = Positions { angle, turn, origin: vec![Vec2::zeros(); self.bodies.len()] };
-        for branch in &self.tree {
-            let (from, to, axis) = self.arms(&p, branch);
-            let slide = branch.slide.map_or(Vec2::zeros(), |s| q[s] * axis);
-            p.origin[branch.child] = p.origin[branch.parent] + from - to + slide;
-        }
+        let mut p = Positions::default();
+        self.place(q, &mut p);
         p
+    }
+
+    /// As [`Self::positions`], in place.
+    pub fn place(&self, q: &[f64], p: &mut Positions) {
+        p.angle.clear();
+        p.angle.extend(self.bodies.iter().map(|b| b.turn.map_or(0.0, |t| q[t]) + b.offset));
+        p.turn.clear();
+        // Cosines of the ground, and of what slides on it unturned, cost nothing.
+        p.turn.extend(p.angle.iter().map(|&a| if a == 0.0 { (1.0, 0.0) } else { (a.cos(), a.sin()) }));
+        p.origin.clear();
+        p.origin.resize(self.bodies.len(), Vec2::zeros());
+        p.arms.clear();
+        for branch in &self.tree {
+            let arms = self.arms(p, branch);
+            let slide = branch.slide.map_or(Vec2::zeros(), |s| q[s] * arms.axis);
+            p.origin[branch.child] = p.origin[branch.parent] + arms.from - arms.to + slide;
+            p.arms.push(arms);
+        }
     }
 
     /// First derivatives, when the coordinates change at the rate `q_rate`.
     pub fn rates(&self, p: &Positions, q: &[f64], q_rate: &[f64]) -> Rates {
-        let n = self.bodies.len();
-        let angle: Vec<f64> = self.bodies.iter().map(|b| b.turn.map_or(0.0, |t| q_rate[t])).collect();
-        let mut r = Rates { angle, origin: vec![Vec2::zeros(); n] };
-        for branch in &self.tree {
-            let (from, to, axis) = self.arms(p, branch);
+        let mut r = Rates::default();
+        self.move_at(p, q, q_rate, &mut r);
+        r
+    }
+
+    /// As [`Self::rates`], in place.
+    pub fn move_at(&self, p: &Positions, q: &[f64], q_rate: &[f64], r: &mut Rates) {
+        r.turn(self, q_rate);
+        for (branch, &Arms { from, to, axis }) in self.tree.iter().zip(&p.arms) {
             let mut v =
                 r.origin[branch.parent] + r.angle[branch.parent] * quarter(from) - r.angle[branch.child] * quarter(to);
             if let Some(s) = branch.slide {
@@ -75,16 +114,19 @@ impl Linkage {
             }
             r.origin[branch.child] = v;
         }
-        r
     }
 
     /// Second derivatives, when the coordinates change at the rate `q_rate`, itself at the rate `q_second`.
     pub fn second_rates(&self, p: &Positions, r: &Rates, q: &[f64], q_rate: &[f64], q_second: &[f64]) -> Rates {
-        let n = self.bodies.len();
-        let angle: Vec<f64> = self.bodies.iter().map(|b| b.turn.map_or(0.0, |t| q_second[t])).collect();
-        let mut a = Rates { angle, origin: vec![Vec2::zeros(); n] };
-        for branch in &self.tree {
-            let (from, to, axis) = self.arms(p, branch);
+        let mut a = Rates::default();
+        self.accelerate(p, r, [q, q_rate, q_second], &mut a);
+        a
+    }
+
+    /// As [`Self::second_rates`], in place, for the coordinates and their two derivatives.
+    pub fn accelerate(&self, p: &Positions, r: &Rates, [q, q_rate, q_second]: [&[f64]; 3], a: &mut Rates) {
+        a.turn(self, q_second);
+        for (branch, &Arms { from, to, axis }) in self.tree.iter().zip(&p.arms) {
             let (parent, child) = (branch.parent, branch.child);
             let mut v = a.origin[parent] + a.angle[parent] * quarter(from)
                 - r.angle[parent].powi(2) * from
@@ -98,12 +140,9 @@ impl Linkage {
             }
             a.origin[child] = v;
         }
-        a
     }
 
-    /// Of a branch, in the mechanism frame: arm of the joint on the parent, arm on the child, and the direction in which
-    /// the child moves as the joint's position grows.
-    pub fn arms(&self, p: &Positions, branch: &Branch) -> (Vec2, Vec2, Vec2) {
+    fn arms(&self, p: &Positions, branch: &Branch) -> Arms {
         let joint = &self.joints[branch.joint];
         let (on_parent, on_child) =
             if branch.reversed { (joint.second, joint.first) } else { (joint.first, joint.second) };
@@ -111,6 +150,6 @@ impl Linkage {
             Freedom::Turn => Vec2::zeros(),
             Freedom::Slide(e) => p.vector(joint.first.body, e) * if branch.reversed { -1.0 } else { 1.0 },
         };
-        (p.vector(on_parent.body, on_parent.local), p.vector(on_child.body, on_child.local), axis)
+        Arms { from: p.vector(on_parent.body, on_parent.local), to: p.vector(on_child.body, on_child.local), axis }
     }
 }

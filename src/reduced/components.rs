@@ -36,6 +36,12 @@ impl Natural {
         [size, size / self.scale, size / self.scale.powi(2)]
     }
 
+    /// Of every coordinate and its two derivatives along sigma.
+    pub(super) fn coordinates(&self, linkage: &Linkage) -> Vec<f64> {
+        let size = |i: usize| if i < linkage.turns { 1.0 } else { linkage.size };
+        (0..linkage.coordinates.len()).flat_map(|i| self.derivatives(size(i))).collect()
+    }
+
     /// Of a load's displacement in a motion of the size of one radian.
     pub(super) fn displacement(&self, load: &Load, linkage: &Linkage) -> f64 {
         match load {
@@ -121,6 +127,6 @@ impl Components {
 fn winding(loading: &Loading, curve: &Curve, spring: &crate::loading::Spring) -> f64 {
     match curve.ends() {
         Ends::Closed(growth) => loading.loads[spring.load].growth(curve.linkage(), &|turn| growth[turn]),
-        Ends::Open => 0.0,
+        Ends::Open | Ends::Stopped { .. } => 0.0,
     }
 }

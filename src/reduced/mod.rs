@@ -13,17 +13,18 @@ pub use error::ReductionError;
 pub use scene::{Row, Scene};
 
 use crate::closure::{Closure, guessed};
-use crate::curve::{Configuration, Curve, Ends};
+use crate::curve::{Configuration, Curve, Ends, Workspace};
 use crate::definition::Mechanism;
 use crate::linkage::{Linkage, Point, Vec2};
 use crate::loading::{Loading, markers};
 use crate::loads::Load;
-use crate::reactions::{Reaction, columns};
-use crate::table::{Table, Unresolved};
+use crate::reactions::{Columns, Reaction, columns};
+use crate::table::{ACCURACY, Grid, Table, Unresolved};
 use components::Natural;
 use std::sync::{Arc, OnceLock};
 
-type Lazy = OnceLock<Result<Table, Unresolved>>;
+/// Tables that come from the same evaluations, built when one of them is first asked for.
+type Lazy = OnceLock<Vec<Result<Table, Unresolved>>>;
 
 /// A linkage reduced to one element on its curve, where the reduced inertia is 1.
 #[derive(Debug)]
@@ -32,20 +33,16 @@ pub struct Reduced {
     loading: Loading,
     components: Components,
     markers: Vec<Point>,
-    grid: Vec<f64>,
+    grid: Grid,
     natural: Natural,
     influence: Table,
-    coordinate_table: Lazy,
-    displacement_tables: Vec<Lazy>,
-    marker_tables: Vec<Lazy>,
-    reaction_tables: Vec<Lazy>,
-    state_reaction_tables: Vec<Lazy>,
+    coordinate_table: Result<Table, Unresolved>,
+    displacement_tables: Vec<OnceLock<Result<Table, Unresolved>>>,
+    marker_tables: Lazy,
+    reaction_tables: Lazy,
+    state_reaction_tables: Lazy,
     /// Without and with air that moves.
     scenes: [OnceLock<Result<Option<Scene>, Unresolved>>; 2],
-}
-
-fn lazies(count: usize) -> Vec<Lazy> {
-    (0..count).map(|_| OnceLock::new()).collect()
 }
 
 impl Reduced {
@@ -60,21 +57,40 @@ impl Reduced {
         let guess = guessed(&linkage, &mechanism.guess).map_err(ReductionError::Assembly)?;
         let (closure, q) = Closure::assemble(Arc::new(linkage), &guess).map_err(ReductionError::Assembly)?;
         let curve = Curve::trace(closure, &q).map_err(ReductionError::Curve)?;
-        let grid = curve.grid();
+        let grid = Grid { borders: curve.grid(ACCURACY), centers: curve.crossings().to_vec() };
         let components = Components::new(&loading, &curve);
         let natural = Natural::new(&curve);
-        let influence = Table::build(&grid, &components.sizes(&loading, &curve, &natural), &mut |sigma, values| {
-            let c = curve.configuration(sigma);
-            components.fill(&loading, &curve, &c, values);
-            c.amplification
-        });
-        let influence = influence.map_err(|e| Self::unresolved(&loading, &curve, &e))?;
+        // The start needs the coordinates, the energies of the given loads and the places of the stops in any case: all
+        // from the same evaluations.
+        let needed: Vec<usize> = (0..loading.base()).chain(loading.stops.iter().map(|s| s.load)).collect();
+        let size = |&l: &usize| natural.derivatives(natural.displacement(&loading.loads[l], curve.linkage())).to_vec();
+        let mut sizes = vec![components.sizes(&loading, &curve, &natural), natural.coordinates(curve.linkage())];
+        sizes.extend(needed.iter().map(size));
+        let fill = &mut |c: &Configuration, values: &mut [f64]| {
+            let (influences, rest) = values.split_at_mut(components.count);
+            let (coordinates, displacements) = rest.split_at_mut(3 * c.q.len());
+            components.fill(&loading, &curve, c, influences);
+            for (i, derivatives) in coordinates.chunks_exact_mut(3).enumerate() {
+                derivatives.copy_from_slice(&[c.q[i], c.q_sigma[i], c.q_second[i]]);
+            }
+            for (&load, v) in needed.iter().zip(displacements.chunks_exact_mut(3)) {
+                v.copy_from_slice(&loading.loads[load].displacement(curve.linkage(), c));
+            }
+        };
+        let mut tables = tabulate(&curve, &grid, &sizes, fill);
+        let displacement_tables: Vec<_> = loading.loads.iter().map(|_| OnceLock::new()).collect();
+        for (load, table) in needed.into_iter().zip(tables.drain(2..)) {
+            // Two stops of one load have the same table.
+            let _ = displacement_tables[load].set(table);
+        }
+        let coordinate_table = tables.swap_remove(1);
+        let influence = tables.swap_remove(0).map_err(|e| Self::unresolved(&loading, &curve, &e))?;
         Ok(Self {
-            coordinate_table: OnceLock::new(),
-            displacement_tables: lazies(loading.loads.len()),
-            marker_tables: lazies(markers.len()),
-            reaction_tables: lazies(curve.linkage().joints.len()),
-            state_reaction_tables: lazies(curve.linkage().joints.len()),
+            coordinate_table,
+            displacement_tables,
+            marker_tables: OnceLock::new(),
+            reaction_tables: OnceLock::new(),
+            state_reaction_tables: OnceLock::new(),
             scenes: [OnceLock::new(), OnceLock::new()],
             natural,
             curve,
@@ -131,7 +147,7 @@ impl Reduced {
     pub fn growth(&self, coordinate: usize) -> f64 {
         match self.curve.ends() {
             Ends::Closed(growth) => growth[coordinate],
-            Ends::Open => 0.0,
+            Ends::Open | Ends::Stopped { .. } => 0.0,
         }
     }
 
@@ -151,16 +167,7 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn coordinates(&self) -> Result<&Table, &Unresolved> {
-        let sizes = || {
-            let linkage = self.linkage();
-            let size = |i: usize| if i < linkage.turns { 1.0 } else { linkage.size };
-            (0..linkage.coordinates.len()).flat_map(|i| self.natural.derivatives(size(i))).collect()
-        };
-        self.table(&self.coordinate_table, &sizes, &|c, v| {
-            for (i, derivatives) in v.chunks_exact_mut(3).enumerate() {
-                derivatives.copy_from_slice(&[c.q[i], c.q_sigma[i], c.q_second[i]]);
-            }
-        })
+        self.coordinate_table.as_ref()
     }
 
     /// A load's displacement and its two derivatives along sigma.
@@ -168,11 +175,13 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn displacement(&self, load: usize) -> Result<&Table, &Unresolved> {
-        let load_size = || self.natural.displacement(&self.loading.loads[load], self.linkage());
-        let sizes = || self.natural.derivatives(load_size()).to_vec();
-        self.table(&self.displacement_tables[load], &sizes, &|c, v| {
-            v.copy_from_slice(&self.loading.loads[load].displacement(self.linkage(), c));
-        })
+        let table = || {
+            let (linkage, load) = (self.linkage(), &self.loading.loads[load]);
+            let size = self.natural.derivatives(self.natural.displacement(load, linkage)).to_vec();
+            let mut fill = |c: &Configuration, v: &mut [f64]| v.copy_from_slice(&load.displacement(linkage, c));
+            self.tabulate(&[size], &mut fill).swap_remove(0)
+        };
+        self.displacement_tables[load].get_or_init(table).as_ref()
     }
 
     /// A load's displacement at sigma: from its table, or from the exact evaluator where the ends of an actuator come so
@@ -189,13 +198,17 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn marker(&self, i: usize) -> Result<&Table, &Unresolved> {
-        let sizes = || self.natural.derivatives(self.linkage().size).repeat(2);
-        self.table(&self.marker_tables[i], &sizes, &|c, v| {
-            let (p, point) = (&c.positions, self.markers[i]);
-            let (x, first) = (p.point(point), p.velocity(&c.rates, point));
-            let second = p.acceleration(&c.rates, &c.second, point);
-            v.copy_from_slice(&[x.x, first.x, second.x, x.y, first.y, second.y]);
-        })
+        let size = self.natural.derivatives(self.linkage().size).repeat(2);
+        let tables = self.marker_tables.get_or_init(|| {
+            self.tabulate(&vec![size; self.markers.len()], &mut |c, values| {
+                for (&point, v) in self.markers.iter().zip(values.chunks_exact_mut(6)) {
+                    let (x, first) = (c.positions.point(point), c.positions.velocity(&c.rates, point));
+                    let second = c.positions.acceleration(&c.rates, &c.second, point);
+                    v.copy_from_slice(&[x.x, first.x, second.x, x.y, first.y, second.y]);
+                }
+            })
+        });
+        tables[i].as_ref()
     }
 
     /// The point that a marker is.
@@ -214,9 +227,7 @@ impl Reduced {
             let size = self.linkage().size;
             reaction_sizes(vec![self.natural.scale / size, 1.0 / size], loads, &self.natural, self.linkage())
         };
-        self.table(&self.reaction_tables[joint], &sizes, &|c, v| {
-            spread(&columns(self.curve.closure(), c, loads), joint, v);
-        })
+        self.reaction_tables.get_or_init(|| self.reactions(sizes(), loads, 0))[joint].as_ref()
     }
 
     /// A joint's reaction to the loads that a state sizes: force x, force y, moment; each for each of these loads = 1.
@@ -226,8 +237,23 @@ impl Reduced {
     pub fn state_reaction(&self, joint: usize) -> Result<&Table, &Unresolved> {
         let loads = &self.loading.loads[self.loading.base()..];
         let sizes = || reaction_sizes(Vec::new(), loads, &self.natural, self.linkage());
-        self.table(&self.state_reaction_tables[joint], &sizes, &|c, v| {
-            spread(&columns(self.curve.closure(), c, loads)[2..], joint, v);
+        self.state_reaction_tables.get_or_init(|| self.reactions(sizes(), loads, 2))[joint].as_ref()
+    }
+
+    /// Tables of the reactions of all joints for these loads, without the first `skipped` of their columns: for each joint
+    /// force x, force y, moment; each for all columns.
+    fn reactions(&self, sizes: Vec<f64>, loads: &[Load], skipped: usize) -> Vec<Result<Table, Unresolved>> {
+        let joints = self.linkage().joints.len();
+        let terms = 2 + loads.len() - skipped;
+        let mut columns = Columns::default();
+        self.tabulate(&vec![sizes; joints], &mut |c, values| {
+            let reactions = &columns.fill(self.curve.closure(), c, loads)[skipped * joints..];
+            for (joint, v) in values.chunks_exact_mut((3 * terms).max(1)).enumerate() {
+                for k in 0..terms {
+                    let Reaction { force, moment } = reactions[k * joints + joint];
+                    (v[k], v[terms + k], v[2 * terms + k]) = (force.x, force.y, moment);
+                }
+            }
         })
     }
 
@@ -274,21 +300,28 @@ impl Reduced {
         }
     }
 
-    fn table<'a>(
+    fn tabulate(
         &self,
-        lazy: &'a Lazy,
-        sizes: &dyn Fn() -> Vec<f64>,
-        exact: &dyn Fn(&Configuration, &mut [f64]),
-    ) -> Result<&'a Table, &'a Unresolved> {
-        let build = || {
-            Table::build(&self.grid, &sizes(), &mut |sigma, values| {
-                let c = self.curve.configuration(sigma);
-                exact(&c, values);
-                c.amplification
-            })
-        };
-        lazy.get_or_init(build).as_ref()
+        sizes: &[Vec<f64>],
+        exact: &mut dyn FnMut(&Configuration, &mut [f64]),
+    ) -> Vec<Result<Table, Unresolved>> {
+        tabulate(&self.curve, &self.grid, sizes, exact)
     }
+}
+
+/// Tables of functions of the configuration.
+fn tabulate(
+    curve: &Curve,
+    grid: &Grid,
+    sizes: &[Vec<f64>],
+    exact: &mut dyn FnMut(&Configuration, &mut [f64]),
+) -> Vec<Result<Table, Unresolved>> {
+    let (mut work, mut c) = (Workspace::default(), Configuration::default());
+    Table::build_all(grid, sizes, &mut |sigma, values| {
+        curve.configure(sigma, &mut work, &mut c);
+        exact(&c, values);
+        c.amplification
+    })
 }
 
 /// Natural sizes of reactions: of these terms, then of loads; for both forces and the moment.
@@ -297,13 +330,4 @@ fn reaction_sizes(terms: Vec<f64>, loads: &[Load], natural: &Natural, linkage: &
     forces.extend(loads.iter().map(|l| natural.displacement(l, linkage) / linkage.size));
     let moments: Vec<f64> = forces.iter().map(|f| f * linkage.size).collect();
     [&forces[..], &forces[..], &moments[..]].concat()
-}
-
-/// A joint's part of these columns: force x, force y, moment; each for all columns.
-fn spread(columns: &[Vec<Reaction>], joint: usize, v: &mut [f64]) {
-    let terms = columns.len();
-    for (k, column) in columns.iter().enumerate() {
-        let Reaction { force, moment } = column[joint];
-        (v[k], v[terms + k], v[2 * terms + k]) = (force.x, force.y, moment);
-    }
 }

@@ -1,7 +1,7 @@
 //! Dependencies: what a variable follows from, and what each parameter acts on.
 use crate::definition::{DefinitionError, Mechanism, Parameter, Role};
 use crate::drag::Surface;
-use crate::linkage::{Freedom, GROUND, Linkage, Point, Vec2};
+use crate::linkage::{Body, Freedom, GROUND, Joint, Linkage, Point, Vec2};
 use crate::loading::{Air, Loading, Pin, Spring, Stop, markers};
 use crate::loads::Load;
 
@@ -59,6 +59,19 @@ pub(super) struct Effect {
 }
 
 impl Effect {
+    /// A number that acts on nothing here.
+    fn none(role: Role, on: &Resolved) -> Self {
+        Self {
+            role,
+            joints: vec![false; on.linkage.joints.len()],
+            inertia: false,
+            masses: false,
+            loads: vec![false; on.loading.loads.len()],
+            markers: vec![false; on.markers.len()],
+            statics: false,
+        }
+    }
+
     pub(super) fn meets(&self, needs: &Needs) -> bool {
         match self.role {
             Role::StartPosition => needs.position,
@@ -87,8 +100,13 @@ pub(super) fn effects(
     loading: &Loading,
     all_markers: &[Point],
 ) -> Result<Vec<Effect>, DefinitionError> {
-    let mut changes = Vec::new();
+    let before = Resolved::new(mechanism, loading, all_markers)?;
+    let mut out = Vec::new();
     for (parameter, value) in parameters {
+        if matches!(parameter.role, Role::StartPosition | Role::StartSpeed | Role::Tolerance | Role::Elasticity) {
+            out.push(Effect::none(parameter.role, &before));
+            continue;
+        }
         let mut changed = mechanism.clone();
         changed.parameters(&mut |p, v| {
             if p.name == parameter.name {
@@ -99,42 +117,75 @@ pub(super) fn effects(
         if let Some(friction) = &mut changed.friction {
             friction.kinetic_speed = friction.kinetic_speed.max(1.01 * friction.static_speed);
         }
-        changes.push((parameter.role, changed));
+        out.push(before.effect(parameter.role, &changed, linkage)?);
     }
     for (flag, ..) in flags {
         let mut changed = mechanism.clone();
         changed.flags(&mut |name, _, v| *v ^= name == *flag);
-        changes.push((Role::Load, changed));
+        out.push(before.effect(Role::Load, &changed, linkage)?);
     }
     if mechanism.solver.method.is_some() {
-        changes.push((Role::Elasticity, mechanism.clone()));
-    }
-    let mut out = Vec::new();
-    for (role, changed) in changes {
-        let other = Linkage::new(&changed)?;
-        // A prismatic joint's angle shows in its second body's.
-        let joint = |l: &Linkage, j: usize| (l.joints[j].clone(), l.bodies[l.joints[j].second.body].offset);
-        let masses = |l: &Linkage| l.bodies.iter().map(|b| (b.mass, b.center, b.inertia)).collect::<Vec<_>>();
-        let kinetic = |l: &Linkage| (0..l.bodies.len()).map(|b| kinetic_constants(l, b)).collect::<Vec<_>>();
-        let (other_loading, other_markers) = (Loading::new(&changed, &other)?, markers(&changed, &other)?);
-        let moved = masses(linkage) != masses(&other);
-        let differs = |l: usize| {
-            let gravity = moved && matches!(loading.loads[l], Load::Gravity(_));
-            gravity || load_constants(loading, l) != load_constants(&other_loading, l)
-        };
-        // Rounding of the same sum in other terms is no effect.
-        let same = |(a, b): (&[f64; 4], &[f64; 4])| a.iter().zip(b).all(|(x, y)| (x - y).abs() <= 1e-12 * x.abs());
-        out.push(Effect {
-            role,
-            joints: (0..linkage.joints.len()).map(|j| joint(linkage, j) != joint(&other, j)).collect(),
-            inertia: !kinetic(linkage).iter().zip(&kinetic(&other)).all(same),
-            masses: moved,
-            loads: (0..loading.loads.len()).map(differs).collect(),
-            markers: all_markers.iter().zip(&other_markers).map(|(a, b)| a != b).collect(),
-            statics: statics(loading) != statics(&other_loading),
-        });
+        out.push(Effect::none(Role::Elasticity, &before));
     }
     Ok(out)
+}
+
+/// What parameters may act on.
+struct Resolved<'a> {
+    linkage: Linkage,
+    kinetic: Vec<[f64; 4]>,
+    loading: &'a Loading,
+    markers: &'a [Point],
+}
+
+impl<'a> Resolved<'a> {
+    fn new(mechanism: &Mechanism, loading: &'a Loading, markers: &'a [Point]) -> Result<Self, DefinitionError> {
+        let linkage = Linkage::loose(mechanism)?;
+        Ok(Self { kinetic: kinetic_constants(&linkage.joints, &linkage.bodies), linkage, loading, markers })
+    }
+
+    /// How another mechanism differs, in a number with this role: masses place nothing, and what loads are does not change
+    /// the linkage.
+    fn effect(&self, role: Role, changed: &Mechanism, same: &Linkage) -> Result<Effect, DefinitionError> {
+        let mut effect = Effect::none(role, self);
+        match role {
+            Role::Geometry => {
+                let other = Linkage::loose(changed)?;
+                // A prismatic joint's angle shows in its second body's.
+                let offset = |l: &Linkage, j: usize| l.bodies[l.joints[j].second.body].offset;
+                for (j, differs) in effect.joints.iter_mut().enumerate() {
+                    let same = self.linkage.joints[j] == other.joints[j];
+                    *differs = !same || offset(&self.linkage, j) != offset(&other, j);
+                }
+                self.compare_masses(&other.joints, &other.bodies, &mut effect);
+                self.compare_loads(&Loading::new(changed, &other)?, &mut effect);
+                effect.markers = self.markers.iter().zip(&markers(changed, &other)?).map(|(a, b)| a != b).collect();
+            }
+            Role::Inertia => {
+                self.compare_masses(&self.linkage.joints, &Linkage::masses(changed)?, &mut effect);
+                self.compare_loads(self.loading, &mut effect);
+            }
+            _ => self.compare_loads(&Loading::new(changed, same)?, &mut effect),
+        }
+        Ok(effect)
+    }
+
+    fn compare_masses(&self, joints: &[Joint], bodies: &[Body], effect: &mut Effect) {
+        // Rounding of the same sum in other terms is no effect.
+        let same = |(a, b): (&[f64; 4], &[f64; 4])| a.iter().zip(b).all(|(x, y)| (x - y).abs() <= 1e-12 * x.abs());
+        effect.inertia = !self.kinetic.iter().zip(&kinetic_constants(joints, bodies)).all(same);
+        let mut pairs = self.linkage.bodies.iter().zip(bodies);
+        effect.masses = pairs.any(|(a, b)| (a.mass, a.center, a.inertia) != (b.mass, b.center, b.inertia));
+    }
+
+    /// The masses must have been compared.
+    fn compare_loads(&self, other: &Loading, effect: &mut Effect) {
+        effect.statics = statics(self.loading) != statics(other);
+        for (l, differs) in effect.loads.iter_mut().enumerate() {
+            let gravity = effect.masses && matches!(self.loading.loads[l], Load::Gravity(_));
+            *differs = gravity || load_constants(self.loading, l) != load_constants(other, l);
+        }
+    }
 }
 
 /// What a load depends on: its unit load, and what sizes it.
@@ -173,19 +224,19 @@ fn statics(loading: &Loading) -> Vec<(bool, f64, f64)> {
     pins.map(|(enabled, p)| (enabled, p.radius, p.law.static_coefficient)).collect()
 }
 
-/// What a body's kinetic energy depends on: about its pivot alone if that is fixed, else mass, centre and inertia.
-fn kinetic_constants(linkage: &Linkage, body: usize) -> [f64; 4] {
-    let b = &linkage.bodies[body];
-    let pivot = linkage.joints.iter().filter(|j| j.freedom == Freedom::Turn).find_map(|j| {
-        let (first, second) = (j.first, j.second);
-        match (first.body, second.body) {
-            (GROUND, other) if other == body => Some(second.local),
-            (other, GROUND) if other == body => Some(first.local),
-            _ => None,
+/// What every body's kinetic energy depends on: about its pivot alone if that is fixed, else mass, centre and inertia.
+fn kinetic_constants(joints: &[Joint], bodies: &[Body]) -> Vec<[f64; 4]> {
+    let mut pivots = vec![None; bodies.len()];
+    for joint in joints.iter().filter(|j| j.freedom == Freedom::Turn).rev() {
+        for (on_ground, other) in [(joint.first, joint.second), (joint.second, joint.first)] {
+            if on_ground.body == GROUND {
+                pivots[other.body] = Some(other.local);
+            }
         }
-    });
-    match pivot {
+    }
+    let constants = |(b, pivot): (&Body, &Option<Vec2>)| match pivot {
         Some(pivot) => [b.inertia + b.mass * (b.center - pivot).norm_squared(), 0.0, 0.0, 0.0],
         None => [b.mass, b.center.x, b.center.y, b.inertia],
-    }
+    };
+    bodies.iter().zip(&pivots).map(constants).collect()
 }

@@ -1,0 +1,52 @@
+//! Why a linkage could not be assembled.
+use std::fmt;
+
+/// Why a linkage could not be assembled.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AssemblyError {
+    /// A coordinate without a guess, or a guess without a coordinate.
+    Guess {
+        /// Name in the guess.
+        name: String,
+        /// What to do.
+        message: String,
+    },
+    /// No closed position near the guess.
+    Open {
+        /// The joint with the largest gap.
+        joint: String,
+        /// That gap [m].
+        gap: f64,
+    },
+    /// Not one degree of freedom.
+    Freedom {
+        /// How many there are.
+        count: usize,
+    },
+    /// Two branches cross at the guess.
+    Crossing,
+}
+
+impl fmt::Display for AssemblyError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Guess { name, message } => write!(f, "guess.{name}: {message}"),
+            Self::Open { joint, gap } => write!(
+                f,
+                "the loops do not close from the guess: {joint} stays open by {gap:.3e} m; check the lengths, or guess closer"
+            ),
+            Self::Freedom { count } => write!(
+                f,
+                "the linkage has {count} degrees of freedom where it must have 1: {}",
+                if *count == 0 { "remove a joint or add a body" } else { "add a joint or remove a body" }
+            ),
+            Self::Crossing => write!(
+                f,
+                "two branches of motion cross at the guess: guess a position off the crossing, on the branch that is meant \
+                 (start may still state the crossing itself)"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for AssemblyError {}

@@ -1,0 +1,253 @@
+//! The independent loop equations linearised: a sparse factorisation with its null vector.
+//!
+//! In: the rows of the loop Jacobian J, one fewer than coordinates. Out: J = L U with U upper triangular up to the order of
+//! its columns, the direction z with J z = 0, and solutions on a plane across it. Each row takes the column of its largest
+//! entry as pivot and is rid of the columns that earlier rows took, so that the rows of a chain stay short and the cost
+//! grows with the number of entries. It must not know linkages.
+
+/// An entry of a row: its column, or for L the row that is subtracted.
+type Entry = (usize, f64);
+
+/// No row has taken this column.
+const FREE: usize = usize::MAX;
+
+/// Factors of J, with room for the next ones.
+#[derive(Clone, Debug, Default)]
+pub struct Factors {
+    /// Rows of U without their pivots, and of L without its unit diagonal, one after another; where each row ends.
+    upper: Vec<Entry>,
+    upper_ends: Vec<usize>,
+    lower: Vec<Entry>,
+    lower_ends: Vec<usize>,
+    /// Of each row, the column of its pivot and the pivot's inverse.
+    pivots: Vec<Entry>,
+    /// The row that has taken each column.
+    taken: Vec<usize>,
+    /// z: J z = 0, 1 in the column that no row has taken.
+    pub null: Vec<f64>,
+    /// The row at work: its entries by column, the columns they are in, and the rows still to be subtracted, as bits.
+    entries: Vec<f64>,
+    present: Vec<bool>,
+    columns: Vec<usize>,
+    waiting: Vec<u64>,
+}
+
+fn part<'a>(entries: &'a [Entry], ends: &[usize], row: usize) -> &'a [Entry] {
+    &entries[if row == 0 { 0 } else { ends[row - 1] }..ends[row]]
+}
+
+impl Factors {
+    /// Forget the last factors, for `columns` coordinates.
+    pub fn clear(&mut self, columns: usize) {
+        for list in [&mut self.upper, &mut self.lower, &mut self.pivots] {
+            list.clear();
+        }
+        for ends in [&mut self.upper_ends, &mut self.lower_ends] {
+            ends.clear();
+        }
+        self.taken.clear();
+        self.taken.resize(columns, FREE);
+        self.entries.clear();
+        self.entries.resize(columns, 0.0);
+        self.present.clear();
+        self.present.resize(columns, false);
+        self.columns.clear();
+        self.waiting.clear();
+        self.waiting.resize(columns.div_ceil(64), 0);
+    }
+
+    /// Add a row; `weights` makes its entries comparable. False if it follows from earlier rows.
+    pub fn push(&mut self, row: impl Iterator<Item = Entry>, weights: &[f64]) -> bool {
+        for (column, value) in row {
+            self.touch(column);
+            self.entries[column] += value;
+        }
+        for word in 0..self.waiting.len() {
+            while self.waiting[word] != 0 {
+                let bit = self.waiting[word].trailing_zeros() as usize;
+                self.waiting[word] &= self.waiting[word] - 1;
+                self.subtract(64 * word + bit);
+            }
+        }
+        self.lower_ends.push(self.lower.len());
+        let mut best = (FREE, 0.0);
+        for &column in &self.columns {
+            let size = (self.entries[column] / weights[column]).abs();
+            if self.taken[column] == FREE && size > best.1 {
+                best = (column, size);
+            }
+        }
+        let (pivot, size) = best;
+        let regular = pivot != FREE && size.is_finite();
+        if regular {
+            self.taken[pivot] = self.pivots.len();
+            self.pivots.push((pivot, 1.0 / self.entries[pivot]));
+        }
+        for &column in &self.columns {
+            if regular && column != pivot && self.taken[column] == FREE && self.entries[column] != 0.0 {
+                self.upper.push((column, self.entries[column]));
+            }
+            self.entries[column] = 0.0;
+            self.present[column] = false;
+        }
+        self.columns.clear();
+        self.upper_ends.push(self.upper.len());
+        regular
+    }
+
+    /// A column of the row at work has an entry.
+    fn touch(&mut self, column: usize) {
+        if !self.present[column] {
+            self.present[column] = true;
+            self.columns.push(column);
+            let row = self.taken[column];
+            if row != FREE {
+                self.waiting[row / 64] |= 1 << (row % 64);
+            }
+        }
+    }
+
+    /// Rid the row at work of the column that `row` has taken.
+    fn subtract(&mut self, row: usize) {
+        let (pivot, inverse) = self.pivots[row];
+        let factor = self.entries[pivot] * inverse;
+        self.entries[pivot] = 0.0;
+        if factor == 0.0 {
+            return;
+        }
+        self.lower.push((row, factor));
+        let first = if row == 0 { 0 } else { self.upper_ends[row - 1] };
+        for k in first..self.upper_ends[row] {
+            let (column, value) = self.upper[k];
+            self.touch(column);
+            self.entries[column] -= factor * value;
+        }
+    }
+
+    /// All rows are in: find the null vector. False if there is not one free column.
+    pub fn finish(&mut self) -> bool {
+        let columns = self.taken.len();
+        let Some(free) = self.taken.iter().position(|t| *t == FREE) else { return false };
+        if self.pivots.len() + 1 != columns {
+            return false;
+        }
+        let mut null = std::mem::take(&mut self.null);
+        null.clear();
+        null.resize(columns, 0.0);
+        null[free] = 1.0;
+        for (row, &(pivot, inverse)) in self.pivots.iter().enumerate().rev() {
+            let sum: f64 = part(&self.upper, &self.upper_ends, row).iter().map(|&(c, v)| v * null[c]).sum();
+            null[pivot] = -sum * inverse;
+        }
+        self.null = null;
+        self.null.iter().all(|v| v.is_finite())
+    }
+
+    /// Multiple of z that is `along` on the plane's normal.
+    pub fn tangent(&self, normal: &[f64], along: f64, out: &mut Vec<f64>) {
+        let scale = along / dot(normal, &self.null);
+        out.clear();
+        out.extend(self.null.iter().map(|z| scale * z));
+    }
+
+    /// The change of coordinates for these changes of the rows, and `along` on the plane's normal.
+    pub fn solve(&self, rows: &[f64], normal: &[f64], along: f64, out: &mut Vec<f64>) {
+        out.clear();
+        out.resize(self.taken.len(), 0.0);
+        // L y = rows; y is kept at the pivots' columns.
+        for (row, value) in rows.iter().enumerate() {
+            let lower = part(&self.lower, &self.lower_ends, row).iter();
+            out[self.pivots[row].0] = value - lower.map(|&(r, f)| f * out[self.pivots[r].0]).sum::<f64>();
+        }
+        for (row, &(pivot, inverse)) in self.pivots.iter().enumerate().rev() {
+            let sum: f64 = part(&self.upper, &self.upper_ends, row).iter().map(|&(c, v)| v * out[c]).sum();
+            out[pivot] = (out[pivot] - sum) * inverse;
+        }
+        let scale = (along - dot(normal, out)) / dot(normal, &self.null);
+        for (x, z) in out.iter_mut().zip(&self.null) {
+            *x += scale * z;
+        }
+    }
+
+    /// Factors of the rows whose sum, with a multiple of the plane's normal, gives `right`; this is used up.
+    pub fn solve_transposed(&self, normal: &[f64], right: &mut [f64], out: &mut Vec<f64>) {
+        let scale = dot(&self.null, right) / dot(&self.null, normal);
+        for (r, n) in right.iter_mut().zip(normal) {
+            *r -= scale * n;
+        }
+        out.clear();
+        for (row, &(pivot, inverse)) in self.pivots.iter().enumerate() {
+            let y = right[pivot] * inverse;
+            for &(c, v) in part(&self.upper, &self.upper_ends, row) {
+                right[c] -= v * y;
+            }
+            out.push(y);
+        }
+        for row in (0..out.len()).rev() {
+            for &(r, f) in part(&self.lower, &self.lower_ends, row) {
+                out[r] -= f * out[row];
+            }
+        }
+    }
+}
+
+/// Inner product.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{DMatrix, DVector};
+
+    /// Numbers that look random.
+    fn noise(seed: &mut u64) -> f64 {
+        *seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (*seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    }
+
+    #[test]
+    fn solutions_are_those_of_the_dense_bordered_matrix() {
+        let mut seed = 1;
+        for n in [2, 3, 7, 70] {
+            let dense = DMatrix::from_fn(n, n, |r, c| {
+                let near = r + 1 < n && c + 3 > r && c < r + 4;
+                if near || r + 1 == n { noise(&mut seed) } else { 0.0 }
+            });
+            let normal: Vec<f64> = dense.row(n - 1).iter().copied().collect();
+            let weights: Vec<f64> = (0..n).map(|i| 1.0 + (i % 3) as f64).collect();
+            let mut factors = Factors::default();
+            factors.clear(n);
+            for r in 0..n - 1 {
+                let row = dense.row(r);
+                assert!(factors.push((0..n).filter(|c| row[*c] != 0.0).map(|c| (c, row[c])), &weights));
+            }
+            assert!(factors.finish());
+            let right: Vec<f64> = (0..n).map(|_| noise(&mut seed)).collect();
+            let mut out = Vec::new();
+            factors.solve(&right[..n - 1], &normal, right[n - 1], &mut out);
+            // The amplification of a random band matrix is some 1e3.
+            let miss = &dense * DVector::from_column_slice(&out) - DVector::from_column_slice(&right);
+            assert!(miss.norm() < 1e-11, "{n}: {miss}");
+            factors.tangent(&normal, 2.0, &mut out);
+            let miss = &dense * DVector::from_column_slice(&out);
+            assert!((miss[n - 1] - 2.0).abs() < 1e-11 && miss.rows(0, n - 1).norm() < 1e-11, "{n}: {miss}");
+            factors.solve_transposed(&normal, &mut right.clone(), &mut out);
+            let rest = DVector::from_column_slice(&right)
+                - dense.rows(0, n - 1).transpose() * DVector::from_column_slice(&out);
+            let normal = DVector::from_column_slice(&normal);
+            let along = rest.dot(&normal) / normal.norm_squared();
+            assert!((rest - along * normal).norm() < 1e-11 * DVector::from_column_slice(&out).norm().max(1.0), "{n}");
+        }
+    }
+
+    #[test]
+    fn a_row_that_follows_from_others_is_told() {
+        let mut factors = Factors::default();
+        factors.clear(3);
+        assert!(factors.push([(0, 1.0), (1, 2.0)].into_iter(), &[1.0; 3]));
+        assert!(!factors.push([(0, 2.0), (1, 4.0)].into_iter(), &[1.0; 3]));
+        assert!(!factors.finish());
+    }
+}
