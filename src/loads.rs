@@ -84,6 +84,21 @@ impl Load {
         }
     }
 
+    /// Displacement where the bodies are; that of gravity is not a place and is 0.
+    pub fn place(&self, linkage: &Linkage, p: &Positions) -> f64 {
+        match *self {
+            Self::Gravity(_) => 0.0,
+            Self::Force { at, direction } => direction.dot(&p.point(at)),
+            Self::Pair { first, second } => (p.point(second) - p.point(first)).norm(),
+            Self::Torque { body } => p.angle[body],
+            Self::Couple { first, second } => p.angle[second] - p.angle[first],
+            Self::Slide { joint } => {
+                let (first, second, axis) = axis(linkage, p, joint);
+                axis.dot(&(p.point(second) - p.point(first)))
+            }
+        }
+    }
+
     /// Displacement and its first and second derivative along sigma.
     pub fn displacement(&self, linkage: &Linkage, c: &Configuration) -> [f64; 3] {
         let p = &c.positions;

@@ -4,10 +4,11 @@ use super::course::{Contact, Stopped, Surroundings, advance};
 use super::motion::{Motion, Work};
 use super::outputs::Cache;
 use super::panel::Given;
-use super::travel::{Travel, travel};
+use super::travel::{Travel, beyond_stop, travel};
 use super::{Inputs, ModelError};
 use crate::definition::{DefinitionError, Mechanism};
 use crate::integrator::{Integrator, Statistics};
+use crate::loads::Load;
 use crate::reduced::{Reduced, ReductionError, Scene};
 
 /// The state of motion, with the memory of the integration.
@@ -111,6 +112,9 @@ impl State {
                 allowed: format!("state one of the coordinates {}", linkage.coordinates.join(", ")),
             })
         })?;
+        if let (Some(body), Some(angle)) = (&start.body, start.angle) {
+            not_beyond_stop(reduced, mechanism, body, angle)?;
+        }
         let (sigma, turns) = reduced.find(coordinate, value, &variable)?;
         let mut sigma_dot = 0.0;
         if start.speed != 0.0 {
@@ -273,6 +277,18 @@ impl State {
         }
         Ok(scene)
     }
+}
+
+/// A stop for the body that states the start is told of before the start is looked for: the curve may end there.
+fn not_beyond_stop(reduced: &Reduced, mechanism: &Mechanism, body: &str, angle: f64) -> Result<(), ModelError> {
+    let Some((carrier, own)) = reduced.linkage().carrier(mechanism, body) else { return Ok(()) };
+    let loading = reduced.loading();
+    let own_stops =
+        loading.stops.iter().filter(|s| s.enabled && loading.loads[s.load] == Load::Torque { body: carrier });
+    for stop in own_stops {
+        beyond_stop(stop, angle - own)?;
+    }
+    Ok(())
 }
 
 fn memory(scene: Option<&Scene>) -> Memory {

@@ -2,6 +2,7 @@
 //!
 //! In: the reduced model, its stops, the start. Out: the place of each end on the curve. It must not know time.
 use super::ModelError;
+use crate::loading::Stop;
 use crate::reduced::Reduced;
 use crate::table::{Table, polynomial};
 
@@ -36,9 +37,7 @@ pub fn travel(reduced: &Reduced, sigma: f64, turns: f64) -> Result<Travel, Model
         let (s, slope) = (table.value(spot, 0) + turns * growth, table.value(spot, 1));
         let beyond = stop.beyond(s);
         let near = AT * (1.0 + stop.value.abs());
-        if beyond > near {
-            return Err(ModelError::BeyondStop { name, value: stop.value, start: s });
-        }
+        beyond_stop(stop, s)?;
         let sign = stop.beyond(1.0) - stop.beyond(0.0);
         for (side, direction) in [(0, -1.0), (1, 1.0)] {
             let here = sigma + turns * reduced.period().unwrap_or(0.0);
@@ -56,6 +55,18 @@ pub fn travel(reduced: &Reduced, sigma: f64, turns: f64) -> Result<Travel, Model
         }
     }
     Ok(out)
+}
+
+/// Refuse a start at this displacement of a stop's load if it is beyond the stop.
+///
+/// # Errors
+/// [`ModelError::BeyondStop`].
+pub fn beyond_stop(stop: &Stop, s: f64) -> Result<(), ModelError> {
+    if stop.beyond(s) > AT * (1.0 + stop.value.abs()) {
+        let name = format!("{}.{}", stop.name, stop.quantity);
+        return Err(ModelError::BeyondStop { name, value: stop.value, start: s });
+    }
+    Ok(())
 }
 
 /// Search for the first passage of a stop along the curve.

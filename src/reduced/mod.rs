@@ -13,10 +13,10 @@ pub use error::ReductionError;
 pub use scene::{Row, Scene};
 
 use crate::closure::{Closure, guessed};
-use crate::curve::{Configuration, Curve, Ends, Workspace};
+use crate::curve::{Configuration, Curve, CurveError, Ends, Workspace};
 use crate::definition::Mechanism;
-use crate::linkage::{Linkage, Point, Vec2};
-use crate::loading::{Loading, markers};
+use crate::linkage::{Linkage, Point, Positions, Vec2};
+use crate::loading::{Loading, Stop, markers};
 use crate::loads::Load;
 use crate::reactions::{Columns, Reaction, columns};
 use crate::table::{ACCURACY, Grid, Table, Unresolved};
@@ -56,7 +56,7 @@ impl Reduced {
         let markers = markers(mechanism, &linkage).map_err(ReductionError::Definition)?;
         let guess = guessed(&linkage, &mechanism.guess).map_err(ReductionError::Assembly)?;
         let (closure, q) = Closure::assemble(Arc::new(linkage), &guess).map_err(ReductionError::Assembly)?;
-        let curve = Curve::trace(closure, &q).map_err(ReductionError::Curve)?;
+        let curve = trace(closure, &q, &loading).map_err(ReductionError::Curve)?;
         let grid = Grid { borders: curve.grid(ACCURACY), centers: curve.crossings().to_vec() };
         let components = Components::new(&loading, &curve);
         let natural = Natural::new(&curve);
@@ -322,6 +322,31 @@ fn tabulate(
         exact(&c, values);
         c.amplification
     })
+}
+
+/// Part of the natural size of a stop's quantity by which the curve is traced beyond the stop.
+const BEYOND: f64 = 0.02;
+
+/// The curve, between rigid stops if there are such: nothing lies beyond them but what a step tries before it finds the
+/// impact. A guess that is itself beyond a stop names a branch all the same, which is then traced as a whole.
+fn trace(closure: Closure, q: &[f64], loading: &Loading) -> Result<Curve, CurveError> {
+    let stops: Vec<_> = loading.stops.iter().filter(|s| s.enabled).collect();
+    if stops.is_empty() || stops.iter().any(|s| !s.rigid) {
+        return Curve::trace(closure, q);
+    }
+    let linkage = Arc::clone(&closure.linkage);
+    let mut inside = |p: &Positions| {
+        let room = |stop: &&Stop| {
+            let size = if stop.quantity == "angle" { 1.0 } else { linkage.size };
+            BEYOND - stop.beyond(loading.loads[stop.load].place(&linkage, p)) / size
+        };
+        stops.iter().map(room).fold(f64::INFINITY, f64::min)
+    };
+    let at_guess = inside(&linkage.positions(q));
+    if at_guess <= 0.0 {
+        return Curve::trace(closure, q);
+    }
+    Curve::trace_within(closure, q, &mut inside)
 }
 
 /// Natural sizes of reactions: of these terms, then of loads; for both forces and the moment.
