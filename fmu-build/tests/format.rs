@@ -13,9 +13,8 @@ use std::path::PathBuf;
 const SCHEMA: &str = include_str!("../../modelDescription/mechanism.schema.json");
 const FORMAT: &str = include_str!("../../modelDescription/FORMAT.md");
 /// Groups of named entries.
-const GROUPS: [&str; 11] = [
-    "bodies", "joints", "actuators", "forces", "torques", "springs", "markers", "surfaces", "stops", "locks", "guess",
-];
+const GROUPS: [&str; 11] =
+    ["bodies", "joints", "actuators", "forces", "torques", "springs", "markers", "surfaces", "stops", "locks", "guess"];
 
 fn schema() -> Value {
     serde_json::from_str(SCHEMA).unwrap()
