@@ -218,14 +218,8 @@ fn drag_takes_its_power() {
         let mut work = power(&mut gear);
         for i in 1..=STEPS {
             gear.0.step(stop / STEPS as f64).unwrap();
-            work += power(&mut gear)
-                * if i == STEPS {
-                    1.0
-                } else if i % 2 == 1 {
-                    4.0
-                } else {
-                    2.0
-                };
+            let weight = if i == STEPS { 1.0 } else { (2 + 2 * (i % 2)) as f64 };
+            work += weight * power(&mut gear);
         }
         work *= stop / STEPS as f64 / 3.0;
         let done = force * (gear.get("actuator.length") - length);

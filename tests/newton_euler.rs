@@ -64,16 +64,21 @@ fn free() -> String {
     GEAR.replace("\"flag\"", "\"enabled\": false, \"flag\"")
 }
 
-/// Shared by the cases: the tables are built once.
-fn gear() -> Model {
-    static GEAR_MODEL: OnceLock<Model> = OnceLock::new();
-    GEAR_MODEL.get_or_init(|| Model::from_json(&free()).unwrap()).clone()
+/// With or without friction; shared by the cases: the tables are built once.
+fn gear(friction: bool) -> Model {
+    static MODELS: [OnceLock<Model>; 2] = [OnceLock::new(), OnceLock::new()];
+    let build = || {
+        let mut model = Model::from_json(&free()).unwrap();
+        let reference = model.variables().find("friction.enabled").unwrap();
+        model.set_boolean(reference, friction).unwrap();
+        model.initialize().unwrap();
+        model
+    };
+    MODELS[usize::from(friction)].get_or_init(build).clone()
 }
 
 fn worst_imbalance(start: f64, speed: f64, loads: [f64; 6], friction: bool, airspeed: f64) -> f64 {
-    let mut model = gear();
-    let reference = model.variables().find("friction.enabled").unwrap();
-    model.set_boolean(reference, friction).unwrap();
+    let mut model = gear(friction);
     let names = ["actuator.force", "load_factor", "wheel.force_x", "wheel.force_y", "crank.torque", "follower.torque"];
     for (name, value) in names.iter().zip(loads) {
         let reference = model.variables().find(name).unwrap();
