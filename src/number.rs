@@ -72,6 +72,8 @@ impl<const N: usize> Sub for Dual<N> {
 
 impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
+    // The product rule has a sum.
+    #[allow(clippy::suspicious_arithmetic_impl)]
     fn mul(self, other: Self) -> Self {
         let slope = std::array::from_fn(|i| self.value * other.slope[i] + self.slope[i] * other.value);
         Self { value: self.value * other.value, slope }

@@ -1,5 +1,6 @@
 //! Reactions of the gear against Newton and Euler's equations of each body, from positions, accelerations and joint
 //! forces alone: nothing of the engine's reduction is used, the geometry is written out again from the paper's table.
+//! With friction its torques, with air the drag, act on the bodies too.
 #![allow(clippy::unwrap_used)]
 
 use linkage_fmu::model::Model;
@@ -63,20 +64,27 @@ fn free() -> String {
     GEAR.replace("\"flag\"", "\"enabled\": false, \"flag\"")
 }
 
-/// Shared by the cases: the tables are built once.
-fn gear() -> Model {
-    static GEAR_MODEL: OnceLock<Model> = OnceLock::new();
-    GEAR_MODEL.get_or_init(|| Model::from_json(&free()).unwrap()).clone()
+/// With or without friction; shared by the cases: the tables are built once.
+fn gear(friction: bool) -> Model {
+    static MODELS: [OnceLock<Model>; 2] = [OnceLock::new(), OnceLock::new()];
+    let build = || {
+        let mut model = Model::from_json(&free()).unwrap();
+        let reference = model.variables().find("friction.enabled").unwrap();
+        model.set_boolean(reference, friction).unwrap();
+        model.initialize().unwrap();
+        model
+    };
+    MODELS[usize::from(friction)].get_or_init(build).clone()
 }
 
-fn worst_imbalance(start: f64, speed: f64, loads: [f64; 6]) -> f64 {
-    let mut model = gear();
+fn worst_imbalance(start: f64, speed: f64, loads: [f64; 6], friction: bool, airspeed: f64) -> f64 {
+    let mut model = gear(friction);
     let names = ["actuator.force", "load_factor", "wheel.force_x", "wheel.force_y", "crank.torque", "follower.torque"];
     for (name, value) in names.iter().zip(loads) {
         let reference = model.variables().find(name).unwrap();
         model.set_real(reference, value).unwrap();
     }
-    for (name, value) in [("crank.start_angle", start), ("crank.start_speed", speed)] {
+    for (name, value) in [("crank.start_angle", start), ("crank.start_speed", speed), ("airspeed", airspeed)] {
         let reference = model.variables().find(name).unwrap();
         model.set_real(reference, value).unwrap();
     }
@@ -89,6 +97,8 @@ fn worst_imbalance(start: f64, speed: f64, loads: [f64; 6]) -> f64 {
     let body = ["crank", "coupler", "follower"]
         .map(|b| (get(&format!("{b}.angle")), get(&format!("{b}.speed")), get(&format!("{b}.acceleration"))));
     let joint = [1, 2, 3, 4].map(|j| [get(&format!("joint{j}.force_x")), get(&format!("joint{j}.force_y"))]);
+    let rub = [1, 2, 3, 4].map(|j| get(&format!("joint{j}.friction_torque")));
+    let drag = ["leg.drag", "wheel.drag"].map(|name| turn([get(name), 0.0], 1.13 - std::f64::consts::FRAC_PI_2));
     let [(th2, w2, a2), (th3, w3, a3), (th4, w4, a4)] = body;
     let (a, d) = ([0.0, 0.0], [0.5729, 0.0]);
     let (ab, bc, dc) = (turn([0.1755, 0.0], th2), turn([0.217, 0.0], th3), turn([0.34, 0.0], th4));
@@ -114,22 +124,28 @@ fn worst_imbalance(start: f64, speed: f64, loads: [f64; 6]) -> f64 {
     let crank = imbalance(
         &[rod(13.689, 0.1755, a, zero, ab, w2, a2), rod(36.8, 0.759, a, zero, leg, w2, a2), wheel],
         a2,
-        &[(a, joint[0]), (b, negative(joint[1])), (p, negative(push)), (leg, [fx, fy])],
-        t1,
+        &[
+            (a, joint[0]),
+            (b, negative(joint[1])),
+            (p, negative(push)),
+            (leg, plus([fx, fy], drag[1])),
+            ([0.5 * leg[0], 0.5 * leg[1]], drag[0]),
+        ],
+        t1 + rub[0] - rub[1],
         gravity,
     );
     let coupler = imbalance(
         &[rod(0.72037056, 0.217, b, base_b, bc, w3, a3)],
         a3,
         &[(b, joint[1]), (c, negative(joint[2]))],
-        0.0,
+        rub[1] - rub[2],
         gravity,
     );
     let follower = imbalance(
         &[rod(3.850704, 0.34, d, zero, dc, w4, a4)],
         a4,
         &[(d, joint[3]), (c, joint[2]), (q, push)],
-        t2,
+        t2 + rub[2] + rub[3],
         gravity,
     );
     crank.max(coupler).max(follower)
@@ -143,7 +159,18 @@ proptest! {
         speed in -60.0..60.0f64,
         loads in [-4e4..4e4f64, -6.0..6.0f64, -5e3..5e3f64, -5e3..5e3f64, -4e3..4e3f64, -4e3..4e3f64],
     ) {
-        let worst = worst_imbalance(start, speed, loads);
+        let worst = worst_imbalance(start, speed, loads, false, 0.0);
+        prop_assert!(worst < 1e-10, "imbalance {worst:e}");
+    }
+
+    #[test]
+    fn every_body_is_in_balance_with_friction_and_drag(
+        start in -1.3..1.3f64,
+        speed in -60.0..60.0f64,
+        loads in [-4e4..4e4f64, -6.0..6.0f64, -5e3..5e3f64, -5e3..5e3f64, -4e3..4e3f64, -4e3..4e3f64],
+        airspeed in -90.0..90.0f64,
+    ) {
+        let worst = worst_imbalance(start, speed, loads, true, airspeed);
         prop_assert!(worst < 1e-10, "imbalance {worst:e}");
     }
 }

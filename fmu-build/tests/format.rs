@@ -4,7 +4,7 @@
 use jsonschema::Validator;
 use linkage_fmu::definition::Mechanism;
 use linkage_fmu::model::Model;
-use linkage_fmu::variables::Causality;
+use linkage_fmu::variables::{Causality, Kind};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fs;
@@ -13,7 +13,8 @@ use std::path::PathBuf;
 const SCHEMA: &str = include_str!("../../modelDescription/mechanism.schema.json");
 const FORMAT: &str = include_str!("../../modelDescription/FORMAT.md");
 /// Groups of named entries.
-const GROUPS: [&str; 8] = ["bodies", "joints", "actuators", "forces", "torques", "springs", "markers", "guess"];
+const GROUPS: [&str; 11] =
+    ["bodies", "joints", "actuators", "forces", "torques", "springs", "markers", "surfaces", "stops", "locks", "guess"];
 
 fn schema() -> Value {
     serde_json::from_str(SCHEMA).unwrap()
@@ -37,10 +38,11 @@ fn full() -> Value {
         },
         "joints": {
             "bearing": { "type": "revolute", "first": "ground.origin", "second": "crank.origin" },
-            "pin": { "type": "revolute", "first": "crank.end", "second": "rod.origin" },
+            "pin": { "type": "revolute", "first": "crank.end", "second": "rod.origin", "pin_radius": 0.01 },
             "wrist": { "type": "revolute", "first": "rod.end", "second": "slider.origin" },
             "guide": {
-                "type": "prismatic", "first": "ground.origin", "second": "slider.origin", "axis_angle": 0.0, "angle": 0.0
+                "type": "prismatic", "first": "ground.origin", "second": "slider.origin", "axis_angle": 0.0, "angle": 0.0,
+                "static_coefficient": 0.1, "kinetic_coefficient": 0.05
             }
         },
         "actuators": {
@@ -57,6 +59,23 @@ fn full() -> Value {
             "torsion": { "joint": "bearing", "stiffness": 1.0, "free_angle": 0.3 }
         },
         "markers": { "eye": { "at": "crank.eye" } },
+        "friction": {
+            "enabled": true, "static_coefficient": 0.2, "kinetic_coefficient": 0.1, "static_speed": 0.02, "kinetic_speed": 0.9
+        },
+        "air": { "density": 1.2, "flow_angle": 0.3, "relative_wind": true, "airspeed": 5.0 },
+        "surfaces": {
+            "vane": { "from": "rod.origin", "to": "rod.end", "width": 0.02, "drag_coefficient": 1.1 },
+            "plate": { "at": "crank.eye", "area": 0.01, "surface_angle": 0.4, "drag_coefficient": 0.9 }
+        },
+        "stops": {
+            "up": {
+                "body": "crank", "limit": "upper", "angle": 2.5, "enabled": true, "rigid": true, "restitution": 0.4,
+                "stiffness": 1e4, "damping": 10.0, "flag": "is_up"
+            },
+            "in": { "joint": "guide", "limit": "lower", "position": 0.22 },
+            "far": { "first": "ground.anchor", "second": "slider.origin", "limit": "upper", "length": 2.1 }
+        },
+        "locks": { "latch": { "stop": "up", "at": "crank.end", "engage": true } },
         "start": { "body": "crank", "angle": 0.5, "speed": 1.0 },
         "guess": { "crank": 0.5, "rod": -0.16, "guide": 0.38 },
         "solver": { "tolerance": 1e-9, "method": "reduced", "fem_step": 1e-5 },
@@ -65,7 +84,7 @@ fn full() -> Value {
 }
 
 /// Where one instance of each definition of the schema stands in the full mechanism.
-const LEVELS: [(&str, &str); 13] = [
+const LEVELS: [(&str, &str); 18] = [
     ("", ""),
     ("gravity", "/gravity"),
     ("body", "/bodies/crank"),
@@ -75,6 +94,11 @@ const LEVELS: [(&str, &str); 13] = [
     ("torque", "/torques/motor"),
     ("spring", "/springs/coil"),
     ("marker", "/markers/eye"),
+    ("friction", "/friction"),
+    ("air", "/air"),
+    ("surface", "/surfaces/vane"),
+    ("stop", "/stops/up"),
+    ("lock", "/locks/latch"),
     ("start", "/start"),
     ("solver", "/solver"),
     ("experiment", "/experiment"),
@@ -163,9 +187,12 @@ fn required_keys_agree_at_every_level() {
 #[test]
 fn choices_agree() {
     let schema = schema();
-    for (name, place, key) in
-        [("body", "/bodies/crank", "shape"), ("joint", "/joints/guide", "type"), ("solver", "/solver", "method")]
-    {
+    for (name, place, key) in [
+        ("body", "/bodies/crank", "shape"),
+        ("joint", "/joints/guide", "type"),
+        ("stop", "/stops/up", "limit"),
+        ("solver", "/solver", "method"),
+    ] {
         let mut mechanism = full();
         mechanism.pointer_mut(place).unwrap()[key] = json!("no_such_choice");
         let message = refusal(&mechanism).unwrap();
@@ -204,6 +231,17 @@ fn defaults_agree() {
         ("/springs/coil", "free_length"),
         ("/springs/coil", "preload"),
         ("/springs/torsion", "free_angle"),
+        ("/friction", "enabled"),
+        ("/friction", "static_speed"),
+        ("/friction", "kinetic_speed"),
+        ("/air", "relative_wind"),
+        ("/air", "airspeed"),
+        ("/stops/up", "enabled"),
+        ("/stops/up", "rigid"),
+        ("/stops/up", "restitution"),
+        ("/stops/up", "stiffness"),
+        ("/stops/up", "damping"),
+        ("/locks/latch", "engage"),
         ("/start", "speed"),
         ("/bodies/rod", "points"),
         ("", "description"),
@@ -218,7 +256,11 @@ fn defaults_agree() {
         let e = model.experiment();
         let list = model.variables().list().to_vec();
         let values = (0..).zip(list).filter(|(_, v)| v.causality != Causality::Parameter);
-        let mut read: Vec<_> = values.map(|(r, v)| (v.name, model.real(r).unwrap())).collect();
+        let mut value = |r, kind| match kind {
+            Kind::Boolean => f64::from(u8::from(model.boolean(r).unwrap())),
+            _ => model.real(r).unwrap(),
+        };
+        let mut read: Vec<_> = values.map(|(r, v)| (v.name, value(r, v.kind))).collect();
         read.extend([("stop_time".into(), e.stop_time), ("step_size".into(), e.step_size)]);
         read
     };
@@ -229,6 +271,8 @@ fn defaults_agree() {
         ("body", "/bodies/rod"),
         ("actuator", "/actuators/servo"),
         ("spring", "/springs/torsion"),
+        ("stop", "/stops/in"),
+        ("surface", "/surfaces/plate"),
     ]) {
         let definition = definition(&schema, name);
         for (key, property) in definition["properties"].as_object().unwrap() {
@@ -253,7 +297,7 @@ fn defaults_agree() {
             compared += 1;
         }
     }
-    assert!(compared >= 20, "{compared} defaults compared");
+    assert!(compared >= 30, "{compared} defaults compared");
 }
 
 /// Wrong values: refused by both, or by the engine alone where the schema cannot know.
@@ -286,7 +330,7 @@ fn both_refuse_what_is_wrong() {
         ("/bodies/ground/mass", json!(1.0), both),
         ("/bodies/a b", json!({}), both),
         ("/bodies/loose", json!({}), geometry),
-        ("/joints/pin/type", json!("prismatic"), geometry),
+        ("/joints/wrist/type", json!("prismatic"), geometry),
         ("/joints/pin/angle", json!(0.0), both),
         ("/joints/pin/axis_angle", json!(0.0), both),
         ("/joints/pin/first", json!("crank"), both),
@@ -313,6 +357,45 @@ fn both_refuse_what_is_wrong() {
         ("/springs/torsion/free_length", json!(1.0), both),
         ("/springs/coil/joint", json!("pin"), both),
         ("/markers/eye/at", json!("crank.nowhere"), geometry),
+        ("/joints/pin/pin_radius", json!(-0.01), both),
+        ("/joints/guide/pin_radius", json!(0.01), both),
+        ("/joints/guide/static_coefficient", json!(-0.1), both),
+        ("/joints/guide/kinetic_coefficient", json!(-0.1), both),
+        ("/friction/enabled", json!(1), both),
+        ("/friction/static_coefficient", json!(-0.1), both),
+        ("/friction/kinetic_coefficient", json!(-0.1), both),
+        ("/friction/static_speed", json!(0.0), both),
+        ("/friction/kinetic_speed", json!(0.0), both),
+        ("/friction/kinetic_speed", json!(0.02), geometry),
+        ("/air/density", json!(-1.0), both),
+        ("/air/flow_angle", json!("aft"), both),
+        ("/air/airspeed", json!("fast"), both),
+        ("/surfaces/vane/width", json!(-0.1), both),
+        ("/surfaces/vane/to", json!("crank.end"), geometry),
+        ("/surfaces/vane/area", json!(0.1), both),
+        ("/surfaces/vane/surface_angle", json!(0.1), both),
+        ("/surfaces/vane/drag_coefficient", json!(-0.1), both),
+        ("/surfaces/plate/area", json!(-0.1), both),
+        ("/surfaces/plate/at", json!("crank"), both),
+        ("/surfaces/half", json!({ "from": "rod.origin", "drag_coefficient": 1.0 }), both),
+        ("/stops/up/body", json!("nobody"), geometry),
+        ("/stops/up/joint", json!("bearing"), both),
+        ("/stops/up/position", json!(0.1), both),
+        ("/stops/up/restitution", json!(1.5), both),
+        ("/stops/up/restitution", json!(-0.1), both),
+        ("/stops/up/stiffness", json!(-1.0), both),
+        ("/stops/up/damping", json!(-1.0), both),
+        ("/stops/up/flag", json!("is up"), both),
+        ("/stops/up/angle", json!(0.4), geometry),
+        ("/stops/in/angle", json!(0.1), both),
+        ("/stops/in/joint", json!("no_joint"), geometry),
+        ("/stops/in/joint", json!("bearing"), geometry),
+        ("/stops/far/length", json!(-1.0), both),
+        ("/stops/far/second", json!("ground.anchor"), geometry),
+        ("/stops/half", json!({ "limit": "upper", "angle": 1.0 }), both),
+        ("/locks/latch/stop", json!("nothing"), geometry),
+        ("/locks/latch/at", json!("crank.nowhere"), geometry),
+        ("/locks/latch/engage", json!(1), both),
         ("/start/body", json!("nobody"), geometry),
         ("/start/joint", json!("guide"), both),
         ("/start/position", json!(0.3), both),
@@ -380,6 +463,10 @@ fn every_example_runs() {
         }
         let crosses = whole["name"] == "Parallelogram";
         for (reference, variable) in (0..).zip(model.variables().list().to_vec()) {
+            if variable.kind == Kind::Boolean {
+                model.boolean(reference).unwrap_or_else(|e| panic!("{e} in\n{text}"));
+                continue;
+            }
             match model.real(reference) {
                 Ok(value) => assert!(value.is_finite(), "{} = {value} in\n{text}", variable.name),
                 // As the text says of reactions where branches cross.
