@@ -198,7 +198,7 @@ impl<T: Number> Loop<T> {
                 }
                 bound = f64::max(bound, sum);
             }
-            if !(bound <= SMALL) {
+            if bound.is_nan() || bound > SMALL {
                 return false;
             }
             let times = |v: &[T; N]| -> [T; N] {

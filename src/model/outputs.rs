@@ -4,7 +4,7 @@ use super::acting::Mode;
 use super::course::rests;
 use super::motion::{Motion, Work};
 use super::panel::Given;
-use super::state::{State, scene};
+use super::state::{State, acting};
 use crate::friction::Locked;
 use crate::linkage::Freedom;
 use crate::powers::Powers;
@@ -226,7 +226,7 @@ impl State {
         inputs: &Inputs,
         with: impl FnOnce(&mut Motion, Option<&Scene>) -> R,
     ) -> Result<R, Unknown> {
-        let scene = scene(reduced, inputs).map_err(|_| Unknown::Locked)?;
+        let scene = acting(reduced, inputs).map_err(Clone::clone)?;
         let cache = &mut self.cache;
         if scene.is_some_and(|s| s.air) != cache.air {
             (cache.work, cache.air) = (Work::new(scene), scene.is_some_and(|s| s.air));

@@ -10,6 +10,7 @@ use crate::definition::{DefinitionError, Mechanism};
 use crate::integrator::{Integrator, Statistics};
 use crate::loads::Load;
 use crate::reduced::{Reduced, ReductionError, Scene};
+use crate::table::Unresolved;
 
 /// The state of motion, with the memory of the integration.
 #[derive(Clone, Debug)]
@@ -77,12 +78,15 @@ fn airspeed(reduced: &Reduced, inputs: &Inputs) -> f64 {
 /// What acts under these inputs besides loads of given sizes.
 ///
 /// # Errors
-/// [`ModelError::Table`]: a reaction that causes friction is not smooth.
-pub fn scene<'a>(reduced: &'a Reduced, inputs: &Inputs) -> Result<Option<&'a Scene>, ModelError> {
+/// [`Unresolved`]: a reaction that causes friction is not smooth.
+pub fn acting<'a>(reduced: &'a Reduced, inputs: &Inputs) -> Result<Option<&'a Scene>, &'a Unresolved> {
     let air = reduced.loading().air.as_ref();
-    let moves = air.is_some_and(|air| air.relative_wind || airspeed(reduced, inputs) != 0.0);
-    reduced
-        .scene(moves)
+    reduced.scene(air.is_some_and(|air| air.relative_wind || airspeed(reduced, inputs) != 0.0))
+}
+
+/// [`acting`], with the error told.
+fn scene<'a>(reduced: &'a Reduced, inputs: &Inputs) -> Result<Option<&'a Scene>, ModelError> {
+    acting(reduced, inputs)
         .map_err(|at| ModelError::Table { name: "friction".into(), position: reduced.curve().describe(at.sigma) })
 }
 
