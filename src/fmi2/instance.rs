@@ -150,10 +150,13 @@ impl Instance {
         self.logger.event(|| {
             let cost = self.model.statistics();
             format!(
-                "terminated at t = {} s after {} evaluations in {} accepted and {} rejected steps",
+                "terminated at t = {} s after {} evaluations in {} accepted steps ({} by DOP853, {} short ones by RK4, {} stiff ones by Radau IIA) and {} rejected",
                 self.clock.time(),
                 cost.evaluations,
                 cost.accepted,
+                cost.accepted - cost.short - cost.implicit,
+                cost.short,
+                cost.implicit,
                 cost.rejected
             )
         });

@@ -250,3 +250,6 @@ impl<T: Number> Acting<T> {
 fn efficient(full: f64, direction: f64, efficiency: f64) -> f64 {
     if full * direction > 0.0 { efficiency } else { 1.0 / efficiency }
 }
+
+#[cfg(test)]
+mod tests;

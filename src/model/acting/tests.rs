@@ -1,0 +1,56 @@
+//! The gear's friction loop at random states: how far it converges, and how fast.
+#![allow(clippy::unwrap_used)]
+use super::Mode;
+use crate::definition::Mechanism;
+use crate::model::motion::{Motion, Work};
+use crate::model::panel::Given;
+use crate::reduced::Reduced;
+use proptest::prelude::*;
+use std::sync::OnceLock;
+
+const GEAR: &str = include_str!("../../../modelDescription/LandingGearRetraction/resources/mechanism.json");
+
+fn gear() -> &'static Reduced {
+    static GEAR_REDUCED: OnceLock<Reduced> = OnceLock::new();
+    GEAR_REDUCED.get_or_init(|| {
+        let mut mechanism = Mechanism::from_json(GEAR).unwrap();
+        mechanism.flags(&mut |name, _, value| *value |= name == "friction.enabled");
+        Reduced::new(&mechanism).unwrap()
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn the_loop_converges_to_rounding_in_a_few_iterations(
+        part in 0.0..1.0f64,
+        sigma_dot in -150.0..150.0f64,
+        force in -40_000.0..40_000.0f64,
+        factor in -3.0..6.0f64,
+    ) {
+        let reduced = gear();
+        let scene = reduced.scene(false).unwrap().unwrap();
+        let (first, last) = reduced.curve().range();
+        // Off the last 0.02 rad beyond the stops.
+        let sigma = first + (0.05 + 0.9 * part) * (last - first);
+        let mut sizes = vec![0.0; reduced.components().sized];
+        (sizes[0], sizes[1]) = (force, factor);
+        let mut work = Work::new(Some(scene));
+        let given = Given { sizes: &sizes, airspeed: 0.0, turns: 0.0 };
+        let mut motion = Motion { reduced, scene: Some(scene), given, mode: Mode::default(), work: &mut work, locked: false };
+        motion.effect(sigma, sigma_dot).unwrap();
+        let friction = &motion.work.acting.friction;
+        prop_assert!(friction.iterations <= 8, "{} iterations", friction.iterations);
+        let n = friction.arm.len();
+        for i in 0..n {
+            let mut r = friction.free[i];
+            for j in 0..n {
+                let (effect, torque) = (friction.effect[i * n + j], friction.friction(j));
+                r = [r[0] + effect[0] * torque, r[1] + effect[1] * torque];
+            }
+            let largest = friction.size.iter().fold(0.0, |a: f64, s| a.max(*s));
+            prop_assert!((r[0].hypot(r[1]) - friction.size[i]).abs() <= 1e-13 * largest, "joint {i}");
+        }
+    }
+}
