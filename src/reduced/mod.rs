@@ -198,8 +198,8 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn marker(&self, i: usize) -> Result<&Table, &Unresolved> {
-        let size = self.natural.derivatives(self.linkage().size).repeat(2);
         let tables = self.marker_tables.get_or_init(|| {
+            let size = self.natural.derivatives(self.linkage().size).repeat(2);
             self.tabulate(&vec![size; self.markers.len()], &mut |c, values| {
                 for (&point, v) in self.markers.iter().zip(values.chunks_exact_mut(6)) {
                     let (x, first) = (c.positions.point(point), c.positions.velocity(&c.rates, point));
