@@ -81,10 +81,19 @@ where
     // A pin whose last change of stretch took no time: it goes along the border and stays where it is for one step.
     let mut along = None;
     while t < span {
+        motion.time = t;
         if let Some(side) = contact.resting {
-            if around.locked[side] || rests(motion, around, side, z[0])? {
+            if around.locked[side] {
                 return Ok(lost);
             }
+            if rests(motion, around, side, z[0])? {
+                let off = |motion: &mut Motion| Ok(-motion.settle(z[0], 0.0)? * outward(side));
+                match release(motion, t, span, &off)? {
+                    Some(at) if at < span => t = at,
+                    _ => return Ok(lost),
+                }
+            }
+            motion.time = t;
             contact.resting = None;
             integrator.restart();
             stale = true;
@@ -99,7 +108,21 @@ where
         if motion.reverses() {
             motion.mode.direction = motion.direction(z[0], z[1])?;
             if motion.mode.direction == 0.0 {
-                return Ok(lost);
+                let off = |motion: &mut Motion| {
+                    let mut most = f64::NEG_INFINITY;
+                    for direction in [1.0, -1.0] {
+                        motion.mode.direction = direction;
+                        most = most.max(motion.effect(z[0], 0.0)?.acceleration * direction);
+                    }
+                    Ok(most)
+                };
+                match release(motion, t, span, &off)? {
+                    Some(at) if at < span => t = at,
+                    _ => return Ok(lost),
+                }
+                integrator.restart();
+                stale = true;
+                continue;
             }
         }
         if std::mem::take(&mut stale) {
@@ -132,6 +155,7 @@ where
         }
         *z = there;
         t += h;
+        motion.time = t;
         match event {
             Event::Band(_) | Event::Unknown => integrator.refresh(),
             _ => {
@@ -158,6 +182,40 @@ where
         }
     }
     Ok(lost)
+}
+
+/// When what holds the mechanism at rest lets it go, under inputs that change with time: where `off`, <= 0 at t = `from`
+/// while it is held, becomes positive before `end`. At rest it is a parabola in time for every direction of the drives and
+/// without air; a passage there and back within a 64th of the time is not seen.
+///
+/// # Errors
+/// [`Locked`].
+fn release(
+    motion: &mut Motion,
+    from: f64,
+    end: f64,
+    off: &dyn Fn(&mut Motion) -> Result<f64, Locked>,
+) -> Result<Option<f64>, Locked> {
+    const SAMPLES: usize = 64;
+    if motion.given.change.is_none() {
+        return Ok(None);
+    }
+    let time = |s: f64| from + (end - from) * s;
+    let (mut a, mut at_a) = (0.0, off(motion)?.min(0.0));
+    for i in 1..=SAMPLES {
+        let b = i as f64 / SAMPLES as f64;
+        motion.time = time(b);
+        let at_b = off(motion)?;
+        if at_b > 0.0 {
+            let mut beyond = |s: f64| {
+                motion.time = time(s);
+                off(motion).unwrap_or(-1.0)
+            };
+            return Ok(Some(time(passage(&mut beyond, (a, at_a), (b, at_b)))));
+        }
+        (a, at_a) = (b, at_b);
+    }
+    Ok(None)
 }
 
 fn failure(motion: &Motion, error: IntegrationError) -> Stopped {
