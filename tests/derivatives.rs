@@ -75,19 +75,15 @@ fn states() -> Vec<(String, Model)> {
             all.push((format!("gear, {name}, {what}"), model.clone()));
         }
     }
-    // Held by the down stop, and by the lock.
-    for lock in [false, true] {
+    // Held by the down stop, by the lock there, and by up stop and lock.
+    for (lock, force, h) in [("uplock", -3_000.0, 0.01), ("downlock", 30_000.0, 0.01), ("uplock", 30_000.0, 0.3)] {
         let mut model = Model::from_json(json).unwrap();
-        set(&mut model, "actuator.force", if lock { 30_000.0 } else { -3_000.0 });
-        if lock {
-            let name = model.variables().list().iter().find(|v| v.name.ends_with(".engage")).map(|v| v.name.clone());
-            if let Some(name) = name {
-                flag(&mut model, &name, true);
-            }
-        }
+        set(&mut model, "actuator.force", force);
+        flag(&mut model, &format!("{lock}.engage"), true);
         model.initialize().unwrap();
-        model.step(0.3).unwrap();
-        all.push((format!("gear, held, lock {lock}"), model));
+        model.step(h).unwrap();
+        assert_eq!(get(&mut model, "crank.speed"), 0.0);
+        all.push((format!("gear, held by {lock}, {force} N"), model));
     }
     all
 }
@@ -125,9 +121,8 @@ fn directional_derivatives_are_those_of_central_differences() {
                 let here = at(value);
                 let difference = (high - low) / (2.0 * width);
                 let one_sided = [(high - here) / width, (here - low) / width];
-                let near = |d: f64| {
-                    (slope - d).abs() <= 1e-6 * d.abs().max(slope.abs()) + 1e-11 * (1.0 + here.abs()) / width
-                };
+                let near =
+                    |d: f64| (slope - d).abs() <= 1e-6 * d.abs().max(slope.abs()) + 1e-11 * (1.0 + here.abs()) / width;
                 assert!(
                     near(difference) || (one_sided.iter().any(|d| near(*d)) && !near(one_sided[0] * 2.0)),
                     "{text} = {slope}, differences {difference} {one_sided:?}, value {here}"
@@ -168,7 +163,8 @@ fn rates_of_outputs_are_those_of_central_differences_in_time() {
             let mut start = model.clone();
             let inputs = of(&start, Causality::Input);
             let h = 2e-6;
-            let rates: Vec<f64> = inputs.iter().map(|i| if moving { 40.0 * start.real(*i).unwrap() } else { 0.0 }).collect();
+            let rates: Vec<f64> =
+                inputs.iter().map(|i| if moving { 40.0 * start.real(*i).unwrap() } else { 0.0 }).collect();
             let drive = |model: &mut Model| {
                 for (input, rate) in inputs.iter().zip(&rates) {
                     model.set_input_derivative(*input, 1, *rate).unwrap();
@@ -194,11 +190,7 @@ fn rates_of_outputs_are_those_of_central_differences_in_time() {
                 // Rounding; kinks where a drive or a stop acts.
                 let tolerance = 1e-6 * difference.abs().max(slopes[i].abs()) + 2e-10 * (1.0 + scale) / h;
                 let kink = (at(3) - 2.0 * at(2) + at(1)).abs() > 0.5 * (at(3) - at(1)).abs();
-                assert!(
-                    (slopes[i] - difference).abs() <= tolerance || kink,
-                    "{text}: {} {difference}",
-                    slopes[i]
-                );
+                assert!((slopes[i] - difference).abs() <= tolerance || kink, "{text}: {} {difference}", slopes[i]);
                 compared += usize::from(slopes[i] != 0.0);
             }
         }
@@ -239,7 +231,8 @@ fn what_has_no_derivative_is_refused_by_name() {
     model.initialize().unwrap();
     let find = |name: &str| reference(&model, name);
     let (force, length, angle) = (find("actuator.force"), find("crank.length"), find("crank.angle"));
-    let flag = model.variables().list().iter().position(|v| v.causality == Causality::Output && v.kind == Kind::Boolean);
+    let flag =
+        model.variables().list().iter().position(|v| v.causality == Causality::Output && v.kind == Kind::Boolean);
     let flag = flag.unwrap() as Reference;
     let mut none = |_: usize, _: f64| {};
     let mut refused = |unknown: Reference, known: Reference, seed: f64, name: &str| {

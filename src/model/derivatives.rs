@@ -303,7 +303,8 @@ impl View<'_> {
         }
         let sigma = self.state.sigma;
         self.state.cache.effect = None;
-        let find = |motion: &mut Motion, _: Option<&Scene>| motion.settle(sigma, sigma_dot).map(|_| motion.mode.direction);
+        let find =
+            |motion: &mut Motion, _: Option<&Scene>| motion.settle(sigma, sigma_dot).map(|_| motion.mode.direction);
         Ok(self.state.moving(self.reduced, self.inputs, find)??)
     }
 
@@ -564,7 +565,10 @@ impl Model {
         self.continuous(reference, Causality::Output, "derivatives are told of continuous outputs")?;
         if order != OUTPUT_ORDER {
             let what = format!("order {order} of the derivative of {}", self.name_of(reference));
-            return Err(ModelError::Derivative { what, reason: "maxOutputDerivativeOrder is 1: ask for order 1".into() });
+            return Err(ModelError::Derivative {
+                what,
+                reason: "maxOutputDerivativeOrder is 1: ask for order 1".into(),
+            });
         }
         self.reducible("maxOutputDerivativeOrder")?;
         let Self { state: Some(Formulation::Reduced(state)), reduced: Some(reduced), inputs, .. } = self else {
