@@ -75,6 +75,27 @@ fn states() -> Vec<(String, Model)> {
             all.push((format!("gear, {name}, {what}"), model.clone()));
         }
     }
+    // Drives with an efficiency, in motion, driven back, and holding the gear at rest; a bumper in contact.
+    let lossy = json.replace("\"force\": 30000", "\"force\": 30000, \"efficiency\": 0.6");
+    for (what, force, factor, h) in
+        [("driving", 30_000.0, 3.0, 0.05), ("driven back", -500.0, 3.0, 0.05), ("holding", -2_500.0, 3.0, 0.01)]
+    {
+        let mut model = Model::from_json(&lossy).unwrap();
+        set(&mut model, "crank.start_angle", 0.5);
+        set(&mut model, "load_factor", factor);
+        set(&mut model, "actuator.force", force);
+        model.initialize().unwrap();
+        model.step(h).unwrap();
+        all.push((format!("gear with an efficiency, {what}"), model));
+    }
+    let mut model = Model::from_json(json).unwrap();
+    flag(&mut model, "downstop.rigid", false);
+    set(&mut model, "downstop.stiffness", 1e5);
+    set(&mut model, "actuator.force", -30_000.0);
+    model.initialize().unwrap();
+    model.step(0.005).unwrap();
+    assert!(get(&mut model, "downstop.torque") < -1.0);
+    all.push(("gear on its bumper".into(), model));
     // Held by the down stop, by the lock there, and by up stop and lock.
     for (lock, force, h) in [("uplock", -3_000.0, 0.01), ("downlock", 30_000.0, 0.01), ("uplock", 30_000.0, 0.3)] {
         let mut model = Model::from_json(json).unwrap();

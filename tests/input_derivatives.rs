@@ -5,11 +5,17 @@ use linkage_fmu::model::Model;
 
 const GEAR: &str = include_str!("../modelDescription/LandingGearRetraction/resources/mechanism.json");
 
+const FORCE: &str = "\"force\": 30000";
+
 struct Gear(Model);
 
 impl Gear {
+    /// Flags are set to true; the word "lossy" gives the drive an efficiency.
     fn new(values: &[(&str, f64)], flags: &[&str]) -> Self {
-        let mut gear = Gear(Model::from_json(GEAR).unwrap());
+        let lossy = flags.contains(&"lossy");
+        let flags = flags.iter().filter(|flag| **flag != "lossy");
+        let json = if lossy { GEAR.replace(FORCE, &format!("{FORCE}, \"efficiency\": 0.6")) } else { GEAR.into() };
+        let mut gear = Gear(Model::from_json(&json).unwrap());
         for (name, value) in values {
             gear.set(name, *value);
         }
@@ -98,6 +104,8 @@ fn one_step_under_a_parabola_is_as_good_as_many() {
         (&["friction.enabled"][..], false),
         (&[][..], true),
         (&["friction.enabled", "air.relative_wind"][..], true),
+        (&["lossy"][..], false),
+        (&["lossy", "friction.enabled"][..], true),
     ] {
         let course: Vec<_> = course.into_iter().chain(winds.then_some(wind)).collect();
         let run = |steps: usize| {
@@ -170,6 +178,32 @@ fn a_ramp_lets_go_of_the_down_stop_in_time() {
         for i in 0..2 {
             assert!((long[i] - short[i]).abs() < 1e-9 * short[1].abs(), "{flags:?}: {long:?} {short:?}");
         }
+    }
+}
+
+#[test]
+fn a_ramp_overcomes_the_drive_that_holds_the_gear_at_rest() {
+    let at = [("crank.start_angle", 0.5), TIGHT];
+    let mut gear = Gear::new(&at, &["lossy"]);
+    let holding = gear.get("actuator.holding_force");
+    // Forward it takes the holding force over the efficiency, backward times it; between the two the drive holds.
+    let [first, last] = if holding < 0.0 { [holding, 0.2 * holding] } else { [holding, 3.0 * holding] };
+    let limit = if holding < 0.0 { 0.6 * holding } else { holding / 0.6 };
+    let release = 0.0312;
+    let rate = (limit - first) / release;
+    let rest = (last - limit).abs().min(500.0) / rate.abs();
+    let mut long = Gear::new(&at, &["lossy"]);
+    long.set("actuator.force", first);
+    long.change("actuator.force", 1, rate);
+    long.0.step(release + rest).unwrap();
+    let mut short = Gear::new(&at, &["lossy"]);
+    short.set("actuator.force", limit);
+    short.change("actuator.force", 1, rate);
+    short.0.step(rest).unwrap();
+    let (long, short) = (long.state(), short.state());
+    assert!(short[1].abs() > 1e-6, "{short:?}");
+    for i in 0..2 {
+        assert!((long[i] - short[i]).abs() < 1e-8 * short[1].abs(), "{long:?} {short:?}");
     }
 }
 

@@ -42,6 +42,8 @@ pub struct Acting<T> {
     effects: Vec<T>,
     /// Effects of all but friction, in each row.
     sums: Vec<T>,
+    /// What arrived, then the sums, of the evaluation that was kept.
+    kept: Vec<T>,
 }
 
 impl<T: Number> Acting<T> {
@@ -57,6 +59,7 @@ impl<T: Number> Acting<T> {
             bands: vec![None; pins],
             effects: vec![zero; rows * (1 + loads)],
             sums: vec![zero; rows],
+            kept: vec![zero; lossy + rows],
         }
     }
 
@@ -130,6 +133,21 @@ impl<T: Number> Acting<T> {
             }
         }
         Ok(Effect { acceleration, lost })
+    }
+
+    /// Keep what was found last, to be mixed with what is found next.
+    pub fn keep(&mut self) {
+        let found = self.arriving.iter().chain(&self.sums);
+        self.kept.iter_mut().zip(found).for_each(|(kept, found)| *kept = *found);
+    }
+
+    /// This share of what was found last, and the rest of what was kept: for drives that hold the mechanism at rest, where all
+    /// is affine in what arrives of them.
+    pub fn mix(&mut self, share: T) {
+        let found = self.arriving.iter_mut().chain(&mut self.sums);
+        for (found, kept) in found.zip(&self.kept) {
+            *found = share * *found + (T::constant(1.0) - share) * *kept;
+        }
     }
 
     /// Force along the curve of a sized load, not subject to friction itself, with which sigma_ddot is `target` in the state

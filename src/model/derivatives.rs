@@ -36,8 +36,6 @@ pub struct Slopes {
     none: Vec<f64>,
     folded: Folded,
     acting: Acting<D>,
-    /// What arrives of the drives if they are driven back.
-    back: Vec<D>,
     /// Whether the room is for a scene with moving air.
     air: bool,
     effect: Option<Effect>,
@@ -61,7 +59,6 @@ impl Slopes {
             none: vec![0.0; inputs],
             folded: Folded::new(scene),
             acting: Acting::new(scene),
-            back: Vec::new(),
             air: scene.is_some_and(|s| s.air),
             effect: None,
             reactions: vec![None; reduced.linkage().joints.len()],
@@ -287,12 +284,10 @@ impl View<'_> {
             return self.evaluate(sigma_dot, direction);
         }
         let back = self.evaluate(sigma_dot, -1.0)?;
-        self.slopes.back.clone_from(&self.slopes.acting.arriving);
+        self.slopes.acting.keep();
         let forward = self.evaluate(sigma_dot, 1.0)?;
         let share = if back.value > forward.value { back * inverse(back - forward) } else { D::constant(1.0) };
-        for (arriving, back) in self.slopes.acting.arriving.iter_mut().zip(&self.slopes.back) {
-            *arriving = share * *arriving + (D::constant(1.0) - share) * *back;
-        }
+        self.slopes.acting.mix(share);
         Ok(ZERO)
     }
 

@@ -112,7 +112,8 @@ impl Motion<'_> {
     }
 
     /// Acceleration at any state, with what arrives of every load. Where drives hold the mechanism at rest, each lets arrive
-    /// something between its forward and its backward value: the common share at which all is in balance.
+    /// something between its forward and its backward value: the common share at which all is in balance. The mode's direction
+    /// is then that of the drives, 0 where they hold.
     ///
     /// # Errors
     /// [`Locked`].
@@ -127,13 +128,12 @@ impl Motion<'_> {
         }
         self.mode.direction = -1.0;
         let back = self.effect(sigma, 0.0)?.acceleration;
-        let held = self.work.acting.arriving.clone();
+        self.work.acting.keep();
         self.mode.direction = 1.0;
         let forward = self.effect(sigma, 0.0)?.acceleration;
         let share = if back > forward { back / (back - forward) } else { 1.0 };
-        for (arriving, back) in self.work.acting.arriving.iter_mut().zip(held) {
-            *arriving = share * *arriving + (1.0 - share) * back;
-        }
+        self.work.acting.mix(share);
+        self.mode.direction = 0.0;
         Ok(0.0)
     }
 
