@@ -5,7 +5,10 @@ mod fmi2_host;
 
 use fmi2_host::Gear;
 use linkage_fmu::fmi2::types::Status;
-use linkage_fmu::fmi2::{fmi2DoStep, fmi2GetReal, fmi2SetReal};
+use linkage_fmu::fmi2::{
+    fmi2DoStep, fmi2GetDirectionalDerivative, fmi2GetReal, fmi2GetRealOutputDerivatives, fmi2SetReal,
+    fmi2SetRealInputDerivatives,
+};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
@@ -40,6 +43,37 @@ fn set_step_get_allocates_nothing() {
 #[test]
 fn nor_do_the_finite_elements() {
     exchange_allocates_nothing("rigid_fem");
+}
+
+#[test]
+fn nor_do_derivatives() {
+    let h = 1e-4;
+    let gear = Gear::new();
+    assert_eq!(gear.initialize(), Status::Ok);
+    let inputs = [gear.vr("actuator.force"), gear.vr("load_factor")];
+    let outputs =
+        ["crank.angle", "crank.acceleration", "actuator.static_load", "joint2.force"].map(|name| gear.vr(name));
+    let mut values = [0.0; 4];
+    let mut exchange = |n: i32| {
+        let (ones, rates) = ([1; 4], [2e5, 10.0]);
+        // SAFETY: every array has the length that is passed.
+        unsafe {
+            assert_eq!(fmi2SetReal(gear.c, inputs.as_ptr(), 2, [3e4, 3.0].as_ptr()), Status::Ok);
+            let status = fmi2SetRealInputDerivatives(gear.c, inputs.as_ptr(), 2, ones.as_ptr(), rates.as_ptr());
+            assert_eq!(status, Status::Ok);
+            assert_eq!(fmi2DoStep(gear.c, f64::from(n) * h, h, 1), Status::Ok);
+            let (known, unknown) = (inputs.as_ptr(), outputs.as_ptr());
+            let status =
+                fmi2GetDirectionalDerivative(gear.c, unknown, 4, known, 2, rates.as_ptr(), values.as_mut_ptr());
+            assert_eq!(status, Status::Ok);
+            let status = fmi2GetRealOutputDerivatives(gear.c, unknown, 4, ones.as_ptr(), values.as_mut_ptr());
+            assert_eq!(status, Status::Ok);
+        }
+    };
+    (0..10).for_each(&mut exchange);
+    let before = COUNT.get();
+    (10..200).for_each(&mut exchange);
+    assert_eq!(COUNT.get(), before);
 }
 
 fn exchange_allocates_nothing(method: &str) {

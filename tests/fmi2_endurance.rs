@@ -95,7 +95,7 @@ impl Dice {
             90..200 => Op::SetForce(self.between(-40_000.0, 40_000.0)),
             200..201 => Op::SetForce(1e300),
             201..220 => Op::SetForce([f64::NAN, f64::INFINITY, f64::NEG_INFINITY][self.below(3)]),
-            220..240 => Op::SetStartAngle(self.between(0.3, 0.9)),
+            220..240 => Op::SetStartAngle(self.between(0.3, 0.8)),
             240..260 => Op::SetCrankLength(self.odd()),
             260..320 => Op::ReadAngle,
             320..360 => Op::ReadSome,

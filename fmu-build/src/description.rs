@@ -6,6 +6,7 @@
 use anyhow::{Context, Result, bail};
 use linkage_fmu::fmi2::logger::LOG_CATEGORIES;
 use linkage_fmu::model::Model;
+use linkage_fmu::model::OUTPUT_ORDER;
 use linkage_fmu::variables::{BaseUnit, Causality, Kind, Reference, Unit, Value, Variability, Variable};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, Event};
@@ -96,7 +97,10 @@ impl<'a> Interface<'a> {
             &[
                 ("modelIdentifier", self.name.to_owned()),
                 ("canHandleVariableCommunicationStepSize", "true".to_owned()),
+                ("canInterpolateInputs", "true".to_owned()),
+                ("maxOutputDerivativeOrder", OUTPUT_ORDER.to_string()),
                 ("canNotUseMemoryManagementFunctions", "true".to_owned()),
+                ("providesDirectionalDerivative", "true".to_owned()),
             ],
         )?;
         self.write_units(xml)?;

@@ -5,7 +5,7 @@ use super::guard::call;
 use super::instance::no_such_status;
 use super::phase;
 use super::refusal::Refusal;
-use super::types::{Boolean, Component, Integer, Real, Status, Text, ValueReference};
+use super::types::{Boolean, Component, Integer, Real, Status, Text};
 use std::ffi::c_int;
 
 /// Advance by exactly `h` [s] from the present communication point `point` [s].
@@ -59,34 +59,6 @@ pub unsafe extern "C" fn fmi2GetBooleanStatus(c: Component, kind: c_int, value: 
 pub unsafe extern "C" fn fmi2GetStringStatus(c: Component, kind: c_int, _value: *mut Text) -> Status {
     // SAFETY: the component is valid (2.1.5).
     unsafe { call(c, &phase::GET_STRING_STATUS, |_| Err(no_such_status(kind))) }
-}
-
-/// Not supported: inputs are constant during a step.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
-    c: Component,
-    _vr: *const ValueReference,
-    _count: usize,
-    _order: *const Integer,
-    _value: *const Real,
-) -> Status {
-    let refusal = || Refusal::error("not supported: canInterpolateInputs is false; set the inputs before each step");
-    // SAFETY: the component is valid (2.1.5).
-    unsafe { call(c, &phase::SET_REAL_INPUT_DERIVATIVES, |_| Err(refusal())) }
-}
-
-/// Not supported: rates are outputs of their own.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
-    c: Component,
-    _vr: *const ValueReference,
-    _count: usize,
-    _order: *const Integer,
-    _value: *mut Real,
-) -> Status {
-    let refusal = || Refusal::error("not supported: maxOutputDerivativeOrder is 0; read the outputs that are rates");
-    // SAFETY: the component is valid (2.1.5).
-    unsafe { call(c, &phase::GET_REAL_OUTPUT_DERIVATIVES, |_| Err(refusal())) }
 }
 
 fn answer<T>(room: &mut [std::mem::MaybeUninit<T>], value: T) -> Result<(), Refusal> {

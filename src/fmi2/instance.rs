@@ -8,7 +8,7 @@ use super::location;
 use super::logger::Logger;
 use super::phase::Phase;
 use super::refusal::Refusal;
-use super::types::{Boolean, CO_SIMULATION, FALSE, MODEL_EXCHANGE, Real, Status, TRUE, Text};
+use super::types::{Boolean, CO_SIMULATION, FALSE, Integer, MODEL_EXCHANGE, Real, Status, TRUE, Text};
 use super::types::{DO_STEP_STATUS, LAST_SUCCESSFUL_TIME, PENDING_STATUS, TERMINATED};
 use crate::model::Model;
 use crate::variables::{Kind, Reference};
@@ -226,6 +226,49 @@ impl Instance {
         }
         for (&reference, &value) in references.iter().zip(values) {
             self.model.set_real(reference, value)?;
+        }
+        Ok(())
+    }
+
+    /// `fmi2GetDirectionalDerivative`.
+    pub fn directional_derivative(
+        &mut self,
+        unknowns: &[Reference],
+        knowns: &[Reference],
+        seeds: &[Real],
+        values: &mut [MaybeUninit<Real>],
+    ) -> Result<(), Refusal> {
+        let mut tell = |place: usize, value: f64| {
+            values[place].write(value);
+        };
+        Ok(self.model.directional_derivative(unknowns, knowns, seeds, &mut tell)?)
+    }
+
+    /// `fmi2GetRealOutputDerivatives`.
+    pub fn output_derivatives(
+        &mut self,
+        references: &[Reference],
+        orders: &[Integer],
+        values: &mut [MaybeUninit<Real>],
+    ) -> Result<(), Refusal> {
+        for ((&reference, &order), value) in references.iter().zip(orders).zip(values) {
+            value.write(self.model.output_derivative(reference, order)?);
+        }
+        Ok(())
+    }
+
+    /// `fmi2SetRealInputDerivatives`: all values, or none.
+    pub fn set_input_derivatives(
+        &mut self,
+        references: &[Reference],
+        orders: &[Integer],
+        values: &[Real],
+    ) -> Result<(), Refusal> {
+        for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
+            self.model.check_input_derivative(reference, order, value)?;
+        }
+        for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
+            self.model.set_input_derivative(reference, order, value)?;
         }
         Ok(())
     }

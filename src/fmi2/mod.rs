@@ -18,6 +18,7 @@ mod access;
 mod array;
 mod clock;
 mod cosimulation;
+mod derivatives;
 mod exchange;
 mod guard;
 mod instance;
@@ -29,6 +30,7 @@ mod state;
 pub mod types;
 
 pub use cosimulation::*;
+pub use derivatives::*;
 pub use exchange::*;
 pub use state::*;
 

@@ -103,8 +103,8 @@ functions! {
     GET_INTEGER_STATUS = "fmi2GetIntegerStatus": STEPPED;
     GET_BOOLEAN_STATUS = "fmi2GetBooleanStatus": STEPPED;
     GET_STRING_STATUS = "fmi2GetStringStatus": STEPPED;
-    SET_REAL_INPUT_DERIVATIVES = "fmi2SetRealInputDerivatives": ALIVE;
-    GET_REAL_OUTPUT_DERIVATIVES = "fmi2GetRealOutputDerivatives": ALIVE;
+    SET_REAL_INPUT_DERIVATIVES = "fmi2SetRealInputDerivatives": INSTANTIATED | INITIALIZATION | STEP;
+    GET_REAL_OUTPUT_DERIVATIVES = "fmi2GetRealOutputDerivatives": INITIALIZATION | STEPPED;
 
     GET_FMU_STATE = "fmi2GetFMUstate": ALIVE;
     SET_FMU_STATE = "fmi2SetFMUstate": ALIVE;
@@ -112,7 +112,7 @@ functions! {
     SERIALIZED_FMU_STATE_SIZE = "fmi2SerializedFMUstateSize": ALIVE;
     SERIALIZE_FMU_STATE = "fmi2SerializeFMUstate": ALIVE;
     DE_SERIALIZE_FMU_STATE = "fmi2DeSerializeFMUstate": ALIVE;
-    GET_DIRECTIONAL_DERIVATIVE = "fmi2GetDirectionalDerivative": ALIVE;
+    GET_DIRECTIONAL_DERIVATIVE = "fmi2GetDirectionalDerivative": INITIALIZATION | STEPPED;
 
     ENTER_EVENT_MODE = "fmi2EnterEventMode": ALIVE;
     NEW_DISCRETE_STATES = "fmi2NewDiscreteStates": ALIVE;

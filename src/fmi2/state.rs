@@ -1,10 +1,10 @@
-//! Saved states and directional derivatives (FMI 2.0.5, 2.1.8 and 2.1.9): not supported, and the XML says so. The
+//! Saved states (FMI 2.0.5, 2.1.8): not supported, and the XML says so. The
 //! contract of the pointers is that of the module `fmi2`.
 
 use super::guard::call;
 use super::phase::{self, Function};
 use super::refusal::Refusal;
-use super::types::{Byte, Component, FmuState, Real, Status, ValueReference};
+use super::types::{Byte, Component, FmuState, Status};
 
 /// # Safety
 /// As for `guard::call`.
@@ -68,19 +68,4 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
 ) -> Status {
     // SAFETY: the component is valid (2.1.5).
     unsafe { unsupported(c, &phase::DE_SERIALIZE_FMU_STATE, "canSerializeFMUstate") }
-}
-
-/// Not supported.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
-    c: Component,
-    _unknowns: *const ValueReference,
-    _unknown_count: usize,
-    _knowns: *const ValueReference,
-    _known_count: usize,
-    _known_rates: *const Real,
-    _unknown_rates: *mut Real,
-) -> Status {
-    // SAFETY: the component is valid (2.1.5).
-    unsafe { unsupported(c, &phase::GET_DIRECTIONAL_DERIVATIVE, "providesDirectionalDerivative") }
 }

@@ -96,6 +96,17 @@ impl<const N: usize> Integrator<N> {
         *self = Self { statistics: self.statistics, method: self.method, ..Self::default() };
     }
 
+    /// The same memory for a system with another number of components: step sizes and statistics are kept.
+    pub fn with_components<const M: usize>(&self) -> Integrator<M> {
+        Integrator {
+            proposal: self.proposal,
+            short: self.short,
+            method: self.method,
+            statistics: self.statistics,
+            ..Integrator::default()
+        }
+    }
+
     /// Advance `y` by exactly `span` > 0 [s].
     ///
     /// # Errors

@@ -42,6 +42,8 @@ pub struct Acting<T> {
     effects: Vec<T>,
     /// Effects of all but friction, in each row.
     sums: Vec<T>,
+    /// What arrived, then the sums, of the evaluation that was kept.
+    kept: Vec<T>,
 }
 
 impl<T: Number> Acting<T> {
@@ -57,10 +59,12 @@ impl<T: Number> Acting<T> {
             bands: vec![None; pins],
             effects: vec![zero; rows * (1 + loads)],
             sums: vec![zero; rows],
+            kept: vec![zero; lossy + rows],
         }
     }
 
-    /// Evaluate at a state; `folded` holds at sigma.
+    /// Evaluate at a time t of the step and a state; `folded` holds at sigma. Of the work of sizes that change with time, that
+    /// of their excess over the sizes at t = 0 counts as gained: the energy balance has the potential of these alone.
     ///
     /// # Errors
     /// [`Locked`]: friction and reactions have no common solution.
@@ -70,7 +74,7 @@ impl<T: Number> Acting<T> {
         given: &Given,
         folded: &Folded,
         mode: &Mode,
-        [sigma, sigma_dot]: [T; 2],
+        [t, sigma, sigma_dot]: [T; 3],
     ) -> Result<Effect<T>, Locked> {
         let powers = Powers::new(folded.x(sigma));
         let at = |component: usize| powers.at(scene.table.series(folded.panel, component));
@@ -83,20 +87,20 @@ impl<T: Number> Acting<T> {
         // What the state decides, but for friction.
         for (k, &load) in scene.lossy.iter().enumerate() {
             let influence = at(scene.given(0, load));
-            let full = influence * T::constant(given.sizes[load]);
+            let size = given.size(load, t);
+            let full = influence * size;
             let efficiency = reduced.loading().drives[load].efficiency.unwrap_or(1.0);
             let part = efficient(full.value(), mode.direction, efficiency);
-            self.arriving[k] = T::constant(given.sizes[load] * part);
-            lost = lost + full * T::constant(1.0 - part) * sigma_dot;
+            self.arriving[k] = size * T::constant(part);
+            lost = lost + (full * T::constant(1.0 - part) - influence * given.excess(load, t)) * sigma_dot;
         }
-        self.blow(reduced, scene, given, sigma_dot, &at);
+        self.blow(reduced, scene, given.air(t), sigma_dot, &at);
         self.press(reduced, scene, folded, mode, sigma_dot, &at);
         let free = scene.loads.len() - scene.pins.len();
         let square = sigma_dot * sigma_dot;
         for row in 0..scene.rows.len() {
-            let force = if row == 0 { &folded.force } else { &folded.reactions[row - 1] };
             let effects = &self.effects[row * stride..(row + 1) * stride];
-            let mut sum = powers.at(force) + effects[0] * square;
+            let mut sum = folded.at(row, &powers, t) + effects[0] * square;
             if let Some(k) = damping {
                 let drag = at(scene.given(row, k)) * sigma_dot;
                 sum = sum - drag;
@@ -115,6 +119,9 @@ impl<T: Number> Acting<T> {
             }
             self.sums[row] = sum;
         }
+        if folded.changes() {
+            lost = lost - folded.excess(0, &powers, t) * sigma_dot;
+        }
         let mut acceleration = self.sums[0];
         if !scene.pins.is_empty() {
             self.rub(scene, sigma_dot)?;
@@ -126,6 +133,21 @@ impl<T: Number> Acting<T> {
             }
         }
         Ok(Effect { acceleration, lost })
+    }
+
+    /// Keep what was found last, to be mixed with what is found next.
+    pub fn keep(&mut self) {
+        let found = self.arriving.iter().chain(&self.sums);
+        self.kept.iter_mut().zip(found).for_each(|(kept, found)| *kept = *found);
+    }
+
+    /// This share of what was found last, and the rest of what was kept: for drives that hold the mechanism at rest, where all
+    /// is affine in what arrives of them.
+    pub fn mix(&mut self, share: T) {
+        let found = self.arriving.iter_mut().chain(&mut self.sums);
+        for (found, kept) in found.zip(&self.kept) {
+            *found = share * *found + (T::constant(1.0) - share) * *kept;
+        }
     }
 
     /// Force along the curve of a sized load, not subject to friction itself, with which sigma_ddot is `target` in the state
@@ -182,11 +204,11 @@ impl<T: Number> Acting<T> {
     }
 
     /// Drag of the air.
-    fn blow(&mut self, reduced: &Reduced, scene: &Scene, given: &Given, sigma_dot: T, at: &impl Fn(usize) -> T) {
+    fn blow(&mut self, reduced: &Reduced, scene: &Scene, airspeed: T, sigma_dot: T, at: &impl Fn(usize) -> T) {
         let Some(air) = reduced.loading().air.as_ref().filter(|_| scene.air) else { return };
         for (i, surface) in air.surfaces.iter().enumerate() {
             let rate = |k: usize| at(scene.column(0, 3 * i + k)) * sigma_dot;
-            let mut wind = [air.flow.x, air.flow.y].map(|f| T::constant(f * given.airspeed));
+            let mut wind = [air.flow.x, air.flow.y].map(|f| T::constant(f) * airspeed);
             let mut omega = T::constant(0.0);
             if air.relative_wind {
                 wind = [wind[0] - rate(0), wind[1] - rate(1)];

@@ -81,10 +81,19 @@ where
     // A pin whose last change of stretch took no time: it goes along the border and stays where it is for one step.
     let mut along = None;
     while t < span {
+        motion.time = t;
         if let Some(side) = contact.resting {
-            if around.locked[side] || rests(motion, around, side, z[0])? {
+            if around.locked[side] {
                 return Ok(lost);
             }
+            if rests(motion, around, side, z[0])? {
+                let off = |motion: &mut Motion| Ok(-motion.settle(z[0], 0.0)? * outward(side));
+                match release(motion, t, span, &off)? {
+                    Some(at) if at < span => t = at,
+                    _ => return Ok(lost),
+                }
+            }
+            motion.time = t;
             contact.resting = None;
             integrator.restart();
             stale = true;
@@ -95,11 +104,28 @@ where
             stale = true;
             continue;
         }
+        if stale {
+            meet_bumpers(motion, around, contact, z)?;
+        }
         motion.mode.touching = contact.touching;
         if motion.reverses() {
             motion.mode.direction = motion.direction(z[0], z[1])?;
             if motion.mode.direction == 0.0 {
-                return Ok(lost);
+                let off = |motion: &mut Motion| {
+                    let mut most = f64::NEG_INFINITY;
+                    for direction in [1.0, -1.0] {
+                        motion.mode.direction = direction;
+                        most = most.max(motion.effect(z[0], 0.0)?.acceleration * direction);
+                    }
+                    Ok(most)
+                };
+                match release(motion, t, span, &off)? {
+                    Some(at) if at < span => t = at,
+                    _ => return Ok(lost),
+                }
+                integrator.restart();
+                stale = true;
+                continue;
             }
         }
         if std::mem::take(&mut stale) {
@@ -132,6 +158,7 @@ where
         }
         *z = there;
         t += h;
+        motion.time = t;
         match event {
             Event::Band(_) | Event::Unknown => integrator.refresh(),
             _ => {
@@ -160,6 +187,40 @@ where
     Ok(lost)
 }
 
+/// When what holds the mechanism at rest lets it go, under inputs that change with time: where `off`, <= 0 at t = `from`
+/// while it is held, becomes positive before `end`. At rest it is a parabola in time for every direction of the drives and
+/// without air; a passage there and back within a 64th of the time is not seen.
+///
+/// # Errors
+/// [`Locked`].
+fn release(
+    motion: &mut Motion,
+    from: f64,
+    end: f64,
+    off: &dyn Fn(&mut Motion) -> Result<f64, Locked>,
+) -> Result<Option<f64>, Locked> {
+    const SAMPLES: usize = 64;
+    if motion.given.change.is_none() {
+        return Ok(None);
+    }
+    let time = |s: f64| from + (end - from) * s;
+    let (mut a, mut at_a) = (0.0, off(motion)?.min(0.0));
+    for i in 1..=SAMPLES {
+        let b = i as f64 / SAMPLES as f64;
+        motion.time = time(b);
+        let at_b = off(motion)?;
+        if at_b > 0.0 {
+            let mut beyond = |s: f64| {
+                motion.time = time(s);
+                off(motion).unwrap_or(-1.0)
+            };
+            return Ok(Some(time(passage(&mut beyond, (a, at_a), (b, at_b)))));
+        }
+        (a, at_a) = (b, at_b);
+    }
+    Ok(None)
+}
+
 fn failure(motion: &Motion, error: IntegrationError) -> Stopped {
     if motion.locked { Stopped::Locked } else { Stopped::Integration(error) }
 }
@@ -185,6 +246,25 @@ fn rigid(motion: &Motion, around: &Surroundings, side: usize) -> bool {
 /// Whether a mechanism at rest at an end stays there: the loads press it against a rigid stop.
 pub fn rests(motion: &mut Motion, around: &Surroundings, side: usize, sigma: f64) -> Result<bool, Locked> {
     Ok(rigid(motion, around, side) && motion.settle(sigma, 0.0)? * outward(side) >= 0.0)
+}
+
+/// A mechanism that sets out from the place of a bumper, outward, presses it from the start on.
+fn meet_bumpers<const N: usize>(
+    motion: &mut Motion,
+    around: &Surroundings,
+    contact: &mut Contact,
+    z: &[f64; N],
+) -> Result<(), Locked> {
+    for side in 0..2 {
+        let at = around.travel[side].is_some_and(|e| z[0] == e.position);
+        if let (true, None, Some(k)) = (at, contact.touching[side], bumper(motion, around, side)) {
+            let outward = outward(side);
+            if z[1] * outward > 0.0 || (z[1] == 0.0 && motion.settle(z[0], 0.0)? * outward > 0.0) {
+                contact.touching[side] = Some(k);
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Side on which the mechanism is at a rigid end, or at a lock that is engaged, and moves outward.

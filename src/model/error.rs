@@ -60,6 +60,13 @@ pub enum ModelError {
         /// When, from the beginning of the step [s].
         time: f64,
     },
+    /// A derivative that cannot be told or set.
+    Derivative {
+        /// Of what, or what else.
+        what: String,
+        /// Why, and what to do.
+        reason: String,
+    },
     /// An output cannot be set.
     Output {
         /// Variable.
@@ -133,6 +140,7 @@ impl fmt::Display for ModelError {
                 "{name} = {value}: this stop is reached {time} s into the step, and solver.method = \"rigid_fem\" has no stops; \
                  end the run before, set the stop's enabled to false, or choose solver.method = \"reduced\""
             ),
+            Self::Derivative { what, reason } => write!(f, "{what}: {reason}"),
             Self::Output { name } => write!(f, "{name} is an output and cannot be set"),
             Self::Table { name, position } => {
                 write!(

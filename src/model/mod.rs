@@ -3,15 +3,18 @@
 //! In: a definition's text, values set by the host, steps. Out: values by reference. It must not know FMI's life cycle.
 mod acting;
 mod course;
+mod derivatives;
 mod elastic;
 mod error;
 mod motion;
 mod outputs;
 mod panel;
+mod signal;
 mod state;
 mod travel;
 
 pub use crate::integrator::Statistics;
+pub use derivatives::OUTPUT_ORDER;
 pub use error::ModelError;
 
 use crate::definition::{Experiment, Mechanism, Method, Range, Role};
@@ -19,6 +22,7 @@ use crate::reduced::Reduced;
 use crate::variables::{Causality, Quantity, Reference, Value, Variables};
 use elastic::Elastic;
 use outputs::Unknown;
+use signal::{Change, Signal};
 use state::State;
 use std::sync::Arc;
 
@@ -67,6 +71,16 @@ struct Inputs {
     reals: Vec<f64>,
     /// Whether each lock is engaged.
     locks: Vec<bool>,
+    /// How the Reals change with time.
+    signal: Signal,
+}
+
+impl Inputs {
+    /// What changes in the next step, if anything does.
+    fn change(&self, reduced: &Reduced) -> Option<Change<'_>> {
+        let loading = reduced.loading();
+        self.signal.change(loading.inputs.len(), loading.air.is_some())
+    }
 }
 
 impl Model {
@@ -84,7 +98,7 @@ impl Model {
         });
         let mut flags = Vec::new();
         mechanism.clone().flags(&mut |_, _, value| flags.push(*value));
-        let mut inputs = Inputs { reals: Vec::new(), locks: Vec::new() };
+        let mut inputs = Inputs { reals: Vec::new(), locks: Vec::new(), signal: Signal::new(0) };
         for v in variables.list().iter().filter(|v| v.causality == Causality::Input) {
             match v.start {
                 Some(Value::Real(x)) => inputs.reals.push(x),
@@ -92,6 +106,7 @@ impl Model {
                 _ => {}
             }
         }
+        inputs.signal = Signal::new(inputs.reals.len());
         let reduced = Arc::new(Reduced::new(&mechanism)?);
         let original = Original {
             mechanism: mechanism.clone(),
@@ -160,24 +175,32 @@ impl Model {
                 let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) else {
                     return Err(ModelError::NotInitialised);
                 };
-                let name = || self.original.variables.list()[reference as usize].name.clone();
                 let value = match state {
                     Motion::Reduced(state) => state.output(reduced, &self.inputs, output),
                     Motion::RigidFem(state) => state.output(reduced, &self.inputs, output),
                 };
-                match value {
-                    Ok(value) if value.is_finite() => Ok(value),
-                    Ok(_) => Err(ModelError::Overflow { name: name() }),
-                    Err(Unknown::Table(at)) => {
-                        Err(ModelError::Table { name: name(), position: reduced.curve().describe(at.sigma) })
-                    }
-                    Err(Unknown::Locked) => Err(ModelError::Locked { position: state.describe(reduced) }),
-                    Err(Unknown::RigidFem(error)) => Err(error.into()),
-                }
+                self.told(reference, value)
             }
             Some(Quantity::Flag(_) | Quantity::Lock(_) | Quantity::AtStop(_) | Quantity::Method) | None => {
                 Err(self.no_such(reference, "Real"))
             }
+        }
+    }
+
+    /// What was found out about a variable, as it is told to the host.
+    fn told(&self, reference: Reference, value: Result<f64, Unknown>) -> Result<f64, ModelError> {
+        let name = || self.original.variables.list()[reference as usize].name.clone();
+        let (Some(state), Some(reduced)) = (&self.state, &self.reduced) else {
+            return Err(ModelError::NotInitialised);
+        };
+        match value {
+            Ok(value) if value.is_finite() => Ok(value),
+            Ok(_) => Err(ModelError::Overflow { name: name() }),
+            Err(Unknown::Table(at)) => {
+                Err(ModelError::Table { name: name(), position: reduced.curve().describe(at.sigma) })
+            }
+            Err(Unknown::Locked) => Err(ModelError::Locked { position: state.describe(reduced) }),
+            Err(Unknown::RigidFem(error)) => Err(error.into()),
         }
     }
 
@@ -207,6 +230,9 @@ impl Model {
     /// As [`Self::check_real`].
     pub fn set_real(&mut self, reference: Reference, value: f64) -> Result<(), ModelError> {
         self.check_real(reference, value)?;
+        if let Some(Quantity::Input(i)) = self.original.variables.quantity(reference) {
+            self.inputs.signal.value_set(i);
+        }
         match self.original.variables.quantity(reference) {
             Some(Quantity::Input(i)) if self.inputs.reals[i].to_bits() != value.to_bits() => {
                 self.inputs.reals[i] = value;
@@ -326,6 +352,7 @@ impl Model {
         if self.method() != method {
             self.mechanism.solver.method = Some(method);
             self.state = None;
+            self.inputs.signal.clear();
         }
         Ok(())
     }
@@ -365,13 +392,17 @@ impl Model {
         self.state().map(|_| ())
     }
 
-    /// Advance by exactly `h` [s], > 0, under the present inputs. On an error the state is what it was.
+    /// Advance by exactly `h` [s], > 0, under the present inputs, which change as [`Self::set_input_derivative`] has said and
+    /// stay where they are at the end. On an error the state is what it was.
     ///
     /// # Errors
     /// Not initialised, h out of range, the integration stopped, or the travel ended.
     pub fn step(&mut self, h: f64) -> Result<(), ModelError> {
         if !(h.is_finite() && h > 0.0) {
             return Err(ModelError::StepSize { h });
+        }
+        if self.inputs.signal.ahead {
+            self.check_inputs_at(h)?;
         }
         let tolerance = self.mechanism.solver.tolerance;
         let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) else {
@@ -380,7 +411,11 @@ impl Model {
         match state {
             Motion::Reduced(state) => state.step(reduced, &self.inputs, h, tolerance),
             Motion::RigidFem(state) => state.step(reduced, &self.inputs, h),
+        }?;
+        if self.inputs.signal.ahead {
+            self.leave_inputs_at(h);
         }
+        Ok(())
     }
 
     /// Back to what [`Self::from_json`] gave.

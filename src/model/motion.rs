@@ -1,4 +1,4 @@
-//! The motion along the curve: the right-hand side of the reduced model under constant inputs.
+//! The motion along the curve: the right-hand side of the reduced model under inputs that are constant or change with time.
 //!
 //! sigma_ddot = sum of sizes times influences, because the reduced inertia is 1 and its derivative 0. On one panel this
 //! is one polynomial: the sizes are folded into its coefficients when the panel is entered. What a state decides - friction,
@@ -21,16 +21,19 @@ pub struct Work {
     pub acting: Acting<f64>,
     /// What acts, with derivatives along sigma and sigma_dot.
     tangent: Acting<Dual<2>>,
+    /// Whether the scene is one with moving air.
+    pub air: bool,
 }
 
 impl Work {
     /// For a scene, or none.
     pub fn new(scene: Option<&Scene>) -> Self {
-        Self { folded: Folded::new(scene), acting: Acting::new(scene), tangent: Acting::new(scene) }
+        let air = scene.is_some_and(|s| s.air);
+        Self { folded: Folded::new(scene), acting: Acting::new(scene), tangent: Acting::new(scene), air }
     }
 }
 
-/// The motion for one span of constant inputs.
+/// The motion for one span of inputs.
 pub struct Motion<'a> {
     /// Tables.
     pub reduced: &'a Reduced,
@@ -38,6 +41,8 @@ pub struct Motion<'a> {
     pub scene: Option<&'a Scene>,
     /// Their sizes.
     pub given: Given<'a>,
+    /// Time since the start of the span [s].
+    pub time: f64,
     /// What is decided between steps.
     pub mode: Mode,
     /// Room.
@@ -60,8 +65,12 @@ impl Motion<'_> {
         let x = self.place(sigma);
         let Work { folded, acting, .. } = &mut *self.work;
         match self.scene {
+            None if folded.changes() => Ok(changing(folded, [self.time, sigma, sigma_dot])),
             None => Ok(Effect { acceleration: polynomial(&folded.force, x), lost: 0.0 }),
-            Some(scene) => acting.evaluate((self.reduced, scene), &self.given, folded, &self.mode, [sigma, sigma_dot]),
+            Some(scene) => {
+                let at = [self.time, sigma, sigma_dot];
+                acting.evaluate((self.reduced, scene), &self.given, folded, &self.mode, at)
+            }
         }
     }
 
@@ -71,13 +80,10 @@ impl Motion<'_> {
     /// [`Locked`].
     pub fn tangent(&mut self, sigma: f64, sigma_dot: f64) -> Result<Effect<Dual<2>>, Locked> {
         self.place(sigma);
-        let y = [Dual::variable(sigma, 0), Dual::variable(sigma_dot, 1)];
+        let y = [Dual::constant(self.time), Dual::variable(sigma, 0), Dual::variable(sigma_dot, 1)];
         let Work { folded, tangent, .. } = &mut *self.work;
         match self.scene {
-            None => {
-                let acceleration = Powers::new(folded.x(y[0])).at(&folded.force);
-                Ok(Effect { acceleration, lost: Dual::constant(0.0) })
-            }
+            None => Ok(changing(folded, y)),
             Some(scene) => tangent.evaluate((self.reduced, scene), &self.given, folded, &self.mode, y),
         }
     }
@@ -106,7 +112,8 @@ impl Motion<'_> {
     }
 
     /// Acceleration at any state, with what arrives of every load. Where drives hold the mechanism at rest, each lets arrive
-    /// something between its forward and its backward value: the common share at which all is in balance.
+    /// something between its forward and its backward value: the common share at which all is in balance. The mode's direction
+    /// is then that of the drives, 0 where they hold.
     ///
     /// # Errors
     /// [`Locked`].
@@ -121,13 +128,12 @@ impl Motion<'_> {
         }
         self.mode.direction = -1.0;
         let back = self.effect(sigma, 0.0)?.acceleration;
-        let held = self.work.acting.arriving.clone();
+        self.work.acting.keep();
         self.mode.direction = 1.0;
         let forward = self.effect(sigma, 0.0)?.acceleration;
         let share = if back > forward { back / (back - forward) } else { 1.0 };
-        for (arriving, back) in self.work.acting.arriving.iter_mut().zip(held) {
-            *arriving = share * *arriving + (1.0 - share) * back;
-        }
+        self.work.acting.mix(share);
+        self.mode.direction = 0.0;
         Ok(0.0)
     }
 
@@ -185,7 +191,13 @@ impl Motion<'_> {
     }
 }
 
-/// No loss of power: (sigma, sigma_dot).
+/// Without a scene: the given loads alone, at (t, sigma, sigma_dot).
+fn changing<T: Number>(folded: &Folded, [t, sigma, sigma_dot]: [T; 3]) -> Effect<T> {
+    let powers = Powers::new(folded.x(sigma));
+    Effect { acceleration: folded.at(0, &powers, t), lost: -(folded.excess(0, &powers, t) * sigma_dot) }
+}
+
+/// No loss of power and constant inputs: (sigma, sigma_dot).
 impl System<2> for Motion<'_> {
     #[inline(always)]
     fn derivative(&mut self, _t: f64, y: &[f64; 2]) -> [f64; 2] {
@@ -199,11 +211,12 @@ impl System<2> for Motion<'_> {
     }
 }
 
-/// With a scene: (sigma, sigma_dot, energy lost).
+/// With a scene, or inputs that change with time: (sigma, sigma_dot, energy lost).
 impl System<3> for Motion<'_> {
     const CAN_BE_STIFF: bool = true;
 
-    fn jacobian(&mut self, _t: f64, y: &[f64; 3]) -> [[f64; 3]; 3] {
+    fn jacobian(&mut self, t: f64, y: &[f64; 3]) -> [[f64; 3]; 3] {
+        self.time = t;
         match self.tangent(y[0], y[1]) {
             Ok(Effect { acceleration: a, lost: l }) => {
                 [[0.0, 1.0, 0.0], [a.slope[0], a.slope[1], 0.0], [l.slope[0], l.slope[1], 0.0]]
@@ -215,7 +228,8 @@ impl System<3> for Motion<'_> {
         }
     }
 
-    fn derivative(&mut self, _t: f64, y: &[f64; 3]) -> [f64; 3] {
+    fn derivative(&mut self, t: f64, y: &[f64; 3]) -> [f64; 3] {
+        self.time = t;
         match self.effect(y[0], y[1]) {
             Ok(effect) => [y[1], effect.acceleration, effect.lost],
             // The step is refused and tried again shorter; if none is short enough, this is told as the reason.

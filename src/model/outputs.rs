@@ -2,9 +2,10 @@
 use super::Inputs;
 use super::acting::Mode;
 use super::course::rests;
+use super::derivatives::Slopes;
 use super::motion::{Motion, Work};
 use super::panel::Given;
-use super::state::{State, acting};
+use super::state::{State, acting, airspeed};
 use crate::friction::Locked;
 use crate::linkage::Freedom;
 use crate::powers::Powers;
@@ -46,30 +47,32 @@ impl From<Locked> for Unknown {
 #[derive(Clone, Debug)]
 pub struct Cache {
     /// What acts and follows, once evaluated.
-    effect: Option<Effect>,
+    pub(super) effect: Option<Effect>,
     /// Force x, force y and moment of each joint.
     reactions: Vec<Option<[f64; 3]>>,
     /// Whether a reaction has been computed in this state.
     used: bool,
     /// Sizes of the sized loads under the present inputs.
-    sizes: Vec<f64>,
+    pub(super) sizes: Vec<f64>,
     /// Right-hand side for these sizes.
     work: Work,
-    /// Whether `work` is for a scene with moving air.
-    air: bool,
+    /// Room for derivatives, once asked for.
+    pub(super) slopes: Option<Box<Slopes>>,
 }
 
 /// What acts in a state.
 #[derive(Clone, Copy, Debug)]
-struct Effect {
+pub(super) struct Effect {
     /// sigma_ddot of the motion.
-    acceleration: f64,
+    pub acceleration: f64,
     /// sigma_ddot if nothing held the mechanism at an end of its travel.
     free: f64,
+    /// Direction in which the drives with an efficiency work; 0 if they hold the mechanism.
+    pub direction: f64,
     /// End at which it is held.
-    held: Option<usize>,
+    pub held: Option<usize>,
     /// Whether the stop there holds it; else a lock.
-    by_stop: bool,
+    pub by_stop: bool,
 }
 
 impl Cache {
@@ -80,7 +83,7 @@ impl Cache {
             used: false,
             sizes: reduced.sizes(inputs),
             work: Work::new(scene),
-            air: scene.is_some_and(|s| s.air),
+            slopes: None,
         }
     }
 
@@ -220,7 +223,7 @@ impl State {
     }
 
     /// Call `with` with the motion under the present inputs and the scene it is in.
-    fn moving<R>(
+    pub(super) fn moving<R>(
         &mut self,
         reduced: &Reduced,
         inputs: &Inputs,
@@ -228,18 +231,18 @@ impl State {
     ) -> Result<R, Unknown> {
         let scene = acting(reduced, inputs).map_err(Clone::clone)?;
         let cache = &mut self.cache;
-        if scene.is_some_and(|s| s.air) != cache.air {
-            (cache.work, cache.air) = (Work::new(scene), scene.is_some_and(|s| s.air));
+        if scene.is_some_and(|s| s.air) != cache.work.air {
+            cache.work = Work::new(scene);
         }
-        let airspeed = reduced.loading().air.as_ref().and(inputs.reals.last().copied()).unwrap_or(0.0);
-        let given = Given { sizes: &cache.sizes, airspeed, turns: self.turns };
+        let airspeed = airspeed(reduced, inputs);
+        let given = Given { sizes: &cache.sizes, airspeed, turns: self.turns, change: None };
         let mode = Mode { touching: self.contact.touching, ..Mode::default() };
-        let mut motion = Motion { reduced, scene, given, mode, work: &mut cache.work, locked: false };
+        let mut motion = Motion { reduced, scene, given, time: 0.0, mode, work: &mut cache.work, locked: false };
         Ok(with(&mut motion, scene))
     }
 
     /// What acts under the present inputs; evaluated once for a state.
-    fn effect(&mut self, reduced: &Reduced, inputs: &Inputs) -> Result<Effect, Unknown> {
+    pub(super) fn effect(&mut self, reduced: &Reduced, inputs: &Inputs) -> Result<Effect, Unknown> {
         if let Some(effect) = self.cache.effect {
             return Ok(effect);
         }
@@ -247,11 +250,12 @@ impl State {
         let around = resting.map(|side| (side, self.surroundings(reduced, &inputs.locks)));
         let effect = self.moving(reduced, inputs, |motion, _| {
             let free = motion.settle(sigma, sigma_dot)?;
-            let mut effect = Effect { acceleration: free, free, held: None, by_stop: false };
+            let direction = motion.mode.direction;
+            let mut effect = Effect { acceleration: free, free, direction, held: None, by_stop: false };
             if let Some((side, around)) = around {
                 let pressed = rests(motion, &around, side, sigma)?;
                 if pressed || around.locked[side] {
-                    effect = Effect { acceleration: 0.0, free, held: Some(side), by_stop: pressed };
+                    effect = Effect { acceleration: 0.0, held: Some(side), by_stop: pressed, ..effect };
                 }
             }
             Ok::<_, Locked>(effect)
@@ -262,7 +266,7 @@ impl State {
 
     /// Size of a load that the state decides, as last evaluated.
     fn of_state(&self, reduced: &Reduced, load: usize) -> f64 {
-        let scene = reduced.scene(self.cache.air).ok().flatten();
+        let scene = reduced.scene(self.cache.work.air).ok().flatten();
         let place = scene.and_then(|s| s.loads.iter().position(|l| *l == load));
         place.map_or(0.0, |k| self.cache.work.acting.loads[k])
     }
@@ -335,7 +339,7 @@ impl State {
 
     /// What arrives of a sized load, after the loss of its drive if it has one; as last evaluated.
     fn arriving(&self, reduced: &Reduced, load: usize) -> f64 {
-        let scene = reduced.scene(self.cache.air).ok().flatten();
+        let scene = reduced.scene(self.cache.work.air).ok().flatten();
         let place = scene.and_then(|s| s.lossy.iter().position(|l| *l == load));
         place.map_or(self.cache.sizes[load], |k| self.cache.work.acting.arriving[k])
     }
@@ -463,7 +467,7 @@ impl State {
         for (place, spring) in loading.springs.iter().enumerate() {
             add(2 + spring.load, -self.pull(reduced, place)?);
         }
-        let scene = reduced.scene(self.cache.air).ok().flatten();
+        let scene = reduced.scene(self.cache.work.air).ok().flatten();
         let by_scene = scene.map_or(&[][..], |s| &s.loads);
         let states = loading.loads.len() - loading.base();
         let mut add_state = |load: usize, size: f64| -> Result<(), Unknown> {
@@ -506,11 +510,11 @@ impl State {
     }
 }
 
-fn part_of(reaction: &crate::reactions::Reaction, part: usize) -> f64 {
+pub(super) fn part_of(reaction: &crate::reactions::Reaction, part: usize) -> f64 {
     [reaction.force.x, reaction.force.y, reaction.moment][part]
 }
 
-fn checked<'a>(table: Result<&'a Table, &Unresolved>) -> Result<&'a Table, Unresolved> {
+pub(super) fn checked<'a>(table: Result<&'a Table, &Unresolved>) -> Result<&'a Table, Unresolved> {
     table.map_err(Clone::clone)
 }
 

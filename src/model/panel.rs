@@ -1,6 +1,8 @@
 //! The right-hand side on the panel that was used last: the sizes of loads folded into its polynomials.
+use super::signal::Change;
 use crate::chebyshev::{NODES, Series};
 use crate::number::Number;
+use crate::powers::Powers;
 use crate::reduced::{Reduced, Scene};
 use crate::table::Table;
 
@@ -13,6 +15,37 @@ pub struct Given<'a> {
     pub airspeed: f64,
     /// Whole turns before sigma = 0.
     pub turns: f64,
+    /// How the sizes and the air change with time, if they do.
+    pub change: Option<Change<'a>>,
+}
+
+impl Given<'_> {
+    /// Size of a load at the time t [s] of the step.
+    #[inline]
+    pub fn size<T: Number>(&self, load: usize, t: T) -> T {
+        T::constant(self.sizes[load]) + self.excess(load, t)
+    }
+
+    /// Its size less that at t = 0.
+    #[inline]
+    pub fn excess<T: Number>(&self, load: usize, t: T) -> T {
+        match &self.change {
+            Some(change) if load < change.first.len() => parabola([change.first[load], change.second[load]], t),
+            _ => T::constant(0.0),
+        }
+    }
+
+    /// Speed of the air at the time t [s] of the step [m/s].
+    #[inline]
+    pub fn air<T: Number>(&self, t: T) -> T {
+        let excess = self.change.map_or(T::constant(0.0), |change| parabola(change.airspeed, t));
+        T::constant(self.airspeed) + excess
+    }
+}
+
+/// u_1 t + u_2 t^2 / 2.
+fn parabola<T: Number>([first, second]: [f64; 2], t: T) -> T {
+    t * (T::constant(first) + t * T::constant(0.5 * second))
 }
 
 /// Forces of the sized loads and springs as polynomials on one panel: that along the curve, and where joints have friction,
@@ -35,6 +68,8 @@ pub struct Folded {
     pub force: Series,
     /// Reactions of the scene's further rows.
     pub reactions: Vec<Series>,
+    /// First and second time derivative of all rows, the force first; none under constant inputs.
+    rates: Vec<[Series; 2]>,
 }
 
 impl Folded {
@@ -51,6 +86,7 @@ impl Folded {
             turns: 0.0,
             force: [0.0; NODES],
             reactions: vec![[0.0; NODES]; rows],
+            rates: Vec::new(),
         }
     }
 
@@ -74,6 +110,27 @@ impl Folded {
         sigma.chain(self.offset + (sigma.value() - self.center) * self.inverse, self.inverse)
     }
 
+    /// Whether it changes with time.
+    #[inline]
+    pub fn changes(&self) -> bool {
+        !self.rates.is_empty()
+    }
+
+    /// Effect of all given loads in a row of the scene, at the time t [s]; row 0 is the force along the curve.
+    #[inline]
+    pub fn at<T: Number>(&self, row: usize, powers: &Powers<T>, t: T) -> T {
+        let sum = powers.at(if row == 0 { &self.force } else { &self.reactions[row - 1] });
+        if self.rates.is_empty() { sum } else { sum + self.excess(row, powers, t) }
+    }
+
+    /// That effect less what it is at t = 0.
+    pub fn excess<T: Number>(&self, row: usize, powers: &Powers<T>, t: T) -> T {
+        match self.rates.get(row) {
+            Some([first, second]) => t * (powers.at(first) + t * T::constant(0.5) * powers.at(second)),
+            None => T::constant(0.0),
+        }
+    }
+
     #[cold]
     fn enter(&mut self, reduced: &Reduced, scene: Option<&Scene>, given: &Given, sigma: f64) {
         let table = scene.map_or(reduced.influence(), |s| &s.table);
@@ -93,33 +150,43 @@ impl Folded {
             (self.inverse, self.offset) = (0.0, if sigma < first { -1.0 } else { 1.0 });
             (self.low, self.high) = if sigma < first { (f64::NEG_INFINITY, first) } else { (last, f64::INFINITY) };
         }
-        match scene {
-            None => self.force = self.fold(reduced, None, table, given, 0),
-            Some(scene) => {
-                self.force = self.fold(reduced, Some(scene), table, given, 0);
-                for row in 1..scene.rows.len() {
-                    self.reactions[row - 1] = self.fold(reduced, Some(scene), table, given, row);
+        let rows = scene.map_or(1, |s| s.rows.len());
+        self.rates.clear();
+        for row in 0..rows {
+            let mut sum = self.fold(scene, table, given.sizes, row);
+            let mut add = |k: Option<usize>, size: f64| {
+                if let Some(k) = k {
+                    add(&mut sum, table.series(self.panel, scene.map_or(k, |s| s.given(row, k))), size);
                 }
+            };
+            add(reduced.components().springs, 1.0);
+            add(reduced.components().winding, self.turns);
+            if row == 0 {
+                self.force = sum;
+            } else {
+                self.reactions[row - 1] = sum;
+            }
+            if let Some(change) = &given.change {
+                let rates = [change.first, change.second].map(|sizes| self.fold(scene, table, sizes, row));
+                self.rates.push(rates);
             }
         }
     }
 
-    fn fold(&self, reduced: &Reduced, scene: Option<&Scene>, table: &Table, given: &Given, row: usize) -> Series {
-        let components = reduced.components();
-        let at = |k: usize| scene.map_or(k, |s| s.given(row, k));
+    /// Sum of the effects of the first loads of these sizes.
+    fn fold(&self, scene: Option<&Scene>, table: &Table, sizes: &[f64], row: usize) -> Series {
         let mut sum = [0.0; NODES];
-        let mut add = |k: usize, size: f64| {
-            for (sum, c) in sum.iter_mut().zip(table.series(self.panel, at(k))) {
-                *sum += size * c;
-            }
-        };
-        for (load, size) in given.sizes.iter().enumerate() {
+        for (load, size) in sizes.iter().enumerate() {
             if *size != 0.0 && !scene.is_some_and(|s| s.lossy.contains(&load)) {
-                add(load, *size);
+                add(&mut sum, table.series(self.panel, scene.map_or(load, |s| s.given(row, load))), *size);
             }
         }
-        components.springs.into_iter().for_each(|k| add(k, 1.0));
-        components.winding.into_iter().for_each(|k| add(k, self.turns));
         sum
+    }
+}
+
+fn add(sum: &mut Series, series: &Series, size: f64) {
+    for (sum, c) in sum.iter_mut().zip(series) {
+        *sum += size * c;
     }
 }

@@ -46,6 +46,19 @@ enum Memory {
 }
 
 impl Memory {
+    fn new(lossy: bool) -> Self {
+        if lossy { Self::Lossy(Integrator::default()) } else { Self::Conservative(Integrator::default()) }
+    }
+
+    /// Take up or leave off the energy lost; it is counted in steps with a scene, and in those with inputs that change.
+    fn suit(&mut self, lossy: bool) {
+        match self {
+            Self::Conservative(i) if lossy => *self = Self::Lossy(i.with_components()),
+            Self::Lossy(i) if !lossy => *self = Self::Conservative(i.with_components()),
+            _ => {}
+        }
+    }
+
     fn statistics(&self) -> Statistics {
         match self {
             Self::Conservative(i) => i.statistics(),
@@ -71,7 +84,7 @@ impl Memory {
 }
 
 /// Speed of the air under these inputs.
-fn airspeed(reduced: &Reduced, inputs: &Inputs) -> f64 {
+pub fn airspeed(reduced: &Reduced, inputs: &Inputs) -> f64 {
     reduced.loading().air.as_ref().and(inputs.reals.last().copied()).unwrap_or(0.0)
 }
 
@@ -81,7 +94,8 @@ fn airspeed(reduced: &Reduced, inputs: &Inputs) -> f64 {
 /// [`Unresolved`]: a reaction that causes friction is not smooth.
 pub fn acting<'a>(reduced: &'a Reduced, inputs: &Inputs) -> Result<Option<&'a Scene>, &'a Unresolved> {
     let air = reduced.loading().air.as_ref();
-    reduced.scene(air.is_some_and(|air| air.relative_wind || airspeed(reduced, inputs) != 0.0))
+    let blows = || inputs.change(reduced).is_some_and(|change| change.airspeed != [0.0; 2]);
+    reduced.scene(air.is_some_and(|air| air.relative_wind || airspeed(reduced, inputs) != 0.0 || blows()))
 }
 
 /// [`acting`], with the error told.
@@ -149,7 +163,7 @@ impl State {
             applied: reduced.sizes(&inputs.reals),
             airspeed: airspeed(reduced, inputs),
             reference: 0.0,
-            memory: memory(scene),
+            memory: Memory::new(scene.is_some()),
             work: Work::new(scene),
             cache: Cache::new(reduced, scene, &inputs.reals),
         };
@@ -165,8 +179,10 @@ impl State {
         let scene = self.apply(reduced, inputs)?;
         let around = self.surroundings(reduced, &inputs.locks);
         let mut contact = self.contact;
-        let given = Given { sizes: &self.applied, airspeed: self.airspeed, turns: self.turns };
-        let mut motion = Motion { reduced, scene, given, mode: Mode::default(), work: &mut self.work, locked: false };
+        let change = inputs.change(reduced);
+        let given = Given { sizes: &self.applied, airspeed: self.airspeed, turns: self.turns, change };
+        let (work, mode) = (&mut self.work, Mode::default());
+        let mut motion = Motion { reduced, scene, given, time: 0.0, mode, work, locked: false };
         let (y, lost) = match &mut self.memory {
             Memory::Conservative(integrator) => {
                 let mut y = [self.sigma, self.sigma_dot];
@@ -183,6 +199,10 @@ impl State {
                 ([z[0], z[1]], lost.map(|lost| lost + z[2]))
             }
         };
+        if change.is_some() {
+            self.memory.refresh();
+            self.work.folded.forget();
+        }
         let lost = match lost {
             Ok(lost) => lost,
             Err(stopped) => {
@@ -265,13 +285,18 @@ impl State {
             }
         }
         let airspeed = airspeed(reduced, inputs);
-        let blows = |speed: f64| reduced.loading().air.as_ref().is_some_and(|air| air.relative_wind || speed != 0.0);
-        if blows(airspeed) != blows(self.airspeed) {
-            (self.memory, self.work) = (memory(scene), Work::new(scene));
+        if scene.is_some_and(|s| s.air) != self.work.air {
+            self.work = Work::new(scene);
+            self.memory.restart();
         }
+        self.memory.suit(scene.is_some() || inputs.signal.ahead);
         if airspeed.to_bits() != self.airspeed.to_bits() {
             self.airspeed = airspeed;
             changed = true;
+        }
+        if inputs.signal.ahead {
+            self.memory.refresh();
+            self.work.folded.forget();
         }
         if changed {
             self.reference += work;
@@ -293,11 +318,4 @@ fn not_beyond_stop(reduced: &Reduced, mechanism: &Mechanism, body: &str, angle: 
         beyond_stop(stop, angle - own)?;
     }
     Ok(())
-}
-
-fn memory(scene: Option<&Scene>) -> Memory {
-    match scene {
-        None => Memory::Conservative(Integrator::default()),
-        Some(_) => Memory::Lossy(Integrator::default()),
-    }
 }

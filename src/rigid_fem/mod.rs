@@ -7,7 +7,9 @@
 //! The unknowns are the positions x of the joints' points. Each body is one element ([`element`]): its exact inertia in its
 //! two nodes' terms, and a rod whose stiffness E A / L keeps the length. The equations of motion are
 //!
-//!     M(x) a + c(x, v) + f(x) = Q(x, v)
+//! ```text
+//! M(x) a + c(x, v) + f(x) = Q(x, v)
+//! ```
 //!
 //! with the mass matrix of eq. (19), the rods' forces f of eq. (18), both turned by the present angle (eqs. (22)-(25)), and
 //! the loads Q by virtual work. They come from one Lagrangian, so the energy is conserved whatever E A is. As E A grows the

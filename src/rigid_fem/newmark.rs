@@ -2,7 +2,9 @@
 //!
 //! In: a state, sizes of the loads, a step. Out: the state after it. gamma = 1/2, beta = 1/4 (average acceleration):
 //!
-//!     x1 = x0 + h v0 + h^2 (a0 + a1) / 4,    v1 = v0 + h (a0 + a1) / 2
+//! ```text
+//! x1 = x0 + h v0 + h^2 (a0 + a1) / 4,    v1 = v0 + h (a0 + a1) / 2
+//! ```
 //!
 //! where a1 is such that the equations of motion hold at the end. Second order in h. In linear problems it neither damps nor
 //! amplifies vibrations, however long h is. Here the rods turn, and with h longer than their periods, in fast motion and

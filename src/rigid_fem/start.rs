@@ -41,7 +41,9 @@ impl RigidFem {
     /// So the motion starts with the stretch that its own forces give, and with lengths that do not change:
     /// l_dot = l_ddot = 0. Positions x, velocities v, accelerations a and rods' forces N then follow from
     ///
-    ///     M a + G^T N = Q - c,    G a = -l omega^2,    l - L = N L / (E A),    G v = 0,    G = dl/dx
+    /// ```text
+    /// M a + G^T N = Q - c,    G a = -l omega^2,    l - L = N L / (E A),    G v = 0,    G = dl/dx
+    /// ```
     ///
     /// with x and v as near to the rigid linkage's as the kinetic energy measures it: M (x - x_rigid) and M (v - v_rigid)
     /// are combinations of the rows of G, so that nothing moves along the mechanism's own freedom. What vibration is left

@@ -262,6 +262,57 @@ pub fn all() -> Vec<Call> {
         fmi2GetContinuousStates { "none" "EEEEE" (|_t| null_mut(), 0); "NULL" "EEEEE" (|_t| null_mut(), 2); }
         fmi2GetNominalsOfContinuousStates { "none" "EEEEE" (|_t| null_mut(), 0); "NULL" "EEEEE" (|_t| null_mut(), 2); }
 
+        fmi2GetDirectionalDerivative {
+            "an output by an input" "EOOOO" (|t| &t.output, 1, &t.input, 1, &1.0, &mut 0.0);
+            "one input twice" "EOOOO" (|t| &t.output, 1, [t.input, t.input].as_ptr(), 2, [1.0, 2.0].as_ptr(), &mut 0.0);
+            "by nothing" "EOOOO" (|t| &t.output, 1, null(), 0, null(), &mut 0.0);
+            "of nothing" "EOOOO" (|t| null(), 0, &t.input, 1, &1.0, null_mut());
+            "an input by itself" "EEEEE" (|t| &t.input, 1, &t.input, 1, &1.0, &mut 0.0);
+            "by a parameter" "EEEEE" (|t| &t.output, 1, &t.parameter, 1, &1.0, &mut 0.0);
+            "by an output" "EEEEE" (|t| &t.output, 1, &t.output, 1, &1.0, &mut 0.0);
+            "unknown unknown" "EEEEE" (|t| &t.beyond, 1, &t.input, 1, &1.0, &mut 0.0);
+            "unknown known" "EEEEE" (|t| &t.output, 1, &u32::MAX, 1, &1.0, &mut 0.0);
+            "seed is NaN" "EEEEE" (|t| &t.output, 1, &t.input, 1, &NAN, &mut 0.0);
+            "seed is infinite" "EEEEE" (|t| &t.output, 1, &t.input, 1, &INFINITE, &mut 0.0);
+            "NULL" "EEEEE" (|_t| null(), 1, null(), 1, null(), null_mut());
+            "NULL seeds" "EEEEE" (|t| &t.output, 1, &t.input, 1, null(), &mut 0.0);
+            "NULL values" "EEEEE" (|t| &t.output, 1, &t.input, 1, &1.0, null_mut());
+            "values not aligned" "EEEEE" (|t| &t.output, 1, &t.input, 1, &1.0, crooked(&[0.0; 2]));
+            "a huge count" "EEEEE" (|_t| null(), HUGE, null(), HUGE, null(), null_mut());
+        }
+        fmi2SetRealInputDerivatives {
+            "first" "OOOEE" (|t| &t.input, 1, &1, &0.0);
+            "second" "OOOEE" (|t| &t.input, 1, &2, &0.0);
+            "nothing" "OOOEE" (|_t| null(), 0, null(), null());
+            "order 0" "EEEEE" (|t| &t.input, 1, &0, &1.0);
+            "order 3" "EEEEE" (|t| &t.input, 1, &3, &1.0);
+            "the least order" "EEEEE" (|t| &t.input, 1, &c_int::MIN, &1.0);
+            "NaN" "EEEEE" (|t| &t.input, 1, &1, &NAN);
+            "infinite" "EEEEE" (|t| &t.input, 1, &2, &INFINITE);
+            "first, then order 3" "EEEEE" (|t| [t.input, t.input].as_ptr(), 2, [1, 3].as_ptr(), [1.0, 1.0].as_ptr());
+            "a parameter" "EEEEE" (|t| &t.parameter, 1, &1, &0.0);
+            "an output" "EEEEE" (|t| &t.output, 1, &1, &0.0);
+            "unknown" "EEEEE" (|t| &t.beyond, 1, &1, &0.0);
+            "NULL" "EEEEE" (|_t| null(), 1, null(), null());
+            "NULL orders" "EEEEE" (|t| &t.input, 1, null(), &0.0);
+            "NULL values" "EEEEE" (|t| &t.input, 1, &1, null());
+            "a huge count" "EEEEE" (|t| &t.input, HUGE << 1, &1, &0.0);
+        }
+        fmi2GetRealOutputDerivatives {
+            "an output" "EOOOO" (|t| &t.output, 1, &1, &mut 0.0);
+            "nothing" "EOOOO" (|_t| null(), 0, null(), null_mut());
+            "order 0" "EEEEE" (|t| &t.output, 1, &0, &mut 0.0);
+            "order 2" "EEEEE" (|t| &t.output, 1, &2, &mut 0.0);
+            "the largest order" "EEEEE" (|t| &t.output, 1, &c_int::MAX, &mut 0.0);
+            "an input" "EEEEE" (|t| &t.input, 1, &1, &mut 0.0);
+            "a parameter" "EEEEE" (|t| &t.parameter, 1, &1, &mut 0.0);
+            "unknown" "EEEEE" (|t| &t.beyond, 1, &1, &mut 0.0);
+            "NULL" "EEEEE" (|_t| null(), 1, null(), null_mut());
+            "NULL values" "EEEEE" (|t| &t.output, 1, &1, null_mut());
+            "values not aligned" "EEEEE" (|t| &t.output, 1, &1, crooked(&[0.0; 2]));
+            "a huge count" "EEEEE" (|t| &t.output, HUGE << 1, &1, &mut 0.0);
+        }
+
         // Capabilities that the XML does not declare. Whoever adds one writes its rows anew.
         fmi2GetFMUstate {
             "" "EEEEE" (|_t| &mut null_mut());
@@ -275,19 +326,6 @@ pub fn all() -> Vec<Call> {
         fmi2SerializedFMUstateSize { "NULL" "EEEEE" (|_t| null_mut(), null_mut()); }
         fmi2SerializeFMUstate { "NULL" "EEEEE" (|_t| null_mut(), null_mut(), HUGE); }
         fmi2DeSerializeFMUstate { "NULL" "EEEEE" (|_t| null(), HUGE, null_mut()); }
-        fmi2GetDirectionalDerivative {
-            "" "EEEEE" (|t| &t.output, 1, &t.input, 1, &1.0, &mut 0.0);
-            "NULL" "EEEEE" (|_t| null(), 1, null(), 1, null(), null_mut());
-            "a huge count" "EEEEE" (|_t| null(), HUGE, null(), HUGE, null(), null_mut());
-        }
-        fmi2SetRealInputDerivatives {
-            "" "EEEEE" (|t| &t.input, 1, &1, &0.0);
-            "NULL" "EEEEE" (|_t| null(), 1, null(), null());
-        }
-        fmi2GetRealOutputDerivatives {
-            "" "EEEEE" (|t| &t.output, 1, &1, &mut 0.0);
-            "NULL" "EEEEE" (|_t| null(), 1, null(), null_mut());
-        }
     }
 }
 

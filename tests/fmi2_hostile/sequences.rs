@@ -39,7 +39,7 @@ fn op(others: usize) -> impl Strategy<Value = Op> {
         1 => Just(Op::Terminate),
         1 => Just(Op::Reset),
         6 => force().prop_map(Op::SetForce),
-        3 => prop_oneof![4 => 0.3..0.9, 1 => Just(f64::NAN)].prop_map(Op::SetStartAngle),
+        3 => prop_oneof![4 => 0.3..0.8, 1 => Just(f64::NAN)].prop_map(Op::SetStartAngle),
         1 => odd().prop_map(Op::SetCrankLength),
         3 => Just(Op::ReadAngle),
         2 => Just(Op::ReadSome),

@@ -37,8 +37,8 @@ proptest! {
         let mut sizes = vec![0.0; reduced.components().sized];
         (sizes[0], sizes[1]) = (force, factor);
         let mut work = Work::new(Some(scene));
-        let given = Given { sizes: &sizes, airspeed: 0.0, turns: 0.0 };
-        let mut motion = Motion { reduced, scene: Some(scene), given, mode: Mode::default(), work: &mut work, locked: false };
+        let given = Given { sizes: &sizes, airspeed: 0.0, turns: 0.0, change: None };
+        let mut motion = Motion { reduced, scene: Some(scene), given, time: 0.0, mode: Mode::default(), work: &mut work, locked: false };
         motion.effect(sigma, sigma_dot).unwrap();
         let friction = &motion.work.acting.friction;
         prop_assert!(friction.iterations <= 8, "{} iterations", friction.iterations);

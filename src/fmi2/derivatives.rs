@@ -1,0 +1,75 @@
+//! Derivatives of outputs and inputs (FMI 2.0.5, 2.1.9, 4.2.1). The contract of the pointers is that of the module `fmi2`.
+
+use super::array::{input, output};
+use super::guard::call;
+use super::phase;
+use super::types::{Component, Integer, Real, Status, ValueReference};
+
+/// For each unknown the sum over the knowns of the partial derivative times `known_rates`, at the present state, exact.
+///
+/// An unknown is a continuous output, a known is a continuous input. Refused with `solver.method` = "rigid_fem". On an error
+/// the array may be filled in part.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
+    c: Component,
+    unknowns: *const ValueReference,
+    unknown_count: usize,
+    knowns: *const ValueReference,
+    known_count: usize,
+    known_rates: *const Real,
+    unknown_rates: *mut Real,
+) -> Status {
+    // SAFETY: two arrays have `unknown_count` elements, two have `known_count` (2.1.9).
+    unsafe {
+        call(c, &phase::GET_DIRECTIONAL_DERIVATIVE, |i| {
+            let unknowns = input("vUnknown_ref", unknowns, unknown_count)?;
+            let knowns = input("vKnown_ref", knowns, known_count)?;
+            let seeds = input("dvKnown", known_rates, known_count)?;
+            i.directional_derivative(unknowns, knowns, seeds, output("dvUnknown", unknown_rates, unknown_count)?)
+        })
+    }
+}
+
+/// Set derivatives of order 1 and 2 of continuous inputs, all or none: u(t) = u_0 + u_1 t + u_2 t^2 / 2 from the present
+/// communication point on.
+///
+/// They are 0 until set and, as they are set with respect to the beginning of a step (4.2.1), hold for one step. It ends with
+/// the inputs at u(h), which is also what `fmi2GetReal` then tells of them, and there they stay. `fmi2SetReal` sets u_0,
+/// before or after this function. Refused with `solver.method` = "rigid_fem".
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
+    c: Component,
+    vr: *const ValueReference,
+    count: usize,
+    order: *const Integer,
+    value: *const Real,
+) -> Status {
+    // SAFETY: all arrays have `count` elements (4.2.1).
+    unsafe {
+        call(c, &phase::SET_REAL_INPUT_DERIVATIVES, |i| {
+            let (vr, order) = (input("vr", vr, count)?, input("order", order, count)?);
+            i.set_input_derivatives(vr, order, input("value", value, count)?)
+        })
+    }
+}
+
+/// First time derivatives of continuous outputs at the present communication point, exact, under inputs that change with
+/// the derivatives set for the next step; after a step and before an input is set, with those that it ended with.
+///
+/// Refused with `solver.method` = "rigid_fem". On an error the array may be filled in part.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
+    c: Component,
+    vr: *const ValueReference,
+    count: usize,
+    order: *const Integer,
+    value: *mut Real,
+) -> Status {
+    // SAFETY: all arrays have `count` elements (4.2.1).
+    unsafe {
+        call(c, &phase::GET_REAL_OUTPUT_DERIVATIVES, |i| {
+            let (vr, order) = (input("vr", vr, count)?, input("order", order, count)?);
+            i.output_derivatives(vr, order, output("value", value, count)?)
+        })
+    }
+}
