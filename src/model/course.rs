@@ -96,14 +96,14 @@ where
             continue;
         }
         motion.mode.touching = contact.touching;
+        if std::mem::take(&mut stale) {
+            motion.set_bands(z[0], z[1]);
+        }
         if motion.reverses() {
             motion.mode.direction = motion.direction(z[0], z[1])?;
             if motion.mode.direction == 0.0 {
                 return Ok(lost);
             }
-        }
-        if std::mem::take(&mut stale) {
-            motion.set_bands(z[0], z[1]);
         }
         let step = integrator.step(motion, t, z, span, tolerance).map_err(|e| failure(motion, e))?;
         let Some((s, event)) = first_event(motion, around, contact, &step, along.take()) else {

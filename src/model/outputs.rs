@@ -102,6 +102,13 @@ impl Cache {
         self.forget();
     }
 
+    /// State and inputs are others; these size loads.
+    pub fn renew(&mut self, sizes: &[f64]) {
+        self.sizes[..sizes.len()].copy_from_slice(sizes);
+        self.work.folded.forget();
+        self.forget();
+    }
+
     /// The way in which sigma is counted has changed.
     pub fn recount(&mut self) {
         self.work.folded.forget();

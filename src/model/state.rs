@@ -1,4 +1,8 @@
 //! The state of motion, and how it goes on.
+mod saved;
+
+pub use saved::SavedState;
+
 use super::acting::Mode;
 use super::course::{Contact, Stopped, Surroundings, advance};
 use super::motion::{Motion, Work};
@@ -24,6 +28,8 @@ pub struct State {
     pub travel: Travel,
     /// Sizes of the loads in the last step: those that the integration and the energy balance know.
     pub applied: Vec<f64>,
+    /// Sizes before the last change of them: what a step that fails returns to.
+    before: Vec<f64>,
     /// Speed of the air in the last step [m/s].
     airspeed: f64,
     /// Energy at the start, plus the work of changing sizes, less the energy lost since.
@@ -68,6 +74,11 @@ impl Memory {
     }
 }
 
+/// Whether air that flows at this speed acts on the surfaces.
+fn blows(reduced: &Reduced, speed: f64) -> bool {
+    reduced.loading().air.as_ref().is_some_and(|air| air.relative_wind || speed != 0.0)
+}
+
 /// Speed of the air under these inputs.
 fn airspeed(reduced: &Reduced, inputs: &Inputs) -> f64 {
     reduced.loading().air.as_ref().and(inputs.reals.last().copied()).unwrap_or(0.0)
@@ -78,10 +89,16 @@ fn airspeed(reduced: &Reduced, inputs: &Inputs) -> f64 {
 /// # Errors
 /// [`ModelError::Table`]: a reaction that causes friction is not smooth.
 pub fn scene<'a>(reduced: &'a Reduced, inputs: &Inputs) -> Result<Option<&'a Scene>, ModelError> {
-    let air = reduced.loading().air.as_ref();
-    let moves = air.is_some_and(|air| air.relative_wind || airspeed(reduced, inputs) != 0.0);
+    scene_in(reduced, airspeed(reduced, inputs))
+}
+
+/// What acts in air of this speed.
+///
+/// # Errors
+/// As [`scene`].
+fn scene_in(reduced: &Reduced, speed: f64) -> Result<Option<&Scene>, ModelError> {
     reduced
-        .scene(moves)
+        .scene(blows(reduced, speed))
         .map_err(|at| ModelError::Table { name: "friction".into(), position: reduced.curve().describe(at.sigma) })
 }
 
@@ -132,13 +149,15 @@ impl State {
         let here = sigma + turns * reduced.period().unwrap_or(0.0);
         let resting = (0..2).find(|&side| sigma_dot == 0.0 && travel[side].is_some_and(|e| e.position == here));
         let scene = scene(reduced, inputs)?;
+        let sizes = reduced.sizes(&inputs.reals);
         let mut state = Self {
             sigma,
             sigma_dot,
             turns,
             contact: Contact { resting, touching: [None; 2] },
             travel,
-            applied: reduced.sizes(&inputs.reals),
+            before: sizes.clone(),
+            applied: sizes,
             airspeed: airspeed(reduced, inputs),
             reference: 0.0,
             memory: memory(scene),
@@ -154,7 +173,8 @@ impl State {
     /// # Errors
     /// The integration stopped, friction locks, the travel of an open curve without stops ended.
     pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64, tolerance: f64) -> Result<(), ModelError> {
-        let scene = self.apply(reduced, inputs)?;
+        let (airspeed, reference) = (self.airspeed, self.reference);
+        let (scene, changed) = self.apply(reduced, inputs)?;
         let around = self.surroundings(reduced, &inputs.locks);
         let mut contact = self.contact;
         let given = Given { sizes: &self.applied, airspeed: self.airspeed, turns: self.turns };
@@ -178,7 +198,7 @@ impl State {
         let lost = match lost {
             Ok(lost) => lost,
             Err(stopped) => {
-                self.memory.restart();
+                self.undo(reduced, changed, airspeed, reference);
                 return Err(match stopped {
                     Stopped::Integration(error) => ModelError::Integration(error),
                     Stopped::Locked => ModelError::Locked { position: self.describe(reduced) },
@@ -198,7 +218,7 @@ impl State {
             }
             None if !(first..=last).contains(&y[0]) => {
                 let position = reduced.curve().describe(y[0]);
-                self.memory.restart();
+                self.undo(reduced, changed, airspeed, reference);
                 return Err(ModelError::Travel { position });
             }
             _ => {}
@@ -244,8 +264,9 @@ impl State {
         reduced.curve().describe(self.sigma)
     }
 
-    /// Take up inputs that have changed since the last step: the change of the loads' potential is work from outside.
-    fn apply<'a>(&mut self, reduced: &'a Reduced, inputs: &Inputs) -> Result<Option<&'a Scene>, ModelError> {
+    /// Take up inputs that have changed since the last step: the change of the loads' potential is work from outside. Tells
+    /// whether any has.
+    fn apply<'a>(&mut self, reduced: &'a Reduced, inputs: &Inputs) -> Result<(Option<&'a Scene>, bool), ModelError> {
         let scene = scene(reduced, inputs)?;
         let loads = reduced.loading().inputs.len();
         let mut work = 0.0;
@@ -257,8 +278,7 @@ impl State {
             }
         }
         let airspeed = airspeed(reduced, inputs);
-        let blows = |speed: f64| reduced.loading().air.as_ref().is_some_and(|air| air.relative_wind || speed != 0.0);
-        if blows(airspeed) != blows(self.airspeed) {
+        if blows(reduced, airspeed) != blows(reduced, self.airspeed) {
             (self.memory, self.work) = (memory(scene), Work::new(scene));
         }
         if airspeed.to_bits() != self.airspeed.to_bits() {
@@ -267,11 +287,30 @@ impl State {
         }
         if changed {
             self.reference += work;
+            self.before.copy_from_slice(&self.applied);
             self.applied[..loads].copy_from_slice(&inputs.reals[..loads]);
             self.memory.refresh();
             self.work.folded.forget();
         }
-        Ok(scene)
+        Ok((scene, changed))
+    }
+
+    /// After a step that failed: what [`Self::apply`] has changed is as it was; the integration begins anew.
+    #[cold]
+    fn undo(&mut self, reduced: &Reduced, changed: bool, airspeed: f64, reference: f64) {
+        self.memory.restart();
+        if !changed {
+            return;
+        }
+        self.applied.copy_from_slice(&self.before);
+        self.reference = reference;
+        let now = std::mem::replace(&mut self.airspeed, airspeed);
+        if blows(reduced, now) != blows(reduced, airspeed) {
+            // It is at hand: it was in use before this step.
+            let scene = scene_in(reduced, airspeed).unwrap_or_default();
+            (self.memory, self.work) = (memory(scene), Work::new(scene));
+        }
+        self.work.folded.forget();
     }
 }
 
