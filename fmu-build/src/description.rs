@@ -97,6 +97,8 @@ impl<'a> Interface<'a> {
                 ("modelIdentifier", self.name.to_owned()),
                 ("canHandleVariableCommunicationStepSize", "true".to_owned()),
                 ("canNotUseMemoryManagementFunctions", "true".to_owned()),
+                ("canGetAndSetFMUstate", "true".to_owned()),
+                ("canSerializeFMUstate", "true".to_owned()),
             ],
         )?;
         self.write_units(xml)?;
