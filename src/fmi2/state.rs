@@ -51,7 +51,7 @@ unsafe fn kept<'a>(state: FmuState, instance: &Instance) -> Result<&'a mut Kept,
     }
     // SAFETY: not NULL and aligned is checked; the caller promises that the memory can be read. The word is read apart, as
     // the rest of what is no state need not be valid.
-    if unsafe { (*(&raw const (*kept).word)).load(Ordering::Relaxed) } != ALIVE {
+    if unsafe { (*kept).word.load(Ordering::Relaxed) } != ALIVE {
         return Err(Refusal::error(foreign));
     }
     // SAFETY: only `keep` writes this word, in front of a whole state; the caller promises that nobody else uses it.

@@ -93,9 +93,12 @@ impl Model {
     /// [`Self::snapshot`] in the place of another one of this mechanism; without allocation if that was in motion by the
     /// same method.
     pub fn snapshot_into(&self, snapshot: &mut Snapshot) {
-        snapshot.setting.clone_from(&self.setting);
+        share(&mut snapshot.setting, &self.setting);
         snapshot.inputs.copy_from(&self.inputs);
-        snapshot.reduced.clone_from(&self.reduced);
+        match (&mut snapshot.reduced, &self.reduced) {
+            (Some(theirs), Some(own)) => share(theirs, own),
+            (theirs, own) => theirs.clone_from(own),
+        }
         match (&self.state, &mut snapshot.motion) {
             (Some(Motion::Reduced(state)), Some(SavedMotion::Reduced(saved))) => state.save(saved),
             (Some(Motion::RigidFem(state)), Some(SavedMotion::RigidFem(saved))) => state.save(saved),
@@ -109,36 +112,36 @@ impl Model {
     /// # Errors
     /// Friction's reactions are not smooth under the snapshot's parameters; nothing has changed.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), ModelError> {
-        let same = self.shares_reduced(&self.setting, &snapshot.setting);
-        let reduced = match (&self.reduced, &snapshot.reduced) {
-            (Some(own), _) if same => Some(Arc::clone(own)),
-            (_, Some(theirs)) => Some(Arc::clone(theirs)),
-            (_, None) if snapshot.has_motion() => Some(Arc::new(Reduced::new(&snapshot.setting.mechanism)?)),
-            (_, None) => None,
-        };
-        let kept = match (&self.reduced, &reduced) {
-            (Some(own), Some(next)) => Arc::ptr_eq(own, next),
-            _ => false,
-        };
         let inputs = &snapshot.inputs;
-        match (&snapshot.motion, &mut self.state, &reduced) {
-            (Some(SavedMotion::Reduced(saved)), Some(Motion::Reduced(state)), Some(reduced)) if kept => {
+        let same = self.shares_reduced(&self.setting, &snapshot.setting);
+        match (&snapshot.motion, &mut self.state, &self.reduced) {
+            (Some(SavedMotion::Reduced(saved)), Some(Motion::Reduced(state)), Some(reduced)) if same => {
                 state.restore(saved, reduced, inputs)?;
             }
-            (Some(SavedMotion::RigidFem(saved)), Some(Motion::RigidFem(state)), Some(reduced)) if kept => {
+            (Some(SavedMotion::RigidFem(saved)), Some(Motion::RigidFem(state)), Some(reduced)) if same => {
                 state.restore(saved, reduced, inputs)?;
             }
-            (Some(SavedMotion::Reduced(saved)), state, Some(reduced)) => {
-                *state = Some(Motion::Reduced(State::from_saved(saved, reduced, inputs)?));
+            (saved, state, own) => {
+                let reduced = match (own, &snapshot.reduced) {
+                    (Some(own), _) if same => Some(Arc::clone(own)),
+                    (_, Some(theirs)) => Some(Arc::clone(theirs)),
+                    (_, None) if saved.is_some() => Some(Arc::new(Reduced::new(&snapshot.setting.mechanism)?)),
+                    (_, None) => None,
+                };
+                *state = match (saved, &reduced) {
+                    (Some(SavedMotion::Reduced(saved)), Some(reduced)) => {
+                        Some(Motion::Reduced(State::from_saved(saved, reduced, inputs)?))
+                    }
+                    (Some(SavedMotion::RigidFem(saved)), Some(reduced)) => {
+                        Some(Motion::RigidFem(Box::new(Elastic::from_saved(saved, reduced, inputs)?)))
+                    }
+                    _ => None,
+                };
+                self.reduced = reduced;
             }
-            (Some(SavedMotion::RigidFem(saved)), state, Some(reduced)) => {
-                *state = Some(Motion::RigidFem(Box::new(Elastic::from_saved(saved, reduced, inputs)?)));
-            }
-            (_, state, _) => *state = None,
         }
-        self.setting.clone_from(&snapshot.setting);
+        share(&mut self.setting, &snapshot.setting);
         self.inputs.copy_from(inputs);
-        self.reduced = reduced;
         Ok(())
     }
 
@@ -214,6 +217,13 @@ impl Model {
         let list = self.original.variables.list().iter().enumerate();
         let is = |i: usize| self.original.variables.quantity(i as u32) == Some(Quantity::Parameter(place));
         list.filter(|(i, _)| is(*i)).map(|(_, variable)| variable.name.clone()).collect()
+    }
+}
+
+/// Make one the other: without touching their counts if they are.
+fn share<T>(one: &mut Arc<T>, other: &Arc<T>) {
+    if !Arc::ptr_eq(one, other) {
+        one.clone_from(other);
     }
 }
 

@@ -89,10 +89,14 @@ impl State {
     /// As [`Self::from_saved`]; nothing has changed.
     pub fn restore(&mut self, saved: &SavedState, reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
         let then = scene_in(reduced, saved.airspeed)?;
-        if blows(reduced, saved.airspeed) == blows(reduced, self.airspeed) {
-            self.work.folded.forget();
-        } else {
+        let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
+        if blows(reduced, saved.airspeed) != blows(reduced, self.airspeed) {
             self.work = Work::new(then);
+        } else if saved.turns != self.turns || !saved.applied.iter().zip(&self.applied).all(same) {
+            self.work.folded.forget();
+        }
+        if saved.turns != self.turns {
+            self.cache.recount();
         }
         (self.sigma, self.sigma_dot, self.turns) = (saved.sigma, saved.sigma_dot, saved.turns);
         (self.contact, self.travel) = (saved.contact, saved.travel);
