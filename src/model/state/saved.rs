@@ -46,19 +46,11 @@ impl State {
 
     /// [`Self::saved`] in the place of another one, without allocation.
     pub fn save(&self, saved: &mut SavedState) {
-        let mut applied = std::mem::take(&mut saved.applied);
-        applied.clone_from(&self.applied);
-        *saved = SavedState {
-            sigma: self.sigma,
-            sigma_dot: self.sigma_dot,
-            turns: self.turns,
-            contact: self.contact,
-            travel: self.travel,
-            applied,
-            airspeed: self.airspeed,
-            reference: self.reference,
-            memory: self.memory,
-        };
+        (saved.sigma, saved.sigma_dot, saved.turns) = (self.sigma, self.sigma_dot, self.turns);
+        (saved.contact, saved.travel) = (self.contact, self.travel);
+        saved.applied.clone_from(&self.applied);
+        (saved.airspeed, saved.reference) = (self.airspeed, self.reference);
+        saved.memory = self.memory;
     }
 
     /// A state that goes on as the saved one did, under these inputs.
@@ -101,7 +93,8 @@ impl State {
         (self.sigma, self.sigma_dot, self.turns) = (saved.sigma, saved.sigma_dot, saved.turns);
         (self.contact, self.travel) = (saved.contact, saved.travel);
         self.applied.copy_from_slice(&saved.applied);
-        (self.airspeed, self.reference, self.memory) = (saved.airspeed, saved.reference, saved.memory);
+        (self.airspeed, self.reference) = (saved.airspeed, saved.reference);
+        self.memory = saved.memory;
         self.cache.renew(&inputs.reals[..reduced.loading().inputs.len()]);
         Ok(())
     }
