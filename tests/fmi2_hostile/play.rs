@@ -94,7 +94,9 @@ impl Player {
         let names =
             ["actuator.force", "crank.start_angle", "crank.length", "crank.angle", "crank.speed", "energy.drift"];
         let watched = names.map(|name| gear.vr(name)).to_vec();
-        let others = calls::all().into_iter().filter(|call| call.function != "fmi2DoStep").collect();
+        // Calls with states have their own kinds, which free what they save.
+        let own = |function: &str| function == "fmi2DoStep" || function.contains("FMUstate");
+        let others = calls::all().into_iter().filter(|call| !own(call.function)).collect();
         Player {
             gear,
             target,
