@@ -14,6 +14,7 @@ pub mod model;
 pub mod number;
 pub mod powers;
 pub mod reactions;
+pub mod record;
 pub mod reduced;
 pub mod rigid_fem;
 pub mod table;

@@ -297,7 +297,9 @@ fn four_by_three_costs_less_than_five_evaluations() {
         };
         evaluate(&mut model);
         let clock = std::time::Instant::now();
-        (0..100_000).for_each(|_| drop(evaluate(&mut model)));
+        (0..100_000).for_each(|_| {
+            std::hint::black_box(evaluate(&mut model));
+        });
         let values = clock.elapsed();
         let mut both = |model: &mut Model| {
             evaluate(model);
@@ -307,7 +309,9 @@ fn four_by_three_costs_less_than_five_evaluations() {
         };
         both(&mut model);
         let clock = std::time::Instant::now();
-        (0..100_000).for_each(|_| drop(both(&mut model)));
+        (0..100_000).for_each(|_| {
+            std::hint::black_box(both(&mut model));
+        });
         let both = clock.elapsed();
         let ratio = both.as_secs_f64() / values.as_secs_f64() - 1.0;
         println!("friction {friction}: outputs {values:?}, with derivatives {both:?}, ratio {ratio:.2}");

@@ -6,8 +6,8 @@ mod fmi2_host;
 use fmi2_host::Gear;
 use linkage_fmu::fmi2::types::Status;
 use linkage_fmu::fmi2::{
-    fmi2DoStep, fmi2GetDirectionalDerivative, fmi2GetReal, fmi2GetRealOutputDerivatives, fmi2SetReal,
-    fmi2SetRealInputDerivatives,
+    fmi2DoStep, fmi2FreeFMUstate, fmi2GetDirectionalDerivative, fmi2GetFMUstate, fmi2GetReal,
+    fmi2GetRealOutputDerivatives, fmi2SetBoolean, fmi2SetFMUstate, fmi2SetReal, fmi2SetRealInputDerivatives,
 };
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -74,6 +74,41 @@ fn nor_do_derivatives() {
     let before = COUNT.get();
     (10..200).for_each(&mut exchange);
     assert_eq!(COUNT.get(), before);
+}
+
+#[test]
+fn nor_do_saving_and_restoring_in_a_state_that_is_used_again() {
+    for (method, friction) in [("reduced", 0), ("reduced", 1), ("rigid_fem", 0)] {
+        let h = 1e-4;
+        let gear = Gear::new();
+        assert_eq!(gear.set_text("solver.method", method), Status::Ok);
+        // SAFETY: one reference, one value.
+        assert_eq!(unsafe { fmi2SetBoolean(gear.c, &gear.vr("friction.enabled"), 1, &friction) }, Status::Ok);
+        assert_eq!(gear.initialize(), Status::Ok);
+        let (input, output) = (gear.vr("actuator.force"), gear.vr("joint2.force"));
+        let mut state = std::ptr::null_mut();
+        let mut step_twice = |n: i32| {
+            let mut values = [0.0; 2];
+            // SAFETY: every array has the length that is passed.
+            unsafe {
+                assert_eq!(fmi2GetFMUstate(gear.c, &mut state), Status::Ok);
+                for value in &mut values {
+                    assert_eq!(fmi2SetReal(gear.c, &input, 1, &f64::from(n)), Status::Ok);
+                    assert_eq!(fmi2DoStep(gear.c, f64::from(n) * h, h, 0), Status::Ok);
+                    assert_eq!(fmi2GetReal(gear.c, &output, 1, value), Status::Ok);
+                    assert_eq!(fmi2SetFMUstate(gear.c, state), Status::Ok);
+                }
+                assert_eq!(values[0].to_bits(), values[1].to_bits());
+                assert_eq!(fmi2DoStep(gear.c, f64::from(n) * h, h, 1), Status::Ok);
+            }
+        };
+        (0..10).for_each(&mut step_twice);
+        let before = COUNT.get();
+        (10..200).for_each(&mut step_twice);
+        assert_eq!(COUNT.get(), before, "{method}, friction {friction}");
+        // SAFETY: component and state are valid.
+        assert_eq!(unsafe { fmi2FreeFMUstate(gear.c, &mut state) }, Status::Ok);
+    }
 }
 
 fn exchange_allocates_nothing(method: &str) {

@@ -101,6 +101,8 @@ impl<'a> Interface<'a> {
                 ("maxOutputDerivativeOrder", OUTPUT_ORDER.to_string()),
                 ("canNotUseMemoryManagementFunctions", "true".to_owned()),
                 ("providesDirectionalDerivative", "true".to_owned()),
+                ("canGetAndSetFMUstate", "true".to_owned()),
+                ("canSerializeFMUstate", "true".to_owned()),
             ],
         )?;
         self.write_units(xml)?;

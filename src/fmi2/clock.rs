@@ -3,6 +3,7 @@
 //! In: the experiment and the steps. Out: the end of an accepted step, or a refusal.
 
 use super::refusal::Refusal;
+use crate::record::{Damaged, Record};
 
 /// Part of a step by which a communication point may be off. A lost or repeated step is off by a whole one, a host that
 /// keeps its time in other units (ticks, single-precision steps) by far less than this part.
@@ -47,6 +48,24 @@ impl Clock {
             }
             _ => Ok(Clock { start, time: start, stop }),
         }
+    }
+
+    /// All fields, written or read.
+    ///
+    /// # Errors
+    /// A field is read that no experiment leaves.
+    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        record.finite("startTime", &mut self.start)?;
+        record.finite("time", &mut self.time)?;
+        let start = self.start;
+        record.option(
+            "stopTime",
+            &mut self.stop,
+            || 0.0,
+            |record, stop| {
+                record.number("stopTime", stop, |v| v > start && v.is_finite(), "finite and after startTime")
+            },
+        )
     }
 
     /// Present time [s]: end of the last accepted step.

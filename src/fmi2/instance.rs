@@ -8,6 +8,7 @@ use super::location;
 use super::logger::Logger;
 use super::phase::Phase;
 use super::refusal::Refusal;
+use super::saved::Saved;
 use super::types::{Boolean, CO_SIMULATION, FALSE, Integer, MODEL_EXCHANGE, Real, Status, TRUE, Text};
 use super::types::{DO_STEP_STATUS, LAST_SUCCESSFUL_TIME, PENDING_STATUS, TERMINATED};
 use crate::model::Model;
@@ -170,6 +171,34 @@ impl Instance {
         self.set_up = false;
         self.phase = Phase::Instantiated;
         Ok(())
+    }
+
+    /// `fmi2GetFMUstate`: everything that decides what follows; the log categories are no part of it.
+    pub fn save(&self) -> Saved {
+        Saved { phase: self.phase, set_up: self.set_up, clock: self.clock, model: self.model.snapshot() }
+    }
+
+    /// [`Self::save`] in the place of a state of this FMU, without allocation where that was one of the same kind.
+    pub fn save_into(&self, saved: &mut Saved) {
+        (saved.phase, saved.set_up, saved.clock) = (self.phase, self.set_up, self.clock);
+        self.model.snapshot_into(&mut saved.model);
+    }
+
+    /// `fmi2SetFMUstate`: from here on as the instance that was saved, in the phase that it was in.
+    pub fn restore(&mut self, saved: &Saved) -> Result<(), Refusal> {
+        self.model.restore(&saved.model)?;
+        (self.phase, self.set_up, self.clock) = (saved.phase, saved.set_up, saved.clock);
+        Ok(())
+    }
+
+    /// The state that these bytes tell. The instance stays as it is.
+    pub fn deserialize(&self, bytes: &[u8]) -> Result<Saved, Refusal> {
+        Saved::from_bytes(bytes, &self.model)
+    }
+
+    /// What a state must have been saved of.
+    pub fn identity(&self) -> [u64; 2] {
+        self.model.identity()
     }
 
     /// `fmi2GetReal`.

@@ -26,6 +26,7 @@ mod location;
 pub mod logger;
 mod phase;
 mod refusal;
+mod saved;
 mod state;
 pub mod types;
 

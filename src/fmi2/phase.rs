@@ -33,6 +33,11 @@ const PHASES: [Phase; 6] =
     [Phase::Instantiated, Phase::Initialization, Phase::Step, Phase::Terminated, Phase::Failed, Phase::Fatal];
 
 impl Phase {
+    /// The phase of this number, if there is one that a state can be saved in.
+    pub fn of_bit(bit: u8) -> Option<Self> {
+        PHASES.into_iter().find(|phase| *phase as u8 == bit && *phase != Phase::Fatal)
+    }
+
     /// Name in messages.
     pub fn name(self) -> &'static str {
         match self {

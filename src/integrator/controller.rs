@@ -8,6 +8,7 @@ use super::starting::starting_step;
 use super::step::{Stages, Step, Trial};
 use super::stiffness::Stiffness;
 use super::{IntegrationError, Method, Statistics, System, dop853, radau, rk4};
+use crate::record::{Damaged, Record};
 
 /// Limits of the step-size control as in DOP853; its safety factor is 0.9, at which the retraction at tolerance 1e-12 takes
 /// a quarter more evaluations, in rejected steps.
@@ -79,6 +80,22 @@ impl<const N: usize> Integrator<N> {
     /// Work done so far.
     pub fn statistics(&self) -> Statistics {
         self.statistics
+    }
+
+    /// All fields, written or read.
+    ///
+    /// # Errors
+    /// A field is read that no integration leaves.
+    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        record.option("proposed step", &mut self.proposal, || 0.0, |record, h| record.positive("proposed step", h))?;
+        let blank = || [0.0; N];
+        record.option("derivative", &mut self.derivative, blank, |record, f| record.all_finite("derivative", f))?;
+        record.all_finite("compensation", &mut self.carry)?;
+        self.stiffness.record(record)?;
+        record.number("longest short step", &mut self.short, |h| h > 0.0, "a number > 0")?;
+        record.option("last implicit step", &mut self.before, Before::blank, |record, before| before.record(record))?;
+        self.method.record(record)?;
+        self.statistics.record(record)
     }
 
     /// The method of the last step.

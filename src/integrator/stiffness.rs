@@ -5,6 +5,8 @@
 //! for a few steps Radau takes over. It gives back when, for a few, its steps are shorter than those of DOP853 were. A
 //! change that did not pay doubles the number of steps before the next one, so that trials stay a small part of the work.
 
+use crate::record::{Damaged, Record};
+
 /// Steps held back before Radau takes over.
 const PATIENCE: u32 = 6;
 /// A change that does not pay doubles the patience, up to this.
@@ -36,6 +38,20 @@ pub(super) struct Stiffness {
 }
 
 impl Stiffness {
+    /// All fields, written or read.
+    ///
+    /// # Errors
+    /// A field is read that no choice leaves.
+    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        record.flag("implicit", &mut self.implicit)?;
+        record.small("hits", &mut self.hits)?;
+        record.small("misses", &mut self.misses)?;
+        record.small("failures", &mut self.failures)?;
+        record.finite("saved steps", &mut self.saved)?;
+        let allowed = |h: f64| h >= 0.0 && h.is_finite();
+        record.number("last explicit step", &mut self.explicit_h, allowed, "a finite number >= 0")
+    }
+
     /// An explicit step of size h at this h |lambda|, that could have grown by `grow`, has been accepted.
     pub fn explicit_step(&mut self, h: f64, h_lambda: f64, grow: f64) {
         if h_lambda > HELD_BACK && grow < GROWING {

@@ -1,5 +1,7 @@
 //! What an integration has done: by which method, how much.
 
+use crate::record::{Damaged, Record};
+
 /// A method of integration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
@@ -10,6 +12,21 @@ pub enum Method {
     Rk4,
     /// Implicit Runge-Kutta of order 5, Radau IIA.
     Radau,
+}
+
+impl Method {
+    const ALL: [Self; 3] = [Self::Dop853, Self::Rk4, Self::Radau];
+
+    /// Written or read.
+    ///
+    /// # Errors
+    /// There is no such method.
+    pub(super) fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        let mut place = *self as u8;
+        record.choice("method", &mut place, Self::ALL.len())?;
+        *self = Self::ALL[usize::from(place)];
+        Ok(())
+    }
 }
 
 /// Work done so far.
@@ -29,4 +46,18 @@ pub struct Statistics {
     pub implicit: u64,
     /// Accepted steps of RK4; those of DOP853 are the rest.
     pub short: u64,
+}
+
+impl Statistics {
+    /// All fields, written or read.
+    ///
+    /// # Errors
+    /// A count near overflow is read.
+    pub(super) fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        let Self { evaluations, accepted, rejected, jacobians, newton_iterations, implicit, short } = self;
+        for count in [evaluations, accepted, rejected, jacobians, newton_iterations, implicit, short] {
+            record.count("statistics", count)?;
+        }
+        Ok(())
+    }
 }

@@ -108,6 +108,9 @@ where
             meet_bumpers(motion, around, contact, z)?;
         }
         motion.mode.touching = contact.touching;
+        if std::mem::take(&mut stale) {
+            motion.set_bands(z[0], z[1]);
+        }
         if motion.reverses() {
             motion.mode.direction = motion.direction(z[0], z[1])?;
             if motion.mode.direction == 0.0 {
@@ -127,9 +130,6 @@ where
                 stale = true;
                 continue;
             }
-        }
-        if std::mem::take(&mut stale) {
-            motion.set_bands(z[0], z[1]);
         }
         let step = integrator.step(motion, t, z, span, tolerance).map_err(|e| failure(motion, e))?;
         let Some((s, event)) = first_event(motion, around, contact, &step, along.take()) else {

@@ -670,7 +670,7 @@ impl Model {
     fn not_elastic(&self, capability: &str) -> Result<(), ModelError> {
         let elastic = match &self.state {
             Some(state) => matches!(state, Formulation::RigidFem(_)),
-            None => self.method() == crate::definition::Method::RigidFem,
+            None => self.setting.method() == crate::definition::Method::RigidFem,
         };
         if elastic {
             let reason = "solver.method = \"rigid_fem\" does not have it; choose solver.method = \"reduced\"".into();

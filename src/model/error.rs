@@ -107,6 +107,11 @@ pub enum ModelError {
         /// The value at the start.
         start: f64,
     },
+    /// A snapshot that cannot be one of this mechanism.
+    Saved {
+        /// What is wrong with it.
+        what: String,
+    },
     /// The motion leaves the stretch that was traced.
     Travel {
         /// Where the linkage is then.
@@ -168,6 +173,7 @@ impl fmt::Display for ModelError {
                 f,
                 "{name} = {value}: the start, at {start}, is beyond this stop; move the start or the stop, or set the stop's enabled to false"
             ),
+            Self::Saved { what } => write!(f, "the saved state is none of this mechanism: {what}"),
             Self::Travel { position } => {
                 write!(f, "the motion has gone past the end of its travel at {position}: limit the loads or the time")
             }

@@ -9,6 +9,8 @@ mod error;
 mod motion;
 mod outputs;
 mod panel;
+mod saved;
+mod setting;
 mod signal;
 mod state;
 mod travel;
@@ -16,12 +18,15 @@ mod travel;
 pub use crate::integrator::Statistics;
 pub use derivatives::OUTPUT_ORDER;
 pub use error::ModelError;
+pub use saved::Snapshot;
 
 use crate::definition::{Experiment, Mechanism, Method, Range, Role};
+use crate::record::fnv1a;
 use crate::reduced::Reduced;
 use crate::variables::{Causality, Quantity, Reference, Value, Variables};
 use elastic::Elastic;
 use outputs::Unknown;
+use setting::Setting;
 use signal::{Change, Signal};
 use state::State;
 use std::sync::Arc;
@@ -31,10 +36,8 @@ use std::sync::Arc;
 pub struct Model {
     /// As read: what reset returns to.
     original: Arc<Original>,
-    /// With the present parameters.
-    mechanism: Mechanism,
-    parameters: Vec<f64>,
-    flags: Vec<bool>,
+    /// The present parameters; shared with the snapshots that were taken under them.
+    setting: Arc<Setting>,
     inputs: Inputs,
     /// For the present parameters; none after one of them has changed.
     reduced: Option<Arc<Reduced>>,
@@ -55,12 +58,12 @@ enum Motion {
 /// What a definition gives, before any value is set.
 #[derive(Debug)]
 struct Original {
-    mechanism: Mechanism,
+    setting: Arc<Setting>,
     variables: Variables,
     ranges: Vec<(Range, Role)>,
-    parameters: Vec<f64>,
-    flags: Vec<bool>,
     inputs: Inputs,
+    /// What a snapshot must have been taken of.
+    identity: [u64; 2],
     reduced: Arc<Reduced>,
 }
 
@@ -91,13 +94,8 @@ impl Model {
     pub fn from_json(text: &str) -> Result<Self, ModelError> {
         let mechanism = Mechanism::from_json(text)?;
         let variables = Variables::new(&mechanism)?;
-        let (mut ranges, mut parameters) = (Vec::new(), Vec::new());
-        mechanism.clone().parameters(&mut |p, value| {
-            ranges.push((p.range, p.role));
-            parameters.push(*value);
-        });
-        let mut flags = Vec::new();
-        mechanism.clone().flags(&mut |_, _, value| flags.push(*value));
+        let mut ranges = Vec::new();
+        mechanism.clone().parameters(&mut |p, _| ranges.push((p.range, p.role)));
         let mut inputs = Inputs { reals: Vec::new(), locks: Vec::new(), signal: Signal::new(0) };
         for v in variables.list().iter().filter(|v| v.causality == Causality::Input) {
             match v.start {
@@ -108,24 +106,17 @@ impl Model {
         }
         inputs.signal = Signal::new(inputs.reals.len());
         let reduced = Arc::new(Reduced::new(&mechanism)?);
+        let identity = [fnv1a(variables.guid().as_bytes()), setting::fingerprint(&mechanism)];
+        let setting = Arc::new(Setting::new(mechanism));
         let original = Original {
-            mechanism: mechanism.clone(),
+            setting: Arc::clone(&setting),
             variables,
             ranges,
-            parameters: parameters.clone(),
-            flags: flags.clone(),
             inputs: inputs.clone(),
+            identity,
             reduced: Arc::clone(&reduced),
         };
-        let mut model = Self {
-            original: Arc::new(original),
-            mechanism,
-            parameters,
-            flags,
-            inputs,
-            reduced: Some(reduced),
-            state: None,
-        };
+        let mut model = Self { original: Arc::new(original), setting, inputs, reduced: Some(reduced), state: None };
         model.state()?;
         model.state = None;
         Ok(model)
@@ -133,12 +124,12 @@ impl Model {
 
     /// Name of the mechanism, the FMU's modelName and modelIdentifier.
     pub fn name(&self) -> &str {
-        &self.original.mechanism.name
+        &self.original.setting.mechanism.name
     }
 
     /// One-line description of the mechanism.
     pub fn description(&self) -> &str {
-        &self.original.mechanism.description
+        &self.original.setting.mechanism.description
     }
 
     /// What the host can see.
@@ -148,7 +139,7 @@ impl Model {
 
     /// Default experiment.
     pub fn experiment(&self) -> Experiment {
-        self.original.mechanism.experiment
+        self.original.setting.mechanism.experiment
     }
 
     /// The reduced model for the present parameters.
@@ -157,7 +148,7 @@ impl Model {
     /// Why the present parameters give none.
     pub fn reduced(&mut self) -> Result<&Arc<Reduced>, ModelError> {
         if self.reduced.is_none() {
-            self.reduced = Some(Arc::new(Reduced::new(&self.mechanism)?));
+            self.reduced = Some(Arc::new(Reduced::new(&self.setting.mechanism)?));
         }
         self.reduced.as_ref().ok_or(ModelError::NotInitialised)
     }
@@ -168,7 +159,7 @@ impl Model {
     /// No Real has this reference, or the present parameters give no mechanism.
     pub fn real(&mut self, reference: Reference) -> Result<f64, ModelError> {
         match self.original.variables.quantity(reference) {
-            Some(Quantity::Parameter(i)) => Ok(self.parameters[i]),
+            Some(Quantity::Parameter(i)) => Ok(self.setting.parameters[i]),
             Some(Quantity::Input(i)) => Ok(self.inputs.reals[i]),
             Some(Quantity::Output(output)) => {
                 self.state()?;
@@ -244,17 +235,10 @@ impl Model {
                     }
                 }
             }
-            Some(Quantity::Parameter(i)) if self.parameters[i].to_bits() != value.to_bits() => {
-                self.parameters[i] = value;
-                let mut place = 0;
-                self.mechanism.parameters(&mut |_, v| {
-                    if place == i {
-                        *v = value;
-                    }
-                    place += 1;
-                });
+            Some(Quantity::Parameter(i)) if self.setting.parameters[i].to_bits() != value.to_bits() => {
+                Arc::make_mut(&mut self.setting).set_parameter(i, value);
                 self.state = None;
-                if matches!(self.original.ranges[i].1, Role::Geometry | Role::Inertia | Role::Load) {
+                if is_reduced(self.original.ranges[i].1) {
                     self.reduced = None;
                 }
             }
@@ -269,7 +253,7 @@ impl Model {
     /// No Boolean has this reference, or the present parameters give no mechanism.
     pub fn boolean(&mut self, reference: Reference) -> Result<bool, ModelError> {
         match self.original.variables.quantity(reference) {
-            Some(Quantity::Flag(i)) => Ok(self.flags[i]),
+            Some(Quantity::Flag(i)) => Ok(self.setting.flags[i]),
             Some(Quantity::Lock(i)) => Ok(self.inputs.locks[i]),
             Some(Quantity::AtStop(stop)) => {
                 let reduced = Arc::clone(self.reduced()?);
@@ -308,15 +292,8 @@ impl Model {
                     None => {}
                 }
             }
-            Some(Quantity::Flag(i)) if self.flags[i] != value => {
-                self.flags[i] = value;
-                let mut place = 0;
-                self.mechanism.flags(&mut |_, _, v| {
-                    if place == i {
-                        *v = value;
-                    }
-                    place += 1;
-                });
+            Some(Quantity::Flag(i)) if self.setting.flags[i] != value => {
+                Arc::make_mut(&mut self.setting).set_flag(i, value);
                 (self.state, self.reduced) = (None, None);
             }
             _ => {}
@@ -330,7 +307,7 @@ impl Model {
     /// No String has this reference.
     pub fn text(&self, reference: Reference) -> Result<&'static str, ModelError> {
         match self.original.variables.quantity(reference) {
-            Some(Quantity::Method) => Ok(self.method().word()),
+            Some(Quantity::Method) => Ok(self.setting.method().word()),
             _ => Err(self.no_such(reference, "String")),
         }
     }
@@ -349,16 +326,12 @@ impl Model {
     /// As [`Self::check_text`].
     pub fn set_text(&mut self, reference: Reference, value: &str) -> Result<(), ModelError> {
         let method = self.method_of(reference, value)?;
-        if self.method() != method {
-            self.mechanism.solver.method = Some(method);
+        if self.setting.method() != method {
+            Arc::make_mut(&mut self.setting).mechanism.solver.method = Some(method);
             self.state = None;
             self.inputs.signal.clear();
         }
         Ok(())
-    }
-
-    fn method(&self) -> Method {
-        self.mechanism.solver.method.unwrap_or_default()
     }
 
     fn method_of(&self, reference: Reference, value: &str) -> Result<Method, ModelError> {
@@ -404,7 +377,7 @@ impl Model {
         if self.inputs.signal.ahead {
             self.check_inputs_at(h)?;
         }
-        let tolerance = self.mechanism.solver.tolerance;
+        let tolerance = self.setting.mechanism.solver.tolerance;
         let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) else {
             return Err(ModelError::NotInitialised);
         };
@@ -420,9 +393,7 @@ impl Model {
 
     /// Back to what [`Self::from_json`] gave.
     pub fn reset(&mut self) {
-        self.mechanism = self.original.mechanism.clone();
-        self.parameters.clone_from(&self.original.parameters);
-        self.flags.clone_from(&self.original.flags);
+        self.setting = Arc::clone(&self.original.setting);
         self.inputs.clone_from(&self.original.inputs);
         self.reduced = Some(Arc::clone(&self.original.reduced));
         self.state = None;
@@ -437,8 +408,8 @@ impl Model {
     fn state(&mut self) -> Result<&mut Motion, ModelError> {
         if self.state.is_none() {
             let reduced = Arc::clone(self.reduced()?);
-            let (mechanism, inputs) = (&self.mechanism, &self.inputs);
-            self.state = Some(match self.method() {
+            let (mechanism, inputs) = (&self.setting.mechanism, &self.inputs);
+            self.state = Some(match self.setting.method() {
                 Method::Reduced => Motion::Reduced(State::at_start(&reduced, mechanism, inputs)?),
                 Method::RigidFem => Motion::RigidFem(Box::new(Elastic::at_start(&reduced, mechanism, inputs)?)),
             });
@@ -449,6 +420,11 @@ impl Model {
     fn no_such(&self, reference: Reference, kind: &'static str) -> ModelError {
         ModelError::Reference { reference, kind, count: self.original.variables.list().len() }
     }
+}
+
+/// Whether the reduced model depends on a parameter of this role.
+fn is_reduced(role: Role) -> bool {
+    matches!(role, Role::Geometry | Role::Inertia | Role::Load)
 }
 
 impl Motion {

@@ -6,6 +6,9 @@ use crate::powers::Powers;
 use crate::reduced::{Reduced, Scene};
 use crate::table::Table;
 
+/// Rounding of a panel's border that is counted on over whole turns, relative to the numbers that are added up.
+const BORDER: f64 = 8.0 * f64::EPSILON;
+
 /// Sizes of everything that the state does not decide.
 #[derive(Clone, Copy, Debug)]
 pub struct Given<'a> {
@@ -144,6 +147,12 @@ impl Folded {
         self.turns = given.turns + around;
         let (a, b) = table.borders(self.panel);
         (self.low, self.high, self.center, self.inverse) = (a + shift, b + shift, 0.5 * (a + b) + shift, 2.0 / (b - a));
+        if reduced.period().is_some() {
+            // Within rounding of its borders, which panel it is depends on how whole turns are counted: there it is asked
+            // anew, so that the answer never depends on the panel before.
+            let margin = BORDER * (first.abs().max(last.abs()) + shift.abs() + period);
+            (self.low, self.high) = (self.low + margin, self.high - margin);
+        }
         self.offset = 0.0;
         if reduced.period().is_none() && !(first..last).contains(&sigma) {
             // Beyond an open end; a step that ends there is refused.

@@ -1,4 +1,8 @@
 //! The state of motion, and how it goes on.
+mod saved;
+
+pub use saved::SavedState;
+
 use super::acting::Mode;
 use super::course::{Contact, Stopped, Surroundings, advance};
 use super::motion::{Motion, Work};
@@ -26,6 +30,8 @@ pub struct State {
     pub travel: Travel,
     /// Sizes of the loads in the last step: those that the integration and the energy balance know.
     pub applied: Vec<f64>,
+    /// Sizes before the last change of them: what a step that fails returns to.
+    before: Vec<f64>,
     /// Speed of the air in the last step [m/s].
     airspeed: f64,
     /// Energy at the start, plus the work of changing sizes, less the energy lost since.
@@ -83,6 +89,11 @@ impl Memory {
     }
 }
 
+/// Whether air that flows at this speed acts on the surfaces.
+fn blows(reduced: &Reduced, speed: f64) -> bool {
+    reduced.loading().air.as_ref().is_some_and(|air| air.relative_wind || speed != 0.0)
+}
+
 /// Speed of the air under these inputs.
 pub fn airspeed(reduced: &Reduced, inputs: &Inputs) -> f64 {
     reduced.loading().air.as_ref().and(inputs.reals.last().copied()).unwrap_or(0.0)
@@ -93,15 +104,25 @@ pub fn airspeed(reduced: &Reduced, inputs: &Inputs) -> f64 {
 /// # Errors
 /// [`Unresolved`]: a reaction that causes friction is not smooth.
 pub fn acting<'a>(reduced: &'a Reduced, inputs: &Inputs) -> Result<Option<&'a Scene>, &'a Unresolved> {
-    let air = reduced.loading().air.as_ref();
-    let blows = || inputs.change(reduced).is_some_and(|change| change.airspeed != [0.0; 2]);
-    reduced.scene(air.is_some_and(|air| air.relative_wind || airspeed(reduced, inputs) != 0.0 || blows()))
+    let changes = || inputs.change(reduced).is_some_and(|change| change.airspeed != [0.0; 2]);
+    reduced.scene(blows(reduced, airspeed(reduced, inputs)) || (reduced.loading().air.is_some() && changes()))
 }
 
 /// [`acting`], with the error told.
 fn scene<'a>(reduced: &'a Reduced, inputs: &Inputs) -> Result<Option<&'a Scene>, ModelError> {
-    acting(reduced, inputs)
-        .map_err(|at| ModelError::Table { name: "friction".into(), position: reduced.curve().describe(at.sigma) })
+    acting(reduced, inputs).map_err(|at| told(reduced, at))
+}
+
+/// What acts in air of this speed.
+///
+/// # Errors
+/// As [`scene`].
+fn scene_in(reduced: &Reduced, speed: f64) -> Result<Option<&Scene>, ModelError> {
+    reduced.scene(blows(reduced, speed)).map_err(|at| told(reduced, at))
+}
+
+fn told(reduced: &Reduced, at: &Unresolved) -> ModelError {
+    ModelError::Table { name: "friction".into(), position: reduced.curve().describe(at.sigma) }
 }
 
 impl State {
@@ -154,13 +175,15 @@ impl State {
         let here = sigma + turns * reduced.period().unwrap_or(0.0);
         let resting = (0..2).find(|&side| sigma_dot == 0.0 && travel[side].is_some_and(|e| e.position == here));
         let scene = scene(reduced, inputs)?;
+        let sizes = reduced.sizes(&inputs.reals);
         let mut state = Self {
             sigma,
             sigma_dot,
             turns,
             contact: Contact { resting, touching: [None; 2] },
             travel,
-            applied: reduced.sizes(&inputs.reals),
+            before: sizes.clone(),
+            applied: sizes,
             airspeed: airspeed(reduced, inputs),
             reference: 0.0,
             memory: Memory::new(scene.is_some()),
@@ -176,7 +199,8 @@ impl State {
     /// # Errors
     /// The integration stopped, friction locks, the travel of an open curve without stops ended.
     pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64, tolerance: f64) -> Result<(), ModelError> {
-        let scene = self.apply(reduced, inputs)?;
+        let (airspeed, reference) = (self.airspeed, self.reference);
+        let (scene, changed) = self.apply(reduced, inputs)?;
         let around = self.surroundings(reduced, &inputs.locks);
         let mut contact = self.contact;
         let change = inputs.change(reduced);
@@ -206,7 +230,7 @@ impl State {
         let lost = match lost {
             Ok(lost) => lost,
             Err(stopped) => {
-                self.memory.restart();
+                self.undo(reduced, changed, airspeed, reference);
                 return Err(match stopped {
                     Stopped::Integration(error) => ModelError::Integration(error),
                     Stopped::Locked => ModelError::Locked { position: self.describe(reduced) },
@@ -226,7 +250,7 @@ impl State {
             }
             None if !(first..=last).contains(&y[0]) => {
                 let position = reduced.curve().describe(y[0]);
-                self.memory.restart();
+                self.undo(reduced, changed, airspeed, reference);
                 return Err(ModelError::Travel { position });
             }
             _ => {}
@@ -272,8 +296,9 @@ impl State {
         reduced.curve().describe(self.sigma)
     }
 
-    /// Take up inputs that have changed since the last step: the change of the loads' potential is work from outside.
-    fn apply<'a>(&mut self, reduced: &'a Reduced, inputs: &Inputs) -> Result<Option<&'a Scene>, ModelError> {
+    /// Take up inputs that have changed since the last step: the change of the loads' potential is work from outside. Tells
+    /// whether any has.
+    fn apply<'a>(&mut self, reduced: &'a Reduced, inputs: &Inputs) -> Result<(Option<&'a Scene>, bool), ModelError> {
         let scene = scene(reduced, inputs)?;
         let loads = reduced.loading().inputs.len();
         let mut work = 0.0;
@@ -300,11 +325,31 @@ impl State {
         }
         if changed {
             self.reference += work;
+            self.before.copy_from_slice(&self.applied);
             self.applied[..loads].copy_from_slice(&inputs.reals[..loads]);
             self.memory.refresh();
             self.work.folded.forget();
         }
-        Ok(scene)
+        Ok((scene, changed))
+    }
+
+    /// After a step that failed: what [`Self::apply`] has changed is as it was; the integration begins anew.
+    #[cold]
+    fn undo(&mut self, reduced: &Reduced, changed: bool, airspeed: f64, reference: f64) {
+        self.memory.restart();
+        if !changed {
+            return;
+        }
+        self.applied.copy_from_slice(&self.before);
+        self.reference = reference;
+        self.airspeed = airspeed;
+        // It is at hand: it was in use before this step.
+        let scene = scene_in(reduced, airspeed).unwrap_or_default();
+        if scene.is_some_and(|s| s.air) != self.work.air {
+            self.work = Work::new(scene);
+        }
+        self.memory.suit(scene.is_some());
+        self.work.folded.forget();
     }
 }
 

@@ -28,6 +28,7 @@ pub use newmark::Workspace;
 
 use crate::linkage::{Linkage, Vec2};
 use crate::loading::{Loading, Spring};
+use crate::record::{Damaged, Record};
 use element::Span;
 use mesh::Mesh;
 use nodal_load::{NodalForces, NodalLoad, Present};
@@ -67,6 +68,20 @@ impl State {
         self.angles.clone_from(&other.angles);
     }
 
+    /// All fields, written or read into a state of the same linkage.
+    ///
+    /// # Errors
+    /// A field is read that no state has.
+    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        let Self { positions, velocities, accelerations, angles } = self;
+        for (name, vectors) in [("position", positions), ("velocity", velocities), ("acceleration", accelerations)] {
+            record.length("nodes", vectors.len())?;
+            vectors.iter_mut().try_for_each(|v| record.all_finite(name, v.as_mut_slice()))?;
+        }
+        record.length("elements", angles.len())?;
+        record.all_finite("angle", angles)
+    }
+
     fn present(&self) -> Present<'_> {
         Present { x: &self.positions, v: &self.velocities, angles: &self.angles }
     }
@@ -93,6 +108,17 @@ impl RigidFem {
         let loads = loading.loads.iter().filter_map(|load| NodalLoad::new(load, linkage, &mesh)).collect();
         let names = linkage.bodies[1..].iter().map(|b| b.name.clone()).collect();
         Ok(Self { mesh, loads, springs: loading.springs.clone(), names, size: linkage.size })
+    }
+
+    /// A state with every number 0, to be read into.
+    pub fn blank(&self) -> State {
+        let zero = vec![Vec2::zeros(); self.mesh.moving];
+        State {
+            positions: zero.clone(),
+            velocities: zero.clone(),
+            accelerations: zero,
+            angles: vec![0.0; self.mesh.elements.len()],
+        }
     }
 
     /// Number of unknowns: two for each moving node.

@@ -52,13 +52,7 @@ impl RigidFem {
     /// Room for steps of this linkage.
     pub fn workspace(&self) -> Workspace {
         let (n, elements) = (self.mesh.moving, self.mesh.elements.len());
-        let zero = vec![Vec2::zeros(); n];
-        let state = State {
-            positions: zero.clone(),
-            velocities: zero.clone(),
-            accelerations: zero,
-            angles: vec![0.0; elements],
-        };
+        let state = self.blank();
         Workspace {
             next: state.clone(),
             backup: state,

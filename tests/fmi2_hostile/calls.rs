@@ -1,7 +1,7 @@
 //! Every function with good, bad and absurd arguments, and the status that each deserves in each phase.
 
 use crate::fmi2_host::Gear;
-use linkage_fmu::fmi2::types::{Component, Status, Text};
+use linkage_fmu::fmi2::types::{Byte, Component, FmuState, Status, Text};
 use linkage_fmu::fmi2::*;
 use std::ffi::c_int;
 use std::ptr::{NonNull, null, null_mut};
@@ -60,6 +60,35 @@ fn nowhere<T>() -> *mut T {
 /// A pointer to a Real that is not aligned.
 fn crooked(values: &[f64]) -> *mut f64 {
     values.as_ptr().wrapping_byte_add(1).cast_mut()
+}
+
+/// A state of the instance, NULL if it has none to give; never freed.
+fn saved(c: Component) -> FmuState {
+    let mut state = null_mut();
+    // SAFETY: the component is NULL, foreign or valid.
+    unsafe { fmi2GetFMUstate(c, &mut state) };
+    state
+}
+
+/// Memory that is no state.
+fn no_state() -> FmuState {
+    static ZEROS: [u64; 16] = [0; 16];
+    ZEROS.as_ptr().cast_mut().cast()
+}
+
+/// A state of the instance in bytes; one zero if it has none to give.
+fn serialized(c: Component) -> Vec<Byte> {
+    let (mut state, mut size) = (saved(c), 0);
+    // SAFETY: the component is NULL, foreign or valid, and so is the state; the array has the size that is passed.
+    unsafe {
+        if state.is_null() || fmi2SerializedFMUstateSize(c, state, &mut size) != Status::Ok {
+            return vec![0];
+        }
+        let mut bytes = vec![0; size];
+        assert_eq!(fmi2SerializeFMUstate(c, state, bytes.as_mut_ptr(), size), Status::Ok);
+        assert_eq!(fmi2FreeFMUstate(c, &mut state), Status::Ok);
+        bytes
+    }
 }
 
 macro_rules! calls {
@@ -315,17 +344,47 @@ pub fn all() -> Vec<Call> {
 
         // Capabilities that the XML does not declare. Whoever adds one writes its rows anew.
         fmi2GetFMUstate {
-            "" "EEEEE" (|_t| &mut null_mut());
+            "a new one" "OOOOO" (|_t| &mut null_mut());
+            "over an old one" "OOOOO" (|t| &mut saved(t.c));
+            "over no state" "EEEEE" (|_t| &mut no_state());
+            "over a pointer that is not aligned" "EEEEE" (|_t| &mut no_state().wrapping_byte_add(1));
             "NULL" "EEEEE" (|_t| null_mut());
         }
-        fmi2SetFMUstate { "NULL" "EEEEE" (|_t| null_mut()); }
+        fmi2SetFMUstate {
+            "its own" "OOOOO" (|t| saved(t.c));
+            "no state" "EEEEE" (|_t| no_state());
+            "not aligned" "EEEEE" (|_t| no_state().wrapping_byte_add(1));
+            "NULL" "EEEEE" (|_t| null_mut());
+        }
         fmi2FreeFMUstate {
+            "a state" "OOOOO" (|t| &mut saved(t.c));
             "NULL" "OOOOO" (|_t| null_mut());
             "a pointer to NULL" "OOOOO" (|_t| &mut null_mut());
+            "no state" "EEEEE" (|_t| &mut no_state());
         }
-        fmi2SerializedFMUstateSize { "NULL" "EEEEE" (|_t| null_mut(), null_mut()); }
-        fmi2SerializeFMUstate { "NULL" "EEEEE" (|_t| null_mut(), null_mut(), HUGE); }
-        fmi2DeSerializeFMUstate { "NULL" "EEEEE" (|_t| null(), HUGE, null_mut()); }
+        fmi2SerializedFMUstateSize {
+            "a state" "OOOOO" (|t| saved(t.c), &mut 0);
+            "no room" "EEEEE" (|t| saved(t.c), null_mut());
+            "no state" "EEEEE" (|_t| no_state(), &mut 0);
+            "NULL" "EEEEE" (|_t| null_mut(), null_mut());
+        }
+        fmi2SerializeFMUstate {
+            "a state" "OOOOO" (|t| saved(t.c), serialized(t.c).as_mut_ptr(), serialized(t.c).len());
+            "too small" "EEEEE" (|t| saved(t.c), serialized(t.c).as_mut_ptr(), serialized(t.c).len() - 1);
+            "too large" "EEEEE" (|t| saved(t.c), serialized(t.c).as_mut_ptr(), HUGE);
+            "no room" "EEEEE" (|t| saved(t.c), null_mut(), serialized(t.c).len());
+            "no state" "EEEEE" (|_t| no_state(), [0; 8].as_mut_ptr(), 8);
+            "NULL" "EEEEE" (|_t| null_mut(), null_mut(), HUGE);
+        }
+        fmi2DeSerializeFMUstate {
+            "a state" "OOOOO" (|t| serialized(t.c).as_ptr(), serialized(t.c).len(), &mut null_mut());
+            "whatever was there" "OOOOO" (|t| serialized(t.c).as_ptr(), serialized(t.c).len(), &mut no_state());
+            "cut off" "EEEEE" (|t| serialized(t.c).as_ptr(), serialized(t.c).len() - 1, &mut null_mut());
+            "no room" "EEEEE" (|t| serialized(t.c).as_ptr(), serialized(t.c).len(), null_mut());
+            "nothing" "EEEEE" (|_t| null(), 0, &mut null_mut());
+            "zeros" "EEEEE" (|_t| [0; 64].as_ptr(), 64, &mut null_mut());
+            "NULL" "EEEEE" (|_t| null(), HUGE, null_mut());
+        }
     }
 }
 

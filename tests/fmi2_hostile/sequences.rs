@@ -48,6 +48,10 @@ fn op(others: usize) -> impl Strategy<Value = Op> {
         1 => prop_oneof![
             Just(Logging::AllOn), Just(Logging::AllOff), Just(Logging::ErrorsOnly), Just(Logging::DiscardsOff)
         ].prop_map(Op::Logging),
+        3 => Just(Op::Save),
+        4 => Just(Op::Restore),
+        1 => Just(Op::Serialize),
+        1 => Just(Op::Free),
         20 => (0..others).prop_map(Op::Other),
     ]
 }
@@ -76,7 +80,6 @@ fn random_sequences_are_answered_as_the_standard_says() {
 
 /// A step that cannot be computed leaves every output as it was under the same inputs.
 #[test]
-#[ignore = "fails: Model::step books the work of a changed input before it integrates, and keeps it if that fails"]
 fn a_failed_step_leaves_the_energy_balance() {
     let mut player = Player::new();
     for op in [Op::Enter, Op::Exit, Op::Step(1e-3), Op::SetForce(1e300)] {

@@ -9,6 +9,7 @@ use super::controller::AT_A_KINK;
 use super::linear::{Complex, Factors};
 use super::step::{self, Step, Trial, add_compensated};
 use super::{Dense, Statistics, System};
+use crate::record::{Damaged, Record};
 use coefficients::{ALPHA, BETA, C, E, GAMMA, STAGES, T, T_INVERSE};
 
 /// Order of the error estimate plus 1: it falls as this power of the step size.
@@ -62,6 +63,20 @@ impl<const N: usize> Before<N> {
     pub fn new(step: &Step<N>, stages: &Stages<N>) -> Self {
         let whole = std::array::from_fn(|n| step.end[n] - step.start[n]);
         Self { h: step.h, z: [stages.inner[0], stages.inner[1], whole] }
+    }
+
+    /// To be read into.
+    pub fn blank() -> Self {
+        Self { h: 0.0, z: [[0.0; N]; STAGES] }
+    }
+
+    /// All fields, written or read.
+    ///
+    /// # Errors
+    /// A field is read that no step leaves.
+    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        record.positive("last implicit step", &mut self.h)?;
+        self.z.iter_mut().try_for_each(|z| record.all_finite("increments", z))
     }
 
     /// Increments of a step of size h from the part `from` of this one, 0 its start, 1 its end.

@@ -5,23 +5,28 @@
 //! refused where it would begin to matter. It must not know the reduced model's integration.
 mod outputs;
 mod refusals;
+mod saved;
 mod track;
+
+pub use saved::SavedElastic;
 
 use super::course::Contact;
 use super::state::State;
 use super::{Inputs, ModelError};
 use crate::definition::{DefinitionError, Mechanism, Solver};
 use crate::integrator::Statistics;
+use crate::linkage::Vec2;
 use crate::reactions::Reaction;
 use crate::reduced::Reduced;
 use crate::rigid_fem::{self, RigidFem, RigidFemError, Workspace};
 use refusals::{refuse_locks, refuse_losses, refuse_passing};
+use std::sync::Arc;
 use track::Track;
 
 /// The state of motion, with room for its steps.
 #[derive(Clone, Debug)]
 pub struct Elastic {
-    fem: RigidFem,
+    fem: Arc<RigidFem>,
     room: Workspace,
     /// Largest step of Newmark's method [s].
     fem_step: f64,
@@ -33,6 +38,8 @@ pub struct Elastic {
     balanced: bool,
     /// Sizes of the loads in the last step: those that the energy balance knows.
     applied: Vec<f64>,
+    /// Accelerations and sizes before the last change of them: what a step that fails returns to.
+    before: (Vec<Vec2>, Vec<f64>),
     /// Sizes under the present inputs.
     sizes: Vec<f64>,
     /// Joint reactions, and whether they are those of the present sizes.
@@ -59,17 +66,7 @@ impl Elastic {
         rigid.contact = Contact::default();
         refuse_locks(reduced, inputs, &rigid)?;
         let linkage = reduced.linkage();
-        let stated = |body: usize| {
-            let defined = mechanism.bodies.get(&linkage.bodies[body].name);
-            defined.and_then(|b| b.axial_stiffness).unwrap_or(f64::NAN)
-        };
-        let fem = RigidFem::new(linkage, reduced.loading(), &stated).map_err(|error| match error {
-            RigidFemError::AxialStiffness { body, value } if value.is_nan() => {
-                let message = "solver.method = \"rigid_fem\" asks for it: state E A of the body in N".into();
-                ModelError::Definition(DefinitionError::Key { key: format!("bodies.{body}.axial_stiffness"), message })
-            }
-            error => error.into(),
-        })?;
+        let fem = Arc::new(finite_elements(reduced, mechanism)?);
         let c = reduced.curve().configuration(rigid.sigma);
         let q: Vec<f64> = c.q.iter().enumerate().map(|(i, q)| q + rigid.turns * reduced.growth(i)).collect();
         let q_dot: Vec<f64> = c.q_sigma.iter().map(|slope| slope * rigid.sigma_dot).collect();
@@ -78,9 +75,10 @@ impl Elastic {
         let beyond = |stop: &crate::loading::Stop| stop.beyond(fem.displacement(&state, stop.load)[0]).max(0.0);
         Ok(Self {
             room: fem.workspace(),
-            fem_step: mechanism.solver.fem_step.unwrap_or(Solver::FEM_STEP),
+            fem_step: fem_step(mechanism),
             present: state.clone(),
             balanced: true,
+            before: (state.accelerations.clone(), sizes.clone()),
             applied: sizes.clone(),
             reactions: (false, vec![Reaction::default(); linkage.joints.len()]),
             reference: fem.energy(&state, &sizes),
@@ -100,7 +98,19 @@ impl Elastic {
     pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64) -> Result<(), ModelError> {
         refuse_losses(reduced, inputs)?;
         refuse_locks(reduced, inputs, &self.rigid)?;
-        self.apply(reduced)?;
+        let reference = self.reference;
+        let changed = self.apply(reduced)?;
+        self.advance(reduced, h).inspect_err(|_| {
+            if changed {
+                self.state.accelerations.copy_from_slice(&self.before.0);
+                self.applied.copy_from_slice(&self.before.1);
+                self.reference = reference;
+            }
+        })
+    }
+
+    /// [`Self::step`] under the applied sizes.
+    fn advance(&mut self, reduced: &Reduced, h: f64) -> Result<(), ModelError> {
         let mut track = Track::new(reduced, &self.rigid)?;
         let (fem, slack) = (&self.fem, &self.slack);
         let (mut time, mut steps) = (0.0, 0);
@@ -154,8 +164,9 @@ impl Elastic {
         self.rigid.describe(reduced)
     }
 
-    /// Take up sizes that have changed since the last step: the change of the loads' potential is work from outside.
-    fn apply(&mut self, reduced: &Reduced) -> Result<(), ModelError> {
+    /// Take up sizes that have changed since the last step: the change of the loads' potential is work from outside. Tells
+    /// whether any has.
+    fn apply(&mut self, reduced: &Reduced) -> Result<bool, ModelError> {
         let mut work = 0.0;
         let mut changed = false;
         for (load, (size, applied)) in self.sizes.iter().zip(&self.applied).enumerate() {
@@ -166,10 +177,33 @@ impl Elastic {
             }
         }
         if changed {
+            self.before.0.copy_from_slice(&self.state.accelerations);
+            self.before.1.copy_from_slice(&self.applied);
             self.fem.rebalance(&mut self.state, &mut self.room, &self.sizes, self.fem_step)?;
             self.reference += work;
             self.applied.copy_from_slice(&self.sizes);
         }
-        Ok(())
+        Ok(changed)
     }
+}
+
+/// Largest step of Newmark's method [s].
+fn fem_step(mechanism: &Mechanism) -> f64 {
+    mechanism.solver.fem_step.unwrap_or(Solver::FEM_STEP)
+}
+
+/// The finite elements of a linkage with the bodies' axial stiffness.
+fn finite_elements(reduced: &Reduced, mechanism: &Mechanism) -> Result<RigidFem, ModelError> {
+    let linkage = reduced.linkage();
+    let stated = |body: usize| {
+        let defined = mechanism.bodies.get(&linkage.bodies[body].name);
+        defined.and_then(|b| b.axial_stiffness).unwrap_or(f64::NAN)
+    };
+    RigidFem::new(linkage, reduced.loading(), &stated).map_err(|error| match error {
+        RigidFemError::AxialStiffness { body, value } if value.is_nan() => {
+            let message = "solver.method = \"rigid_fem\" asks for it: state E A of the body in N".into();
+            ModelError::Definition(DefinitionError::Key { key: format!("bodies.{body}.axial_stiffness"), message })
+        }
+        error => error.into(),
+    })
 }

@@ -1,0 +1,273 @@
+//! Records: numbers one after the other, each in little-endian bytes, by one list of fields for writing and for reading.
+//!
+//! In: fields in a fixed order. Out: bytes; or the fields again, each held against what it may be. Nothing depends on the
+//! machine. It must not know what the fields mean.
+use std::fmt;
+
+/// Largest count in a record: whoever goes on counting from it does not overflow.
+const MOST: u64 = u32::MAX as u64 / 2;
+
+/// A field that cannot be what was written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Damaged(pub String);
+
+impl fmt::Display for Damaged {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// A record at work. A field is written as it is; one that is read is checked and replaces the value.
+#[derive(Debug)]
+pub enum Record<'a> {
+    /// Appends.
+    Write(&'a mut Vec<u8>),
+    /// What is left to be read.
+    Read(&'a [u8]),
+}
+
+impl Record<'_> {
+    /// Whether fields are read.
+    pub fn reads(&self) -> bool {
+        matches!(self, Self::Read(_))
+    }
+
+    fn bytes<const N: usize>(&mut self, value: [u8; N]) -> Result<[u8; N], Damaged> {
+        match self {
+            Self::Write(out) => {
+                out.extend_from_slice(&value);
+                Ok(value)
+            }
+            Self::Read(rest) => {
+                let (first, after) = rest.split_first_chunk().ok_or_else(|| Damaged("it ends too early".to_owned()))?;
+                *rest = after;
+                Ok(*first)
+            }
+        }
+    }
+
+    /// A whole number of 64 bits, any.
+    ///
+    /// # Errors
+    /// The record has ended.
+    pub fn word(&mut self, value: &mut u64) -> Result<(), Damaged> {
+        *value = u64::from_le_bytes(self.bytes(value.to_le_bytes())?);
+        Ok(())
+    }
+
+    /// A count of work done, 64 bits.
+    ///
+    /// # Errors
+    /// The record has ended, or the count is near overflow.
+    pub fn count(&mut self, name: &str, value: &mut u64) -> Result<(), Damaged> {
+        let limit = u64::MAX / 2;
+        self.word(value)?;
+        if *value <= limit { Ok(()) } else { Err(Damaged(format!("{name} = {value}: must be at most {limit}"))) }
+    }
+
+    /// A small count, 32 bits.
+    ///
+    /// # Errors
+    /// The record has ended, or the count is near overflow.
+    pub fn small(&mut self, name: &str, value: &mut u32) -> Result<(), Damaged> {
+        *value = u32::from_le_bytes(self.bytes(value.to_le_bytes())?);
+        if u64::from(*value) <= MOST {
+            Ok(())
+        } else {
+            Err(Damaged(format!("{name} = {value}: must be at most {MOST}")))
+        }
+    }
+
+    /// One of `choices` values, told by its place: a byte.
+    ///
+    /// # Errors
+    /// The record has ended, or there is no such place.
+    pub fn choice(&mut self, name: &str, value: &mut u8, choices: usize) -> Result<(), Damaged> {
+        [*value] = self.bytes([*value])?;
+        if usize::from(*value) < choices {
+            Ok(())
+        } else {
+            Err(Damaged(format!("{name} = {value}: must be below {choices}")))
+        }
+    }
+
+    /// A truth value: a byte, 0 or 1.
+    ///
+    /// # Errors
+    /// The record has ended, or another byte.
+    pub fn flag(&mut self, name: &str, value: &mut bool) -> Result<(), Damaged> {
+        let mut byte = u8::from(*value);
+        self.choice(name, &mut byte, 2)?;
+        *value = byte == 1;
+        Ok(())
+    }
+
+    /// A place among `count` things.
+    ///
+    /// # Errors
+    /// The record has ended, or there is no such place.
+    pub fn place(&mut self, name: &str, value: &mut usize, count: usize) -> Result<(), Damaged> {
+        let mut word = *value as u64;
+        self.word(&mut word)?;
+        match usize::try_from(word) {
+            Ok(place) if place < count || !self.reads() => {
+                *value = place;
+                Ok(())
+            }
+            _ => Err(Damaged(format!("{name} = {word}: must be below {count}"))),
+        }
+    }
+
+    /// The length of a list that reader and writer know.
+    ///
+    /// # Errors
+    /// The record has ended, or another length.
+    pub fn length(&mut self, name: &str, known: usize) -> Result<(), Damaged> {
+        let mut length = known as u64;
+        self.word(&mut length)?;
+        if length == known as u64 {
+            Ok(())
+        } else {
+            Err(Damaged(format!("{length} {name}: this mechanism has {known}")))
+        }
+    }
+
+    /// A number for which `allowed` holds, as `text` says.
+    ///
+    /// # Errors
+    /// The record has ended, or the number read is not allowed.
+    pub fn number(
+        &mut self,
+        name: &str,
+        value: &mut f64,
+        allowed: impl FnOnce(f64) -> bool,
+        text: &str,
+    ) -> Result<(), Damaged> {
+        let read = f64::from_le_bytes(self.bytes(value.to_le_bytes())?);
+        if self.reads() && !allowed(read) {
+            return Err(Damaged(format!("{name} = {read}: must be {text}")));
+        }
+        *value = read;
+        Ok(())
+    }
+
+    /// A finite number.
+    ///
+    /// # Errors
+    /// As [`Self::number`].
+    pub fn finite(&mut self, name: &str, value: &mut f64) -> Result<(), Damaged> {
+        self.number(name, value, f64::is_finite, "a finite number")
+    }
+
+    /// A finite number > 0.
+    ///
+    /// # Errors
+    /// As [`Self::number`].
+    pub fn positive(&mut self, name: &str, value: &mut f64) -> Result<(), Damaged> {
+        self.number(name, value, |v| v > 0.0 && v.is_finite(), "a finite number > 0")
+    }
+
+    /// Finite numbers, as many as there are.
+    ///
+    /// # Errors
+    /// As [`Self::number`].
+    pub fn all_finite(&mut self, name: &str, values: &mut [f64]) -> Result<(), Damaged> {
+        values.iter_mut().try_for_each(|value| self.finite(name, value))
+    }
+
+    /// Something that may be absent: a byte, then what `fields` lists, from `blank` on when reading.
+    ///
+    /// # Errors
+    /// As [`Self::flag`] and `fields`.
+    pub fn option<T>(
+        &mut self,
+        name: &str,
+        value: &mut Option<T>,
+        blank: impl FnOnce() -> T,
+        fields: impl FnOnce(&mut Self, &mut T) -> Result<(), Damaged>,
+    ) -> Result<(), Damaged> {
+        let mut present = value.is_some();
+        self.flag(name, &mut present)?;
+        if self.reads() {
+            *value = present.then(blank);
+        }
+        match value {
+            Some(value) => fields(self, value),
+            None => Ok(()),
+        }
+    }
+}
+
+/// CRC-32 of IEEE 802.3, as in zip and PNG: it tells every change of up to 32 bits in a row.
+pub fn crc32(bytes: &[u8]) -> u32 {
+    const TABLE: [u32; 256] = {
+        let mut table = [0; 256];
+        let mut i = 0;
+        while i < 256 {
+            let (mut crc, mut bit) = (i as u32, 0);
+            while bit < 8 {
+                crc = if crc & 1 == 1 { crc >> 1 ^ 0xEDB8_8320 } else { crc >> 1 };
+                bit += 1;
+            }
+            table[i] = crc;
+            i += 1;
+        }
+        table
+    };
+    !bytes.iter().fold(!0, |crc: u32, byte| crc >> 8 ^ TABLE[usize::from(crc as u8 ^ byte)])
+}
+
+/// FNV-1a, 64 bits: <http://www.isthe.com/chongo/tech/comp/fnv/>.
+pub fn fnv1a(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xCBF2_9CE4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01B3))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_are_those_of_their_definitions() {
+        assert_eq!(crc32(b"123456789"), 0xCBF4_3926);
+        assert_eq!(crc32(b""), 0);
+        assert_eq!(fnv1a(b""), 0xCBF2_9CE4_8422_2325);
+        assert_eq!(fnv1a(b"a"), 0xAF63_DC4C_8601_EC8C);
+    }
+
+    fn list(record: &mut Record, x: &mut f64, n: &mut u64, some: &mut Option<f64>) -> Result<(), Damaged> {
+        record.finite("x", x)?;
+        record.length("things", 3)?;
+        record.count("n", n)?;
+        record.option("some", some, || 0.0, |record, some| record.positive("some", some))
+    }
+
+    #[test]
+    fn what_was_written_is_read_again_in_fixed_bytes() {
+        let (mut x, mut n, mut some) = (-1.5, 258, Some(0.1));
+        let mut bytes = Vec::new();
+        list(&mut Record::Write(&mut bytes), &mut x, &mut n, &mut some).unwrap();
+        assert_eq!(bytes.len(), 8 + 8 + 8 + 1 + 8);
+        assert_eq!(bytes[..10], [0, 0, 0, 0, 0, 0, 0xF8, 0xBF, 3, 0]);
+        assert_eq!(bytes[16..18], [2, 1]);
+        let (mut y, mut m, mut other) = (0.0, 0, None);
+        list(&mut Record::Read(&bytes), &mut y, &mut m, &mut other).unwrap();
+        assert_eq!((y, m, other), (x, n, some));
+        for end in 0..bytes.len() {
+            assert!(list(&mut Record::Read(&bytes[..end]), &mut y, &mut m, &mut other).is_err());
+        }
+    }
+
+    #[test]
+    fn what_a_field_cannot_be_is_refused_by_name() {
+        let mut bytes = Vec::new();
+        let mut record = Record::Write(&mut bytes);
+        for value in [f64::NAN, f64::INFINITY, -1.0] {
+            record.finite("", &mut { value }).unwrap();
+        }
+        assert!(Record::Read(&bytes).finite("speed", &mut 0.0).unwrap_err().0.contains("speed = NaN"));
+        assert!(Record::Read(&bytes[16..]).positive("h", &mut 0.0).unwrap_err().0.contains("h = -1"));
+        assert!(Record::Read(&[2]).flag("on", &mut false).unwrap_err().0.contains("on = 2"));
+        assert!(Record::Read(&[255; 8]).place("stop", &mut 0, 3).unwrap_err().0.contains("below 3"));
+        assert!(Record::Read(&[255; 8]).length("stops", 3).is_err());
+    }
+}
