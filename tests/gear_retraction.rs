@@ -132,7 +132,7 @@ fn sizes_beyond_reason_are_errors_not_numbers() {
     assert_eq!((gear.get("crank.angle"), gear.get("crank.speed")), start);
     gear.set("actuator.force", 30_000.0);
     gear.set("load_factor", 3.0);
-    for (name, value) in [("crank.mass", 1e308), ("crank.length", 1e200), ("gravity.acceleration", 1e308)] {
+    for (name, value) in [("crank.mass", 1e308), ("crank.length", 1e100), ("gravity.acceleration", 1e308)] {
         let mut gear = Gear::new(1e-9);
         gear.set(name, value);
         // Either refused, or every output it still tells is a number.

@@ -11,6 +11,10 @@ pub enum Range {
     NonNegative,
     /// > 0.
     Positive,
+    /// A length: > 0, and so that its square is a number.
+    Length,
+    /// A coordinate: of any sign, and so that its square is a number.
+    Coordinate,
     /// > 0 and <= 1.
     Fraction,
     /// From 0 to 1.
@@ -18,6 +22,9 @@ pub enum Range {
     /// From the first to the second.
     Between(f64, f64),
 }
+
+/// Largest length [m].
+const FARTHEST: f64 = 1e100;
 
 impl Range {
     /// Whether the value is in the range.
@@ -27,6 +34,8 @@ impl Range {
                 Self::Finite => true,
                 Self::NonNegative => value >= 0.0,
                 Self::Positive => value > 0.0,
+                Self::Length => value > 0.0 && value <= FARTHEST,
+                Self::Coordinate => value.abs() <= FARTHEST,
                 Self::Fraction => value > 0.0 && value <= 1.0,
                 Self::Unit => (0.0..=1.0).contains(&value),
                 Self::Between(low, high) => (low..=high).contains(&value),
@@ -39,6 +48,8 @@ impl Range {
             Self::Finite => "a finite number".into(),
             Self::NonNegative => "a finite number >= 0".into(),
             Self::Positive => "a finite number > 0".into(),
+            Self::Length => format!("a number > 0 and <= {FARTHEST:e}"),
+            Self::Coordinate => format!("a number from -{FARTHEST:e} to {FARTHEST:e}"),
             Self::Fraction => "a number > 0 and <= 1".into(),
             Self::Unit => "a number from 0 to 1".into(),
             Self::Between(low, high) => format!("a number from {low:e} to {high:e}"),
@@ -118,15 +129,15 @@ impl Mechanism {
                 visit(p("angle", "angle", "Angle of the x axis", Unit::Radian, Range::Finite, Geometry), v);
             }
             if let Some(v) = length {
-                visit(p("length", "length", "Length", Unit::Metre, Range::Positive, Geometry), v);
+                visit(p("length", "length", "Length", Unit::Metre, Range::Length, Geometry), v);
             }
             if name != GROUND {
                 if let Some(v) = mass {
                     visit(p("mass", "mass", "Mass", Unit::Kilogram, Range::NonNegative, Inertia), v);
                 }
                 if let Some([x, y]) = center {
-                    visit(p("center_x", "center[0]", "Centre of mass, x,", Unit::Metre, Range::Finite, Inertia), x);
-                    visit(p("center_y", "center[1]", "Centre of mass, y,", Unit::Metre, Range::Finite, Inertia), y);
+                    visit(p("center_x", "center[0]", "Centre of mass, x,", Unit::Metre, Range::Coordinate, Inertia), x);
+                    visit(p("center_y", "center[1]", "Centre of mass, y,", Unit::Metre, Range::Coordinate, Inertia), y);
                 }
                 if let Some(v) = inertia {
                     let text = "Moment of inertia about the centre of mass";
@@ -141,7 +152,7 @@ impl Mechanism {
                 let p = |axis: &str, index: usize| {
                     let text = format!("Point {point}, {axis},");
                     let key = format!("points.{point}[{index}]");
-                    p(&format!("{point}_{axis}"), &key, &text, Unit::Metre, Range::Finite, Geometry)
+                    p(&format!("{point}_{axis}"), &key, &text, Unit::Metre, Range::Coordinate, Geometry)
                 };
                 visit(p("x", 0), x);
                 visit(p("y", 1), y);

@@ -234,6 +234,10 @@ impl<const N: usize> Integrator<N> {
         end: f64,
         tolerance: f64,
     ) -> Result<Step<N>, IntegrationError> {
+        if begin.wish.is_nan() || begin.wish <= 0.0 {
+            // Rates so large that the first step vanishes.
+            return Err(IntegrationError::StepTooSmall { t: begin.t, step: begin.wish });
+        }
         if S::CAN_BE_STIFF && self.stiffness.implicit {
             return self.implicit_step(system, y, begin, end, tolerance);
         }

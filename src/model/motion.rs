@@ -241,7 +241,14 @@ impl System<3> for Motion<'_> {
     }
 
     fn scale(&self, y: &[f64; 3], f: &[f64; 3]) -> [f64; 3] {
-        let (length, speed) = self.scales(y[1], f[1]);
+        let mut force = f[1].abs();
+        let folded = &self.work.folded;
+        if folded.changes() {
+            // Where a changing input balances the rest, the acceleration tells nothing of the forces at work.
+            let x = folded.x(y[0]).clamp(-1.0, 1.0);
+            force = force.max(folded.excess(0, &Powers::new(x), self.time).abs());
+        }
+        let (length, speed) = self.scales(y[1], force);
         [length, speed, speed * speed]
     }
 }
