@@ -206,9 +206,9 @@ impl Player {
                     if past.abs() < 0.3 * h {
                         return None;
                     }
-                    return ok_if(past < 0.0 && self.now.force.abs() <= ABSURD);
+                    return ok_if(past < 0.0 && !self.is_absurd());
                 }
-                ok_if(good && self.now.force.abs() <= ABSURD)
+                ok_if(good && !self.is_absurd())
             }
             Op::StepFromElsewhere(..) => Some(Status::Error),
             Op::Logging(_) => ok_if(legal("fmi2SetDebugLogging")),
@@ -234,7 +234,20 @@ impl Player {
         let in_time = |h: f64| self.now.stop.is_none_or(|stop| self.now.time + h < stop);
         matches!(op, Op::Step(h) if *h > 0.0 && h.is_finite() && in_time(*h))
             && self.now.phase == Phase::Step
-            && self.now.force.abs() > ABSURD
+            && self.is_absurd()
+    }
+
+    /// Whether the force is beyond reason, and no stop holds against it: the gear rests at its up stop or at its down stop.
+    fn is_absurd(&self) -> bool {
+        if self.now.force.abs() <= ABSURD {
+            return false;
+        }
+        let mut values = [0.0; 2];
+        // SAFETY: two references, room for two values.
+        let status = unsafe { fmi2GetReal(self.gear.c, self.watched[3..].as_ptr(), 2, values.as_mut_ptr()) };
+        let [angle, speed] = values;
+        let pressed = (angle < -1.299 && self.now.force > 0.0) || (angle > 0.799 && self.now.force < 0.0);
+        !(status == Status::Ok && speed == 0.0 && pressed)
     }
 
     /// Whether a step could not be computed.
