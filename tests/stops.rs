@@ -229,6 +229,24 @@ fn a_bumper_holds_by_its_spring() {
     assert!(highest > 0.8);
 }
 
+/// A flight whose height is rounding of the position is rest; it once ended the step below the stop.
+#[test]
+fn a_flight_too_low_to_be_told_is_rest() {
+    for speed in [-1e-3, -1e-5, -1e-7, -1e-9, -1e-11, -1e-13] {
+        for force in [-30_000.0, -3_000.0, 3_000.0] {
+            for h in [1e-9, 1e-7, 1e-5, 1e-3, 0.03] {
+                let mut gear = Gear::new()
+                    .set(&[("crank.start_angle", 0.8), ("crank.start_speed", speed), ("actuator.force", force)])
+                    .start();
+                gear.0.step(h).unwrap();
+                let angle = gear.get("crank.angle");
+                assert!(angle <= 0.8 + 1e-15, "{speed} {force} {h}: {:e} beyond", angle - 0.8);
+                assert!(gear.get("energy.drift").abs() < 1e-9, "{}", gear.get("energy.drift"));
+            }
+        }
+    }
+}
+
 #[test]
 fn what_contradicts_is_refused() {
     for (values, fragments) in [

@@ -42,6 +42,9 @@ pub struct Contact {
 
 /// Flight between two impacts below which they are one contact [s].
 const FLIGHT: f64 = 1e-10;
+/// Height of a flight, in units of the last place of sigma, below which positions do not tell it from rest: four times
+/// what the search for the impact takes for rounding.
+const HEIGHT: f64 = 64.0 * f64::EPSILON;
 
 /// An event within a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,6 +109,13 @@ where
         }
         if stale {
             meet_bumpers(motion, around, contact, z)?;
+            let leaves = |side: usize| z[1] * outward(side) < 0.0 && at(around, side, z[0]);
+            if let Some(side) = (0..2).find(|&side| leaves(side) && rigid(motion, around, side)) {
+                lost += calm(motion, contact, side, z, tolerance)?;
+                if contact.resting.is_some() {
+                    continue;
+                }
+            }
         }
         motion.mode.touching = contact.touching;
         if std::mem::take(&mut stale) {
@@ -248,6 +258,11 @@ pub fn rests(motion: &mut Motion, around: &Surroundings, side: usize, sigma: f64
     Ok(rigid(motion, around, side) && motion.settle(sigma, 0.0)? * outward(side) >= 0.0)
 }
 
+/// Whether the mechanism is exactly at an end.
+fn at(around: &Surroundings, side: usize, sigma: f64) -> bool {
+    around.travel[side].is_some_and(|e| sigma == e.position)
+}
+
 /// A mechanism that sets out from the place of a bumper, outward, presses it from the start on.
 fn meet_bumpers<const N: usize>(
     motion: &mut Motion,
@@ -256,8 +271,7 @@ fn meet_bumpers<const N: usize>(
     z: &[f64; N],
 ) -> Result<(), Locked> {
     for side in 0..2 {
-        let at = around.travel[side].is_some_and(|e| z[0] == e.position);
-        if let (true, None, Some(k)) = (at, contact.touching[side], bumper(motion, around, side)) {
+        if let (true, None, Some(k)) = (at(around, side, z[0]), contact.touching[side], bumper(motion, around, side)) {
             let outward = outward(side);
             if z[1] * outward > 0.0 || (z[1] == 0.0 && motion.settle(z[0], 0.0)? * outward > 0.0) {
                 contact.touching[side] = Some(k);
@@ -302,17 +316,35 @@ fn strike<const N: usize>(
     }
     // Newton's law of impact.
     z[1] *= -motion.reduced.loading().stops[end.stop].restitution;
-    if z[1] != 0.0 {
+    let after = 0.5 * z[1] * z[1];
+    Ok(before - after + calm(motion, contact, side, z, tolerance)?)
+}
+
+/// A mechanism that leaves a rigid end against the loads comes to rest there if its flight is too short or too low.
+/// Returns the energy lost [J].
+fn calm<const N: usize>(
+    motion: &mut Motion,
+    contact: &mut Contact,
+    side: usize,
+    z: &mut [f64; N],
+    tolerance: f64,
+) -> Result<f64, Locked> {
+    let speed = -z[1] * outward(side);
+    if speed < 0.0 {
+        return Ok(0.0);
+    }
+    let rests = speed == 0.0 || {
         let press = motion.settle(z[0], 0.0)? * outward(side);
         let shortest = FLIGHT.max(0.1 * tolerance * (motion.reduced.scale() / press.abs()).sqrt());
-        if press > 0.0 && 2.0 * z[1].abs() < shortest * press {
-            z[1] = 0.0;
-        }
+        let (duration, height) = (2.0 * speed / press, 0.5 * speed * speed / press);
+        press > 0.0 && (duration < shortest || height < HEIGHT * z[0].abs())
+    };
+    if !rests {
+        return Ok(0.0);
     }
-    if z[1] == 0.0 {
-        contact.resting = Some(side);
-    }
-    Ok(before - 0.5 * z[1] * z[1])
+    z[1] = 0.0;
+    contact.resting = Some(side);
+    Ok(0.5 * speed * speed)
 }
 
 /// The first event in a step, and the part of the step before it.
