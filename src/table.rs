@@ -52,18 +52,16 @@ pub struct Spot {
     pub x: f64,
 }
 
-/// Value of a polynomial with monomial coefficients: four interleaved Horner schemes, so that they overlap.
+/// Value of a polynomial with monomial coefficients: Estrin's scheme, whose longest chain is four products and four sums.
 #[inline]
 pub fn polynomial(c: &Series, x: f64) -> f64 {
     let x2 = x * x;
     let x4 = x2 * x2;
-    let mut sums = [c[12], c[13], c[14], c[15]];
-    for block in [8, 4, 0] {
-        for (k, sum) in sums.iter_mut().enumerate() {
-            *sum = *sum * x4 + c[block + k];
-        }
-    }
-    (sums[0] + x * sums[1]) + x2 * (sums[2] + x * sums[3])
+    let x8 = x4 * x4;
+    let pair = |k: usize| c[k] + c[k + 1] * x;
+    let four = |k: usize| pair(k) + pair(k + 2) * x2;
+    let eight = |k: usize| four(k) + four(k + 4) * x4;
+    eight(0) + eight(8) * x8
 }
 
 impl Table {

@@ -1,13 +1,13 @@
 //! Step sizes and the choice of the method.
 //!
 //! Source: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.4 (step-size control); Hairer, Wanner, Solving ODEs II (1996),
-//! IV.2 (detecting stiffness), IV.8 (Radau).
+//! IV.2 (detecting stiffness), IV.8 (Radau, step sizes).
 use super::linear::largest_eigenvalue;
 use super::radau::{Before, Start};
 use super::starting::starting_step;
 use super::step::{Stages, Step, Trial};
 use super::stiffness::Stiffness;
-use super::{IntegrationError, Method, Statistics, System, dop853, radau, rk4};
+use super::{IntegrationError, Method, Statistics, System, dop853, radau, rk4, rkn86};
 use crate::record::{Damaged, Record};
 
 /// Limits of the step-size control as in DOP853; its safety factor is 0.9, at which the retraction at tolerance 1e-12 takes
@@ -15,8 +15,6 @@ use crate::record::{Damaged, Record};
 const SAFETY: f64 = 0.8;
 const SHRINK_MOST: f64 = 1.0 / 3.0;
 const GROW_MOST: f64 = 6.0;
-/// At a kink an estimate means the order of magnitude: what it is multiplied by there.
-pub(super) const AT_A_KINK: f64 = 10.0;
 /// Shrinking where the error is not finite.
 const SHRINK_INFINITE: f64 = 0.1;
 /// Shrinking where Newton's method does not converge.
@@ -25,6 +23,8 @@ const SHRINK_UNSOLVED: f64 = 0.25;
 const SHORT: f64 = 4.0;
 /// What each step of DOP853 adds to the span at which RK4 is tried again.
 const SHORT_AGAIN: f64 = 1.02;
+/// A step that could have been so many times as large tells nothing of how the error grows.
+const LARGEST_REACH: f64 = 10.0;
 /// A step below this part of the span cannot be told from round-off in time.
 const SMALLEST: f64 = 1e-14;
 
@@ -55,6 +55,8 @@ pub struct Integrator<const N: usize> {
     stiffness: Stiffness,
     /// Span up to which one step of RK4 has met its share of the tolerance, as far as is known [s].
     short: f64,
+    /// Size [s] of the last explicit step, and by which factor it could just have been larger.
+    last: Option<(f64, f64)>,
     /// The last step, if it was one of Radau.
     before: Option<Before<N>>,
     method: Method,
@@ -69,6 +71,7 @@ impl<const N: usize> Default for Integrator<N> {
             carry: [0.0; N],
             stiffness: Stiffness::default(),
             short: f64::INFINITY,
+            last: None,
             before: None,
             method: Method::default(),
             statistics: Statistics::default(),
@@ -93,6 +96,15 @@ impl<const N: usize> Integrator<N> {
         record.all_finite("compensation", &mut self.carry)?;
         self.stiffness.record(record)?;
         record.number("longest short step", &mut self.short, |h| h > 0.0, "a number > 0")?;
+        record.option(
+            "last explicit step",
+            &mut self.last,
+            || (0.0, 0.0),
+            |record, (h, error)| {
+                record.positive("size of the last step", h)?;
+                record.positive("error of the last step", error)
+            },
+        )?;
         record.option("last implicit step", &mut self.before, Before::blank, |record, before| before.record(record))?;
         self.method.record(record)?;
         self.statistics.record(record)
@@ -106,6 +118,7 @@ impl<const N: usize> Integrator<N> {
     /// The right-hand side has changed (new inputs): forget the last derivative, keep the step size.
     pub fn refresh(&mut self) {
         self.derivative = None;
+        self.last = None;
     }
 
     /// The state or the right-hand side has jumped: forget everything but the statistics.
@@ -210,10 +223,6 @@ impl<const N: usize> Integrator<N> {
             self.statistics.rejected += 1;
             return None;
         }
-        if system.piece(t, y) != system.piece(t + h, &outcome.end) {
-            self.statistics.rejected += 1;
-            return None;
-        }
         self.derivative = Some(outcome.last);
         self.carry = outcome.carry;
         self.method = Method::Rk4;
@@ -241,30 +250,65 @@ impl<const N: usize> Integrator<N> {
         if S::CAN_BE_STIFF && self.stiffness.implicit {
             return self.implicit_step(system, y, begin, end, tolerance);
         }
-        let &Begin { t, ref first, rest, ref scale, mut wish } = begin;
+        let &Begin { t, rest, ref scale, mut wish, .. } = begin;
         let mut grow_most = GROW_MOST;
+        let power = if S::SECOND_ORDER { rkn86::ERROR_POWER } else { dop853::ERROR_POWER };
         loop {
             let h = fitted(wish, rest);
-            let (slopes, last, carry) = dop853::attempt(system, t, y, first, h, &self.carry);
-            self.statistics.evaluations += dop853::tableau::STAGES as u64;
-            let (mut error, cautious) = dop853::error(&slopes, h, scale, tolerance);
-            // Where a kink lies just so, the first estimate vanishes by chance.
-            if error <= 1.0 && system.piece(t, y) != system.piece(t + h, &last) {
-                error = AT_A_KINK * cautious;
-            }
-            let grow = SAFETY * error.powf(-1.0 / dop853::ERROR_POWER);
+            let (trial, error) = self.explicit_trial(system, y, begin, h, tolerance);
             if error <= 1.0 {
+                let mut grow = grow_most;
+                self.short *= SHORT_AGAIN;
                 if S::CAN_BE_STIFF {
-                    self.stiffness.explicit_step(h, dop853::stiffness(y, &last, &slopes, h, scale), grow);
                     self.before = None;
                 }
-                self.short *= SHORT_AGAIN;
-                let trial = Trial::explicit(t, y, h, &self.carry, slopes, last, carry);
-                return Ok(self.accept(trial, wish, grow.clamp(SHRINK_MOST, grow_most), rest));
+                // A step cut short by the end of the span is often so much shorter that no growth comes to the wish.
+                if S::CAN_BE_STIFF || h >= wish || h * grow_most > wish {
+                    let reach = error.powf(-1.0 / power);
+                    if let Stages::Dop853(slopes) = &trial.step.stages
+                        && S::CAN_BE_STIFF
+                    {
+                        let felt = dop853::stiffness(y, &trial.step.end, slopes, h, scale);
+                        self.stiffness.explicit_step(h, felt, SAFETY * reach);
+                    }
+                    grow = (SAFETY * self.foreseen(h, reach)).clamp(SHRINK_MOST, grow_most);
+                }
+                return Ok(self.accept(trial, wish, grow, rest));
             }
+            let grow = SAFETY * error.powf(-1.0 / power);
             grow_most = 1.0;
             wish = self.reject(t, h, if error.is_finite() { grow.max(SHRINK_MOST) } else { SHRINK_INFINITE }, end)?;
         }
+    }
+
+    /// One step of size h by the explicit pair that suits the system, with its error over the tolerance.
+    #[inline]
+    fn explicit_trial<S: System<N>>(
+        &mut self,
+        system: &mut S,
+        y: &[f64; N],
+        begin: &Begin<N>,
+        h: f64,
+        tolerance: f64,
+    ) -> (Trial<N>, f64) {
+        let &Begin { t, ref first, ref scale, .. } = begin;
+        if S::SECOND_ORDER {
+            self.statistics.evaluations += rkn86::EVALUATIONS;
+            let (accelerations, trial) = rkn86::attempt(system, t, y, first, h, &self.carry);
+            return (trial, rkn86::error(&accelerations, h, scale, tolerance));
+        }
+        self.statistics.evaluations += dop853::tableau::STAGES as u64;
+        let (slopes, last, carry) = dop853::attempt(system, t, y, first, h, &self.carry);
+        let error = dop853::error(&slopes, h, scale, tolerance);
+        (Trial::explicit(t, y, h, &self.carry, slopes, last, carry), error)
+    }
+
+    /// Growth at which the next step would just be good, after one of size h that could have grown by `reach`. Where the
+    /// error per step has been growing, it is taken to go on so: Solving ODEs II (1996), IV.8, eq. (8.25).
+    fn foreseen(&mut self, h: f64, reach: f64) -> f64 {
+        let reach = reach.min(LARGEST_REACH);
+        let last = self.last.replace((h, reach));
+        last.map_or(reach, |(h_before, before)| reach.min(reach * (h * reach) / (h_before * before)))
     }
 
     /// [`Self::long_step`] by Radau.
@@ -279,6 +323,7 @@ impl<const N: usize> Integrator<N> {
         let &Begin { t, ref first, rest, ref scale, mut wish } = begin;
         let jacobian = system.jacobian(t, y);
         self.statistics.jacobians += 1;
+        self.last = None;
         let (carry, before) = (self.carry, self.before);
         let start =
             Start { t, y, first, jacobian: &jacobian, carry: &carry, before: before.as_ref(), scale, tolerance };
@@ -315,6 +360,12 @@ impl<const N: usize> Integrator<N> {
                 let (slopes, end, carry) = dop853::attempt(system, step.t, &step.start, &slopes[0], h, &step.carry);
                 Trial::explicit(step.t, &step.start, h, &step.carry, slopes, end, carry)
             }
+            Stages::Rkn86(accelerations) => {
+                self.statistics.evaluations += rkn86::EVALUATIONS;
+                let mut first = step.start;
+                (first[0], first[1]) = (step.start[1], accelerations[0]);
+                rkn86::attempt(system, step.t, &step.start, &first, h, &step.carry).1
+            }
             Stages::Rk4(slopes) => {
                 self.statistics.evaluations += rk4::EVALUATIONS;
                 let rk4::Outcome { end, carry, last, .. } =
@@ -341,6 +392,7 @@ impl<const N: usize> Integrator<N> {
         self.carry = trial.carry;
         self.method = trial.step.method();
         self.statistics.accepted += 1;
+        self.statistics.nystroem += u64::from(self.method == Method::Rkn86);
         trial.step.reached = h == rest;
         trial.step
     }

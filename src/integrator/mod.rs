@@ -1,5 +1,5 @@
-//! Adaptive integration of y' = f(t, y): explicit (DOP853, or RK4 over short spans) where it can be, implicit
-//! (Radau IIA) where it must be.
+//! Adaptive integration of y' = f(t, y): explicit where it can be (a Nystroem pair for forces that
+//! do not depend on the speed, else DOP853; RK4 over short spans), implicit (Radau IIA) where it must be.
 //!
 //! In: a first-order system, a start, a span, a tolerance. Out: y at the exact end of the span; for each step, on request,
 //! the interpolant and where it passes a level. It must not know what y means.
@@ -10,6 +10,7 @@ mod error;
 mod linear;
 mod radau;
 mod rk4;
+mod rkn86;
 mod root;
 mod starting;
 mod step;

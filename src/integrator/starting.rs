@@ -20,7 +20,7 @@ pub(super) fn starting_step<S: System<N>, const N: usize>(
     statistics.evaluations += 1;
     let bend = size(&std::array::from_fn(|i| second[i] - first[i])) / h0;
     let largest = slope.max(bend);
-    let h1 = if largest > 0.0 { (tolerance / largest).powf(0.125).min(rest) } else { rest };
+    let h1 = if largest > 0.0 { (0.01 * tolerance / largest).powf(0.125).min(rest) } else { rest };
     let mut h = h1.min(100.0 * h0);
     if S::CAN_BE_STIFF {
         statistics.jacobians += 1;

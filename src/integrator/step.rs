@@ -1,5 +1,5 @@
 //! One step: what every method leaves of it.
-use super::{Dense, Method, System, dop853, radau, rk4};
+use super::{Dense, Method, System, dop853, radau, rk4, rkn86};
 
 /// One accepted step from t to t + h.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +24,7 @@ pub struct Step<const N: usize> {
 pub(super) enum Stages<const N: usize> {
     Dop853(dop853::Slopes<N>),
     Rk4(rk4::Slopes<N>),
+    Rkn86(rkn86::Accelerations),
     Radau(radau::Stages<N>),
 }
 
@@ -60,6 +61,7 @@ impl<const N: usize> Step<N> {
         match self.stages {
             Stages::Dop853(_) => Method::Dop853,
             Stages::Rk4(_) => Method::Rk4,
+            Stages::Rkn86(_) => Method::Rkn86,
             Stages::Radau(_) => Method::Radau,
         }
     }
@@ -70,16 +72,21 @@ impl<const N: usize> Step<N> {
         match &self.stages {
             Stages::Dop853(slopes) => slopes.iter().fold(0.0, |most: f64, f| most.max(f[n].abs())) * self.h,
             Stages::Rk4(slopes) => 1.5 * slopes.first[n].abs().max(slopes.last[n].abs()) * self.h,
+            Stages::Rkn86(accelerations) => {
+                let change = accelerations.iter().fold(0.0, |most: f64, f| most.max(f.abs())) * self.h;
+                if n == 0 { (self.start[1].abs() + change) * self.h } else { change }
+            }
             Stages::Radau(_) => f64::INFINITY,
         }
     }
 
-    /// Interpolant over this step: of order 7 after DOP853, for three evaluations; of order 3 after RK4
-    /// (Hermite's cubic) and after Radau (the collocation polynomial).
+    /// Interpolant over this step: of order 7 after DOP853, for three evaluations; of order 6 after the Nystroem pair; of
+    /// order 3 after RK4 (Hermite's cubic) and after Radau (the collocation polynomial).
     pub fn dense<S: System<N>>(&self, system: &mut S) -> Dense<N> {
         match &self.stages {
             Stages::Dop853(slopes) => dop853::dense(self, slopes, system),
             Stages::Rk4(slopes) => rk4::dense(self, slopes),
+            Stages::Rkn86(accelerations) => rkn86::dense(self, accelerations),
             Stages::Radau(stages) => radau::dense(self, stages),
         }
     }

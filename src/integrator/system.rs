@@ -1,22 +1,19 @@
 //! What is integrated.
 
-/// A first-order system with the error weights of its components.
+/// A first-order system with the error weights of its components. f must be smooth: who has kinks ends a step at each.
 pub trait System<const N: usize> {
     /// Whether df/dy can have eigenvalues far in the left half-plane. Only then does the integration look for stiffness
     /// and ask for the Jacobian.
     const CAN_BE_STIFF: bool = false;
+
+    /// Whether y = (q, q') with q'' = f(t, q): the force does not depend on the speed.
+    const SECOND_ORDER: bool = false;
 
     /// f(t, y); t is counted from the start of the span [s].
     fn derivative(&mut self, t: f64, y: &[f64; N]) -> [f64; N];
 
     /// Size of each component, to which the relative tolerance applies; positive. `f` is f(t, y).
     fn scale(&self, y: &[f64; N], f: &[f64; N]) -> [f64; N];
-
-    /// Number of the smooth piece of f that (t, y) lies in, for a right-hand side with kinks: a step from one piece into
-    /// another must meet the tolerance without taking f to be smooth.
-    fn piece(&mut self, _t: f64, _y: &[f64; N]) -> i32 {
-        0
-    }
 
     /// df/dy: row i is the gradient of f_i. By default from one-sided differences; a system that can be stiff should
     /// know better, as Newton's method converges the faster the more exact this is.

@@ -12,10 +12,12 @@ pub enum Method {
     Rk4,
     /// Implicit Runge-Kutta of order 5, Radau IIA.
     Radau,
+    /// Explicit Runge-Kutta-Nystroem of order 8, Dormand, El-Mikkawy and Prince.
+    Rkn86,
 }
 
 impl Method {
-    const ALL: [Self; 3] = [Self::Dop853, Self::Rk4, Self::Radau];
+    const ALL: [Self; 4] = [Self::Dop853, Self::Rk4, Self::Radau, Self::Rkn86];
 
     /// Written or read.
     ///
@@ -44,8 +46,10 @@ pub struct Statistics {
     pub newton_iterations: u64,
     /// Accepted steps of Radau IIA.
     pub implicit: u64,
-    /// Accepted steps of RK4; those of DOP853 are the rest.
+    /// Accepted steps of RK4.
     pub short: u64,
+    /// Accepted steps of the Nystroem pair; those of DOP853 are the rest.
+    pub nystroem: u64,
 }
 
 impl Statistics {
@@ -54,8 +58,8 @@ impl Statistics {
     /// # Errors
     /// A count near overflow is read.
     pub(super) fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
-        let Self { evaluations, accepted, rejected, jacobians, newton_iterations, implicit, short } = self;
-        for count in [evaluations, accepted, rejected, jacobians, newton_iterations, implicit, short] {
+        let Self { evaluations, accepted, rejected, jacobians, newton_iterations, implicit, short, nystroem } = self;
+        for count in [evaluations, accepted, rejected, jacobians, newton_iterations, implicit, short, nystroem] {
             record.count("statistics", count)?;
         }
         Ok(())

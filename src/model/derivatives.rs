@@ -9,8 +9,9 @@
 //! of a drive with an efficiency that in the present direction. What is held at a stop or by a lock stays held.
 use super::acting::{Acting, Mode};
 use super::motion::Motion;
-use super::outputs::{Unknown, checked, part_of};
+use super::outputs::{Unknown, checked};
 use super::panel::{Folded, Given};
+use super::reaction::part_of;
 use super::signal::Change;
 use super::state::{State, acting, airspeed};
 use super::{Inputs, Model, ModelError, Motion as Formulation};

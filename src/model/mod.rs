@@ -9,6 +9,7 @@ mod error;
 mod motion;
 mod outputs;
 mod panel;
+mod reaction;
 mod saved;
 mod setting;
 mod signal;

@@ -199,6 +199,8 @@ fn changing<T: Number>(folded: &Folded, [t, sigma, sigma_dot]: [T; 3]) -> Effect
 
 /// No loss of power and constant inputs: (sigma, sigma_dot).
 impl System<2> for Motion<'_> {
+    const SECOND_ORDER: bool = true;
+
     #[inline(always)]
     fn derivative(&mut self, _t: f64, y: &[f64; 2]) -> [f64; 2] {
         let x = self.place(y[0]);

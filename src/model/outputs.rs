@@ -5,10 +5,9 @@ use super::course::rests;
 use super::derivatives::Slopes;
 use super::motion::{Motion, Work};
 use super::panel::Given;
+use super::reaction::Transmitted;
 use super::state::{State, acting, airspeed};
 use crate::friction::Locked;
-use crate::linkage::Freedom;
-use crate::powers::Powers;
 use crate::reduced::{Reduced, Scene};
 use crate::rigid_fem::RigidFemError;
 use crate::table::{Table, Unresolved};
@@ -48,14 +47,14 @@ impl From<Locked> for Unknown {
 pub struct Cache {
     /// What acts and follows, once evaluated.
     pub(super) effect: Option<Effect>,
-    /// Force x, force y and moment of each joint.
-    reactions: Vec<Option<[f64; 3]>>,
+    /// What each joint transmits.
+    pub(super) transmitted: Vec<Transmitted>,
     /// Whether a reaction has been computed in this state.
-    used: bool,
+    pub(super) used: bool,
     /// Sizes of the sized loads under the present inputs.
     pub(super) sizes: Vec<f64>,
     /// Right-hand side for these sizes.
-    work: Work,
+    pub(super) work: Work,
     /// Room for derivatives, once asked for.
     pub(super) slopes: Option<Box<Slopes>>,
 }
@@ -79,7 +78,7 @@ impl Cache {
     pub fn new(reduced: &Reduced, scene: Option<&Scene>, inputs: &[f64]) -> Self {
         Self {
             effect: None,
-            reactions: vec![None; reduced.linkage().joints.len()],
+            transmitted: vec![Transmitted::new(); reduced.linkage().joints.len()],
             used: false,
             sizes: reduced.sizes(inputs),
             work: Work::new(scene),
@@ -91,7 +90,7 @@ impl Cache {
     pub fn forget(&mut self) {
         self.effect = None;
         if self.used {
-            self.reactions.fill(None);
+            self.transmitted.iter_mut().for_each(|t| t.value = None);
             self.used = false;
         }
     }
@@ -100,7 +99,7 @@ impl Cache {
     pub fn set(&mut self, input: usize, loads: usize, value: f64) {
         if input < loads {
             self.sizes[input] = value;
-            self.work.folded.forget();
+            self.refold();
         }
         self.forget();
     }
@@ -110,9 +109,14 @@ impl Cache {
         let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
         if !sizes.iter().zip(&self.sizes).all(same) {
             self.sizes[..sizes.len()].copy_from_slice(sizes);
-            self.work.folded.forget();
+            self.refold();
         }
         self.forget();
+    }
+
+    fn refold(&mut self) {
+        self.work.folded.forget();
+        self.transmitted.iter_mut().for_each(Transmitted::forget);
     }
 
     /// The way in which sigma is counted has changed.
@@ -140,7 +144,7 @@ impl State {
                 Ok(match part {
                     ReactionPart::X => x,
                     ReactionPart::Y => y,
-                    ReactionPart::Magnitude => x.hypot(y),
+                    ReactionPart::Magnitude => magnitude(x, y),
                     ReactionPart::Moment => moment,
                 })
             }
@@ -217,7 +221,7 @@ impl State {
         reduced.displacement_at(load, self.sigma) + growth
     }
 
-    fn pull(&self, reduced: &Reduced, spring: usize) -> Result<f64, Unknown> {
+    pub(super) fn pull(&self, reduced: &Reduced, spring: usize) -> Result<f64, Unknown> {
         let spring = &reduced.loading().springs[spring];
         let pull = spring.pull(self.displacement(reduced, spring.load));
         if spring.damping == 0.0 {
@@ -282,7 +286,7 @@ impl State {
     }
 
     /// Force or torque with which a rigid stop holds the mechanism.
-    fn of_stop(&self, reduced: &Reduced, stop: usize) -> f64 {
+    pub(super) fn of_stop(&self, reduced: &Reduced, stop: usize) -> f64 {
         match self.cache.effect {
             Some(Effect { held: Some(side), by_stop: true, free, .. })
                 if self.travel[side].is_some_and(|e| e.stop == stop) =>
@@ -296,7 +300,7 @@ impl State {
     }
 
     /// Force with which a lock holds the mechanism, along the path of its point; positive towards the stop.
-    fn of_lock(&self, reduced: &Reduced, inputs: &Inputs, lock: usize) -> f64 {
+    pub(super) fn of_lock(&self, reduced: &Reduced, inputs: &Inputs, lock: usize) -> f64 {
         let loading = reduced.loading();
         match self.cache.effect {
             Some(Effect { held: Some(side), by_stop: false, free, .. })
@@ -348,7 +352,7 @@ impl State {
     }
 
     /// What arrives of a sized load, after the loss of its drive if it has one; as last evaluated.
-    fn arriving(&self, reduced: &Reduced, load: usize) -> f64 {
+    pub(super) fn arriving(&self, reduced: &Reduced, load: usize) -> f64 {
         let scene = reduced.scene(self.cache.work.air).ok().flatten();
         let place = scene.and_then(|s| s.lossy.iter().position(|l| *l == load));
         place.map_or(self.cache.sizes[load], |k| self.cache.work.acting.arriving[k])
@@ -441,95 +445,20 @@ impl State {
         };
         Ok(finite(value))
     }
-
-    fn reaction(&mut self, reduced: &Reduced, inputs: &Inputs, joint: usize) -> Result<[f64; 3], Unknown> {
-        if let Some(value) = self.cache.reactions[joint] {
-            return Ok(value);
-        }
-        let effect = self.effect(reduced, inputs)?;
-        let loading = reduced.loading();
-        let terms = 2 + loading.base();
-        let table = reduced.reaction(joint).map(|table| {
-            let spot = table.spot(self.sigma);
-            (table, spot.panel, Powers::new(spot.x))
-        });
-        let exact = if table.is_err() { reduced.exact_reaction(joint, self.sigma) } else { Vec::new() };
-        // A revolute joint transmits no moment.
-        let parts = if reduced.linkage().joints[joint].freedom == Freedom::Turn { 2 } else { 3 };
-        let mut value = [0.0; 3];
-        let mut add = |term: usize, size: f64| {
-            if size == 0.0 {
-                return;
-            }
-            for (part, sum) in value.iter_mut().enumerate().take(parts) {
-                *sum += size
-                    * match &table {
-                        Ok((table, panel, powers)) => powers.at(table.series(*panel, part * terms + term)),
-                        Err(_) => part_of(&exact[term], part),
-                    };
-            }
-        };
-        add(0, effect.acceleration);
-        add(1, self.sigma_dot * self.sigma_dot);
-        for load in 0..reduced.components().sized {
-            add(2 + load, self.arriving(reduced, load));
-        }
-        for (place, spring) in loading.springs.iter().enumerate() {
-            add(2 + spring.load, -self.pull(reduced, place)?);
-        }
-        let scene = reduced.scene(self.cache.work.air).ok().flatten();
-        let by_scene = scene.map_or(&[][..], |s| &s.loads);
-        let states = loading.loads.len() - loading.base();
-        let mut add_state = |load: usize, size: f64| -> Result<(), Unknown> {
-            if size == 0.0 {
-                return Ok(());
-            }
-            let table = reduced.state_reaction(joint);
-            for (part, sum) in value.iter_mut().enumerate().take(parts) {
-                *sum += size
-                    * match (&table, exact.get(2 + load)) {
-                        (Ok(table), _) => table.value(table.spot(self.sigma), part * states + load - loading.base()),
-                        (Err(_), Some(exact)) => part_of(exact, part),
-                        (Err(at), None) => return Err(Unknown::Table((*at).clone())),
-                    };
-            }
-            Ok(())
-        };
-        for (k, &load) in by_scene.iter().enumerate() {
-            add_state(load, self.cache.work.acting.loads[k])?;
-        }
-        if let Some(side) = effect.held {
-            if let Some(end) = self.travel[side].filter(|_| effect.by_stop) {
-                add_state(loading.stops[end.stop].load, self.of_stop(reduced, end.stop))?;
-            }
-            for lock in 0..loading.locks.len() {
-                let force = self.of_lock(reduced, inputs, lock);
-                if force != 0.0 {
-                    let outward = if side == 0 { -1.0 } else { 1.0 };
-                    let held = reduced.lock_reaction(lock, self.sigma, joint);
-                    for (part, sum) in value.iter_mut().enumerate().take(parts) {
-                        *sum += outward * force * part_of(&held, part);
-                    }
-                }
-            }
-        }
-        let value = value.map(finite);
-        self.cache.reactions[joint] = Some(value);
-        self.cache.used = true;
-        Ok(value)
-    }
-}
-
-pub(super) fn part_of(reaction: &crate::reactions::Reaction, part: usize) -> f64 {
-    [reaction.force.x, reaction.force.y, reaction.moment][part]
 }
 
 pub(super) fn checked<'a>(table: Result<&'a Table, &Unresolved>) -> Result<&'a Table, Unresolved> {
     table.map_err(Clone::clone)
 }
 
+/// Length of a vector; where the squares leave the range of numbers, by the slower way.
+fn magnitude(x: f64, y: f64) -> f64 {
+    let square = x * x + y * y;
+    if square.is_normal() { square.sqrt() } else { x.hypot(y) }
+}
+
 /// At a dead centre of a drive no finite force or mass has the effect, and at some flat positions no finite reaction: the
 /// largest finite number stands for it.
-fn finite(value: f64) -> f64 {
+pub(super) fn finite(value: f64) -> f64 {
     if value.is_nan() { f64::MAX } else { value.clamp(-f64::MAX, f64::MAX) }
 }

@@ -5,7 +5,6 @@
 //! Source: Hairer, Wanner, Solving ODEs II (1996), IV.5 (method), IV.8 (Newton's method, starting values, error).
 pub(super) mod coefficients;
 
-use super::controller::AT_A_KINK;
 use super::linear::{Complex, Factors};
 use super::step::{self, Step, Trial, add_compensated};
 use super::{Dense, Statistics, System};
@@ -120,9 +119,7 @@ pub(super) fn attempt<S: System<N>, const N: usize>(
     let guess = start.before.map_or([[0.0; N]; STAGES], |before| before.guess(1.0, h));
     let (z, real) = collocate(system, start, h, guess, ITERATIONS, statistics)?;
     let trial = trial(system, start, h, &z, statistics);
-    let kink = system.piece(start.t, start.y) != system.piece(start.t + h, &trial.step.end);
-    let error = error(start, h, &z, &real, kink);
-    Some((trial, error))
+    Some((trial, error(start, h, &z, &real)))
 }
 
 /// The step of size h, shorter than `step` and from the same start. Where Newton's method does not converge, the
@@ -254,15 +251,13 @@ fn collocate<S: System<N>, const N: usize>(
 
 /// Error over the tolerance: the embedded formula of order 3, damped as (gamma_0^-1 I / h - J)^-1, eq. (8.19). RADAU5
 /// damps a second time after a rejection, eq. (8.20); here the estimate must hold for the slow error of a stiff component
-/// too, which that makes h |lambda| times smaller than it is. With a `kink` in the step, J at the start says nothing of the
-/// end, and the larger of the damped and the undamped one counts.
-fn error<const N: usize>(start: &Start<N>, h: f64, z: &Increments<N>, real: &Factors<f64, N>, kink: bool) -> f64 {
+/// too, which that makes h |lambda| times smaller than it is.
+fn error<const N: usize>(start: &Start<N>, h: f64, z: &Increments<N>, real: &Factors<f64, N>) -> f64 {
     let norm = |e: &[f64; N]| {
         let sum: f64 = (0..N).map(|n| (e[n] / (start.tolerance * start.scale[n])).powi(2)).sum();
         (sum / N as f64).sqrt()
     };
     let defect: [f64; N] =
         std::array::from_fn(|n| start.first[n] + (0..STAGES).map(|i| E[i] * z[i][n]).sum::<f64>() / h);
-    let damped = norm(&real.solve(defect));
-    if kink { AT_A_KINK * damped.max(norm(&defect.map(|d| d * h / GAMMA))) } else { damped }
+    norm(&real.solve(defect))
 }

@@ -1,4 +1,4 @@
-//! The choice between the methods, and kinks.
+//! The choice between the methods.
 use super::radau_iia::VanDerPol;
 use crate::integrator::{Integrator, Method, System};
 
@@ -83,64 +83,8 @@ impl System<2> for Ramp {
     fn scale(&self, _y: &[f64; 2], _f: &[f64; 2]) -> [f64; 2] {
         [1.0, 1.0]
     }
-    fn piece(&mut self, _t: f64, y: &[f64; 2]) -> i32 {
-        (y[1] > self.width) as i32 - (y[1] < -self.width) as i32
-    }
     fn jacobian(&mut self, _t: f64, y: &[f64; 2]) -> [[f64; 2]; 2] {
         [[0.0, 1.0], [0.0, if y[1].abs() < self.width { -0.7 / self.width } else { 0.0 }]]
-    }
-}
-
-/// The exact motion of [`Ramp`], piece by piece: on the ramp v' = sin t - a v, beside it v' = sin t -+ 0.7; the times of the
-/// kinks by bisection.
-fn exact(width: f64, end: f64) -> [f64; 2] {
-    let a = 0.7 / width;
-    let (mut t, mut x, mut v, mut side) = (0.0_f64, 0.0, 0.0, 0.0);
-    loop {
-        let state = |u: f64| {
-            if side == 0.0 {
-                let forced = |t: f64| (a * t.sin() - t.cos()) / (a * a + 1.0);
-                let free = v - forced(t);
-                let decay = -(-a * (u - t)).exp_m1();
-                let integral = |t: f64| (-a * t.cos() - t.sin()) / (a * a + 1.0);
-                (x + free / a * decay + integral(u) - integral(t), forced(u) + free * (1.0 - decay))
-            } else {
-                let s = u - t;
-                let v1 = v + t.cos() - u.cos() - 0.7 * side * s;
-                (x + (v + t.cos()) * s - (u.sin() - t.sin()) - 0.35 * side * s * s, v1)
-            }
-        };
-        let inside = |u: f64| if side == 0.0 { state(u).1.abs() <= width } else { state(u).1 * side >= width };
-        let (mut low, mut high) = (t, (t + 1e-3).min(end));
-        while inside(high) && high < end {
-            low = high;
-            high = (high + 1e-3).min(end);
-        }
-        if inside(high) {
-            return state(end).into();
-        }
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if inside(middle) { low = middle } else { high = middle }
-        }
-        let (x1, v1) = state(low);
-        side = if side == 0.0 { v1.signum() } else { 0.0 };
-        (t, x, v) = (low, x1, width * v1.signum());
-    }
-}
-
-#[test]
-fn kinks_cost_no_accuracy() {
-    // Seven kinks, each up to the tolerance in v, which is up to 6 times that in x at the end.
-    for width in [1e-2, 1e-4, 1e-6] {
-        for tolerance in [1e-9, 1e-11, 1e-12] {
-            let (mut y, mut integrator) = ([0.0, 0.0], Integrator::default());
-            integrator.advance(&mut Ramp { width }, &mut y, 10.0, tolerance).unwrap();
-            let reference = exact(width, 10.0);
-            let error = (y[0] - reference[0]).abs().max((y[1] - reference[1]).abs());
-            println!("width {width:e}, tolerance {tolerance:e}: {error:.1e} {:?}", integrator.statistics());
-            assert!(error < 20.0 * tolerance, "width {width}, tolerance {tolerance}: error {error}");
-        }
     }
 }
 
@@ -174,52 +118,4 @@ fn a_system_that_cannot_be_stiff_is_never_asked_for_a_jacobian() {
     let mut integrator = Integrator::default();
     integrator.advance(&mut Explicit, &mut [1.0], 1.0, 1e-6).unwrap();
     assert_eq!(integrator.statistics().implicit, 0);
-}
-
-/// [`Ramp`] with the energy lost as a third component: its time derivative is friction times v.
-struct Losing(Ramp);
-impl System<3> for Losing {
-    const CAN_BE_STIFF: bool = true;
-    fn derivative(&mut self, t: f64, y: &[f64; 3]) -> [f64; 3] {
-        let [v, a] = self.0.derivative(t, &[y[0], y[1]]);
-        [v, a, (t.sin() - a) * v]
-    }
-    fn scale(&self, _y: &[f64; 3], _f: &[f64; 3]) -> [f64; 3] {
-        [1.0; 3]
-    }
-    fn piece(&mut self, t: f64, y: &[f64; 3]) -> i32 {
-        self.0.piece(t, &[y[0], y[1]])
-    }
-    fn jacobian(&mut self, t: f64, y: &[f64; 3]) -> [[f64; 3]; 3] {
-        let [[_, one], [_, slope]] = self.0.jacobian(t, &[y[0], y[1]]);
-        let friction = t.sin() - self.0.derivative(t, &[y[0], y[1]])[1];
-        [[0.0, one, 0.0], [0.0, slope, 0.0], [0.0, friction - slope * y[1], 0.0]]
-    }
-}
-
-#[test]
-fn the_energy_lost_is_integrated_with_the_motion() {
-    for (width, tolerance) in [(1e-2, 1e-10), (1e-4, 1e-10), (1e-6, 1e-10), (1e-6, 1e-12)] {
-        let whole = |parts: u32, tolerance: f64| {
-            let (mut y, mut integrator) = ([0.0; 3], Integrator::default());
-            let mut t = 0.0;
-            for part in 1..=parts {
-                let end = 10.0 * f64::from(part) / f64::from(parts);
-                while t < end {
-                    let step = integrator.step(&mut Losing(Ramp { width }), t, &y, end, tolerance).unwrap();
-                    (t, y) = (if step.reached { end } else { t + step.h }, step.end);
-                }
-            }
-            y
-        };
-        let reference = exact(width, 10.0);
-        let (one, many) = (whole(1, tolerance), whole(1000, tolerance));
-        for y in [one, many] {
-            assert!(
-                (y[0] - reference[0]).abs().max((y[1] - reference[1]).abs()) < 20.0 * tolerance,
-                "{y:?} {reference:?}"
-            );
-        }
-        assert!((one[2] - many[2]).abs() < 20.0 * tolerance, "{one:?} {many:?}");
-    }
 }

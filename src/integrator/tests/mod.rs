@@ -8,6 +8,7 @@ mod linear;
 mod radau_iia;
 mod retake;
 mod rk4;
+mod rkn86;
 mod root;
 
 /// y'' = -y as (y, y').

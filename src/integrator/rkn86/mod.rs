@@ -1,0 +1,114 @@
+//! One step of the explicit Runge-Kutta-Nystroem pair of order 8(6) for q'' = f(t, q), with an interpolant.
+//!
+//! A force that does not depend on the speed needs eight evaluations for order 8 where DOP853 needs twelve, and half the sums
+//! of stages. In: a system of that kind, a point, a step size. Out: the step with its error estimate and its interpolant.
+pub(super) mod tableau;
+
+use super::dense::TERMS;
+use super::step::{Stages, Step, Trial, add_compensated};
+use super::{Dense, System};
+use tableau::{A, C, E, E_RATE, STAGES, WEIGHTS};
+
+/// f of the stages, then at the end.
+pub(super) type Accelerations = [f64; STAGES];
+
+/// Evaluations of a step.
+pub(super) const EVALUATIONS: u64 = STAGES as u64 - 1;
+/// What [`error`] gives falls as this power of the step size: 9, the power of the error, times 7.
+pub(super) const ERROR_POWER: f64 = 63.0;
+
+/// The step of size h from (t, (q, q')), where the rates are `first` and the sums so far have lost `carry`;
+/// its stages besides.
+#[inline]
+pub(super) fn attempt<S: System<N>, const N: usize>(
+    system: &mut S,
+    t: f64,
+    y: &[f64; N],
+    first: &[f64; N],
+    h: f64,
+    carry: &[f64; N],
+) -> (Accelerations, Trial<N>) {
+    let mut k = [0.0; STAGES];
+    k[0] = first[1];
+    let (way, square) = (h * y[1], h * h);
+    let mut at = *y;
+    macro_rules! stage {
+        ($i:literal; $($j:literal)*) => {{
+            at[0] = y[0] + (C[$i] * way + square * (0.0 $(+ A[$i][$j] * k[$j])*));
+            k[$i] = system.derivative(t + C[$i] * h, &at)[1];
+        }};
+    }
+    stage!(1; 0);
+    stage!(2; 0 1);
+    stage!(3; 0 1 2);
+    stage!(4; 0 1 2 3);
+    stage!(5; 0 1 2 3 4);
+    stage!(6; 0 1 2 3 4 5);
+    stage!(7; 0 1 2 3 4 5 6);
+    let sum = |weights: &[f64]| weights.iter().zip(&k).map(|(w, k)| w * k).sum::<f64>();
+    let mut increment = [0.0; N];
+    increment[0] = way + square * sum(&A[STAGES - 1]);
+    increment[1] = h * sum(&WEIGHTS);
+    let (end, lost) = add_compensated(y, &increment, carry);
+    let last = system.derivative(t + h, &end);
+    k[STAGES - 1] = last[1];
+    let step = Step { t, h, reached: false, start: *y, end, carry: *carry, stages: Stages::Rkn86(k) };
+    (k, Trial { step, carry: lost, last })
+}
+
+/// Error estimate over the tolerance, to the power of 7: below 1 the step is good. The difference e of the pair, relative
+/// to the scales, is the error of order 6, which falls as h^7. So relative to the scales the motion changes within
+/// h / e^(1/7), and the step of order 8 errs by about e^(9/7). To the power of 7 that needs no root.
+#[inline]
+pub(super) fn error<const N: usize>(k: &Accelerations, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
+    let sum = |weights: &[f64]| weights.iter().zip(k).map(|(w, k)| w * k).sum::<f64>();
+    let (e, e_rate) = (h * h * sum(&E) / scale[0], h * sum(&E_RATE) / scale[1]);
+    let difference = (0.5 * (e * e + e_rate * e_rate)).sqrt();
+    difference.powi(9) / tolerance.powi(7)
+}
+
+/// Interpolant: q has the values, rates and accelerations of both ends and the accelerations of the stages at 0.3 h and
+/// 0.5 h, which are good to h^5 (row sums with c^2 hold there): of degree 7, good to h^7. q' has the values and rates of both
+/// ends and the same two accelerations: of degree 5. No evaluation.
+pub(super) fn dense<const N: usize>(step: &Step<N>, k: &Accelerations) -> Dense<N> {
+    let (h, last) = (step.h, k[STAGES - 1]);
+    let mut terms = [[0.0; N]; TERMS];
+    let ends = |n: usize, first: f64, last: f64| {
+        let delta = step.end[n] - step.start[n];
+        [delta, h * first - delta, 2.0 * delta - h * (first + last)]
+    };
+    // q: the terms after Hermite's cubic have the factor w = s^2 (1 - s)^2, w'' = 2 at both ends.
+    let [t0, t1, t2] = ends(0, step.start[1], step.end[1]);
+    let square = h * h;
+    let t3 = 0.5 * square * k[0] + t1 - t2;
+    let t4 = 0.5 * square * last + t1 + 2.0 * t2 - t3;
+    // What is left of the acceleration at s: h^2 k less that of all terms so far; the second derivatives of s^i (1 - s)^j.
+    let left = |k: f64, s: f64| {
+        let third = 2.0 + s * (12.0 * s - 12.0);
+        let fourth = s * (6.0 + s * (20.0 * s - 24.0));
+        square * k - (t2 * (2.0 - 6.0 * s) - 2.0 * t1 + t3 * third + t4 * fourth)
+    };
+    let fifth = |s: f64| s * (6.0 + s * (s * (60.0 - 30.0 * s) - 36.0));
+    let sixth = |s: f64| s * s * (12.0 + s * (s * (90.0 - 42.0 * s) - 60.0));
+    let (a, b) = (C[3], C[4]);
+    let (at_a, at_b) = (left(k[3], a), left(k[4], b));
+    let determinant = fifth(a) * sixth(b) - fifth(b) * sixth(a);
+    let t5 = (at_a * sixth(b) - at_b * sixth(a)) / determinant;
+    let t6 = (at_b * fifth(a) - at_a * fifth(b)) / determinant;
+    for (term, t) in terms.iter_mut().zip([t0, t1, t2, t3, t4, t5, t6]) {
+        term[0] = t;
+    }
+    // q': the same with first derivatives.
+    let [t0, t1, t2] = ends(1, k[0], last);
+    let left = |k: f64, s: f64| h * k - (t0 + t1 * (1.0 - 2.0 * s) + t2 * s * (2.0 - 3.0 * s));
+    let third = |s: f64| s * (2.0 + s * (4.0 * s - 6.0));
+    let fourth = |s: f64| s * s * (3.0 + s * (5.0 * s - 8.0));
+    let (at_a, at_b) = (left(k[3], a), left(k[4], b));
+    let determinant = third(a) * fourth(b) - third(b) * fourth(a);
+    let t3 = (at_a * fourth(b) - at_b * fourth(a)) / determinant;
+    let t4 = (at_b * third(a) - at_a * third(b)) / determinant;
+    for (term, t) in terms.iter_mut().zip([t0, t1, t2, t3, t4]) {
+        term[1] = t;
+    }
+    Dense::new(step.start, step.end, terms)
+}
