@@ -21,7 +21,6 @@ pub use error::ModelError;
 pub use saved::Snapshot;
 
 use crate::definition::{Experiment, Mechanism, Method, Range, Role};
-use crate::record::fnv1a;
 use crate::reduced::Reduced;
 use crate::variables::{Causality, Quantity, Reference, Value, Variables};
 use elastic::Elastic;
@@ -29,7 +28,7 @@ use outputs::Unknown;
 use setting::Setting;
 use signal::{Change, Signal};
 use state::State;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// One mechanism with its parameters, inputs and state.
 #[derive(Clone, Debug)]
@@ -62,8 +61,8 @@ struct Original {
     variables: Variables,
     ranges: Vec<(Range, Role)>,
     inputs: Inputs,
-    /// What a snapshot must have been taken of.
-    identity: [u64; 2],
+    /// What a snapshot must have been taken of, found when the first one is.
+    identity: OnceLock<[u64; 2]>,
     reduced: Arc<Reduced>,
 }
 
@@ -92,10 +91,10 @@ impl Model {
     /// # Errors
     /// What is wrong with the definition, or why it gives no mechanism.
     pub fn from_json(text: &str) -> Result<Self, ModelError> {
-        let mechanism = Mechanism::from_json(text)?;
+        let mut mechanism = Mechanism::from_json(text)?;
         let variables = Variables::new(&mechanism)?;
         let mut ranges = Vec::new();
-        mechanism.clone().parameters(&mut |p, _| ranges.push((p.range, p.role)));
+        mechanism.parameters(&mut |p, _| ranges.push((p.range, p.role)));
         let mut inputs = Inputs { reals: Vec::new(), locks: Vec::new(), signal: Signal::new(0) };
         for v in variables.list().iter().filter(|v| v.causality == Causality::Input) {
             match v.start {
@@ -106,14 +105,13 @@ impl Model {
         }
         inputs.signal = Signal::new(inputs.reals.len());
         let reduced = Arc::new(Reduced::new(&mechanism)?);
-        let identity = [fnv1a(variables.guid().as_bytes()), setting::fingerprint(&mechanism)];
         let setting = Arc::new(Setting::new(mechanism));
         let original = Original {
             setting: Arc::clone(&setting),
             variables,
             ranges,
             inputs: inputs.clone(),
-            identity,
+            identity: OnceLock::new(),
             reduced: Arc::clone(&reduced),
         };
         let mut model = Self { original: Arc::new(original), setting, inputs, reduced: Some(reduced), state: None };
@@ -135,6 +133,14 @@ impl Model {
     /// What the host can see.
     pub fn variables(&self) -> &Variables {
         &self.original.variables
+    }
+
+    /// For each variable, if it is an output: the inputs and parameters on which its initial value depends, ascending.
+    ///
+    /// # Errors
+    /// A parameter that may not change a little.
+    pub fn initial_dependencies(&self) -> Result<Vec<Vec<Reference>>, ModelError> {
+        Ok(Variables::initial_dependencies(&self.original.setting.mechanism)?)
     }
 
     /// Default experiment.
