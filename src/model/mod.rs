@@ -40,6 +40,8 @@ pub struct Model {
     inputs: Inputs,
     /// For the present parameters; none after one of them has changed.
     reduced: Option<Arc<Reduced>>,
+    /// The last one that was built, of which the next one keeps what it can.
+    last: Arc<Reduced>,
     state: Option<Motion>,
 }
 
@@ -114,7 +116,8 @@ impl Model {
             identity: OnceLock::new(),
             reduced: Arc::clone(&reduced),
         };
-        let mut model = Self { original: Arc::new(original), setting, inputs, reduced: Some(reduced), state: None };
+        let (original, last) = (Arc::new(original), Arc::clone(&reduced));
+        let mut model = Self { original, setting, inputs, reduced: Some(reduced), last, state: None };
         model.state()?;
         model.state = None;
         Ok(model)
@@ -154,7 +157,8 @@ impl Model {
     /// Why the present parameters give none.
     pub fn reduced(&mut self) -> Result<&Arc<Reduced>, ModelError> {
         if self.reduced.is_none() {
-            self.reduced = Some(Arc::new(Reduced::new(&self.setting.mechanism)?));
+            self.last = Arc::new(self.last.renewed(&self.setting.mechanism)?);
+            self.reduced = Some(Arc::clone(&self.last));
         }
         self.reduced.as_ref().ok_or(ModelError::NotInitialised)
     }

@@ -131,7 +131,7 @@ impl Model {
                 let reduced = match (own, &snapshot.reduced) {
                     (Some(own), _) if same => Some(Arc::clone(own)),
                     (_, Some(theirs)) => Some(Arc::clone(theirs)),
-                    (_, None) if saved.is_some() => Some(Arc::new(Reduced::new(&snapshot.setting.mechanism)?)),
+                    (_, None) if saved.is_some() => Some(Arc::new(self.last.renewed(&snapshot.setting.mechanism)?)),
                     (_, None) => None,
                 };
                 *state = match (saved, &reduced) {
@@ -187,7 +187,7 @@ impl Model {
         let motion = if moves {
             let reduced = match &mut reduced {
                 Some(reduced) => reduced,
-                none => none.insert(Arc::new(Reduced::new(&setting.mechanism)?)),
+                none => none.insert(Arc::new(self.last.renewed(&setting.mechanism)?)),
             };
             Some(match method {
                 Method::Reduced => SavedMotion::Reduced(SavedState::read(record, reduced)?),
