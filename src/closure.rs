@@ -52,6 +52,8 @@ pub struct Landing {
     pub amplification: f64,
     /// Size of the first correction (weighted).
     pub first: f64,
+    /// Whether the equations are linearised there to the last bit; else a correction away that is smaller than that.
+    exact: bool,
 }
 
 /// Weights that make coordinates comparable.
@@ -228,6 +230,15 @@ impl Closure {
         tangent.iter_mut().for_each(|t| *t /= norm);
     }
 
+    /// Positions of the bodies at `q`, where Newton's method has landed.
+    pub fn place(&self, landing: Landing, q: &[f64], work: &mut Workspace, positions: &mut Positions) {
+        if landing.exact {
+            std::mem::swap(positions, &mut work.positions);
+        } else {
+            self.linkage.place(q, positions);
+        }
+    }
+
     /// Newton's method from `q` to the closed position on the plane normal . (q - base) = along, which is put in its place.
     /// The equations are left linearised there.
     pub fn on_plane(
@@ -273,7 +284,7 @@ impl Closure {
                     if size > UNMOVED && !self.linearise(q, work) {
                         return None;
                     }
-                    return Some(Landing { amplification, first });
+                    return Some(Landing { amplification, first, exact: size > UNMOVED });
                 }
             }
             last = size;

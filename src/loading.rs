@@ -7,6 +7,7 @@ use crate::drag::Surface;
 use crate::friction::Law;
 use crate::linkage::{Freedom, GROUND, Linkage, Point, Vec2, turned};
 use crate::loads::Load;
+use std::fmt;
 
 /// All loads of a mechanism.
 #[derive(Clone, Debug, PartialEq)]
@@ -160,19 +161,19 @@ pub struct Drive {
 fn between(
     mechanism: &Mechanism,
     linkage: &Linkage,
-    key: &str,
+    key: fmt::Arguments,
     first: &Option<String>,
     second: &Option<String>,
     joint: &Option<String>,
 ) -> Result<Load, DefinitionError> {
-    let missing = || DefinitionError::Key { key: key.into(), message: "give first and second, or joint".into() };
+    let missing = || DefinitionError::Key { key: key.to_string(), message: "give first and second, or joint".into() };
     if let (Some(first), Some(second)) = (first, second) {
-        let end = |k: &str, text: &str| linkage.locate(mechanism, &format!("{key}.{k}"), text);
+        let end = |k: &str, text: &str| linkage.locate(mechanism, format_args!("{key}.{k}"), text);
         let (first, second) = (end("first", first)?, end("second", second)?);
         if first.body == second.body {
             let message =
                 format!("both ends are on {}, so it cannot act: name two bodies", linkage.bodies[first.body].name);
-            return Err(DefinitionError::Key { key: key.into(), message });
+            return Err(DefinitionError::Key { key: key.to_string(), message });
         }
         let ends = [first, second];
         let is_at = |a: Point, b: Point| a.body == b.body && (a.local - b.local).norm() <= 1e-12 * linkage.size;
@@ -183,7 +184,7 @@ fn between(
         if let Some(joint) = pinned {
             let message =
                 format!("its two ends are the one point of {}, so its length is zero: name two points", joint.name);
-            return Err(DefinitionError::Key { key: key.into(), message });
+            return Err(DefinitionError::Key { key: key.to_string(), message });
         }
         return Ok(Load::Pair { first, second });
     }
@@ -206,7 +207,7 @@ impl Loading {
         let mut constant: Vec<(f64, Load)> = Vec::new();
         let mut drives = Vec::new();
         for (name, a) in mechanism.actuators.iter() {
-            let load = between(mechanism, linkage, &format!("actuators.{name}"), &a.first, &a.second, &a.joint)?;
+            let load = between(mechanism, linkage, format_args!("actuators.{name}"), &a.first, &a.second, &a.joint)?;
             let turns = matches!(load, Load::Couple { .. });
             sized.push((format!("{name}.{}", if turns { "torque" } else { "force" }), load));
             drives.push(Drive { name: name.into(), turns, efficiency: a.efficiency });
@@ -217,7 +218,7 @@ impl Loading {
             sized.push(("load_factor".into(), Load::Gravity(acceleration)));
         }
         for (name, force) in mechanism.forces.iter() {
-            let at = linkage.locate(mechanism, &format!("forces.{name}.at"), &force.at)?;
+            let at = linkage.locate(mechanism, format_args!("forces.{name}.at"), &force.at)?;
             for (axis, direction, size) in [("x", Vec2::x(), force.force[0]), ("y", Vec2::y(), force.force[1])] {
                 let load = Load::Force { at, direction };
                 if force.constant {
@@ -236,7 +237,7 @@ impl Loading {
         loads.extend(more);
         let mut springs = Vec::new();
         for (name, s) in mechanism.springs.iter() {
-            let load = between(mechanism, linkage, &format!("springs.{name}"), &s.first, &s.second, &s.joint)?;
+            let load = between(mechanism, linkage, format_args!("springs.{name}"), &s.first, &s.second, &s.joint)?;
             springs.push(Spring {
                 name: name.into(),
                 load: loads.len(),
@@ -278,7 +279,7 @@ impl Loading {
                     value -= angle;
                     Load::Torque { body: carrier }
                 }
-                None => between(mechanism, linkage, &format!("stops.{name}"), &s.first, &s.second, &s.joint)?,
+                None => between(mechanism, linkage, format_args!("stops.{name}"), &s.first, &s.second, &s.joint)?,
             };
             let quantity = match load {
                 Load::Torque { .. } | Load::Couple { .. } => "angle",
@@ -300,7 +301,7 @@ impl Loading {
             self.loads.push(load);
         }
         for (name, lock) in mechanism.locks.iter() {
-            let at = linkage.locate(mechanism, &format!("locks.{name}.at"), &lock.at)?;
+            let at = linkage.locate(mechanism, format_args!("locks.{name}.at"), &lock.at)?;
             let stop = mechanism.stops.position(&lock.stop).unwrap_or(0);
             self.locks.push(Lock { name: name.into(), stop, at });
         }
@@ -313,7 +314,7 @@ impl Loading {
         for (name, s) in mechanism.surfaces.iter() {
             let locate = |key: &str, text: &Option<String>| {
                 let text = text.as_deref().unwrap_or_default();
-                linkage.locate(mechanism, &format!("surfaces.{name}.{key}"), text)
+                linkage.locate(mechanism, format_args!("surfaces.{name}.{key}"), text)
             };
             let (start, line, length, breadth) = match &s.at {
                 None => {
@@ -411,5 +412,5 @@ impl Loading {
 /// A point that does not exist.
 pub fn markers(mechanism: &Mechanism, linkage: &Linkage) -> Result<Vec<Point>, DefinitionError> {
     let named = mechanism.markers.iter();
-    named.map(|(name, m)| linkage.locate(mechanism, &format!("markers.{name}.at"), &m.at)).collect()
+    named.map(|(name, m)| linkage.locate(mechanism, format_args!("markers.{name}.at"), &m.at)).collect()
 }

@@ -27,6 +27,8 @@ pub struct Interface<'a> {
     description: &'a str,
     guid: &'a str,
     variables: &'a [Variable],
+    /// Of each variable.
+    initial_dependencies: Vec<Vec<Reference>>,
     stop_time: f64,
     step_size: f64,
     tolerance: f64,
@@ -36,7 +38,7 @@ impl<'a> Interface<'a> {
     /// The interface of a model as read from its file.
     ///
     /// # Errors
-    /// The name is not a C identifier, or the tolerance is missing.
+    /// The name is not a C identifier, the tolerance is missing, or a parameter may not change a little.
     pub fn of(model: &'a Model) -> Result<Self> {
         let variables = model.variables();
         let name = model.name();
@@ -56,6 +58,7 @@ impl<'a> Interface<'a> {
             description: model.description(),
             guid: variables.guid(),
             variables: variables.list(),
+            initial_dependencies: model.initial_dependencies()?,
             stop_time: model.experiment().stop_time,
             step_size: model.experiment().step_size,
             tolerance,
@@ -144,7 +147,9 @@ impl<'a> Interface<'a> {
             outputs().try_for_each(|(reference, output)| write_unknown(xml, reference, &output.dependencies))
         })?;
         group(xml, "InitialUnknowns", |xml| {
-            outputs().try_for_each(|(reference, output)| write_unknown(xml, reference, &output.initial_dependencies))
+            outputs().try_for_each(|(reference, _)| {
+                write_unknown(xml, reference, &self.initial_dependencies[reference as usize])
+            })
         })
     }
 
@@ -286,13 +291,16 @@ mod tests {
             unit: Some(Unit::Radian),
             start: start.map(Value::Real),
             dependencies: Vec::new(),
-            initial_dependencies: Vec::new(),
         }
     }
 
     fn xml_of(variables: &[Variable]) -> Result<String> {
         let (name, description, guid) = ("Gear", "A gear", "{1}");
-        Interface { name, description, guid, variables, stop_time: 0.133, step_size: 1e-3, tolerance: 1e-9 }.to_xml()
+        let (stop_time, step_size, tolerance) = (0.133, 1e-3, 1e-9);
+        // As if every output began with what the variables before it do.
+        let of = |i: usize| (0..i as Reference).collect();
+        let initial_dependencies = (0..variables.len()).map(of).collect();
+        Interface { name, description, guid, variables, initial_dependencies, stop_time, step_size, tolerance }.to_xml()
     }
 
     #[test]
@@ -324,7 +332,6 @@ mod tests {
     fn dependencies_count_from_one_and_an_empty_list_stands() {
         let mut first = variable("y", Causality::Output, None);
         first.dependencies = vec![1];
-        first.initial_dependencies = vec![0, 1];
         let xml = xml_of(&[
             variable("p", Causality::Parameter, Some(0.1)),
             variable("u", Causality::Input, Some(1.0)),
@@ -338,7 +345,7 @@ mod tests {
             structure,
             "<ModelStructure>\
              <Outputs><Unknown index=\"3\" dependencies=\"2\"/><Unknown index=\"4\" dependencies=\"\"/></Outputs>\
-             <InitialUnknowns><Unknown index=\"3\" dependencies=\"1 2\"/><Unknown index=\"4\" dependencies=\"\"/></InitialUnknowns>\
+             <InitialUnknowns><Unknown index=\"3\" dependencies=\"1 2\"/><Unknown index=\"4\" dependencies=\"1 2 3\"/></InitialUnknowns>\
              </ModelStructure></fmiModelDescription>"
         );
     }

@@ -110,7 +110,7 @@ impl Curve {
         let landing = closure.on_plane(&mut work.loops, &mut c.q, &panel.base, &panel.normal, panel.u_at(x));
         let most = HARMLESS.max(NEAR * panel.amplification);
         if let Some(landing) = landing.filter(|l| l.amplification < most) {
-            linkage.place(&c.q, &mut c.positions);
+            closure.place(landing, &c.q, &mut work.loops, &mut c.positions);
             c.derive(closure, &panel.normal, work);
             c.amplification = landing.amplification;
             return;

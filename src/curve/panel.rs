@@ -116,7 +116,6 @@ impl Panel {
         room: &mut Room,
     ) -> Result<(Self, Vec<f64>, f64), Refusal> {
         let n = base.q.len();
-        let linkage = &*closure.linkage;
         let w = &closure.weights;
         let normal: Vec<f64> = (0..n).map(|i| base.tangent[i] * w[i] * w[i]).collect();
         let Room { work, c, nodes, seconds, known } = room;
@@ -136,7 +135,7 @@ impl Panel {
                 .filter(|l| l.first <= 0.2 * (u - last) + 1e-12)
                 .ok_or(Refusal::TooWide(ASTRAY))?;
             amplifications[j] = landing.amplification;
-            linkage.place(&c.q, &mut c.positions);
+            closure.place(landing, &c.q, &mut work.loops, &mut c.positions);
             speeds[j] = c.derive(closure, &normal, work);
             if speeds[j] == 0.0 || speeds[j].is_nan() {
                 return Err(Refusal::Massless);

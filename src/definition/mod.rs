@@ -4,13 +4,14 @@
 //! It must not know how loops are closed or what FMI is. SI units throughout, angles in rad, anticlockwise positive.
 mod error;
 mod named;
+mod parameter;
 mod parameters;
 mod place;
 mod validate;
 
 pub use error::DefinitionError;
 pub use named::Named;
-pub use parameters::{Parameter, Range, Role};
+pub use parameter::{Flag, Parameter, Range, Role};
 
 use serde::Deserialize;
 

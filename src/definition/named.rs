@@ -24,14 +24,20 @@ impl<T> Named<T> {
         self.0.iter_mut().map(|(name, value)| (name.as_str(), value))
     }
 
+    /// Place of the entry with this name, and the entry.
+    pub fn find(&self, name: &str) -> Option<(usize, &T)> {
+        let mut places = self.0.iter().enumerate();
+        places.find(|(_, (n, _))| n == name).map(|(place, (_, value))| (place, value))
+    }
+
     /// Entry with this name.
     pub fn get(&self, name: &str) -> Option<&T> {
-        self.0.iter().find(|(n, _)| n == name).map(|(_, value)| value)
+        self.find(name).map(|(_, value)| value)
     }
 
     /// Place of the entry with this name.
     pub fn position(&self, name: &str) -> Option<usize> {
-        self.0.iter().position(|(n, _)| n == name)
+        self.find(name).map(|(place, _)| place)
     }
 
     /// All names, in order.

@@ -1,117 +1,54 @@
 //! Every number of a definition that is a parameter of the FMU, listed once.
+use super::parameter::{Flag, Parameter, Place, Range, Role};
 use super::{Body, GROUND, JointKind, Mechanism};
 use crate::variables::Unit;
 
-/// What a parameter may be; always finite.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Range {
-    /// Any finite number.
-    Finite,
-    /// >= 0.
-    NonNegative,
-    /// > 0.
-    Positive,
-    /// A length: > 0, and so that its square is a number.
-    Length,
-    /// A coordinate: of any sign, and so that its square is a number.
-    Coordinate,
-    /// > 0 and <= 1.
-    Fraction,
-    /// From 0 to 1.
-    Unit,
-    /// From the first to the second.
-    Between(f64, f64),
-}
-
-/// Largest length [m].
-const FARTHEST: f64 = 1e100;
-
-impl Range {
-    /// Whether the value is in the range.
-    pub fn contains(self, value: f64) -> bool {
-        value.is_finite()
-            && match self {
-                Self::Finite => true,
-                Self::NonNegative => value >= 0.0,
-                Self::Positive => value > 0.0,
-                Self::Length => value > 0.0 && value <= FARTHEST,
-                Self::Coordinate => value.abs() <= FARTHEST,
-                Self::Fraction => value > 0.0 && value <= 1.0,
-                Self::Unit => (0.0..=1.0).contains(&value),
-                Self::Between(low, high) => (low..=high).contains(&value),
-            }
-    }
-
-    /// The range in words.
-    pub fn text(self) -> String {
-        match self {
-            Self::Finite => "a finite number".into(),
-            Self::NonNegative => "a finite number >= 0".into(),
-            Self::Positive => "a finite number > 0".into(),
-            Self::Length => format!("a number > 0 and <= {FARTHEST:e}"),
-            Self::Coordinate => format!("a number from -{FARTHEST:e} to {FARTHEST:e}"),
-            Self::Fraction => "a number > 0 and <= 1".into(),
-            Self::Unit => "a number from 0 to 1".into(),
-            Self::Between(low, high) => format!("a number from {low:e} to {high:e}"),
-        }
-    }
-}
-
-/// What is known of a parameter besides its value.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Parameter {
-    /// Variable name, `<body>.<quantity>`.
-    pub name: String,
-    /// Path of the key in the file.
-    pub key: String,
-    /// One line of text.
-    pub description: String,
-    /// Unit.
-    pub unit: Unit,
-    /// What it may be.
-    pub range: Range,
-    /// What it changes.
-    pub role: Role,
-}
-
-/// What a parameter changes: the positions, the masses, the start or the integration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
-    /// The shape of the linkage.
-    Geometry,
-    /// Masses and moments of inertia.
-    Inertia,
-    /// The potential of a load.
-    Load,
-    /// The position at the start.
-    StartPosition,
-    /// The speed at the start.
-    StartSpeed,
-    /// The stretch of bodies as rods.
-    Elasticity,
-    /// The tolerance or the step of the integration.
-    Tolerance,
-}
-
 /// Limits of solver.tolerance: below, rounding takes over; above, the error estimate means nothing.
 const TOLERANCE: Range = Range::Between(1e-14, 1e-1);
+
+/// A number of a section that there is once.
+fn of_section(
+    section: &'static str,
+    quantity: &'static str,
+    words: &'static str,
+    unit: Unit,
+    range: Range,
+    role: Role,
+) -> Parameter<'static> {
+    Parameter { place: Place::Section { section, quantity }, words, unit, range, role }
+}
+
+/// A named element: what its numbers are called.
+#[derive(Clone, Copy)]
+struct Element<'a> {
+    group: &'static str,
+    name: &'a str,
+}
+
+impl<'a> Element<'a> {
+    fn part(self, quantity: &'static str, words: &'static str, unit: Unit, range: Range, role: Role) -> Parameter<'a> {
+        self.keyed(quantity, quantity, words, (unit, range, role))
+    }
+
+    /// A number whose variable is called otherwise than its key.
+    fn keyed(
+        self,
+        quantity: &'static str,
+        key: &'static str,
+        words: &'static str,
+        (unit, range, role): (Unit, Range, Role),
+    ) -> Parameter<'a> {
+        let place = Place::Element { group: self.group, element: self.name, quantity, key };
+        Parameter { place, words, unit, range, role }
+    }
+}
 
 impl Mechanism {
     /// Call `visit` with every parameter and its value, in the order of the file.
     pub fn parameters(&mut self, visit: &mut dyn FnMut(Parameter, &mut f64)) {
         use Role::{Elasticity, Geometry, Inertia, Load, StartPosition, StartSpeed, Tolerance};
-        let make = |name: String, key: String, text: String, unit, range, role| Parameter {
-            name,
-            key,
-            description: text,
-            unit,
-            range,
-            role,
-        };
         if let Some(g) = &mut self.gravity {
-            let p = |n: &str, text: &str, unit, range| {
-                make(format!("gravity.{n}"), format!("gravity.{n}"), text.into(), unit, range, Load)
-            };
+            let p = |n, words, unit, range| of_section("gravity", n, words, unit, range, Load);
             let unit = Unit::MetrePerSecondSquared;
             visit(p("acceleration", "Acceleration of free fall", unit, Range::NonNegative), &mut g.acceleration);
             visit(
@@ -120,60 +57,50 @@ impl Mechanism {
             );
         }
         for (name, body) in self.bodies.iter_mut() {
-            let p = |n: &str, key: &str, text: &str, unit, range, role| {
-                let text = format!("{text} of {name}");
-                make(format!("{name}.{n}"), format!("bodies.{name}.{key}"), text, unit, range, role)
-            };
+            let e = Element { group: "bodies", name };
             let Body { angle, length, mass, center, inertia, axial_stiffness, points, .. } = body;
             if let Some(v) = angle {
-                visit(p("angle", "angle", "Angle of the x axis", Unit::Radian, Range::Finite, Geometry), v);
+                visit(e.part("angle", "Angle of the x axis", Unit::Radian, Range::Finite, Geometry), v);
             }
             if let Some(v) = length {
-                visit(p("length", "length", "Length", Unit::Metre, Range::Length, Geometry), v);
+                visit(e.part("length", "Length", Unit::Metre, Range::Length, Geometry), v);
             }
             if name != GROUND {
                 if let Some(v) = mass {
-                    visit(p("mass", "mass", "Mass", Unit::Kilogram, Range::NonNegative, Inertia), v);
+                    visit(e.part("mass", "Mass", Unit::Kilogram, Range::NonNegative, Inertia), v);
                 }
                 if let Some([x, y]) = center {
-                    visit(p("center_x", "center[0]", "Centre of mass, x,", Unit::Metre, Range::Coordinate, Inertia), x);
-                    visit(p("center_y", "center[1]", "Centre of mass, y,", Unit::Metre, Range::Coordinate, Inertia), y);
+                    let kind = (Unit::Metre, Range::Coordinate, Inertia);
+                    visit(e.keyed("center_x", "center[0]", "Centre of mass, x,", kind), x);
+                    visit(e.keyed("center_y", "center[1]", "Centre of mass, y,", kind), y);
                 }
                 if let Some(v) = inertia {
-                    let text = "Moment of inertia about the centre of mass";
-                    visit(p("inertia", "inertia", text, Unit::KilogramSquareMetre, Range::NonNegative, Inertia), v);
+                    let words = "Moment of inertia about the centre of mass";
+                    visit(e.part("inertia", words, Unit::KilogramSquareMetre, Range::NonNegative, Inertia), v);
                 }
                 if let Some(v) = axial_stiffness {
-                    let (n, text) = ("axial_stiffness", "Axial stiffness E A");
-                    visit(p(n, n, text, Unit::Newton, Range::Positive, Elasticity), v);
+                    let words = "Axial stiffness E A";
+                    visit(e.part("axial_stiffness", words, Unit::Newton, Range::Positive, Elasticity), v);
                 }
             }
-            for (point, [x, y]) in points.iter_mut() {
-                let p = |axis: &str, index: usize| {
-                    let text = format!("Point {point}, {axis},");
-                    let key = format!("points.{point}[{index}]");
-                    p(&format!("{point}_{axis}"), &key, &text, Unit::Metre, Range::Coordinate, Geometry)
-                };
-                visit(p("x", 0), x);
-                visit(p("y", 1), y);
+            for (point, coordinates) in points.iter_mut() {
+                for (axis, v) in coordinates.iter_mut().enumerate() {
+                    let place = Place::Point { body: name, point, axis };
+                    let (unit, range) = (Unit::Metre, Range::Coordinate);
+                    visit(Parameter { place, words: "Point", unit, range, role: Geometry }, v);
+                }
             }
         }
         for (name, joint) in self.joints.iter_mut() {
-            let p = |n: &str, text: &str| {
-                let text = format!("{text} of {name}");
-                make(format!("{name}.{n}"), format!("joints.{name}.{n}"), text, Unit::Radian, Range::Finite, Geometry)
-            };
+            let e = Element { group: "joints", name };
+            let p = |n, words| e.part(n, words, Unit::Radian, Range::Finite, Geometry);
             if let Some(v) = &mut joint.axis_angle {
                 visit(p("axis_angle", "Direction of sliding"), v);
             }
             if let Some(v) = &mut joint.angle {
                 visit(p("angle", "Angle between the bodies"), v);
             }
-            let p = |n: &str, text: &str, unit| {
-                let text = format!("{text} of {name}");
-                let (n, key) = (format!("{name}.{n}"), format!("joints.{name}.{n}"));
-                make(n, key, text, unit, Range::NonNegative, Load)
-            };
+            let p = |n, words, unit| e.part(n, words, unit, Range::NonNegative, Load);
             if let Some(v) = &mut joint.pin_radius {
                 visit(p("pin_radius", "Radius of the pin", Unit::Metre), v);
             }
@@ -186,40 +113,28 @@ impl Mechanism {
         }
         for (name, actuator) in self.actuators.iter_mut() {
             if let Some(v) = &mut actuator.efficiency {
-                let key = format!("actuators.{name}.efficiency");
-                let range = Range::Fraction;
-                visit(
-                    make(format!("{name}.efficiency"), key, format!("Efficiency of {name}"), Unit::One, range, Load),
-                    v,
-                );
+                let e = Element { group: "actuators", name };
+                visit(e.part("efficiency", "Efficiency", Unit::One, Range::Fraction, Load), v);
             }
         }
+        let (finite, role) = (Range::Finite, Load);
         for (name, force) in self.forces.iter_mut().filter(|(_, f)| f.constant) {
-            for (i, (axis, v)) in ["x", "y"].into_iter().zip(&mut force.force).enumerate() {
-                let (n, key) = (format!("{name}.force_{axis}"), format!("forces.{name}.force[{i}]"));
-                let text = format!("Constant force at {name}, {axis}, mechanism frame");
-                visit(make(n, key, text, Unit::Newton, Range::Finite, Load), v);
+            for (axis, v) in force.force.iter_mut().enumerate() {
+                let place = Place::Force { force: name, axis };
+                visit(Parameter { place, words: "Constant force", unit: Unit::Newton, range: finite, role }, v);
             }
         }
         for (name, torque) in self.torques.iter_mut().filter(|(_, t)| t.constant) {
-            let text = format!("Constant torque on {}", torque.on);
-            let (n, key) = (format!("{name}.torque"), format!("torques.{name}.torque"));
-            visit(make(n, key, text, Unit::NewtonMetre, Range::Finite, Load), &mut torque.torque);
+            let place = Place::Torque { torque: name, on: &torque.on };
+            let p = Parameter { place, words: "Constant torque", unit: Unit::NewtonMetre, range: finite, role };
+            visit(p, &mut torque.torque);
         }
-        let revolute: Vec<String> =
-            self.joints.iter().filter(|(_, j)| j.kind == JointKind::Revolute).map(|(n, _)| n.to_string()).collect();
+        let joints = &self.joints;
         for (name, spring) in self.springs.iter_mut() {
-            let turns = spring.joint.as_ref().is_some_and(|j| revolute.contains(j));
-            let p = |n: &str, text: &str, linear: Unit, rotary: Unit, range| {
-                let unit = if turns { rotary } else { linear };
-                make(
-                    format!("{name}.{n}"),
-                    format!("springs.{name}.{n}"),
-                    format!("{text} of {name}"),
-                    unit,
-                    range,
-                    Load,
-                )
+            let revolute = |j: &String| joints.get(j).is_some_and(|j| j.kind == JointKind::Revolute);
+            let turns = spring.joint.as_ref().is_some_and(revolute);
+            let p = |n, words, linear: Unit, rotary: Unit, range| {
+                Element { group: "springs", name }.part(n, words, if turns { rotary } else { linear }, range, Load)
             };
             let (k, range) = ("Stiffness", Range::NonNegative);
             visit(p("stiffness", k, Unit::NewtonPerMetre, Unit::NewtonMetrePerRadian, range), &mut spring.stiffness);
@@ -240,32 +155,25 @@ impl Mechanism {
             }
         }
         if let Some(f) = &mut self.friction {
-            let p = |n: &str, text: &str, unit, range| {
-                make(format!("friction.{n}"), format!("friction.{n}"), text.into(), unit, range, Load)
-            };
+            let p = |n, words, unit, range| of_section("friction", n, words, unit, range, Load);
             let (one, speed) = (Unit::One, Unit::MetrePerSecond);
             let (not_less, more) = (Range::NonNegative, Range::Positive);
-            let text = "Coefficient of static friction";
-            visit(p("static_coefficient", text, one, not_less), &mut f.static_coefficient);
-            let text = "Coefficient of kinetic friction";
-            visit(p("kinetic_coefficient", text, one, not_less), &mut f.kinetic_coefficient);
+            let words = "Coefficient of static friction";
+            visit(p("static_coefficient", words, one, not_less), &mut f.static_coefficient);
+            let words = "Coefficient of kinetic friction";
+            visit(p("kinetic_coefficient", words, one, not_less), &mut f.kinetic_coefficient);
             visit(p("static_speed", "Slip speed at which friction is static", speed, more), &mut f.static_speed);
             visit(p("kinetic_speed", "Slip speed from which friction is kinetic", speed, more), &mut f.kinetic_speed);
         }
         if let Some(air) = &mut self.air {
-            let p = |n: &str, text: &str, unit, range| {
-                make(format!("air.{n}"), format!("air.{n}"), text.into(), unit, range, Load)
-            };
+            let p = |n, words, unit, range| of_section("air", n, words, unit, range, Load);
             let unit = Unit::KilogramPerCubicMetre;
             visit(p("density", "Mass density of the air", unit, Range::NonNegative), &mut air.density);
-            let text = "Direction in which the air flows, angle from the X axis";
-            visit(p("flow_angle", text, Unit::Radian, Range::Finite), &mut air.flow_angle);
+            let words = "Direction in which the air flows, angle from the X axis";
+            visit(p("flow_angle", words, Unit::Radian, Range::Finite), &mut air.flow_angle);
         }
         for (name, surface) in self.surfaces.iter_mut() {
-            let p = |n: &str, text: &str, unit, range| {
-                let (key, text) = (format!("surfaces.{name}.{n}"), format!("{text} of {name}"));
-                make(format!("{name}.{n}"), key, text, unit, range, Load)
-            };
+            let p = |n, words, unit, range| Element { group: "surfaces", name }.part(n, words, unit, range, Load);
             if let Some(v) = &mut surface.width {
                 visit(p("width", "Width of the surface", Unit::Metre, Range::NonNegative), v);
             }
@@ -279,10 +187,7 @@ impl Mechanism {
             visit(p("drag_coefficient", "Drag coefficient", unit, Range::NonNegative), &mut surface.drag_coefficient);
         }
         for (name, stop) in self.stops.iter_mut() {
-            let p = |n: &str, text: &str, unit, range| {
-                let (key, text) = (format!("stops.{name}.{n}"), format!("{text} of {name}"));
-                make(format!("{name}.{n}"), key, text, unit, range, Load)
-            };
+            let p = |n, words, unit, range| Element { group: "stops", name }.part(n, words, unit, range, Load);
             let turns = stop.angle.is_some();
             if let Some(v) = &mut stop.angle {
                 visit(p("angle", "Angle", Unit::Radian, Range::Finite), v);
@@ -305,44 +210,40 @@ impl Mechanism {
             (.., Some(joint), Some(v)) => Some((joint, v, "position", Unit::Metre, Unit::MetrePerSecond)),
             _ => None,
         };
-        if let Some((name, value, quantity, unit, speed_unit)) = stated {
-            let p = |n: &str, unit, role| {
-                let (key, text) = (format!("start.{n}"), format!("Start {n} of {name}"));
-                make(format!("{name}.start_{n}"), key, text, unit, Range::Finite, role)
+        if let Some((of, value, quantity, unit, speed_unit)) = stated {
+            let p = |quantity, unit, role| Parameter {
+                place: Place::Start { of, quantity },
+                words: "Start",
+                unit,
+                range: Range::Finite,
+                role,
             };
             visit(p(quantity, unit, StartPosition), value);
             visit(p("speed", speed_unit, StartSpeed), &mut start.speed);
         }
-        visit(
-            make(
-                "solver.tolerance".into(),
-                "solver.tolerance".into(),
-                "Relative tolerance of the integration".into(),
-                Unit::One,
-                TOLERANCE,
-                Tolerance,
-            ),
-            &mut self.solver.tolerance,
-        );
+        let p = |n, words, unit, range| of_section("solver", n, words, unit, range, Tolerance);
+        let words = "Relative tolerance of the integration";
+        visit(p("tolerance", words, Unit::One, TOLERANCE), &mut self.solver.tolerance);
         if let Some(v) = self.solver.method.and(self.solver.fem_step.as_mut()) {
-            let (n, text) = ("solver.fem_step", "Largest step of the rigid finite elements");
-            visit(make(n.into(), n.into(), text.into(), Unit::Second, Range::Positive, Tolerance), v);
+            let words = "Largest step of the rigid finite elements";
+            visit(p("fem_step", words, Unit::Second, Range::Positive), v);
         }
     }
 
-    /// Call `visit` with every Boolean parameter: its name, what it says, and its value.
-    pub fn flags(&mut self, visit: &mut dyn FnMut(String, String, &mut bool)) {
+    /// Call `visit` with every Boolean parameter and its value.
+    pub fn flags(&mut self, visit: &mut dyn FnMut(Flag, &mut bool)) {
         if let Some(f) = &mut self.friction {
-            visit("friction.enabled".into(), "Whether the joints have friction".into(), &mut f.enabled);
+            let words = ["Whether the joints have friction", ""];
+            visit(Flag { owner: "friction", quantity: "enabled", words }, &mut f.enabled);
         }
         if let Some(air) = &mut self.air {
-            let text = "Whether the motion of the surfaces counts for the speed of the air that meets them";
-            visit("air.relative_wind".into(), text.into(), &mut air.relative_wind);
+            let words = ["Whether the motion of the surfaces counts for the speed of the air that meets them", ""];
+            visit(Flag { owner: "air", quantity: "relative_wind", words }, &mut air.relative_wind);
         }
-        for (name, stop) in self.stops.iter_mut() {
-            visit(format!("{name}.enabled"), format!("Whether {name} is there"), &mut stop.enabled);
-            let text = format!("Whether {name} is rigid; else it is a spring and damper that only pushes");
-            visit(format!("{name}.rigid"), text, &mut stop.rigid);
+        for (owner, stop) in self.stops.iter_mut() {
+            visit(Flag { owner, quantity: "enabled", words: ["Whether", "is there"] }, &mut stop.enabled);
+            let words = ["Whether", "is rigid; else it is a spring and damper that only pushes"];
+            visit(Flag { owner, quantity: "rigid", words }, &mut stop.rigid);
         }
     }
 }

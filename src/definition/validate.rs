@@ -1,5 +1,6 @@
 //! Checks of a definition that need no geometry: numbers in range, names that resolve, keys that go together.
-use super::{Body, DefinitionError, GROUND, JointKind, Mechanism, Solver};
+use super::{DefinitionError, GROUND, JointKind, Mechanism, Solver};
+use std::fmt;
 
 type Check = Result<(), DefinitionError>;
 
@@ -35,7 +36,7 @@ impl Mechanism {
         self.parameters(&mut |parameter, value| {
             if wrong.is_none() && !parameter.range.contains(*value) {
                 wrong = Some(DefinitionError::Value {
-                    key: parameter.key,
+                    key: parameter.key(),
                     value: format!("{value}"),
                     allowed: parameter.range.text(),
                 });
@@ -108,19 +109,18 @@ impl Mechanism {
         Ok(())
     }
 
-    /// Body and local coordinates [m] of a point written `body.point`.
+    /// Body and local coordinates [m] of a point written `body.point`, under this key.
     ///
     /// # Errors
     /// The key with the names that there are.
-    pub fn point(&self, key: &str, text: &str) -> Result<(usize, [f64; 2]), DefinitionError> {
-        let unknown = |allowed: String| DefinitionError::Unknown { key: key.into(), name: text.into(), allowed };
+    pub fn point(&self, key: impl fmt::Display, text: &str) -> Result<(usize, [f64; 2]), DefinitionError> {
+        let unknown = |allowed: String| DefinitionError::Unknown { key: key.to_string(), name: text.into(), allowed };
         let Some((body, point)) = text.split_once('.') else {
             return Err(unknown("a point is written body.point, such as crank.end".into()));
         };
-        let Some(index) = self.bodies.position(body) else {
+        let Some((index, b)) = self.bodies.find(body) else {
             return Err(unknown(format!("the bodies are {}", self.bodies.names().join(", "))));
         };
-        let b = self.bodies.get(body).map_or_else(Body::default, Clone::clone);
         match point {
             "origin" => Ok((index, [0.0, 0.0])),
             "end" => match b.length {
@@ -247,7 +247,7 @@ impl Mechanism {
             }
         }
         for (name, force) in self.forces.iter() {
-            self.point(&format!("forces.{name}.at"), &force.at)?;
+            self.point(format_args!("forces.{name}.at"), &force.at)?;
             check_finite(format!("forces.{name}.force[0]"), force.force[0])?;
             check_finite(format!("forces.{name}.force[1]"), force.force[1])?;
         }
@@ -256,7 +256,7 @@ impl Mechanism {
             check_finite(format!("torques.{name}.torque"), torque.torque)?;
         }
         for (name, marker) in self.markers.iter() {
-            self.point(&format!("markers.{name}.at"), &marker.at)?;
+            self.point(format_args!("markers.{name}.at"), &marker.at)?;
         }
         for (name, value) in self.guess.iter() {
             check_finite(format!("guess.{name}"), *value)?;
@@ -274,8 +274,8 @@ impl Mechanism {
     ) -> Result<bool, DefinitionError> {
         match (first, second, joint) {
             (Some(first), Some(second), None) => {
-                let one = self.point(&format!("{key}.first"), first)?;
-                let other = self.point(&format!("{key}.second"), second)?;
+                let one = self.point(format_args!("{key}.first"), first)?;
+                let other = self.point(format_args!("{key}.second"), second)?;
                 if one == other {
                     return Err(key_error(key, "its two ends are one point, so its length is zero: name two points"));
                 }
@@ -372,7 +372,7 @@ impl Mechanism {
                     allowed,
                 });
             }
-            self.point(&format!("locks.{name}.at"), &lock.at)?;
+            self.point(format_args!("locks.{name}.at"), &lock.at)?;
         }
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! From the definition to the linkage: fixed bodies merged, turning groups, spanning tree.
 use super::{Body, Branch, Freedom, GROUND, Joint, Linkage, Point, Vec2, turned};
 use crate::definition::{self, DefinitionError, JointKind, Mechanism, Shape};
+use std::fmt;
 
 /// Mass, first moment and moment of inertia about the frame's origin: the sums that composing bodies needs.
 #[derive(Clone, Copy, Default)]
@@ -81,7 +82,7 @@ impl Linkage {
     ///
     /// # Errors
     /// As [`Mechanism::point`].
-    pub fn locate(&self, mechanism: &Mechanism, key: &str, text: &str) -> Result<Point, DefinitionError> {
+    pub fn locate(&self, mechanism: &Mechanism, key: fmt::Arguments, text: &str) -> Result<Point, DefinitionError> {
         let (named, [x, y]) = mechanism.point(key, text)?;
         let (body, place, angle) = self.placed[named];
         Ok(Point { body, local: place + turned(Vec2::new(x, y), angle) })
@@ -108,7 +109,7 @@ impl Linkage {
             let (mut place, mut angle, mut at) = (Vec2::zeros(), 0.0, i);
             let mut current = body;
             while let Some(to) = &current.fixed_to {
-                let (parent, [x, y]) = mechanism.point(&format!("bodies.{name}.fixed_to"), to)?;
+                let (parent, [x, y]) = mechanism.point(format_args!("bodies.{name}.fixed_to"), to)?;
                 let own = current.angle.unwrap_or(0.0);
                 place = Vec2::new(x, y) + turned(place, own);
                 angle += own;
@@ -148,8 +149,8 @@ impl Linkage {
 
     fn add_joints(&mut self, mechanism: &Mechanism) -> Result<(), DefinitionError> {
         for (name, joint) in mechanism.joints.iter() {
-            let first = self.locate(mechanism, &format!("joints.{name}.first"), &joint.first)?;
-            let second = self.locate(mechanism, &format!("joints.{name}.second"), &joint.second)?;
+            let first = self.locate(mechanism, format_args!("joints.{name}.first"), &joint.first)?;
+            let second = self.locate(mechanism, format_args!("joints.{name}.second"), &joint.second)?;
             if first.body == second.body {
                 return Err(DefinitionError::Key {
                     key: format!("joints.{name}"),

@@ -22,7 +22,6 @@ pub use error::ModelError;
 pub use saved::Snapshot;
 
 use crate::definition::{Experiment, Mechanism, Method, Range, Role};
-use crate::record::fnv1a;
 use crate::reduced::Reduced;
 use crate::variables::{Causality, Quantity, Reference, Value, Variables};
 use elastic::Elastic;
@@ -30,7 +29,7 @@ use outputs::Unknown;
 use setting::Setting;
 use signal::{Change, Signal};
 use state::State;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// One mechanism with its parameters, inputs and state.
 #[derive(Clone, Debug)]
@@ -42,6 +41,8 @@ pub struct Model {
     inputs: Inputs,
     /// For the present parameters; none after one of them has changed.
     reduced: Option<Arc<Reduced>>,
+    /// The last one that was built, of which the next one keeps what it can.
+    last: Arc<Reduced>,
     state: Option<Motion>,
 }
 
@@ -63,8 +64,8 @@ struct Original {
     variables: Variables,
     ranges: Vec<(Range, Role)>,
     inputs: Inputs,
-    /// What a snapshot must have been taken of.
-    identity: [u64; 2],
+    /// What a snapshot must have been taken of, found when the first one is.
+    identity: OnceLock<[u64; 2]>,
     reduced: Arc<Reduced>,
 }
 
@@ -93,10 +94,10 @@ impl Model {
     /// # Errors
     /// What is wrong with the definition, or why it gives no mechanism.
     pub fn from_json(text: &str) -> Result<Self, ModelError> {
-        let mechanism = Mechanism::from_json(text)?;
+        let mut mechanism = Mechanism::from_json(text)?;
         let variables = Variables::new(&mechanism)?;
         let mut ranges = Vec::new();
-        mechanism.clone().parameters(&mut |p, _| ranges.push((p.range, p.role)));
+        mechanism.parameters(&mut |p, _| ranges.push((p.range, p.role)));
         let mut inputs = Inputs { reals: Vec::new(), locks: Vec::new(), signal: Signal::new(0) };
         for v in variables.list().iter().filter(|v| v.causality == Causality::Input) {
             match v.start {
@@ -107,17 +108,17 @@ impl Model {
         }
         inputs.signal = Signal::new(inputs.reals.len());
         let reduced = Arc::new(Reduced::new(&mechanism)?);
-        let identity = [fnv1a(variables.guid().as_bytes()), setting::fingerprint(&mechanism)];
         let setting = Arc::new(Setting::new(mechanism));
         let original = Original {
             setting: Arc::clone(&setting),
             variables,
             ranges,
             inputs: inputs.clone(),
-            identity,
+            identity: OnceLock::new(),
             reduced: Arc::clone(&reduced),
         };
-        let mut model = Self { original: Arc::new(original), setting, inputs, reduced: Some(reduced), state: None };
+        let (original, last) = (Arc::new(original), Arc::clone(&reduced));
+        let mut model = Self { original, setting, inputs, reduced: Some(reduced), last, state: None };
         model.state()?;
         model.state = None;
         Ok(model)
@@ -138,6 +139,14 @@ impl Model {
         &self.original.variables
     }
 
+    /// For each variable, if it is an output: the inputs and parameters on which its initial value depends, ascending.
+    ///
+    /// # Errors
+    /// A parameter that may not change a little.
+    pub fn initial_dependencies(&self) -> Result<Vec<Vec<Reference>>, ModelError> {
+        Ok(Variables::initial_dependencies(&self.original.setting.mechanism)?)
+    }
+
     /// Default experiment.
     pub fn experiment(&self) -> Experiment {
         self.original.setting.mechanism.experiment
@@ -149,7 +158,8 @@ impl Model {
     /// Why the present parameters give none.
     pub fn reduced(&mut self) -> Result<&Arc<Reduced>, ModelError> {
         if self.reduced.is_none() {
-            self.reduced = Some(Arc::new(Reduced::new(&self.setting.mechanism)?));
+            self.last = Arc::new(self.last.renewed(&self.setting.mechanism)?);
+            self.reduced = Some(Arc::clone(&self.last));
         }
         self.reduced.as_ref().ok_or(ModelError::NotInitialised)
     }

@@ -4,11 +4,11 @@
 //! from one, bit for bit. What is found anew from these - caches of outputs, the panel in memory, room for a step - is left
 //! out.
 use super::elastic::{Elastic, SavedElastic};
-use super::setting::Setting;
+use super::setting::{Setting, fingerprint};
 use super::state::{SavedState, State};
 use super::{Inputs, Model, ModelError, Motion, is_reduced};
 use crate::definition::Method;
-use crate::record::{Damaged, Record};
+use crate::record::{Damaged, Record, fnv1a};
 use crate::reduced::Reduced;
 use crate::variables::Quantity;
 use std::sync::Arc;
@@ -79,7 +79,10 @@ impl Inputs {
 impl Model {
     /// What a snapshot must have been taken of: hashes of the interface, and of what of the definition no parameter changes.
     pub fn identity(&self) -> [u64; 2] {
-        self.original.identity
+        *self.original.identity.get_or_init(|| {
+            let guid = self.original.variables.guid();
+            [fnv1a(guid.as_bytes()), fingerprint(&self.original.setting.mechanism)]
+        })
     }
 
     /// All that decides how the model goes on.
@@ -128,7 +131,7 @@ impl Model {
                 let reduced = match (own, &snapshot.reduced) {
                     (Some(own), _) if same => Some(Arc::clone(own)),
                     (_, Some(theirs)) => Some(Arc::clone(theirs)),
-                    (_, None) if saved.is_some() => Some(Arc::new(Reduced::new(&snapshot.setting.mechanism)?)),
+                    (_, None) if saved.is_some() => Some(Arc::new(self.last.renewed(&snapshot.setting.mechanism)?)),
                     (_, None) => None,
                 };
                 *state = match (saved, &reduced) {
@@ -184,7 +187,7 @@ impl Model {
         let motion = if moves {
             let reduced = match &mut reduced {
                 Some(reduced) => reduced,
-                none => none.insert(Arc::new(Reduced::new(&setting.mechanism)?)),
+                none => none.insert(Arc::new(self.last.renewed(&setting.mechanism)?)),
             };
             Some(match method {
                 Method::Reduced => SavedMotion::Reduced(SavedState::read(record, reduced)?),

@@ -15,7 +15,7 @@ impl Setting {
     pub fn new(mut mechanism: Mechanism) -> Self {
         let (mut parameters, mut flags) = (Vec::new(), Vec::new());
         mechanism.parameters(&mut |_, value| parameters.push(*value));
-        mechanism.flags(&mut |_, _, value| flags.push(*value));
+        mechanism.flags(&mut |_, value| flags.push(*value));
         Self { mechanism, parameters, flags }
     }
 
@@ -45,7 +45,7 @@ impl Setting {
     pub fn apply(&mut self) {
         let (mut parameters, mut flags) = (self.parameters.iter(), self.flags.iter());
         self.mechanism.parameters(&mut |_, value| *value = parameters.next().copied().unwrap_or(*value));
-        self.mechanism.flags(&mut |_, _, value| *value = flags.next().copied().unwrap_or(*value));
+        self.mechanism.flags(&mut |_, value| *value = flags.next().copied().unwrap_or(*value));
     }
 }
 
@@ -53,7 +53,7 @@ impl Setting {
 pub fn fingerprint(mechanism: &Mechanism) -> u64 {
     let mut bare = mechanism.clone();
     bare.parameters(&mut |_, value| *value = 0.0);
-    bare.flags(&mut |_, _, value| *value = false);
+    bare.flags(&mut |_, value| *value = false);
     bare.solver.method = bare.solver.method.map(|_| Method::default());
     (bare.schema, bare.experiment) = (None, Experiment::default());
     bare.description.clear();

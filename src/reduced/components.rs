@@ -90,11 +90,6 @@ impl Components {
         Self { sized: loading.sized(), springs, damping, winding, count }
     }
 
-    /// The components of the motion: the effect of a load is its influence.
-    pub(super) fn fill(&self, loading: &Loading, curve: &Curve, c: &Configuration, values: &mut [f64]) {
-        self.fill_effects(loading, curve, c, &|load| loading.loads[load].influence(curve.linkage(), c), values);
-    }
-
     /// The components of whatever each load of unit size has this `effect` on.
     pub(super) fn fill_effects(
         &self,

@@ -5,6 +5,7 @@
 //! It must not know the present state, the inputs or FMI.
 mod components;
 mod error;
+mod resolved;
 mod scene;
 mod start;
 
@@ -12,15 +13,15 @@ pub use components::Components;
 pub use error::ReductionError;
 pub use scene::{Row, Scene};
 
-use crate::closure::{Closure, guessed};
-use crate::curve::{Configuration, Curve, CurveError, Ends, Workspace};
+use crate::curve::{Configuration, Curve, Ends, Workspace};
 use crate::definition::Mechanism;
-use crate::linkage::{Linkage, Point, Positions, Vec2};
-use crate::loading::{Loading, Stop, markers};
+use crate::linkage::{Linkage, Point, Vec2};
+use crate::loading::Loading;
 use crate::loads::Load;
 use crate::reactions::{Columns, Reaction, columns};
 use crate::table::{ACCURACY, Grid, Table, Unresolved};
 use components::Natural;
+use resolved::Resolved;
 use std::sync::{Arc, OnceLock};
 
 /// Tables that come from the same evaluations, built when one of them is first asked for.
@@ -29,20 +30,26 @@ type Lazy = OnceLock<Vec<Result<Table, Unresolved>>>;
 /// A linkage reduced to one element on its curve, where the reduced inertia is 1.
 #[derive(Debug)]
 pub struct Reduced {
-    curve: Curve,
+    curve: Arc<Curve>,
     loading: Loading,
     components: Components,
     markers: Vec<Point>,
     grid: Grid,
     natural: Natural,
-    influence: Table,
-    coordinate_table: Result<Table, Unresolved>,
-    displacement_tables: Vec<OnceLock<Result<Table, Unresolved>>>,
-    marker_tables: Lazy,
-    reaction_tables: Lazy,
-    state_reaction_tables: Lazy,
+    tables: Arc<Tables>,
     /// Without and with air that moves.
     scenes: [OnceLock<Result<Option<Scene>, Unresolved>>; 2],
+}
+
+/// Tables that follow from the curve, the markers, the loads of unit size and the laws of the springs.
+#[derive(Debug)]
+struct Tables {
+    influence: Table,
+    coordinates: Result<Table, Unresolved>,
+    displacements: Vec<OnceLock<Result<Table, Unresolved>>>,
+    markers: Lazy,
+    reactions: Lazy,
+    state_reactions: Lazy,
 }
 
 impl Reduced {
@@ -51,12 +58,41 @@ impl Reduced {
     /// # Errors
     /// [`ReductionError`].
     pub fn new(mechanism: &Mechanism) -> Result<Self, ReductionError> {
-        let linkage = Linkage::new(mechanism).map_err(ReductionError::Definition)?;
-        let loading = Loading::new(mechanism, &linkage).map_err(ReductionError::Definition)?;
-        let markers = markers(mechanism, &linkage).map_err(ReductionError::Definition)?;
-        let guess = guessed(&linkage, &mechanism.guess).map_err(ReductionError::Assembly)?;
-        let (closure, q) = Closure::assemble(Arc::new(linkage), &guess).map_err(ReductionError::Assembly)?;
-        let curve = trace(closure, &q, &loading).map_err(ReductionError::Curve)?;
+        let resolved = Resolved::new(mechanism)?;
+        let curve = Arc::new(resolved.trace(mechanism)?);
+        Self::on(curve, resolved.loading, resolved.markers)
+    }
+
+    /// The curve alone.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn trace(mechanism: &Mechanism) -> Result<Curve, ReductionError> {
+        Resolved::new(mechanism)?.trace(mechanism)
+    }
+
+    /// The reduced model of the same mechanism with other parameters, equal to [`Self::new`] to the bit: the curve and the
+    /// tables are kept where nothing that they follow from has changed.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn renewed(&self, mechanism: &Mechanism) -> Result<Self, ReductionError> {
+        let resolved = Resolved::new(mechanism)?;
+        if !resolved.moves_as(self.linkage(), &self.loading) {
+            let curve = Arc::new(resolved.trace(mechanism)?);
+            return Self::on(curve, resolved.loading, resolved.markers);
+        }
+        let (curve, Resolved { loading, markers, .. }) = (Arc::clone(&self.curve), resolved);
+        if (&loading.loads, &loading.springs, &markers) != (&self.loading.loads, &self.loading.springs, &self.markers) {
+            return Self::on(curve, loading, markers);
+        }
+        let (grid, tables) = (self.grid.clone(), Arc::clone(&self.tables));
+        let (components, natural, scenes) = (self.components, self.natural, Default::default());
+        Ok(Self { curve, loading, components, markers, grid, natural, tables, scenes })
+    }
+
+    /// On a curve that is known, with the tables that every start needs.
+    fn on(curve: Arc<Curve>, loading: Loading, markers: Vec<Point>) -> Result<Self, ReductionError> {
         let grid = Grid { borders: curve.grid(ACCURACY), centers: curve.crossings().to_vec() };
         let components = Components::new(&loading, &curve);
         let natural = Natural::new(&curve);
@@ -69,37 +105,32 @@ impl Reduced {
         let fill = &mut |c: &Configuration, values: &mut [f64]| {
             let (influences, rest) = values.split_at_mut(components.count);
             let (coordinates, displacements) = rest.split_at_mut(3 * c.q.len());
-            components.fill(&loading, &curve, c, influences);
-            for (i, derivatives) in coordinates.chunks_exact_mut(3).enumerate() {
-                derivatives.copy_from_slice(&[c.q[i], c.q_sigma[i], c.q_second[i]]);
-            }
             for (&load, v) in needed.iter().zip(displacements.chunks_exact_mut(3)) {
                 v.copy_from_slice(&loading.loads[load].displacement(curve.linkage(), c));
             }
+            // The needed loads begin with those that the influences are of.
+            components.fill_effects(&loading, &curve, c, &|load| displacements[3 * load + 1], influences);
+            for (i, derivatives) in coordinates.chunks_exact_mut(3).enumerate() {
+                derivatives.copy_from_slice(&[c.q[i], c.q_sigma[i], c.q_second[i]]);
+            }
         };
         let mut tables = tabulate(&curve, &grid, &sizes, fill);
-        let displacement_tables: Vec<_> = loading.loads.iter().map(|_| OnceLock::new()).collect();
+        let displacements: Vec<_> = loading.loads.iter().map(|_| OnceLock::new()).collect();
         for (load, table) in needed.into_iter().zip(tables.drain(2..)) {
             // Two stops of one load have the same table.
-            let _ = displacement_tables[load].set(table);
+            let _ = displacements[load].set(table);
         }
-        let coordinate_table = tables.swap_remove(1);
+        let coordinates = tables.swap_remove(1);
         let influence = tables.swap_remove(0).map_err(|e| Self::unresolved(&loading, &curve, &e))?;
-        Ok(Self {
-            coordinate_table,
-            displacement_tables,
-            marker_tables: OnceLock::new(),
-            reaction_tables: OnceLock::new(),
-            state_reaction_tables: OnceLock::new(),
-            scenes: [OnceLock::new(), OnceLock::new()],
-            natural,
-            curve,
-            loading,
-            components,
-            markers,
-            grid,
+        let tables = Arc::new(Tables {
             influence,
-        })
+            coordinates,
+            displacements,
+            markers: OnceLock::new(),
+            reactions: OnceLock::new(),
+            state_reactions: OnceLock::new(),
+        });
+        Ok(Self { curve, loading, components, markers, grid, natural, tables, scenes: Default::default() })
     }
 
     /// The linkage.
@@ -140,7 +171,7 @@ impl Reduced {
 
     /// S_sigma of every sized load, then what [`Components`] tells: the right-hand side is their sum, each times its size.
     pub fn influence(&self) -> &Table {
-        &self.influence
+        &self.tables.influence
     }
 
     /// Growth of a coordinate over one turn of a closed curve; 0 for an open one.
@@ -167,7 +198,7 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn coordinates(&self) -> Result<&Table, &Unresolved> {
-        self.coordinate_table.as_ref()
+        self.tables.coordinates.as_ref()
     }
 
     /// A load's displacement and its two derivatives along sigma.
@@ -181,7 +212,7 @@ impl Reduced {
             let mut fill = |c: &Configuration, v: &mut [f64]| v.copy_from_slice(&load.displacement(linkage, c));
             self.tabulate(&[size], &mut fill).swap_remove(0)
         };
-        self.displacement_tables[load].get_or_init(table).as_ref()
+        self.tables.displacements[load].get_or_init(table).as_ref()
     }
 
     /// A load's displacement at sigma: from its table, or from the exact evaluator where the ends of an actuator come so
@@ -198,7 +229,7 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn marker(&self, i: usize) -> Result<&Table, &Unresolved> {
-        let tables = self.marker_tables.get_or_init(|| {
+        let tables = self.tables.markers.get_or_init(|| {
             let size = self.natural.derivatives(self.linkage().size).repeat(2);
             self.tabulate(&vec![size; self.markers.len()], &mut |c, values| {
                 for (&point, v) in self.markers.iter().zip(values.chunks_exact_mut(6)) {
@@ -227,7 +258,7 @@ impl Reduced {
             let size = self.linkage().size;
             reaction_sizes(vec![self.natural.scale / size, 1.0 / size], loads, &self.natural, self.linkage())
         };
-        self.reaction_tables.get_or_init(|| self.reactions(sizes(), loads, 0))[joint].as_ref()
+        self.tables.reactions.get_or_init(|| self.reactions(sizes(), loads, 0))[joint].as_ref()
     }
 
     /// A joint's reaction to the loads that a state sizes: force x, force y, moment; each for each of these loads = 1.
@@ -237,7 +268,7 @@ impl Reduced {
     pub fn state_reaction(&self, joint: usize) -> Result<&Table, &Unresolved> {
         let loads = &self.loading.loads[self.loading.base()..];
         let sizes = || reaction_sizes(Vec::new(), loads, &self.natural, self.linkage());
-        self.state_reaction_tables.get_or_init(|| self.reactions(sizes(), loads, 2))[joint].as_ref()
+        self.tables.state_reactions.get_or_init(|| self.reactions(sizes(), loads, 2))[joint].as_ref()
     }
 
     /// Tables of the reactions of all joints for these loads, without the first `skipped` of their columns: for each joint
@@ -322,31 +353,6 @@ fn tabulate(
         exact(&c, values);
         c.amplification
     })
-}
-
-/// Part of the natural size of a stop's quantity by which the curve is traced beyond the stop.
-const BEYOND: f64 = 0.02;
-
-/// The curve, between rigid stops if there are such: nothing lies beyond them but what a step tries before it finds the
-/// impact. A guess that is itself beyond a stop names a branch all the same, which is then traced as a whole.
-fn trace(closure: Closure, q: &[f64], loading: &Loading) -> Result<Curve, CurveError> {
-    let stops: Vec<_> = loading.stops.iter().filter(|s| s.enabled).collect();
-    if stops.is_empty() || stops.iter().any(|s| !s.rigid) {
-        return Curve::trace(closure, q);
-    }
-    let linkage = Arc::clone(&closure.linkage);
-    let mut inside = |p: &Positions| {
-        let room = |stop: &&Stop| {
-            let size = if stop.quantity == "angle" { 1.0 } else { linkage.size };
-            BEYOND - stop.beyond(loading.loads[stop.load].place(&linkage, p)) / size
-        };
-        stops.iter().map(room).fold(f64::INFINITY, f64::min)
-    };
-    let at_guess = inside(&linkage.positions(q));
-    if at_guess <= 0.0 {
-        return Curve::trace(closure, q);
-    }
-    Curve::trace_within(closure, q, &mut inside)
 }
 
 /// Natural sizes of reactions: of these terms, then of loads; for both forces and the moment.

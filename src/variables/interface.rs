@@ -4,10 +4,11 @@ use super::{
     Causality, Kind, OneElement, Output, Quantity, ReactionPart, Reference, Unit, Value, Variability, Variable,
     Variables,
 };
-use crate::definition::{DefinitionError, Mechanism, Method, Parameter};
+use crate::definition::{DefinitionError, Mechanism, Method};
 use crate::linkage::{Freedom, GROUND, Linkage, Point};
 use crate::loading::{Drive, Loading, markers};
 use crate::loads::Load;
+use std::collections::HashSet;
 
 /// Collects the variables in order.
 struct Builder<'a> {
@@ -15,12 +16,10 @@ struct Builder<'a> {
     linkage: &'a Linkage,
     list: Vec<Variable>,
     quantities: Vec<Quantity>,
-    effects: Vec<Effect>,
-    /// Of each output: places among the parameters on which its initial value depends.
-    marks: Vec<Vec<Reference>>,
-    parameters: Vec<(Parameter, f64)>,
-    /// Boolean parameters: name, text, start value.
-    flags: Vec<(String, String, bool)>,
+    /// What each parameter acts on, where somebody asks for the dependencies of initial values.
+    effects: Option<Vec<Effect>>,
+    /// Then of each variable: the inputs and the places among the parameters on which its initial value depends.
+    initial: Vec<[Vec<Reference>; 2]>,
     loading: Loading,
     markers: Vec<Point>,
 }
@@ -32,46 +31,63 @@ impl Variables {
     /// Two variables of one name; a definition that does not resolve.
     pub fn new(mechanism: &Mechanism) -> Result<Self, DefinitionError> {
         let linkage = Linkage::new(mechanism)?;
-        let mut parameters = Vec::new();
-        mechanism.clone().parameters(&mut |p, value| parameters.push((p, *value)));
-        let mut flags = Vec::new();
-        mechanism.clone().flags(&mut |name, text, value| flags.push((name, text, *value)));
-        let (loading, markers) = (Loading::new(mechanism, &linkage)?, markers(mechanism, &linkage)?);
-        let effects = effects(mechanism, &linkage, &parameters, &flags, &loading, &markers)?;
-        let mut builder = Builder {
-            mechanism,
-            linkage: &linkage,
-            list: Vec::new(),
-            quantities: Vec::new(),
-            effects,
-            marks: Vec::new(),
-            parameters,
-            flags,
-            loading,
-            markers,
-        };
-        builder.add_inputs();
-        builder.add_motion();
-        builder.add_reactions();
-        builder.add_drives();
-        builder.add_springs();
-        builder.add_markers();
-        builder.add_surfaces();
-        builder.add_stops();
-        builder.add_energies();
-        builder.add_parameters();
-        for (i, v) in builder.list.iter().enumerate() {
-            if builder.list[..i].iter().any(|other| other.name == v.name) {
-                let message = "two elements give a variable of this name: rename one".into();
-                return Err(DefinitionError::Key { key: v.name.clone(), message });
-            }
+        let mut builder = Builder::new(mechanism, &linkage)?;
+        builder.add_all();
+        let mut names = HashSet::new();
+        if let Some(twice) = builder.list.iter().find(|v| !names.insert(v.name.as_str())) {
+            let message = "two elements give a variable of this name: rename one".into();
+            return Err(DefinitionError::Key { key: twice.name.clone(), message });
         }
         let guid = guid(&mechanism.name, &builder.list);
         Ok(Self { list: builder.list, quantities: builder.quantities, guid })
     }
+
+    /// For each variable of the mechanism, if it is an output: the inputs and parameters on which its initial value
+    /// depends, ascending. Found by changing every parameter: only who writes a description needs to know.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; a parameter that may not change a little.
+    pub fn initial_dependencies(mechanism: &Mechanism) -> Result<Vec<Vec<Reference>>, DefinitionError> {
+        let linkage = Linkage::new(mechanism)?;
+        let mut builder = Builder::new(mechanism, &linkage)?;
+        builder.effects = Some(effects(mechanism, &linkage, &builder.loading, &builder.markers)?);
+        builder.add_all();
+        let parameter = |q: &Quantity| matches!(q, Quantity::Parameter(_) | Quantity::Flag(_) | Quantity::Method);
+        let first = builder.quantities.iter().take_while(|q| !parameter(q)).count() as Reference;
+        let joined = |[inputs, places]: [Vec<Reference>; 2]| {
+            inputs.into_iter().chain(places.into_iter().map(|place| first + place)).collect()
+        };
+        Ok(builder.initial.into_iter().map(joined).collect())
+    }
 }
 
-impl Builder<'_> {
+impl<'a> Builder<'a> {
+    fn new(mechanism: &'a Mechanism, linkage: &'a Linkage) -> Result<Self, DefinitionError> {
+        Ok(Self {
+            mechanism,
+            linkage,
+            list: Vec::new(),
+            quantities: Vec::new(),
+            effects: None,
+            initial: Vec::new(),
+            loading: Loading::new(mechanism, linkage)?,
+            markers: markers(mechanism, linkage)?,
+        })
+    }
+
+    fn add_all(&mut self) {
+        self.add_inputs();
+        self.add_motion();
+        self.add_reactions();
+        self.add_drives();
+        self.add_springs();
+        self.add_markers();
+        self.add_surfaces();
+        self.add_stops();
+        self.add_energies();
+        self.add_parameters();
+    }
+
     /// What points of these bodies are placed by: the stated start alone if one joint holds the stated body to the ground
     /// and no other body is asked for, else everything.
     fn placing(&self, bodies: &[usize]) -> Needs<'static> {
@@ -107,24 +123,29 @@ impl Builder<'_> {
             variability: if real { Variability::Continuous } else { Variability::Discrete },
             unit,
             start: None,
-            initial_dependencies: dependencies.clone(),
             dependencies,
         });
-        // References of the parameters are known once all outputs are placed; until then, places among the parameters.
+        self.quantities.push(quantity);
+        if let Some(effects) = &self.effects {
+            let initial = self.initial_of(quantity, &needs, effects);
+            self.initial.push(initial);
+        }
+    }
+
+    /// Inputs and places among the parameters on which an output's initial value depends.
+    fn initial_of(&self, quantity: Quantity, needs: &Needs, effects: &[Effect]) -> [Vec<Reference>; 2] {
         let stretched = self.stretched(quantity);
         let loads: Vec<usize> = (0..self.loading.base()).collect();
         let all = Needs { speed: true, inertia: true, masses: true, loads: &loads, elasticity: true, ..PLACED };
-        let places = (0..self.effects.len())
-            .filter(|&i| self.effects[i].meets(&needs) || (stretched && self.effects[i].meets(&all)));
-        self.marks.push(places.map(|i| i as Reference).collect());
+        let meets = |i: &usize| effects[*i].meets(needs) || (stretched && effects[*i].meets(&all));
+        let places = (0..effects.len()).filter(meets).map(|i| i as Reference).collect();
+        let mut inputs: Vec<Reference> = needs.inputs.iter().map(|&i| i as Reference).collect();
         if stretched {
-            let last = self.list.len() - 1;
-            let initial = &mut self.list[last].initial_dependencies;
-            initial.extend(0..self.loading.inputs.len() as Reference);
-            initial.sort_unstable();
-            initial.dedup();
+            inputs.extend(0..self.loading.inputs.len() as Reference);
+            inputs.sort_unstable();
+            inputs.dedup();
         }
-        self.quantities.push(quantity);
+        [inputs, places]
     }
 
     /// Whether the rods' stretch at the start, which follows from all that acts there, changes an output. One-element terms
@@ -222,9 +243,11 @@ impl Builder<'_> {
             unit,
             start: Some(start),
             dependencies: Vec::new(),
-            initial_dependencies: Vec::new(),
         });
         self.quantities.push(quantity);
+        if self.effects.is_some() {
+            self.initial.push(Default::default());
+        }
     }
 
     /// Positions, speeds and accelerations of the coordinates.
@@ -562,26 +585,22 @@ impl Builder<'_> {
     }
 
     fn add_parameters(&mut self) {
-        let first = self.list.len() as Reference;
-        let outputs = self.list.iter_mut().filter(|v| v.causality == Causality::Output);
-        for (v, marks) in outputs.zip(std::mem::take(&mut self.marks)) {
-            v.initial_dependencies.extend(marks.into_iter().map(|place| first + place));
-        }
-        for (i, (parameter, value)) in std::mem::take(&mut self.parameters).into_iter().enumerate() {
-            let start = (Value::Real(value), Some(parameter.unit));
-            let (name, text) = (parameter.name, parameter.description);
-            self.known(name, text, Causality::Parameter, Variability::Fixed, start, Quantity::Parameter(i));
-        }
-        for (i, (name, text, value)) in std::mem::take(&mut self.flags).into_iter().enumerate() {
-            let start = (Value::Boolean(value), None);
-            self.known(name, text, Causality::Parameter, Variability::Fixed, start, Quantity::Flag(i));
-        }
+        let (mut stated, mut places) = (self.mechanism.clone(), 0..);
+        let fixed = (Causality::Parameter, Variability::Fixed);
+        stated.parameters(&mut |p, value| {
+            let (start, place) = ((Value::Real(*value), Some(p.unit)), places.next().unwrap_or_default());
+            self.known(p.name(), p.description(), fixed.0, fixed.1, start, Quantity::Parameter(place));
+        });
+        places = 0..;
+        stated.flags(&mut |flag, value| {
+            let (start, place) = ((Value::Boolean(*value), None), places.next().unwrap_or_default());
+            self.known(flag.name(), flag.description(), fixed.0, fixed.1, start, Quantity::Flag(place));
+        });
         if let Some(method) = self.mechanism.solver.method {
             let words = Method::ALL.map(Method::word).join(" or ");
             let text = format!("Formulation of the motion: {words}");
             let start = (Value::String(method.word().into()), None);
-            let name = "solver.method".into();
-            self.known(name, text, Causality::Parameter, Variability::Fixed, start, Quantity::Method);
+            self.known("solver.method".into(), text, fixed.0, fixed.1, start, Quantity::Method);
         }
     }
 }

@@ -80,8 +80,6 @@ pub struct Variable {
     pub start: Option<Value>,
     /// Outputs only: the inputs on which its present value depends, ascending.
     pub dependencies: Vec<Reference>,
-    /// Outputs only: the inputs and parameters on which its initial value depends, ascending.
-    pub initial_dependencies: Vec<Reference>,
 }
 
 /// What the model looks up or computes for a variable.

@@ -1,5 +1,5 @@
 //! Dependencies: what a variable follows from, and what each parameter acts on.
-use crate::definition::{DefinitionError, Mechanism, Parameter, Role};
+use crate::definition::{DefinitionError, Mechanism, Role};
 use crate::drag::Surface;
 use crate::linkage::{Body, Freedom, GROUND, Joint, Linkage, Point, Vec2};
 use crate::loading::{Air, Loading, Pin, Spring, Stop, markers};
@@ -95,33 +95,37 @@ impl Effect {
 pub(super) fn effects(
     mechanism: &Mechanism,
     linkage: &Linkage,
-    parameters: &[(Parameter, f64)],
-    flags: &[(String, String, bool)],
     loading: &Loading,
     all_markers: &[Point],
 ) -> Result<Vec<Effect>, DefinitionError> {
     let before = Resolved::new(mechanism, loading, all_markers)?;
+    let mut stated = mechanism.clone();
+    let (mut roles, mut flags) = (Vec::new(), 0);
+    stated.parameters(&mut |p, _| roles.push(p.role));
+    stated.flags(&mut |_, _| flags += 1);
     let mut out = Vec::new();
-    for (parameter, value) in parameters {
-        if matches!(parameter.role, Role::StartPosition | Role::StartSpeed | Role::Tolerance | Role::Elasticity) {
-            out.push(Effect::none(parameter.role, &before));
+    for (place, &role) in roles.iter().enumerate() {
+        if matches!(role, Role::StartPosition | Role::StartSpeed | Role::Tolerance | Role::Elasticity) {
+            out.push(Effect::none(role, &before));
             continue;
         }
         let mut changed = mechanism.clone();
-        changed.parameters(&mut |p, v| {
-            if p.name == parameter.name {
-                *v = value * 1.001 + 1e-4;
+        let mut places = 0..;
+        changed.parameters(&mut |_, v| {
+            if places.next() == Some(place) {
+                *v = *v * 1.001 + 1e-4;
             }
         });
         // So that V_d stays above V_S, whichever changes.
         if let Some(friction) = &mut changed.friction {
             friction.kinetic_speed = friction.kinetic_speed.max(1.01 * friction.static_speed);
         }
-        out.push(before.effect(parameter.role, &changed, linkage)?);
+        out.push(before.effect(role, &changed, linkage)?);
     }
-    for (flag, ..) in flags {
+    for place in 0..flags {
         let mut changed = mechanism.clone();
-        changed.flags(&mut |name, _, v| *v ^= name == *flag);
+        let mut places = 0..;
+        changed.flags(&mut |_, v| *v ^= places.next() == Some(place));
         out.push(before.effect(Role::Load, &changed, linkage)?);
     }
     if mechanism.solver.method.is_some() {
