@@ -445,11 +445,14 @@ pub struct Solver {
     /// Largest step of Newmark's method [s], > 0; 1e-5 where absent. There only with `method`.
     #[serde(default)]
     pub fem_step: Option<f64>,
+    /// Whether the right-hand side is read from tables; else each evaluation closes the loops anew, some hundred times as dear.
+    #[serde(default = "yes")]
+    pub tables: bool,
 }
 
 impl Default for Solver {
     fn default() -> Self {
-        Self { tolerance: 1e-9, method: None, fem_step: None }
+        Self { tolerance: 1e-9, method: None, fem_step: None, tables: true }
     }
 }
 

@@ -245,5 +245,7 @@ impl Mechanism {
             let words = ["Whether", "is rigid; else it is a spring and damper that only pushes"];
             visit(Flag { owner, quantity: "rigid", words }, &mut stop.rigid);
         }
+        let words = ["Whether the right-hand side is read from tables; else it is computed anew each time", ""];
+        visit(Flag { owner: "solver", quantity: "tables", words }, &mut self.solver.tables);
     }
 }

@@ -77,11 +77,11 @@ impl<T: Number> Acting<T> {
         [t, sigma, sigma_dot]: [T; 3],
     ) -> Result<Effect<T>, Locked> {
         let powers = Powers::new(folded.x(sigma));
-        let at = |component: usize| powers.at(scene.table.series(folded.panel, component));
+        let at = |component: usize| powers.at(folded.series(&scene.table, component));
         let damping = reduced.components().damping;
         let stride = scene.stride();
         for (row, values) in self.effects.chunks_exact_mut(stride).enumerate() {
-            powers.all(scene.table.block(folded.panel, scene.states(row)), values);
+            powers.all(folded.block(&scene.table, scene.states(row)), values);
         }
         let mut lost = T::constant(0.0);
         // What the state decides, but for friction.
@@ -166,7 +166,7 @@ impl<T: Number> Acting<T> {
         breakaway: Option<f64>,
     ) -> Result<T, Locked> {
         let powers = Powers::new(folded.x(sigma));
-        let at = |component: usize| powers.at(scene.table.series(folded.panel, component));
+        let at = |component: usize| powers.at(folded.series(&scene.table, component));
         let influence = at(scene.given(0, load));
         // What the load must give along the curve without friction, and what this share of it is.
         let bare = target - (self.sums[0] - influence * size);

@@ -142,7 +142,7 @@ impl Motion<'_> {
         let x = self.place(sigma);
         let Some(scene) = self.scene else { return 0.0 };
         let first = scene.loads.len() - scene.pins.len();
-        let series = scene.table.series(self.work.folded.panel, scene.column(0, first + pin));
+        let series = self.work.folded.series(&scene.table, scene.column(0, first + pin));
         polynomial(series, x) * sigma_dot * scene.pins[pin].radius
     }
 
@@ -173,7 +173,7 @@ impl Motion<'_> {
         let x = self.place(sigma);
         let Some(scene) = self.scene else { return (0.0, 0.0) };
         let (folded, loading) = (&self.work.folded, self.reduced.loading());
-        let at = |component: usize| polynomial(scene.table.series(folded.panel, component), x);
+        let at = |component: usize| polynomial(folded.series(&scene.table, component), x);
         let stop = &loading.stops[scene.bumpers[bumper]];
         let s = at(scene.pressed(bumper)) + folded.turns * self.reduced.load_growth(stop.load);
         let first = scene.loads.len() - scene.pins.len() - scene.bumpers.len();

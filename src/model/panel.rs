@@ -1,10 +1,11 @@
 //! The right-hand side on the panel that was used last: the sizes of loads folded into its polynomials.
 use super::signal::Change;
 use crate::chebyshev::{NODES, Series};
-use crate::number::Number;
+use crate::number::{Dual, Number};
 use crate::powers::Powers;
 use crate::reduced::{Reduced, Scene};
 use crate::table::Table;
+use std::ops::Range;
 
 /// Rounding of a panel's border that is counted on over whole turns, relative to the numbers that are added up.
 const BORDER: f64 = 8.0 * f64::EPSILON;
@@ -64,7 +65,7 @@ pub struct Folded {
     /// x at the center.
     offset: f64,
     /// Place of the panel.
-    pub panel: usize,
+    panel: usize,
     /// Whole turns before this panel.
     pub turns: f64,
     /// Force along the curve.
@@ -73,6 +74,8 @@ pub struct Folded {
     pub reactions: Vec<Series>,
     /// First and second time derivative of all rows, the force first; none under constant inputs.
     rates: Vec<[Series; 2]>,
+    /// Without tables: all components at the one sigma for which it holds, by value and slope.
+    exact: Vec<Series>,
 }
 
 impl Folded {
@@ -90,6 +93,7 @@ impl Folded {
             force: [0.0; NODES],
             reactions: vec![[0.0; NODES]; rows],
             rates: Vec::new(),
+            exact: Vec::new(),
         }
     }
 
@@ -117,6 +121,18 @@ impl Folded {
     #[inline]
     pub fn changes(&self) -> bool {
         !self.rates.is_empty()
+    }
+
+    /// Monomial coefficients of one component of this table, on the panel.
+    #[inline]
+    pub fn series<'a>(&'a self, table: &'a Table, component: usize) -> &'a Series {
+        if self.exact.is_empty() { table.series(self.panel, component) } else { &self.exact[component] }
+    }
+
+    /// Of some components.
+    #[inline]
+    pub fn block<'a>(&'a self, table: &'a Table, components: Range<usize>) -> &'a [Series] {
+        if self.exact.is_empty() { table.block(self.panel, components) } else { &self.exact[components] }
     }
 
     /// Effect of all given loads in a row of the scene, at the time t [s]; row 0 is the force along the curve.
@@ -159,13 +175,17 @@ impl Folded {
             (self.inverse, self.offset) = (0.0, if sigma < first { -1.0 } else { 1.0 });
             (self.low, self.high) = if sigma < first { (f64::NEG_INFINITY, first) } else { (last, f64::INFINITY) };
         }
+        self.exact.clear();
+        if reduced.is_exact() && self.inverse != 0.0 {
+            self.enter_exactly(reduced, scene, table, sigma, shift);
+        }
         let rows = scene.map_or(1, |s| s.rows.len());
         self.rates.clear();
         for row in 0..rows {
             let mut sum = self.fold(scene, table, given.sizes, row);
             let mut add = |k: Option<usize>, size: f64| {
                 if let Some(k) = k {
-                    add(&mut sum, table.series(self.panel, scene.map_or(k, |s| s.given(row, k))), size);
+                    add(&mut sum, self.series(table, scene.map_or(k, |s| s.given(row, k))), size);
                 }
             };
             add(reduced.components().springs, 1.0);
@@ -182,12 +202,26 @@ impl Folded {
         }
     }
 
+    /// Hold at sigma alone, with values from the exact evaluator. Slopes, which only Newton's method takes, are the table's.
+    fn enter_exactly(&mut self, reduced: &Reduced, scene: Option<&Scene>, table: &Table, sigma: f64, shift: f64) {
+        let x = Dual::variable(self.x(sigma), 0);
+        let powers = Powers::<Dual<1>>::new(x);
+        let values = reduced.exact_motion(scene, sigma - shift);
+        self.exact.extend(values.iter().enumerate().map(|(component, &value)| {
+            let slope = powers.at(table.series(self.panel, component)).slope[0];
+            let mut series = [0.0; NODES];
+            (series[0], series[1]) = (value, slope);
+            series
+        }));
+        (self.low, self.high, self.center) = (sigma, sigma.next_up(), sigma);
+    }
+
     /// Sum of the effects of the first loads of these sizes.
     fn fold(&self, scene: Option<&Scene>, table: &Table, sizes: &[f64], row: usize) -> Series {
         let mut sum = [0.0; NODES];
         for (load, size) in sizes.iter().enumerate() {
             if *size != 0.0 && !scene.is_some_and(|s| s.lossy.contains(&load)) {
-                add(&mut sum, table.series(self.panel, scene.map_or(load, |s| s.given(row, load))), *size);
+                add(&mut sum, self.series(table, scene.map_or(load, |s| s.given(row, load))), *size);
             }
         }
         sum

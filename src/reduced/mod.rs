@@ -37,6 +37,8 @@ pub struct Reduced {
     grid: Grid,
     natural: Natural,
     tables: Arc<Tables>,
+    /// Whether the motion is to be evaluated without them.
+    exact: bool,
     /// Without and with air that moves.
     scenes: [OnceLock<Result<Option<Scene>, Unresolved>>; 2],
 }
@@ -60,7 +62,7 @@ impl Reduced {
     pub fn new(mechanism: &Mechanism) -> Result<Self, ReductionError> {
         let resolved = Resolved::new(mechanism)?;
         let curve = Arc::new(resolved.trace(mechanism)?);
-        Self::on(curve, resolved.loading, resolved.markers)
+        Self::on(curve, resolved.loading, resolved.markers, !mechanism.solver.tables)
     }
 
     /// The curve alone.
@@ -77,22 +79,22 @@ impl Reduced {
     /// # Errors
     /// As [`Self::new`].
     pub fn renewed(&self, mechanism: &Mechanism) -> Result<Self, ReductionError> {
-        let resolved = Resolved::new(mechanism)?;
+        let (resolved, exact) = (Resolved::new(mechanism)?, !mechanism.solver.tables);
         if !resolved.moves_as(self.linkage(), &self.loading) {
             let curve = Arc::new(resolved.trace(mechanism)?);
-            return Self::on(curve, resolved.loading, resolved.markers);
+            return Self::on(curve, resolved.loading, resolved.markers, exact);
         }
         let (curve, Resolved { loading, markers, .. }) = (Arc::clone(&self.curve), resolved);
         if (&loading.loads, &loading.springs, &markers) != (&self.loading.loads, &self.loading.springs, &self.markers) {
-            return Self::on(curve, loading, markers);
+            return Self::on(curve, loading, markers, exact);
         }
         let (grid, tables) = (self.grid.clone(), Arc::clone(&self.tables));
         let (components, natural, scenes) = (self.components, self.natural, Default::default());
-        Ok(Self { curve, loading, components, markers, grid, natural, tables, scenes })
+        Ok(Self { curve, loading, components, markers, grid, natural, tables, exact, scenes })
     }
 
     /// On a curve that is known, with the tables that every start needs.
-    fn on(curve: Arc<Curve>, loading: Loading, markers: Vec<Point>) -> Result<Self, ReductionError> {
+    fn on(curve: Arc<Curve>, loading: Loading, markers: Vec<Point>, exact: bool) -> Result<Self, ReductionError> {
         let grid = Grid { borders: curve.grid(ACCURACY), centers: curve.crossings().to_vec() };
         let components = Components::new(&loading, &curve);
         let natural = Natural::new(&curve);
@@ -130,7 +132,7 @@ impl Reduced {
             reactions: OnceLock::new(),
             state_reactions: OnceLock::new(),
         });
-        Ok(Self { curve, loading, components, markers, grid, natural, tables, scenes: Default::default() })
+        Ok(Self { curve, loading, components, markers, grid, natural, tables, exact, scenes: Default::default() })
     }
 
     /// The linkage.
@@ -316,6 +318,29 @@ impl Reduced {
     /// [`Unresolved`].
     pub fn scene(&self, air: bool) -> Result<Option<&Scene>, &Unresolved> {
         self.scenes[usize::from(air)].get_or_init(|| Scene::build(self, air)).as_ref().map(Option::as_ref)
+    }
+
+    /// Whether the motion is evaluated without tables.
+    pub fn is_exact(&self) -> bool {
+        self.exact
+    }
+
+    /// What the table of the motion holds, that of the scene or else [`Self::influence`], at sigma from the exact evaluator.
+    pub fn exact_motion(&self, scene: Option<&Scene>, sigma: f64) -> Vec<f64> {
+        let c = self.curve.configuration(sigma);
+        match scene {
+            None => {
+                let mut values = vec![0.0; self.components.count];
+                let influence = |load: usize| self.loading.loads[load].influence(self.linkage(), &c);
+                self.components.fill_effects(&self.loading, &self.curve, &c, &influence, &mut values);
+                values
+            }
+            Some(scene) => {
+                let mut values = vec![0.0; scene.table.components()];
+                scene.fill(self, &c, &mut values);
+                values
+            }
+        }
     }
 
     /// Why the influences are not smooth: two ends meet, or nothing with mass moves.

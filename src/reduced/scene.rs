@@ -141,7 +141,7 @@ impl Scene {
         Ok(Some(scene))
     }
 
-    fn fill(&self, reduced: &Reduced, c: &Configuration, values: &mut [f64]) {
+    pub(super) fn fill(&self, reduced: &Reduced, c: &Configuration, values: &mut [f64]) {
         let (loading, linkage) = (&reduced.loading, reduced.linkage());
         let influence: Vec<f64> = loading.loads.iter().map(|l| l.influence(linkage, c)).collect();
         let columns =
