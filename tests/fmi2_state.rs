@@ -477,10 +477,11 @@ fn numbers_of_the_file_that_are_no_parameters_must_agree() {
     free(&gear, state);
 }
 
-/// Saving, stepping and restoring costs about a fifth more than the step; the limit leaves room for a busy machine. Held in
-/// release builds only, as others are not meant to be fast.
+/// Saving, stepping and restoring costs less than 1.2 times the step. Held in release builds only, as others are not meant
+/// to be fast.
 #[test]
 fn a_state_costs_little() {
+    const LIMIT: f64 = 1.2;
     const STEPS: u32 = 120;
     let h = 1e-3;
     // Time of each step of a run [ns].
@@ -503,10 +504,16 @@ fn a_state_costs_little() {
         free(&gear, state);
         time
     };
-    let best = |with_state| (0..50).map(|_| time(with_state)).fold(f64::INFINITY, f64::min);
-    let (plain, with) = (best(false), best(true));
+    // The least of many runs, taken in turn; more of them where the machine is busy.
+    let (mut plain, mut with) = (f64::INFINITY, f64::INFINITY);
+    for round in 0..1000 {
+        (plain, with) = (plain.min(time(false)), with.min(time(true)));
+        if round >= 50 && with < LIMIT * plain {
+            break;
+        }
+    }
     println!("step {plain:.0} ns; with save and restore {with:.0} ns, {:.2} times", with / plain);
     if !cfg!(debug_assertions) {
-        assert!(with < 1.5 * plain, "{with} ns against {plain} ns");
+        assert!(with < LIMIT * plain, "{with} ns against {plain} ns");
     }
 }

@@ -68,9 +68,7 @@ impl Inputs {
     fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.length("inputs", self.reals.len())?;
         record.all_finite("input", &mut self.reals)?;
-        record.all_finite("derivative of an input", &mut self.signal.first)?;
-        record.all_finite("second derivative of an input", &mut self.signal.second)?;
-        record.flag("derivatives of inputs ahead", &mut self.signal.ahead)?;
+        self.signal.record(record)?;
         record.length("locks", self.locks.len())?;
         self.locks.iter_mut().try_for_each(|lock| record.flag("lock", lock))
     }
@@ -243,11 +241,9 @@ fn saved(motion: &Motion) -> SavedMotion {
 impl Inputs {
     /// Take over other inputs of the same mechanism, without allocation.
     fn copy_from(&mut self, other: &Self) {
-        self.reals.clone_from(&other.reals);
-        self.locks.clone_from(&other.locks);
-        self.signal.first.clone_from(&other.signal.first);
-        self.signal.second.clone_from(&other.signal.second);
-        self.signal.ahead = other.signal.ahead;
+        self.reals.copy_from_slice(&other.reals);
+        self.locks.copy_from_slice(&other.locks);
+        self.signal.copy_from(&other.signal);
     }
 }
 

@@ -2,6 +2,7 @@
 //!
 //! In: derivatives set by the host. Out: for each Real input u(t) = u_0 + u_1 t + u_2 t^2 / 2, with t [s] counted from the
 //! communication point. It must not know what the inputs act on.
+use crate::record::{Damaged, Record};
 
 /// Derivatives of the Real inputs.
 ///
@@ -16,6 +17,8 @@ pub struct Signal {
     pub second: Vec<f64>,
     /// Whether they are those of the next step; else those with which the last one ended.
     pub ahead: bool,
+    /// Whether any may be other than 0.
+    any: bool,
 }
 
 /// The change of what acts, in one step or in one direction.
@@ -32,7 +35,7 @@ pub struct Change<'a> {
 impl Signal {
     /// Constant inputs.
     pub fn new(count: usize) -> Self {
-        Self { first: vec![0.0; count], second: vec![0.0; count], ahead: false }
+        Self { first: vec![0.0; count], second: vec![0.0; count], ahead: false, any: false }
     }
 
     /// Set the derivative of order 1 or 2 for the next step.
@@ -46,11 +49,12 @@ impl Signal {
             self.second[input] = value;
         }
         self.ahead = self.first.iter().chain(&self.second).any(|u| *u != 0.0);
+        self.any = self.ahead;
     }
 
     /// An input was set: if its derivatives are those of the last step, they are over.
     pub fn value_set(&mut self, input: usize) {
-        if !self.ahead {
+        if self.any && !self.ahead {
             (self.first[input], self.second[input]) = (0.0, 0.0);
         }
     }
@@ -59,7 +63,7 @@ impl Signal {
     pub fn clear(&mut self) {
         self.first.fill(0.0);
         self.second.fill(0.0);
-        self.ahead = false;
+        (self.ahead, self.any) = (false, false);
     }
 
     /// What changes in the next step, if anything does; the first inputs size `loads`, the last is the speed of the air if
@@ -75,8 +79,32 @@ impl Signal {
         if self.ahead { value + h * (self.first[input] + 0.5 * h * self.second[input]) } else { value }
     }
 
+    /// All fields, written or read.
+    ///
+    /// # Errors
+    /// A derivative is read that is not finite.
+    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        record.all_finite("derivative of an input", &mut self.first)?;
+        record.all_finite("second derivative of an input", &mut self.second)?;
+        self.any = self.first.iter().chain(&self.second).any(|u| *u != 0.0);
+        record.flag("derivatives of inputs ahead", &mut self.ahead)
+    }
+
+    /// Become the same as another one of as many inputs.
+    pub fn copy_from(&mut self, other: &Self) {
+        if self.any || other.any {
+            self.first.copy_from_slice(&other.first);
+            self.second.copy_from_slice(&other.second);
+            self.any = other.any;
+        }
+        self.ahead = other.ahead;
+    }
+
     /// A step of size h is done.
     pub fn end(&mut self, h: f64) {
+        if !self.any {
+            return;
+        }
         for (first, second) in self.first.iter_mut().zip(&mut self.second) {
             *first += h * *second;
             *second = 0.0;

@@ -72,6 +72,14 @@ impl Memory {
         }
     }
 
+    /// Become the same as another one; copies no more than that one is.
+    fn copy_from(&mut self, other: &Self) {
+        match (self, other) {
+            (Self::Conservative(own), Self::Conservative(other)) => *own = *other,
+            (own, other) => *own = *other,
+        }
+    }
+
     /// Forget all but the statistics.
     fn restart(&mut self) {
         match self {

@@ -48,9 +48,9 @@ impl State {
     pub fn save(&self, saved: &mut SavedState) {
         (saved.sigma, saved.sigma_dot, saved.turns) = (self.sigma, self.sigma_dot, self.turns);
         (saved.contact, saved.travel) = (self.contact, self.travel);
-        saved.applied.clone_from(&self.applied);
+        saved.applied.copy_from_slice(&self.applied);
         (saved.airspeed, saved.reference) = (self.airspeed, self.reference);
-        saved.memory = self.memory;
+        saved.memory.copy_from(&self.memory);
     }
 
     /// A state that goes on as the saved one did, under these inputs.
@@ -94,7 +94,7 @@ impl State {
         (self.contact, self.travel) = (saved.contact, saved.travel);
         self.applied.copy_from_slice(&saved.applied);
         (self.airspeed, self.reference) = (saved.airspeed, saved.reference);
-        self.memory = saved.memory;
+        self.memory.copy_from(&saved.memory);
         self.cache.renew(&inputs.reals[..reduced.loading().inputs.len()]);
         Ok(())
     }
