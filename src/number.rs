@@ -108,6 +108,12 @@ impl<const N: usize> Number for Dual<N> {
     }
 }
 
+/// Whether two lists agree in every bit; no branch within, as they mostly do.
+#[inline]
+pub fn same_bits(a: &[f64], b: &[f64]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).fold(0, |differ, (a, b)| differ | (a.to_bits() ^ b.to_bits())) == 0
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -8,6 +8,7 @@ use super::panel::Given;
 use super::reaction::Transmitted;
 use super::state::{State, acting, airspeed};
 use crate::friction::Locked;
+use crate::number::same_bits;
 use crate::reduced::{Reduced, Scene};
 use crate::rigid_fem::RigidFemError;
 use crate::table::{Table, Unresolved};
@@ -106,8 +107,7 @@ impl Cache {
 
     /// State and inputs are others; these size loads.
     pub fn renew(&mut self, sizes: &[f64]) {
-        let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
-        if !sizes.iter().zip(&self.sizes).all(same) {
+        if !same_bits(sizes, &self.sizes[..sizes.len()]) {
             self.sizes[..sizes.len()].copy_from_slice(sizes);
             self.refold();
         }

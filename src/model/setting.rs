@@ -1,5 +1,6 @@
 //! The present parameters of a mechanism, and what of it no parameter can change.
 use crate::definition::{Experiment, Mechanism, Method};
+use crate::number::same_bits;
 use crate::record::fnv1a;
 
 /// A mechanism with its parameters.
@@ -35,10 +36,7 @@ impl Setting {
 
     /// Whether every bit is the same.
     pub fn is(&self, other: &Self) -> bool {
-        let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
-        self.parameters.iter().zip(&other.parameters).all(same)
-            && self.flags == other.flags
-            && self.method() == other.method()
+        same_bits(&self.parameters, &other.parameters) && self.flags == other.flags && self.method() == other.method()
     }
 
     /// Hand the parameters on to the mechanism.

@@ -6,6 +6,7 @@ use super::super::travel::{End, Travel};
 use super::super::{Inputs, ModelError};
 use super::{Memory, State, scene, scene_in};
 use crate::integrator::Integrator;
+use crate::number::same_bits;
 use crate::record::{Damaged, Record};
 use crate::reduced::Reduced;
 
@@ -81,18 +82,19 @@ impl State {
     /// As [`Self::from_saved`]; nothing has changed.
     pub fn restore(&mut self, saved: &SavedState, reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
         let then = scene_in(reduced, saved.airspeed)?;
-        let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
         if then.is_some_and(|s| s.air) != self.work.air {
             self.work = Work::new(then);
-        } else if saved.turns != self.turns || !saved.applied.iter().zip(&self.applied).all(same) {
+        }
+        if !same_bits(&saved.applied, &self.applied) {
+            self.applied.copy_from_slice(&saved.applied);
             self.work.folded.forget();
         }
         if saved.turns != self.turns {
+            self.work.folded.forget();
             self.cache.recount();
         }
         (self.sigma, self.sigma_dot, self.turns) = (saved.sigma, saved.sigma_dot, saved.turns);
         (self.contact, self.travel) = (saved.contact, saved.travel);
-        self.applied.copy_from_slice(&saved.applied);
         (self.airspeed, self.reference) = (saved.airspeed, saved.reference);
         self.memory.copy_from(&saved.memory);
         self.cache.renew(&inputs.reals[..reduced.loading().inputs.len()]);
