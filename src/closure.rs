@@ -251,7 +251,7 @@ impl Closure {
     ) -> Option<Landing> {
         const ITERATIONS: usize = 12;
         /// Larger corrections that still shrink are not of the size of rounding.
-        const COARSE: f64 = 1e-9;
+        const COARSE: f64 = 1e-12;
         /// Smaller corrections leave the linearised equations what they are but for rounding.
         const UNMOVED: f64 = 4.0 * f64::EPSILON;
         let (mut first, mut last) = (None, f64::INFINITY);

@@ -112,6 +112,8 @@ pub struct Curve {
     ends: Ends,
     /// Values of sigma where branches cross, ascending.
     crossings: Vec<f64>,
+    /// Positions closed in tracing it.
+    closed: usize,
 }
 
 impl Curve {
@@ -142,6 +144,11 @@ impl Curve {
     /// Values of sigma where branches cross.
     pub fn crossings(&self) -> &[f64] {
         &self.crossings
+    }
+
+    /// Number of positions that were closed in tracing it, those of panels tried in vain among them: the cost.
+    pub fn closed(&self) -> usize {
+        self.closed
     }
 
     /// Whether loop equations are redundant.

@@ -55,6 +55,8 @@ pub struct Room {
     nodes: Vec<[f64; NODES]>,
     seconds: Vec<[f64; NODES]>,
     known: Known,
+    /// Positions closed so far.
+    pub closed: usize,
 }
 
 /// Why a panel of some width was not accepted.
@@ -118,7 +120,7 @@ impl Panel {
         let n = base.q.len();
         let w = &closure.weights;
         let normal: Vec<f64> = (0..n).map(|i| base.tangent[i] * w[i] * w[i]).collect();
-        let Room { work, c, nodes, seconds, known } = room;
+        let Room { work, c, nodes, seconds, known, closed } = room;
         for samples in [&mut *nodes, &mut *seconds] {
             samples.clear();
             samples.resize(n, [0.0; NODES]);
@@ -130,6 +132,7 @@ impl Panel {
         for (j, x) in transform.nodes.iter().enumerate() {
             let u = 0.5 * width * (1.0 + x);
             known.extrapolate(u, &mut c.q);
+            *closed += 1;
             let landing = closure
                 .on_plane(&mut work.loops, &mut c.q, &base.q, &normal, u)
                 .filter(|l| l.first <= 0.2 * (u - last) + 1e-12)
@@ -176,6 +179,7 @@ impl Panel {
         let bend = |s: &[f64; NODES]| [tail(&transform.fit(s)), s.iter().fold(0.0, |a: f64, v| a.max(v.abs()))];
         let bends = seconds.iter().map(bend).collect();
         let mut tip: Vec<f64> = coordinates.iter().map(|s| value(s, 1.0)).collect();
+        *closed += 1;
         let landing =
             closure.on_plane(&mut work.loops, &mut tip, &base.q, &normal, width).ok_or(Refusal::TooWide(ASTRAY))?;
         if landing.amplification > HARMLESS.max(TIP_NEAR * least) {

@@ -85,7 +85,8 @@ impl Curve {
         if last <= first {
             return Err(CurveError::Outside { position: describe(&closure, q) });
         }
-        let mut curve = Self { closure, transform, panels, range: (first, last), ends, crossings: Vec::new() };
+        let (range, crossings, closed) = ((first, last), Vec::new(), room.closed);
+        let mut curve = Self { closure, transform, panels, range, ends, crossings, closed };
         curve.crossings = curve.find_crossings();
         curve.check_redundant()?;
         Ok(curve)
@@ -134,7 +135,7 @@ fn follow(
 ) -> Result<(Vec<Panel>, Stop), CurveError> {
     /// The next panel is tried narrower than it is expected to resolve by this factor, and wider than the last by at most
     /// the other.
-    const CAUTION: f64 = 0.9;
+    const CAUTION: f64 = 0.84;
     const GROWTH: f64 = 2.0;
     let linkage = &*closure.linkage;
     let mut panels: Vec<Panel> = Vec::new();

@@ -199,8 +199,8 @@ impl Mechanism {
     fn check_joints(&self) -> Check {
         for (name, joint) in self.joints.iter() {
             let key = |k: &str| format!("joints.{name}.{k}");
-            self.point(&key("first"), &joint.first)?;
-            self.point(&key("second"), &joint.second)?;
+            self.point(key("first"), &joint.first)?;
+            self.point(key("second"), &joint.second)?;
             if joint.kind == JointKind::Revolute {
                 for (k, value) in [("axis_angle", joint.axis_angle), ("angle", joint.angle)] {
                     if value.is_some() {
@@ -314,8 +314,8 @@ impl Mechanism {
             let key = |k: &str| format!("surfaces.{name}.{k}");
             match (&s.from, &s.to, s.width, &s.at, s.area) {
                 (Some(from), Some(to), Some(_), None, None) => {
-                    let (first, a) = self.point(&key("from"), from)?;
-                    let (second, b) = self.point(&key("to"), to)?;
+                    let (first, a) = self.point(key("from"), from)?;
+                    let (second, b) = self.point(key("to"), to)?;
                     if first != second || a == b {
                         return Err(key_error(key("to"), "must be another point of the same body as `from`"));
                     }
@@ -324,7 +324,7 @@ impl Mechanism {
                     }
                 }
                 (None, None, None, Some(at), Some(_)) => {
-                    self.point(&key("at"), at)?;
+                    self.point(key("at"), at)?;
                 }
                 _ => return Err(key_error(format!("surfaces.{name}"), "give from, to and width, or at and area")),
             }

@@ -1,6 +1,6 @@
 //! Published benchmark mechanisms: error against exact values, run time and work, and what each further loop costs.
 #[path = "../../fmu-build/src/chain/mechanism.rs"]
-mod mechanism;
+pub mod mechanism;
 
 use crate::measure::{self, Row};
 use linkage_fmu::model::{Model, ModelError};

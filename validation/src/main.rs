@@ -1,8 +1,10 @@
 //! Benchmarks: run time against error, on scenes with exact references. Writes its tables beside this package.
 mod benchmarks;
+mod life;
 mod measure;
 mod retraction;
 mod rigid_fem;
+mod setup;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -11,6 +13,7 @@ fn main() -> ExitCode {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let descriptions = root.join("../modelDescription");
     let tables = [
+        ("setup.md", setup::table(&descriptions)),
         ("retraction.md", retraction::table(&descriptions.join("LandingGearRetraction"))),
         ("rigid_fem.md", rigid_fem::table(&descriptions.join("LandingGearRetraction"))),
         ("benchmarks.md", benchmarks::table(&descriptions)),

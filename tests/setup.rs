@@ -1,0 +1,142 @@
+//! What the set-up of the gear costs, by counts that are the same on every machine: positions closed, panels of the tables,
+//! allocations; and what a changed parameter leaves as it was.
+#![allow(unsafe_code, clippy::unwrap_used)]
+
+use linkage_fmu::chebyshev::NODES;
+use linkage_fmu::definition::Mechanism;
+use linkage_fmu::model::Model;
+use linkage_fmu::reduced::Reduced;
+use linkage_fmu::variables::Variables;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+const GEAR: &str = include_str!("../modelDescription/LandingGearRetraction/resources/mechanism.json");
+const CRANE: &str = include_str!("../modelDescription/CraneJib/resources/mechanism.json");
+
+struct Counting;
+
+thread_local! {
+    static COUNT: Cell<usize> = const { Cell::new(0) };
+}
+
+// SAFETY: everything is passed on to the system's allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.set(COUNT.get() + 1);
+        // SAFETY: the caller's promise.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the caller's promise.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Allocations of a call; growing anew counts as one.
+fn allocations<T>(call: impl FnOnce() -> T) -> (T, usize) {
+    let before = COUNT.get();
+    let given = call();
+    (given, COUNT.get() - before)
+}
+
+#[test]
+fn the_curve_closes_few_positions() {
+    let curve = Reduced::trace(&Mechanism::from_json(GEAR).unwrap()).unwrap();
+    // 14 panels, some of them tried in vain, each with its nodes and its tip.
+    assert!(curve.closed() <= 14 * (NODES + 1), "{} positions", curve.closed());
+}
+
+#[test]
+fn the_tables_have_few_panels() {
+    let reduced = Reduced::new(&Mechanism::from_json(GEAR).unwrap()).unwrap();
+    for table in [reduced.influence(), reduced.coordinates().unwrap()] {
+        assert!(table.panels() <= 22, "{} panels", table.panels());
+    }
+}
+
+/// Two texts for each variable, and little besides: names and descriptions are made once, and for nobody but the table.
+#[test]
+fn texts_are_made_once() {
+    let mechanism = Mechanism::from_json(GEAR).unwrap();
+    let (variables, count) = allocations(|| Variables::new(&mechanism).unwrap());
+    let most = 10 * variables.list().len();
+    assert!(count <= most, "{count} allocations, more than {most}");
+}
+
+#[test]
+fn instantiation_allocates_little() {
+    let (_, count) = allocations(|| {
+        let mut gear = Model::from_json(GEAR).unwrap();
+        gear.initialize().unwrap();
+        gear
+    });
+    assert!(count <= 2600, "{count} allocations");
+}
+
+/// Whether every table is the same to the bit.
+fn same_tables(a: &Reduced, b: &Reduced) -> bool {
+    let loading = a.loading();
+    a.influence() == b.influence()
+        && a.coordinates() == b.coordinates()
+        && a.curve().range() == b.curve().range()
+        && (0..loading.loads.len()).all(|load| a.displacement(load) == b.displacement(load))
+        && (0..a.linkage().joints.len()).all(|joint| a.reaction(joint) == b.reaction(joint))
+}
+
+/// Change one parameter after the other: the reduced model renewed is the one built anew.
+fn check_renewal(text: &str) {
+    let stated = Mechanism::from_json(text).unwrap();
+    let reduced = Reduced::new(&stated).unwrap();
+    let (mut parameters, mut flags) = (Vec::new(), 0);
+    stated.clone().parameters(&mut |p, _| parameters.push(p.name()));
+    stated.clone().flags(&mut |_, _| flags += 1);
+    let compare = |name: &str, changed: &Mechanism| match (reduced.renewed(changed), Reduced::new(changed)) {
+        (Ok(renewed), Ok(new)) => {
+            assert!(same_tables(&renewed, &new), "{name}");
+            assert_eq!(renewed.loading(), new.loading(), "{name}");
+            assert_eq!(renewed.components(), new.components(), "{name}");
+        }
+        (renewed, new) => assert_eq!(renewed.err(), new.err(), "{name}"),
+    };
+    for name in &parameters {
+        let mut changed = stated.clone();
+        changed.parameters(&mut |p, value| {
+            if p.name() == *name {
+                *value = *value * 0.999 + 1e-4;
+            }
+        });
+        compare(name, &changed);
+    }
+    for place in 0..flags {
+        let mut changed = stated.clone();
+        let mut places = 0..;
+        changed.flags(&mut |_, value| *value ^= places.next() == Some(place));
+        compare(&format!("Boolean parameter {place}"), &changed);
+    }
+}
+
+#[test]
+fn a_renewed_gear_is_the_same_to_the_bit() {
+    check_renewal(GEAR);
+}
+
+#[test]
+fn a_renewed_crane_is_the_same_to_the_bit() {
+    check_renewal(CRANE);
+}
+
+/// The friction law's numbers touch neither curve nor tables.
+#[test]
+fn a_law_leaves_curve_and_tables() {
+    let mut mechanism = Mechanism::from_json(GEAR).unwrap();
+    let reduced = Reduced::new(&mechanism).unwrap();
+    mechanism.flags(&mut |flag, value| *value |= flag.name() == "friction.enabled");
+    let (renewed, count) = allocations(|| reduced.renewed(&mechanism).unwrap());
+    assert!(std::ptr::eq(reduced.curve(), renewed.curve()));
+    assert!(std::ptr::eq(reduced.influence(), renewed.influence()));
+    assert!(count <= 100, "{count} allocations");
+}
