@@ -53,6 +53,7 @@ macro_rules! sweep {
                 let setting = format!("rtol {rtol:.1e} atol {:.1e}", ratio * rtol);
                 match run {
                     Ok(((theta2, evaluations), run)) => $points.push(Point {
+                        scene: "S1",
                         tool: TOOL,
                         method: method.into(),
                         setting,

@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 /// What one setting of one method gives.
 pub struct Point {
+    pub scene: &'static str,
     pub tool: &'static str,
     pub method: String,
     pub setting: String,
@@ -22,13 +23,13 @@ pub const HEADER: &str = "scene,tool,method,setting,error_rad,run_s,setup_s,eval
 impl Point {
     /// Its line in the file.
     pub fn line(&self) -> String {
-        let Self { tool, method, setting, error, run, set_up, .. } = self;
+        let Self { scene, tool, method, setting, error, run, set_up, .. } = self;
         let evaluations = self.evaluations.map_or(String::new(), |n| n.to_string());
-        format!("S1,{tool},{method},{setting},{error:.6e},{run:.6e},{set_up:.6e},{evaluations}\n")
+        format!("{scene},{tool},{method},{setting},{error:.6e},{run:.6e},{set_up:.6e},{evaluations}\n")
     }
 }
 
-/// Distance from the reference [rad].
+/// Distance from scene S1's reference [rad].
 pub fn error(theta2: f64) -> f64 {
     (theta2 - THETA2).abs()
 }

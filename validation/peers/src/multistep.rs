@@ -55,6 +55,7 @@ macro_rules! sweep {
                 });
                 match run {
                     Ok(((theta2, evaluations), run)) => $points.push(Point {
+                        scene: "S1",
                         tool: TOOL,
                         method: method.into(),
                         setting,
