@@ -84,7 +84,8 @@ def settings(span: float, steps: int, radius: float | None) -> exudyn.Simulation
 
 
 def points(scene: Scene) -> Iterator[Point]:
-    """All curves."""
+    """All curves. Where Newton's iterations fail for a step too large, one line says so."""
+    exudyn.config.printToConsole = False
     solvers = exudyn.DynamicSolverType
     curves = [
         ("generalised alpha, radius 1", solvers.GeneralizedAlpha, 1.0),
@@ -92,7 +93,7 @@ def points(scene: Scene) -> Iterator[Point]:
         ("trapezoidal, index 2", solvers.TrapezoidalIndex2, None),
     ]
     for method, solver, radius in curves:
-        for steps in (10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10_000, 20_000, 50_000, 100_000):
+        for steps in (10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10_000, 20_000, 50_000):
             began = time.perf_counter()
             model = Model(scene)
             setup = time.perf_counter() - began

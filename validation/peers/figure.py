@@ -20,32 +20,33 @@ COLOURS = {
     "EXUDYN": "#009E73",
     "MuJoCo": "#CC79A7",
 }
+COMPILED = ("numba", "#E69F00")
+"""Methods with this word have a colour of their own."""
 MARKERS = "osD^vP*Xh<>"
 STYLES = ("-", "--", ":", "-.")
+SPACING = {"handlelength": 3.0, "columnspacing": 1.2, "handletextpad": 0.6}
+"""Of the legends."""
 LEAST = 1e-15
 """Errors below are drawn here: they are rounding [rad]."""
 
 
 def draw(axes: Axes, title: str, found: list[Curve], setup: bool = False) -> None:
-    """One panel: the frontier of each curve; with `setup`, of the time with what comes once before."""
+    """One panel: the frontier of each curve; with `setup`, with what comes once before the first run."""
     counts: dict[str, int] = {}
     for curve in found:
         number = counts[curve.tool] = counts.get(curve.tool, -1) + 1
-        chosen = curve
-        if setup:
-            total = [Point(p.scene, p.tool, p.method, p.setting, p.error, p.run + p.setup, 0.0) for p in curve.points]
-            chosen = Curve(curve.tool, curve.method, total)
-        points = chosen.frontier()
+        colour = COMPILED[1] if COMPILED[0] in curve.method else COLOURS[curve.tool]
+        points, once = curve.frontier(), curve.setup if setup else 0.0
         main = (curve.tool, curve.method) == (TOOL, METHOD)
         axes.plot(
             [max(point.error, LEAST) for point in points],
-            [point.run for point in points],
-            color=COLOURS[curve.tool],
+            [point.run + once for point in points],
+            color=colour,
             linestyle=STYLES[number % len(STYLES)],
             linewidth=2.4 if main else 1.1,
             marker=MARKERS[number % len(MARKERS)],
             markersize=4.5 if main else 3.5,
-            markerfacecolor=COLOURS[curve.tool] if number % 2 == 0 else "white",
+            markerfacecolor=colour if number % 2 == 0 else "white",
             label=f"{curve.tool}: {curve.method}",
             zorder=5 if main else 3,
         )
@@ -55,7 +56,7 @@ def draw(axes: Axes, title: str, found: list[Curve], setup: bool = False) -> Non
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.tick_params(labelsize=8)
     axes.grid(which="major", color="#dddddd", linewidth=0.6)
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncol=2, fontsize=7.5, frameon=False, handlelength=3.2)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.47, -0.12), ncol=2, fontsize=7.5, frameon=False, **SPACING)
 
 
 def save(points: list[Point], folder: Path) -> None:
@@ -69,14 +70,14 @@ def save(points: list[Point], folder: Path) -> None:
     called = [curve for curve in gear if "Python" in curve.method]
     native = [curve for curve in gear if curve.tool in rust and curve not in called]
     others = [*main, *called, *(curve for curve in gear if curve.tool in python)]
-    figure, panels = plt.subplots(2, 2, figsize=(12, 13.5))
+    figure, panels = plt.subplots(2, 2, figsize=(12, 13.4))
     draw(panels[0, 0], "Landing gear: solvers in Rust", native)
     draw(panels[0, 1], "Landing gear: tools with Python", others)
     draw(panels[1, 0], "Landing gear: a single run, set-up included", [*main, *shortest(gear)], setup=True)
     draw(panels[1, 1], "Andrews' squeezer", squeezer)
-    figure.subplots_adjust(left=0.07, right=0.985, top=0.975, bottom=0.1, wspace=0.2, hspace=0.5)
+    figure.subplots_adjust(left=0.07, right=0.98, top=0.975, bottom=0.09, wspace=0.2, hspace=0.53)
     for suffix, metadata in ((".png", {}), (".svg", {"Date": None})):
-        figure.savefig(folder / f"peers{suffix}", dpi=130, metadata=metadata)
+        figure.savefig(folder / f"peers{suffix}", dpi=100, metadata=metadata)
     plt.close(figure)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.metadata
+import math
 import os
 import platform
 import subprocess
@@ -61,6 +62,16 @@ def duration(seconds: float) -> str:
     return f"{seconds / size:.3g} {unit}"
 
 
+def level_name(error: float) -> str:
+    """A power of ten as people write it."""
+    return f"1e{round(math.log10(error))}"
+
+
+def times(ratio: float) -> str:
+    """How many times, with three digits and no exponent."""
+    return f"{float(f'{ratio:.3g}'):.10g} x"
+
+
 def row(cells: list[str]) -> str:
     """One line of a table."""
     return f"| {' | '.join(cells)} |"
@@ -74,7 +85,8 @@ def table(head: list[str], rows: list[list[str]]) -> list[str]:
 def by_tool(found: list[Curve]) -> list[str]:
     """Fastest time of each tool at each error, by whichever of its methods, and how many times this project's."""
     mine = own(found)
-    rows = [[f"**{TOOL}, {METHOD}**", *(f"**{duration(p.run)}**" if (p := mine.best(e)) else "-" for e in LEVELS)]]
+    bold = [f"**{duration(p.run)}**" if (p := mine.best(e)) else "not reached" for e in LEVELS]
+    rows = [[f"**{TOOL}, {METHOD}**", *bold]]
     for tool in dict.fromkeys(curve.tool for curve in found if curve.tool != TOOL):
         cells = [tool]
         for level in LEVELS:
@@ -83,18 +95,18 @@ def by_tool(found: list[Curve]) -> list[str]:
             if best is None or ours is None:
                 cells.append("not reached")
             else:
-                cells.append(f"{duration(best.run)}, **{best.run / ours.run:.3g} x** ({best.method})")
+                cells.append(f"{duration(best.run)}, **{times(best.run / ours.run)}** ({best.method})")
         rows.append(cells)
-    return table(["tool, its fastest method", *(f"error <= {e:.0e} rad" for e in LEVELS)], rows)
+    return table(["tool, its fastest method", *(f"error <= {level_name(e)} rad" for e in LEVELS)], rows)
 
 
 def by_method(found: list[Curve]) -> list[str]:
     """The same for every method, with its least error and its set-up."""
     rows = []
     for curve in found:
-        times = [duration(p.run) if (p := curve.best(e)) else "-" for e in LEVELS]
-        rows.append([curve.tool, curve.method, *times, f"{curve.floor:.1e}", duration(curve.setup)])
-    return table(["tool", "method", *(f"{e:.0e}" for e in LEVELS), "least error [rad]", "set-up"], rows)
+        cells = [duration(p.run) if (p := curve.best(e)) else "-" for e in LEVELS]
+        rows.append([curve.tool, curve.method, *cells, f"{curve.floor:.1e}", duration(curve.setup)])
+    return table(["tool", "method", *map(level_name, LEVELS), "least error [rad]", "set-up"], rows)
 
 
 def break_even(found: list[Curve]) -> list[str]:
@@ -106,9 +118,9 @@ def break_even(found: list[Curve]) -> list[str]:
             candidates = [p for c in found if c.tool == tool and (p := c.best(level))]
             best = min(candidates, key=lambda p: p.run, default=None)
             if best and ours and best.run > ours.run:
-                runs = max(0.0, ours.setup - best.setup) / (best.run - ours.run)
+                runs = max(0, math.ceil((ours.setup - best.setup) / (best.run - ours.run)))
                 setups = (duration(ours.setup), duration(best.setup))
-                rows.append([f"{level:.0e}", f"{tool} {best.method}", *setups, f"{runs:.0f}"])
+                rows.append([level_name(level), f"{tool} {best.method}", *setups, str(runs)])
     return table(["error [rad]", "against", "set-up here", "set-up there", "runs until even"], rows)
 
 
@@ -127,7 +139,7 @@ def page(points: list[Point]) -> str:
             "Scene S1: the landing gear, 30 kN, load factor 3, no friction, no drag, from rest, 0.13 s. Error: of the",
             "crank angle at the end, against a 34-digit energy quadrature. Time: the fastest of several runs in one",
             "thread, all in the same call; what comes once before the first run is the set-up. One value at the end,",
-            "nothing in between, unless the name says so.",
+            "nothing in between, unless the name says so. Tools with Python: runs over 1 ms by the processor's clock.",
             "",
             "![Work against error](../figures/peers.png)",
             "",

@@ -20,7 +20,7 @@ const CURVES: [Curve; 4] = [
     Curve { method: "tables", off: &[], steps: 1, read: &[] },
     Curve { method: "tables; no stops", off: &["upstop.enabled", "downstop.enabled"], steps: 1, read: &[] },
     Curve { method: "exact evaluator", off: &["solver.tables"], steps: 1, read: &[] },
-    Curve { method: "tables; 130 steps; all joint forces read after each", off: &[], steps: 130, read: &JOINTS },
+    Curve { method: "tables; 1 ms steps with joint forces", off: &[], steps: 130, read: &JOINTS },
 ];
 
 /// A mechanism's run: its file's text, the end, the output that is compared there, and its exact value.
