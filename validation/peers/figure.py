@@ -75,7 +75,7 @@ def save(points: list[Point], folder: Path) -> None:
     draw(panels[0, 1], "Landing gear: tools with Python", others)
     draw(panels[1, 0], "Landing gear: a single run, set-up included", [*main, *shortest(gear)], setup=True)
     draw(panels[1, 1], "Andrews' squeezer", squeezer)
-    figure.subplots_adjust(left=0.07, right=0.98, top=0.975, bottom=0.09, wspace=0.2, hspace=0.53)
+    figure.subplots_adjust(left=0.07, right=0.98, top=0.975, bottom=0.1, wspace=0.2, hspace=0.53)
     for suffix, metadata in ((".png", {}), (".svg", {"Date": None})):
         figure.savefig(folder / f"peers{suffix}", dpi=100, metadata=metadata)
     plt.close(figure)

@@ -46,9 +46,9 @@ def main() -> None:
         ("MuJoCo, squeezer", mujoco_peer.points(squeezer)),
     ):
         began = time.perf_counter()
-        found = list(source)
-        points += found
-        print(f"{len(found)} settings of {title} measured in {time.perf_counter() - began:.0f} s", flush=True)
+        settings = list(source)
+        points += settings
+        print(f"{len(settings)} settings of {title} measured in {time.perf_counter() - began:.0f} s", flush=True)
 
     results = arguments.out / "results"
     curves.write(results / "peers.csv", points)

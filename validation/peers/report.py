@@ -26,7 +26,9 @@ NOTES = """\
 - **differential-equations, diffsol, SciPy** get the equation of motion in the crank angle written out by hand in closed
   form (`src/four_bar.rs`, `four_bar.py`): one sine and cosine, two square roots, no iteration. Somebody has to derive
   that for each mechanism, and it gives no reactions. Both `atol = rtol` and `atol = rtol / 100` were swept; the better
-  one counts. SciPy's set-up with numba is the compilation.
+  one counts. SciPy's set-up with numba is the compilation. The methods choose their first step themselves, diffsol
+  with 1 ms as a hint; dop853 of differential-equations evaluates the stages of its interpolant in
+  every step, used or not.
 - **EXUDYN** has rigid bodies in the plane and revolute joints, exact Newton iterations to 1e-12. Its explicit
   integrators take no joints, so a closed loop is left to the implicit ones, of second order.
 - **MuJoCo** has a tree of hinges; its loops are closed by `connect`, whose time constant was swept as a multiple of the

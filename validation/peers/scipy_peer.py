@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import numba
 import numpy as np
@@ -101,9 +102,7 @@ def points() -> Iterator[Point]:
                 rtol = 10 ** (-half / 2)
                 setting = f"rtol {rtol:.1e} atol {ratio * rtol:.1e}"
                 try:
-                    (theta2, evaluations), seconds = fastest(
-                        lambda solve=solve, rate=rate, rtol=rtol, atol=ratio * rtol: solve(rate, rtol, atol)
-                    )
+                    (theta2, evaluations), seconds = fastest(partial(solve, rate, rtol, ratio * rtol))
                 except (ValueError, RuntimeError) as error:
                     print(f"{TOOL} {name} {setting}: {error}")
                     continue
