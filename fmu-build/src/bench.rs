@@ -58,7 +58,7 @@ fn peers(workspace: &Workspace) -> Result<()> {
     let python = python::environment_of(&workspace.peers_environment(), &folder.join("requirements.txt"))?;
     let rust = work.join("rust.csv");
     let mut cargo = command::cargo(workspace);
-    cargo.args(["run", "--release", "--quiet", "--locked", "--manifest-path"]).arg(folder.join("Cargo.toml"));
+    cargo.args(["run", "--release", "--quiet", "--manifest-path"]).arg(folder.join("Cargo.toml"));
     cargo.arg("--target-dir").arg(&work).arg("--").arg(workspace.descriptions()).arg(&rust);
     command::run(&mut cargo, "the Rust solvers")?;
     let mut script = Command::new(python);

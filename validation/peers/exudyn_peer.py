@@ -11,7 +11,6 @@ from collections.abc import Iterator
 
 import exudyn
 from exudyn import itemInterface as items
-
 from measure import Point, fastest
 from scenes import GROUND, Scene, Vector
 

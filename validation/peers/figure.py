@@ -5,11 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import matplotlib as mpl
+from curves import METHOD, TOOL, Curve, curves
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter
-
-from curves import METHOD, TOOL, Curve, curves
 from measure import Point
 
 COLOURS = {

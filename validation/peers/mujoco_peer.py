@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator
 from xml.etree import ElementTree
 
 import mujoco
-
 from measure import Point, fastest
 from scenes import GROUND, Scene, Vector, less
 

@@ -6,14 +6,13 @@ import time
 from collections.abc import Callable, Iterator
 from functools import partial
 
+import four_bar
 import numba
 import numpy as np
 import scipy.integrate
-from numpy.typing import NDArray
-
-import four_bar
 from four_bar import EXACT, SPAN, START
 from measure import Point, fastest
+from numpy.typing import NDArray
 
 TOOL = "SciPy"
 Rate = Callable[[float, NDArray[np.float64]], object]
