@@ -1,4 +1,4 @@
-//! `cargo fmu bench`: the benchmarks of the validation package, and the comparison of importers.
+//! `cargo fmu bench`: the benchmarks of the validation package, the comparison of importers, and that with other tools.
 
 use crate::workspace::Workspace;
 use crate::{command, package, python};
@@ -9,22 +9,29 @@ use std::process::Command;
 
 /// First argument that asks for the comparison of importers.
 const IMPORTERS: &str = "importers";
+/// First argument that asks for the comparison with other tools.
+const PEERS: &str = "peers";
 
 /// What the command line says.
 #[derive(Args)]
 pub struct Arguments {
-    /// `importers`: the landing gear in FMPy, libcosim and ECOS; all else goes to the validation package as it is
+    /// `importers`: the landing gear in FMPy, libcosim and ECOS; `peers`: work against error beside other solvers and
+    /// multibody programs; all else goes to the validation package as it is
     #[arg(value_name = "ARGS", trailing_var_arg = true, allow_hyphen_values = true)]
     pub rest: Vec<OsString>,
 }
 
-/// Run the benchmarks, or the importers.
+/// Run the benchmarks, the importers or the other tools.
 ///
 /// # Errors
-/// The benchmarks cannot be built or fail; the importers cannot be installed or do not agree.
+/// The benchmarks cannot be built or fail; the importers cannot be installed or do not agree; another tool cannot be
+/// installed, does not converge to the exact value, or is faster.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     if arguments.rest.len() == 1 && arguments.rest[0] == IMPORTERS {
         return importers(workspace);
+    }
+    if arguments.rest.len() == 1 && arguments.rest[0] == PEERS {
+        return peers(workspace);
     }
     let mut cargo = command::cargo(workspace);
     cargo.args(["run", "--release", "--quiet", "--package", "validation", "--"]).args(&arguments.rest);
@@ -41,4 +48,21 @@ fn importers(workspace: &Workspace) -> Result<()> {
     script.arg(folder.join("importers.py")).arg(fmu);
     script.arg("--out").arg(workspace.results().join("importers.md")).arg("--work").arg(workspace.importers_work());
     command::run(&mut script, "importers.py")
+}
+
+/// Measure the Rust solvers, then the tools with Python, and write results and figure.
+fn peers(workspace: &Workspace) -> Result<()> {
+    let fmus = package::run(workspace, &package::Arguments::default())?;
+    let fmu = fmus.first().context("no FMU was packed")?;
+    let (folder, work) = (workspace.peers(), workspace.peers_work());
+    let python = python::environment_of(&workspace.peers_environment(), &folder.join("requirements.txt"))?;
+    let rust = work.join("rust.csv");
+    let mut cargo = command::cargo(workspace);
+    cargo.args(["run", "--release", "--quiet", "--manifest-path"]).arg(folder.join("Cargo.toml"));
+    cargo.arg("--target-dir").arg(&work).arg("--").arg(workspace.descriptions()).arg(&rust);
+    command::run(&mut cargo, "the Rust solvers")?;
+    let mut script = Command::new(python);
+    script.arg(folder.join("peers.py")).arg(fmu).arg(&rust).arg("--out").arg(workspace.validation());
+    script.arg("--work").arg(&work).env("OMP_NUM_THREADS", "1");
+    command::run(&mut script, "peers.py")
 }

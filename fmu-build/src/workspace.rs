@@ -78,6 +78,21 @@ impl Workspace {
         self.root.join("validation").join("importers")
     }
 
+    /// The comparison with other tools: a Cargo package of its own, and its Python half with its requirements.
+    pub fn peers(&self) -> PathBuf {
+        self.root.join("validation").join("peers")
+    }
+
+    /// Python's virtual environment for the comparison with other tools.
+    pub fn peers_environment(&self) -> PathBuf {
+        self.root.join("target").join("venv-peers")
+    }
+
+    /// Where the comparison with other tools is built, and keeps what it makes on the way.
+    pub fn peers_work(&self) -> PathBuf {
+        self.root.join("target").join("peers")
+    }
+
     /// The committed results of the benchmarks.
     pub fn results(&self) -> PathBuf {
         self.root.join("validation").join("results")

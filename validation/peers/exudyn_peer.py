@@ -1,0 +1,113 @@
+"""EXUDYN: rigid bodies in the plane with revolute joints, by its implicit integrators.
+
+Its explicit integrators take no joints (EXUDYN's documentation, "Explicit solvers"), so that no closed loop can be had
+with them.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+
+import exudyn
+from exudyn import itemInterface as items
+from measure import Point, fastest
+from scenes import GROUND, Scene, Vector
+
+TOOL = "EXUDYN"
+NEWTON = 1e-12
+"""Tolerance of Newton's iterations, relative and absolute: looser ones bend the curve at small steps."""
+
+
+class Model:
+    """A scene in EXUDYN, ready to run."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.container = exudyn.SystemContainer()
+        self.system = system = self.container.AddSystem()
+        self.scene = scene
+        ground = system.AddObject(items.ObjectGround())
+        self.nodes, self.bodies = [], []
+        for body in scene.bodies:
+            node = system.AddNode(items.NodeRigidBody2D(referenceCoordinates=[*body.centre, 0.0]))
+            number = system.AddObject(items.ObjectRigidBody2D(mass=body.mass, inertia=body.inertia, nodeNumber=node))
+            weight = [body.mass * g for g in scene.gravity]
+            centre = system.AddMarker(items.MarkerBodyPosition(bodyNumber=number))
+            system.AddLoad(items.LoadForceVector(markerNumber=centre, loadVector=[*weight, 0.0]))
+            self.nodes.append(node)
+            self.bodies.append(number)
+
+        def marker(body: int, at: Vector) -> int:
+            centre = (0.0, 0.0) if body == GROUND else scene.bodies[body].centre
+            number = ground if body == GROUND else self.bodies[body]
+            local = [at[0] - centre[0], at[1] - centre[1], 0.0]
+            return system.AddMarker(items.MarkerBodyPosition(bodyNumber=number, localPosition=local))
+
+        for joint in scene.joints:
+            markers = [marker(joint.first, joint.at), marker(joint.second, joint.at)]
+            system.AddObject(items.ObjectJointRevolute2D(markerNumbers=markers))
+        for strut in scene.struts:
+            markers = [marker(strut.first, strut.from_), marker(strut.second, strut.to)]
+            system.AddObject(
+                items.ObjectConnectorSpringDamper(
+                    markerNumbers=markers,
+                    referenceLength=strut.free_length,
+                    stiffness=strut.stiffness,
+                    force=-strut.push,
+                )
+            )
+        if scene.torque:
+            turned = system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=self.nodes[0], coordinate=2))
+            system.AddLoad(items.LoadCoordinate(markerNumber=turned, load=scene.torque))
+        system.Assemble()
+
+    def run(self, settings: exudyn.SimulationSettings, solver: exudyn.DynamicSolverType) -> float:
+        """Angle of body 0 at the end [rad]."""
+        self.system.SolveDynamic(settings, solverType=solver, updateInitialValues=False, storeSolver=False)
+        coordinates = self.system.GetNodeOutput(self.nodes[0], exudyn.OutputVariableType.Coordinates)
+        return self.scene.start + float(coordinates[2])
+
+
+def settings(span: float, steps: int, radius: float | None) -> exudyn.SimulationSettings:
+    """Equal steps, exact Newton iterations to a tight tolerance, no output; the spectral radius at infinity."""
+    result = exudyn.SimulationSettings()
+    result.solution.file.write = False
+    integration = result.timeIntegration
+    integration.endTime, integration.numberOfSteps = span, steps
+    integration.adaptiveStep = False
+    integration.newton.useModifiedNewton = False
+    integration.newton.relativeTolerance = integration.newton.absoluteTolerance = NEWTON
+    if radius is not None:
+        integration.generalizedAlpha.spectralRadius = radius
+    return result
+
+
+def points(scene: Scene) -> Iterator[Point]:
+    """All curves. Where Newton's iterations fail for a step too large, one line says so."""
+    exudyn.config.printToConsole = False
+    solvers = exudyn.DynamicSolverType
+    curves = [
+        ("generalised alpha, radius 1", solvers.GeneralizedAlpha, 1.0),
+        ("generalised alpha, radius 0.9", solvers.GeneralizedAlpha, 0.9),
+        ("trapezoidal, index 2", solvers.TrapezoidalIndex2, None),
+    ]
+    for method, solver, radius in curves:
+        for steps in (10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10_000, 20_000, 50_000):
+            began = time.perf_counter()
+            model = Model(scene)
+            setup = time.perf_counter() - began
+            chosen = settings(scene.span, steps, radius)
+
+            def run(
+                model: Model = model,
+                chosen: exudyn.SimulationSettings = chosen,
+                solver: exudyn.DynamicSolverType = solver,
+            ) -> float:
+                return model.run(chosen, solver)
+
+            try:
+                angle, seconds = fastest(run)
+            except (ValueError, RuntimeError) as error:
+                print(f"{TOOL} {scene.name} {method}, {steps} steps: {str(error).splitlines()[0]}")
+                continue
+            yield Point(scene.name, TOOL, method, f"{steps} steps", abs(angle - scene.exact), seconds, setup)

@@ -1,0 +1,71 @@
+"""This project beside other tools: run time against error, measured in one call.
+
+usage: peers.py FMU RUST.csv --out DIR --work DIR
+
+RUST.csv holds what the Rust program of this folder has just measured. Ends with an error if a tool does not converge to
+the exact value, or if this project is not the fastest at one of the errors compared.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+import curves
+import exudyn_peer
+import figure
+import fmi_peer
+import mujoco_peer
+import report
+import scenes
+import scipy_peer
+
+MISMODELLED = 1e-3
+"""A method whose least error is larger computes something else [rad]."""
+
+
+def main() -> None:
+    """Measure, write, judge."""
+    parser = argparse.ArgumentParser(description="Measure this project beside other tools.")
+    parser.add_argument("fmu", type=Path, help="LandingGearRetraction.fmu")
+    parser.add_argument("rust", type=Path, help="what the Rust solvers gave")
+    parser.add_argument("--out", type=Path, required=True, help="folder with results/ and figures/")
+    parser.add_argument("--work", type=Path, required=True, help="folder for the unpacked FMU")
+    arguments = parser.parse_args()
+
+    points = curves.read(arguments.rust)
+    gear, squeezer = scenes.landing_gear(), scenes.squeezer()
+    for title, source in (
+        ("FMU from Python", fmi_peer.points(arguments.fmu, arguments.work)),
+        ("SciPy", scipy_peer.points()),
+        ("EXUDYN", exudyn_peer.points(gear)),
+        ("MuJoCo", mujoco_peer.points(gear)),
+        ("EXUDYN, squeezer", exudyn_peer.points(squeezer)),
+        ("MuJoCo, squeezer", mujoco_peer.points(squeezer)),
+    ):
+        began = time.perf_counter()
+        settings = list(source)
+        points += settings
+        print(f"{len(settings)} settings of {title} measured in {time.perf_counter() - began:.0f} s", flush=True)
+
+    results = arguments.out / "results"
+    curves.write(results / "peers.csv", points)
+    (results / "peers.md").write_text(report.page(points), encoding="utf-8")
+    figure.save(points, arguments.out / "figures")
+    complaints = []
+    for scene in ("S1", "Andrews"):
+        found = curves.curves(points, scene)
+        print(f"\n{scene}", *report.by_tool(found), sep="\n")
+        for curve in found:
+            if curve.floor > MISMODELLED:
+                complaints.append(f"{scene}: {curve.tool} {curve.method} comes no closer than {curve.floor:.1e} rad")
+        complaints += [f"{scene}: not the fastest: {line}" for line in curves.faster(found)]
+    print(f"\nwritten to {results / 'peers.md'}")
+    if complaints:
+        sys.exit("\n".join(f"error: {line}" for line in complaints))
+
+
+if __name__ == "__main__":
+    main()

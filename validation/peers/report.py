@@ -1,0 +1,173 @@
+"""The measured points in Markdown: the machine, the tools, times at equal errors."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import math
+import os
+import platform
+import subprocess
+import tomllib
+from pathlib import Path
+
+from curves import LEVELS, METHOD, TOOL, Curve, curves, own
+from measure import Point
+
+HERE = Path(__file__).resolve().parent
+PACKAGES = ("scipy", "numba", "numpy", "exudyn", "mujoco")
+CRATES = ("linkage-fmu", "differential-equations", "diffsol")
+
+NOTES = """\
+- **linkage-fmu, tables** is the engine as it comes: one step over the whole span, stops and locks in place. A run is
+  the return to the start, the step, and the reading of the angle. Its set-up is the reading of the file, the tracing of
+  the curve and the tables that the first step needs; whoever runs once pays that (see "Set-up").
+- **exact evaluator** solves the loops in every evaluation instead of reading a table. **rigid_fem** is the second
+  formulation; its own limit differs by the stretch of the rods.
+- **differential-equations, diffsol, SciPy** get the equation of motion in the crank angle written out by hand in closed
+  form (`src/four_bar.rs`, `four_bar.py`): one sine and cosine, two square roots, no iteration. Somebody has to derive
+  that for each mechanism, and it gives no reactions. Both `atol = rtol` and `atol = rtol / 100` were swept; the better
+  one counts. SciPy's set-up with numba is the compilation. The methods choose their first step themselves, diffsol
+  with 1 ms as a hint; dop853 of differential-equations evaluates the stages of its interpolant in
+  every step, used or not.
+- **EXUDYN** has rigid bodies in the plane and revolute joints, exact Newton iterations to 1e-12. Its explicit
+  integrators take no joints, so a closed loop is left to the implicit ones, of second order.
+- **MuJoCo** has a tree of hinges; its loops are closed by `connect`, whose time constant was swept as a multiple of the
+  step, with `solimp` at its limit 0.9999 and Newton's solver at 1e-15. The constraint is soft: its violation, not the
+  integrator, sets the error of RK4, which therefore falls with h^2 only.
+- EXUDYN and MuJoCo take any mechanism, in space too, and their joints' reactions come with every step; they solve in
+  each step what this project works out before the first.
+"""
+
+
+def machine() -> str:
+    """Processor, cores and system."""
+    processor = platform.processor() or platform.machine()
+    info = Path("/proc/cpuinfo")
+    if info.is_file():
+        names = [line.split(":")[1].strip() for line in info.read_text().splitlines() if line.startswith("model name")]
+        processor = names[0] if names else processor
+    return f"{processor}, {os.cpu_count()} cores, {platform.system()} {platform.release()}"
+
+
+def versions() -> str:
+    """Everything that was measured, and what built it."""
+    locked = tomllib.loads((HERE / "Cargo.lock").read_text(encoding="utf-8"))["package"]
+    crates = [f"{package['name']} {package['version']}" for package in locked if package["name"] in CRATES]
+    packages = [f"{name} {importlib.metadata.version(name)}" for name in PACKAGES]
+    rustc = subprocess.run(["rustc", "--version"], capture_output=True, text=True, check=True).stdout.split()[1]
+    return ", ".join([*crates, *packages, f"Python {platform.python_version()}", f"rustc {rustc}"])
+
+
+def duration(seconds: float) -> str:
+    """With the unit that suits it, three digits."""
+    unit, size = next((u for u in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)) if seconds >= u[1]), ("us", 1e-6))
+    return f"{seconds / size:.3g} {unit}"
+
+
+def level_name(error: float) -> str:
+    """A power of ten as people write it."""
+    return f"1e{round(math.log10(error))}"
+
+
+def times(ratio: float) -> str:
+    """How many times, with three digits and no exponent."""
+    return f"{float(f'{ratio:.3g}'):.10g} x"
+
+
+def row(cells: list[str]) -> str:
+    """One line of a table."""
+    return f"| {' | '.join(cells)} |"
+
+
+def table(head: list[str], rows: list[list[str]]) -> list[str]:
+    """A table."""
+    return [row(head), row(["---"] * len(head)), *map(row, rows)]
+
+
+def by_tool(found: list[Curve]) -> list[str]:
+    """Fastest time of each tool at each error, by whichever of its methods, and how many times this project's."""
+    mine = own(found)
+    bold = [f"**{duration(p.run)}**" if (p := mine.best(e)) else "not reached" for e in LEVELS]
+    rows = [[f"**{TOOL}, {METHOD}**", *bold]]
+    for tool in dict.fromkeys(curve.tool for curve in found if curve.tool != TOOL):
+        cells = [tool]
+        for level in LEVELS:
+            candidates = [p for c in found if c.tool == tool and (p := c.best(level))]
+            best, ours = min(candidates, key=lambda p: p.run, default=None), mine.best(level)
+            if best is None or ours is None:
+                cells.append("not reached")
+            else:
+                cells.append(f"{duration(best.run)}, **{times(best.run / ours.run)}** ({best.method})")
+        rows.append(cells)
+    return table(["tool, its fastest method", *(f"error <= {level_name(e)} rad" for e in LEVELS)], rows)
+
+
+def by_method(found: list[Curve]) -> list[str]:
+    """The same for every method, with its least error and its set-up."""
+    rows = []
+    for curve in found:
+        cells = [duration(p.run) if (p := curve.best(e)) else "-" for e in LEVELS]
+        rows.append([curve.tool, curve.method, *cells, f"{curve.floor:.1e}", duration(curve.setup)])
+    return table(["tool", "method", *map(level_name, LEVELS), "least error [rad]", "set-up"], rows)
+
+
+def break_even(found: list[Curve]) -> list[str]:
+    """Runs after which the tables have paid for themselves, against the fastest method of each tool with its set-up."""
+    mine, rows = own(found), []
+    for level in LEVELS:
+        ours = mine.best(level)
+        for tool in dict.fromkeys(curve.tool for curve in found if curve.tool != TOOL):
+            candidates = [p for c in found if c.tool == tool and (p := c.best(level))]
+            best = min(candidates, key=lambda p: p.run, default=None)
+            if best and ours and best.run > ours.run:
+                runs = max(0, math.ceil((ours.setup - best.setup) / (best.run - ours.run)))
+                setups = (duration(ours.setup), duration(best.setup))
+                rows.append([level_name(level), f"{tool} {best.method}", *setups, str(runs)])
+    return table(["error [rad]", "against", "set-up here", "set-up there", "runs until even"], rows)
+
+
+def page(points: list[Point]) -> str:
+    """The whole report."""
+    gear, squeezer = curves(points, "S1"), curves(points, "Andrews")
+    return "\n".join(
+        [
+            "# Beside other tools",
+            "",
+            "`cargo fmu bench peers` writes this file, [peers.csv](peers.csv) with every setting, and",
+            "[the figure](../figures/peers.png).",
+            "",
+            f"Machine: {machine()}. {versions()}.",
+            "",
+            "Scene S1: the landing gear, 30 kN, load factor 3, no friction, no drag, from rest, 0.13 s. Error: of the",
+            "crank angle at the end, against a 34-digit energy quadrature. Time: the fastest of several runs in one",
+            "thread, all in the same call; what comes once before the first run is the set-up. One value at the end,",
+            "nothing in between, unless the name says so. Tools with Python: runs over 1 ms by the processor's clock.",
+            "",
+            "![Work against error](../figures/peers.png)",
+            "",
+            "## Scene S1: time at equal error",
+            "",
+            *by_tool(gear),
+            "",
+            "### Every method",
+            "",
+            *by_method(gear),
+            "",
+            "## Andrews' squeezer: seven bodies, three loops, angle of the crank at 0.03 s",
+            "",
+            *by_tool(squeezer),
+            "",
+            "### Every method",
+            "",
+            *by_method(squeezer),
+            "",
+            "## Set-up",
+            "Scene S1. How many runs it takes until this project, set-up included, is ahead of the fastest method of",
+            "each tool with its own set-up; 0 means at once.",
+            "",
+            *break_even(gear),
+            "",
+            "## What each one was given",
+            NOTES,
+        ]
+    )

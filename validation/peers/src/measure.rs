@@ -1,0 +1,52 @@
+//! One point of a curve: the error, what it cost, and how it is written down.
+use crate::four_bar::THETA2;
+use std::time::{Duration, Instant};
+
+/// What one setting of one method gives.
+pub struct Point {
+    pub scene: &'static str,
+    pub tool: &'static str,
+    pub method: String,
+    pub setting: String,
+    /// Of theta2 at the end [rad].
+    pub error: f64,
+    /// The fastest run, and what comes once before the first [s].
+    pub run: f64,
+    pub set_up: f64,
+    /// Of the right-hand side, where the tool tells.
+    pub evaluations: Option<usize>,
+}
+
+/// First line of the file.
+pub const HEADER: &str = "scene,tool,method,setting,error_rad,run_s,setup_s,evaluations\n";
+
+impl Point {
+    /// Its line in the file.
+    pub fn line(&self) -> String {
+        let Self { scene, tool, method, setting, error, run, set_up, .. } = self;
+        let evaluations = self.evaluations.map_or(String::new(), |n| n.to_string());
+        format!("{scene},{tool},{method},{setting},{error:.6e},{run:.6e},{set_up:.6e},{evaluations}\n")
+    }
+}
+
+/// Distance from scene S1's reference [rad].
+pub fn error(theta2: f64) -> f64 {
+    (theta2 - THETA2).abs()
+}
+
+/// Result and time [s] of the fastest of many runs: for 50 ms and at least five, or until one takes that long itself.
+pub fn fastest<T, E>(mut run: impl FnMut() -> Result<T, E>) -> Result<(T, f64), E> {
+    const LONG: Duration = Duration::from_millis(50);
+    const LEAST: usize = 5;
+    let (mut count, mut best) = (0, Duration::MAX);
+    let began = Instant::now();
+    loop {
+        let start = Instant::now();
+        let value = run()?;
+        best = best.min(start.elapsed());
+        count += 1;
+        if began.elapsed() > LONG && (count >= LEAST || best > LONG) {
+            return Ok((value, best.as_secs_f64()));
+        }
+    }
+}

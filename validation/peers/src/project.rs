@@ -1,0 +1,121 @@
+//! This project: the packed mechanism in the engine, natively.
+use crate::measure::{Point, fastest};
+use linkage_fmu::model::{Model, ModelError};
+use std::time::Instant;
+
+const TOOL: &str = "linkage-fmu";
+const JOINTS: [&str; 4] = ["joint1.force", "joint2.force", "joint3.force", "joint4.force"];
+
+/// A curve of this project's: how the model is set, and what is done with it.
+struct Curve {
+    method: &'static str,
+    /// Booleans that are false; without such a variable the curve is left out.
+    off: &'static [&'static str],
+    /// Steps of equal length, and what is read after each of them.
+    steps: u32,
+    read: &'static [&'static str],
+}
+
+const CURVES: [Curve; 4] = [
+    Curve { method: "tables", off: &[], steps: 1, read: &[] },
+    Curve { method: "tables; no stops", off: &["upstop.enabled", "downstop.enabled"], steps: 1, read: &[] },
+    Curve { method: "exact evaluator", off: &["solver.tables"], steps: 1, read: &[] },
+    Curve { method: "tables; 1 ms steps with joint forces", off: &[], steps: 130, read: &JOINTS },
+];
+
+/// A mechanism's run: its file's text, the end, the output that is compared there, and its exact value.
+pub struct Scene {
+    pub name: &'static str,
+    pub text: String,
+    pub span: f64,
+    pub output: &'static str,
+    pub exact: f64,
+}
+
+/// Curves of the landing gear.
+pub fn landing_gear(scene: &Scene) -> Result<Vec<Point>, ModelError> {
+    let mut points = Vec::new();
+    for curve in &CURVES {
+        points.extend(curve.points(scene)?);
+    }
+    points.extend(rigid_fem(scene)?);
+    Ok(points)
+}
+
+/// Curves of Andrews' squeezer.
+pub fn squeezer(scene: &Scene) -> Result<Vec<Point>, ModelError> {
+    CURVES[0].points(scene)
+}
+
+impl Curve {
+    fn points(&self, scene: &Scene) -> Result<Vec<Point>, ModelError> {
+        let mut points = Vec::new();
+        for half in 4..=26 {
+            let tolerance = 10f64.powf(-f64::from(half) / 2.0);
+            let began = Instant::now();
+            let mut model = Model::from_json(&scene.text)?;
+            if let Some(missing) = self.off.iter().find(|name| model.variables().find(name).is_none()) {
+                println!("{TOOL}: no curve '{}': there is no variable {missing}", self.method);
+                break;
+            }
+            for name in self.off {
+                let reference = model.variables().find(name).unwrap_or_default();
+                model.set_boolean(reference, false)?;
+            }
+            model.set_tolerance(tolerance)?;
+            points.push(self.point(scene, model, format!("tolerance {tolerance:.1e}"), began)?);
+        }
+        Ok(points)
+    }
+
+    /// A run is the return to the start, the steps, and the reading of the angle.
+    fn point(&self, scene: &Scene, mut model: Model, setting: String, began: Instant) -> Result<Point, ModelError> {
+        let angle = model.variables().find(scene.output).unwrap_or_default();
+        let read: Vec<_> = self.read.iter().map(|name| model.variables().find(name).unwrap_or_default()).collect();
+        model.initialize()?;
+        // Reading a force builds its table, once.
+        for &reference in &read {
+            model.real(reference)?;
+        }
+        let start = model.snapshot();
+        let set_up = began.elapsed().as_secs_f64();
+        let h = scene.span / f64::from(self.steps);
+        let (theta, run) = fastest(|| {
+            model.restore(&start)?;
+            for _ in 0..self.steps {
+                model.step(h)?;
+                for &reference in &read {
+                    std::hint::black_box(model.real(reference)?);
+                }
+            }
+            model.real(angle)
+        })?;
+        let evaluations = usize::try_from(model.statistics().evaluations).ok().filter(|&n| n > 0);
+        Ok(Point {
+            scene: scene.name,
+            tool: TOOL,
+            method: self.method.into(),
+            setting,
+            error: (theta - scene.exact).abs(),
+            run,
+            set_up,
+            evaluations,
+        })
+    }
+}
+
+/// The second formulation: Newmark's method over rigid-link finite elements, whose own limit differs by the rods' stretch.
+fn rigid_fem(scene: &Scene) -> Result<Vec<Point>, ModelError> {
+    let curve = Curve { method: "rigid_fem (Newmark)", off: &[], steps: 1, read: &[] };
+    let mut points = Vec::new();
+    for h in [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5] {
+        let began = Instant::now();
+        let mut model = Model::from_json(&scene.text)?;
+        let reference = |name: &str| model.variables().find(name).unwrap_or_default();
+        let (method, step) = (reference("solver.method"), reference("solver.fem_step"));
+        model.set_text(method, "rigid_fem")?;
+        model.set_real(step, h)?;
+        points.push(curve.point(scene, model, format!("h {h:.0e} s"), began)?);
+    }
+    Ok(points)
+}
