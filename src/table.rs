@@ -176,6 +176,19 @@ impl Table {
         self.borders[1..self.borders.len() - 1].partition_point(|b| *b <= sigma)
     }
 
+    /// [`Self::panel`], tried first: the panels beside this one.
+    #[inline]
+    pub fn panel_near(&self, sigma: f64, panel: usize) -> usize {
+        let holds = |p: usize| p + 1 < self.borders.len() && self.borders[p] <= sigma && sigma < self.borders[p + 1];
+        if holds(panel + 1) {
+            panel + 1
+        } else if panel > 0 && holds(panel - 1) {
+            panel - 1
+        } else {
+            self.panel(sigma)
+        }
+    }
+
     /// The place of sigma.
     pub fn spot(&self, sigma: f64) -> Spot {
         let panel = self.panel(sigma);

@@ -80,6 +80,27 @@ impl<const N: usize> Step<N> {
         }
     }
 
+    /// How far component n can be, within the step, outside the range of its start and its end: a path whose rate is from
+    /// f_1 to f_2 is at most h (f_2 - f_1) / 4 off the straight line between its ends. With some room, as the rates of the
+    /// stages are not all there are; unknown, so infinite, where the interpolant costs nothing.
+    pub fn bulge(&self, n: usize) -> f64 {
+        const ROOM: f64 = 1.5;
+        let range = |least: f64, most: f64| ROOM * 0.25 * self.h * (most - least);
+        match &self.stages {
+            Stages::Dop853(slopes) => {
+                let start = (f64::INFINITY, f64::NEG_INFINITY);
+                let (least, most) = slopes.iter().fold(start, |(a, b), f| (a.min(f[n]), b.max(f[n])));
+                range(least, most)
+            }
+            Stages::Rk4(slopes) => range(slopes.first[n].min(slopes.last[n]), slopes.first[n].max(slopes.last[n])),
+            Stages::Rkn86(accelerations) if n == 0 => {
+                // The rate itself changes by no more than h times the largest acceleration.
+                range(0.0, self.h * accelerations.iter().fold(0.0, |most: f64, f| most.max(f.abs())))
+            }
+            _ => f64::INFINITY,
+        }
+    }
+
     /// Interpolant over this step: of order 7 after DOP853, for three evaluations; of order 6 after the Nystroem pair; of
     /// order 3 after RK4 (Hermite's cubic) and after Radau (the collocation polynomial).
     pub fn dense<S: System<N>>(&self, system: &mut S) -> Dense<N> {

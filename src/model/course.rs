@@ -3,7 +3,7 @@
 //! In: the motion, the travel, what holds. Out: the state at the exact end. Events - impacts on stops, bumpers touched and
 //! left, reversals of drives with an efficiency - are roots on the interpolant of a step, polished on the integration itself.
 use super::motion::Motion;
-use super::travel::Travel;
+use super::travel::{End, Travel};
 use crate::friction::{Band, Locked};
 use crate::integrator::{Dense, Direction, IntegrationError, Integrator, Step, System};
 
@@ -359,9 +359,12 @@ where
     Motion<'m>: System<N>,
 {
     let reverses = motion.reverses() && step.end[1] * motion.mode.direction < 0.0;
-    let reach = 1.5 * step.excursion(0);
-    let near =
-        |side: usize| around.travel[side].is_some_and(|e| (step.start[0] - e.position) * outward(side) + reach > 0.0);
+    let bulge = step.bulge(0);
+    let near = |side: usize| {
+        let beyond =
+            |e: End| ((step.start[0] - e.position) * outward(side)).max((step.end[0] - e.position) * outward(side));
+        around.travel[side].is_some_and(|e| beyond(e) + bulge > 0.0)
+    };
     let sides = [near(0), near(1)];
     let pins = motion.scene.map_or(0, |s| s.pins.len());
     let changing = (0..pins).any(|pin| along != Some(pin) && may_change(motion, pin, step));

@@ -159,7 +159,7 @@ impl Folded {
             None => (0.0, 0.0),
         };
         let shift = around * period;
-        self.panel = table.panel(sigma - shift);
+        self.panel = table.panel_near(sigma - shift, self.panel);
         self.turns = given.turns + around;
         let (a, b) = table.borders(self.panel);
         (self.low, self.high, self.center, self.inverse) = (a + shift, b + shift, 0.5 * (a + b) + shift, 2.0 / (b - a));
