@@ -19,6 +19,7 @@ mod travel;
 pub use crate::integrator::Statistics;
 pub use derivatives::OUTPUT_ORDER;
 pub use error::ModelError;
+pub use outputs::Computed;
 pub use saved::Snapshot;
 
 use crate::definition::{Experiment, Mechanism, Method, Range, Role};
@@ -413,6 +414,14 @@ impl Model {
     /// Right-hand-side evaluations and accepted and rejected integration steps since initialisation.
     pub fn statistics(&self) -> Statistics {
         self.state.as_ref().map_or_else(Statistics::default, Motion::statistics)
+    }
+
+    /// What reading outputs has made be computed since initialisation; the finite elements do not count it.
+    pub fn computed(&self) -> Computed {
+        match &self.state {
+            Some(Motion::Reduced(state)) => state.cache.computed,
+            _ => Computed::default(),
+        }
     }
 
     /// The state, put at the start if there is none yet.

@@ -52,12 +52,23 @@ pub struct Cache {
     pub(super) transmitted: Vec<Transmitted>,
     /// Whether a reaction has been computed in this state.
     pub(super) used: bool,
+    /// What has been computed since the start.
+    pub(super) computed: Computed,
     /// Sizes of the sized loads under the present inputs.
     pub(super) sizes: Vec<f64>,
     /// Right-hand side for these sizes.
     pub(super) work: Work,
     /// Room for derivatives, once asked for.
     pub(super) slopes: Option<Box<Slopes>>,
+}
+
+/// How often outputs have made something be computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Computed {
+    /// What acts in a state: the acceleration, and what friction, drag and stops do.
+    pub effects: u64,
+    /// Reactions of a joint.
+    pub reactions: u64,
 }
 
 /// What acts in a state.
@@ -81,6 +92,7 @@ impl Cache {
             effect: None,
             transmitted: vec![Transmitted::new(); reduced.linkage().joints.len()],
             used: false,
+            computed: Computed::default(),
             sizes: reduced.sizes(inputs),
             work: Work::new(scene),
             slopes: None,
@@ -275,6 +287,7 @@ impl State {
             Ok::<_, Locked>(effect)
         })??;
         self.cache.effect = Some(effect);
+        self.cache.computed.effects += 1;
         Ok(effect)
     }
 

@@ -172,6 +172,7 @@ impl State {
         let value = value.map(finite);
         self.cache.transmitted[joint].value = Some(value);
         self.cache.used = true;
+        self.cache.computed.reactions += 1;
         Ok(value)
     }
 }

@@ -54,6 +54,21 @@ struct Tables {
     state_reactions: Lazy,
 }
 
+/// Which tables have been built so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Built {
+    /// Displacements of loads, by their number.
+    pub displacements: usize,
+    /// Points that are markers.
+    pub markers: bool,
+    /// Reactions of the joints to given loads.
+    pub reactions: bool,
+    /// Reactions of the joints to loads that a state sizes.
+    pub state_reactions: bool,
+    /// What friction, drag, bumpers and losses need, without and with moving air.
+    pub scenes: [bool; 2],
+}
+
 impl Reduced {
     /// Assemble, trace and reduce.
     ///
@@ -318,6 +333,18 @@ impl Reduced {
     /// [`Unresolved`].
     pub fn scene(&self, air: bool) -> Result<Option<&Scene>, &Unresolved> {
         self.scenes[usize::from(air)].get_or_init(|| Scene::build(self, air)).as_ref().map(Option::as_ref)
+    }
+
+    /// Which tables have been built so far, besides those of the influences and coordinates.
+    pub fn built(&self) -> Built {
+        let tables = &self.tables;
+        Built {
+            displacements: tables.displacements.iter().filter(|t| t.get().is_some()).count(),
+            markers: tables.markers.get().is_some(),
+            reactions: tables.reactions.get().is_some(),
+            state_reactions: tables.state_reactions.get().is_some(),
+            scenes: [0, 1].map(|air| matches!(self.scenes[air].get(), Some(Ok(Some(_))))),
+        }
     }
 
     /// Whether the motion is evaluated without tables.
