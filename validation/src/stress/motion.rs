@@ -1,0 +1,99 @@
+//! One run of a scene: what it tells and what it costs.
+use super::case::{Case, get, set};
+use super::plan::{Force, Plan};
+use linkage_fmu::model::{Model, Statistics};
+
+/// Places in a run at which energies are looked at.
+const LOOKS: u64 = 64;
+
+/// What a run found.
+#[derive(Clone, Debug, Default)]
+pub struct Run {
+    /// What was read at the end.
+    pub value: f64,
+    /// Largest abs(energy.drift) [J].
+    pub drift: f64,
+    /// Largest energy at play: 2 T + abs(force) times length, both along sigma [J].
+    pub energy: f64,
+    /// Work of the integration.
+    pub work: Statistics,
+    /// Time on the processor, the steps alone [s].
+    pub cpu: f64,
+    /// Steps before each look, with angle and speed of the body then.
+    pub looks: Vec<(u64, f64, f64)>,
+}
+
+/// Run a model from its start through a plan, and read a variable at the end. Calls between the steps are few and counted
+/// with them.
+///
+/// # Errors
+/// What the model says.
+pub fn run(case: &Case, model: &mut Model, plan: &Plan, reading: &str) -> Result<Run, String> {
+    let mut found = Run::default();
+    look(case, model, 0, &mut found)?;
+    let steps = plan.steps();
+    let stated = get(model, case.mechanism.input)?;
+    let mut next = steps.div_ceil(LOOKS);
+    let began = processor_time();
+    for k in 0..steps {
+        step(case, model, plan, k, stated)?;
+        if k + 1 == next || k + 1 == steps {
+            next += steps.div_ceil(LOOKS);
+            look(case, model, k + 1, &mut found)?;
+        }
+    }
+    found.cpu = processor_time() - began;
+    found.work = model.statistics();
+    found.value = get(model, reading)?;
+    Ok(found)
+}
+
+/// Step `k` of a plan.
+///
+/// # Errors
+/// What the model says.
+pub fn step(case: &Case, model: &mut Model, plan: &Plan, k: u64, stated: f64) -> Result<(), String> {
+    if plan.force != Force::Stated {
+        set(model, case.mechanism.input, plan.input(k, stated))?;
+    }
+    model.step(plan.size(k)).map_err(|e| e.to_string())
+}
+
+fn look(case: &Case, model: &mut Model, steps: u64, found: &mut Run) -> Result<(), String> {
+    let kinetic = get(model, "energy.kinetic")?;
+    found.drift = found.drift.max(get(model, "energy.drift")?.abs());
+    found.energy = found.energy.max(2.0 * kinetic + force(model, kinetic)? * scale(model)?);
+    found.looks.push((steps, get(model, &case.own("angle"))?, get(model, &case.own("speed"))?));
+    Ok(())
+}
+
+/// abs(sigma_ddot): the rate of T = sigma_dot^2 / 2 over sigma_dot; 0 at rest, where it cannot be told so.
+fn force(model: &mut Model, kinetic: f64) -> Result<f64, String> {
+    if kinetic == 0.0 {
+        return Ok(0.0);
+    }
+    let reference = super::case::find(model, "energy.kinetic")?;
+    let rate = model.output_derivative(reference, 1).map_err(|e| e.to_string())?;
+    Ok((rate / (2.0 * kinetic).sqrt()).abs())
+}
+
+/// The length L of sigma that the tolerance refers to: that of about a radian.
+///
+/// # Errors
+/// The parameters give no mechanism.
+pub fn scale(model: &mut Model) -> Result<f64, String> {
+    Ok(model.reduced().map_err(|e| e.to_string())?.scale())
+}
+
+/// Time that this thread has spent on a processor [s]; where the system does not tell it, time that has passed.
+pub fn processor_time() -> f64 {
+    let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
+    let nanoseconds = told.and_then(|text| text.split_whitespace().next()?.parse::<f64>().ok());
+    nanoseconds.map_or_else(passed, |t| t * 1e-9)
+}
+
+/// Seconds since the first call.
+fn passed() -> f64 {
+    static FIRST: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
+    FIRST.get_or_init(std::time::Instant::now).elapsed().as_secs_f64()
+}

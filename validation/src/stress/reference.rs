@@ -1,0 +1,138 @@
+//! What a scene's motion truly is, and how much of an error on the way is seen at its end.
+//!
+//! The integration keeps each step's error, relative to (L, V), below the tolerance in the mean square of the two components:
+//! sigma to sqrt(2) tol L, sigma_dot to sqrt(2) tol V. L is the length of sigma that goes with a radian, V^2 the largest
+//! energy at play, 2 T + abs(force) L. kappa is what an error of (L, V) made anywhere on the way changes at the end,
+//! for each unit of it, found by starting again from there with an error. So the error at the end is at most
+//! sqrt(2) N tol kappa for N steps. N is taken from one doStep of the span: short steps share the tolerance by the
+//! engine's promise.
+use super::case::{Case, get, set};
+use super::motion::{Run, run, scale, step};
+use super::plan::{Cut, Force, Plan};
+use linkage_fmu::model::Model;
+
+/// Errors relative to L and V by which kappa is found: small against the motion, large against rounding.
+const NUDGE: f64 = 1e-6;
+/// Accuracy of the tables, relative to a component's largest value; ARCHITECTURE.md, invariant 5.
+pub const TABLE: f64 = 1e-13;
+
+/// The true motion, as far as it is needed.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// The angle at the end [rad].
+    pub value: f64,
+    /// By how much it may be off [rad].
+    pub within: f64,
+    /// Change at the end for each unit of an error relative to (L, V) [rad].
+    pub kappa: f64,
+    /// V^2 [J].
+    pub energy: f64,
+    /// Lengths L that can be travelled in the span.
+    pub lengths: f64,
+    /// Steps of the integration at the scene's tolerance in one doStep; none where the input changes.
+    pub steps: Option<u64>,
+}
+
+impl Reference {
+    /// For an unscaled case. `engine`: the value at the end is to be the engine's at a tighter tolerance; else it is the known one.
+    ///
+    /// # Errors
+    /// What the model says.
+    pub fn of(case: &Case, plan: &Plan, tolerance: f64) -> Result<Self, String> {
+        let tight = (1e-3 * tolerance).max(1e-14);
+        let start = case.model(tight)?;
+        // Under a steady input few steps do; kappa is then found by leaps.
+        let course = if plan.force == Force::Stated { Plan::new(plan.span, Cut::Equal(64), plan.force) } else { plan.clone() };
+        let reading = case.own("angle");
+        let found = run(case, &mut start.clone(), &course, &reading)?;
+        let mut whole = case.model(tolerance)?;
+        let length = scale(&mut whole)?;
+        let steps = if plan.force == Force::Stated {
+            whole.step(plan.span).map_err(|e| e.to_string())?;
+            Some(whole.statistics().accepted)
+        } else {
+            None
+        };
+        let kappa = sensitivity(case, &start, &course, &found, length)?;
+        let lengths = plan.span * found.energy.sqrt() / length;
+        let mut reference = Self { value: found.value, within: 0.0, kappa, energy: found.energy, lengths, steps };
+        let unchanged = case.set.is_empty() && case.flags.is_empty() && case.text.is_none();
+        match &case.mechanism.known {
+            Some(known) if unchanged && plan.force == Force::Stated && (known.time - plan.span).abs() < 1e-12 => {
+                (reference.value, reference.within) = (known.value, known.within);
+            }
+            _ => reference.within = reference.bound(tight, found.work.accepted, found.work.accepted),
+        }
+        Ok(reference)
+    }
+
+    /// Bound of the error at the end: see the head of this file; `steps` of the integration count, `made` is how many sums
+    /// were rounded.
+    pub fn bound(&self, tolerance: f64, steps: u64, made: u64) -> f64 {
+        let rounding = made as f64 * f64::EPSILON + TABLE * (1.0 + self.lengths);
+        self.within
+            + self.kappa * (2f64.sqrt() * tolerance * steps as f64 + rounding)
+            + TABLE * self.value.abs().max(1.0)
+    }
+
+    /// Bound of the energy's error: an error (sqrt(2) tol L, sqrt(2) tol V) changes the energy by sqrt(2) tol (force L +
+    /// V sigma_dot), at most 2 sqrt(2) tol V^2.
+    pub fn energy_bound(&self, tolerance: f64, steps: u64, made: u64) -> f64 {
+        energy_bound(self.energy, self.lengths, tolerance, steps, made)
+    }
+}
+
+/// See [`Reference::energy_bound`].
+pub fn energy_bound(energy: f64, lengths: f64, tolerance: f64, steps: u64, made: u64) -> f64 {
+    let rounding = made as f64 * f64::EPSILON + TABLE * (1.0 + lengths);
+    energy * (8f64.sqrt() * tolerance * steps as f64 + rounding)
+}
+
+/// kappa: the largest change at the end over the starts at some of the places that the motion passed.
+fn sensitivity(case: &Case, start: &Model, plan: &Plan, found: &Run, length: f64) -> Result<f64, String> {
+    const PLACES: usize = 12;
+    let speed = found.energy.sqrt();
+    let mut again = start.clone();
+    let stated = get(&mut again, case.mechanism.input)?;
+    let mut largest: f64 = 0.0;
+    let last = found.looks.len() - 1;
+    for place in 0..PLACES {
+        let (k, angle, rate) = found.looks[place * last / PLACES];
+        // Towards where it goes, so that no stop is in the way.
+        let ahead = if rate == 0.0 { found.looks[1].1 - angle } else { rate }.signum();
+        let slope = slope_at(case, &mut again, angle)?;
+        let sigma_dot = rate / slope;
+        let nudged = angle + ahead * NUDGE * length * slope;
+        let slope_there = slope_at(case, &mut again, nudged)?;
+        let mut end = |angle: f64, rate: f64| -> Result<f64, String> {
+            place_at(case, &mut again, angle, rate)?;
+            if plan.force == Force::Stated {
+                let left = plan.span * (1.0 - k as f64 / plan.steps() as f64);
+                again.step(left).map_err(|e| e.to_string())?;
+            } else {
+                for k in k..plan.steps() {
+                    step(case, &mut again, plan, k, stated)?;
+                }
+                set(&mut again, case.mechanism.input, stated)?;
+            }
+            get(&mut again, &case.own("angle"))
+        };
+        let straight = end(angle, rate)?;
+        let by_place = (end(nudged, sigma_dot * slope_there)? - straight).abs();
+        let by_speed = (end(angle, (sigma_dot + ahead * NUDGE * speed) * slope)? - straight).abs();
+        largest = largest.max((by_place + by_speed) / NUDGE);
+    }
+    Ok(largest)
+}
+
+/// d(angle)/d(sigma), > 0 [rad/(sqrt(kg) m)]: with T = sigma_dot^2 / 2 at 1 rad/s.
+fn slope_at(case: &Case, model: &mut Model, angle: f64) -> Result<f64, String> {
+    place_at(case, model, angle, 1.0)?;
+    Ok(1.0 / (2.0 * get(model, "energy.kinetic")?).sqrt())
+}
+
+fn place_at(case: &Case, model: &mut Model, angle: f64, rate: f64) -> Result<(), String> {
+    set(model, &case.own("start_angle"), angle)?;
+    set(model, &case.own("start_speed"), rate)?;
+    model.initialize().map_err(|e| e.to_string())
+}
