@@ -15,8 +15,8 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let done = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         [] => tables(root, &results),
-        ["stress"] => stress_report::run(&results),
-        _ => Err("arguments: none for the tables of run times, or `stress`".into()),
+        ["stress", ref groups @ ..] => stress_report::run(&results, groups),
+        _ => Err("arguments: none for the tables of run times, or `stress`, with names of groups for these alone".into()),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

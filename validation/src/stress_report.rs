@@ -8,12 +8,13 @@ use std::time::Instant;
 const HEAD: &str = include_str!("stress_report.md");
 const THREADS: usize = 2;
 
-/// Run, print, write `stress.csv` and `stress.md`.
+/// Run, print, write `stress.csv` and `stress.md`; of some groups only, if any are named: then nothing is written.
 ///
 /// # Errors
 /// A scene fails, or a file cannot be written.
-pub fn run(results: &Path) -> Result<(), String> {
-    let scenes = stress::all();
+pub fn run(results: &Path, groups: &[&str]) -> Result<(), String> {
+    let mut scenes = stress::all();
+    scenes.retain(|scene| groups.is_empty() || groups.contains(&scene.group));
     let began = Instant::now();
     let tell = |place: usize, outcome: &Outcome| println!("{}", line(&scenes[place], outcome, ", "));
     let outcomes = stress::judge(&scenes, THREADS, &tell);
@@ -38,7 +39,7 @@ pub fn run(results: &Path) -> Result<(), String> {
         let fields = fields(scene, outcome).map(|f| if f.contains([',', '"']) { format!("\"{}\"", f.replace('"', "\"\"")) } else { f });
         let _ = writeln!(csv, "{group},{}", fields.join(","));
     }
-    for (name, text) in [("stress.md", page), ("stress.csv", csv)] {
+    for (name, text) in [("stress.md", page), ("stress.csv", csv)].into_iter().filter(|_| groups.is_empty()) {
         let target = results.join(name);
         std::fs::write(&target, text).map_err(|e| format!("{}: {e}", target.display()))?;
         println!("written to {}", target.display());

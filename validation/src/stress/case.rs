@@ -1,6 +1,6 @@
 //! The mechanisms under stress, and what a scene changes of them.
 use linkage_fmu::model::Model;
-use linkage_fmu::variables::{BaseUnit, Causality, Kind, Reference, Value};
+use linkage_fmu::variables::{BaseUnit, Causality, Kind, Reference, Unit, Value};
 
 /// A value known from elsewhere.
 pub struct Known {
@@ -26,8 +26,10 @@ pub struct Mechanism {
     pub steps: u64,
     /// Input that scenes change.
     pub input: &'static str,
-    /// Exact value at the end of the span, where there is one.
-    pub known: Option<Known>,
+    /// Prismatic joint, if it has one.
+    pub slide: Option<&'static str>,
+    /// Exact values, where there are any.
+    pub known: &'static [Known],
 }
 
 macro_rules! file {
@@ -45,8 +47,14 @@ pub static MECHANISMS: [Mechanism; 8] = [
         span: 0.13,
         steps: 130,
         input: "actuator.force",
+        slide: None,
         // 34-digit energy quadrature.
-        known: Some(Known { time: 0.13, value: -1.237_711_726_689_136_7, within: 1e-15 }),
+        known: &[
+            Known { time: 0.02, value: 0.754_575_037_883_200_4, within: 1e-15 },
+            Known { time: 0.05, value: 0.509_301_986_703_906_5, within: 1e-15 },
+            Known { time: 0.10, value: -0.409_135_231_200_168_4, within: 1e-15 },
+            Known { time: 0.13, value: -1.237_711_726_689_136_7, within: 1e-15 },
+        ],
     },
     Mechanism {
         name: "AndrewsSqueezer",
@@ -55,7 +63,8 @@ pub static MECHANISMS: [Mechanism; 8] = [
         span: 0.03,
         steps: 300,
         input: "drive.torque",
-        known: Some(Known { time: 0.03, value: 15.810_771_195_153_797, within: 4e-15 }),
+        slide: None,
+        known: &[Known { time: 0.03, value: 15.810_771_195_153_797, within: 4e-15 }],
     },
     Mechanism {
         name: "CraneJib",
@@ -64,7 +73,8 @@ pub static MECHANISMS: [Mechanism; 8] = [
         span: 5.0,
         steps: 500,
         input: "cylinder.force",
-        known: None,
+        slide: None,
+        known: &[],
     },
     Mechanism {
         name: "FourBar",
@@ -73,7 +83,8 @@ pub static MECHANISMS: [Mechanism; 8] = [
         span: 1.0,
         steps: 1000,
         input: "drive.torque",
-        known: None,
+        slide: None,
+        known: &[],
     },
     Mechanism {
         name: "FourBarChain",
@@ -82,8 +93,9 @@ pub static MECHANISMS: [Mechanism; 8] = [
         span: 10.0,
         steps: 1000,
         input: "load_factor",
+        slide: None,
         // pi/2 - 2 am(t/2 | -4 k), k = 9.81 (3/2 + 2) / (1 + 2).
-        known: Some(Known { time: 10.0, value: -30.179_800_860_191_205, within: 1e-14 }),
+        known: &[Known { time: 10.0, value: -30.179_800_860_191_205, within: 1e-14 }],
     },
     Mechanism {
         name: "Jib",
@@ -92,7 +104,8 @@ pub static MECHANISMS: [Mechanism; 8] = [
         span: 3.0,
         steps: 300,
         input: "cylinder.force",
-        known: None,
+        slide: None,
+        known: &[],
     },
     Mechanism {
         name: "SlCrank",
@@ -101,7 +114,8 @@ pub static MECHANISMS: [Mechanism; 8] = [
         span: 10.0,
         steps: 1000,
         input: "push.force_x",
-        known: Some(Known { time: 10.0, value: 1.275_675_848_650, within: 1e-12 }),
+        slide: Some("slide"),
+        known: &[Known { time: 10.0, value: 1.275_675_848_650, within: 1e-12 }],
     },
     Mechanism {
         name: "SliderCrank",
@@ -110,14 +124,17 @@ pub static MECHANISMS: [Mechanism; 8] = [
         span: 0.2,
         steps: 400,
         input: "drive.torque",
-        known: None,
+        slide: Some("cylinder"),
+        known: &[],
     },
 ];
 
-/// The mechanism of this name.
-pub fn mechanism(name: &str) -> &'static Mechanism {
-    MECHANISMS.iter().find(|m| m.name == name).unwrap_or(&MECHANISMS[0])
-}
+/// The landing gear.
+pub static GEAR: &Mechanism = &MECHANISMS[0];
+/// The chain of four-bars.
+pub static CHAIN: &Mechanism = &MECHANISMS[4];
+/// A single body.
+pub static JIB: &Mechanism = &MECHANISMS[5];
 
 /// Factors on the units of mass, length and time.
 ///
@@ -203,7 +220,11 @@ impl Case {
     /// What it says.
     pub fn model(&self, tolerance: f64) -> Result<Model, String> {
         let told = |e: linkage_fmu::model::ModelError| e.to_string();
-        let mut model = Model::from_json(self.text.as_deref().unwrap_or(self.mechanism.text)).map_err(told)?;
+        let text = self.text.as_deref().unwrap_or(self.mechanism.text);
+        // A guess in metres is no parameter: all lengths are then scaled in the text.
+        let guessed = self.mechanism.slide.is_some() && self.scaling.length != 1.0;
+        let mut model = if guessed { Model::from_json(&stretched(text, self.scaling.length)) } else { Model::from_json(text) }
+            .map_err(told)?;
         for (name, value) in &self.set {
             let reference = find(&model, name)?;
             model.set_real(reference, *value).map_err(told)?;
@@ -213,7 +234,7 @@ impl Case {
             model.set_boolean(reference, *value).map_err(told)?;
         }
         if self.scaling != Scaling::ONE {
-            for (reference, factor) in self.factors(&model) {
+            for (reference, factor) in self.factors(&model, guessed) {
                 let value = model.real(reference).map_err(told)?;
                 model.set_real(reference, value * factor).map_err(told)?;
             }
@@ -223,27 +244,54 @@ impl Case {
         Ok(model)
     }
 
-    /// What each Real that can be set is multiplied by.
-    fn factors(&self, model: &Model) -> Vec<(Reference, f64)> {
+    /// What each Real that can be set is multiplied by; lengths are not where `stretched` has done it.
+    fn factors(&self, model: &Model, stretched: bool) -> Vec<(Reference, f64)> {
         let list = model.variables().list().iter();
         let settable = list.zip(0..).filter(|(v, _)| v.kind == Kind::Real && v.causality != Causality::Output);
         let with_unit = settable.filter_map(|(v, reference)| {
             matches!(v.start, Some(Value::Real(_))).then_some(())?;
-            v.unit.map(|unit| (reference, self.scaling.factor(unit.base())))
+            let done = stretched && matches!(v.unit, Some(Unit::Metre | Unit::KilogramSquareMetre));
+            let scaling = if done { Self::unstretched(self.scaling) } else { self.scaling };
+            v.unit.map(|unit| (reference, scaling.factor(unit.base())))
         });
         with_unit.collect()
     }
 
-    /// Factor on the scene's input.
-    pub fn input_factor(&self, model: &Model) -> f64 {
-        let variable = find(model, self.mechanism.input).ok().and_then(|r| model.variables().get(r));
-        variable.and_then(|v| v.unit).map_or(1.0, |unit| self.scaling.factor(unit.base()))
+    /// What is left of a scaling where `stretched` has scaled the lengths.
+    fn unstretched(scaling: Scaling) -> Scaling {
+        Scaling { length: 1.0, ..scaling }
     }
 
     /// Name of a variable of the body that is measured.
     pub fn own(&self, variable: &str) -> String {
         format!("{}.{variable}", self.mechanism.body)
     }
+}
+
+/// The text of a mechanism with all lengths, points and guesses in metres multiplied, and moments of inertia by the
+/// square; those that the mechanisms with a prismatic joint have.
+fn stretched(text: &str, length: f64) -> String {
+    const KEYS: [(&str, i32); 7] =
+        [("length", 1), ("free_length", 1), ("middle", 1), ("far", 1), ("slide", 1), ("cylinder", 1), ("inertia", 2)];
+    let mut out = text.to_owned();
+    for (key, power) in KEYS {
+        let factor = length.powi(power);
+        let head = format!("\"{key}\": ");
+        let parts: Vec<String> = out.split(&head).map(str::to_owned).collect();
+        let numbers = |part: &String| {
+            let end = if part.starts_with('[') { part.find(']') } else { part.find([',', ' ', '\n', '}']) };
+            let (value, rest) = part.split_at(end.unwrap_or(0));
+            let scaled = value.trim_start_matches('[').split(", ").map(|x| x.parse().map(|x: f64| x * factor));
+            match scaled.collect::<Result<Vec<f64>, _>>() {
+                Ok(scaled) if value.starts_with('[') => format!("{scaled:?}").trim_end_matches(']').to_owned() + rest,
+                Ok(scaled) => format!("{:e}", scaled[0]) + rest,
+                // An object under this key.
+                Err(_) => part.clone(),
+            }
+        };
+        out = parts[..1].iter().cloned().chain(parts[1..].iter().map(numbers)).collect::<Vec<_>>().join(&head);
+    }
+    out
 }
 
 /// Reference of a variable.

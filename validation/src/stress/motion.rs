@@ -1,6 +1,7 @@
 //! One run of a scene: what it tells and what it costs.
 use super::case::{Case, get, set};
 use super::plan::{Force, Plan};
+use cpu_time::ThreadTime;
 use linkage_fmu::model::{Model, Statistics};
 
 /// Places in a run at which energies are looked at.
@@ -15,6 +16,8 @@ pub struct Run {
     pub drift: f64,
     /// Largest energy at play: 2 T + abs(force) times length, both along sigma [J].
     pub energy: f64,
+    /// Largest potential energy told, which is rounded with the rest [J].
+    pub potential: f64,
     /// Work of the integration.
     pub work: Statistics,
     /// Time on the processor, the steps alone [s].
@@ -34,7 +37,7 @@ pub fn run(case: &Case, model: &mut Model, plan: &Plan, reading: &str) -> Result
     let steps = plan.steps();
     let stated = get(model, case.mechanism.input)?;
     let mut next = steps.div_ceil(LOOKS);
-    let began = processor_time();
+    let began = ThreadTime::now();
     for k in 0..steps {
         step(case, model, plan, k, stated)?;
         if k + 1 == next || k + 1 == steps {
@@ -42,7 +45,7 @@ pub fn run(case: &Case, model: &mut Model, plan: &Plan, reading: &str) -> Result
             look(case, model, k + 1, &mut found)?;
         }
     }
-    found.cpu = processor_time() - began;
+    found.cpu = began.elapsed().as_secs_f64();
     found.work = model.statistics();
     found.value = get(model, reading)?;
     Ok(found)
@@ -63,6 +66,7 @@ fn look(case: &Case, model: &mut Model, steps: u64, found: &mut Run) -> Result<(
     let kinetic = get(model, "energy.kinetic")?;
     found.drift = found.drift.max(get(model, "energy.drift")?.abs());
     found.energy = found.energy.max(2.0 * kinetic + force(model, kinetic)? * scale(model)?);
+    found.potential = found.potential.max(get(model, "energy.potential")?.abs());
     found.looks.push((steps, get(model, &case.own("angle"))?, get(model, &case.own("speed"))?));
     Ok(())
 }
@@ -83,17 +87,4 @@ fn force(model: &mut Model, kinetic: f64) -> Result<f64, String> {
 /// The parameters give no mechanism.
 pub fn scale(model: &mut Model) -> Result<f64, String> {
     Ok(model.reduced().map_err(|e| e.to_string())?.scale())
-}
-
-/// Time that this thread has spent on a processor [s]; where the system does not tell it, time that has passed.
-pub fn processor_time() -> f64 {
-    let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let nanoseconds = told.and_then(|text| text.split_whitespace().next()?.parse::<f64>().ok());
-    nanoseconds.map_or_else(passed, |t| t * 1e-9)
-}
-
-/// Seconds since the first call.
-fn passed() -> f64 {
-    static FIRST: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
-    FIRST.get_or_init(std::time::Instant::now).elapsed().as_secs_f64()
 }

@@ -34,7 +34,8 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// For an unscaled case. `engine`: the value at the end is to be the engine's at a tighter tolerance; else it is the known one.
+    /// For an unscaled case. The value at the end is the known one, if there is one, else the engine's at a
+    /// thousandth of the tolerance.
     ///
     /// # Errors
     /// What the model says.
@@ -57,11 +58,10 @@ impl Reference {
         let lengths = plan.span * found.energy.sqrt() / length;
         let mut reference = Self { value: found.value, within: 0.0, kappa, energy: found.energy, lengths, steps };
         let unchanged = case.set.is_empty() && case.flags.is_empty() && case.text.is_none();
-        match &case.mechanism.known {
-            Some(known) if unchanged && plan.force == Force::Stated && (known.time - plan.span).abs() < 1e-12 => {
-                (reference.value, reference.within) = (known.value, known.within);
-            }
-            _ => reference.within = reference.bound(tight, found.work.accepted, found.work.accepted),
+        let at_end = case.mechanism.known.iter().find(|k| (k.time - plan.span).abs() < 1e-12);
+        match at_end.filter(|_| unchanged && plan.force == Force::Stated) {
+            Some(known) => (reference.value, reference.within) = (known.value, known.within),
+            None => reference.within = reference.bound(tight, found.work.accepted, found.work.accepted),
         }
         Ok(reference)
     }
@@ -88,6 +88,29 @@ pub fn energy_bound(energy: f64, lengths: f64, tolerance: f64, steps: u64, made:
     energy * (8f64.sqrt() * tolerance * steps as f64 + rounding)
 }
 
+/// What the end of a case's motion owes to its start: change of the angle at the end for each radian that `body` starts
+/// elsewhere, and for each V / L that it starts faster.
+///
+/// # Errors
+/// What the model says.
+pub fn amplification(case: &Case, body: &str, plan: &Plan, tolerance: f64, energy: f64) -> Result<f64, String> {
+    let mut start = case.model(tolerance)?;
+    let rate = energy.sqrt() / scale(&mut start)?;
+    let (angle, speed) = (format!("{body}.start_angle"), format!("{body}.start_speed"));
+    let (at, with) = (get(&mut start, &angle)?, get(&mut start, &speed)?);
+    let end = |x: f64, v: f64| -> Result<f64, String> {
+        let mut model = start.clone();
+        set(&mut model, &angle, x)?;
+        set(&mut model, &speed, v)?;
+        model.initialize().map_err(|e| e.to_string())?;
+        Ok(run(case, &mut model, plan, &case.own("angle"))?.value)
+    };
+    let straight = end(at, with)?;
+    // Away from where the body turns back.
+    let aside = end(at + NUDGE, with).or_else(|_| end(at - NUDGE, with))?;
+    Ok(((aside - straight).abs() + (end(at, with + NUDGE * rate)? - straight).abs()) / NUDGE)
+}
+
 /// kappa: the largest change at the end over the starts at some of the places that the motion passed.
 fn sensitivity(case: &Case, start: &Model, plan: &Plan, found: &Run, length: f64) -> Result<f64, String> {
     const PLACES: usize = 12;
@@ -98,8 +121,9 @@ fn sensitivity(case: &Case, start: &Model, plan: &Plan, found: &Run, length: f64
     let last = found.looks.len() - 1;
     for place in 0..PLACES {
         let (k, angle, rate) = found.looks[place * last / PLACES];
-        // Towards where it goes, so that no stop is in the way.
-        let ahead = if rate == 0.0 { found.looks[1].1 - angle } else { rate }.signum();
+        // Towards where it goes, or in, so that no stop is in the way.
+        let goes = if rate == 0.0 { found.looks[1].1 - angle } else { rate };
+        let ahead = if goes == 0.0 { -angle.signum() } else { goes.signum() };
         let slope = slope_at(case, &mut again, angle)?;
         let sigma_dot = rate / slope;
         let nudged = angle + ahead * NUDGE * length * slope;

@@ -1,9 +1,13 @@
 //! A scene: a case, its course, and what is expected of it.
-use super::case::{Case, Scaling};
-use super::motion::{Run, run, scale};
+use super::case::{Case, Scaling, get};
+use super::motion::{Run, run, scale, step};
 use super::plan::Plan;
-use super::reference::{Reference, energy_bound};
+use super::reference::{Reference, TABLE, amplification, energy_bound};
 use linkage_fmu::model::Statistics;
+
+/// Bound of an angle above which the motion cannot be foretold at the tolerance: kappa holds for small errors, and an error
+/// of a radian is as large as the motion itself [rad].
+const FORETOLD: f64 = 1.0;
 
 /// What a scene's outcome is held against.
 pub enum Expected {
@@ -16,15 +20,33 @@ pub enum Expected {
         reading: String,
         /// Its value.
         value: f64,
-        /// By how much it may be off.
+        /// By how much it may be off,
         within: f64,
+        /// and by how much more for each step of the integration.
+        each: f64,
         /// Why.
         why: String,
+    },
+    /// The angle at the end of the same motion stated otherwise.
+    Same {
+        /// The other statement.
+        case: Box<Case>,
+        /// Body whose start states it.
+        body: &'static str,
+        /// By how much the two starts may differ [rad of that body].
+        apart: f64,
     },
     /// The energy balance alone: what it may drift by in the energies at play that the run itself shows.
     Energy,
     /// A refusal whose message holds these fragments.
     Refusal(Vec<String>),
+}
+
+impl Expected {
+    /// A refusal with these fragments.
+    pub fn refusal(fragments: &[&str]) -> Self {
+        Self::Refusal(fragments.iter().map(|&f| f.into()).collect())
+    }
 }
 
 /// One row.
@@ -99,6 +121,13 @@ impl Scene {
             Expected::Closed { reading, .. } => reading.clone(),
             _ => self.case.own("angle"),
         };
+        if let Expected::Refusal(_) = self.expected {
+            let stated = get(&mut model, self.case.mechanism.input)?;
+            for k in 0..self.plan.steps() {
+                step(&self.case, &mut model, &self.plan, k, stated)?;
+            }
+            return Ok(Outcome::told("no call was refused".into(), Verdict::Fails));
+        }
         let found = run(&self.case, &mut model, &self.plan, &reading)?;
         let made = found.work.accepted + self.plan.steps();
         let own_energy = |found: &Run| -> Result<f64, String> {
@@ -120,29 +149,42 @@ impl Scene {
                 );
                 Ok(found.judged(Some(((found.value - reference.value).abs(), bound)), drift, why))
             }
-            Expected::Closed { value, within, why, .. } => {
+            Expected::Closed { value, within, each, why, .. } => {
                 let drift = own_energy(&found)?;
-                Ok(found.judged(Some(((found.value - value).abs(), *within)), drift, why.clone()))
+                let within = within + each * found.work.accepted as f64;
+                Ok(found.judged(Some(((found.value - value).abs(), within)), drift, why.clone()))
+            }
+            Expected::Same { case, body, apart } => {
+                let other = run(case, &mut case.model(self.tolerance)?, &self.plan, &reading)?;
+                let gain = amplification(case, body, &self.plan, self.tolerance, found.energy)?;
+                let steps = (found.work.accepted + other.work.accepted) as f64;
+                let lengths = self.plan.span * found.energy.sqrt() / scale(&mut model.clone())?;
+                let bound = gain * (apart + 2f64.sqrt() * self.tolerance * steps + TABLE * (1.0 + lengths)) + TABLE;
+                let why = format!("the starts may be {apart:.1e} rad of the {body} apart, gain {gain:.1e}, N = {steps}");
+                let drift = own_energy(&found)?;
+                Ok(found.judged(Some(((found.value - other.value).abs(), bound)), drift, why))
             }
             Expected::Energy => {
                 let drift = own_energy(&found)?;
                 let why = format!("N = {}, V^2 = {:.1e} J", found.work.accepted, found.energy);
                 Ok(found.judged(None, drift, why))
             }
-            Expected::Refusal(_) => {
-                let mut outcome = found.judged(None, f64::INFINITY, "it must be refused".into());
-                outcome.verdict = Verdict::Fails;
-                Ok(outcome)
-            }
+            Expected::Refusal(_) => Ok(Outcome::told("no call was refused".into(), Verdict::Fails)),
         }
     }
 }
 
 impl Run {
-    fn judged(&self, error: Option<(f64, f64)>, drift_bound: f64, why: String) -> Outcome {
-        let drift = (self.drift, drift_bound);
+    fn judged(&self, error: Option<(f64, f64)>, drift_bound: f64, mut why: String) -> Outcome {
+        // The energies that are summed are each rounded.
+        let drift = (self.drift, drift_bound + 8.0 * f64::EPSILON * self.potential);
         let holds = |(value, bound): (f64, f64)| value <= bound;
-        let verdict = if error.is_none_or(holds) && holds(drift) { Verdict::Holds } else { Verdict::Fails };
+        let foretold = error.is_none_or(|(_, bound)| bound <= FORETOLD);
+        if !foretold {
+            why += "; beyond foretelling, judged by the energy";
+        }
+        let verdict =
+            if (!foretold || error.is_none_or(holds)) && holds(drift) { Verdict::Holds } else { Verdict::Fails };
         Outcome { error, drift: Some(drift), work: self.work, cpu: self.cpu, why, verdict }
     }
 }

@@ -4,21 +4,22 @@ use crate::stress::case::{Case, MECHANISMS};
 use crate::stress::plan::{Cut, Force, Plan};
 use crate::stress::scene::Expected;
 
-/// Every mechanism in its default experiment at every power of ten.
+/// Every mechanism at every power of ten, in one step and in those of its default experiment.
 pub fn tolerances() -> Vec<Scene> {
-    let each = MECHANISMS.iter().flat_map(|m| (2..=13).map(move |exponent| (m, 10f64.powi(-exponent))));
-    let scene = |(m, tolerance): (&'static _, f64)| {
-        let case = Case::of(m);
-        Scene {
-            group: "Tolerances",
-            what: format!("{} steps of {} s", case.mechanism.steps, case.mechanism.span / case.mechanism.steps as f64),
-            plan: Plan::new(case.mechanism.span, Cut::Equal(case.mechanism.steps), Force::Stated),
-            case,
-            tolerance,
-            expected: Expected::Angle,
+    let mut scenes = Vec::new();
+    for m in &MECHANISMS {
+        for (exponent, steps) in (2..=13).flat_map(|exponent| [(exponent, 1), (exponent, m.steps)]) {
+            scenes.push(Scene {
+                group: "Tolerances",
+                what: format!("{} s in {}", m.span, super::count(steps)),
+                case: Case::of(m),
+                plan: Plan::new(m.span, Cut::Equal(steps), Force::Stated),
+                tolerance: 10f64.powi(-exponent),
+                expected: Expected::Angle,
+            });
         }
-    };
-    each.map(scene).collect()
+    }
+    scenes
 }
 
 /// Every mechanism in steps of 1 us to 1 s, irregular ones, and steps one unit in the last place of the time.
@@ -39,7 +40,7 @@ pub fn communication() -> Vec<Scene> {
             let count = (m.span / h).round().max(1.0);
             // The span is kept where whole steps fill it.
             let span = if (count * h - m.span).abs() < 1e-12 { m.span } else { count * h };
-            add(format!("{count} steps of {h:e} s"), span, Cut::Equal(count as u64));
+            add(format!("{} of {h:e} s", super::count(count as u64)), span, Cut::Equal(count as u64));
         }
         add("1000 irregular steps, over six decades".into(), m.span, Cut::Irregular(1000));
         add("1000 steps of 1 us and 1000 long ones by turns".into(), m.span, Cut::Turns(1000));
