@@ -249,6 +249,8 @@ impl System<3> for Motion<'_> {
             force = force.max(folded.excess(0, &Powers::new(x), self.time).abs());
         }
         let (length, speed) = self.scales(y[1], force);
-        [length, speed, speed * speed]
+        // Where friction balances the rest, it is the power lost that tells of the forces at work.
+        let resisting = if f[2] == 0.0 { 0.0 } else { (f[2] / y[1]).abs() };
+        [length, speed, (speed * speed).max(resisting * length)]
     }
 }

@@ -16,7 +16,9 @@ fn main() -> ExitCode {
     let done = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         [] => tables(root, &results),
         ["stress", ref groups @ ..] => stress_report::run(&results, groups),
-        _ => Err("arguments: none for the tables of run times, or `stress`, with names of groups for these alone".into()),
+        _ => {
+            Err("arguments: none for the tables of run times, or `stress`, with names of groups for these alone".into())
+        }
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

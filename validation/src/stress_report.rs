@@ -36,7 +36,8 @@ pub fn run(results: &Path, groups: &[&str]) -> Result<(), String> {
             let _ = writeln!(page, "\n## {group}\n\n| {} |\n|{rule}|", COLUMNS.join(" | "));
         }
         let _ = writeln!(page, "| {} |", line(scene, outcome, " | "));
-        let fields = fields(scene, outcome).map(|f| if f.contains([',', '"']) { format!("\"{}\"", f.replace('"', "\"\"")) } else { f });
+        let fields = fields(scene, outcome)
+            .map(|f| if f.contains([',', '"']) { format!("\"{}\"", f.replace('"', "\"\"")) } else { f });
         let _ = writeln!(csv, "{group},{}", fields.join(","));
     }
     for (name, text) in [("stress.md", page), ("stress.csv", csv)].into_iter().filter(|_| groups.is_empty()) {

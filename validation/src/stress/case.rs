@@ -223,8 +223,9 @@ impl Case {
         let text = self.text.as_deref().unwrap_or(self.mechanism.text);
         // A guess in metres is no parameter: all lengths are then scaled in the text.
         let guessed = self.mechanism.slide.is_some() && self.scaling.length != 1.0;
-        let mut model = if guessed { Model::from_json(&stretched(text, self.scaling.length)) } else { Model::from_json(text) }
-            .map_err(told)?;
+        let mut model =
+            if guessed { Model::from_json(&stretched(text, self.scaling.length)) } else { Model::from_json(text) }
+                .map_err(told)?;
         for (name, value) in &self.set {
             let reference = find(&model, name)?;
             model.set_real(reference, *value).map_err(told)?;

@@ -1,5 +1,5 @@
 //! One run of a scene: what it tells and what it costs.
-use super::case::{Case, get, set};
+use super::case::{Case, find, get, set};
 use super::plan::{Force, Plan};
 use cpu_time::ThreadTime;
 use linkage_fmu::model::{Model, Statistics};
@@ -14,7 +14,7 @@ pub struct Run {
     pub value: f64,
     /// Largest abs(energy.drift) [J].
     pub drift: f64,
-    /// Largest energy at play: 2 T + abs(force) times length, both along sigma [J].
+    /// Largest energy at play: 2 T + force times length, both along sigma [J].
     pub energy: f64,
     /// Largest potential energy told, which is rounded with the rest [J].
     pub potential: f64,
@@ -65,20 +65,30 @@ pub fn step(case: &Case, model: &mut Model, plan: &Plan, k: u64, stated: f64) ->
 fn look(case: &Case, model: &mut Model, steps: u64, found: &mut Run) -> Result<(), String> {
     let kinetic = get(model, "energy.kinetic")?;
     found.drift = found.drift.max(get(model, "energy.drift")?.abs());
-    found.energy = found.energy.max(2.0 * kinetic + force(model, kinetic)? * scale(model)?);
+    found.energy = found.energy.max(2.0 * kinetic + force(case, model, kinetic)? * scale(model)?);
     found.potential = found.potential.max(get(model, "energy.potential")?.abs());
     found.looks.push((steps, get(model, &case.own("angle"))?, get(model, &case.own("speed"))?));
     Ok(())
 }
 
-/// abs(sigma_ddot): the rate of T = sigma_dot^2 / 2 over sigma_dot; 0 at rest, where it cannot be told so.
-fn force(model: &mut Model, kinetic: f64) -> Result<f64, String> {
+/// The larger of abs(sigma_ddot) and the resistance, both from powers over sigma_dot: the rate of T = sigma_dot^2 / 2, and the
+/// drive's power less the rates of all energies. 0 at rest, where they cannot be told so.
+fn force(case: &Case, model: &mut Model, kinetic: f64) -> Result<f64, String> {
     if kinetic == 0.0 {
         return Ok(0.0);
     }
-    let reference = super::case::find(model, "energy.kinetic")?;
-    let rate = model.output_derivative(reference, 1).map_err(|e| e.to_string())?;
-    Ok((rate / (2.0 * kinetic).sqrt()).abs())
+    let mut rate = |name| -> Result<f64, String> {
+        let reference = find(model, name)?;
+        model.output_derivative(reference, 1).map_err(|e| e.to_string())
+    };
+    let (moved, raised) = (rate("energy.kinetic")?, rate("energy.potential")?);
+    let drive = case.mechanism.input.split('.').next().unwrap_or_default();
+    let lost = match get(model, &format!("{drive}.speed")) {
+        Ok(speed) => get(model, case.mechanism.input)? * speed - moved - raised,
+        // No drive, and no friction in such a scene.
+        Err(_) => 0.0,
+    };
+    Ok(moved.abs().max(lost.abs()) / (2.0 * kinetic).sqrt())
 }
 
 /// The length L of sigma that the tolerance refers to: that of about a radian.

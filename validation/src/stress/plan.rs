@@ -24,6 +24,17 @@ pub enum Force {
     Noise(f64),
 }
 
+impl Force {
+    /// In a word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Stated => "steady",
+            Self::Switching => "switching",
+            Self::Noise(_) => "with noise",
+        }
+    }
+}
+
 /// The course of a scene.
 #[derive(Clone, Debug)]
 pub struct Plan {
@@ -79,7 +90,13 @@ impl Plan {
     pub fn input(&self, k: u64, stated: f64) -> f64 {
         match self.force {
             Force::Stated => stated,
-            Force::Switching => if k.is_multiple_of(2) { stated } else { -stated },
+            Force::Switching => {
+                if k.is_multiple_of(2) {
+                    stated
+                } else {
+                    -stated
+                }
+            }
             Force::Noise(part) => stated * (1.0 + part * (2.0 * random(k) - 1.0)),
         }
     }

@@ -43,7 +43,8 @@ impl Reference {
         let tight = (1e-3 * tolerance).max(1e-14);
         let start = case.model(tight)?;
         // Under a steady input few steps do; kappa is then found by leaps.
-        let course = if plan.force == Force::Stated { Plan::new(plan.span, Cut::Equal(64), plan.force) } else { plan.clone() };
+        let course =
+            if plan.force == Force::Stated { Plan::new(plan.span, Cut::Equal(64), plan.force) } else { plan.clone() };
         let reading = case.own("angle");
         let found = run(case, &mut start.clone(), &course, &reading)?;
         let mut whole = case.model(tolerance)?;
@@ -121,6 +122,10 @@ fn sensitivity(case: &Case, start: &Model, plan: &Plan, found: &Run, length: f64
     let last = found.looks.len() - 1;
     for place in 0..PLACES {
         let (k, angle, rate) = found.looks[place * last / PLACES];
+        // No start is allowed where a bumper is pressed: errors made there are seen from the places about.
+        if place_at(case, &mut again, angle, rate).is_err_and(|message| message.contains("beyond this stop")) {
+            continue;
+        }
         // Towards where it goes, or in, so that no stop is in the way.
         let goes = if rate == 0.0 { found.looks[1].1 - angle } else { rate };
         let ahead = if goes == 0.0 { -angle.signum() } else { goes.signum() };

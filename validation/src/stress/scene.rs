@@ -160,7 +160,8 @@ impl Scene {
                 let steps = (found.work.accepted + other.work.accepted) as f64;
                 let lengths = self.plan.span * found.energy.sqrt() / scale(&mut model.clone())?;
                 let bound = gain * (apart + 2f64.sqrt() * self.tolerance * steps + TABLE * (1.0 + lengths)) + TABLE;
-                let why = format!("the starts may be {apart:.1e} rad of the {body} apart, gain {gain:.1e}, N = {steps}");
+                let why =
+                    format!("the starts may be {apart:.1e} rad of the {body} apart, gain {gain:.1e}, N = {steps}");
                 let drift = own_energy(&found)?;
                 Ok(found.judged(Some(((found.value - other.value).abs(), bound)), drift, why))
             }

@@ -52,9 +52,21 @@ pub fn huge() -> Vec<Scene> {
             scenes.push(Scene { group: GROUP, what, case, plan, tolerance: 1e-9, expected });
         };
         for steps in [1, 100] {
-            add(format!("{} = 1e9, {span:.1e} s in {}", m.input, super::count(steps)), case(1e9), span, steps, Expected::Angle);
+            add(
+                format!("{} = 1e9, {span:.1e} s in {}", m.input, super::count(steps)),
+                case(1e9),
+                span,
+                steps,
+                Expected::Angle,
+            );
         }
-        add(format!("{} = 1e9, {:.1e} s in 1000 steps", m.input, 100.0 * span), case(1e9), 100.0 * span, 1000, Expected::Energy);
+        add(
+            format!("{} = 1e9, {:.1e} s in 1000 steps", m.input, 100.0 * span),
+            case(1e9),
+            100.0 * span,
+            1000,
+            Expected::Energy,
+        );
         let refused = Expected::refusal(&["inputs", "sizes"]);
         add(format!("{} = 1e308", m.input), case(1e308), 1e-3, 1, refused);
     }

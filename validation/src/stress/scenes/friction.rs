@@ -41,7 +41,8 @@ pub fn self_locking() -> Vec<Scene> {
                  \"static_speed\": 1e-6, \"kinetic_speed\": 2e-6 }},\n  \"actuators\": {{"
             );
             let text = JIB.text.replace("\"second\": \"jib.origin\" }", &pin).replace("\"actuators\": {", &friction);
-            let still = [("cylinder.force", 0.0), ("load_factor", 0.0), ("jib.start_angle", 0.0), ("jib.start_speed", SPEED)];
+            let still =
+                [("cylinder.force", 0.0), ("load_factor", 0.0), ("jib.start_angle", 0.0), ("jib.start_speed", SPEED)];
             let case = still.iter().fold(Case::of(JIB).text(text), |case, &(name, value)| case.with(name, value));
             let q = k / f64::sqrt(1.0 - k * k);
             let expected = if k < 1.0 {

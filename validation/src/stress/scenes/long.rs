@@ -83,7 +83,13 @@ pub fn toggles() -> Vec<Scene> {
     for tolerance in [1e-6, 1e-9, 1e-12] {
         // Half a swing takes some 0.3 s and passes the lower toggle.
         let plan = |steps| Plan::new(3000.0, Cut::Equal(steps), Force::Stated);
-        add("swinging under 30 kN for 3000 s in 100000 steps".into(), Case::of(GEAR).free(), plan(100_000), tolerance, Expected::Energy);
+        add(
+            "swinging under 30 kN for 3000 s in 100000 steps".into(),
+            Case::of(GEAR).free(),
+            plan(100_000),
+            tolerance,
+            Expected::Energy,
+        );
         for m in MECHANISMS.iter().filter(|m| ["SliderCrank", "FourBar", "FourBarChain"].contains(&m.name)) {
             // Under no load but its own weight, as fast at the start as stated: two dead centres in each turn.
             let turn = if m.name == "FourBarChain" { 1.942_514_922_607_084 } else { 0.5 * m.span };

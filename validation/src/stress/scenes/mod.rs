@@ -5,6 +5,7 @@ mod long;
 mod sizes;
 mod starts;
 mod steps;
+mod together;
 
 use super::Scene;
 
@@ -22,6 +23,7 @@ pub fn all() -> Vec<Scene> {
         forces::huge(),
         friction::slow_border(),
         friction::self_locking(),
+        together::scenes(),
         long::slow(),
         long::toggles(),
         long::short_steps(),

@@ -70,7 +70,8 @@ pub fn mass_ratios() -> Vec<Scene> {
             };
             for factor in [1e-9, 1e-6, 1e6, 1e9] {
                 // The beak and the coupler have a mass and an inertia: without the one the other stands still.
-                let alone = matches!(m.name, "CraneJib" | "FourBar") && parameter.name.ends_with("mass") && factor == 1e-9;
+                let alone =
+                    matches!(m.name, "CraneJib" | "FourBar") && parameter.name.ends_with("mass") && factor == 1e-9;
                 let still = alone || STILL.contains(&(m.name, &parameter.name, factor));
                 scenes.push(Scene {
                     group: "Mass ratios",
@@ -78,7 +79,11 @@ pub fn mass_ratios() -> Vec<Scene> {
                     case: Case::of(m).with(parameter.name.clone(), factor * stated),
                     plan: Plan::new(m.span, Cut::Equal(m.steps), Force::Stated),
                     tolerance: 1e-9,
-                    expected: if still { Expected::refusal(&["almost nothing with mass moves there"]) } else { Expected::Angle },
+                    expected: if still {
+                        Expected::refusal(&["almost nothing with mass moves there"])
+                    } else {
+                        Expected::Angle
+                    },
                 });
             }
         }

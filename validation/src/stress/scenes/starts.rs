@@ -49,7 +49,13 @@ pub fn toggles() -> Vec<Scene> {
         for inside in [0.0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3] {
             let crank = sign * (toggle() - inside);
             let at = Case::of(GEAR).free().with("crank.start_angle", crank);
-            scenes.push(scene(GROUP, format!("{inside:e} rad within the {side} toggle"), at.clone(), (0.2, 200), Expected::Energy));
+            scenes.push(scene(
+                GROUP,
+                format!("{inside:e} rad within the {side} toggle"),
+                at.clone(),
+                (0.2, 200),
+                Expected::Energy,
+            ));
             // The same place by the follower, which turns evenly there: an error d of the crank's angle is one of
             // l1 l2 sin(theta2) d in half the square of B-D, and with height h of a d / h in the height.
             let (height, coupler, follower) = closed(crank);
@@ -58,12 +64,25 @@ pub fn toggles() -> Vec<Scene> {
             let text = starting(GEAR, &format!("\"body\": \"follower\", \"angle\": {follower:?}"));
             let old = "\"crank\": 0.8, \"coupler\": 0.46, \"follower\": 2.43";
             let guess = format!("\"crank\": {crank:?}, \"coupler\": {coupler:?}, \"follower\": {follower:?}");
-            let other = Case::of(GEAR).text(text.replace(old, &guess).replace("\"flag\"", "\"enabled\": false, \"flag\""));
+            let other =
+                Case::of(GEAR).text(text.replace(old, &guess).replace("\"flag\"", "\"enabled\": false, \"flag\""));
             let same = Expected::Same { case: Box::new(other), body: "follower", apart };
-            scenes.push(scene(GROUP, format!("{inside:e} rad within the {side} toggle, or by the follower"), at, (0.05, 50), same));
+            scenes.push(scene(
+                GROUP,
+                format!("{inside:e} rad within the {side} toggle, or by the follower"),
+                at,
+                (0.05, 50),
+                same,
+            ));
         }
         let beyond = |by: f64| Case::of(GEAR).free().with("crank.start_angle", sign * (toggle() + by));
-        scenes.push(scene(GROUP, format!("1e-12 rad beyond the {side} toggle"), beyond(1e-12), (0.2, 200), Expected::Energy));
+        scenes.push(scene(
+            GROUP,
+            format!("1e-12 rad beyond the {side} toggle"),
+            beyond(1e-12),
+            (0.2, 200),
+            Expected::Energy,
+        ));
         let refused = Expected::refusal(&["crank.start_angle", "1.32"]);
         scenes.push(scene(GROUP, format!("1e-8 rad beyond the {side} toggle"), beyond(1e-8), (0.2, 200), refused));
         let fast = beyond(0.0).with("crank.start_speed", 1.0);
@@ -78,7 +97,11 @@ pub fn toggles() -> Vec<Scene> {
         ("CraneJib", format!("\"body\": \"jib\", \"angle\": {jib:?}"), "jib, connector and beak in line"),
         ("CraneJib", format!("\"body\": \"jib\", \"angle\": {:?}", jib + 1e-12), "jib, 1e-12 rad from there"),
         ("CraneJib", format!("\"body\": \"jib\", \"angle\": {:?}", jib - 1e-12), "jib, 1e-12 rad from there"),
-        ("FourBar", format!("\"body\": \"rocker\", \"angle\": {:?}", rocker(0.45)), "rocker, crank and coupler in line"),
+        (
+            "FourBar",
+            format!("\"body\": \"rocker\", \"angle\": {:?}", rocker(0.45)),
+            "rocker, crank and coupler in line",
+        ),
         ("FourBar", format!("\"body\": \"rocker\", \"angle\": {:?}", rocker(0.25)), "rocker, crank and coupler folded"),
         ("SliderCrank", "\"joint\": \"cylinder\", \"position\": 0.25".into(), "piston, top dead centre"),
         ("SliderCrank", "\"joint\": \"cylinder\", \"position\": 0.249999999999".into(), "piston, 1e-12 m below it"),
@@ -112,9 +135,25 @@ pub fn stops() -> Vec<Scene> {
                 each: 0.0,
                 why: "a start within 1e-10 rad of a stop is at it, and pressed on it stays; rounding and table".into(),
             };
-            scenes.push(scene(GROUP, format!("{by:e} rad within the {stop}, pressed on"), at(by, press), (1.0, 100), rests));
-            let free = Expected::Same { case: Box::new(at(by.max(0.0), -press).free()), body: "crank", apart: by.abs() + 1e-15 };
-            scenes.push(scene(GROUP, format!("{by:e} rad within the {stop}, pulled off"), at(by, -press), (0.05, 50), free));
+            scenes.push(scene(
+                GROUP,
+                format!("{by:e} rad within the {stop}, pressed on"),
+                at(by, press),
+                (1.0, 100),
+                rests,
+            ));
+            let free = Expected::Same {
+                case: Box::new(at(by.max(0.0), -press).free()),
+                body: "crank",
+                apart: by.abs() + 1e-15,
+            };
+            scenes.push(scene(
+                GROUP,
+                format!("{by:e} rad within the {stop}, pulled off"),
+                at(by, -press),
+                (0.05, 50),
+                free,
+            ));
         }
         let refused = Expected::refusal(&[&format!("{stop}.angle = {angle}"), "beyond this stop"]);
         scenes.push(scene(GROUP, format!("1e-9 rad beyond the {stop}"), at(-1e-9, press), (1.0, 100), refused));
@@ -158,7 +197,13 @@ pub fn crossings() -> Vec<Scene> {
     for flat in [0.0, PI] {
         for by in [0.0, 1e-12, -1e-12, 1e-9] {
             let case = Case::of(CHAIN).with("bar0.start_angle", flat + by);
-            scenes.push(scene(GROUP, format!("bars {by:e} rad from flat at {flat:.2} rad"), case, (10.0, 1000), Expected::Angle));
+            scenes.push(scene(
+                GROUP,
+                format!("bars {by:e} rad from flat at {flat:.2} rad"),
+                case,
+                (10.0, 1000),
+                Expected::Angle,
+            ));
             for speed in [5.0, -1e-6] {
                 let turn = speed * FLAT.span;
                 let uniform = Expected::Closed {
@@ -169,17 +214,36 @@ pub fn crossings() -> Vec<Scene> {
                     why: "no load, constant inertia: it turns evenly; table and rounding".into(),
                 };
                 let case = Case::of(&FLAT).with("left.start_angle", flat + by).with("left.start_speed", speed);
-                scenes.push(scene(GROUP, format!("parallelogram {by:e} rad from flat at {flat:.2} rad, {speed} rad/s"), case, (FLAT.span, FLAT.steps), uniform));
+                scenes.push(scene(
+                    GROUP,
+                    format!("parallelogram {by:e} rad from flat at {flat:.2} rad, {speed} rad/s"),
+                    case,
+                    (FLAT.span, FLAT.steps),
+                    uniform,
+                ));
             }
         }
     }
-    let guess = FLAT.text.replace("\"left\": 0.5, \"coupler\": 0, \"right\": 0.5", "\"left\": 0, \"coupler\": 0, \"right\": 0");
+    let guess =
+        FLAT.text.replace("\"left\": 0.5, \"coupler\": 0, \"right\": 0.5", "\"left\": 0, \"coupler\": 0, \"right\": 0");
     let refused = Expected::refusal(&["branches", "guess a position off the crossing"]);
-    scenes.push(scene(GROUP, "guessed flat: no branch is named".into(), Case::of(&FLAT).text(guess), (1.0, 10), refused));
+    scenes.push(scene(
+        GROUP,
+        "guessed flat: no branch is named".into(),
+        Case::of(&FLAT).text(guess),
+        (1.0, 10),
+        refused,
+    ));
     let crossed = FLAT.text.replace("\"coupler\": 0, \"right\": 0.5", "\"coupler\": -0.55, \"right\": -1.05");
     for torque in [0.0, 0.1] {
         let case = Case::of(&FLAT).text(crossed.clone()).with("left.torque", torque);
-        scenes.push(scene(GROUP, format!("crossed bars started flat, torque {torque} N.m"), case, (10.0, 1000), Expected::Energy));
+        scenes.push(scene(
+            GROUP,
+            format!("crossed bars started flat, torque {torque} N.m"),
+            case,
+            (10.0, 1000),
+            Expected::Energy,
+        ));
     }
     scenes
 }
