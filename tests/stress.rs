@@ -7,17 +7,17 @@ mod fmi2_host;
 mod stress;
 
 use fmi2_host::Gear;
-use linkage_fmu::fmi2::fmi2GetRealStatus;
 use linkage_fmu::fmi2::types::Status;
+use linkage_fmu::fmi2::{fmi2GetRealStatus, fmi2SetupExperiment};
 use stress::Verdict;
 
 /// fmi2LastSuccessfulTime.
 const LAST_SUCCESSFUL_TIME: i32 = 2;
 
 /// One scene in so many is judged here; coprime to the table's patterns, so that every kind is met.
-const ONE_IN: usize = 7;
+const ONE_IN: usize = 11;
 /// Scenes of more communication steps are left to the whole suite.
-const MOST_STEPS: u64 = 200_000;
+const MOST_STEPS: u64 = 20_000;
 
 #[test]
 fn a_sample_of_the_scenes_holds() {
@@ -77,31 +77,34 @@ fn a_start_at_a_billion_seconds_changes_no_bit() {
     }
 }
 
-/// Steps of one unit in the last place of the time, from 1e-3 s and from 1e9 s on, move the mechanism by speed times step.
+/// Steps of one unit in the last place of the time, from 1e-3 s and from 1e9 s on, end where one step of their sum does.
 #[test]
 fn steps_of_one_ulp_are_steps() {
-    for (start, steps) in [(1e-3_f64, 100_000), (1e9, 100_000)] {
-        let ulp = start.next_up() - start;
+    const STEPS: u32 = 100_000;
+    /// solver.tolerance of the file.
+    const TOLERANCE: f64 = 1e-9;
+    let falling = |start: f64| {
         let gear = Gear::new();
         assert_eq!(gear.set("crank.start_speed", -10.0), Status::Ok);
         // SAFETY: the component is valid.
-        let set_up = unsafe { linkage_fmu::fmi2::fmi2SetupExperiment(gear.c, 0, 0.0, start, 0, 0.0) };
-        assert_eq!(set_up, Status::Ok);
+        assert_eq!(unsafe { fmi2SetupExperiment(gear.c, 0, 0.0, start, 0, 0.0) }, Status::Ok);
         assert_eq!(gear.initialize(), Status::Ok);
-        let acceleration = gear.get("crank.acceleration").unwrap();
+        gear
+    };
+    for start in [1e-3_f64, 1e9] {
+        let ulp = start.next_up() - start;
+        let (gear, whole) = (falling(start), falling(0.0));
         let mut point = start;
-        for _ in 0..steps {
+        for _ in 0..STEPS {
             assert_eq!(gear.step(point, ulp), Status::Ok);
             point = point.next_up();
         }
         assert_eq!(time(&gear), point);
-        let span = f64::from(steps) * ulp;
-        let moved = gear.get("crank.angle").unwrap() - 0.8;
-        // Constant acceleration to first order in the span: its change is left, below a hundredth of its part; and the
-        // table's accuracy.
-        let expected = -10.0 * span + 0.5 * acceleration * span * span;
-        let allowed = 0.01 * acceleration.abs() * span * span + 1e-13;
-        assert!((moved - expected).abs() <= allowed, "{start}: {moved:e} {expected:e}");
+        assert_eq!(whole.step(0.0, f64::from(STEPS) * ulp), Status::Ok);
+        let [angle, other] = [&gear, &whole].map(|gear| gear.get("crank.angle").unwrap());
+        // In 0.012 s an error of the speed grows to less than its size; some ten steps at most do the whole.
+        assert!((angle - other).abs() <= 10.0 * TOLERANCE * (0.8 - other) + 1e-13, "{start}: {angle} {other}");
+        assert!(other < 0.8);
     }
 }
 
