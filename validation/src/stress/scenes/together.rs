@@ -100,5 +100,11 @@ pub fn scenes() -> Vec<Scene> {
     let case = rest.with("friction.static_speed", 1e-4).with("actuator.force", 0.99 * holding);
     let plan = Plan::new(200.0, Cut::Equal(200), Force::Stated);
     add("creep to rest, V_S = 1e-4 m/s, 200 s in 200 steps".into(), case, plan, 1e-12, Expected::Energy);
+    for tolerance in [1e-6, 1e-9, 1e-12] {
+        let case =
+            Case::of(GEAR).turned("upstop.rigid", false).with("upstop.stiffness", 5e6).with("upstop.damping", 5e4);
+        let plan = Plan::new(0.5, Cut::Equal(50), Force::Stated);
+        add("at rest on a damped bumper, 0.5 s in 50 steps".into(), case, plan, tolerance, Expected::Energy);
+    }
     scenes
 }
