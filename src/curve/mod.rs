@@ -61,7 +61,7 @@ impl fmt::Display for CurveError {
         match self {
             Self::Massless { position } => write!(
                 f,
-                "the reduced inertia vanishes at {position}: nothing with mass moves there; give a mass or an inertia to a body that does"
+                "the reduced inertia vanishes at {position}: nothing or almost nothing with mass moves there; give a mass or an inertia to a body that does"
             ),
             Self::Stuck { position } => {
                 write!(

@@ -13,7 +13,7 @@ pub trait System<const N: usize> {
     fn derivative(&mut self, t: f64, y: &[f64; N]) -> [f64; N];
 
     /// Size of each component, to which the relative tolerance applies; positive. `f` is f(t, y).
-    fn scale(&self, y: &[f64; N], f: &[f64; N]) -> [f64; N];
+    fn scale(&mut self, y: &[f64; N], f: &[f64; N]) -> [f64; N];
 
     /// df/dy: row i is the gradient of f_i. By default from one-sided differences; a system that can be stiff should
     /// know better, as Newton's method converges the faster the more exact this is.

@@ -207,7 +207,7 @@ impl System<2> for Motion<'_> {
         [y[1], polynomial(&self.work.folded.force, x)]
     }
 
-    fn scale(&self, y: &[f64; 2], f: &[f64; 2]) -> [f64; 2] {
+    fn scale(&mut self, y: &[f64; 2], f: &[f64; 2]) -> [f64; 2] {
         let (length, speed) = self.scales(y[1], f[1]);
         [length, speed]
     }
@@ -242,15 +242,14 @@ impl System<3> for Motion<'_> {
         }
     }
 
-    fn scale(&self, y: &[f64; 3], f: &[f64; 3]) -> [f64; 3] {
-        let mut force = f[1].abs();
+    fn scale(&mut self, y: &[f64; 3], f: &[f64; 3]) -> [f64; 3] {
+        // Where the loads balance each other, the acceleration tells nothing of the forces at work, those of given size do.
+        let powers = Powers::new(self.place(y[0]));
         let folded = &self.work.folded;
-        if folded.changes() {
-            // Where a changing input balances the rest, the acceleration tells nothing of the forces at work.
-            let x = folded.x(y[0]).clamp(-1.0, 1.0);
-            force = force.max(folded.excess(0, &Powers::new(x), self.time).abs());
-        }
+        let force = f[1].abs().max(folded.at(0, &powers, 0.0).abs()).max(folded.excess(0, &powers, self.time).abs());
         let (length, speed) = self.scales(y[1], force);
-        [length, speed, speed * speed]
+        // Where friction balances the rest, it is the power lost that tells of the forces at work.
+        let resisting = if f[2] == 0.0 { 0.0 } else { (f[2] / y[1]).abs() };
+        [length, speed, (speed * speed).max(resisting * length)]
     }
 }

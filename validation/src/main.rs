@@ -5,26 +5,39 @@ mod measure;
 mod retraction;
 mod rigid_fem;
 mod setup;
+mod stress;
+mod stress_report;
 
 use std::path::Path;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let descriptions = root.join("../modelDescription");
-    let tables = [
-        ("setup.md", setup::table(&descriptions)),
-        ("retraction.md", retraction::table(&descriptions.join("LandingGearRetraction"))),
-        ("rigid_fem.md", rigid_fem::table(&descriptions.join("LandingGearRetraction"))),
-        ("benchmarks.md", benchmarks::table(&descriptions)),
-    ];
-    for (name, table) in tables {
-        if let Err(message) = table.and_then(|table| publish(&root.join("results").join(name), &table)) {
+    let results = root.join("results");
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let done = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        [] => tables(root, &results),
+        ["stress", ref groups @ ..] => stress_report::run(&results, groups),
+        _ => {
+            Err("arguments: none for the tables of run times, or `stress`, with names of groups for these alone".into())
+        }
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
             eprintln!("error: {message}");
-            return ExitCode::FAILURE;
+            ExitCode::FAILURE
         }
     }
-    ExitCode::SUCCESS
+}
+
+fn tables(root: &Path, results: &Path) -> Result<(), String> {
+    let descriptions = root.join("../modelDescription");
+    let gear = descriptions.join("LandingGearRetraction");
+    publish(&results.join("setup.md"), &setup::table(&descriptions)?)?;
+    publish(&results.join("retraction.md"), &retraction::table(&gear)?)?;
+    publish(&results.join("rigid_fem.md"), &rigid_fem::table(&gear)?)?;
+    publish(&results.join("benchmarks.md"), &benchmarks::table(&descriptions)?)
 }
 
 fn publish(target: &Path, table: &str) -> Result<(), String> {

@@ -15,7 +15,7 @@ impl System<1> for Phases {
     fn derivative(&mut self, t: f64, y: &[f64; 1]) -> [f64; 1] {
         [-Self::rate(t) * (y[0] - t.cos()) - t.sin()]
     }
-    fn scale(&self, _y: &[f64; 1], _f: &[f64; 1]) -> [f64; 1] {
+    fn scale(&mut self, _y: &[f64; 1], _f: &[f64; 1]) -> [f64; 1] {
         [1.0]
     }
     fn jacobian(&mut self, t: f64, _y: &[f64; 1]) -> [[f64; 1]; 1] {
@@ -80,7 +80,7 @@ impl System<2> for Ramp {
     fn derivative(&mut self, t: f64, y: &[f64; 2]) -> [f64; 2] {
         [y[1], t.sin() - 0.7 * (y[1] / self.width).clamp(-1.0, 1.0)]
     }
-    fn scale(&self, _y: &[f64; 2], _f: &[f64; 2]) -> [f64; 2] {
+    fn scale(&mut self, _y: &[f64; 2], _f: &[f64; 2]) -> [f64; 2] {
         [1.0, 1.0]
     }
     fn jacobian(&mut self, _t: f64, y: &[f64; 2]) -> [[f64; 2]; 2] {
@@ -108,7 +108,7 @@ fn a_system_that_cannot_be_stiff_is_never_asked_for_a_jacobian() {
         fn derivative(&mut self, _t: f64, y: &[f64; 1]) -> [f64; 1] {
             [-1e4 * y[0]]
         }
-        fn scale(&self, _y: &[f64; 1], _f: &[f64; 1]) -> [f64; 1] {
+        fn scale(&mut self, _y: &[f64; 1], _f: &[f64; 1]) -> [f64; 1] {
             [1.0]
         }
         fn jacobian(&mut self, _t: f64, _y: &[f64; 1]) -> [[f64; 1]; 1] {

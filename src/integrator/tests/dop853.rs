@@ -139,7 +139,7 @@ fn a_blow_up_is_an_error() {
         fn derivative(&mut self, _t: f64, y: &[f64; 1]) -> [f64; 1] {
             [y[0] * y[0]]
         }
-        fn scale(&self, y: &[f64; 1], _f: &[f64; 1]) -> [f64; 1] {
+        fn scale(&mut self, y: &[f64; 1], _f: &[f64; 1]) -> [f64; 1] {
             [y[0].abs()]
         }
     }

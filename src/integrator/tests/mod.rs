@@ -17,7 +17,7 @@ impl System<2> for Oscillator {
     fn derivative(&mut self, _t: f64, y: &[f64; 2]) -> [f64; 2] {
         [y[1], -y[0]]
     }
-    fn scale(&self, _y: &[f64; 2], _f: &[f64; 2]) -> [f64; 2] {
+    fn scale(&mut self, _y: &[f64; 2], _f: &[f64; 2]) -> [f64; 2] {
         [1.0, 1.0]
     }
 }
@@ -28,7 +28,7 @@ impl System<1> for Power {
     fn derivative(&mut self, t: f64, _y: &[f64; 1]) -> [f64; 1] {
         [t.powi(self.0)]
     }
-    fn scale(&self, _y: &[f64; 1], _f: &[f64; 1]) -> [f64; 1] {
+    fn scale(&mut self, _y: &[f64; 1], _f: &[f64; 1]) -> [f64; 1] {
         [1.0]
     }
     fn jacobian(&mut self, _t: f64, _y: &[f64; 1]) -> [[f64; 1]; 1] {
@@ -59,7 +59,7 @@ impl<S: System<N>, const N: usize> System<N> for WithoutJacobian<S> {
     fn derivative(&mut self, t: f64, y: &[f64; N]) -> [f64; N] {
         self.0.derivative(t, y)
     }
-    fn scale(&self, y: &[f64; N], f: &[f64; N]) -> [f64; N] {
+    fn scale(&mut self, y: &[f64; N], f: &[f64; N]) -> [f64; N] {
         self.0.scale(y, f)
     }
 }

@@ -64,7 +64,7 @@ impl System<1> for Linear {
     fn derivative(&mut self, _t: f64, y: &[f64; 1]) -> [f64; 1] {
         [self.0 * y[0]]
     }
-    fn scale(&self, _y: &[f64; 1], _f: &[f64; 1]) -> [f64; 1] {
+    fn scale(&mut self, _y: &[f64; 1], _f: &[f64; 1]) -> [f64; 1] {
         [1.0]
     }
     fn jacobian(&mut self, _t: f64, _y: &[f64; 1]) -> [[f64; 1]; 1] {
@@ -126,7 +126,7 @@ impl System<1> for ProtheroRobinson {
     fn derivative(&mut self, t: f64, y: &[f64; 1]) -> [f64; 1] {
         [self.0 * (y[0] - t.sin()) + t.cos()]
     }
-    fn scale(&self, _y: &[f64; 1], _f: &[f64; 1]) -> [f64; 1] {
+    fn scale(&mut self, _y: &[f64; 1], _f: &[f64; 1]) -> [f64; 1] {
         [1.0]
     }
     fn jacobian(&mut self, _t: f64, _y: &[f64; 1]) -> [[f64; 1]; 1] {
@@ -155,7 +155,7 @@ impl System<2> for VanDerPol {
     fn derivative(&mut self, _t: f64, y: &[f64; 2]) -> [f64; 2] {
         [y[1], ((1.0 - y[0] * y[0]) * y[1] - y[0]) / self.0]
     }
-    fn scale(&self, y: &[f64; 2], _f: &[f64; 2]) -> [f64; 2] {
+    fn scale(&mut self, y: &[f64; 2], _f: &[f64; 2]) -> [f64; 2] {
         [1.0, y[1].abs().max(1.0)]
     }
     fn jacobian(&mut self, _t: f64, y: &[f64; 2]) -> [[f64; 2]; 2] {

@@ -10,7 +10,7 @@ impl System<2> for Pendulum {
     fn derivative(&mut self, _t: f64, y: &[f64; 2]) -> [f64; 2] {
         [y[1], -y[0].sin()]
     }
-    fn scale(&self, _y: &[f64; 2], _f: &[f64; 2]) -> [f64; 2] {
+    fn scale(&mut self, _y: &[f64; 2], _f: &[f64; 2]) -> [f64; 2] {
         [1.0, 1.0]
     }
 }

@@ -10,7 +10,7 @@ impl System<2> for Spring {
     fn derivative(&mut self, t: f64, y: &[f64; 2]) -> [f64; 2] {
         Oscillator.derivative(t, y)
     }
-    fn scale(&self, _y: &[f64; 2], _f: &[f64; 2]) -> [f64; 2] {
+    fn scale(&mut self, _y: &[f64; 2], _f: &[f64; 2]) -> [f64; 2] {
         [1.0, 1.0]
     }
 }
@@ -22,7 +22,7 @@ impl System<2> for Fall {
     fn derivative(&mut self, t: f64, y: &[f64; 2]) -> [f64; 2] {
         [y[1], f64::from((self.0 + 2) * (self.0 + 1)) * t.powi(self.0)]
     }
-    fn scale(&self, _y: &[f64; 2], _f: &[f64; 2]) -> [f64; 2] {
+    fn scale(&mut self, _y: &[f64; 2], _f: &[f64; 2]) -> [f64; 2] {
         [1.0, 1.0]
     }
 }
@@ -140,7 +140,7 @@ fn shrinking_steps_are_foreseen() {
         fn derivative(&mut self, _t: f64, y: &[f64; 2]) -> [f64; 2] {
             [y[1], 2.0 * y[0].powi(3)]
         }
-        fn scale(&self, y: &[f64; 2], _f: &[f64; 2]) -> [f64; 2] {
+        fn scale(&mut self, y: &[f64; 2], _f: &[f64; 2]) -> [f64; 2] {
             [y[0].abs(), y[1].abs()]
         }
     }

@@ -1,0 +1,155 @@
+//! The stress suite in short: a sample of its scenes, and what is asked of the clock through the FMI functions.
+#![allow(unsafe_code, clippy::unwrap_used)]
+
+mod fmi2_host;
+#[allow(dead_code)]
+#[path = "../validation/src/stress/mod.rs"]
+mod stress;
+
+use fmi2_host::Gear;
+use linkage_fmu::fmi2::types::Status;
+use linkage_fmu::fmi2::{fmi2GetRealStatus, fmi2SetupExperiment};
+use stress::Verdict;
+
+/// fmi2LastSuccessfulTime.
+const LAST_SUCCESSFUL_TIME: i32 = 2;
+
+/// One scene in so many is judged here; coprime to the table's patterns, so that every kind is met.
+const ONE_IN: usize = 11;
+/// Scenes of more communication steps are left to the whole suite.
+const MOST_STEPS: u64 = 20_000;
+
+#[test]
+fn a_sample_of_the_scenes_holds() {
+    let mut scenes = stress::all();
+    let mut place = 0;
+    scenes.retain(|scene| {
+        place += 1;
+        place % ONE_IN == 0 && scene.plan.steps() <= MOST_STEPS
+    });
+    let outcomes = stress::judge(&scenes, 2, &|_, _| {});
+    assert_eq!(outcomes.len(), scenes.len());
+    for (scene, outcome) in scenes.iter().zip(&outcomes) {
+        let of = format!("{}, {}, {}", scene.group, scene.case.mechanism.name, scene.what);
+        assert_ne!(outcome.verdict, Verdict::Fails, "{of}: {:?} {:?} {}", outcome.error, outcome.drift, outcome.why);
+    }
+    println!("{} scenes", scenes.len());
+}
+
+/// Bits of the angle and the speed.
+fn state(gear: &Gear) -> [u64; 2] {
+    ["crank.angle", "crank.speed"].map(|name| gear.get(name).unwrap().to_bits())
+}
+
+fn time(gear: &Gear) -> f64 {
+    let mut time = f64::NAN;
+    // SAFETY: the component is valid, with room for one value.
+    let status = unsafe { fmi2GetRealStatus(gear.c, LAST_SUCCESSFUL_TIME, &mut time) };
+    assert_eq!(status, Status::Ok);
+    time
+}
+
+/// The motion knows of no absolute time: the same steps from 0 and from +-1e9 s, where the last place is 1.2e-7 s, give
+/// the same bits, however the host forms its points.
+#[test]
+fn a_start_at_a_billion_seconds_changes_no_bit() {
+    const STEP: f64 = 1e-3;
+    let near = Gear::stepping(0.0, None);
+    for k in 0..130 {
+        assert_eq!(near.step(f64::from(k) * STEP, STEP), Status::Ok);
+    }
+    for start in [1e9, -1e9] {
+        let (formed, summed) = (Gear::stepping(start, None), Gear::stepping(start, Some(start + 0.2)));
+        let mut point = start;
+        for k in 0..130 {
+            assert_eq!(formed.step(start + f64::from(k) * STEP, STEP), Status::Ok);
+            assert_eq!(summed.step(point, STEP), Status::Ok);
+            point += STEP;
+        }
+        assert_eq!(state(&formed), state(&near));
+        assert_eq!(state(&summed), state(&near));
+        // The end of the last step, rounded once.
+        assert_eq!(time(&formed), start + 129.0 * STEP + STEP);
+        assert_eq!(time(&summed), point);
+        // A point one step off is told, however large the time.
+        assert_eq!(formed.step(start + 131.0 * STEP, STEP), Status::Error);
+        assert!(formed.refusal().contains("currentCommunicationPoint"));
+    }
+}
+
+/// Steps of one unit in the last place of the time, from 1e-3 s and from 1e9 s on, end where one step of their sum does.
+#[test]
+fn steps_of_one_ulp_are_steps() {
+    const STEPS: u32 = 100_000;
+    /// solver.tolerance of the file.
+    const TOLERANCE: f64 = 1e-9;
+    let falling = |start: f64| {
+        let gear = Gear::new();
+        assert_eq!(gear.set("crank.start_speed", -10.0), Status::Ok);
+        // SAFETY: the component is valid.
+        assert_eq!(unsafe { fmi2SetupExperiment(gear.c, 0, 0.0, start, 0, 0.0) }, Status::Ok);
+        assert_eq!(gear.initialize(), Status::Ok);
+        gear
+    };
+    for start in [1e-3_f64, 1e9] {
+        let ulp = start.next_up() - start;
+        let (gear, whole) = (falling(start), falling(0.0));
+        let mut point = start;
+        for _ in 0..STEPS {
+            assert_eq!(gear.step(point, ulp), Status::Ok);
+            point = point.next_up();
+        }
+        assert_eq!(time(&gear), point);
+        assert_eq!(whole.step(0.0, f64::from(STEPS) * ulp), Status::Ok);
+        let [angle, other] = [&gear, &whole].map(|gear| gear.get("crank.angle").unwrap());
+        // In 0.012 s an error of the speed grows to less than its size; some ten steps at most do the whole.
+        assert!((angle - other).abs() <= 10.0 * TOLERANCE * (0.8 - other) + 1e-13, "{start}: {angle} {other}");
+        assert!(other < 0.8);
+    }
+}
+
+/// Ten million steps of 10 ns through fmi2DoStep: scene S1's theta2 at 0.1 s, and a clock that says 0.1 s. A lost step would
+/// be 2e-7 rad; tolerance 1e-9 times its gain of some 50 is allowed.
+#[test]
+fn ten_million_steps_lose_no_time() {
+    const STEPS: u32 = 10_000_000;
+    const STEP: f64 = 1e-8;
+    let gear = Gear::stepping(0.0, None);
+    for k in 0..STEPS {
+        assert_eq!(gear.step(f64::from(k) * STEP, STEP), Status::Ok);
+    }
+    assert!((time(&gear) - 0.1).abs() <= 0.1 * f64::EPSILON, "{:e}", time(&gear) - 0.1);
+    let error = gear.get("crank.angle").unwrap() + 0.409_135_231_200_168_4;
+    assert!(error.abs() <= 5e-8, "{error:e}");
+}
+
+/// What has no answer is fmi2Error and a message, and no number.
+#[test]
+fn no_answer_is_an_error_with_a_message() {
+    for (values, fragments) in [
+        (&[("actuator.force", 1e308), ("crank.start_angle", 0.3)][..], &["solver.tolerance", "inputs"][..]),
+        (&[("load_factor", -1e308), ("crank.start_angle", 0.3)], &["inputs"]),
+    ] {
+        let gear = Gear::new();
+        for &(name, value) in values {
+            assert_eq!(gear.set(name, value), Status::Ok);
+        }
+        assert_eq!(gear.initialize(), Status::Ok);
+        gear.log.take();
+        assert_eq!(gear.step(0.0, 1e-3), Status::Error);
+        let message = gear.refusal();
+        assert!(fragments.iter().all(|f| message.contains(f)), "{message}");
+    }
+    for (name, value, fragment) in [
+        ("crank.start_angle", -1.300_000_001, "beyond this stop"),
+        ("crank.start_angle", 1.4, "beyond this stop"),
+        ("crank.length", 1e-9, "close"),
+        ("coupler.length", 1e9, "close"),
+    ] {
+        let gear = Gear::new();
+        assert_eq!(gear.set(name, value), Status::Ok);
+        assert_eq!(gear.initialize(), Status::Error, "{name} = {value}");
+        let messages = gear.log.take();
+        assert!(messages.iter().any(|m| m.text.contains(fragment)), "{name} = {value}: {messages:?}");
+    }
+}

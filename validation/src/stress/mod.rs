@@ -1,0 +1,36 @@
+//! The stress suite: scenes at the ends of what can be asked for, each with a bound that is derived, and its verdict.
+pub mod case;
+pub mod motion;
+pub mod plan;
+pub mod reference;
+pub mod scene;
+pub mod scenes;
+
+pub use scene::{Outcome, Scene, Verdict};
+
+/// All scenes, in the order of the table.
+pub fn all() -> Vec<Scene> {
+    scenes::all()
+}
+
+/// Judge scenes on `threads` threads; each outcome is told as it comes, with the scene's place, and all are returned in the
+/// scenes' order.
+pub fn judge(scenes: &[Scene], threads: usize, tell: &(dyn Fn(usize, &Outcome) + Sync)) -> Vec<Outcome> {
+    let next = std::sync::atomic::AtomicUsize::new(0);
+    let work = || {
+        let mut done = Vec::new();
+        loop {
+            let place = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            let Some(scene) = scenes.get(place) else { return done };
+            let outcome = scene.judge();
+            tell(place, &outcome);
+            done.push((place, outcome));
+        }
+    };
+    let mut all: Vec<(usize, Outcome)> = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+        workers.into_iter().flat_map(|worker| worker.join().unwrap_or_default()).collect()
+    });
+    all.sort_by_key(|(place, _)| *place);
+    all.into_iter().map(|(_, outcome)| outcome).collect()
+}

@@ -1,0 +1,167 @@
+//! What a scene's motion truly is, and how much of an error on the way is seen at its end.
+//!
+//! The integration keeps each step's error, relative to (L, V), below the tolerance in the mean square of the two components:
+//! sigma to sqrt(2) tol L, sigma_dot to sqrt(2) tol V. L is the length of sigma that goes with a radian, V^2 the largest
+//! energy at play, 2 T + abs(force) L. kappa is what an error of (L, V) made anywhere on the way changes at the end,
+//! for each unit of it, found by starting again from there with an error. So the error at the end is at most
+//! sqrt(2) N tol kappa for N steps. N is taken from one doStep of the span: short steps share the tolerance by the
+//! engine's promise.
+use super::case::{Case, get, set};
+use super::motion::{Run, run, scale, step};
+use super::plan::{Cut, Force, Plan};
+use linkage_fmu::model::Model;
+
+/// Errors relative to L and V by which kappa is found: small against the motion, large against rounding.
+const NUDGE: f64 = 1e-6;
+/// Accuracy of the tables, relative to a component's largest value; ARCHITECTURE.md, invariant 5.
+pub const TABLE: f64 = 1e-13;
+
+/// The true motion, as far as it is needed.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// The angle at the end [rad].
+    pub value: f64,
+    /// By how much it may be off [rad].
+    pub within: f64,
+    /// Change at the end for each unit of an error relative to (L, V) [rad].
+    pub kappa: f64,
+    /// V^2 [J].
+    pub energy: f64,
+    /// Lengths L that can be travelled in the span.
+    pub lengths: f64,
+    /// Steps of the integration at the scene's tolerance in one doStep; none where the input changes.
+    pub steps: Option<u64>,
+}
+
+impl Reference {
+    /// For an unscaled case. The value at the end is the known one, if there is one, else the engine's at a
+    /// thousandth of the tolerance.
+    ///
+    /// # Errors
+    /// What the model says.
+    pub fn of(case: &Case, plan: &Plan, tolerance: f64) -> Result<Self, String> {
+        let tight = (1e-3 * tolerance).max(1e-14);
+        let start = case.model(tight)?;
+        // Under a steady input few steps do; kappa is then found by leaps.
+        let course =
+            if plan.force == Force::Stated { Plan::new(plan.span, Cut::Equal(64), plan.force) } else { plan.clone() };
+        let reading = case.own("angle");
+        let found = run(case, &mut start.clone(), &course, &reading)?;
+        let mut whole = case.model(tolerance)?;
+        let length = scale(&mut whole)?;
+        let steps = if plan.force == Force::Stated {
+            whole.step(plan.span).map_err(|e| e.to_string())?;
+            Some(whole.statistics().accepted)
+        } else {
+            None
+        };
+        let kappa = sensitivity(case, &start, &course, &found, length)?;
+        let lengths = plan.span * found.energy.sqrt() / length;
+        let mut reference = Self { value: found.value, within: 0.0, kappa, energy: found.energy, lengths, steps };
+        let unchanged = case.set.is_empty() && case.flags.is_empty() && case.text.is_none();
+        let at_end = case.mechanism.known.iter().find(|k| (k.time - plan.span).abs() < 1e-12);
+        match at_end.filter(|_| unchanged && plan.force == Force::Stated) {
+            Some(known) => (reference.value, reference.within) = (known.value, known.within),
+            None => reference.within = reference.bound(tight, found.work.accepted, found.work.accepted),
+        }
+        Ok(reference)
+    }
+
+    /// Bound of the error at the end: see the head of this file; `steps` of the integration count, `made` is how many sums
+    /// were rounded.
+    pub fn bound(&self, tolerance: f64, steps: u64, made: u64) -> f64 {
+        let rounding = made as f64 * f64::EPSILON + TABLE * (1.0 + self.lengths);
+        self.within
+            + self.kappa * (2f64.sqrt() * tolerance * steps as f64 + rounding)
+            + TABLE * self.value.abs().max(1.0)
+    }
+
+    /// Bound of the energy's error: an error (sqrt(2) tol L, sqrt(2) tol V) changes the energy by sqrt(2) tol (force L +
+    /// V sigma_dot), at most 2 sqrt(2) tol V^2.
+    pub fn energy_bound(&self, tolerance: f64, steps: u64, made: u64) -> f64 {
+        energy_bound(self.energy, self.lengths, tolerance, steps, made)
+    }
+}
+
+/// See [`Reference::energy_bound`].
+pub fn energy_bound(energy: f64, lengths: f64, tolerance: f64, steps: u64, made: u64) -> f64 {
+    let rounding = made as f64 * f64::EPSILON + TABLE * (1.0 + lengths);
+    energy * (8f64.sqrt() * tolerance * steps as f64 + rounding)
+}
+
+/// What the end of a case's motion owes to its start: change of the angle at the end for each radian that `body` starts
+/// elsewhere, and for each V / L that it starts faster.
+///
+/// # Errors
+/// What the model says.
+pub fn amplification(case: &Case, body: &str, plan: &Plan, tolerance: f64, energy: f64) -> Result<f64, String> {
+    let mut start = case.model(tolerance)?;
+    let rate = energy.sqrt() / scale(&mut start)?;
+    let (angle, speed) = (format!("{body}.start_angle"), format!("{body}.start_speed"));
+    let (at, with) = (get(&mut start, &angle)?, get(&mut start, &speed)?);
+    let end = |x: f64, v: f64| -> Result<f64, String> {
+        let mut model = start.clone();
+        set(&mut model, &angle, x)?;
+        set(&mut model, &speed, v)?;
+        model.initialize().map_err(|e| e.to_string())?;
+        Ok(run(case, &mut model, plan, &case.own("angle"))?.value)
+    };
+    let straight = end(at, with)?;
+    // Away from where the body turns back.
+    let aside = end(at + NUDGE, with).or_else(|_| end(at - NUDGE, with))?;
+    Ok(((aside - straight).abs() + (end(at, with + NUDGE * rate)? - straight).abs()) / NUDGE)
+}
+
+/// kappa: the largest change at the end over the starts at some of the places that the motion passed.
+fn sensitivity(case: &Case, start: &Model, plan: &Plan, found: &Run, length: f64) -> Result<f64, String> {
+    const PLACES: usize = 12;
+    let speed = found.energy.sqrt();
+    let mut again = start.clone();
+    let stated = get(&mut again, case.mechanism.input)?;
+    let mut largest: f64 = 0.0;
+    let last = found.looks.len() - 1;
+    for place in 0..PLACES {
+        let (k, angle, rate) = found.looks[place * last / PLACES];
+        // No start is allowed where a bumper is pressed: errors made there are seen from the places about.
+        if place_at(case, &mut again, angle, rate).is_err_and(|message| message.contains("beyond this stop")) {
+            continue;
+        }
+        // Towards where it goes, or in, so that no stop is in the way.
+        let goes = if rate == 0.0 { found.looks[1].1 - angle } else { rate };
+        let ahead = if goes == 0.0 { -angle.signum() } else { goes.signum() };
+        let slope = slope_at(case, &mut again, angle)?;
+        let sigma_dot = rate / slope;
+        let nudged = angle + ahead * NUDGE * length * slope;
+        let slope_there = slope_at(case, &mut again, nudged)?;
+        let mut end = |angle: f64, rate: f64| -> Result<f64, String> {
+            place_at(case, &mut again, angle, rate)?;
+            if plan.force == Force::Stated {
+                let left = plan.span * (1.0 - k as f64 / plan.steps() as f64);
+                again.step(left).map_err(|e| e.to_string())?;
+            } else {
+                for k in k..plan.steps() {
+                    step(case, &mut again, plan, k, stated)?;
+                }
+                set(&mut again, case.mechanism.input, stated)?;
+            }
+            get(&mut again, &case.own("angle"))
+        };
+        let straight = end(angle, rate)?;
+        let by_place = (end(nudged, sigma_dot * slope_there)? - straight).abs();
+        let by_speed = (end(angle, (sigma_dot + ahead * NUDGE * speed) * slope)? - straight).abs();
+        largest = largest.max((by_place + by_speed) / NUDGE);
+    }
+    Ok(largest)
+}
+
+/// d(angle)/d(sigma), > 0 [rad/(sqrt(kg) m)]: with T = sigma_dot^2 / 2 at 1 rad/s.
+fn slope_at(case: &Case, model: &mut Model, angle: f64) -> Result<f64, String> {
+    place_at(case, model, angle, 1.0)?;
+    Ok(1.0 / (2.0 * get(model, "energy.kinetic")?).sqrt())
+}
+
+fn place_at(case: &Case, model: &mut Model, angle: f64, rate: f64) -> Result<(), String> {
+    set(model, &case.own("start_angle"), angle)?;
+    set(model, &case.own("start_speed"), rate)?;
+    model.initialize().map_err(|e| e.to_string())
+}

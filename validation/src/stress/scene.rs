@@ -1,0 +1,197 @@
+//! A scene: a case, its course, and what is expected of it.
+use super::case::{Case, Scaling, get};
+use super::motion::{Run, run, scale, step};
+use super::plan::Plan;
+use super::reference::{Reference, TABLE, amplification, energy_bound};
+use linkage_fmu::model::Statistics;
+
+/// Bound of an angle above which the motion cannot be foretold at the tolerance: kappa holds for small errors, and an error
+/// of a radian is as large as the motion itself [rad].
+const FORETOLD: f64 = 1.0;
+
+/// What a scene's outcome is held against.
+pub enum Expected {
+    /// The angle at the end: the exact value where the mechanism has one, else the engine's at a thousandth of the
+    /// tolerance. Of a scaled case, that of the unscaled one. Bound from [`Reference`].
+    Angle,
+    /// A value in closed form, with its bound and why.
+    Closed {
+        /// What is read at the end.
+        reading: String,
+        /// Its value.
+        value: f64,
+        /// By how much it may be off,
+        within: f64,
+        /// and by how much more for each step of the integration.
+        each: f64,
+        /// Why.
+        why: String,
+    },
+    /// The angle at the end of the same motion stated otherwise.
+    Same {
+        /// The other statement.
+        case: Box<Case>,
+        /// Body whose start states it.
+        body: &'static str,
+        /// By how much the two starts may differ [rad of that body].
+        apart: f64,
+    },
+    /// The energy balance alone: what it may drift by in the energies at play that the run itself shows.
+    Energy,
+    /// A refusal whose message holds these fragments.
+    Refusal(Vec<String>),
+}
+
+impl Expected {
+    /// A refusal with these fragments.
+    pub fn refusal(fragments: &[&str]) -> Self {
+        Self::Refusal(fragments.iter().map(|&f| f.into()).collect())
+    }
+}
+
+/// One row.
+pub struct Scene {
+    /// Heading under which it stands.
+    pub group: &'static str,
+    /// What is done to the mechanism.
+    pub what: String,
+    /// The mechanism with its changes.
+    pub case: Case,
+    /// Its course; of a scaled case, in its own time.
+    pub plan: Plan,
+    /// Relative tolerance.
+    pub tolerance: f64,
+    /// What must come out.
+    pub expected: Expected,
+}
+
+/// Whether a row is as it must be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Within its bounds.
+    Holds,
+    /// Refused with the message that it must be refused with.
+    Refused,
+    /// Neither.
+    Fails,
+}
+
+impl Verdict {
+    /// As it is written.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Holds => "holds",
+            Self::Refused => "refused as expected",
+            Self::Fails => "FAILS",
+        }
+    }
+}
+
+/// What came out.
+pub struct Outcome {
+    /// Error of what is read, and its bound.
+    pub error: Option<(f64, f64)>,
+    /// Largest energy.drift and its bound [J].
+    pub drift: Option<(f64, f64)>,
+    /// Work of the integration.
+    pub work: Statistics,
+    /// Time of the steps on a processor [s].
+    pub cpu: f64,
+    /// Why the bounds are what they are, or the message.
+    pub why: String,
+    /// Whether it is as it must be.
+    pub verdict: Verdict,
+}
+
+impl Scene {
+    /// Run it and judge it.
+    pub fn judge(&self) -> Outcome {
+        match (self.expected(), &self.expected) {
+            (Ok(outcome), _) => outcome,
+            (Err(message), Expected::Refusal(fragments)) if fragments.iter().all(|f| message.contains(f.as_str())) => {
+                Outcome::told(message, Verdict::Refused)
+            }
+            (Err(message), _) => Outcome::told(message, Verdict::Fails),
+        }
+    }
+
+    fn expected(&self) -> Result<Outcome, String> {
+        let mut model = self.case.model(self.tolerance)?;
+        let reading = match &self.expected {
+            Expected::Closed { reading, .. } => reading.clone(),
+            _ => self.case.own("angle"),
+        };
+        if let Expected::Refusal(_) = self.expected {
+            let stated = get(&mut model, self.case.mechanism.input)?;
+            for k in 0..self.plan.steps() {
+                step(&self.case, &mut model, &self.plan, k, stated)?;
+            }
+            return Ok(Outcome::told("no call was refused".into(), Verdict::Fails));
+        }
+        let found = run(&self.case, &mut model, &self.plan, &reading)?;
+        let made = found.work.accepted + self.plan.steps();
+        let own_energy = |found: &Run| -> Result<f64, String> {
+            let lengths = self.plan.span * found.energy.sqrt() / scale(&mut model.clone())?;
+            Ok(energy_bound(found.energy, lengths, self.tolerance, found.work.accepted, made))
+        };
+        match &self.expected {
+            Expected::Angle => {
+                let (case, mut plan) = (self.case.clone().scaled(Scaling::ONE), self.plan.clone());
+                plan.span /= self.case.scaling.time;
+                let reference = Reference::of(&case, &plan, self.tolerance)?;
+                let steps = reference.steps.unwrap_or(found.work.accepted);
+                let bound = reference.bound(self.tolerance, steps, made);
+                let drift = reference.energy_bound(self.tolerance, steps, made) * self.case.scaling.energy();
+                let why = format!(
+                    "N = {steps}, kappa = {:.1e}, V^2 = {:.1e} J",
+                    reference.kappa,
+                    reference.energy * self.case.scaling.energy()
+                );
+                Ok(found.judged(Some(((found.value - reference.value).abs(), bound)), drift, why))
+            }
+            Expected::Closed { value, within, each, why, .. } => {
+                let drift = own_energy(&found)?;
+                let within = within + each * found.work.accepted as f64;
+                Ok(found.judged(Some(((found.value - value).abs(), within)), drift, why.clone()))
+            }
+            Expected::Same { case, body, apart } => {
+                let other = run(case, &mut case.model(self.tolerance)?, &self.plan, &reading)?;
+                let gain = amplification(case, body, &self.plan, self.tolerance, found.energy)?;
+                let steps = (found.work.accepted + other.work.accepted) as f64;
+                let lengths = self.plan.span * found.energy.sqrt() / scale(&mut model.clone())?;
+                let bound = gain * (apart + 2f64.sqrt() * self.tolerance * steps + TABLE * (1.0 + lengths)) + TABLE;
+                let why =
+                    format!("the starts may be {apart:.1e} rad of the {body} apart, gain {gain:.1e}, N = {steps}");
+                let drift = own_energy(&found)?;
+                Ok(found.judged(Some(((found.value - other.value).abs(), bound)), drift, why))
+            }
+            Expected::Energy => {
+                let drift = own_energy(&found)?;
+                let why = format!("N = {}, V^2 = {:.1e} J", found.work.accepted, found.energy);
+                Ok(found.judged(None, drift, why))
+            }
+            Expected::Refusal(_) => Ok(Outcome::told("no call was refused".into(), Verdict::Fails)),
+        }
+    }
+}
+
+impl Run {
+    fn judged(&self, error: Option<(f64, f64)>, drift_bound: f64, mut why: String) -> Outcome {
+        // The energies that are summed are each rounded.
+        let drift = (self.drift, drift_bound + 8.0 * f64::EPSILON * self.potential);
+        let holds = |(value, bound): (f64, f64)| value <= bound;
+        let foretold = error.is_none_or(|(_, bound)| bound <= FORETOLD);
+        if !foretold {
+            why += "; beyond foretelling, judged by the energy";
+        }
+        let verdict =
+            if (!foretold || error.is_none_or(holds)) && holds(drift) { Verdict::Holds } else { Verdict::Fails };
+        Outcome { error, drift: Some(drift), work: self.work, cpu: self.cpu, why, verdict }
+    }
+}
+
+impl Outcome {
+    fn told(message: String, verdict: Verdict) -> Self {
+        Self { error: None, drift: None, work: Statistics::default(), cpu: 0.0, why: message, verdict }
+    }
+}
