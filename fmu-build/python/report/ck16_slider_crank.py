@@ -109,7 +109,9 @@ def section(fmu: Fmu) -> Section:
     half_off = float(np.abs(radii[1].ours - radii[1].printed).max() / np.abs(radii[1].closed).max())
 
     def at(curve: Curve) -> str:
-        place = int(np.argmax(np.abs(curve.ours)))
+        # Over a turn extremes come in pairs that differ by rounding: the later one is told.
+        sizes = np.abs(curve.ours)
+        place = int(np.flatnonzero(sizes >= (1.0 - 1e-9) * sizes.max())[-1])
         return f"{curve.ours[place]:.3f} at {SCALE.places[place]:.0f} deg"
 
     caption_6 = (
