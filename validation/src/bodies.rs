@@ -15,7 +15,7 @@ const STEPS: u32 = 1000;
 const TOLERANCE: f64 = 1e-9;
 /// Runs of which the fastest counts; instantiations, likewise.
 const RUNS: usize = 200;
-const SETUPS: usize = 5;
+const SETUPS: usize = 9;
 
 /// One chain.
 struct Chain {

@@ -4,17 +4,15 @@
 //! package that calls the C functions of a scene.
 #![allow(unsafe_code)]
 
+use crate::life::{Life, done};
 use crate::scene::{After, Scene};
-use linkage_fmu::fmi2::types::{
-    Boolean, CO_SIMULATION, CallbackFunctions, Component, FALSE, FmuState, Status, TRUE, ValueReference,
-};
+use linkage_fmu::fmi2::types::{Boolean, Component, FALSE, FmuState, Status, TRUE, ValueReference};
 use linkage_fmu::fmi2::{
     fmi2DoStep, fmi2EnterInitializationMode, fmi2ExitInitializationMode, fmi2FreeFMUstate, fmi2FreeInstance,
-    fmi2GetDirectionalDerivative, fmi2GetFMUstate, fmi2GetReal, fmi2Instantiate, fmi2SetBoolean, fmi2SetFMUstate,
-    fmi2SetReal, fmi2SetupExperiment,
+    fmi2GetDirectionalDerivative, fmi2GetFMUstate, fmi2GetReal, fmi2SetBoolean, fmi2SetFMUstate, fmi2SetReal,
+    fmi2SetupExperiment,
 };
 use linkage_fmu::model::Model;
-use std::ffi::CString;
 use std::path::Path;
 use std::ptr::null_mut;
 use std::time::Instant;
@@ -38,14 +36,6 @@ pub struct Host {
     known: ValueReference,
 }
 
-fn done(call: &'static str, status: Status) -> Result<(), String> {
-    if status == Status::Ok { Ok(()) } else { Err(format!("{call}: {status:?}")) }
-}
-
-fn text(text: &str) -> Result<CString, String> {
-    CString::new(text).map_err(|e| e.to_string())
-}
-
 fn references<const N: usize>(model: &Model, names: [&str; N]) -> Result<[ValueReference; N], String> {
     let mut found = [0; N];
     for (reference, name) in found.iter_mut().zip(names) {
@@ -61,25 +51,9 @@ impl Host {
     /// The file cannot be read or has not the gear's variables; a call is refused.
     pub fn new(folder: &Path, scene: &Scene, tolerance: f64) -> Result<Self, String> {
         let model = Model::from_json(&crate::measure::mechanism(folder)?).map_err(|e| e.to_string())?;
-        let resources = folder.join("resources").canonicalize().map_err(|e| e.to_string())?;
-        let (guid, resources) = (text(model.variables().guid())?, text(&resources.to_string_lossy())?);
         let [known] = references(&model, [KNOWN])?;
-        let functions = CallbackFunctions {
-            logger: None,
-            allocate_memory: None,
-            free_memory: None,
-            step_finished: None,
-            environment: null_mut(),
-        };
-        let (guid, resources) = (guid.as_ptr(), resources.as_ptr());
-        // SAFETY: all pointers live during the call; there are no callbacks (2.1.5).
-        let component =
-            unsafe { fmi2Instantiate(c"gear".as_ptr(), CO_SIMULATION, guid, resources, &functions, FALSE, FALSE) };
-        if component.is_null() {
-            return Err("fmi2Instantiate: refused".into());
-        }
         let mut host = Self {
-            component,
+            component: Life::new(folder)?.instantiate()?.0,
             start: null_mut(),
             motion: references(&model, MOTION)?,
             reactions: references(&model, REACTIONS)?,
@@ -111,22 +85,27 @@ impl Host {
         }
     }
 
-    /// Time [s] of `steps` doSteps of `h` from the start, with what is called after each of them.
+    /// `steps` doSteps of `h` from the start, with what is called after each of them, in as many parts as `least` is long;
+    /// `least` keeps the least time [s] of each part.
     ///
     /// # Errors
     /// A call is refused.
-    pub fn run(&mut self, steps: u32, h: f64, after: &[After]) -> Result<f64, String> {
+    pub fn run(&mut self, steps: u32, h: f64, after: &[After], least: &mut [f64]) -> Result<(), String> {
         // SAFETY: the state was made by this component (2.1.8).
         done("fmi2SetFMUstate", unsafe { fmi2SetFMUstate(self.component, self.start) })?;
-        let began = Instant::now();
-        for step in 0..steps {
-            // SAFETY: the component is valid (4.2.2).
-            done("fmi2DoStep", unsafe { fmi2DoStep(self.component, f64::from(step) * h, h, FALSE) })?;
-            for &what in after {
-                self.call(what)?;
+        let (mut part, length) = (0..steps, steps.div_ceil(least.len() as u32) as usize);
+        for least in least {
+            let began = Instant::now();
+            for step in part.by_ref().take(length) {
+                // SAFETY: the component is valid (4.2.2).
+                done("fmi2DoStep", unsafe { fmi2DoStep(self.component, f64::from(step) * h, h, FALSE) })?;
+                for &what in after {
+                    self.call(what)?;
+                }
             }
+            *least = least.min(began.elapsed().as_secs_f64());
         }
-        Ok(began.elapsed().as_secs_f64())
+        Ok(())
     }
 
     fn call(&self, what: After) -> Result<(), String> {
