@@ -6,7 +6,7 @@
 
 use crate::life::{Life, done};
 use crate::scene::{After, Scene};
-use linkage_fmu::fmi2::types::{Boolean, Component, FALSE, FmuState, Status, TRUE, ValueReference};
+use linkage_fmu::fmi2::types::{Boolean, Component, FALSE, FmuState, TRUE, ValueReference};
 use linkage_fmu::fmi2::{
     fmi2DoStep, fmi2EnterInitializationMode, fmi2ExitInitializationMode, fmi2FreeFMUstate, fmi2FreeInstance,
     fmi2GetDirectionalDerivative, fmi2GetFMUstate, fmi2GetReal, fmi2SetBoolean, fmi2SetFMUstate, fmi2SetReal,
@@ -53,12 +53,12 @@ impl Host {
         let model = Model::from_json(&crate::measure::mechanism(folder)?).map_err(|e| e.to_string())?;
         let [known] = references(&model, [KNOWN])?;
         let mut host = Self {
-            component: Life::new(folder)?.instantiate()?.0,
             start: null_mut(),
             motion: references(&model, MOTION)?,
             reactions: references(&model, REACTIONS)?,
             unknowns: references(&model, UNKNOWNS)?,
             known,
+            component: Life::new(folder)?.instantiate()?.0,
         };
         host.initialize(&model, scene, tolerance)?;
         Ok(host)
