@@ -1,4 +1,5 @@
-//! `cargo fmu bench`: the benchmarks of the validation package, the comparison of importers, and that with other tools.
+//! `cargo fmu bench`: the benchmarks of the validation package, their figures, the comparison of importers, and that
+//! with other tools.
 
 use crate::workspace::Workspace;
 use crate::{command, package, python};
@@ -11,27 +12,34 @@ use std::process::Command;
 const IMPORTERS: &str = "importers";
 /// First argument that asks for the comparison with other tools.
 const PEERS: &str = "peers";
+/// First argument that asks for the figures.
+const PLOTS: &str = "plots";
 
 /// What the command line says.
 #[derive(Args)]
 pub struct Arguments {
     /// `importers`: the landing gear in FMPy, libcosim and ECOS; `peers`: work against error beside other solvers and
-    /// multibody programs; all else goes to the validation package as it is
+    /// multibody programs; `plots`: figures from the tables' CSV; all else goes to the validation package as it is: nothing
+    /// for the tables of run times, `instructions` for callgrind's counts, `stress` for the stress suite
     #[arg(value_name = "ARGS", trailing_var_arg = true, allow_hyphen_values = true)]
     pub rest: Vec<OsString>,
 }
 
-/// Run the benchmarks, the importers or the other tools.
+/// Run the benchmarks, the importers or the other tools, or draw the figures.
 ///
 /// # Errors
 /// The benchmarks cannot be built or fail; the importers cannot be installed or do not agree; another tool cannot be
-/// installed, does not converge to the exact value, or is faster.
+/// installed, does not converge to the exact value, or is faster; there is no Python for
+/// the figures.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     if arguments.rest.len() == 1 && arguments.rest[0] == IMPORTERS {
         return importers(workspace);
     }
     if arguments.rest.len() == 1 && arguments.rest[0] == PEERS {
         return peers(workspace);
+    }
+    if arguments.rest.len() == 1 && arguments.rest[0] == PLOTS {
+        return plots(workspace);
     }
     let mut cargo = command::cargo(workspace);
     cargo.args(["run", "--release", "--quiet", "--package", "validation", "--"]).args(&arguments.rest);
@@ -65,4 +73,11 @@ fn peers(workspace: &Workspace) -> Result<()> {
     script.arg(folder.join("peers.py")).arg(fmu).arg(&rust).arg("--out").arg(workspace.validation());
     script.arg("--work").arg(&work).env("OMP_NUM_THREADS", "1");
     command::run(&mut script, "peers.py")
+}
+
+/// Draw the figures from the committed results.
+fn plots(workspace: &Workspace) -> Result<()> {
+    let mut script = Command::new(python::environment(workspace)?);
+    script.args(["-m", "bench_figures"]).arg(workspace.results()).arg(workspace.validation().join("figures"));
+    command::run(script.current_dir(workspace.scripts()), "bench_figures")
 }

@@ -23,7 +23,7 @@ pub struct Life {
 }
 
 /// An instance.
-pub struct Instance(Component);
+pub struct Instance(pub Component);
 
 impl Instance {
     /// Free it.
@@ -37,7 +37,11 @@ fn text(text: &str) -> Result<CString, String> {
     CString::new(text).map_err(|e| e.to_string())
 }
 
-fn done(call: &str, status: Status) -> Result<(), String> {
+/// `Ok`, or what the call answered instead.
+///
+/// # Errors
+/// The status is any other.
+pub fn done(call: &str, status: Status) -> Result<(), String> {
     if status == Status::Ok { Ok(()) } else { Err(format!("{call}: {status:?}")) }
 }
 

@@ -3,6 +3,17 @@ use linkage_fmu::model::{Model, ModelError, Statistics};
 use std::path::Path;
 use std::time::Instant;
 
+/// What one benchmark writes: Markdown to read, CSV to draw.
+pub struct Pages {
+    /// Markdown.
+    pub page: String,
+    /// CSV, with a heading.
+    pub csv: String,
+}
+
+/// Head of a CSV of rows with their scene, number of doSteps and error.
+pub const COLUMNS: &str = "scene,steps,tolerance,error_rad,time_us,evaluations,accepted,rejected\n";
+
 /// What one tolerance gives.
 pub struct Row {
     microseconds: f64,
@@ -49,5 +60,12 @@ impl Row {
         let Statistics { evaluations, accepted, rejected, .. } = self.work;
         let time = self.microseconds;
         format!("| 1e-{exponent} | {error:.1e} | {time:.1} | {evaluations} | {accepted} | {rejected} |\n")
+    }
+
+    /// The same in CSV, under `COLUMNS`.
+    pub fn csv(&self, scene: &str, steps: u32, exponent: i32, error: f64) -> String {
+        let Statistics { evaluations, accepted, rejected, .. } = self.work;
+        let time = self.microseconds;
+        format!("{scene},{steps},1e-{exponent},{error:.2e},{time:.2},{evaluations},{accepted},{rejected}\n")
     }
 }

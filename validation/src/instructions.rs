@@ -1,0 +1,115 @@
+//! Instructions by scene, counted by callgrind: figures that repeat on any machine with the same compiler.
+//!
+//! A count is the difference of two runs of this program that differ in the number of repetitions only, so that neither
+//! set-up nor the program's start is in it.
+
+use crate::asked;
+use crate::host::Host;
+use crate::measure::Pages;
+use crate::scene::{After, DEFAULT, SCENES, SPAN, Scene};
+use std::fmt::Write;
+use std::path::Path;
+use std::process::Command;
+
+/// Argument of this program that asks for one scene, repeated.
+pub const REPEAT: &str = "repeat";
+/// Tolerance of all runs.
+const TOLERANCE: f64 = 1e-9;
+/// Repetitions of the run that is subtracted: tables that are made when first asked for are made in it.
+const FEW: u32 = 2;
+/// Further repetitions, of a retraction in few doSteps and in many.
+const FURTHER: [u32; 2] = [50, 10];
+/// Scenes of doSteps: the word for them, what is called after a step.
+const READS: [(&str, &[After]); 4] = [
+    ("nothing", &[]),
+    ("motion", &[After::Motion]),
+    ("reactions", &[After::Reactions]),
+    ("each_reaction", &[After::EachReaction]),
+];
+/// doSteps in a retraction: of 0.13 s, 10 ms, 1 ms and 10 us.
+const COUNTS: [u32; 4] = [1, 13, 130, 13_000];
+
+/// The table in Markdown and CSV; none where there is no callgrind.
+///
+/// # Errors
+/// A run fails, or its count is not told.
+pub fn table() -> Result<Option<Pages>, String> {
+    if !Command::new("valgrind").arg("--version").output().is_ok_and(|output| output.status.success()) {
+        return Ok(None);
+    }
+    let mut rows = String::from(
+        "## A retraction, by scene\n\n| scene | one doStep of 0.13 s | to bare | 130 of 1 ms | to bare |\n",
+    );
+    rows.push_str("|---|---|---|---|---|\n");
+    let mut csv = String::from("scene,reads,steps,instructions_per_run,instructions_per_step\n");
+    let mut bare = [0.0; 2];
+    for scene in &SCENES {
+        let _ = write!(rows, "| {} |", scene.title);
+        for (steps, bare) in [1, 130].into_iter().zip(&mut bare) {
+            let count = instructions(scene.name, "scene", steps)?;
+            if scene.name == SCENES[0].name {
+                *bare = count;
+            }
+            let _ = write!(rows, " {count:.0} | {:.2} |", count / *bare);
+            let _ = writeln!(csv, "{},scene,{steps},{count:.0},{:.1}", scene.name, count / f64::from(steps));
+        }
+        rows.push('\n');
+    }
+    rows.push_str(
+        "\n## A doStep, default scene, with what is read after it\n\n| read | 0.13 s | 10 ms | 1 ms | 10 us |\n",
+    );
+    rows.push_str("|---|---|---|---|---|\n");
+    for (name, _) in READS {
+        let _ = write!(rows, "| {} |", name.replace('_', " "));
+        for steps in COUNTS {
+            let count = instructions(DEFAULT.name, name, steps)?;
+            let _ = write!(rows, " {:.0} |", count / f64::from(steps));
+            let _ = writeln!(csv, "default,{name},{steps},{count:.0},{:.1}", count / f64::from(steps));
+        }
+        rows.push('\n');
+    }
+    let words = format!(
+        "Counted by callgrind through the C functions, landing gear at tolerance {TOLERANCE:.0e}, without set-up: the \
+         difference of two runs that differ by {} repetitions, or {} where the doSteps are many; the state is put back to \
+         the start before each. Counts of one compiler repeat within a part in a thousand. Motion: three fmi2GetReal; \
+         reactions: one of four; each reaction: four of one.",
+        FURTHER[0], FURTHER[1]
+    );
+    Ok(Some(Pages { page: asked::page("Instructions", &words) + &rows, csv }))
+}
+
+/// Of one run of the scene.
+fn instructions(scene: &str, reads: &str, steps: u32) -> Result<f64, String> {
+    let further = if steps < 100 { FURTHER[0] } else { FURTHER[1] };
+    let difference = counted(scene, reads, steps, FEW + further)?.checked_sub(counted(scene, reads, steps, FEW)?);
+    let difference = difference.ok_or("callgrind counted fewer instructions for more repetitions")?;
+    Ok(difference as f64 / f64::from(further))
+}
+
+fn counted(scene: &str, reads: &str, steps: u32, repetitions: u32) -> Result<u64, String> {
+    let program = std::env::current_exe().map_err(|e| e.to_string())?;
+    let mut valgrind = Command::new("valgrind");
+    valgrind.args(["--tool=callgrind", "--callgrind-out-file=/dev/null"]).arg(program);
+    valgrind.args([REPEAT, scene, reads, &steps.to_string(), &repetitions.to_string()]);
+    let output = valgrind.output().map_err(|e| format!("valgrind: {e}"))?;
+    let told = String::from_utf8_lossy(&output.stderr);
+    let count = told.lines().find_map(|line| line.split_once("Collected :")?.1.trim().parse().ok());
+    count.filter(|_| output.status.success()).ok_or_else(|| format!("valgrind, scene {scene}: {told}"))
+}
+
+/// Run one scene: its name, `scene` or what is read, doSteps in a retraction, repetitions.
+///
+/// # Errors
+/// A word names nothing; a call is refused.
+pub fn repeat(folder: &Path, words: [&str; 4]) -> Result<(), String> {
+    let [name, reads, steps, repetitions] = words;
+    let number = |word: &str| word.parse::<u32>().map_err(|e| format!("{word}: {e}"));
+    let scene: &Scene = SCENES.iter().find(|scene| scene.name == name).ok_or_else(|| format!("no scene {name}"))?;
+    let after = READS.iter().find(|(word, _)| *word == reads).map_or(scene.after, |(_, after)| after);
+    let (steps, repetitions) = (number(steps)?, number(repetitions)?);
+    let mut host = Host::new(folder, scene, TOLERANCE)?;
+    for _ in 0..repetitions {
+        host.run(steps, SPAN / f64::from(steps), after, &mut [f64::INFINITY])?;
+    }
+    Ok(())
+}

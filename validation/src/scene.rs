@@ -1,0 +1,104 @@
+//! The landing gear's scenes: what acts, and what the host calls after each step.
+
+use linkage_fmu::model::{Model, ModelError, Statistics};
+
+/// Duration of a retraction, scene S1 [s].
+pub const SPAN: f64 = 0.13;
+
+/// What a host calls after a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum After {
+    /// Three fmi2GetReal: crank.angle, crank.speed, crank.acceleration.
+    Motion,
+    /// One fmi2GetReal: the sizes of the four reactions.
+    Reactions,
+    /// Four fmi2GetReal: the same, one by one.
+    EachReaction,
+    /// One fmi2GetDirectionalDerivative: four outputs along one input.
+    Derivatives,
+}
+
+/// Settings that differ from the default, and calls.
+pub struct Scene {
+    /// Word for the command line and for CSV.
+    pub name: &'static str,
+    /// Words for a table.
+    pub title: &'static str,
+    /// Parameters and inputs.
+    pub reals: &'static [(&'static str, f64)],
+    /// Switches.
+    pub flags: &'static [(&'static str, bool)],
+    /// Calls after each step.
+    pub after: &'static [After],
+}
+
+const NO_STOPS: &[(&str, bool)] = &[("upstop.enabled", false), ("downstop.enabled", false)];
+const AIR: &[(&str, f64)] = &[("airspeed", 70.0)];
+const BUMPER: &[(&str, f64)] = &[("upstop.angle", -1.1), ("upstop.stiffness", 1e6), ("upstop.damping", 5e3)];
+
+/// Gravity, load factor and drive; no stops.
+pub const BARE: Scene =
+    Scene { name: "bare", title: "bare: drive and gravity, no stops", reals: &[], flags: NO_STOPS, after: &[] };
+/// The mechanism as it is committed.
+pub const DEFAULT: Scene = Scene { name: "default", title: "default: rigid stops", reals: &[], flags: &[], after: &[] };
+
+/// All scenes; the first is the one the others are compared with.
+pub const SCENES: [Scene; 9] = [
+    BARE,
+    DEFAULT,
+    Scene {
+        name: "bumper",
+        title: "bumper, met at -1.1 rad",
+        reals: BUMPER,
+        flags: &[("upstop.rigid", false)],
+        after: &[],
+    },
+    Scene { name: "drag", title: "drag at 70 m/s", reals: AIR, flags: &[], after: &[] },
+    Scene {
+        name: "wind",
+        title: "drag in relative wind",
+        reals: AIR,
+        flags: &[("air.relative_wind", true)],
+        after: &[],
+    },
+    Scene { name: "friction", title: "friction", reals: &[], flags: &[("friction.enabled", true)], after: &[] },
+    Scene { name: "reactions", title: "four reactions read", reals: &[], flags: &[], after: &[After::Reactions] },
+    Scene {
+        name: "derivatives",
+        title: "directional derivatives read",
+        reals: &[],
+        flags: &[],
+        after: &[After::Derivatives],
+    },
+    Scene {
+        name: "all",
+        title: "all of these",
+        reals: &[("airspeed", 70.0), BUMPER[0], BUMPER[1], BUMPER[2]],
+        flags: &[("friction.enabled", true), ("air.relative_wind", true), ("upstop.rigid", false)],
+        after: &[After::Reactions, After::Derivatives],
+    },
+];
+
+impl Scene {
+    /// What the integrator does in `steps` equal steps of the retraction.
+    ///
+    /// # Errors
+    /// The engine refuses a setting or a step.
+    pub fn work(&self, text: &str, tolerance: f64, steps: u32) -> Result<Statistics, ModelError> {
+        let mut model = Model::from_json(text)?;
+        for &(name, value) in self.reals {
+            let reference = model.variables().find(name).unwrap_or_default();
+            model.set_real(reference, value)?;
+        }
+        for &(name, value) in self.flags {
+            let reference = model.variables().find(name).unwrap_or_default();
+            model.set_boolean(reference, value)?;
+        }
+        model.set_tolerance(tolerance)?;
+        model.initialize()?;
+        for _ in 0..steps {
+            model.step(SPAN / f64::from(steps))?;
+        }
+        Ok(model.statistics())
+    }
+}

@@ -1,0 +1,84 @@
+//! Cost by scene: a whole retraction through the C functions, in one step and in 130, with what acts and what is read.
+
+use crate::asked::{self, Asked, digits};
+use crate::host::Host;
+use crate::measure::{self, Pages};
+use crate::scene::{SCENES, SPAN};
+use linkage_fmu::model::Statistics;
+use std::fmt::Write;
+use std::path::Path;
+
+/// Tolerance of all runs.
+const TOLERANCE: f64 = 1e-9;
+/// Runs of which the fastest counts.
+const RUNS: usize = 400;
+
+/// The table in Markdown and CSV.
+///
+/// # Errors
+/// A call is refused.
+pub fn table(folder: &Path) -> Result<Pages, String> {
+    let text = measure::mechanism(folder)?;
+    let mut hosts = SCENES.iter().map(|scene| Host::new(folder, scene, TOLERANCE)).collect::<Result<Vec<_>, _>>()?;
+    let mut tables = String::new();
+    let mut csv = String::from("scene,steps,time_us,ratio,evaluations,jacobians,accepted,rejected,methods\n");
+    let mut figures = Vec::new();
+    for (title, steps) in [("One doStep of 0.13 s", 1), ("130 doSteps of 1 ms", 130)] {
+        let _ = writeln!(
+            tables,
+            "## {title}\n\n| scene | time [us] | to bare | evaluations | Jacobians | steps | rejected | steps by method \
+             |\n|---|---|---|---|---|---|---|---|"
+        );
+        let mut times = [f64::INFINITY; SCENES.len()];
+        for _ in 0..RUNS {
+            for ((time, host), scene) in times.iter_mut().zip(&mut hosts).zip(&SCENES) {
+                host.run(steps, SPAN / f64::from(steps), scene.after, std::slice::from_mut(time))?;
+            }
+        }
+        let times = times.map(|seconds| seconds * 1e6);
+        for (time, scene) in times.iter().zip(&SCENES) {
+            let work = scene.work(&text, TOLERANCE, steps).map_err(|e| format!("{}: {e}", scene.name))?;
+            let Statistics { evaluations, jacobians, accepted, rejected, .. } = work;
+            let (ratio, methods) = (time / times[0], methods(work));
+            let _ = writeln!(
+                tables,
+                "| {} | {} | {} | {evaluations} | {jacobians} | {accepted} | {rejected} | {methods} |",
+                scene.title,
+                digits(*time),
+                digits(ratio)
+            );
+            let _ = writeln!(
+                csv,
+                "{},{steps},{time:.2},{ratio:.3},{evaluations},{jacobians},{accepted},{rejected},{}",
+                scene.name,
+                methods.replace(", ", " ")
+            );
+            if scene.name == "friction" {
+                figures.push(Asked::at_most(format!("friction against bare, {title}"), ratio, 5.0, " times"));
+            }
+        }
+        tables.push('\n');
+    }
+    let words = format!(
+        "The landing gear (30 kN, load factor 3, from rest, 0.13 s) at tolerance {TOLERANCE:.0e}, called through the C \
+         functions; one core. Time: of the steps and of what is read after each, the fastest of {RUNS} runs, the scenes \
+         taken in turn. To bare: the ratio of times. All scenes but the first have the stops. Read are four reactions in \
+         one fmi2GetReal, or four outputs along one input in one fmi2GetDirectionalDerivative. Steps by method: RKN is the \
+         Nystroem pair for forces that do not depend on the speed, RK4 the one for short spans."
+    );
+    let page = asked::page("Cost by scene", &words) + &asked::table(&figures) + &tables;
+    Ok(Pages { page, csv })
+}
+
+/// Accepted steps of each method that took any.
+fn methods(work: Statistics) -> String {
+    let Statistics { accepted, implicit, short, nystroem, .. } = work;
+    let rest = accepted - implicit - short - nystroem;
+    let taken = [("RKN", nystroem), ("DOP853", rest), ("RK4", short), ("Radau", implicit)];
+    taken
+        .iter()
+        .filter(|(_, count)| *count > 0)
+        .map(|(name, count)| format!("{name} {count}"))
+        .collect::<Vec<_>>()
+        .join(", ")
+}

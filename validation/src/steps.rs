@@ -1,0 +1,118 @@
+//! Cost of one doStep through the C functions: step size, tolerance, what is read after it.
+
+use crate::asked::{self, Asked, digits};
+use crate::host::Host;
+use crate::measure::{self, Pages};
+use crate::scene::{After, BARE, DEFAULT, SPAN, Scene};
+use std::fmt::Write;
+use std::path::Path;
+
+/// Steps of a retraction, by the size of one [us].
+const SIZES: [u32; 4] = [10, 100, 1000, 10_000];
+/// Exponents of the tolerances.
+const TOLERANCES: [i32; 3] = [6, 9, 12];
+/// What is called after a step, in the order of the columns.
+const READS: [&[After]; 4] = [&[], &[After::Motion], &[After::Reactions], &[After::EachReaction]];
+/// Least number of runs of which the fastest counts, and the number of steps that all runs together have at least.
+const RUNS: u32 = 60;
+const STEPS: u32 = 200_000;
+
+/// Steps in a part of a run; the fastest of each part counts, so that an interruption spoils a part only.
+const PART: u32 = 130;
+
+/// Times of one step [ns], in the order of `READS`, and evaluations in it.
+struct Row {
+    micros: u32,
+    tolerance: i32,
+    times: [f64; READS.len()],
+    evaluations: f64,
+}
+
+/// The table in Markdown and CSV.
+///
+/// # Errors
+/// A call is refused.
+pub fn table(folder: &Path) -> Result<Pages, String> {
+    let text = measure::mechanism(folder)?;
+    let mut tables = String::new();
+    let mut csv = String::from("scene,step_us,tolerance,step_ns,motion_ns,reactions_ns,each_reaction_ns,evaluations\n");
+    let mut figures = Vec::new();
+    for (scene, stops) in [(&DEFAULT, "with stops, the default"), (&BARE, "without stops")] {
+        let _ = writeln!(
+            tables,
+            "## {}{}\n\n| step | tolerance | doStep | + 3 reads | + 4 reactions, 1 call | + 4 reactions, 4 calls | \
+             evaluations |\n|---|---|---|---|---|---|---|",
+            stops[..1].to_uppercase(),
+            &stops[1..]
+        );
+        for tolerance in TOLERANCES {
+            for micros in SIZES {
+                let row = Row::measure(folder, &text, scene, tolerance, micros)?;
+                tables.push_str(&row.line());
+                csv.push_str(&row.csv(scene.name));
+                row.figures(&mut figures, stops);
+            }
+        }
+        tables.push('\n');
+    }
+    let words = format!(
+        "The landing gear (scene S1: 30 kN, load factor 3, from rest, 0.13 s), called as a host does, through the C \
+         functions; one core. Times in ns for one step, the mean over the retraction, of {RUNS} runs \
+         or more, of which each part of {PART} steps counts where it was fastest. 3 reads: crank.angle, crank.speed and crank.acceleration, each in an fmi2GetReal of its own. \
+         4 reactions: joint1.force to joint4.force. Evaluations: of the right-hand side, for a step."
+    );
+    let page = asked::page("Cost of one doStep", &words) + &asked::table(&figures) + &tables;
+    Ok(Pages { page, csv })
+}
+
+impl Row {
+    fn measure(folder: &Path, text: &str, scene: &Scene, tolerance: i32, micros: u32) -> Result<Self, String> {
+        let accuracy = 10f64.powi(-tolerance);
+        let count = (SPAN * 1e6).round() as u32 / micros;
+        let mut host = Host::new(folder, scene, accuracy)?;
+        let mut least = READS.map(|_| vec![f64::INFINITY; count.div_ceil(PART) as usize]);
+        for _ in 0..RUNS.max(STEPS / count) {
+            for (least, after) in least.iter_mut().zip(READS) {
+                host.run(count, SPAN / f64::from(count), after, least)?;
+            }
+        }
+        let work = scene.work(text, accuracy, count).map_err(|e| e.to_string())?;
+        let times = least.map(|parts| parts.iter().sum::<f64>() * 1e9 / f64::from(count));
+        Ok(Self { micros, tolerance, times, evaluations: work.evaluations as f64 / f64::from(count) })
+    }
+
+    fn line(&self) -> String {
+        let [step, motion, reactions, each] = self.times;
+        let size =
+            if self.micros < 1000 { format!("{} us", self.micros) } else { format!("{} ms", self.micros / 1000) };
+        format!(
+            "| {size} | 1e-{} | {step:.0} | {motion:.0} | {reactions:.0} | {each:.0} | {:.1} |\n",
+            self.tolerance, self.evaluations
+        )
+    }
+
+    fn csv(&self, scene: &str) -> String {
+        let [step, motion, reactions, each] = self.times.map(digits);
+        let Self { micros, tolerance, evaluations, .. } = self;
+        format!("{scene},{micros},1e-{tolerance},{step},{motion},{reactions},{each},{evaluations:.3}\n")
+    }
+
+    /// What was asked of this row, at a tolerance of 1e-9.
+    fn figures(&self, figures: &mut Vec<Asked>, stops: &str) {
+        let [step, motion, reactions, each] = self.times;
+        match (self.tolerance, self.micros) {
+            (9, 10) => {
+                figures.push(Asked::at_most(format!("doStep of 10 us, {stops}"), step, 150.0, " ns"));
+            }
+            (9, 1000) => {
+                let what = format!("doStep of 1 ms and three fmi2GetReal, {stops}");
+                figures.push(Asked::at_most(what, motion, 400.0, " ns"));
+                for (calls, time) in [("one fmi2GetReal of 4", reactions), ("four of 1", each)] {
+                    let what = format!("four reactions after a step of 1 ms, {calls}, {stops}");
+                    figures.push(Asked::at_most(what, time - step, 300.0, " ns"));
+                }
+            }
+            _ => {}
+        }
+    }
+}
