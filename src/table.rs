@@ -176,11 +176,13 @@ impl Table {
         self.borders[1..self.borders.len() - 1].partition_point(|b| *b <= sigma)
     }
 
-    /// [`Self::panel`], tried first: the panels beside this one.
+    /// [`Self::panel`], looked for first in this panel and beside it.
     #[inline]
     pub fn panel_near(&self, sigma: f64, panel: usize) -> usize {
         let holds = |p: usize| p + 1 < self.borders.len() && self.borders[p] <= sigma && sigma < self.borders[p + 1];
-        if holds(panel + 1) {
+        if holds(panel) {
+            panel
+        } else if holds(panel + 1) {
             panel + 1
         } else if panel > 0 && holds(panel - 1) {
             panel - 1
@@ -191,7 +193,16 @@ impl Table {
 
     /// The place of sigma.
     pub fn spot(&self, sigma: f64) -> Spot {
-        let panel = self.panel(sigma);
+        self.spot_in(sigma, self.panel(sigma))
+    }
+
+    /// [`Self::spot`], looked for first in this panel and beside it.
+    #[inline]
+    pub fn spot_near(&self, sigma: f64, panel: usize) -> Spot {
+        self.spot_in(sigma, self.panel_near(sigma, panel))
+    }
+
+    fn spot_in(&self, sigma: f64, panel: usize) -> Spot {
         let (a, b) = self.borders(panel);
         Spot { panel, x: (2.0 * sigma - (a + b)) / (b - a) }
     }

@@ -174,7 +174,9 @@ impl Model {
             Some(Quantity::Parameter(i)) => Ok(self.setting.parameters[i]),
             Some(Quantity::Input(i)) => Ok(self.inputs.reals[i]),
             Some(Quantity::Output(output)) => {
-                self.state()?;
+                if self.state.is_none() {
+                    self.state()?;
+                }
                 let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) else {
                     return Err(ModelError::NotInitialised);
                 };
@@ -182,7 +184,10 @@ impl Model {
                     Motion::Reduced(state) => state.output(reduced, &self.inputs, output),
                     Motion::RigidFem(state) => state.output(reduced, &self.inputs, output),
                 };
-                self.told(reference, value)
+                match value {
+                    Ok(value) if value.is_finite() => Ok(value),
+                    value => self.told(reference, value),
+                }
             }
             Some(Quantity::Flag(_) | Quantity::Lock(_) | Quantity::AtStop(_) | Quantity::Method) | None => {
                 Err(self.no_such(reference, "Real"))
@@ -191,6 +196,7 @@ impl Model {
     }
 
     /// What was found out about a variable, as it is told to the host.
+    #[cold]
     fn told(&self, reference: Reference, value: Result<f64, Unknown>) -> Result<f64, ModelError> {
         let name = || self.original.variables.list()[reference as usize].name.clone();
         let (Some(state), Some(reduced)) = (&self.state, &self.reduced) else {

@@ -11,7 +11,7 @@ use crate::friction::Locked;
 use crate::number::same_bits;
 use crate::reduced::{Reduced, Scene};
 use crate::rigid_fem::RigidFemError;
-use crate::table::{Table, Unresolved};
+use crate::table::{Spot, Table, Unresolved};
 use crate::variables::{OneElement, Output, ReactionPart};
 
 /// Why an output cannot be told.
@@ -48,6 +48,10 @@ impl From<Locked> for Unknown {
 pub struct Cache {
     /// What acts and follows, once evaluated.
     pub(super) effect: Option<Effect>,
+    /// Place in the table of the coordinates, once found in this state.
+    spot: Option<Spot>,
+    /// Panel in which it was last.
+    panel: usize,
     /// What each joint transmits.
     pub(super) transmitted: Vec<Transmitted>,
     /// Whether a reaction has been computed in this state.
@@ -90,6 +94,8 @@ impl Cache {
     pub fn new(reduced: &Reduced, scene: Option<&Scene>, inputs: &[f64]) -> Self {
         Self {
             effect: None,
+            spot: None,
+            panel: 0,
             transmitted: vec![Transmitted::new(); reduced.linkage().joints.len()],
             used: false,
             computed: Computed::default(),
@@ -101,7 +107,7 @@ impl Cache {
 
     /// The state has changed.
     pub fn forget(&mut self) {
-        self.effect = None;
+        (self.effect, self.spot) = (None, None);
         if self.used {
             self.transmitted.iter_mut().for_each(|t| t.value = None);
             self.used = false;
@@ -163,13 +169,15 @@ impl State {
             Output::Displacement { load, order: 0 } => Ok(self.displacement(reduced, load)),
             Output::Displacement { load, order } => {
                 let table = checked(reduced.displacement(load))?;
-                self.derivative(table, 0, reduced, inputs, order)
+                let spot = table.spot(self.sigma);
+                self.derivative((table, spot), 0, reduced, inputs, order)
             }
             Output::OneElement { drive, term } => self.one_element(reduced, inputs, drive, term),
             Output::Pull { spring } => self.pull(reduced, spring),
             Output::Marker { marker, axis, order } => {
                 let table = checked(reduced.marker(marker))?;
-                self.derivative(table, 3 * axis, reduced, inputs, order)
+                let spot = table.spot(self.sigma);
+                self.derivative((table, spot), 3 * axis, reduced, inputs, order)
             }
             Output::Friction { pin } => {
                 self.effect(reduced, inputs)?;
@@ -339,20 +347,27 @@ impl State {
         order: usize,
     ) -> Result<f64, Unknown> {
         let table = checked(reduced.coordinates())?;
-        let value = self.derivative(table, 3 * coordinate, reduced, inputs, order)?;
+        let spot = match self.cache.spot {
+            Some(spot) => spot,
+            None => {
+                let spot = table.spot_near(self.sigma, self.cache.panel);
+                (self.cache.spot, self.cache.panel) = (Some(spot), spot.panel);
+                spot
+            }
+        };
+        let value = self.derivative((table, spot), 3 * coordinate, reduced, inputs, order)?;
         Ok(if order == 0 { value + self.turns * reduced.growth(coordinate) } else { value })
     }
 
     /// Time derivative of a function whose table has it and its two derivatives along sigma from component `first` on.
     fn derivative(
         &mut self,
-        table: &Table,
+        (table, spot): (&Table, Spot),
         first: usize,
         reduced: &Reduced,
         inputs: &Inputs,
         order: usize,
     ) -> Result<f64, Unknown> {
-        let spot = table.spot(self.sigma);
         Ok(match order {
             0 => table.value(spot, first),
             1 => table.value(spot, first + 1) * self.sigma_dot,
