@@ -16,7 +16,7 @@ pub struct Run {
     pub drift: f64,
     /// Largest energy at play: 2 T + force times length, both along sigma [J].
     pub energy: f64,
-    /// Largest potential energy told, which is rounded with the rest [J].
+    /// Largest potential energy, which is rounded with the rest [J].
     pub potential: f64,
     /// Work of the integration.
     pub work: Statistics,
@@ -66,7 +66,10 @@ fn look(case: &Case, model: &mut Model, steps: u64, found: &mut Run) -> Result<(
     let kinetic = get(model, "energy.kinetic")?;
     found.drift = found.drift.max(get(model, "energy.drift")?.abs());
     found.energy = found.energy.max(2.0 * kinetic + force(case, model, kinetic)? * scale(model)?);
-    found.potential = found.potential.max(get(model, "energy.potential")?.abs());
+    // The potential of the input's force, which is not told: force times displacement, some times the linkage's size.
+    let size = model.reduced().map_err(|e| e.to_string())?.linkage().size;
+    let of_input = get(model, case.mechanism.input)?.abs() * size;
+    found.potential = found.potential.max(get(model, "energy.potential")?.abs() + of_input);
     found.looks.push((steps, get(model, &case.own("angle"))?, get(model, &case.own("speed"))?));
     Ok(())
 }
