@@ -339,6 +339,7 @@ impl State {
     }
 
     /// A coordinate (order 0) or its time derivative.
+    #[inline]
     fn coordinate(
         &mut self,
         reduced: &Reduced,
@@ -360,6 +361,7 @@ impl State {
     }
 
     /// Time derivative of a function whose table has it and its two derivatives along sigma from component `first` on.
+    #[inline]
     fn derivative(
         &mut self,
         (table, spot): (&Table, Spot),
