@@ -5,6 +5,7 @@ use crate::workspace::Workspace;
 use crate::{command, package, python};
 use anyhow::{Context, Result};
 use clap::Args;
+use std::env;
 use std::ffi::OsString;
 use std::process::Command;
 
@@ -41,9 +42,13 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     if arguments.rest.len() == 1 && arguments.rest[0] == PLOTS {
         return plots(workspace);
     }
+    // Both packages are named so that dependencies have the features they have for this program, and the engine is not built
+    // again for each of the two in turn.
     let mut cargo = command::cargo(workspace);
-    cargo.args(["run", "--release", "--quiet", "--package", "validation", "--"]).args(&arguments.rest);
-    command::run(&mut cargo, "validation")
+    cargo.args(["build", "--release", "--quiet", "--package", "fmu-build", "--package", "validation"]);
+    command::run(cargo.args(["--bin", "validation"]), "cargo build")?;
+    let program = env::current_exe()?.with_file_name(format!("validation{}", env::consts::EXE_SUFFIX));
+    command::run(Command::new(program).args(&arguments.rest).current_dir(workspace.root()), "validation")
 }
 
 /// Pack the default FMU, drive it with each importer, and write the results.

@@ -16,9 +16,10 @@ pub const REPEAT: &str = "repeat";
 /// Tolerance of all runs.
 const TOLERANCE: f64 = 1e-9;
 /// Repetitions of the run that is subtracted: tables that are made when first asked for are made in it.
-const FEW: u32 = 2;
-/// Further repetitions, of a retraction in few doSteps and in many.
-const FURTHER: [u32; 2] = [50, 10];
+const FEW: u32 = 1;
+/// doSteps in the further repetitions together, unless one has more; greatest number of these.
+const FURTHER: u32 = 650;
+const MOST: u32 = 30;
 /// Scenes of doSteps: the word for them, what is called after a step.
 const READS: [(&str, &[After]); 4] = [
     ("nothing", &[]),
@@ -70,17 +71,16 @@ pub fn table() -> Result<Option<Pages>, String> {
     }
     let words = format!(
         "Counted by callgrind through the C functions, landing gear at tolerance {TOLERANCE:.0e}, without set-up: the \
-         difference of two runs that differ by {} repetitions, or {} where the doSteps are many; the state is put back to \
-         the start before each. Counts of one compiler repeat within a part in a thousand. Motion: three fmi2GetReal; \
-         reactions: one of four; each reaction: four of one.",
-        FURTHER[0], FURTHER[1]
+         difference of two runs that differ by 1 to {MOST} repetitions, the more the fewer their doSteps; the state is put \
+         back to the start before each. Counts of one compiler repeat within a part in a thousand. Motion: three \
+         fmi2GetReal; reactions: one of four; each reaction: four of one."
     );
     Ok(Some(Pages { page: asked::page("Instructions", &words) + &rows, csv }))
 }
 
 /// Of one run of the scene.
 fn instructions(scene: &str, reads: &str, steps: u32) -> Result<f64, String> {
-    let further = if steps < 100 { FURTHER[0] } else { FURTHER[1] };
+    let further = (FURTHER / steps).clamp(1, MOST);
     let difference = counted(scene, reads, steps, FEW + further)?.checked_sub(counted(scene, reads, steps, FEW)?);
     let difference = difference.ok_or("callgrind counted fewer instructions for more repetitions")?;
     Ok(difference as f64 / f64::from(further))
