@@ -55,7 +55,7 @@ pub struct Integrator<const N: usize> {
     stiffness: Stiffness,
     /// Span up to which one step of RK4 has met its share of the tolerance, as far as is known [s].
     short: f64,
-    /// Size [s] of the last explicit step, and by which factor it could just have been larger.
+    /// Size [s] of the last step, and by which factor it could just have been larger, if it was explicit and that is known.
     last: Option<(f64, f64)>,
     /// The last step, if it was one of Radau.
     before: Option<Before<N>>,
@@ -225,6 +225,7 @@ impl<const N: usize> Integrator<N> {
         }
         self.derivative = Some(outcome.last);
         self.carry = outcome.carry;
+        self.last = None;
         self.method = Method::Rk4;
         if S::CAN_BE_STIFF {
             self.before = None;
@@ -234,7 +235,7 @@ impl<const N: usize> Integrator<N> {
         Some(outcome.end)
     }
 
-    /// One accepted step of DOP853 or Radau.
+    /// One accepted step of an explicit pair or of Radau.
     fn long_step<S: System<N>>(
         &mut self,
         system: &mut S,
@@ -272,6 +273,8 @@ impl<const N: usize> Integrator<N> {
                         self.stiffness.explicit_step(h, felt, SAFETY * reach);
                     }
                     grow = (SAFETY * self.foreseen(h, reach)).clamp(SHRINK_MOST, grow_most);
+                } else {
+                    self.last = None;
                 }
                 return Ok(self.accept(trial, wish, grow, rest));
             }
