@@ -21,6 +21,8 @@ pub enum Op {
     Terminate,
     Reset,
     SetForce(f64),
+    /// The derivative of this order of the force, for the next step.
+    SetForceRate(c_int, f64),
     SetStartAngle(f64),
     SetCrankLength(f64),
     ReadAngle,
@@ -59,6 +61,8 @@ struct Past {
     time: f64,
     stop: Option<f64>,
     force: f64,
+    /// Derivatives of order 1 and 2 in the next step.
+    rates: [f64; 2],
 }
 
 /// An instance, and what must be true of it.
@@ -76,7 +80,8 @@ pub struct Player {
 }
 
 impl Past {
-    const FRESH: Self = Past { phase: Phase::Instantiated, start: 0.0, time: 0.0, stop: None, force: 30_000.0 };
+    const FRESH: Self =
+        Past { phase: Phase::Instantiated, start: 0.0, time: 0.0, stop: None, force: 30_000.0, rates: [0.0; 2] };
 }
 
 impl Drop for Player {
@@ -194,6 +199,9 @@ impl Player {
             Op::Terminate => ok_if(legal("fmi2Terminate")),
             Op::Reset => ok_if(legal("fmi2Reset")),
             Op::SetForce(force) => ok_if(legal("fmi2SetReal") && force.is_finite()),
+            Op::SetForceRate(order, value) => {
+                ok_if(legal("fmi2SetRealInputDerivatives") && value.is_finite() && [1, 2].contains(order))
+            }
             // Parameters: before the end of initialization mode (2.2.7).
             Op::SetStartAngle(value) => ok_if(self.is_early() && value.is_finite()),
             Op::SetCrankLength(value) => ok_if(self.is_early() && value.is_finite() && *value > 0.0),
@@ -277,6 +285,7 @@ impl Player {
                 Op::Terminate => fmi2Terminate(c),
                 Op::Reset => fmi2Reset(c),
                 Op::SetForce(value) => fmi2SetReal(c, &self.watched[0], 1, value),
+                Op::SetForceRate(order, value) => fmi2SetRealInputDerivatives(c, &self.watched[0], 1, order, value),
                 Op::SetStartAngle(value) => fmi2SetReal(c, &self.watched[1], 1, value),
                 Op::SetCrankLength(value) => fmi2SetReal(c, &self.watched[2], 1, value),
                 Op::ReadAngle => fmi2GetReal(c, &self.watched[3], 1, &mut 0.0),
@@ -327,7 +336,12 @@ impl Player {
             Op::Restore => self.now = self.saved.unwrap(),
             Op::Free => self.saved = None,
             Op::SetForce(value) => self.now.force = *value,
-            Op::Step(h) => self.now.time += h,
+            Op::SetForceRate(order, value) => self.now.rates[*order as usize - 1] = *value,
+            Op::Step(h) => {
+                self.now.time += h;
+                let [first, second] = std::mem::take(&mut self.now.rates);
+                self.now.force += h * (first + 0.5 * h * second);
+            }
             Op::Logging(logging) => match logging {
                 Logging::AllOn => (self.logs_errors, self.logs_discards) = (true, true),
                 Logging::AllOff => (self.logs_errors, self.logs_discards) = (false, false),

@@ -4,6 +4,7 @@ use crate::play::{Logging, Op, Player};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use std::cell::RefCell;
+use std::ffi::c_int;
 
 const SEQUENCES: u32 = 3000;
 const LONGEST: usize = 80;
@@ -14,6 +15,12 @@ fn force() -> impl Strategy<Value = f64> {
         1 => Just(1e300),
         1 => prop_oneof![Just(f64::NAN), Just(f64::INFINITY), Just(f64::NEG_INFINITY)],
     ]
+}
+
+/// Order and value of a derivative of the force; order 3 is refused.
+fn rate() -> impl Strategy<Value = (c_int, f64)> {
+    let value = prop_oneof![8 => -1e7..1e7, 1 => Just(0.0), 1 => odd()];
+    (prop_oneof![6 => Just(1), 4 => Just(2), 1 => Just(3), 1 => Just(0)], value)
 }
 
 fn odd() -> impl Strategy<Value = f64> {
@@ -39,6 +46,7 @@ fn op(others: usize) -> impl Strategy<Value = Op> {
         1 => Just(Op::Terminate),
         1 => Just(Op::Reset),
         6 => force().prop_map(Op::SetForce),
+        4 => rate().prop_map(|(order, value)| Op::SetForceRate(order, value)),
         3 => prop_oneof![4 => 0.3..0.8, 1 => Just(f64::NAN)].prop_map(Op::SetStartAngle),
         1 => odd().prop_map(Op::SetCrankLength),
         3 => Just(Op::ReadAngle),
