@@ -96,6 +96,9 @@ fn close(linkage: &Linkage, guess: &[f64], w: &[f64]) -> Result<Vec<f64>, Assemb
             return Ok(q);
         }
         let j = scaled_jacobian(linkage, &p, &q, w);
+        if !(worst.is_finite() && j.iter().all(|x| x.is_finite())) {
+            break;
+        }
         let right = DVector::from_iterator(gaps.len(), gaps.iter().map(|g| -g / linkage.size));
         let svd = j.svd(true, true);
         let cut = 1e-10 * svd.singular_values.max();

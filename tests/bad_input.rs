@@ -97,6 +97,7 @@ fn names_that_nothing_carries() {
         ),
         ("\"leg.end\"", "\"wheel.origin\"", &["bodies.wheel.fixed_to", "circle"]),
         ("\"coupler\": 0.46", "\"copuler\": 0.46", &["guess.copuler", "crank, coupler, follower"]),
+        ("\"coupler\": 0.46", "\"coupler\": 1e308", &["guess.coupler", "1e100"]),
         (", \"coupler\": 0.46", "", &["guess.coupler", "missing", "rough angle [rad]"]),
     ] {
         check(&changed(from, to), fragments);

@@ -415,6 +415,7 @@ fn both_refuse_what_is_wrong() {
         ("/start/joint", json!("guide"), both),
         ("/start/position", json!(0.3), both),
         ("/guess/crank", json!("left"), both),
+        ("/guess/crank", json!(1e101), both),
         ("/guess/nobody", json!(1.0), geometry),
         ("/solver/tolerance", json!(0.0), both),
         ("/solver/tolerance", json!(1.0), both),

@@ -1,5 +1,5 @@
 //! Checks of a definition that need no geometry: numbers in range, names that resolve, keys that go together.
-use super::{DefinitionError, GROUND, JointKind, Mechanism, Solver};
+use super::{DefinitionError, GROUND, JointKind, Mechanism, Range, Solver};
 use std::fmt;
 
 type Check = Result<(), DefinitionError>;
@@ -259,7 +259,11 @@ impl Mechanism {
             self.point(format_args!("markers.{name}.at"), &marker.at)?;
         }
         for (name, value) in self.guess.iter() {
-            check_finite(format!("guess.{name}"), *value)?;
+            if !Range::Coordinate.contains(*value) {
+                let key = format!("guess.{name}");
+                let allowed = Range::Coordinate.text();
+                return Err(DefinitionError::Value { key, value: format!("{value}"), allowed });
+            }
         }
         Ok(())
     }

@@ -11,15 +11,25 @@ use crate::variables::{Causality, Kind, Reference, Variable, Variables};
 ///
 /// # Errors
 /// An unknown reference, another type, or an output before initialization mode.
+#[inline]
 pub fn may_get(variables: &Variables, phase: Phase, reference: Reference, kind: Kind) -> Result<(), Refusal> {
-    let variable = of_kind(variables, reference, kind)?;
-    if variable.causality == Causality::Output && phase == Phase::Instantiated {
-        return Err(Refusal::error(format!(
+    let early = phase == Phase::Instantiated;
+    match variables.get(reference) {
+        Some(v) if v.kind == kind && !(early && v.causality == Causality::Output) => Ok(()),
+        _ => Err(no_get(variables, reference, kind)),
+    }
+}
+
+/// Why a variable may not be read.
+#[cold]
+fn no_get(variables: &Variables, reference: Reference, kind: Kind) -> Refusal {
+    match of_kind(variables, reference, kind) {
+        Ok(variable) => Refusal::error(format!(
             "'{}' (value reference {reference}) is an output; it has a value from fmi2EnterInitializationMode on",
             variable.name
-        )));
+        )),
+        Err(refusal) => refusal,
     }
-    Ok(())
 }
 
 /// Leave to set: inputs always, parameters before `fmi2ExitInitializationMode`, outputs never.
