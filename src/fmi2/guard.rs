@@ -70,6 +70,7 @@ pub unsafe fn instantiate(
 /// # Safety
 /// `component` is NULL or comes from `fmi2Instantiate`, was not freed, and no other thread uses it during the call
 /// (FMI 2.0.5, 2.1.5).
+#[inline]
 pub unsafe fn call(
     component: Component,
     function: &Function,
@@ -117,6 +118,7 @@ unsafe fn handle<'a>(component: Component) -> Option<&'a Handle> {
     unsafe { handle.as_ref() }
 }
 
+#[inline]
 fn guarded(
     instance: &mut Instance,
     function: &Function,

@@ -169,6 +169,7 @@ impl Model {
     ///
     /// # Errors
     /// No Real has this reference, or the present parameters give no mechanism.
+    #[inline]
     pub fn real(&mut self, reference: Reference) -> Result<f64, ModelError> {
         match self.original.variables.quantity(reference) {
             Some(Quantity::Parameter(i)) => Ok(self.setting.parameters[i]),

@@ -489,6 +489,7 @@ fn magnitude(x: f64, y: f64) -> f64 {
 
 /// At a dead centre of a drive no finite force or mass has the effect, and at some flat positions no finite reaction: the
 /// largest finite number stands for it.
+#[inline]
 pub(super) fn finite(value: f64) -> f64 {
     if value.is_nan() { f64::MAX } else { value.clamp(-f64::MAX, f64::MAX) }
 }

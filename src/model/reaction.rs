@@ -42,7 +42,7 @@ impl Transmitted {
     /// Take up the panel at sigma, with loads of these sizes; the table has `terms` columns for each part.
     #[cold]
     fn enter(&mut self, table: &Table, sigma: f64, (parts, terms): (usize, usize), sizes: impl Fn(usize) -> f64) {
-        self.panel = table.panel(sigma);
+        self.panel = table.panel_near(sigma, self.panel);
         let (a, b) = table.borders(self.panel);
         (self.low, self.high, self.center, self.inverse) = (a, b, 0.5 * (a + b), 2.0 / (b - a));
         // Outside the table its first and its last panel go on.
