@@ -227,6 +227,11 @@ impl Closure {
         tangent
     }
 
+    /// Normal of the planes across the curve where it has this tangent: normal . tangent is its weighted norm squared.
+    pub fn normal(&self, tangent: &[f64]) -> Vec<f64> {
+        tangent.iter().zip(&self.weights).map(|(t, w)| t * w * w).collect()
+    }
+
     /// Give a change of coordinates the weighted norm 1.
     pub fn normalise(&self, tangent: &mut [f64]) {
         let norm = tangent.iter().zip(&self.weights).map(|(t, w)| (t * w).powi(2)).sum::<f64>().sqrt();

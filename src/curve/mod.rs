@@ -16,6 +16,7 @@ mod travel;
 
 pub use configuration::{Configuration, Workspace};
 pub use panel::Panel;
+pub use trace::NEAR_CROSSING;
 
 use crate::chebyshev::Transform;
 use crate::closure::Closure;
@@ -27,6 +28,11 @@ use std::fmt;
 pub enum CurveError {
     /// The kinetic energy of a motion through this position vanishes.
     Massless {
+        /// Coordinates by name.
+        position: String,
+    },
+    /// Two branches of motion come so near to each other here that rounding decides which one is followed.
+    NearCrossing {
         /// Coordinates by name.
         position: String,
     },
@@ -62,6 +68,11 @@ impl fmt::Display for CurveError {
             Self::Massless { position } => write!(
                 f,
                 "the reduced inertia vanishes at {position}: nothing or almost nothing with mass moves there; give a mass or an inertia to a body that does"
+            ),
+            Self::NearCrossing { position } => write!(
+                f,
+                "two branches of motion almost cross at {position}: the lengths miss a crossing by so little that rounding tells; \
+                 change a length by a part in 1e5 or more, or make them cross to the last digit"
             ),
             Self::Stuck { position } => {
                 write!(

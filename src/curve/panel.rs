@@ -119,7 +119,7 @@ impl Panel {
     ) -> Result<(Self, Vec<f64>, f64), Refusal> {
         let n = base.q.len();
         let w = &closure.weights;
-        let normal: Vec<f64> = (0..n).map(|i| base.tangent[i] * w[i] * w[i]).collect();
+        let normal = closure.normal(&base.tangent);
         let Room { work, c, nodes, seconds, known, closed } = room;
         for samples in [&mut *nodes, &mut *seconds] {
             samples.clear();
@@ -172,7 +172,13 @@ impl Panel {
         }
         let mut speed = transform.fit(&speeds.map(|s| 0.5 * width * s));
         // The slope of a series is its length times less accurate than the series.
-        wider = wider.min(resolved(&speed, 20.0 * rounding * 0.5 * width * fastest)?);
+        let mut slope = 20.0;
+        if amplification > HARMLESS {
+            // A position that is off by rounding has the tangent of another one: branches that almost meet turn sharply.
+            let bend = seconds.iter().zip(w).flat_map(|(s, w)| s.map(|v| (v * w).abs())).fold(0.0, f64::max);
+            slope += bend * fastest * fastest;
+        }
+        wider = wider.min(resolved(&speed, slope * rounding * 0.5 * width * fastest)?);
         if amplification > HARMLESS.max(CROSSING * least) {
             coordinates.iter_mut().chain([&mut speed]).for_each(|s| *s = chopped(s));
         }

@@ -16,6 +16,9 @@ const PANELS: usize = 20_000;
 /// Prismatic joints are followed this many sizes of the linkage far.
 const REACH: f64 = 100.0;
 
+/// Where rounding in a gap is amplified more than this, branches almost cross.
+pub const NEAR_CROSSING: f64 = 300.0;
+
 /// Why the curve was followed no farther.
 enum Stop {
     /// It returned; the coordinates have grown by these amounts.
@@ -202,7 +205,15 @@ fn next_panel(
     let position = describe(closure, &base.q);
     // Next to a position where nothing with mass moves, panels end before they meet it.
     massless |= twice_kinetic_part(closure, &base.q, &base.tangent) < 1e-6;
-    Err(if massless { CurveError::Massless { position } } else { CurveError::Stuck { position } })
+    Err(if massless {
+        CurveError::Massless { position }
+    } else if closure.linearise(&base.q, &mut room.work.loops)
+        && closure.amplification(&closure.normal(&base.tangent), &mut room.work.loops) > NEAR_CROSSING
+    {
+        CurveError::NearCrossing { position }
+    } else {
+        CurveError::Stuck { position }
+    })
 }
 
 /// Twice the kinetic energy of a motion along the tangent, as a part of what the masses would have at unit rates.

@@ -13,7 +13,7 @@ pub use components::Components;
 pub use error::ReductionError;
 pub use scene::{Row, Scene};
 
-use crate::curve::{Configuration, Curve, Ends, Workspace};
+use crate::curve::{Configuration, Curve, CurveError, Ends, NEAR_CROSSING, Workspace};
 use crate::definition::Mechanism;
 use crate::linkage::{Linkage, Point, Vec2};
 use crate::loading::Loading;
@@ -370,7 +370,7 @@ impl Reduced {
         }
     }
 
-    /// Why the influences are not smooth: two ends meet, or nothing with mass moves.
+    /// Why the influences are not smooth: two ends meet, or what [`rough`] says.
     fn unresolved(loading: &Loading, curve: &Curve, at: &Unresolved) -> ReductionError {
         let position = curve.describe(at.sigma);
         let c = curve.configuration(at.sigma);
@@ -379,7 +379,7 @@ impl Reduced {
         });
         match meets {
             Some(load) => ReductionError::EndsMeet { name: loading.name(load), position },
-            None => ReductionError::Table { what: loading.name(at.component.min(loading.loads.len() - 1)), position },
+            None => rough(curve, loading.name(at.component.min(loading.loads.len() - 1)), at),
         }
     }
 
@@ -389,6 +389,16 @@ impl Reduced {
         exact: &mut dyn FnMut(&Configuration, &mut [f64]),
     ) -> Vec<Result<Table, Unresolved>> {
         tabulate(&self.curve, &self.grid, sizes, exact)
+    }
+}
+
+/// Why something is not smooth along the curve: branches almost cross, or nothing with mass moves.
+fn rough(curve: &Curve, what: String, at: &Unresolved) -> ReductionError {
+    let position = curve.describe(at.sigma);
+    if curve.configuration(at.sigma).amplification > NEAR_CROSSING {
+        ReductionError::Curve(CurveError::NearCrossing { position })
+    } else {
+        ReductionError::Table { what, position }
     }
 }
 

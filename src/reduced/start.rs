@@ -1,5 +1,5 @@
 //! The start on the curve: where a coordinate has a stated value.
-use super::{Reduced, ReductionError};
+use super::{Reduced, ReductionError, rough};
 
 impl Reduced {
     /// sigma where a coordinate has this value, and the number of turns of the curve before it: of several the one
@@ -8,9 +8,7 @@ impl Reduced {
     /// # Errors
     /// [`ReductionError::Start`] with the range of the coordinate.
     pub fn find(&self, coordinate: usize, value: f64, name: &str) -> Result<(f64, f64), ReductionError> {
-        let table = self
-            .coordinates()
-            .map_err(|e| ReductionError::Table { what: name.into(), position: self.curve.describe(e.sigma) })?;
+        let table = self.coordinates().map_err(|e| rough(&self.curve, name.into(), e))?;
         const SAMPLES: usize = 16;
         let growth = self.growth(coordinate);
         let sample = |panel: usize, k: usize| {

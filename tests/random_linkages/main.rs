@@ -41,13 +41,16 @@ fn config(cases: u32) -> ProptestConfig {
     }
 }
 
-/// What the engine gives, or a case set aside for a stated limit: an actuator whose ends meet, or an unlimited slide that
-/// leaves the stretch that is traced.
+/// What the engine gives, or a case set aside for a stated limit: an actuator whose ends meet, branches of motion that
+/// almost cross (tests/singular.rs says how near), or an unlimited slide that leaves the stretch that is traced.
 fn given<T>(linkage: &Linkage, result: Result<T, ModelError>) -> Result<T, TestCaseError> {
     result.map_err(|e| match e {
         ModelError::Reduction(ReductionError::EndsMeet { .. }) => TestCaseError::reject("ends meet"),
         ModelError::Table { .. } | ModelError::Reduction(ReductionError::Table { .. }) => {
             TestCaseError::reject("ends almost meet, or not smooth far out")
+        }
+        ModelError::Reduction(ReductionError::Curve(CurveError::NearCrossing { .. })) => {
+            TestCaseError::reject("branches almost cross")
         }
         ModelError::Travel { .. } if linkage.kind == "double slider" => TestCaseError::reject("end of the travel"),
         ModelError::Reduction(ReductionError::Curve(CurveError::Stuck { .. })) if linkage.kind == "double slider" => {
