@@ -79,6 +79,8 @@ const TIP_NEAR: f64 = 8.0;
 const CROSSING: f64 = 5.0;
 /// Below this amplification no position is too close to a crossing.
 const HARMLESS: f64 = 30.0;
+/// Away from crossings rounding may turn out this many times as large.
+const NOISE: f64 = 10.0;
 /// Rounding of coordinates, relative to their size and to 1 rad, before amplification.
 const ROUNDING: f64 = 1e-15;
 /// A panel on which Newton's method goes astray is shortened by this factor.
@@ -159,11 +161,12 @@ impl Panel {
             return Err(Refusal::NearCrossing);
         }
         let rounding = ROUNDING * amplification.max(2.0);
+        let noise = if amplification > HARMLESS { 1.0 } else { NOISE };
         let mut wider = f64::INFINITY;
         let mut coordinates: Vec<Series> = nodes.iter().map(|samples| transform.fit(samples)).collect();
         for (series, w) in coordinates.iter().zip(w) {
             let size = (1.0 + series[0].abs() * w) / w;
-            wider = wider.min(resolved(series, rounding * size)?);
+            wider = wider.min(resolved(series, rounding * size, noise)?);
         }
         let fastest = speeds.iter().fold(0.0, |a: f64, s| a.max(*s));
         let slowest = speeds.iter().fold(f64::INFINITY, |a: f64, s| a.min(*s));
@@ -178,7 +181,7 @@ impl Panel {
             let bend = seconds.iter().zip(w).flat_map(|(s, w)| s.map(|v| (v * w).abs())).fold(0.0, f64::max);
             slope += bend * fastest * fastest;
         }
-        wider = wider.min(resolved(&speed, slope * rounding * 0.5 * width * fastest)?);
+        wider = wider.min(resolved(&speed, slope * rounding * 0.5 * width * fastest, noise)?);
         if amplification > HARMLESS.max(CROSSING * least) {
             coordinates.iter_mut().chain([&mut speed]).for_each(|s| *s = chopped(s));
         }
@@ -285,14 +288,19 @@ impl Panel {
 }
 
 /// By what factor a panel might be wider whose function has this series, if a coefficient of order [`ORDER`] may have the
-/// size `rounding`; refused if it may not be as wide as it is.
+/// size `rounding`, and `noise` times that if coefficients have ceased to decay; refused if it may not be as wide as it is.
 ///
 /// Coefficients decay like rho^-k, where rho, while it is large, is inversely proportional to the width.
-fn resolved(series: &Series, rounding: f64) -> Result<f64, Refusal> {
+fn resolved(series: &Series, mut rounding: f64, noise: f64) -> Result<f64, Refusal> {
     let tail = tail(series);
     if tail > rounding || tail.is_nan() {
-        let shorter = (rounding / tail).powf(1.0 / ORDER);
-        return Err(Refusal::TooWide(if shorter.is_finite() { (0.93 * shorter).clamp(0.3, 0.93) } else { ASTRAY }));
+        let middle = series[NODES / 2..].iter().fold(0.0, |a: f64, c| a.max(c.abs()));
+        if tail > noise * rounding || tail.is_nan() || middle > 2.0 * tail {
+            let shorter = (rounding / tail).powf(1.0 / ORDER);
+            return Err(Refusal::TooWide(if shorter.is_finite() { (0.93 * shorter).clamp(0.3, 0.93) } else { ASTRAY }));
+        }
+        // No shorter panel has less of it.
+        rounding = middle;
     }
     let last = series.iter().rposition(|c| c.abs() > rounding).unwrap_or(0);
     let largest = series[1..].iter().fold(0.0, |a: f64, c| a.max(c.abs()));

@@ -42,7 +42,7 @@ fn config(cases: u32) -> ProptestConfig {
 }
 
 /// What the engine gives, or a case set aside for a stated limit: an actuator whose ends meet, branches of motion that
-/// almost cross (tests/singular.rs says how near), or an unlimited slide that leaves the stretch that is traced.
+/// almost cross (tests/singular says how near), or an unlimited slide that leaves the stretch that is traced.
 fn given<T>(linkage: &Linkage, result: Result<T, ModelError>) -> Result<T, TestCaseError> {
     result.map_err(|e| match e {
         ModelError::Reduction(ReductionError::EndsMeet { .. }) => TestCaseError::reject("ends meet"),

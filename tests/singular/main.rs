@@ -4,7 +4,7 @@
 use linkage_fmu::model::Model;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-const GEAR: &str = include_str!("../modelDescription/LandingGearRetraction/resources/mechanism.json");
+const GEAR: &str = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
 
 /// The gear without its stops.
 fn free() -> String {
@@ -189,8 +189,8 @@ fn the_antiparallelogram_stays_one() {
 }
 
 /// A parallelogram with one length off by a part in 10 to 1e17: the branches that would cross when flat are joined by bends
-/// as narrow as the root of that. Down to 1e-5 the motion is exact through them, from 1e-14 on they are a crossing; in
-/// between rounding would tell which way to go, and the model is refused for this reason.
+/// as narrow as the root of that. Down to 1e-5 the motion is exact through them, from 1e-13 on they may be a crossing;
+/// in between rounding would tell which way to go, and the model is refused for this reason.
 #[test]
 fn branches_that_almost_cross_are_told_apart_or_refused() {
     let speed = 5.0;
@@ -208,7 +208,7 @@ fn branches_that_almost_cross_are_told_apart_or_refused() {
                     continue;
                 }
             };
-            assert!(!(7..14).contains(&power), "{lengths:?} would have to be refused");
+            assert!(!(7..13).contains(&power), "{lengths:?} would have to be refused");
             let kinetic = get(&mut bars, "energy.kinetic");
             for _ in 0..1000 {
                 bars.step(0.01).unwrap();
@@ -216,7 +216,9 @@ fn branches_that_almost_cross_are_told_apart_or_refused() {
                 let x = lengths[0] + lengths[3] * rocker.cos() - lengths[1] * crank.cos();
                 let y = lengths[3] * rocker.sin() - lengths[1] * crank.sin();
                 let gap = x.hypot(y) - lengths[2];
-                assert!(gap.abs() < 3e-14, "{lengths:?} at {crank}: {gap}");
+                // Taken for a crossing, the length is what it would have to be for one.
+                let taken = if power < 13 { 0.0 } else { 1.1 * 10f64.powi(-power) };
+                assert!(gap.abs() < 3e-14 + taken, "{lengths:?} at {crank}: {gap}");
                 // Kinetic energy in absolute coordinates, from the angular velocities that the model gives.
                 let [w2, w3, w4] = ["crank", "coupler", "rocker"].map(|b| get(&mut bars, &format!("{b}.speed")));
                 let coupler = get(&mut bars, "coupler.angle");
@@ -233,6 +235,24 @@ fn branches_that_almost_cross_are_told_apart_or_refused() {
             }
         }
     }
+}
+
+/// Random linkages that were once given up: the rounding of their coordinates is somewhat larger than expected, and it was
+/// taken for a bend that ever shorter panels would resolve.
+#[test]
+fn rounding_is_not_taken_for_a_bend() {
+    for text in [include_str!("watt_with_a_slider.json"), include_str!("stephenson.json")] {
+        let mut model = Model::from_json(text).unwrap();
+        model.initialize().unwrap();
+        for _ in 0..100 {
+            model.step(0.02).unwrap();
+            let [work, drift] = ["energy.kinetic", "energy.drift"].map(|name| get(&mut model, name));
+            assert!(drift.abs() < 1e-9 * (1.0 + work), "{drift} of {work}");
+        }
+    }
+    // This one is 5e-7 of its size from a crossing.
+    let error = Model::from_json(include_str!("inverted_slider_crank.json")).unwrap_err().to_string();
+    assert!(error.contains("almost cross"), "{error}");
 }
 
 #[test]
