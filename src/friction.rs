@@ -84,24 +84,44 @@ impl Law {
     }
 }
 
-/// The loop between the reactions R_i of n joints and their friction M_j = -m_j |R_j|, where R_i depends on every M_j:
+/// What the reactions R_i of n joints are made of, given their friction M_j:
 ///
-///   R_i = free_i + sum_j effect_ij M_j,
+///   R_i = free_i + inertial_i u + P_g(i),   u = sum_j influence_j M_j,   P_g = sum_j passed_gj M_j,
 ///
-/// with m_j = mu(v_j) r_j [m, or 1 in a prismatic joint]. R_i has two components [N]; where only the part normal to an axis
-/// counts, the second is 0.
+/// where u is what friction adds to sigma_ddot, and the joints of a group g transmit the same force P_g at rest, but for its
+/// sign, which does not count. Vectors are told as x and y [N]; where only the part normal to an axis counts, y is 0.
+#[derive(Clone, Copy, Debug)]
+pub struct Balance<'a, T> {
+    /// R_i without friction [N].
+    pub free: [&'a [T]; 2],
+    /// Reaction to sigma_ddot = 1.
+    pub inertial: [&'a [T]; 2],
+    /// Influence of M_j on sigma_ddot.
+    pub influence: &'a [T],
+    /// passed_gj, group by group, for every j [1/m, or 1].
+    pub passed: [&'a [T]; 2],
+    /// g(i), numbered from 0.
+    pub groups: &'a [usize],
+}
+
+/// The loop between the reactions R_i of n joints and their friction M_j = -m_j |R_j|, with m_j = mu(v_j) r_j [m, or 1 in a
+/// prismatic joint].
+///
+/// Friction acts on the reactions only through u and P_g, three numbers for one group of joints however many they are: these
+/// are the unknowns z, z = B |R(z)|, solved by Newton's method from z = B |R(0)|.
 #[derive(Clone, Debug)]
 pub struct Loop<T> {
-    /// R_i without friction [N].
-    pub free: Vec<[T; 2]>,
-    /// effect_ij in row i, column j [N/(N.m), or 1].
-    pub effect: Vec<[T; 2]>,
     /// m_j [m or 1], with the sign of the slip.
     pub arm: Vec<T>,
     /// Solution: |R_i| [N].
     pub size: Vec<T>,
-    matrix: Vec<f64>,
+    /// B: effect of |R_j| on each unknown.
+    effect: Vec<T>,
+    unknown: Vec<T>,
     rest: Vec<T>,
+    matrix: Vec<f64>,
+    /// Direction of R_i, and its part along inertial_i.
+    direction: Vec<[f64; 3]>,
     /// Iterations that the last solution took.
     pub iterations: u32,
 }
@@ -116,26 +136,24 @@ impl fmt::Display for Locked {
     }
 }
 
+/// An iteration of Newton's method that changes R by dR leaves about |dR|^2 / |R|; less than this part of the largest reaction
+/// is rounding in the friction, which is a small part of the reactions itself.
+const SETTLED: f64 = 1e-14;
+
 impl<T: Number> Loop<T> {
-    /// Room for n joints.
-    pub fn new(n: usize) -> Self {
-        let zero = T::constant(0.0);
+    /// Room for n joints in so many groups.
+    pub fn new(n: usize, groups: usize) -> Self {
+        let (zero, unknowns) = (T::constant(0.0), 1 + 2 * groups);
         Self {
-            free: vec![[zero; 2]; n],
-            effect: vec![[zero; 2]; n * n],
             arm: vec![zero; n],
             size: vec![zero; n],
-            matrix: vec![0.0; n * n],
-            rest: vec![zero; n],
+            effect: vec![zero; unknowns * n],
+            unknown: vec![zero; unknowns],
+            rest: vec![zero; unknowns],
+            matrix: vec![0.0; unknowns * unknowns],
+            direction: vec![[0.0; 3]; n],
             iterations: 0,
         }
-    }
-
-    /// Forget the reactions and effects.
-    pub fn clear(&mut self) {
-        let none = [T::constant(0.0); 2];
-        self.free.fill(none);
-        self.effect.fill(none);
     }
 
     /// Friction M_j of the last solution.
@@ -143,137 +161,197 @@ impl<T: Number> Loop<T> {
         -(self.arm[j] * self.size[j])
     }
 
-    /// Solve for the sizes |R_i| by Newton's method from the reactions without friction, to rounding.
+    /// Solve for the sizes |R_i| to rounding.
     ///
-    /// The matrix is I + K, K_ij = u_i . effect_ij m_j with the direction u_i of R_i. For a few joints and a small K, as is
-    /// usual, its inverse is I - K + K^2 near enough; else the matrix is solved. At small coefficients the solution is unique
-    /// and the determinant near 1; where it is not positive, friction holds more than the reactions that cause it can explain.
+    /// At small coefficients the solution is unique and the determinant of the equations near 1; where it is not positive,
+    /// friction holds more than the reactions that cause it can explain.
     ///
     /// # Errors
     /// [`Locked`]: no solution, or none that is continuously connected with that without friction.
-    pub fn solve(&mut self) -> Result<(), Locked> {
-        let few = match self.arm.len() {
-            1 => self.solve_few::<1>(),
-            2 => self.solve_few::<2>(),
-            3 => self.solve_few::<3>(),
-            4 => self.solve_few::<4>(),
+    pub fn solve(&mut self, balance: &Balance<T>) -> Result<(), Locked> {
+        let one = balance.passed[0].len() == self.arm.len();
+        let solved = match self.arm.len() {
+            1 if one => self.solve_one::<1>(balance),
+            2 if one => self.solve_one::<2>(balance),
+            3 if one => self.solve_one::<3>(balance),
+            4 if one => self.solve_one::<4>(balance),
             _ => false,
         };
-        if few { Ok(()) } else { self.solve_any() }
+        if solved { Ok(()) } else { self.solve_any(balance) }
     }
 
-    /// [`Self::solve`] for N joints and a small K; false if K is not small.
-    fn solve_few<const N: usize>(&mut self) -> bool {
-        /// Largest row sum of |K| that counts as small; with it the determinant is positive.
-        const SMALL: f64 = 0.2;
+    /// [`Self::solve`] for one group of N joints; false if it does not settle soon with a positive determinant.
+    fn solve_one<const N: usize>(&mut self, balance: &Balance<T>) -> bool {
         const MOST: u32 = 12;
-        let (Some(free), Some(arm)) = (self.free.first_chunk::<N>(), self.arm.first_chunk::<N>()) else { return false };
-        let zero = T::constant(0.0);
-        let mut pull = [[[zero; 2]; N]; N];
-        for (pull, effects) in pull.iter_mut().zip(self.effect.chunks_exact(N)) {
-            for ((pull, effect), arm) in pull.iter_mut().zip(effects).zip(arm) {
-                *pull = [-(effect[0] * *arm), -(effect[1] * *arm)];
-            }
-        }
-        let mut size = free.map(norm);
+        let chunk = |s: &[T]| s.first_chunk::<N>().copied();
+        let [Some(free_x), Some(free_y)] = balance.free.map(chunk) else { return false };
+        let [Some(along_x), Some(along_y)] = balance.inertial.map(chunk) else { return false };
+        let [Some(passed_x), Some(passed_y)] = balance.passed.map(chunk) else { return false };
+        let (Some(influence), Some(arm)) = (chunk(balance.influence), chunk(&self.arm)) else { return false };
+        let times = |a: [T; N]| -> [T; N] { std::array::from_fn(|j| -(a[j] * arm[j])) };
+        let effect = [times(influence), times(passed_x), times(passed_y)];
+        let all = |sizes: &[T; N]| -> [T; 3] {
+            effect.map(|row| {
+                let mut sum = row[0] * sizes[0];
+                for j in 1..N {
+                    sum = sum + row[j] * sizes[j];
+                }
+                sum
+            })
+        };
+        let mut z = all(&std::array::from_fn(|i| norm([free_x[i], free_y[i]])));
         let mut settled = false;
         for iteration in 1..=MOST {
-            let mut rest = [zero; N];
-            let mut matrix = [[0.0; N]; N];
-            let (mut scale, mut bound) = (f64::MIN_POSITIVE, 0.0);
-            for i in 0..N {
-                let mut r = free[i];
-                for j in 0..N {
-                    r = [r[0] + pull[i][j][0] * size[j], r[1] + pull[i][j][1] * size[j]];
-                }
-                let length = norm(r);
-                rest[i] = length - size[i];
-                scale = f64::max(scale, length.value());
-                let inverse = 1.0 / length.value().max(f64::MIN_POSITIVE);
-                let (x, y) = (r[0].value() * inverse, r[1].value() * inverse);
-                let mut sum = 0.0;
-                for j in 0..N {
-                    matrix[i][j] = x * pull[i][j][0].value() + y * pull[i][j][1].value();
-                    sum += matrix[i][j].abs();
-                }
-                bound = f64::max(bound, sum);
-            }
-            if bound.is_nan() || bound > SMALL {
-                return false;
-            }
-            let times = |v: &[T; N]| -> [T; N] {
-                std::array::from_fn(|i| {
-                    let mut sum = rest[i];
+            let x: [T; N] = std::array::from_fn(|i| free_x[i] + along_x[i] * z[0] + z[1]);
+            let y: [T; N] = std::array::from_fn(|i| free_y[i] + along_y[i] * z[0] + z[2]);
+            let sizes: [T; N] = std::array::from_fn(|i| norm([x[i], y[i]]));
+            let inverse = sizes.map(|s| 1.0 / s.value().max(f64::MIN_POSITIVE));
+            let unit_x: [f64; N] = std::array::from_fn(|i| x[i].value() * inverse[i]);
+            let unit_y: [f64; N] = std::array::from_fn(|i| y[i].value() * inverse[i]);
+            let along: [f64; N] =
+                std::array::from_fn(|i| unit_x[i] * along_x[i].value() + unit_y[i] * along_y[i].value());
+            let slopes = [along, unit_x, unit_y];
+            let found = all(&sizes);
+            let rest: [T; 3] = std::array::from_fn(|k| found[k] - z[k]);
+            // I - B d|R|/dz.
+            let matrix: [[f64; 3]; 3] = std::array::from_fn(|k| {
+                std::array::from_fn(|l| {
+                    let mut sum = f64::from(u8::from(k == l));
                     for j in 0..N {
-                        sum = sum + v[j] * T::constant(matrix[i][j]);
+                        sum -= effect[k][j].value() * slopes[l][j];
                     }
                     sum
                 })
-            };
-            let step = times(&times(&rest));
-            let mut change: f64 = 0.0;
+            });
+            let (step, determinant) = solve_three(&matrix, &rest);
+            if determinant.is_nan() || determinant <= 0.0 {
+                return false;
+            }
+            let (mut left, mut scale) = (0.0, f64::MIN_POSITIVE);
             for i in 0..N {
-                size[i] = size[i] + step[i];
-                change = change.max(step[i].value().abs());
+                let dx = along_x[i].value() * step[0].value() + step[1].value();
+                let dy = along_y[i].value() * step[0].value() + step[2].value();
+                left = f64::max(left, (dx * dx + dy * dy) * inverse[i]);
+                scale = f64::max(scale, sizes[i].value());
             }
-            change /= scale;
-            // What is left after this correction: Newton's method squares it, the series leaves its third power of K.
+            z = std::array::from_fn(|k| z[k] + step[k]);
+            left /= scale;
             // Derivatives that T may carry converge one iteration behind.
-            let left = change * (change + bound * bound * bound);
-            if settled || (left < 1e-16 && !T::CARRIES) || change == 0.0 {
+            if settled || (left < SETTLED && !T::CARRIES) || left == 0.0 {
                 self.iterations = iteration;
-                self.size.copy_from_slice(&size);
-                return size.iter().all(|s| s.value() >= 0.0);
+                for (i, size) in self.size.iter_mut().enumerate() {
+                    let mut more = step[0] * T::constant(along[i]);
+                    more = more + step[1] * T::constant(unit_x[i]) + step[2] * T::constant(unit_y[i]);
+                    *size = sizes[i] + more;
+                }
+                return true;
             }
-            settled = left < 1e-16;
+            settled = left < SETTLED;
         }
         false
     }
 
-    /// [`Self::solve`] for any number of joints and any K.
-    fn solve_any(&mut self) -> Result<(), Locked> {
+    /// [`Self::solve`] for any number of joints and groups.
+    fn solve_any(&mut self, balance: &Balance<T>) -> Result<(), Locked> {
         const MOST: u32 = 60;
-        let n = self.arm.len();
-        for i in 0..n {
-            self.size[i] = norm(self.free[i]);
+        let (n, unknowns) = (self.arm.len(), self.unknown.len());
+        let groups = (unknowns - 1) / 2;
+        // Unknown number 1 + axis + 2 g is the component of P_g.
+        for j in 0..n {
+            self.effect[j] = -(balance.influence[j] * self.arm[j]);
+            for g in 0..groups {
+                for axis in 0..2 {
+                    self.effect[(1 + axis + 2 * g) * n + j] = -(balance.passed[axis][g * n + j] * self.arm[j]);
+                }
+            }
+            self.size[j] = norm([balance.free[0][j], balance.free[1][j]]);
+        }
+        for (z, row) in self.unknown.iter_mut().zip(self.effect.chunks_exact(n)) {
+            *z = total(row, &self.size);
         }
         let mut settled = false;
         for iteration in 1..=MOST {
             self.iterations = iteration;
             let mut scale = f64::MIN_POSITIVE;
             for i in 0..n {
-                let mut r = self.free[i];
-                for j in 0..n {
-                    let (effect, friction) = (self.effect[i * n + j], self.friction(j));
-                    r = [r[0] + effect[0] * friction, r[1] + effect[1] * friction];
+                let of = 1 + 2 * balance.groups[i];
+                let r = [0, 1].map(|axis| {
+                    balance.free[axis][i] + balance.inertial[axis][i] * self.unknown[0] + self.unknown[of + axis]
+                });
+                self.size[i] = norm(r);
+                let inverse = 1.0 / self.size[i].value().max(f64::MIN_POSITIVE);
+                let unit = r.map(|r| r.value() * inverse);
+                let along = unit[0] * balance.inertial[0][i].value() + unit[1] * balance.inertial[1][i].value();
+                self.direction[i] = [along, unit[0], unit[1]];
+                scale = scale.max(self.size[i].value());
+            }
+            self.matrix.fill(0.0);
+            for k in 0..unknowns {
+                let row = &self.effect[k * n..(k + 1) * n];
+                self.rest[k] = total(row, &self.size) - self.unknown[k];
+                let out = &mut self.matrix[k * unknowns..(k + 1) * unknowns];
+                out[k] = 1.0;
+                for (j, effect) in row.iter().enumerate() {
+                    let of = 1 + 2 * balance.groups[j];
+                    let [along, x, y] = self.direction[j].map(|slope| effect.value() * slope);
+                    out[0] -= along;
+                    out[of] -= x;
+                    out[of + 1] -= y;
                 }
-                let size = norm(r);
-                let inverse = 1.0 / size.value().max(f64::MIN_POSITIVE);
-                for j in 0..n {
-                    let effect = self.effect[i * n + j];
-                    let along = (r[0].value() * effect[0].value() + r[1].value() * effect[1].value()) * inverse;
-                    self.matrix[i * n + j] = along * self.arm[j].value() + f64::from(u8::from(i == j));
-                }
-                self.rest[i] = size - self.size[i];
-                scale = scale.max(size.value());
             }
             let determinant = eliminate(&mut self.matrix, &mut self.rest);
-            let mut change: f64 = 0.0;
+            let mut left: f64 = 0.0;
             for i in 0..n {
-                change = change.max(self.rest[i].value().abs() / scale);
-                self.size[i] = self.size[i] + self.rest[i];
+                let of = 1 + 2 * balance.groups[i];
+                let [along, x, y] = self.direction[i];
+                let more = self.rest[0] * T::constant(along)
+                    + self.rest[of] * T::constant(x)
+                    + self.rest[of + 1] * T::constant(y);
+                let step = [0, 1].map(|axis| {
+                    balance.inertial[axis][i].value() * self.rest[0].value() + self.rest[of + axis].value()
+                });
+                let size = self.size[i].value().max(f64::MIN_POSITIVE);
+                left = left.max((step[0] * step[0] + step[1] * step[1]) / (size * scale));
+                self.size[i] = self.size[i] + more;
             }
-            if !change.is_finite() {
+            for (z, step) in self.unknown.iter_mut().zip(&self.rest) {
+                *z = *z + *step;
+            }
+            if !left.is_finite() {
                 return Err(Locked);
             }
-            if settled || (change * change < 1e-16 && !T::CARRIES) || change == 0.0 {
-                let sensible = determinant > 0.0 && self.size.iter().all(|s| s.value() >= 0.0);
-                return if sensible { Ok(()) } else { Err(Locked) };
+            if settled || (left < SETTLED && !T::CARRIES) || left == 0.0 {
+                return if determinant > 0.0 { Ok(()) } else { Err(Locked) };
             }
-            settled = change * change < 1e-16;
+            settled = left < SETTLED;
         }
         Err(Locked)
     }
+}
+
+/// Sum of the products.
+fn total<T: Number>(a: &[T], b: &[T]) -> T {
+    a.iter().zip(b).fold(T::constant(0.0), |sum, (a, b)| sum + *a * *b)
+}
+
+/// Solution of three equations by cofactors, and their determinant.
+fn solve_three<T: Number>(a: &[[f64; 3]; 3], b: &[T; 3]) -> ([T; 3], f64) {
+    let minor = |i: usize, j: usize| {
+        let (r, s) = ((i + 1) % 3, (i + 2) % 3);
+        let (t, u) = ((j + 1) % 3, (j + 2) % 3);
+        a[r][t] * a[s][u] - a[r][u] * a[s][t]
+    };
+    let cofactors: [[f64; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| minor(i, j)));
+    let determinant = a[0][0] * cofactors[0][0] + a[0][1] * cofactors[0][1] + a[0][2] * cofactors[0][2];
+    let inverse = 1.0 / determinant;
+    let solution = std::array::from_fn(|j| {
+        let mut sum = b[0] * T::constant(cofactors[0][j] * inverse);
+        for i in 1..3 {
+            sum = sum + b[i] * T::constant(cofactors[i][j] * inverse);
+        }
+        sum
+    });
+    (solution, determinant)
 }
 
 fn norm<T: Number>(r: [T; 2]) -> T {

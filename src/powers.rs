@@ -4,6 +4,9 @@
 //! what the polynomials mean.
 use crate::chebyshev::{NODES, Series};
 use crate::number::Number;
+#[cfg(doc)]
+use crate::table::Bundle;
+use crate::table::ROW;
 
 /// Powers of x, and where derivatives are asked for, their derivatives along x.
 #[derive(Clone, Copy, Debug)]
@@ -33,11 +36,16 @@ impl<T: Number> Powers<T> {
         Self { x, powers, slopes }
     }
 
-    /// Polynomials at x, as many as there is room for.
+    /// Polynomials at x, as many as there is room for, whose coefficients are side by side: see [`Bundle`].
     #[inline]
-    pub fn all(&self, series: &[Series], values: &mut [T]) {
-        for (value, series) in values.iter_mut().zip(series) {
-            *value = self.at(series);
+    pub fn bundle(&self, coefficients: &[f64], values: &mut [T]) {
+        let width = values.len();
+        for (row, values) in values.chunks_exact_mut(ROW).enumerate() {
+            let sums = products(coefficients, width, ROW * row, &self.powers);
+            let slopes = if T::CARRIES { products(coefficients, width, ROW * row, &self.slopes) } else { [0.0; ROW] };
+            for (value, (sum, slope)) in values.iter_mut().zip(sums.into_iter().zip(slopes)) {
+                *value = self.x.chain(sum, slope);
+            }
         }
     }
 
@@ -61,6 +69,20 @@ fn product(a: &Series, b: &Series) -> f64 {
     (sums[0] + sums[1]) + (sums[2] + sums[3])
 }
 
+/// Sums of the products with columns of coefficients, from the column `first` on.
+#[inline]
+fn products(coefficients: &[f64], width: usize, first: usize, weights: &[f64; NODES]) -> [f64; ROW] {
+    let mut sums = [0.0; ROW];
+    for (column, weight) in coefficients.chunks_exact(width).zip(weights) {
+        if let Some(column) = column[first..].first_chunk::<ROW>() {
+            for k in 0..ROW {
+                sums[k] += column[k] * weight;
+            }
+        }
+    }
+    sums
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -73,6 +95,12 @@ mod tests {
             let value = c.iter().rev().fold(0.0, |sum, c| sum * x + c);
             let slope = c.iter().enumerate().skip(1).rev().fold(0.0, |sum, (k, c)| sum * x + k as f64 * c);
             let dual = Powers::new(Dual::<1>::variable(x, 0)).at(&c);
+            let mut side_by_side = Vec::new();
+            crate::table::side_by_side(&[[1.0; NODES], c], &mut side_by_side);
+            let mut bundle = [Dual::<1>::constant(0.0); ROW];
+            Powers::new(Dual::<1>::variable(x, 0)).bundle(&side_by_side, &mut bundle);
+            prop_assert!((bundle[1].value - value).abs() < 1e-14 && (bundle[1].slope[0] - slope).abs() < 2e-13);
+            prop_assert_eq!(bundle[2].value, 0.0);
             // Sixteen terms, the largest slope times 15.
             prop_assert!((Powers::new(x).at(&c) - value).abs() < 1e-14);
             prop_assert!((dual.value - value).abs() < 1e-14 && (dual.slope[0] - slope).abs() < 2e-13);

@@ -5,7 +5,7 @@
 //! Jacobian: J^T lambda = generalised forces. A column alone need not be in balance; the sum over a motion is.
 use crate::closure::{Closure, Workspace};
 use crate::curve::Configuration;
-use crate::linkage::{Freedom, Point, Rates, Vec2, cross, quarter};
+use crate::linkage::{Freedom, GROUND, Joint, Linkage, Point, Rates, Vec2, cross, quarter};
 use crate::loads::{Load, Wrench};
 use nalgebra::{DMatrix, DVector};
 
@@ -28,6 +28,32 @@ impl Default for Reaction {
 pub fn columns(closure: &Closure, c: &Configuration, loads: &[Load]) -> Vec<Vec<Reaction>> {
     let joints = closure.linkage.joints.len();
     Columns::default().fill(closure, c, loads).chunks_exact(joints).map(<[Reaction]>::to_vec).collect()
+}
+
+/// Groups of joints that transmit one force, but for its sign, under torques on bodies and forces along prismatic joints: a
+/// body with two revolute joints and no other passes on what it gets. For each joint, the first of its group, and the sign.
+pub fn groups(linkage: &Linkage) -> Vec<(usize, f64)> {
+    let mut groups: Vec<(usize, f64)> = (0..linkage.joints.len()).map(|j| (j, 1.0)).collect();
+    for body in GROUND + 1..linkage.bodies.len() {
+        // What a joint exerts on the body, for each unit of its reaction.
+        let side = |j: &Joint| if j.second.body == body { 1.0 } else { -1.0 };
+        let at = linkage.joints.iter().enumerate().filter(|(_, j)| j.first.body == body || j.second.body == body);
+        let at: Vec<(usize, &Joint)> = at.collect();
+        let &[(a, first), (b, second)] = &at[..] else { continue };
+        if first.freedom != Freedom::Turn || second.freedom != Freedom::Turn {
+            continue;
+        }
+        let sign = -side(first) * side(second);
+        let ((into, of_first), (from, of_second)) = (groups[a], groups[b]);
+        if into == from {
+            continue;
+        }
+        let (into, from) = (into.min(from), into.max(from));
+        for (group, own) in groups.iter_mut().filter(|(group, _)| *group == from) {
+            (*group, *own) = (into, *own * sign * of_first * of_second);
+        }
+    }
+    groups
 }
 
 /// What a body needs: force, and moment about the origin of its frame.

@@ -9,6 +9,9 @@ use std::ops::Range;
 /// A table resolves its components to this part of their largest value.
 pub const ACCURACY: f64 = 1e-13;
 
+/// Values that are computed at once.
+pub const ROW: usize = 4;
+
 /// No panel, however short, resolves the function here.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unresolved {
@@ -62,6 +65,36 @@ pub fn polynomial(c: &Series, x: f64) -> f64 {
     let four = |k: usize| pair(k) + pair(k + 2) * x2;
     let eight = |k: usize| four(k) + four(k + 4) * x4;
     eight(0) + eight(8) * x8
+}
+
+/// Functions that are read together: on each panel their coefficients side by side, power by power.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Bundle {
+    /// Functions, and zeros up to a full row.
+    width: usize,
+    coefficients: Vec<f64>,
+}
+
+impl Bundle {
+    /// Number of values that so many functions have: theirs, and zeros that fill the last row.
+    pub fn width(functions: usize) -> usize {
+        functions.next_multiple_of(ROW)
+    }
+
+    /// Coefficients on one panel.
+    #[inline]
+    pub fn panel(&self, panel: usize) -> &[f64] {
+        let size = NODES * self.width;
+        &self.coefficients[panel * size..(panel + 1) * size]
+    }
+}
+
+/// Coefficients of some functions on one panel, side by side, appended to `out`.
+pub fn side_by_side(series: &[Series], out: &mut Vec<f64>) {
+    for k in 0..NODES {
+        out.extend(series.iter().map(|s| s[k]));
+        out.resize(out.len() + Bundle::width(series.len()) - series.len(), 0.0);
+    }
 }
 
 impl Table {
@@ -212,10 +245,13 @@ impl Table {
         &self.coefficients[panel * self.components + component]
     }
 
-    /// Monomial coefficients of some components on one panel.
-    pub fn block(&self, panel: usize, components: std::ops::Range<usize>) -> &[Series] {
-        let first = panel * self.components;
-        &self.coefficients[first + components.start..first + components.end]
+    /// The first components, to be read together.
+    pub fn bundle(&self, components: usize) -> Bundle {
+        let mut coefficients = Vec::with_capacity(self.panels() * NODES * Bundle::width(components));
+        for panel in self.coefficients.chunks_exact(self.components) {
+            side_by_side(&panel[..components], &mut coefficients);
+        }
+        Bundle { width: Bundle::width(components), coefficients }
     }
 
     /// Value of a component at a place.

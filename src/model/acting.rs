@@ -4,10 +4,11 @@
 //! the loads that the state decides. Written once for values and for values with derivatives.
 use super::panel::{Folded, Given};
 use crate::drag::Meeting;
-use crate::friction::{Band, Locked, Loop};
+use crate::friction::{Balance, Band, Locked, Loop};
 use crate::number::Number;
 use crate::powers::Powers;
-use crate::reduced::{Reduced, Row, Scene};
+use crate::reduced::{Reduced, Scene};
+use crate::table::Bundle;
 
 /// What is decided between steps, not within one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -38,28 +39,35 @@ pub struct Acting<T> {
     pub friction: Loop<T>,
     /// Stretch of its law in which each pin is taken to be; where none is stated, that of its slip speed.
     pub bands: Vec<Option<Band>>,
-    /// Effects of sigma_dot^2 and of each of the scene's loads of unit size, row by row.
+    /// The scene's bundle.
     effects: Vec<T>,
-    /// Effects of all but friction, in each row.
-    sums: Vec<T>,
-    /// What arrived, then the sums, of the evaluation that was kept.
+    /// Effect of all but friction on the motion.
+    motion: T,
+    /// The same on the components of the pins' reactions.
+    reactions: Vec<T>,
+    /// What arrived, then the effects on the motion and on the reactions, of the evaluation that was kept.
     kept: Vec<T>,
+    /// Room for the pins' reactions without friction, then those to sigma_ddot.
+    room: Vec<T>,
 }
 
 impl<T: Number> Acting<T> {
     /// Room for a scene.
     pub fn new(scene: Option<&Scene>) -> Self {
         let zero = T::constant(0.0);
-        let (lossy, loads, pins, rows) =
-            scene.map_or((0, 0, 0, 0), |s| (s.lossy.len(), s.loads.len(), s.pins.len(), s.rows.len()));
+        let (lossy, loads, pins) = scene.map_or((0, 0, 0), |s| (s.lossy.len(), s.loads.len(), s.pins.len()));
+        let groups = scene.and_then(|s| s.groups.iter().max()).map_or(0, |last| last + 1);
+        let reactions = Bundle::width(2 * pins);
         Self {
             arriving: vec![zero; lossy],
             loads: vec![zero; loads],
-            friction: Loop::new(pins),
+            friction: Loop::new(pins, groups),
             bands: vec![None; pins],
-            effects: vec![zero; rows * (1 + loads)],
-            sums: vec![zero; rows],
-            kept: vec![zero; lossy + rows],
+            effects: vec![zero; scene.map_or(0, |s| Bundle::width(s.bundled()))],
+            motion: zero,
+            reactions: vec![zero; reactions],
+            kept: vec![zero; lossy + 1 + reactions],
+            room: vec![zero; 4 * pins],
         }
     }
 
@@ -79,10 +87,10 @@ impl<T: Number> Acting<T> {
         let powers = Powers::new(folded.x(sigma));
         let at = |component: usize| powers.at(folded.series(&scene.table, component));
         let damping = reduced.components().damping;
-        let stride = scene.stride();
-        for (row, values) in self.effects.chunks_exact_mut(stride).enumerate() {
-            powers.all(folded.block(&scene.table, scene.states(row)), values);
-        }
+        powers.bundle(folded.bundle(&scene.bundle), &mut self.effects);
+        powers.bundle(&folded.reactions, &mut self.reactions);
+        self.motion = folded.at(&powers, t);
+        let (free, n) = (scene.free(), scene.pins.len());
         let mut lost = T::constant(0.0);
         // What the state decides, but for friction.
         for (k, &load) in scene.lossy.iter().enumerate() {
@@ -92,42 +100,50 @@ impl<T: Number> Acting<T> {
             let efficiency = reduced.loading().drives[load].efficiency.unwrap_or(1.0);
             let part = efficient(full.value(), mode.direction, efficiency);
             self.arriving[k] = size * T::constant(part);
+            self.motion = self.motion + influence * self.arriving[k];
             lost = lost + (full * T::constant(1.0 - part) - influence * given.excess(load, t)) * sigma_dot;
         }
         self.blow(reduced, scene, given.air(t), sigma_dot, &at);
         self.press(reduced, scene, folded, mode, sigma_dot, &at);
-        let free = scene.loads.len() - scene.pins.len();
-        let square = sigma_dot * sigma_dot;
-        for row in 0..scene.rows.len() {
-            let effects = &self.effects[row * stride..(row + 1) * stride];
-            let mut sum = folded.at(row, &powers, t) + effects[0] * square;
-            if let Some(k) = damping {
-                let drag = at(scene.given(row, k)) * sigma_dot;
-                sum = sum - drag;
-                if row == 0 {
-                    lost = lost + drag * sigma_dot;
-                }
-            }
-            for (&load, &size) in scene.lossy.iter().zip(&self.arriving) {
-                sum = sum + at(scene.given(row, load)) * size;
-            }
-            for (&effect, &size) in effects[1..].iter().zip(&self.loads[..free]) {
-                sum = sum + effect * size;
-                if row == 0 {
-                    lost = lost - effect * size * sigma_dot;
-                }
-            }
-            self.sums[row] = sum;
+        for (&effect, &size) in self.effects.iter().zip(&self.loads[..free]) {
+            self.motion = self.motion + effect * size;
+            lost = lost - effect * size * sigma_dot;
+        }
+        if let Some(k) = damping {
+            let drag = at(scene.given(0, k)) * sigma_dot;
+            self.motion = self.motion - drag;
+            lost = lost + drag * sigma_dot;
         }
         if folded.changes() {
             lost = lost - folded.excess(0, &powers, t) * sigma_dot;
         }
-        let mut acceleration = self.sums[0];
-        if !scene.pins.is_empty() {
+        let mut acceleration = self.motion;
+        if n > 0 {
+            let square = sigma_dot * sigma_dot;
+            let add = |reactions: &mut [T], effects: &[T], size: T| {
+                for (sum, effect) in reactions.iter_mut().zip(effects) {
+                    *sum = *sum + *effect * size;
+                }
+            };
+            add(&mut self.reactions, &self.effects[scene.square()], square);
+            for load in 0..free {
+                add(&mut self.reactions, &self.effects[scene.caused(load)], self.loads[load]);
+            }
+            if damping.is_some() || !scene.lossy.is_empty() || folded.changes() {
+                for (k, sum) in self.reactions[..2 * n].iter_mut().enumerate() {
+                    *sum = *sum + folded.excess(k + 1, &powers, t);
+                    if let Some(damping) = damping {
+                        *sum = *sum - at(scene.given(k + 1, damping)) * sigma_dot;
+                    }
+                    for (&load, &size) in scene.lossy.iter().zip(&self.arriving) {
+                        *sum = *sum + at(scene.given(k + 1, load)) * size;
+                    }
+                }
+            }
             self.rub(scene, sigma_dot)?;
-            for j in 0..scene.pins.len() {
+            for j in 0..n {
                 self.loads[free + j] = self.friction.friction(j);
-                let share = self.effects[1 + free + j] * self.loads[free + j];
+                let share = self.effects[free + j] * self.loads[free + j];
                 acceleration = acceleration + share;
                 lost = lost - share * sigma_dot;
             }
@@ -137,14 +153,14 @@ impl<T: Number> Acting<T> {
 
     /// Keep what was found last, to be mixed with what is found next.
     pub fn keep(&mut self) {
-        let found = self.arriving.iter().chain(&self.sums);
+        let found = self.arriving.iter().chain([&self.motion]).chain(&self.reactions);
         self.kept.iter_mut().zip(found).for_each(|(kept, found)| *kept = *found);
     }
 
     /// This share of what was found last, and the rest of what was kept: for drives that hold the mechanism at rest, where all
     /// is affine in what arrives of them.
     pub fn mix(&mut self, share: T) {
-        let found = self.arriving.iter_mut().chain(&mut self.sums);
+        let found = self.arriving.iter_mut().chain([&mut self.motion]).chain(&mut self.reactions);
         for (found, kept) in found.zip(&self.kept) {
             *found = share * *found + (T::constant(1.0) - share) * *kept;
         }
@@ -169,36 +185,31 @@ impl<T: Number> Acting<T> {
         let at = |component: usize| powers.at(folded.series(&scene.table, component));
         let influence = at(scene.given(0, load));
         // What the load must give along the curve without friction, and what this share of it is.
-        let bare = target - (self.sums[0] - influence * size);
-        let n = scene.pins.len();
-        let first = scene.loads.len() - n;
+        let bare = target - (self.motion - influence * size);
+        let (free, n) = (scene.free(), scene.pins.len());
         if n == 0 {
             return Ok(bare);
         }
         if let Some(direction) = breakaway {
             for (j, pin) in scene.pins.iter().enumerate() {
-                let slip = at(scene.column(0, first + j)).value() * direction;
+                let slip = self.effects[free + j].value() * direction;
                 let arm = pin.law.static_coefficient * pin.radius;
                 self.friction.arm[j] = T::constant(if slip < 0.0 { -arm } else { arm });
             }
         }
-        let share = bare * influence.chain(1.0 / influence.value(), -1.0 / influence.value().powi(2));
-        self.friction.clear();
-        for (row, what) in scene.rows.iter().enumerate().skip(1) {
-            let Row::Reaction { pin, part } = *what else { continue };
-            let axis = part.axis();
-            let of_load = at(scene.given(row, load));
-            self.friction.free[pin][axis] = self.sums[row] + of_load * (share - size);
-            let each = of_load * influence.chain(1.0 / influence.value(), -1.0 / influence.value().powi(2));
-            for j in 0..n {
-                let effect = at(scene.column(row, first + j)) - each * at(scene.column(0, first + j));
-                self.friction.effect[pin * n + j][axis] = effect;
-            }
+        // With this load the motion stays what it is, whatever the friction: reactions to it take the place of inertia.
+        let inverse = influence.chain(1.0 / influence.value(), -1.0 / influence.value().powi(2));
+        let (reactions, inertial) = self.room.split_at_mut(2 * n);
+        for (k, (effect, reaction)) in self.effects[scene.inertial()].iter().zip(&self.reactions).enumerate() {
+            let of_load = at(scene.given(k + 1, load));
+            inertial[k] = *effect - of_load * inverse;
+            reactions[k] = *reaction + of_load * (bare * inverse - size);
         }
-        self.friction.solve()?;
+        let balance = balance(scene, &self.effects, reactions, inertial);
+        self.friction.solve(&balance)?;
         let mut force = bare;
         for j in 0..n {
-            force = force - at(scene.column(0, first + j)) * self.friction.friction(j);
+            force = force - self.effects[free + j] * self.friction.friction(j);
         }
         Ok(force)
     }
@@ -207,7 +218,7 @@ impl<T: Number> Acting<T> {
     fn blow(&mut self, reduced: &Reduced, scene: &Scene, airspeed: T, sigma_dot: T, at: &impl Fn(usize) -> T) {
         let Some(air) = reduced.loading().air.as_ref().filter(|_| scene.air) else { return };
         for (i, surface) in air.surfaces.iter().enumerate() {
-            let rate = |k: usize| at(scene.column(0, 3 * i + k)) * sigma_dot;
+            let rate = |k: usize| self.effects[3 * i + k] * sigma_dot;
             let mut wind = [air.flow.x, air.flow.y].map(|f| T::constant(f) * airspeed);
             let mut omega = T::constant(0.0);
             if air.relative_wind {
@@ -230,14 +241,14 @@ impl<T: Number> Acting<T> {
         sigma_dot: T,
         at: &impl Fn(usize) -> T,
     ) {
-        let first = scene.loads.len() - scene.pins.len() - scene.bumpers.len();
+        let first = scene.free() - scene.bumpers.len();
         for (k, &stop) in scene.bumpers.iter().enumerate() {
             let touches = mode.touching.contains(&Some(k));
             self.loads[first + k] = if touches {
                 let stop = &reduced.loading().stops[stop];
                 let wound = folded.turns * reduced.load_growth(stop.load);
                 let beyond = at(scene.pressed(k)) + T::constant(wound - stop.value);
-                let rate = at(scene.column(0, first + k)) * sigma_dot;
+                let rate = self.effects[first + k] * sigma_dot;
                 -(beyond * T::constant(stop.stiffness) + rate * T::constant(stop.damping))
             } else {
                 T::constant(0.0)
@@ -247,23 +258,32 @@ impl<T: Number> Acting<T> {
 
     /// Friction of all pins.
     fn rub(&mut self, scene: &Scene, sigma_dot: T) -> Result<(), Locked> {
-        let (n, stride) = (scene.pins.len(), scene.stride());
-        let first = stride - n;
-        for (j, pin) in scene.pins.iter().enumerate() {
-            let slip = self.effects[first + j] * sigma_dot * T::constant(pin.radius);
-            let band = self.bands[j].unwrap_or_else(|| pin.law.band(slip.value()));
-            self.friction.arm[j] = pin.law.signed(slip, band) * T::constant(pin.radius);
+        let slips = &self.effects[scene.free()..scene.loads.len()];
+        let arms = self.friction.arm.iter_mut().zip(&self.bands);
+        for ((arm, band), (pin, slip)) in arms.zip(scene.pins.iter().zip(slips)) {
+            let slip = *slip * sigma_dot * T::constant(pin.radius);
+            let band = band.unwrap_or_else(|| pin.law.band(slip.value()));
+            *arm = pin.law.signed(slip, band) * T::constant(pin.radius);
         }
-        for (row, what) in scene.rows.iter().enumerate().skip(1) {
-            let Row::Reaction { pin, part } = *what else { continue };
-            let axis = part.axis();
-            self.friction.free[pin][axis] = self.sums[row];
-            let effects = &self.effects[row * stride + first..(row + 1) * stride];
-            for (out, effect) in self.friction.effect[pin * n..(pin + 1) * n].iter_mut().zip(effects) {
-                out[axis] = *effect;
-            }
-        }
-        self.friction.solve()
+        let inertial = &self.effects[scene.inertial()];
+        self.friction.solve(&balance(scene, &self.effects, &self.reactions, inertial))
+    }
+}
+
+/// The pins' reactions without friction, and what friction and sigma_ddot do to them.
+fn balance<'a, T>(scene: &'a Scene, effects: &'a [T], reactions: &'a [T], inertial: &'a [T]) -> Balance<'a, T> {
+    let n = scene.pins.len();
+    let passed = &effects[scene.passed()];
+    let half = |both: &'a [T], n: usize| {
+        let (x, y) = both.split_at(n);
+        [x, y]
+    };
+    Balance {
+        free: half(&reactions[..2 * n], n),
+        inertial: half(inertial, n),
+        influence: &effects[scene.free()..scene.loads.len()],
+        passed: half(passed, passed.len() / 2),
+        groups: &scene.groups,
     }
 }
 

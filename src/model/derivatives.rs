@@ -270,7 +270,7 @@ impl View<'_> {
         // s itself: the inputs are u + s du/ds, at s = 0.
         let s = D::variable(0.0, 0);
         match scene {
-            None => Ok(folded.at(0, &Powers::new(folded.x(sigma)), s)),
+            None => Ok(folded.at(&Powers::new(folded.x(sigma)), s)),
             Some(scene) => {
                 let effect = acting.evaluate((reduced, scene), &given, folded, &mode, [s, sigma, sigma_dot])?;
                 Ok(effect.acceleration)

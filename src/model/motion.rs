@@ -141,8 +141,7 @@ impl Motion<'_> {
     pub fn slip(&mut self, pin: usize, sigma: f64, sigma_dot: f64) -> f64 {
         let x = self.place(sigma);
         let Some(scene) = self.scene else { return 0.0 };
-        let first = scene.loads.len() - scene.pins.len();
-        let series = self.work.folded.series(&scene.table, scene.column(0, first + pin));
+        let series = self.work.folded.series(&scene.table, scene.free() + pin);
         polynomial(series, x) * sigma_dot * scene.pins[pin].radius
     }
 
@@ -176,8 +175,7 @@ impl Motion<'_> {
         let at = |component: usize| polynomial(folded.series(&scene.table, component), x);
         let stop = &loading.stops[scene.bumpers[bumper]];
         let s = at(scene.pressed(bumper)) + folded.turns * self.reduced.load_growth(stop.load);
-        let first = scene.loads.len() - scene.pins.len() - scene.bumpers.len();
-        let rate = at(scene.column(0, first + bumper)) * sigma_dot;
+        let rate = at(scene.free() - scene.bumpers.len() + bumper) * sigma_dot;
         let beyond = stop.beyond(s);
         let outward = if stop.beyond(1.0) > stop.beyond(0.0) { rate } else { -rate };
         (beyond, stop.stiffness * beyond + stop.damping * outward)
@@ -194,7 +192,7 @@ impl Motion<'_> {
 /// Without a scene: the given loads alone, at (t, sigma, sigma_dot).
 fn changing<T: Number>(folded: &Folded, [t, sigma, sigma_dot]: [T; 3]) -> Effect<T> {
     let powers = Powers::new(folded.x(sigma));
-    Effect { acceleration: folded.at(0, &powers, t), lost: -(folded.excess(0, &powers, t) * sigma_dot) }
+    Effect { acceleration: folded.at(&powers, t), lost: -(folded.excess(0, &powers, t) * sigma_dot) }
 }
 
 /// No loss of power and constant inputs: (sigma, sigma_dot).
@@ -246,7 +244,7 @@ impl System<3> for Motion<'_> {
         // Where the loads balance each other, the acceleration tells nothing of the forces at work, those of given size do.
         let powers = Powers::new(self.place(y[0]));
         let folded = &self.work.folded;
-        let force = f[1].abs().max(folded.at(0, &powers, 0.0).abs()).max(folded.excess(0, &powers, self.time).abs());
+        let force = f[1].abs().max(folded.at(&powers, 0.0).abs()).max(folded.excess(0, &powers, self.time).abs());
         let (length, speed) = self.scales(y[1], force);
         // Where friction balances the rest, it is the power lost that tells of the forces at work.
         let resisting = if f[2] == 0.0 { 0.0 } else { (f[2] / y[1]).abs() };

@@ -4,8 +4,7 @@ use crate::chebyshev::{NODES, Series};
 use crate::number::{Dual, Number};
 use crate::powers::Powers;
 use crate::reduced::{Reduced, Scene};
-use crate::table::Table;
-use std::ops::Range;
+use crate::table::{Bundle, Table, side_by_side};
 
 /// Rounding of a panel's border that is counted on over whole turns, relative to the numbers that are added up.
 const BORDER: f64 = 8.0 * f64::EPSILON;
@@ -70,18 +69,22 @@ pub struct Folded {
     pub turns: f64,
     /// Force along the curve.
     pub force: Series,
-    /// Reactions of the scene's further rows.
-    pub reactions: Vec<Series>,
+    /// Components of the pins' reactions, side by side.
+    pub reactions: Vec<f64>,
     /// First and second time derivative of all rows, the force first; none under constant inputs.
     rates: Vec<[Series; 2]>,
     /// Without tables: all components at the one sigma for which it holds, by value and slope.
     exact: Vec<Series>,
+    /// Those of them that are read together, side by side.
+    exact_bundle: Vec<f64>,
+    /// Room for the rows but the first.
+    rows: Vec<Series>,
 }
 
 impl Folded {
     /// Holds nowhere; with room for a scene.
     pub fn new(scene: Option<&Scene>) -> Self {
-        let rows = scene.map_or(0, |s| s.rows.len() - 1);
+        let rows = scene.map_or(0, |s| s.rows() - 1);
         Self {
             low: f64::INFINITY,
             high: f64::NEG_INFINITY,
@@ -91,9 +94,11 @@ impl Folded {
             panel: 0,
             turns: 0.0,
             force: [0.0; NODES],
-            reactions: vec![[0.0; NODES]; rows],
+            reactions: vec![0.0; NODES * Bundle::width(rows)],
             rates: Vec::new(),
             exact: Vec::new(),
+            exact_bundle: Vec::new(),
+            rows: Vec::with_capacity(rows),
         }
     }
 
@@ -129,20 +134,20 @@ impl Folded {
         if self.exact.is_empty() { table.series(self.panel, component) } else { &self.exact[component] }
     }
 
-    /// Of some components.
+    /// Coefficients of what is read together, on the panel.
     #[inline]
-    pub fn block<'a>(&'a self, table: &'a Table, components: Range<usize>) -> &'a [Series] {
-        if self.exact.is_empty() { table.block(self.panel, components) } else { &self.exact[components] }
+    pub fn bundle<'a>(&'a self, bundle: &'a Bundle) -> &'a [f64] {
+        if self.exact.is_empty() { bundle.panel(self.panel) } else { &self.exact_bundle }
     }
 
-    /// Effect of all given loads in a row of the scene, at the time t [s]; row 0 is the force along the curve.
+    /// Effect of all given loads on the motion, at the time t [s].
     #[inline]
-    pub fn at<T: Number>(&self, row: usize, powers: &Powers<T>, t: T) -> T {
-        let sum = powers.at(if row == 0 { &self.force } else { &self.reactions[row - 1] });
-        if self.rates.is_empty() { sum } else { sum + self.excess(row, powers, t) }
+    pub fn at<T: Number>(&self, powers: &Powers<T>, t: T) -> T {
+        let sum = powers.at(&self.force);
+        if self.rates.is_empty() { sum } else { sum + self.excess(0, powers, t) }
     }
 
-    /// That effect less what it is at t = 0.
+    /// Effect of all given loads in a row of the scene, less what it is at t = 0; row 0 is the motion.
     pub fn excess<T: Number>(&self, row: usize, powers: &Powers<T>, t: T) -> T {
         match self.rates.get(row) {
             Some([first, second]) => t * (powers.at(first) + t * T::constant(0.5) * powers.at(second)),
@@ -179,8 +184,9 @@ impl Folded {
         if reduced.is_exact() && self.inverse != 0.0 {
             self.enter_exactly(reduced, scene, table, sigma, shift);
         }
-        let rows = scene.map_or(1, |s| s.rows.len());
+        let rows = scene.map_or(1, Scene::rows);
         self.rates.clear();
+        self.rows.clear();
         for row in 0..rows {
             let mut sum = self.fold(scene, table, given.sizes, row);
             let mut add = |k: Option<usize>, size: f64| {
@@ -193,12 +199,16 @@ impl Folded {
             if row == 0 {
                 self.force = sum;
             } else {
-                self.reactions[row - 1] = sum;
+                self.rows.push(sum);
             }
             if let Some(change) = &given.change {
                 let rates = [change.first, change.second].map(|sizes| self.fold(scene, table, sizes, row));
                 self.rates.push(rates);
             }
+        }
+        if !self.rows.is_empty() {
+            self.reactions.clear();
+            side_by_side(&self.rows, &mut self.reactions);
         }
     }
 
@@ -213,6 +223,10 @@ impl Folded {
             (series[0], series[1]) = (value, slope);
             series
         }));
+        if let Some(scene) = scene {
+            self.exact_bundle.clear();
+            side_by_side(&self.exact[..scene.bundled()], &mut self.exact_bundle);
+        }
         (self.low, self.high, self.center) = (sigma, sigma.next_up(), sigma);
     }
 

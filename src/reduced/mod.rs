@@ -11,7 +11,7 @@ mod start;
 
 pub use components::Components;
 pub use error::ReductionError;
-pub use scene::{Row, Scene};
+pub use scene::Scene;
 
 use crate::curve::{Configuration, Curve, CurveError, Ends, NEAR_CROSSING, Workspace};
 use crate::definition::Mechanism;

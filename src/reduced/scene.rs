@@ -1,47 +1,21 @@
 //! The scene: what acts besides loads of a given size, in one table that the integration reads.
 //!
-//! In: the reduced model. Out: for the motion and for every joint with friction one row of effects. A mechanism without
-//! dampers, efficiencies, bumpers, friction and moving air has no scene and pays for none. It must not know the state.
+//! In: the reduced model. Out: the effects of all that acts on the motion, and on the reactions of the joints with friction. A
+//! mechanism without dampers, efficiencies, bumpers, friction and moving air has no scene and pays for none. It must not
+//! know the state.
 use super::Reduced;
 use crate::curve::Configuration;
 use crate::linkage::{Freedom, quarter};
 use crate::loading::Pin;
-use crate::reactions::{Reaction, columns};
-use crate::table::{Table, Unresolved};
-
-/// What a load of unit size has an effect on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Row {
-    /// sigma_ddot: the effect is the influence.
-    Motion,
-    /// A part of the reaction that causes a pin's friction, while the load moves the linkage.
-    Reaction {
-        /// Place among the pins.
-        pin: usize,
-        /// Component of the force.
-        part: Part,
-    },
-}
-
-/// Component of a reaction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
-    /// x of a revolute joint.
-    X,
-    /// y of a revolute joint.
-    Y,
-    /// Normal to the axis of a prismatic joint.
-    Normal,
-}
-
-impl Part {
-    /// Place in a vector; a normal is the first.
-    pub fn axis(self) -> usize {
-        usize::from(self == Self::Y)
-    }
-}
+use crate::reactions::{Reaction, columns, groups};
+use crate::table::{Bundle, Table, Unresolved};
+use std::ops::Range;
 
 /// What acts besides loads of a given size.
+///
+/// Of the reaction of each joint with friction, a pin, two components count: x and y of a revolute joint, of a prismatic one
+/// that normal to its axis and 0. The components of n pins are told with all x first, then all y. The pins of a group
+/// transmit the same force under friction, but for its sign; as signs don't matter, they are told with that of the first.
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// Drives with an efficiency, by their loads.
@@ -52,41 +26,72 @@ pub struct Scene {
     pub bumpers: Vec<usize>,
     /// Joints with friction.
     pub pins: Vec<Pin>,
-    /// Loads beyond the given ones, in the order of their columns: those of surfaces, bumpers, pins.
+    /// Group of each pin, numbered from 0.
+    pub groups: Vec<usize>,
+    /// First pin of each group.
+    leaders: Vec<usize>,
+    /// Sign of each pin's reaction, compared with the first pin of its group.
+    signs: Vec<f64>,
+    /// Loads beyond the given ones, in the order of their influences: those of surfaces, bumpers, pins.
     pub loads: Vec<usize>,
-    /// Rows: the motion first, then those of the pins, one after the other.
-    pub rows: Vec<Row>,
-    /// Effects, row by row as [`Self::column`] says; then what the laws need.
+    /// First what is always read together, [`Self::bundle`]; then effects of given loads; then what the laws need.
     pub table: Table,
-    /// Components of each row: one for sigma_dot^2, one for each of `loads`, then those of [`super::Components`].
-    width: usize,
+    /// Influences of `loads`; then of the pins' reactions: to sigma_dot^2, to sigma_ddot, to friction without motion, to each
+    /// of the other `loads`.
+    pub bundle: Bundle,
+    /// Components of the table for the effects of given loads on the motion or on one component of a pin's reaction.
+    given: usize,
 }
 
 impl Scene {
-    /// Number of components that [`Self::states`] has of each row.
-    pub fn stride(&self) -> usize {
-        1 + self.loads.len()
+    /// Rows of effects: the motion, then the components of the pins' reactions.
+    pub fn rows(&self) -> usize {
+        1 + 2 * self.pins.len()
     }
 
-    /// Components of a row that the state sizes: the effect of sigma_dot^2 (0 in the row of the motion), then those of
-    /// `loads`.
-    pub fn states(&self, row: usize) -> std::ops::Range<usize> {
-        row * self.width..row * self.width + self.stride()
+    /// Number of `loads` that are not friction.
+    pub fn free(&self) -> usize {
+        self.loads.len() - self.pins.len()
     }
 
-    /// Component of the effect of `loads[k]` in a row.
-    pub fn column(&self, row: usize, k: usize) -> usize {
-        row * self.width + 1 + k
+    /// In the bundle: reactions to sigma_dot^2 = 1.
+    pub fn square(&self) -> Range<usize> {
+        let (first, n) = (self.loads.len(), self.pins.len());
+        first..first + 2 * n
+    }
+
+    /// In the bundle: reactions to sigma_ddot = 1.
+    pub fn inertial(&self) -> Range<usize> {
+        let (first, n) = (self.square().end, self.pins.len());
+        first..first + 2 * n
+    }
+
+    /// In the bundle: what each group transmits for the friction = 1 of each pin without motion, as x and then y: group by
+    /// group, for all pins.
+    pub fn passed(&self) -> Range<usize> {
+        let first = self.inertial().end;
+        first..first + 2 * self.leaders.len() * self.pins.len()
+    }
+
+    /// In the bundle: reactions to one of the `loads` that are not friction, with the motion that it causes.
+    pub fn caused(&self, load: usize) -> Range<usize> {
+        let (first, n) = (self.passed().end, self.pins.len());
+        first + 2 * n * load..first + 2 * n * (load + 1)
+    }
+
+    /// Number of components of the bundle.
+    pub fn bundled(&self) -> usize {
+        self.caused(self.free()).start
     }
 
     /// Component of the effect of [`super::Components`] number `k` in a row.
     pub fn given(&self, row: usize, k: usize) -> usize {
-        row * self.width + self.stride() + k
+        self.bundled() + row * self.given + k
     }
 
     /// First of the two components with the direction of a surface in the mechanism frame.
     pub fn line(&self, surface: usize) -> usize {
-        self.rows.len() * self.width + 2 * surface
+        self.given(self.rows(), 0) + 2 * surface
     }
 
     /// Component with the displacement of the load of `bumpers[k]`.
@@ -96,7 +101,7 @@ impl Scene {
 
     /// Build the scene, if anything is in it.
     pub(super) fn build(reduced: &Reduced, air: bool) -> Result<Option<Self>, Unresolved> {
-        let loading = &reduced.loading;
+        let (loading, linkage) = (&reduced.loading, reduced.linkage());
         let drives = loading.drives.iter().enumerate();
         let lossy: Vec<usize> = drives.filter(|(_, d)| d.efficiency.is_some()).map(|(i, _)| i).collect();
         let stops = loading.stops.iter().enumerate();
@@ -113,55 +118,99 @@ impl Scene {
         let mut loads: Vec<usize> = surfaces.iter().flat_map(|s| s.load..s.load + 3).collect();
         loads.extend(bumpers.iter().map(|&b| loading.stops[b].load));
         loads.extend(pins.iter().map(|p| p.load));
-        let mut rows = vec![Row::Motion];
-        for (pin, p) in pins.iter().enumerate() {
-            let parts: &[Part] = match reduced.linkage().joints[p.joint].freedom {
-                Freedom::Turn => &[Part::X, Part::Y],
-                Freedom::Slide(_) => &[Part::Normal],
-            };
-            rows.extend(parts.iter().map(|&part| Row::Reaction { pin, part }));
+        let of_joints = groups(linkage);
+        let mut leaders: Vec<usize> = Vec::new();
+        let (mut of_pins, mut signs) = (Vec::new(), Vec::new());
+        for (i, pin) in pins.iter().enumerate() {
+            let (own, sign) = of_joints[pin.joint];
+            let found = leaders.iter().position(|&leader| of_joints[pins[leader].joint].0 == own);
+            let group = found.unwrap_or(leaders.len());
+            if found.is_none() {
+                leaders.push(i);
+            }
+            of_pins.push(group);
+            signs.push(sign * of_joints[pins[leaders[group]].joint].1);
         }
-        let (air, given) = (!surfaces.is_empty(), reduced.components.count);
-        let width = 1 + given + loads.len();
-        let lines = surfaces.len();
-        let mut sizes = Vec::new();
-        for row in &rows {
-            sizes.extend(row_sizes(reduced, *row, &loads));
-        }
-        sizes.extend(vec![1.0; 2 * lines]);
-        let natural =
-            |b: &usize| reduced.natural.displacement(&loading.loads[loading.stops[*b].load], reduced.linkage());
-        sizes.extend(bumpers.iter().map(natural));
-        let mut scene = Self { lossy, air, bumpers, pins, loads, rows, table: Table::empty(), width };
+        let (air, lines) = (!surfaces.is_empty(), surfaces.len());
+        let mut scene = Self {
+            lossy,
+            air,
+            bumpers,
+            pins,
+            groups: of_pins,
+            leaders,
+            signs,
+            loads,
+            table: Table::empty(),
+            bundle: Bundle::default(),
+            given: reduced.components.count,
+        };
+        let sizes = scene.sizes(reduced, lines);
         scene.table = Table::build(&reduced.grid, &sizes, &mut |sigma, values| {
             let c = reduced.curve.configuration(sigma);
             scene.fill(reduced, &c, values);
             c.amplification
         })?;
+        scene.bundle = scene.table.bundle(scene.bundled());
         Ok(Some(scene))
     }
 
+    /// Natural sizes of all components.
+    fn sizes(&self, reduced: &Reduced, lines: usize) -> Vec<f64> {
+        let (loading, linkage, natural) = (&reduced.loading, reduced.linkage(), &reduced.natural);
+        let displacement = |load: usize| natural.displacement(&loading.loads[load], linkage);
+        // A generalised force Q along sigma goes with forces of the size Q scale / size in the joints.
+        let factor = natural.scale / linkage.size;
+        let influences: Vec<f64> = self.loads.iter().map(|&l| displacement(l) / natural.scale).collect();
+        let mut sizes = vec![0.0; self.bundled()];
+        sizes[..influences.len()].copy_from_slice(&influences);
+        sizes[self.square()].fill(1.0 / linkage.size);
+        sizes[self.inertial()].fill(factor);
+        for (k, size) in sizes[self.passed()].iter_mut().enumerate() {
+            *size = displacement(self.pins[k % self.pins.len()].load) / linkage.size;
+        }
+        for load in 0..self.free() {
+            sizes[self.caused(load)].fill(influences[load] * factor);
+        }
+        let given = reduced.components.sizes(loading, &reduced.curve, natural);
+        for row in 0..self.rows() {
+            sizes.extend(given.iter().map(|s| if row == 0 { *s } else { s * factor }));
+        }
+        sizes.extend(vec![1.0; 2 * lines]);
+        sizes.extend(self.bumpers.iter().map(|&b| displacement(loading.stops[b].load)));
+        sizes
+    }
+
     pub(super) fn fill(&self, reduced: &Reduced, c: &Configuration, values: &mut [f64]) {
-        let (loading, linkage) = (&reduced.loading, reduced.linkage());
+        let (loading, linkage, n) = (&reduced.loading, reduced.linkage(), self.pins.len());
         let influence: Vec<f64> = loading.loads.iter().map(|l| l.influence(linkage, c)).collect();
-        let columns =
-            if self.pins.is_empty() { Vec::new() } else { columns(reduced.curve.closure(), c, &loading.loads) };
-        for (row, out) in self.rows.iter().zip(values.chunks_exact_mut(self.width)) {
-            let part = |column: usize| match *row {
-                Row::Motion => 0.0,
-                Row::Reaction { pin, part } => self.part(reduced, c, pin, part, &columns[column]),
-            };
-            // A reaction to a load: what balances it at rest, and what the motion that it causes needs.
-            let effect = |load: usize| match row {
-                Row::Motion => influence[load],
-                Row::Reaction { .. } => part(2 + load) + part(0) * influence[load],
-            };
-            out[0] = part(1);
-            let (rest, given) = out[1..].split_at_mut(self.loads.len());
-            reduced.components.fill_effects(loading, &reduced.curve, c, &effect, given);
-            for (value, &load) in rest.iter_mut().zip(&self.loads) {
-                *value = effect(load);
+        let columns = if n == 0 { Vec::new() } else { columns(reduced.curve.closure(), c, &loading.loads) };
+        // A component of all pins: to sigma_ddot = 1, to sigma_dot^2 = 1, then to each load = 1 at rest.
+        let part = |k: usize, term: usize| self.part(reduced, c, k, &columns[term]);
+        // A reaction to a load: what balances it at rest, and what the motion that it causes needs.
+        let effect = |k: usize, load: usize| part(k, 2 + load) + part(k, 0) * influence[load];
+        for (value, &load) in values.iter_mut().zip(&self.loads) {
+            *value = influence[load];
+        }
+        for (k, value) in values[self.square()].iter_mut().enumerate() {
+            *value = part(k, 1);
+        }
+        for (k, value) in values[self.inertial()].iter_mut().enumerate() {
+            *value = part(k, 0);
+        }
+        for (k, value) in values[self.passed()].iter_mut().enumerate() {
+            let (axis, group, pin) = (k / (n * self.leaders.len()), k / n % self.leaders.len(), k % n);
+            *value = part(axis * n + self.leaders[group], 2 + self.pins[pin].load);
+        }
+        for (load, &number) in self.loads[..self.free()].iter().enumerate() {
+            for (k, value) in values[self.caused(load)].iter_mut().enumerate() {
+                *value = effect(k, number);
             }
+        }
+        for row in 0..self.rows() {
+            let of_load = |load: usize| if row == 0 { influence[load] } else { effect(row - 1, load) };
+            let given = &mut values[self.given(row, 0)..self.given(row + 1, 0)];
+            reduced.components.fill_effects(loading, &reduced.curve, c, &of_load, given);
         }
         if let (true, Some(air)) = (self.air, &loading.air) {
             for (k, surface) in air.surfaces.iter().enumerate() {
@@ -176,35 +225,19 @@ impl Scene {
         }
     }
 
-    fn part(&self, reduced: &Reduced, c: &Configuration, pin: usize, part: Part, column: &[Reaction]) -> f64 {
+    /// Component number `k` of the pins' reactions in a column.
+    fn part(&self, reduced: &Reduced, c: &Configuration, k: usize, column: &[Reaction]) -> f64 {
+        let (axis, pin) = (k / self.pins.len(), k % self.pins.len());
         let joint = self.pins[pin].joint;
         let force = column[joint].force;
-        match part {
-            Part::X => force.x,
-            Part::Y => force.y,
-            Part::Normal => match reduced.linkage().joints[joint].freedom {
-                Freedom::Slide(axis) => {
+        self.signs[pin]
+            * match (reduced.linkage().joints[joint].freedom, axis) {
+                (Freedom::Turn, _) => force[axis],
+                (Freedom::Slide(line), 0) => {
                     let first = reduced.linkage().joints[joint].first.body;
-                    force.dot(&quarter(c.positions.vector(first, axis)))
+                    force.dot(&quarter(c.positions.vector(first, line)))
                 }
-                Freedom::Turn => 0.0,
-            },
-        }
+                (Freedom::Slide(_), _) => 0.0,
+            }
     }
-}
-
-/// Natural sizes of the components of one row.
-fn row_sizes(reduced: &Reduced, row: Row, loads: &[usize]) -> Vec<f64> {
-    let (loading, linkage, natural) = (&reduced.loading, reduced.linkage(), &reduced.natural);
-    // A generalised force Q along sigma goes with forces of the size Q scale / size in the joints.
-    let factor = match row {
-        Row::Motion => 1.0,
-        Row::Reaction { .. } => natural.scale / linkage.size,
-    };
-    let mut out = vec![if row == Row::Motion { 0.0 } else { 1.0 / linkage.size }];
-    let size = |l: &usize| natural.displacement(&loading.loads[*l], linkage) / natural.scale * factor;
-    out.extend(loads.iter().map(size));
-    let given = reduced.components.sizes(loading, &reduced.curve, natural);
-    out.extend(given.iter().map(|s| s * factor));
-    out
 }

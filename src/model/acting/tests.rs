@@ -40,16 +40,18 @@ proptest! {
         let given = Given { sizes: &sizes, airspeed: 0.0, turns: 0.0, change: None };
         let mut motion = Motion { reduced, scene: Some(scene), given, time: 0.0, mode: Mode::default(), work: &mut work, locked: false };
         motion.effect(sigma, sigma_dot).unwrap();
-        let friction = &motion.work.acting.friction;
+        let acting = &motion.work.acting;
+        let (friction, n) = (&acting.friction, scene.pins.len());
         prop_assert!(friction.iterations <= 8, "{} iterations", friction.iterations);
-        let n = friction.arm.len();
+        let balance = super::balance(scene, &acting.effects, &acting.reactions, &acting.effects[scene.inertial()]);
+        let largest = friction.size.iter().fold(0.0, |a: f64, s| a.max(*s));
         for i in 0..n {
-            let mut r = friction.free[i];
-            for j in 0..n {
-                let (effect, torque) = (friction.effect[i * n + j], friction.friction(j));
-                r = [r[0] + effect[0] * torque, r[1] + effect[1] * torque];
-            }
-            let largest = friction.size.iter().fold(0.0, |a: f64, s| a.max(*s));
+            let r = [0, 1].map(|axis| {
+                (0..n).fold(balance.free[axis][i], |sum, j| {
+                    let passed = balance.passed[axis][balance.groups[i] * n + j];
+                    sum + (passed + balance.inertial[axis][i] * balance.influence[j]) * friction.friction(j)
+                })
+            });
             prop_assert!((r[0].hypot(r[1]) - friction.size[i]).abs() <= 1e-13 * largest, "joint {i}");
         }
     }
