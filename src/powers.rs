@@ -4,9 +4,7 @@
 //! what the polynomials mean.
 use crate::chebyshev::{NODES, Series};
 use crate::number::Number;
-#[cfg(doc)]
-use crate::table::Bundle;
-use crate::table::ROW;
+use crate::table::{ROW, Row, polynomials};
 
 /// Powers of x, and where derivatives are asked for, their derivatives along x.
 #[derive(Clone, Copy, Debug)]
@@ -36,13 +34,12 @@ impl<T: Number> Powers<T> {
         Self { x, powers, slopes }
     }
 
-    /// Polynomials at x, as many as there is room for, whose coefficients are side by side: see [`Bundle`].
+    /// Polynomials at x, row by row.
     #[inline]
-    pub fn bundle(&self, coefficients: &[f64], values: &mut [T]) {
-        let width = values.len();
-        for (row, values) in values.chunks_exact_mut(ROW).enumerate() {
-            let sums = products(coefficients, width, ROW * row, &self.powers);
-            let slopes = if T::CARRIES { products(coefficients, width, ROW * row, &self.slopes) } else { [0.0; ROW] };
+    pub fn bundle(&self, rows: &[Row], values: &mut [T]) {
+        for (values, row) in values.chunks_exact_mut(ROW).zip(rows) {
+            let sums = polynomials(row, self.x.value());
+            let slopes = if T::CARRIES { products(row, &self.slopes) } else { [0.0; ROW] };
             for (value, (sum, slope)) in values.iter_mut().zip(sums.into_iter().zip(slopes)) {
                 *value = self.x.chain(sum, slope);
             }
@@ -69,15 +66,13 @@ fn product(a: &Series, b: &Series) -> f64 {
     (sums[0] + sums[1]) + (sums[2] + sums[3])
 }
 
-/// Sums of the products with columns of coefficients, from the column `first` on.
+/// The same for a row of functions.
 #[inline]
-fn products(coefficients: &[f64], width: usize, first: usize, weights: &[f64; NODES]) -> [f64; ROW] {
+fn products(row: &Row, weights: &[f64; NODES]) -> [f64; ROW] {
     let mut sums = [0.0; ROW];
-    for (column, weight) in coefficients.chunks_exact(width).zip(weights) {
-        if let Some(column) = column[first..].first_chunk::<ROW>() {
-            for k in 0..ROW {
-                sums[k] += column[k] * weight;
-            }
+    for (lanes, weight) in row.iter().zip(weights) {
+        for k in 0..ROW {
+            sums[k] += lanes.0[k] * weight;
         }
     }
     sums

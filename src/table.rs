@@ -9,7 +9,7 @@ use std::ops::Range;
 /// A table resolves its components to this part of their largest value.
 pub const ACCURACY: f64 = 1e-13;
 
-/// Values that are computed at once.
+/// Number of functions in a row.
 pub const ROW: usize = 4;
 
 /// No panel, however short, resolves the function here.
@@ -67,34 +67,60 @@ pub fn polynomial(c: &Series, x: f64) -> f64 {
     eight(0) + eight(8) * x8
 }
 
-/// Functions that are read together: on each panel their coefficients side by side, power by power.
+/// Monomial coefficients of [`ROW`] functions, power by power.
+pub type Row = [Lanes; NODES];
+
+/// Numbers that are computed with at once.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(align(16))]
+pub struct Lanes(pub [f64; ROW]);
+
+/// Functions that are read together, on each panel side by side; zeros fill the last row.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bundle {
-    /// Functions, and zeros up to a full row.
-    width: usize,
-    coefficients: Vec<f64>,
+    /// Rows of a panel.
+    rows: usize,
+    coefficients: Vec<Row>,
 }
 
 impl Bundle {
-    /// Number of values that so many functions have: theirs, and zeros that fill the last row.
-    pub fn width(functions: usize) -> usize {
-        functions.next_multiple_of(ROW)
+    /// Number of rows of so many functions.
+    pub fn rows(functions: usize) -> usize {
+        functions.div_ceil(ROW)
     }
 
     /// Coefficients on one panel.
     #[inline]
-    pub fn panel(&self, panel: usize) -> &[f64] {
-        let size = NODES * self.width;
-        &self.coefficients[panel * size..(panel + 1) * size]
+    pub fn panel(&self, panel: usize) -> &[Row] {
+        &self.coefficients[panel * self.rows..(panel + 1) * self.rows]
     }
 }
 
-/// Coefficients of some functions on one panel, side by side, appended to `out`.
-pub fn side_by_side(series: &[Series], out: &mut Vec<f64>) {
-    for k in 0..NODES {
-        out.extend(series.iter().map(|s| s[k]));
-        out.resize(out.len() + Bundle::width(series.len()) - series.len(), 0.0);
+/// Functions on one panel side by side, appended to `out`.
+pub fn side_by_side(series: &[Series], out: &mut Vec<Row>) {
+    out.extend(series.chunks(ROW).map(|row| {
+        let mut lanes = [Lanes::default(); NODES];
+        for (i, series) in row.iter().enumerate() {
+            for (lane, c) in lanes.iter_mut().zip(series) {
+                lane.0[i] = *c;
+            }
+        }
+        lanes
+    }));
+}
+
+/// Values of a row of functions: Horner's scheme for even and for odd powers.
+#[inline]
+pub fn polynomials(row: &Row, x: f64) -> [f64; ROW] {
+    let square = x * x;
+    let (mut even, mut odd) = (row[NODES - 2].0, row[NODES - 1].0);
+    for pair in row[..NODES - 2].rchunks_exact(2) {
+        for i in 0..ROW {
+            even[i] = even[i] * square + pair[0].0[i];
+            odd[i] = odd[i] * square + pair[1].0[i];
+        }
     }
+    std::array::from_fn(|i| even[i] + odd[i] * x)
 }
 
 impl Table {
@@ -247,11 +273,12 @@ impl Table {
 
     /// The first components, to be read together.
     pub fn bundle(&self, components: usize) -> Bundle {
-        let mut coefficients = Vec::with_capacity(self.panels() * NODES * Bundle::width(components));
+        let rows = Bundle::rows(components);
+        let mut coefficients = Vec::with_capacity(self.panels() * rows);
         for panel in self.coefficients.chunks_exact(self.components) {
             side_by_side(&panel[..components], &mut coefficients);
         }
-        Bundle { width: Bundle::width(components), coefficients }
+        Bundle { rows, coefficients }
     }
 
     /// Value of a component at a place.

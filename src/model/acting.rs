@@ -8,7 +8,7 @@ use crate::friction::{Balance, Band, Locked, Loop};
 use crate::number::Number;
 use crate::powers::Powers;
 use crate::reduced::{Reduced, Scene};
-use crate::table::Bundle;
+use crate::table::{Bundle, ROW};
 
 /// What is decided between steps, not within one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -57,13 +57,13 @@ impl<T: Number> Acting<T> {
         let zero = T::constant(0.0);
         let (lossy, loads, pins) = scene.map_or((0, 0, 0), |s| (s.lossy.len(), s.loads.len(), s.pins.len()));
         let groups = scene.and_then(|s| s.groups.iter().max()).map_or(0, |last| last + 1);
-        let reactions = Bundle::width(2 * pins);
+        let reactions = ROW * Bundle::rows(2 * pins);
         Self {
             arriving: vec![zero; lossy],
             loads: vec![zero; loads],
             friction: Loop::new(pins, groups),
             bands: vec![None; pins],
-            effects: vec![zero; scene.map_or(0, |s| Bundle::width(s.bundled()))],
+            effects: vec![zero; scene.map_or(0, |s| ROW * Bundle::rows(s.bundled()))],
             motion: zero,
             reactions: vec![zero; reactions],
             kept: vec![zero; lossy + 1 + reactions],

@@ -137,12 +137,17 @@ impl Motion<'_> {
         Ok(0.0)
     }
 
-    /// Slip speed of a pin [m/s].
+    /// Slip speed of a pin [m/s]. Asked for at the ends of steps and between them, it leaves the panel as it is.
     pub fn slip(&mut self, pin: usize, sigma: f64, sigma_dot: f64) -> f64 {
-        let x = self.place(sigma);
         let Some(scene) = self.scene else { return 0.0 };
-        let series = self.work.folded.series(&scene.table, scene.free() + pin);
-        polynomial(series, x) * sigma_dot * scene.pins[pin].radius
+        let component = scene.free() + pin;
+        let influence = if self.reduced.is_exact() {
+            let x = self.place(sigma);
+            polynomial(self.work.folded.series(&scene.table, component), x)
+        } else {
+            self.work.folded.value((self.reduced, &scene.table), component, sigma)
+        };
+        influence * sigma_dot * scene.pins[pin].radius
     }
 
     /// State the stretch of its law in which a pin is, until told otherwise; with none, its slip speed tells.

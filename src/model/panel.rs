@@ -4,7 +4,7 @@ use crate::chebyshev::{NODES, Series};
 use crate::number::{Dual, Number};
 use crate::powers::Powers;
 use crate::reduced::{Reduced, Scene};
-use crate::table::{Bundle, Table, side_by_side};
+use crate::table::{Bundle, Row, Table, side_by_side};
 
 /// Rounding of a panel's border that is counted on over whole turns, relative to the numbers that are added up.
 const BORDER: f64 = 8.0 * f64::EPSILON;
@@ -70,13 +70,13 @@ pub struct Folded {
     /// Force along the curve.
     pub force: Series,
     /// Components of the pins' reactions, side by side.
-    pub reactions: Vec<f64>,
+    pub reactions: Vec<Row>,
     /// First and second time derivative of all rows, the force first; none under constant inputs.
     rates: Vec<[Series; 2]>,
     /// Without tables: all components at the one sigma for which it holds, by value and slope.
     exact: Vec<Series>,
     /// Those of them that are read together, side by side.
-    exact_bundle: Vec<f64>,
+    exact_bundle: Vec<Row>,
     /// Room for the rows but the first.
     rows: Vec<Series>,
 }
@@ -94,7 +94,7 @@ impl Folded {
             panel: 0,
             turns: 0.0,
             force: [0.0; NODES],
-            reactions: vec![0.0; NODES * Bundle::width(rows)],
+            reactions: Vec::with_capacity(Bundle::rows(rows)),
             rates: Vec::new(),
             exact: Vec::new(),
             exact_bundle: Vec::new(),
@@ -136,7 +136,7 @@ impl Folded {
 
     /// Coefficients of what is read together, on the panel.
     #[inline]
-    pub fn bundle<'a>(&'a self, bundle: &'a Bundle) -> &'a [f64] {
+    pub fn bundle<'a>(&'a self, bundle: &'a Bundle) -> &'a [Row] {
         if self.exact.is_empty() { bundle.panel(self.panel) } else { &self.exact_bundle }
     }
 
@@ -155,17 +155,22 @@ impl Folded {
         }
     }
 
+    /// Value of one component of the table at any sigma, without entering its panel.
+    pub fn value(&self, (reduced, table): (&Reduced, &Table), component: usize, sigma: f64) -> f64 {
+        let (shift, ..) = around(reduced, sigma);
+        let (first, last) = reduced.curve().range();
+        let sigma = (sigma - shift).clamp(first, last);
+        let spot = table.spot_near(sigma, self.panel);
+        table.value(spot, component)
+    }
+
     #[cold]
     fn enter(&mut self, reduced: &Reduced, scene: Option<&Scene>, given: &Given, sigma: f64) {
         let table = scene.map_or(reduced.influence(), |s| &s.table);
         let (first, last) = reduced.curve().range();
-        let (around, period) = match reduced.period() {
-            Some(period) => (((sigma - first) / period).floor(), period),
-            None => (0.0, 0.0),
-        };
-        let shift = around * period;
+        let (shift, turns, period) = around(reduced, sigma);
         self.panel = table.panel_near(sigma - shift, self.panel);
-        self.turns = given.turns + around;
+        self.turns = given.turns + turns;
         let (a, b) = table.borders(self.panel);
         (self.low, self.high, self.center, self.inverse) = (a + shift, b + shift, 0.5 * (a + b) + shift, 2.0 / (b - a));
         if reduced.period().is_some() {
@@ -239,6 +244,18 @@ impl Folded {
             }
         }
         sum
+    }
+}
+
+/// Length of the whole turns before sigma, their number, and the length of one.
+fn around(reduced: &Reduced, sigma: f64) -> (f64, f64, f64) {
+    let first = reduced.curve().range().0;
+    match reduced.period() {
+        Some(period) => {
+            let turns = ((sigma - first) / period).floor();
+            (turns * period, turns, period)
+        }
+        None => (0.0, 0.0, 0.0),
     }
 }
 
