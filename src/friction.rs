@@ -181,6 +181,7 @@ impl<T: Number> Loop<T> {
     }
 
     /// [`Self::solve`] for one group of N joints; false if it does not settle soon with a positive determinant.
+    #[inline]
     fn solve_one<const N: usize>(&mut self, balance: &Balance<T>) -> bool {
         const MOST: u32 = 12;
         let chunk = |s: &[T]| s.first_chunk::<N>().copied();
@@ -188,41 +189,48 @@ impl<T: Number> Loop<T> {
         let [Some(along_x), Some(along_y)] = balance.inertial.map(chunk) else { return false };
         let [Some(passed_x), Some(passed_y)] = balance.passed.map(chunk) else { return false };
         let (Some(influence), Some(arm)) = (chunk(balance.influence), chunk(&self.arm)) else { return false };
-        let times = |a: [T; N]| -> [T; N] { std::array::from_fn(|j| -(a[j] * arm[j])) };
-        let effect = [times(influence), times(passed_x), times(passed_y)];
-        let all = |sizes: &[T; N]| -> [T; 3] {
-            effect.map(|row| {
-                let mut sum = row[0] * sizes[0];
-                for j in 1..N {
-                    sum = sum + row[j] * sizes[j];
-                }
-                sum
-            })
-        };
-        let mut z = all(&std::array::from_fn(|i| norm([free_x[i], free_y[i]])));
+        let mut effect = [influence, passed_x, passed_y];
+        for row in &mut effect {
+            for j in 0..N {
+                row[j] = -(row[j] * arm[j]);
+            }
+        }
+        let zero = T::constant(0.0);
+        let (mut x, mut y, mut sizes) = (free_x, free_y, [zero; N]);
+        let mut z = [zero; 3];
+        for i in 0..N {
+            sizes[i] = norm([x[i], y[i]]);
+        }
+        for k in 0..3 {
+            z[k] = dot(&effect[k], &sizes);
+        }
         let mut settled = false;
         for iteration in 1..=MOST {
-            let x: [T; N] = std::array::from_fn(|i| free_x[i] + along_x[i] * z[0] + z[1]);
-            let y: [T; N] = std::array::from_fn(|i| free_y[i] + along_y[i] * z[0] + z[2]);
-            let sizes: [T; N] = std::array::from_fn(|i| norm([x[i], y[i]]));
-            let inverse = sizes.map(|s| 1.0 / s.value().max(f64::MIN_POSITIVE));
-            let unit_x: [f64; N] = std::array::from_fn(|i| x[i].value() * inverse[i]);
-            let unit_y: [f64; N] = std::array::from_fn(|i| y[i].value() * inverse[i]);
-            let along: [f64; N] =
-                std::array::from_fn(|i| unit_x[i] * along_x[i].value() + unit_y[i] * along_y[i].value());
-            let slopes = [along, unit_x, unit_y];
-            let found = all(&sizes);
-            let rest: [T; 3] = std::array::from_fn(|k| found[k] - z[k]);
+            // Derivatives of each |R| along the unknowns.
+            let mut slopes = [[0.0; N]; 3];
+            let mut inverse = [0.0; N];
+            for i in 0..N {
+                x[i] = free_x[i] + along_x[i] * z[0] + z[1];
+                y[i] = free_y[i] + along_y[i] * z[0] + z[2];
+                sizes[i] = norm([x[i], y[i]]);
+                inverse[i] = 1.0 / greater(f64::MIN_POSITIVE, sizes[i].value());
+                slopes[1][i] = x[i].value() * inverse[i];
+                slopes[2][i] = y[i].value() * inverse[i];
+                slopes[0][i] = slopes[1][i] * along_x[i].value() + slopes[2][i] * along_y[i].value();
+            }
             // I - B d|R|/dz.
-            let matrix: [[f64; 3]; 3] = std::array::from_fn(|k| {
-                std::array::from_fn(|l| {
-                    let mut sum = f64::from(u8::from(k == l));
+            let mut matrix = [[0.0; 3]; 3];
+            let mut rest = [zero; 3];
+            for k in 0..3 {
+                rest[k] = dot(&effect[k], &sizes) - z[k];
+                for l in 0..3 {
+                    let mut sums = [0.0; 2];
                     for j in 0..N {
-                        sum -= effect[k][j].value() * slopes[l][j];
+                        sums[j % 2] += effect[k][j].value() * slopes[l][j];
                     }
-                    sum
-                })
-            });
+                    matrix[k][l] = f64::from(u8::from(k == l)) - (sums[0] + sums[1]);
+                }
+            }
             let (step, determinant) = solve_three(&matrix, &rest);
             if determinant.is_nan() || determinant <= 0.0 {
                 return false;
@@ -231,18 +239,21 @@ impl<T: Number> Loop<T> {
             for i in 0..N {
                 let dx = along_x[i].value() * step[0].value() + step[1].value();
                 let dy = along_y[i].value() * step[0].value() + step[2].value();
-                left = f64::max(left, (dx * dx + dy * dy) * inverse[i]);
-                scale = f64::max(scale, sizes[i].value());
+                left = greater(left, (dx * dx + dy * dy) * inverse[i]);
+                scale = greater(scale, sizes[i].value());
             }
-            z = std::array::from_fn(|k| z[k] + step[k]);
             left /= scale;
+            for k in 0..3 {
+                z[k] = z[k] + step[k];
+            }
             // Derivatives that T may carry converge one iteration behind.
             if settled || (left < SETTLED && !T::CARRIES) || left == 0.0 {
                 self.iterations = iteration;
                 for (i, size) in self.size.iter_mut().enumerate() {
-                    let mut more = step[0] * T::constant(along[i]);
-                    more = more + step[1] * T::constant(unit_x[i]) + step[2] * T::constant(unit_y[i]);
-                    *size = sizes[i] + more;
+                    *size = sizes[i];
+                    for k in 0..3 {
+                        *size = *size + step[k] * T::constant(slopes[k][i]);
+                    }
                 }
                 return true;
             }
@@ -334,23 +345,37 @@ fn total<T: Number>(a: &[T], b: &[T]) -> T {
     a.iter().zip(b).fold(T::constant(0.0), |sum, (a, b)| sum + *a * *b)
 }
 
+/// Sum of the products of a few numbers, those at even and at odd places apart.
+#[inline]
+fn dot<T: Number, const N: usize>(a: &[T; N], b: &[T; N]) -> T {
+    let mut sums = [a[0] * b[0], if N > 1 { a[1] * b[1] } else { T::constant(0.0) }];
+    for j in 2..N {
+        sums[j % 2] = sums[j % 2] + a[j] * b[j];
+    }
+    sums[0] + sums[1]
+}
+
+/// The greater of two numbers; the first, if the second is not a number.
+#[inline]
+fn greater(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}
+
 /// Solution of three equations by cofactors, and their determinant.
+#[inline]
 fn solve_three<T: Number>(a: &[[f64; 3]; 3], b: &[T; 3]) -> ([T; 3], f64) {
     let minor = |i: usize, j: usize| {
-        let (r, s) = ((i + 1) % 3, (i + 2) % 3);
-        let (t, u) = ((j + 1) % 3, (j + 2) % 3);
+        let ((r, s), (t, u)) = (((i + 1) % 3, (i + 2) % 3), ((j + 1) % 3, (j + 2) % 3));
         a[r][t] * a[s][u] - a[r][u] * a[s][t]
     };
-    let cofactors: [[f64; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| minor(i, j)));
-    let determinant = a[0][0] * cofactors[0][0] + a[0][1] * cofactors[0][1] + a[0][2] * cofactors[0][2];
-    let inverse = 1.0 / determinant;
-    let solution = std::array::from_fn(|j| {
-        let mut sum = b[0] * T::constant(cofactors[0][j] * inverse);
-        for i in 1..3 {
-            sum = sum + b[i] * T::constant(cofactors[i][j] * inverse);
-        }
-        sum
-    });
+    let first = [minor(0, 0), minor(0, 1), minor(0, 2)];
+    let determinant = a[0][0] * first[0] + a[0][1] * first[1] + a[0][2] * first[2];
+    let inverse = T::constant(1.0 / determinant);
+    let mut solution = *b;
+    for j in 0..3 {
+        let sum = b[0] * T::constant(first[j]) + b[1] * T::constant(minor(1, j)) + b[2] * T::constant(minor(2, j));
+        solution[j] = sum * inverse;
+    }
     (solution, determinant)
 }
 

@@ -12,7 +12,6 @@ pub mod loading;
 pub mod loads;
 pub mod model;
 pub mod number;
-pub mod powers;
 pub mod reactions;
 pub mod record;
 pub mod reduced;

@@ -3,6 +3,7 @@
 //! In: an exact function of sigma. Out: the same function at the cost of one polynomial for each component. Built once,
 //! read without allocation, lock or branch on the mechanism's size. It must not know what the functions mean.
 use crate::chebyshev::{NODES, Series, Transform, monomials, tail};
+use crate::number::Number;
 use std::fmt;
 use std::ops::Range;
 
@@ -109,9 +110,21 @@ pub fn side_by_side(series: &[Series], out: &mut Vec<Row>) {
     }));
 }
 
-/// Values of a row of functions: Horner's scheme for even and for odd powers.
+/// Values of functions side by side at x, with derivatives if x carries some.
 #[inline]
-pub fn polynomials(row: &Row, x: f64) -> [f64; ROW] {
+pub fn side_by_side_at<T: Number>(rows: &[Row], x: T, values: &mut [[T; ROW]]) {
+    for (values, row) in values.iter_mut().zip(rows) {
+        let of_x = polynomials(row, x.value());
+        let slopes = if T::CARRIES { slopes(row, x.value()) } else { [0.0; ROW] };
+        for (value, (of_x, slope)) in values.iter_mut().zip(of_x.into_iter().zip(slopes)) {
+            *value = x.chain(of_x, slope);
+        }
+    }
+}
+
+/// Horner's scheme for even and for odd powers.
+#[inline]
+fn polynomials(row: &Row, x: f64) -> [f64; ROW] {
     let square = x * x;
     let (mut even, mut odd) = (row[NODES - 2].0, row[NODES - 1].0);
     for pair in row[..NODES - 2].rchunks_exact(2) {
@@ -121,6 +134,24 @@ pub fn polynomials(row: &Row, x: f64) -> [f64; ROW] {
         }
     }
     std::array::from_fn(|i| even[i] + odd[i] * x)
+}
+
+/// Horner's scheme for the derivatives.
+fn slopes(row: &Row, x: f64) -> [f64; ROW] {
+    let mut sums = [0.0; ROW];
+    for (k, lanes) in row.iter().enumerate().skip(1).rev() {
+        for i in 0..ROW {
+            sums[i] = sums[i] * x + k as f64 * lanes.0[i];
+        }
+    }
+    sums
+}
+
+/// A polynomial with monomial coefficients at x, with derivatives if x carries some.
+#[inline]
+pub fn polynomial_at<T: Number>(c: &Series, x: T) -> T {
+    let slope = || c.iter().enumerate().skip(1).rev().fold(0.0, |sum, (k, c)| sum * x.value() + k as f64 * c);
+    x.chain(polynomial(c, x.value()), if T::CARRIES { slope() } else { 0.0 })
 }
 
 impl Table {
@@ -378,6 +409,26 @@ impl Sampler<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::number::Dual;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn values_and_slopes_are_those_of_horner(x in -1.0..1.0f64, c in proptest::array::uniform16(-1.0..1.0f64)) {
+            let value = c.iter().rev().fold(0.0, |sum, c| sum * x + c);
+            let slope = c.iter().enumerate().skip(1).map(|(k, c)| k as f64 * c * x.powi(k as i32 - 1)).sum::<f64>();
+            let dual = polynomial_at(&c, Dual::<1>::variable(x, 0));
+            // Sixteen terms, the largest slope times 15.
+            prop_assert!((polynomial_at(&c, x) - value).abs() < 1e-14);
+            prop_assert!((dual.value - value).abs() < 1e-14 && (dual.slope[0] - slope).abs() < 2e-13);
+            let mut rows = Vec::new();
+            side_by_side(&[[1.0; NODES], c], &mut rows);
+            let mut values = [[Dual::<1>::constant(1.0); ROW]];
+            side_by_side_at(&rows, Dual::<1>::variable(x, 0), &mut values);
+            prop_assert!((values[0][1].value - value).abs() < 1e-14 && (values[0][1].slope[0] - slope).abs() < 2e-13);
+            prop_assert_eq!(values[0][2].value, 0.0);
+        }
+    }
 
     fn grid(borders: &[f64]) -> Grid {
         Grid { borders: borders.to_vec(), centers: Vec::new() }

@@ -6,9 +6,8 @@ use super::panel::{Folded, Given};
 use crate::drag::Meeting;
 use crate::friction::{Balance, Band, Locked, Loop};
 use crate::number::Number;
-use crate::powers::Powers;
 use crate::reduced::{Reduced, Scene};
-use crate::table::{Bundle, ROW};
+use crate::table::{Bundle, ROW, polynomial_at, side_by_side_at};
 
 /// What is decided between steps, not within one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,11 +39,11 @@ pub struct Acting<T> {
     /// Stretch of its law in which each pin is taken to be; where none is stated, that of its slip speed.
     pub bands: Vec<Option<Band>>,
     /// The scene's bundle.
-    effects: Vec<T>,
+    effects: Vec<[T; ROW]>,
     /// Effect of all but friction on the motion.
     motion: T,
     /// The same on the components of the pins' reactions.
-    reactions: Vec<T>,
+    reactions: Vec<[T; ROW]>,
     /// What arrived, then the effects on the motion and on the reactions, of the evaluation that was kept.
     kept: Vec<T>,
     /// Room for the pins' reactions without friction, then those to sigma_ddot.
@@ -57,16 +56,16 @@ impl<T: Number> Acting<T> {
         let zero = T::constant(0.0);
         let (lossy, loads, pins) = scene.map_or((0, 0, 0), |s| (s.lossy.len(), s.loads.len(), s.pins.len()));
         let groups = scene.and_then(|s| s.groups.iter().max()).map_or(0, |last| last + 1);
-        let reactions = ROW * Bundle::rows(2 * pins);
+        let reactions = Bundle::rows(2 * pins);
         Self {
             arriving: vec![zero; lossy],
             loads: vec![zero; loads],
             friction: Loop::new(pins, groups),
             bands: vec![None; pins],
-            effects: vec![zero; scene.map_or(0, |s| ROW * Bundle::rows(s.bundled()))],
+            effects: vec![[zero; ROW]; scene.map_or(0, |s| Bundle::rows(s.bundled()))],
             motion: zero,
-            reactions: vec![zero; reactions],
-            kept: vec![zero; lossy + 1 + reactions],
+            reactions: vec![[zero; ROW]; reactions],
+            kept: vec![zero; lossy + 1 + ROW * reactions],
             room: vec![zero; 4 * pins],
         }
     }
@@ -84,12 +83,12 @@ impl<T: Number> Acting<T> {
         mode: &Mode,
         [t, sigma, sigma_dot]: [T; 3],
     ) -> Result<Effect<T>, Locked> {
-        let powers = Powers::new(folded.x(sigma));
-        let at = |component: usize| powers.at(folded.series(&scene.table, component));
+        let x = folded.x(sigma);
+        let at = |component: usize| polynomial_at(folded.series(&scene.table, component), x);
         let damping = reduced.components().damping;
-        powers.bundle(folded.bundle(&scene.bundle), &mut self.effects);
-        powers.bundle(&folded.reactions, &mut self.reactions);
-        self.motion = folded.at(&powers, t);
+        side_by_side_at(folded.bundle(&scene.bundle), x, &mut self.effects);
+        side_by_side_at(&folded.reactions, x, &mut self.reactions);
+        self.motion = folded.at(x, t);
         let (free, n) = (scene.free(), scene.pins.len());
         let mut lost = T::constant(0.0);
         // What the state decides, but for friction.
@@ -105,7 +104,7 @@ impl<T: Number> Acting<T> {
         }
         self.blow(reduced, scene, given.air(t), sigma_dot, &at);
         self.press(reduced, scene, folded, mode, sigma_dot, &at);
-        for (&effect, &size) in self.effects.iter().zip(&self.loads[..free]) {
+        for (&effect, &size) in self.effects.as_flattened().iter().zip(&self.loads[..free]) {
             self.motion = self.motion + effect * size;
             lost = lost - effect * size * sigma_dot;
         }
@@ -115,23 +114,24 @@ impl<T: Number> Acting<T> {
             lost = lost + drag * sigma_dot;
         }
         if folded.changes() {
-            lost = lost - folded.excess(0, &powers, t) * sigma_dot;
+            lost = lost - folded.excess(0, x, t) * sigma_dot;
         }
         let mut acceleration = self.motion;
         if n > 0 {
+            let effects = self.effects.as_flattened();
+            let reactions = &mut self.reactions.as_flattened_mut()[..2 * n];
             let square = sigma_dot * sigma_dot;
-            let add = |reactions: &mut [T], effects: &[T], size: T| {
-                for (sum, effect) in reactions.iter_mut().zip(effects) {
+            for (sum, effect) in reactions.iter_mut().zip(&effects[scene.square()]) {
+                *sum = *sum + *effect * square;
+            }
+            for (load, &size) in self.loads[..free].iter().enumerate() {
+                for (sum, effect) in reactions.iter_mut().zip(&effects[scene.caused(load)]) {
                     *sum = *sum + *effect * size;
                 }
-            };
-            add(&mut self.reactions, &self.effects[scene.square()], square);
-            for load in 0..free {
-                add(&mut self.reactions, &self.effects[scene.caused(load)], self.loads[load]);
             }
             if damping.is_some() || !scene.lossy.is_empty() || folded.changes() {
-                for (k, sum) in self.reactions[..2 * n].iter_mut().enumerate() {
-                    *sum = *sum + folded.excess(k + 1, &powers, t);
+                for (k, sum) in reactions.iter_mut().enumerate() {
+                    *sum = *sum + folded.excess(k + 1, x, t);
                     if let Some(damping) = damping {
                         *sum = *sum - at(scene.given(k + 1, damping)) * sigma_dot;
                     }
@@ -141,9 +141,10 @@ impl<T: Number> Acting<T> {
                 }
             }
             self.rub(scene, sigma_dot)?;
-            for j in 0..n {
-                self.loads[free + j] = self.friction.friction(j);
-                let share = self.effects[free + j] * self.loads[free + j];
+            let influences = self.effects.as_flattened()[..scene.loads.len()].iter();
+            for (j, (load, &influence)) in self.loads.iter_mut().zip(influences).skip(free).enumerate() {
+                *load = self.friction.friction(j);
+                let share = influence * *load;
                 acceleration = acceleration + share;
                 lost = lost - share * sigma_dot;
             }
@@ -153,14 +154,14 @@ impl<T: Number> Acting<T> {
 
     /// Keep what was found last, to be mixed with what is found next.
     pub fn keep(&mut self) {
-        let found = self.arriving.iter().chain([&self.motion]).chain(&self.reactions);
+        let found = self.arriving.iter().chain([&self.motion]).chain(self.reactions.as_flattened());
         self.kept.iter_mut().zip(found).for_each(|(kept, found)| *kept = *found);
     }
 
     /// This share of what was found last, and the rest of what was kept: for drives that hold the mechanism at rest, where all
     /// is affine in what arrives of them.
     pub fn mix(&mut self, share: T) {
-        let found = self.arriving.iter_mut().chain([&mut self.motion]).chain(&mut self.reactions);
+        let found = self.arriving.iter_mut().chain([&mut self.motion]).chain(self.reactions.as_flattened_mut());
         for (found, kept) in found.zip(&self.kept) {
             *found = share * *found + (T::constant(1.0) - share) * *kept;
         }
@@ -181,8 +182,8 @@ impl<T: Number> Acting<T> {
         target: T,
         breakaway: Option<f64>,
     ) -> Result<T, Locked> {
-        let powers = Powers::new(folded.x(sigma));
-        let at = |component: usize| powers.at(folded.series(&scene.table, component));
+        let x = folded.x(sigma);
+        let at = |component: usize| polynomial_at(folded.series(&scene.table, component), x);
         let influence = at(scene.given(0, load));
         // What the load must give along the curve without friction, and what this share of it is.
         let bare = target - (self.motion - influence * size);
@@ -190,9 +191,10 @@ impl<T: Number> Acting<T> {
         if n == 0 {
             return Ok(bare);
         }
+        let effects = self.effects.as_flattened();
         if let Some(direction) = breakaway {
             for (j, pin) in scene.pins.iter().enumerate() {
-                let slip = self.effects[free + j].value() * direction;
+                let slip = effects[free + j].value() * direction;
                 let arm = pin.law.static_coefficient * pin.radius;
                 self.friction.arm[j] = T::constant(if slip < 0.0 { -arm } else { arm });
             }
@@ -200,16 +202,16 @@ impl<T: Number> Acting<T> {
         // With this load the motion stays what it is, whatever the friction: reactions to it take the place of inertia.
         let inverse = influence.chain(1.0 / influence.value(), -1.0 / influence.value().powi(2));
         let (reactions, inertial) = self.room.split_at_mut(2 * n);
-        for (k, (effect, reaction)) in self.effects[scene.inertial()].iter().zip(&self.reactions).enumerate() {
+        for (k, (effect, reaction)) in effects[scene.inertial()].iter().zip(self.reactions.as_flattened()).enumerate() {
             let of_load = at(scene.given(k + 1, load));
             inertial[k] = *effect - of_load * inverse;
             reactions[k] = *reaction + of_load * (bare * inverse - size);
         }
-        let balance = balance(scene, &self.effects, reactions, inertial);
+        let balance = balance(scene, effects, reactions, inertial);
         self.friction.solve(&balance)?;
         let mut force = bare;
         for j in 0..n {
-            force = force - self.effects[free + j] * self.friction.friction(j);
+            force = force - effects[free + j] * self.friction.friction(j);
         }
         Ok(force)
     }
@@ -218,7 +220,7 @@ impl<T: Number> Acting<T> {
     fn blow(&mut self, reduced: &Reduced, scene: &Scene, airspeed: T, sigma_dot: T, at: &impl Fn(usize) -> T) {
         let Some(air) = reduced.loading().air.as_ref().filter(|_| scene.air) else { return };
         for (i, surface) in air.surfaces.iter().enumerate() {
-            let rate = |k: usize| self.effects[3 * i + k] * sigma_dot;
+            let rate = |k: usize| self.effects.as_flattened()[3 * i + k] * sigma_dot;
             let mut wind = [air.flow.x, air.flow.y].map(|f| T::constant(f) * airspeed);
             let mut omega = T::constant(0.0);
             if air.relative_wind {
@@ -248,7 +250,7 @@ impl<T: Number> Acting<T> {
                 let stop = &reduced.loading().stops[stop];
                 let wound = folded.turns * reduced.load_growth(stop.load);
                 let beyond = at(scene.pressed(k)) + T::constant(wound - stop.value);
-                let rate = self.effects[first + k] * sigma_dot;
+                let rate = self.effects.as_flattened()[first + k] * sigma_dot;
                 -(beyond * T::constant(stop.stiffness) + rate * T::constant(stop.damping))
             } else {
                 T::constant(0.0)
@@ -258,15 +260,16 @@ impl<T: Number> Acting<T> {
 
     /// Friction of all pins.
     fn rub(&mut self, scene: &Scene, sigma_dot: T) -> Result<(), Locked> {
-        let slips = &self.effects[scene.free()..scene.loads.len()];
+        let effects = self.effects.as_flattened();
+        let slips = &effects[scene.free()..scene.loads.len()];
         let arms = self.friction.arm.iter_mut().zip(&self.bands);
         for ((arm, band), (pin, slip)) in arms.zip(scene.pins.iter().zip(slips)) {
             let slip = *slip * sigma_dot * T::constant(pin.radius);
             let band = band.unwrap_or_else(|| pin.law.band(slip.value()));
             *arm = pin.law.signed(slip, band) * T::constant(pin.radius);
         }
-        let inertial = &self.effects[scene.inertial()];
-        self.friction.solve(&balance(scene, &self.effects, &self.reactions, inertial))
+        let reactions = self.reactions.as_flattened();
+        self.friction.solve(&balance(scene, effects, reactions, &effects[scene.inertial()]))
     }
 }
 

@@ -17,9 +17,8 @@ use super::state::{State, acting, airspeed};
 use super::{Inputs, Model, ModelError, Motion as Formulation};
 use crate::linkage::Freedom;
 use crate::number::{Dual, Number};
-use crate::powers::Powers;
 use crate::reduced::{Reduced, Scene};
-use crate::table::Table;
+use crate::table::{Table, polynomial_at};
 use crate::variables::{Causality, Kind, OneElement, Output, Quantity, ReactionPart, Reference};
 
 type D = Dual<1>;
@@ -205,7 +204,7 @@ impl View<'_> {
             return D::constant(table.value(spot, component));
         }
         let (a, b) = table.borders(spot.panel);
-        Powers::new(self.sigma().chain(spot.x, 2.0 / (b - a))).at(table.series(spot.panel, component))
+        polynomial_at(table.series(spot.panel, component), self.sigma().chain(spot.x, 2.0 / (b - a)))
     }
 
     /// A component whose derivative along sigma is the next one.
@@ -270,7 +269,7 @@ impl View<'_> {
         // s itself: the inputs are u + s du/ds, at s = 0.
         let s = D::variable(0.0, 0);
         match scene {
-            None => Ok(folded.at(&Powers::new(folded.x(sigma)), s)),
+            None => Ok(folded.at(folded.x(sigma), s)),
             Some(scene) => {
                 let effect = acting.evaluate((reduced, scene), &given, folded, &mode, [s, sigma, sigma_dot])?;
                 Ok(effect.acceleration)

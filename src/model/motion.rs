@@ -8,7 +8,6 @@ use super::panel::{Folded, Given};
 use crate::friction::{Band, Locked};
 use crate::integrator::System;
 use crate::number::{Dual, Number};
-use crate::powers::Powers;
 use crate::reduced::{Reduced, Scene};
 use crate::table::polynomial;
 
@@ -196,8 +195,8 @@ impl Motion<'_> {
 
 /// Without a scene: the given loads alone, at (t, sigma, sigma_dot).
 fn changing<T: Number>(folded: &Folded, [t, sigma, sigma_dot]: [T; 3]) -> Effect<T> {
-    let powers = Powers::new(folded.x(sigma));
-    Effect { acceleration: folded.at(&powers, t), lost: -(folded.excess(0, &powers, t) * sigma_dot) }
+    let x = folded.x(sigma);
+    Effect { acceleration: folded.at(x, t), lost: -(folded.excess(0, x, t) * sigma_dot) }
 }
 
 /// No loss of power and constant inputs: (sigma, sigma_dot).
@@ -247,9 +246,9 @@ impl System<3> for Motion<'_> {
 
     fn scale(&mut self, y: &[f64; 3], f: &[f64; 3]) -> [f64; 3] {
         // Where the loads balance each other, the acceleration tells nothing of the forces at work, those of given size do.
-        let powers = Powers::new(self.place(y[0]));
+        let x = self.place(y[0]);
         let folded = &self.work.folded;
-        let force = f[1].abs().max(folded.at(&powers, 0.0).abs()).max(folded.excess(0, &powers, self.time).abs());
+        let force = f[1].abs().max(folded.at(x, 0.0).abs()).max(folded.excess(0, x, self.time).abs());
         let (length, speed) = self.scales(y[1], force);
         // Where friction balances the rest, it is the power lost that tells of the forces at work.
         let resisting = if f[2] == 0.0 { 0.0 } else { (f[2] / y[1]).abs() };

@@ -2,9 +2,8 @@
 use super::signal::Change;
 use crate::chebyshev::{NODES, Series};
 use crate::number::{Dual, Number};
-use crate::powers::Powers;
 use crate::reduced::{Reduced, Scene};
-use crate::table::{Bundle, Row, Table, side_by_side};
+use crate::table::{Bundle, Row, Table, polynomial_at, side_by_side};
 
 /// Rounding of a panel's border that is counted on over whole turns, relative to the numbers that are added up.
 const BORDER: f64 = 8.0 * f64::EPSILON;
@@ -142,15 +141,15 @@ impl Folded {
 
     /// Effect of all given loads on the motion, at the time t [s].
     #[inline]
-    pub fn at<T: Number>(&self, powers: &Powers<T>, t: T) -> T {
-        let sum = powers.at(&self.force);
-        if self.rates.is_empty() { sum } else { sum + self.excess(0, powers, t) }
+    pub fn at<T: Number>(&self, x: T, t: T) -> T {
+        let sum = polynomial_at(&self.force, x);
+        if self.rates.is_empty() { sum } else { sum + self.excess(0, x, t) }
     }
 
     /// Effect of all given loads in a row of the scene, less what it is at t = 0; row 0 is the motion.
-    pub fn excess<T: Number>(&self, row: usize, powers: &Powers<T>, t: T) -> T {
+    pub fn excess<T: Number>(&self, row: usize, x: T, t: T) -> T {
         match self.rates.get(row) {
-            Some([first, second]) => t * (powers.at(first) + t * T::constant(0.5) * powers.at(second)),
+            Some([first, second]) => t * (polynomial_at(first, x) + t * T::constant(0.5) * polynomial_at(second, x)),
             None => T::constant(0.0),
         }
     }
@@ -219,11 +218,10 @@ impl Folded {
 
     /// Hold at sigma alone, with values from the exact evaluator. Slopes, which only Newton's method takes, are the table's.
     fn enter_exactly(&mut self, reduced: &Reduced, scene: Option<&Scene>, table: &Table, sigma: f64, shift: f64) {
-        let x = Dual::variable(self.x(sigma), 0);
-        let powers = Powers::<Dual<1>>::new(x);
+        let x = Dual::<1>::variable(self.x(sigma), 0);
         let values = reduced.exact_motion(scene, sigma - shift);
         self.exact.extend(values.iter().enumerate().map(|(component, &value)| {
-            let slope = powers.at(table.series(self.panel, component)).slope[0];
+            let slope = polynomial_at(table.series(self.panel, component), x).slope[0];
             let mut series = [0.0; NODES];
             (series[0], series[1]) = (value, slope);
             series

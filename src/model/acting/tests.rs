@@ -43,7 +43,8 @@ proptest! {
         let acting = &motion.work.acting;
         let (friction, n) = (&acting.friction, scene.pins.len());
         prop_assert!(friction.iterations <= 8, "{} iterations", friction.iterations);
-        let balance = super::balance(scene, &acting.effects, &acting.reactions, &acting.effects[scene.inertial()]);
+        let (effects, reactions) = (acting.effects.as_flattened(), acting.reactions.as_flattened());
+        let balance = super::balance(scene, effects, reactions, &effects[scene.inertial()]);
         let largest = friction.size.iter().fold(0.0, |a: f64, s| a.max(*s));
         for i in 0..n {
             let r = [0, 1].map(|axis| {
