@@ -66,17 +66,12 @@ impl<const N: usize> Step<N> {
         }
     }
 
-    /// How far component n can have come from its start within the step: the step size times the largest rate in a stage;
-    /// unknown, so infinite, where the interpolant costs nothing.
-    pub fn excursion(&self, n: usize) -> f64 {
+    /// Rates at the start and at the end, where the method has them.
+    pub fn rates(&self) -> Option<[&[f64; N]; 2]> {
         match &self.stages {
-            Stages::Dop853(slopes) => slopes.iter().fold(0.0, |most: f64, f| most.max(f[n].abs())) * self.h,
-            Stages::Rk4(slopes) => 1.5 * slopes.first[n].abs().max(slopes.last[n].abs()) * self.h,
-            Stages::Rkn86(accelerations) => {
-                let change = accelerations.iter().fold(0.0, |most: f64, f| most.max(f.abs())) * self.h;
-                if n == 0 { (self.start[1].abs() + change) * self.h } else { change }
-            }
-            Stages::Radau(_) => f64::INFINITY,
+            Stages::Dop853(slopes) => Some([&slopes[0], &slopes[dop853::tableau::STAGES]]),
+            Stages::Rk4(slopes) => Some([&slopes.first, &slopes.last]),
+            _ => None,
         }
     }
 

@@ -367,8 +367,8 @@ where
     };
     let sides = [near(0), near(1)];
     let pins = motion.scene.map_or(0, |s| s.pins.len());
-    let changing = (0..pins).any(|pin| along != Some(pin) && may_change(motion, pin, step));
-    if !reverses && sides == [false; 2] && !changing {
+    let changing = (0..pins).find(|&pin| along != Some(pin) && may_change(motion, pin, step));
+    if !reverses && sides == [false; 2] && changing.is_none() {
         return None;
     }
     let dense = step.dense(motion);
@@ -386,8 +386,8 @@ where
     if reverses {
         offer(dense.first_passage(1, 0.0, towards(-motion.mode.direction), false), Event::Reversal);
     }
-    for pin in (0..pins).filter(|p| changing && along != Some(*p)) {
-        if may_change(motion, pin, step) {
+    for pin in (changing.unwrap_or(pins)..pins).filter(|p| along != Some(*p)) {
+        if changing == Some(pin) || may_change(motion, pin, step) {
             offer(change_of_band(motion, &dense, pin), Event::Band(pin));
         }
     }
@@ -438,19 +438,20 @@ fn bumper_event<const N: usize>(motion: &mut Motion, dense: &Dense<N>, k: usize,
     None
 }
 
-/// Whether a pin may come to another stretch of its law within a step: its slip speed at either end is nearer to a border
-/// than it may have changed.
+/// Whether a pin may come to another stretch of its law within a step, judged by Bezier's points of Hermite's cubic for its slip
+/// speed, which are around the cubic, and half as much room as they are off a straight line.
 fn may_change<const N: usize>(motion: &mut Motion, pin: usize, step: &Step<N>) -> bool {
-    let Some(scene) = motion.scene else { return false };
+    const ROOM: f64 = 0.5;
+    let (Some(scene), Some([first, last])) = (motion.scene, step.rates()) else { return true };
     let law = scene.pins[pin].law;
-    let band = motion.work.acting.bands[pin].unwrap_or(Band::Ramp);
-    let (low, high) = law.range(band);
-    let (a, b) = (motion.slip(pin, step.start[0], step.start[1]), motion.slip(pin, step.end[0], step.end[1]));
-    // Between the ends it may go beyond them by about as much as it differs, or as the speed has changed.
-    let speed = step.start[1].abs().max(step.end[1].abs());
-    let per_speed = if speed > 0.0 { a.abs().max(b.abs()) / speed } else { 0.0 };
-    let margin = (b - a).abs() + per_speed * step.excursion(1);
-    a.min(b) - margin < low || a.max(b) + margin > high
+    let (low, high) = law.range(motion.work.acting.bands[pin].unwrap_or(Band::Ramp));
+    let [a, rate_a] = motion.slip_rate(pin, [step.start[0], step.start[1], first[1]]);
+    let [b, rate_b] = motion.slip_rate(pin, [step.end[0], step.end[1], last[1]]);
+    let (second, third) = (a + step.h / 3.0 * rate_a, b - step.h / 3.0 * rate_b);
+    let third_of = (b - a) / 3.0;
+    let room = ROOM * (second - (a + third_of)).abs().max((third - (b - third_of)).abs());
+    // The start is within the stretch, but for rounding.
+    second.min(third).min(b) - room < low || second.max(third).max(b) + room > high
 }
 
 /// Part of a step after which a pin's slip speed leaves its stretch.

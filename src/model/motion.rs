@@ -149,6 +149,15 @@ impl Motion<'_> {
         influence * sigma_dot * scene.pins[pin].radius
     }
 
+    /// Slip speed of a pin and its rate, at (sigma, sigma_dot, sigma_ddot).
+    pub fn slip_rate(&mut self, pin: usize, [sigma, sigma_dot, sigma_ddot]: [f64; 3]) -> [f64; 2] {
+        let Some(scene) = self.scene else { return [0.0; 2] };
+        let component = scene.free() + pin;
+        let influence = self.work.folded.value((self.reduced, &scene.table), component, Dual::<1>::variable(sigma, 0));
+        let rate = influence.slope[0] * sigma_dot * sigma_dot + influence.value * sigma_ddot;
+        [influence.value * sigma_dot, rate].map(|v| v * scene.pins[pin].radius)
+    }
+
     /// State the stretch of its law in which a pin is, until told otherwise; with none, its slip speed tells.
     pub fn set_band(&mut self, pin: usize, band: Option<Band>) {
         self.work.acting.bands[pin] = band;

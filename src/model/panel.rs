@@ -154,13 +154,13 @@ impl Folded {
         }
     }
 
-    /// Value of one component of the table at any sigma, without entering its panel.
-    pub fn value(&self, (reduced, table): (&Reduced, &Table), component: usize, sigma: f64) -> f64 {
-        let (shift, ..) = around(reduced, sigma);
+    /// One component of the table at any sigma, without entering its panel.
+    pub fn value<T: Number>(&self, (reduced, table): (&Reduced, &Table), component: usize, sigma: T) -> T {
+        let (shift, ..) = around(reduced, sigma.value());
         let (first, last) = reduced.curve().range();
-        let sigma = (sigma - shift).clamp(first, last);
-        let spot = table.spot_near(sigma, self.panel);
-        table.value(spot, component)
+        let spot = table.spot_near((sigma.value() - shift).clamp(first, last), self.panel);
+        let (a, b) = table.borders(spot.panel);
+        polynomial_at(table.series(spot.panel, component), sigma.chain(spot.x, 2.0 / (b - a)))
     }
 
     #[cold]
