@@ -102,8 +102,8 @@ impl<T: Number> Acting<T> {
             self.motion = self.motion + influence * self.arriving[k];
             lost = lost + (full * T::constant(1.0 - part) - influence * given.excess(load, t)) * sigma_dot;
         }
-        self.blow(reduced, scene, given.air(t), sigma_dot, &at);
-        self.press(reduced, scene, folded, mode, sigma_dot, &at);
+        self.blow(reduced, scene, given.air(t), sigma_dot);
+        self.press(reduced, scene, folded, mode, sigma_dot);
         for (&effect, &size) in self.effects.as_flattened().iter().zip(&self.loads[..free]) {
             self.motion = self.motion + effect * size;
             lost = lost - effect * size * sigma_dot;
@@ -217,40 +217,34 @@ impl<T: Number> Acting<T> {
     }
 
     /// Drag of the air.
-    fn blow(&mut self, reduced: &Reduced, scene: &Scene, airspeed: T, sigma_dot: T, at: &impl Fn(usize) -> T) {
+    fn blow(&mut self, reduced: &Reduced, scene: &Scene, airspeed: T, sigma_dot: T) {
         let Some(air) = reduced.loading().air.as_ref().filter(|_| scene.air) else { return };
         for (i, surface) in air.surfaces.iter().enumerate() {
-            let rate = |k: usize| self.effects.as_flattened()[3 * i + k] * sigma_dot;
+            let effects = self.effects.as_flattened();
+            let rate = |k: usize| effects[3 * i + k] * sigma_dot;
             let mut wind = [air.flow.x, air.flow.y].map(|f| T::constant(f) * airspeed);
             let mut omega = T::constant(0.0);
             if air.relative_wind {
                 wind = [wind[0] - rate(0), wind[1] - rate(1)];
                 omega = rate(2);
             }
-            let line = [at(scene.line(i)), at(scene.line(i) + 1)];
+            let line = [effects[scene.line(i)], effects[scene.line(i) + 1]];
             let drag = surface.drag(air.density, &Meeting { wind, omega, line });
             self.loads[3 * i..3 * i + 3].copy_from_slice(&drag);
         }
     }
 
     /// Bumpers in contact push back.
-    fn press(
-        &mut self,
-        reduced: &Reduced,
-        scene: &Scene,
-        folded: &Folded,
-        mode: &Mode,
-        sigma_dot: T,
-        at: &impl Fn(usize) -> T,
-    ) {
+    fn press(&mut self, reduced: &Reduced, scene: &Scene, folded: &Folded, mode: &Mode, sigma_dot: T) {
+        let effects = self.effects.as_flattened();
         let first = scene.free() - scene.bumpers.len();
         for (k, &stop) in scene.bumpers.iter().enumerate() {
             let touches = mode.touching.contains(&Some(k));
             self.loads[first + k] = if touches {
                 let stop = &reduced.loading().stops[stop];
                 let wound = folded.turns * reduced.load_growth(stop.load);
-                let beyond = at(scene.pressed(k)) + T::constant(wound - stop.value);
-                let rate = self.effects.as_flattened()[first + k] * sigma_dot;
+                let beyond = effects[scene.pressed(k)] + T::constant(wound - stop.value);
+                let rate = effects[first + k] * sigma_dot;
                 -(beyond * T::constant(stop.stiffness) + rate * T::constant(stop.damping))
             } else {
                 T::constant(0.0)

@@ -34,10 +34,10 @@ pub struct Scene {
     signs: Vec<f64>,
     /// Loads beyond the given ones, in the order of their influences: those of surfaces, bumpers, pins.
     pub loads: Vec<usize>,
-    /// First what is always read together, [`Self::bundle`]; then effects of given loads; then what the laws need.
+    /// First what is always read together, [`Self::bundle`]; then effects of given loads.
     pub table: Table,
     /// Influences of `loads`; then of the pins' reactions: to sigma_dot^2, to sigma_ddot, to friction without motion, to each
-    /// of the other `loads`.
+    /// of the other `loads`; then directions of surfaces and displacements of bumpers.
     pub bundle: Bundle,
     /// Components of the table for the effects of given loads on the motion or on one component of a pin's reaction.
     given: usize,
@@ -79,24 +79,25 @@ impl Scene {
         first + 2 * n * load..first + 2 * n * (load + 1)
     }
 
+    /// In the bundle: first of the two components with the direction of a surface in the mechanism frame.
+    pub fn line(&self, surface: usize) -> usize {
+        self.caused(self.free()).start + 2 * surface
+    }
+
+    /// In the bundle: the displacement of the load of `bumpers[k]`.
+    pub fn pressed(&self, k: usize) -> usize {
+        // Each surface has three loads.
+        self.line((self.free() - self.bumpers.len()) / 3) + k
+    }
+
     /// Number of components of the bundle.
     pub fn bundled(&self) -> usize {
-        self.caused(self.free()).start
+        self.pressed(self.bumpers.len())
     }
 
     /// Component of the effect of [`super::Components`] number `k` in a row.
     pub fn given(&self, row: usize, k: usize) -> usize {
         self.bundled() + row * self.given + k
-    }
-
-    /// First of the two components with the direction of a surface in the mechanism frame.
-    pub fn line(&self, surface: usize) -> usize {
-        self.given(self.rows(), 0) + 2 * surface
-    }
-
-    /// Component with the displacement of the load of `bumpers[k]`.
-    pub fn pressed(&self, k: usize) -> usize {
-        self.table.components() - self.bumpers.len() + k
     }
 
     /// Build the scene, if anything is in it.
@@ -131,7 +132,7 @@ impl Scene {
             of_pins.push(group);
             signs.push(sign * of_joints[pins[leaders[group]].joint].1);
         }
-        let (air, lines) = (!surfaces.is_empty(), surfaces.len());
+        let air = !surfaces.is_empty();
         let mut scene = Self {
             lossy,
             air,
@@ -145,7 +146,7 @@ impl Scene {
             bundle: Bundle::default(),
             given: reduced.components.count,
         };
-        let sizes = scene.sizes(reduced, lines);
+        let sizes = scene.sizes(reduced);
         scene.table = Table::build(&reduced.grid, &sizes, &mut |sigma, values| {
             let c = reduced.curve.configuration(sigma);
             scene.fill(reduced, &c, values);
@@ -156,7 +157,7 @@ impl Scene {
     }
 
     /// Natural sizes of all components.
-    fn sizes(&self, reduced: &Reduced, lines: usize) -> Vec<f64> {
+    fn sizes(&self, reduced: &Reduced) -> Vec<f64> {
         let (loading, linkage, natural) = (&reduced.loading, reduced.linkage(), &reduced.natural);
         let displacement = |load: usize| natural.displacement(&loading.loads[load], linkage);
         // A generalised force Q along sigma goes with forces of the size Q scale / size in the joints.
@@ -172,12 +173,14 @@ impl Scene {
         for load in 0..self.free() {
             sizes[self.caused(load)].fill(influences[load] * factor);
         }
+        sizes[self.line(0)..self.pressed(0)].fill(1.0);
+        for (k, &b) in self.bumpers.iter().enumerate() {
+            sizes[self.pressed(k)] = displacement(loading.stops[b].load);
+        }
         let given = reduced.components.sizes(loading, &reduced.curve, natural);
         for row in 0..self.rows() {
             sizes.extend(given.iter().map(|s| if row == 0 { *s } else { s * factor }));
         }
-        sizes.extend(vec![1.0; 2 * lines]);
-        sizes.extend(self.bumpers.iter().map(|&b| displacement(loading.stops[b].load)));
         sizes
     }
 
@@ -219,9 +222,8 @@ impl Scene {
                 (values[first], values[first + 1]) = (line.x, line.y);
             }
         }
-        let first = values.len() - self.bumpers.len();
-        for (value, &stop) in values[first..].iter_mut().zip(&self.bumpers) {
-            *value = loading.loads[loading.stops[stop].load].displacement(linkage, c)[0];
+        for (k, &stop) in self.bumpers.iter().enumerate() {
+            values[self.pressed(k)] = loading.loads[loading.stops[stop].load].displacement(linkage, c)[0];
         }
     }
 
