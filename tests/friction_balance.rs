@@ -312,10 +312,12 @@ proptest! {
         let holding = run.get("actuator.holding_force");
         let (forward, backward) =
             (run.get("actuator.breakaway_force_forward"), run.get("actuator.breakaway_force_backward"));
-        prop_assert!(backward < holding && holding < forward, "{backward} {holding} {forward}");
+        // The present force of the drive, 30 kN, is taken off what acts before what holds is told.
+        let rounding = 1e-14 * run.get("actuator.force").abs();
+        prop_assert!(backward < holding + rounding && holding < forward + rounding, "{backward} {holding} {forward}");
         let mut smooth = smooth().set(&state).start();
         for name in ["actuator.breakaway_force_forward", "actuator.breakaway_force_backward"] {
-            let slack = 1e-12 * (holding.abs() + forward.abs() + backward.abs());
+            let slack = 1e-12 * (holding.abs() + forward.abs() + backward.abs()) + rounding;
             prop_assert!((smooth.get(name) - holding).abs() <= slack, "{} {holding}", smooth.get(name));
         }
     }
