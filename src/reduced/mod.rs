@@ -364,7 +364,7 @@ impl Reduced {
             }
             Some(scene) => {
                 let mut values = vec![0.0; scene.table.components()];
-                scene.fill(self, &c, &mut values);
+                scene.fill(self, &c, &mut scene.room(self), &mut values);
                 values
             }
         }

@@ -7,7 +7,8 @@ use super::Reduced;
 use crate::curve::Configuration;
 use crate::linkage::{Freedom, quarter};
 use crate::loading::Pin;
-use crate::reactions::{Reaction, columns, groups};
+use crate::loads::Load;
+use crate::reactions::{Columns, Reaction, groups};
 use crate::table::{Bundle, Table, Unresolved};
 use std::ops::Range;
 
@@ -41,6 +42,16 @@ pub struct Scene {
     pub bundle: Bundle,
     /// Components of the table for the effects of given loads on the motion or on one component of a pin's reaction.
     given: usize,
+}
+
+/// Room to fill the table.
+#[derive(Debug)]
+pub(super) struct Room {
+    columns: Columns,
+    /// The loads that act, and the place among them of each load of all.
+    loads: Vec<Load>,
+    places: Vec<usize>,
+    influence: Vec<f64>,
 }
 
 impl Scene {
@@ -147,11 +158,9 @@ impl Scene {
             given: reduced.components.count,
         };
         let sizes = scene.sizes(reduced);
-        scene.table = Table::build(&reduced.grid, &sizes, &mut |sigma, values| {
-            let c = reduced.curve.configuration(sigma);
-            scene.fill(reduced, &c, values);
-            c.amplification
-        })?;
+        let mut room = scene.room(reduced);
+        let mut fill = |c: &Configuration, values: &mut [f64]| scene.fill(reduced, c, &mut room, values);
+        scene.table = reduced.tabulate(&[sizes], &mut fill).swap_remove(0)?;
         scene.bundle = scene.table.bundle(scene.bundled());
         Ok(Some(scene))
     }
@@ -184,14 +193,32 @@ impl Scene {
         sizes
     }
 
-    pub(super) fn fill(&self, reduced: &Reduced, c: &Configuration, values: &mut [f64]) {
+    /// Room to fill the table at one configuration after another.
+    pub(super) fn room(&self, reduced: &Reduced) -> Room {
+        let loading = &reduced.loading;
+        let base = loading.base();
+        let mut places: Vec<usize> = (0..loading.loads.len()).collect();
+        for (k, &load) in self.loads.iter().enumerate() {
+            places[load] = base + k;
+        }
+        let own = self.loads.iter().map(|&load| &loading.loads[load]);
+        let loads = loading.loads[..base].iter().chain(own).cloned().collect();
+        Room { columns: Columns::default(), loads, places, influence: Vec::new() }
+    }
+
+    /// All components at a configuration.
+    pub(super) fn fill(&self, reduced: &Reduced, c: &Configuration, room: &mut Room, values: &mut [f64]) {
         let (loading, linkage, n) = (&reduced.loading, reduced.linkage(), self.pins.len());
-        let influence: Vec<f64> = loading.loads.iter().map(|l| l.influence(linkage, c)).collect();
-        let columns = if n == 0 { Vec::new() } else { columns(reduced.curve.closure(), c, &loading.loads) };
+        let Room { columns, loads, places, influence } = room;
+        influence.clear();
+        influence.extend(loading.loads.iter().map(|l| l.influence(linkage, c)));
+        let joints = linkage.joints.len();
+        let reactions = if n == 0 { &[][..] } else { columns.fill(reduced.curve.closure(), c, loads) };
         // A component of all pins: to sigma_ddot = 1, to sigma_dot^2 = 1, then to each load = 1 at rest.
-        let part = |k: usize, term: usize| self.part(reduced, c, k, &columns[term]);
+        let part = |k: usize, term: usize| self.part(reduced, c, k, &reactions[term * joints..(term + 1) * joints]);
+        let at_rest = |k: usize, load: usize| part(k, 2 + places[load]);
         // A reaction to a load: what balances it at rest, and what the motion that it causes needs.
-        let effect = |k: usize, load: usize| part(k, 2 + load) + part(k, 0) * influence[load];
+        let effect = |k: usize, load: usize| at_rest(k, load) + part(k, 0) * influence[load];
         for (value, &load) in values.iter_mut().zip(&self.loads) {
             *value = influence[load];
         }
@@ -203,7 +230,7 @@ impl Scene {
         }
         for (k, value) in values[self.passed()].iter_mut().enumerate() {
             let (axis, group, pin) = (k / (n * self.leaders.len()), k / n % self.leaders.len(), k % n);
-            *value = part(axis * n + self.leaders[group], 2 + self.pins[pin].load);
+            *value = at_rest(axis * n + self.leaders[group], self.pins[pin].load);
         }
         for (load, &number) in self.loads[..self.free()].iter().enumerate() {
             for (k, value) in values[self.caused(load)].iter_mut().enumerate() {
