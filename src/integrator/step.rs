@@ -94,8 +94,15 @@ impl<const N: usize> Step<N> {
             }
             Stages::Rk4(slopes) => range(slopes.first[n].min(slopes.last[n]), slopes.first[n].max(slopes.last[n])),
             Stages::Rkn86(accelerations) if n == 0 => {
+                let start = (f64::INFINITY, f64::NEG_INFINITY);
+                let (least, most) = accelerations.iter().fold(start, |(a, b), f| (a.min(*f), b.max(*f)));
+                let room = 0.5 * (ROOM - 1.0) * (most - least);
+                if (least - room >= 0.0 || most + room <= 0.0) && self.start[1] * self.end[1] >= 0.0 {
+                    // The rate goes from its start straight to its end, without a change of sign: so does the path.
+                    return 0.0;
+                }
                 // The rate itself changes by no more than h times the largest acceleration.
-                range(0.0, self.h * accelerations.iter().fold(0.0, |most: f64, f| most.max(f.abs())))
+                range(0.0, self.h * most.max(-least))
             }
             _ => f64::INFINITY,
         }

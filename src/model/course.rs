@@ -361,9 +361,11 @@ where
     let reverses = motion.reverses() && step.end[1] * motion.mode.direction < 0.0;
     let bulge = step.bulge(0);
     let near = |side: usize| {
-        let beyond =
-            |e: End| ((step.start[0] - e.position) * outward(side)).max((step.end[0] - e.position) * outward(side));
-        around.travel[side].is_some_and(|e| beyond(e) + bulge > 0.0)
+        let beyond = |e: End, z: &[f64; N]| (z[0] - e.position) * outward(side);
+        around.travel[side].is_some_and(|e| {
+            let (start, end) = (beyond(e, &step.start), beyond(e, &step.end));
+            end >= 0.0 || start.max(end) + bulge > 0.0
+        })
     };
     let sides = [near(0), near(1)];
     let pins = motion.scene.map_or(0, |s| s.pins.len());

@@ -150,3 +150,24 @@ fn shrinking_steps_are_foreseen() {
     let work = integrator.statistics();
     assert!(work.accepted > 15 && work.rejected <= 2, "{work:?}");
 }
+
+/// Starts at every phase of an oscillation, so that rate and force change their signs within some of the steps.
+#[test]
+fn a_path_is_no_farther_out_than_its_bulge() {
+    let mut straight = 0;
+    for i in 0..120 {
+        let phase = 0.053 * f64::from(i);
+        let exact = |t: f64| (t + phase).cos();
+        for h in [0.02, 0.3, 1.0, 1.8] {
+            let step = attempt(&mut Spring, 0.0, &[phase.cos(), -phase.sin()], h);
+            let bulge = step.bulge(0);
+            let (low, high) = (exact(0.0).min(exact(h)), exact(0.0).max(exact(h)));
+            for k in 1..200 {
+                let q = exact(h * f64::from(k) / 200.0);
+                assert!((low - q).max(q - high) <= bulge + 1e-15, "phase {phase}, h {h}, part {k}: {q}, bulge {bulge}");
+            }
+            straight += u32::from(bulge == 0.0);
+        }
+    }
+    assert!((100..400).contains(&straight), "{straight} steps without a turn");
+}
