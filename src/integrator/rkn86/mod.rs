@@ -31,24 +31,24 @@ pub(super) fn attempt<S: System<N>, const N: usize>(
     let mut k = [0.0; STAGES];
     k[0] = first[1];
     let (way, square) = (h * y[1], h * h);
-    let mut at = *y;
+    // From one acceleration to the next is what a step takes: so the one before enters each stage last.
     macro_rules! stage {
-        ($i:literal; $($j:literal)*) => {{
-            at[0] = y[0] + (C[$i] * way + square * (0.0 $(+ A[$i][$j] * k[$j])*));
-            k[$i] = system.derivative(t + C[$i] * h, &at)[1];
+        ($i:literal; $($j:literal)*; $before:literal) => {{
+            let known = C[$i] * way + square * (0.0 $(+ A[$i][$j] * k[$j])*);
+            k[$i] = system.acceleration(t + C[$i] * h, y, known + (square * A[$i][$before]) * k[$before]);
         }};
     }
-    stage!(1; 0);
-    stage!(2; 0 1);
-    stage!(3; 0 1 2);
-    stage!(4; 0 1 2 3);
-    stage!(5; 0 1 2 3 4);
-    stage!(6; 0 1 2 3 4 5);
-    stage!(7; 0 1 2 3 4 5 6);
-    let sum = |weights: &[f64]| weights.iter().zip(&k).map(|(w, k)| w * k).sum::<f64>();
+    stage!(1; ; 0);
+    stage!(2; 0; 1);
+    stage!(3; 0 1; 2);
+    stage!(4; 0 1 2; 3);
+    stage!(5; 0 1 2 3; 4);
+    stage!(6; 0 1 2 3 4; 5);
+    stage!(7; 0 1 2 3 4 5; 6);
     let mut increment = [0.0; N];
-    increment[0] = way + square * sum(&A[STAGES - 1]);
-    increment[1] = h * sum(&WEIGHTS);
+    // The last stage has no part in q: the acceleration at the end need not wait for it.
+    increment[0] = way + square * sum(&A[STAGES - 1][..STAGES - 2], &k);
+    increment[1] = h * sum(&WEIGHTS, &k);
     let (end, lost) = add_compensated(y, &increment, carry);
     let last = system.derivative(t + h, &end);
     k[STAGES - 1] = last[1];
@@ -56,13 +56,23 @@ pub(super) fn attempt<S: System<N>, const N: usize>(
     (k, Trial { step, carry: lost, last })
 }
 
+/// Weighted sum of the first accelerations, in two sums that overlap.
+#[inline]
+fn sum(weights: &[f64], k: &Accelerations) -> f64 {
+    let mut sums = [0.0; 2];
+    for (i, (w, k)) in weights.iter().zip(k).enumerate() {
+        sums[i % 2] += w * k;
+    }
+    sums[0] + sums[1]
+}
+
 /// Error estimate over the tolerance, to the power of 7: below 1 the step is good. The difference e of the pair, relative
 /// to the scales, is the error of order 6, which falls as h^7. So relative to the scales the motion changes within
-/// h / e^(1/7), and the step of order 8 errs by about e^(9/7). To the power of 7 that needs no root.
+/// h / e^(1/7), and the step of order 8 errs by about e^(9/7). To the power
+/// of 7 that needs no root.
 #[inline]
 pub(super) fn error<const N: usize>(k: &Accelerations, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
-    let sum = |weights: &[f64]| weights.iter().zip(k).map(|(w, k)| w * k).sum::<f64>();
-    let (e, e_rate) = (h * h * sum(&E) / scale[0], h * sum(&E_RATE) / scale[1]);
+    let (e, e_rate) = (h * h * sum(&E, k) / scale[0], h * sum(&E_RATE, k) / scale[1]);
     let difference = (0.5 * (e * e + e_rate * e_rate)).sqrt();
     difference.powi(9) / tolerance.powi(7)
 }
