@@ -4,6 +4,7 @@
 //! IV.2 (detecting stiffness), IV.8 (Radau, step sizes).
 use super::linear::largest_eigenvalue;
 use super::radau::{Before, Start};
+use super::reach::reach;
 use super::starting::starting_step;
 use super::step::{Stages, Step, Trial};
 use super::stiffness::Stiffness;
@@ -265,7 +266,7 @@ impl<const N: usize> Integrator<N> {
                 }
                 // A step cut short by the end of the span is often so much shorter that no growth comes to the wish.
                 if S::CAN_BE_STIFF || h >= wish || h * grow_most > wish {
-                    let reach = error.powf(-1.0 / power);
+                    let reach = reach(error, power);
                     if let Stages::Dop853(slopes) = &trial.step.stages
                         && S::CAN_BE_STIFF
                     {
@@ -278,7 +279,7 @@ impl<const N: usize> Integrator<N> {
                 }
                 return Ok(self.accept(trial, wish, grow, rest));
             }
-            let grow = SAFETY * error.powf(-1.0 / power);
+            let grow = SAFETY * reach(error, power);
             grow_most = 1.0;
             wish = self.reject(t, h, if error.is_finite() { grow.max(SHRINK_MOST) } else { SHRINK_INFINITE }, end)?;
         }
@@ -338,7 +339,7 @@ impl<const N: usize> Integrator<N> {
                 wish = self.reject(t, h, SHRINK_UNSOLVED, end)?;
                 continue;
             };
-            let grow = SAFETY * error.powf(-1.0 / radau::ERROR_POWER);
+            let grow = SAFETY * reach(error, radau::ERROR_POWER);
             if error <= 1.0 {
                 self.stiffness.implicit_step(h, largest_eigenvalue(&jacobian));
                 self.statistics.implicit += 1;

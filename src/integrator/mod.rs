@@ -9,6 +9,7 @@ mod dop853;
 mod error;
 mod linear;
 mod radau;
+mod reach;
 mod rk4;
 mod rkn86;
 mod root;

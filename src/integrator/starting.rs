@@ -1,6 +1,10 @@
 //! The first step size.
 use super::linear::largest_eigenvalue;
+use super::reach::reach;
 use super::{Statistics, System, dop853};
+
+/// Of the explicit pairs.
+const ORDER: f64 = 8.0;
 
 /// First step size: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.4, with the error of an explicit Euler step as the
 /// guide; for a system that can be stiff, one at which DOP853 is stable. The point is (t, y, f(t, y)).
@@ -20,7 +24,7 @@ pub(super) fn starting_step<S: System<N>, const N: usize>(
     statistics.evaluations += 1;
     let bend = size(&std::array::from_fn(|i| second[i] - first[i])) / h0;
     let largest = slope.max(bend);
-    let h1 = if largest > 0.0 { (0.01 * tolerance / largest).powf(0.125).min(rest) } else { rest };
+    let h1 = if largest > 0.0 { reach(largest / (0.01 * tolerance), ORDER).min(rest) } else { rest };
     let mut h = h1.min(100.0 * h0);
     if S::CAN_BE_STIFF {
         statistics.jacobians += 1;
