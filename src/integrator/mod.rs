@@ -8,6 +8,7 @@ mod dense;
 mod dop853;
 mod error;
 mod linear;
+mod pair;
 mod radau;
 mod reach;
 mod rk4;

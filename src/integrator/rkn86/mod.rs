@@ -5,7 +5,8 @@
 pub(super) mod tableau;
 
 use super::dense::TERMS;
-use super::step::{Stages, Step, Trial, add_compensated};
+use super::pair::Outcome;
+use super::step::{Step, add_compensated};
 use super::{Dense, System};
 use tableau::{A, C, E, E_RATE, STAGES, WEIGHTS};
 
@@ -17,8 +18,7 @@ pub(super) const EVALUATIONS: u64 = STAGES as u64 - 1;
 /// What [`error`] gives falls as this power of the step size: 9, the power of the error, times 14.
 pub(super) const ERROR_POWER: f64 = 126.0;
 
-/// The step of size h from (t, (q, q')), where the rates are `first` and the sums so far have lost `carry`;
-/// its stages besides.
+/// The step of size h from (t, (q, q')), where the rates are `first` and the sums so far have lost `carry`.
 #[inline]
 pub(super) fn attempt<S: System<N>, const N: usize>(
     system: &mut S,
@@ -27,7 +27,7 @@ pub(super) fn attempt<S: System<N>, const N: usize>(
     first: &[f64; N],
     h: f64,
     carry: &[f64; N],
-) -> (Accelerations, Trial<N>) {
+) -> Outcome<Accelerations, N> {
     let mut k = [0.0; STAGES];
     k[0] = first[1];
     let (way, square) = (h * y[1], h * h);
@@ -52,8 +52,7 @@ pub(super) fn attempt<S: System<N>, const N: usize>(
     let (end, lost) = add_compensated(y, &increment, carry);
     let last = system.derivative(t + h, &end);
     k[STAGES - 1] = last[1];
-    let step = Step { t, h, reached: false, start: *y, end, carry: *carry, stages: Stages::Rkn86(k) };
-    (k, Trial { step, carry: lost, last })
+    Outcome { stages: k, end, last, carry: lost }
 }
 
 /// Weighted sum of the first accelerations, in two sums that overlap.
@@ -71,9 +70,11 @@ fn sum(weights: &[f64], k: &Accelerations) -> f64 {
 /// h / e^(1/7), and the step of order 8 errs by about e^(9/7). To the power of 14 that needs no root, and of e its square.
 #[inline]
 pub(super) fn error<const N: usize>(k: &Accelerations, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
-    let (e, e_rate) = (h * h * sum(&E, k) / scale[0], h * sum(&E_RATE, k) / scale[1]);
+    // Quotients that do not wait for the accelerations.
+    let (weight, weight_rate) = (h * h / scale[0], h / scale[1]);
+    let (e, e_rate) = (weight * sum(&E, k), weight_rate * sum(&E_RATE, k));
     let square = 0.5 * (e * e + e_rate * e_rate);
-    square.powi(9) / tolerance.powi(14)
+    square.powi(9) * tolerance.powi(-14)
 }
 
 /// Interpolant: q has the values, rates and accelerations of both ends and the accelerations of the stages at 0.3 h and

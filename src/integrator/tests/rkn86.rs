@@ -1,6 +1,8 @@
 //! RKN8(6): coefficients, orders, step-size control.
 use super::Oscillator;
+use crate::integrator::pair::Rkn86;
 use crate::integrator::rkn86::tableau::{A, C, E, E_RATE, STAGES, WEIGHTS};
+use crate::integrator::step::Trial;
 use crate::integrator::{Integrator, Method, Step, System, rkn86};
 
 /// y'' = -y as a system of second order.
@@ -29,7 +31,8 @@ impl System<2> for Fall {
 
 fn attempt<S: System<2>>(system: &mut S, t: f64, y: &[f64; 2], h: f64) -> Step<2> {
     let first = system.derivative(t, y);
-    rkn86::attempt(system, t, y, &first, h, &[0.0; 2]).1.step
+    let none = [0.0; 2];
+    Trial::explicit::<Rkn86>(t, y, h, &none, rkn86::attempt(system, t, y, &first, h, &none)).step
 }
 
 #[test]
