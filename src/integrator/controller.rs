@@ -3,7 +3,9 @@
 //! Source: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.4 (step-size control); Hairer, Wanner, Solving ODEs II (1996),
 //! IV.2 (detecting stiffness), IV.8 (Radau, step sizes).
 use super::linear::largest_eigenvalue;
+use super::pair::{Dop853, Outcome, Pair, Rkn86};
 use super::radau::{Before, Start};
+use super::reach::reach;
 use super::starting::starting_step;
 use super::step::{Stages, Step, Trial};
 use super::stiffness::Stiffness;
@@ -188,7 +190,7 @@ impl<const N: usize> Integrator<N> {
     }
 
     /// What a step from (t, y) towards `end` starts with.
-    #[inline]
+    #[inline(always)]
     fn begin<S: System<N>>(&mut self, system: &mut S, t: f64, y: &[f64; N], end: f64, tolerance: f64) -> Begin<N> {
         let first = match self.derivative {
             Some(f) => f,
@@ -251,12 +253,30 @@ impl<const N: usize> Integrator<N> {
         if S::CAN_BE_STIFF && self.stiffness.implicit {
             return self.implicit_step(system, y, begin, end, tolerance);
         }
-        let &Begin { t, rest, ref scale, mut wish, .. } = begin;
+        if S::SECOND_ORDER {
+            self.explicit_step::<Rkn86, S>(system, y, begin, end, tolerance)
+        } else {
+            self.explicit_step::<Dop853, S>(system, y, begin, end, tolerance)
+        }
+    }
+
+    /// [`Self::long_step`] by an explicit pair.
+    #[inline]
+    fn explicit_step<P: Pair<N>, S: System<N>>(
+        &mut self,
+        system: &mut S,
+        y: &[f64; N],
+        begin: &Begin<N>,
+        end: f64,
+        tolerance: f64,
+    ) -> Result<Step<N>, IntegrationError> {
+        let &Begin { t, ref first, rest, ref scale, mut wish } = begin;
         let mut grow_most = GROW_MOST;
-        let power = if S::SECOND_ORDER { rkn86::ERROR_POWER } else { dop853::ERROR_POWER };
         loop {
             let h = fitted(wish, rest);
-            let (trial, error) = self.explicit_trial(system, y, begin, h, tolerance);
+            self.statistics.evaluations += P::EVALUATIONS;
+            let outcome = P::attempt(system, t, y, first, h, &self.carry);
+            let error = P::error(&outcome.stages, h, scale, tolerance);
             if error <= 1.0 {
                 let mut grow = grow_most;
                 self.short *= SHORT_AGAIN;
@@ -265,45 +285,23 @@ impl<const N: usize> Integrator<N> {
                 }
                 // A step cut short by the end of the span is often so much shorter that no growth comes to the wish.
                 if S::CAN_BE_STIFF || h >= wish || h * grow_most > wish {
-                    let reach = error.powf(-1.0 / power);
-                    if let Stages::Dop853(slopes) = &trial.step.stages
-                        && S::CAN_BE_STIFF
-                    {
-                        let felt = dop853::stiffness(y, &trial.step.end, slopes, h, scale);
-                        self.stiffness.explicit_step(h, felt, SAFETY * reach);
+                    let reach = reach(error, P::ERROR_POWER);
+                    if S::CAN_BE_STIFF {
+                        self.stiffness.explicit_step(h, P::stiffness(y, &outcome, h, scale), SAFETY * reach);
                     }
                     grow = (SAFETY * self.foreseen(h, reach)).clamp(SHRINK_MOST, grow_most);
                 } else {
                     self.last = None;
                 }
-                return Ok(self.accept(trial, wish, grow, rest));
+                let Outcome { stages, end, last, carry: lost } = outcome;
+                let carry = std::mem::replace(&mut self.carry, lost);
+                self.accept(P::METHOD, &last, h, wish, grow);
+                return Ok(Step { t, h, reached: h == rest, start: *y, end, carry, stages: P::stages(stages) });
             }
-            let grow = SAFETY * error.powf(-1.0 / power);
+            let grow = SAFETY * reach(error, P::ERROR_POWER);
             grow_most = 1.0;
             wish = self.reject(t, h, if error.is_finite() { grow.max(SHRINK_MOST) } else { SHRINK_INFINITE }, end)?;
         }
-    }
-
-    /// One step of size h by the explicit pair that suits the system, with its error over the tolerance.
-    #[inline]
-    fn explicit_trial<S: System<N>>(
-        &mut self,
-        system: &mut S,
-        y: &[f64; N],
-        begin: &Begin<N>,
-        h: f64,
-        tolerance: f64,
-    ) -> (Trial<N>, f64) {
-        let &Begin { t, ref first, ref scale, .. } = begin;
-        if S::SECOND_ORDER {
-            self.statistics.evaluations += rkn86::EVALUATIONS;
-            let (accelerations, trial) = rkn86::attempt(system, t, y, first, h, &self.carry);
-            return (trial, rkn86::error(&accelerations, h, scale, tolerance));
-        }
-        self.statistics.evaluations += dop853::tableau::STAGES as u64;
-        let (slopes, last, carry) = dop853::attempt(system, t, y, first, h, &self.carry);
-        let error = dop853::error(&slopes, h, scale, tolerance);
-        (Trial::explicit(t, y, h, &self.carry, slopes, last, carry), error)
     }
 
     /// Growth at which the next step would just be good, after one of size h that could have grown by `reach`. Where the
@@ -311,7 +309,7 @@ impl<const N: usize> Integrator<N> {
     fn foreseen(&mut self, h: f64, reach: f64) -> f64 {
         let reach = reach.min(LARGEST_REACH);
         let last = self.last.replace((h, reach));
-        last.map_or(reach, |(h_before, before)| reach.min(reach * (h * reach) / (h_before * before)))
+        last.map_or(reach, |(h_before, before)| reach.min(reach * (reach * (h / (h_before * before)))))
     }
 
     /// [`Self::long_step`] by Radau.
@@ -333,19 +331,22 @@ impl<const N: usize> Integrator<N> {
         let mut grow_most = GROW_MOST;
         loop {
             let h = fitted(wish, rest);
-            let Some((trial, error)) = radau::attempt(system, &start, h, &mut self.statistics) else {
+            let Some((mut trial, error)) = radau::attempt(system, &start, h, &mut self.statistics) else {
                 grow_most = 1.0;
                 wish = self.reject(t, h, SHRINK_UNSOLVED, end)?;
                 continue;
             };
-            let grow = SAFETY * error.powf(-1.0 / radau::ERROR_POWER);
+            let grow = SAFETY * reach(error, radau::ERROR_POWER);
             if error <= 1.0 {
                 self.stiffness.implicit_step(h, largest_eigenvalue(&jacobian));
                 self.statistics.implicit += 1;
                 if let Stages::Radau(stages) = &trial.step.stages {
                     self.before = Some(Before::new(&trial.step, stages));
                 }
-                return Ok(self.accept(trial, wish, grow.clamp(SHRINK_MOST, grow_most), rest));
+                trial.step.reached = h == rest;
+                self.carry = trial.carry;
+                self.accept(Method::Radau, &trial.last, h, wish, grow.clamp(SHRINK_MOST, grow_most));
+                return Ok(trial.step);
             }
             grow_most = 1.0;
             wish =
@@ -360,14 +361,15 @@ impl<const N: usize> Integrator<N> {
         let trial = match &step.stages {
             Stages::Dop853(slopes) => {
                 self.statistics.evaluations += dop853::tableau::STAGES as u64;
-                let (slopes, end, carry) = dop853::attempt(system, step.t, &step.start, &slopes[0], h, &step.carry);
-                Trial::explicit(step.t, &step.start, h, &step.carry, slopes, end, carry)
+                let outcome = dop853::attempt(system, step.t, &step.start, &slopes[0], h, &step.carry);
+                Trial::explicit::<Dop853>(step.t, &step.start, h, &step.carry, outcome)
             }
             Stages::Rkn86(accelerations) => {
                 self.statistics.evaluations += rkn86::EVALUATIONS;
                 let mut first = step.start;
                 (first[0], first[1]) = (step.start[1], accelerations[0]);
-                rkn86::attempt(system, step.t, &step.start, &first, h, &step.carry).1
+                let outcome = rkn86::attempt(system, step.t, &step.start, &first, h, &step.carry);
+                Trial::explicit::<Rkn86>(step.t, &step.start, h, &step.carry, outcome)
             }
             Stages::Rk4(slopes) => {
                 self.statistics.evaluations += rk4::EVALUATIONS;
@@ -386,18 +388,16 @@ impl<const N: usize> Integrator<N> {
         trial.step
     }
 
-    /// Go on from the end of this step, which was wished to have the size `wish` and could grow by `grow`.
-    fn accept(&mut self, mut trial: Trial<N>, wish: f64, grow: f64, rest: f64) -> Step<N> {
-        let h = trial.step.h;
+    /// Go on from the end of a step of size h, where f is `last`, which was wished to have the size `wish` and could grow
+    /// by `grow`.
+    #[inline]
+    fn accept(&mut self, method: Method, last: &[f64; N], h: f64, wish: f64, grow: f64) {
         // A step cut short by the end of the span says little about the size that is possible.
         self.proposal = Some(if h < wish { (h * grow).max(wish) } else { h * grow });
-        self.derivative = Some(trial.last);
-        self.carry = trial.carry;
-        self.method = trial.step.method();
+        self.derivative = Some(*last);
+        self.method = method;
         self.statistics.accepted += 1;
-        self.statistics.nystroem += u64::from(self.method == Method::Rkn86);
-        trial.step.reached = h == rest;
-        trial.step
+        self.statistics.nystroem += u64::from(method == Method::Rkn86);
     }
 
     /// The next size to try after one that was too large.

@@ -1,4 +1,5 @@
 //! One step: what every method leaves of it.
+use super::pair::{Outcome, Pair};
 use super::{Dense, Method, System, dop853, radau, rk4, rkn86};
 
 /// One accepted step from t to t + h.
@@ -39,19 +40,18 @@ pub(super) struct Trial<const N: usize> {
 }
 
 impl<const N: usize> Trial<N> {
-    /// A step of DOP853: its start with what the sums had lost there, its slopes, its end with what they have lost there.
-    pub fn explicit(
+    /// A step of an explicit pair of size h from (t, start), where the sums had lost `carry`.
+    #[inline]
+    pub fn explicit<P: Pair<N>>(
         t: f64,
         start: &[f64; N],
         h: f64,
         carry: &[f64; N],
-        slopes: dop853::Slopes<N>,
-        end: [f64; N],
-        lost: [f64; N],
+        outcome: Outcome<P::Stages, N>,
     ) -> Self {
-        let last = slopes[dop853::tableau::STAGES];
-        let stages = Stages::Dop853(slopes);
-        Self { step: Step { t, h, reached: false, start: *start, end, carry: *carry, stages }, carry: lost, last }
+        let Outcome { stages, end, last, carry: lost } = outcome;
+        let step = Step { t, h, reached: false, start: *start, end, carry: *carry, stages: P::stages(stages) };
+        Self { step, carry: lost, last }
     }
 }
 
@@ -89,8 +89,18 @@ impl<const N: usize> Step<N> {
             }
             Stages::Rk4(slopes) => range(slopes.first[n].min(slopes.last[n]), slopes.first[n].max(slopes.last[n])),
             Stages::Rkn86(accelerations) if n == 0 => {
+                let (mut least, mut most) = (accelerations[0], accelerations[0]);
+                for &f in accelerations {
+                    least = if f < least { f } else { least };
+                    most = if f > most { f } else { most };
+                }
+                let room = 0.5 * (ROOM - 1.0) * (most - least);
+                if (least - room >= 0.0 || most + room <= 0.0) && self.start[1] * self.end[1] >= 0.0 {
+                    // The rate goes from its start straight to its end, without a change of sign: so does the path.
+                    return 0.0;
+                }
                 // The rate itself changes by no more than h times the largest acceleration.
-                range(0.0, self.h * accelerations.iter().fold(0.0, |most: f64, f| most.max(f.abs())))
+                range(0.0, self.h * most.max(-least))
             }
             _ => f64::INFINITY,
         }

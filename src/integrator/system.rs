@@ -12,6 +12,14 @@ pub trait System<const N: usize> {
     /// f(t, y); t is counted from the start of the span [s].
     fn derivative(&mut self, t: f64, y: &[f64; N]) -> [f64; N];
 
+    /// q'' where q is `way` on from that of y, of a system of second order.
+    #[inline]
+    fn acceleration(&mut self, t: f64, y: &[f64; N], way: f64) -> f64 {
+        let mut at = *y;
+        at[0] += way;
+        self.derivative(t, &at)[1]
+    }
+
     /// Size of each component, to which the relative tolerance applies; positive. `f` is f(t, y).
     fn scale(&mut self, y: &[f64; N], f: &[f64; N]) -> [f64; N];
 

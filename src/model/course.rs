@@ -141,8 +141,9 @@ where
                 continue;
             }
         }
-        let step = integrator.step(motion, t, z, span, tolerance).map_err(|e| failure(motion, e))?;
-        let Some((s, event)) = first_event(motion, around, contact, &step, along.take()) else {
+        let step = integrator.step(motion, t, z, span, tolerance);
+        let step = step.as_ref().map_err(|e| failure(motion, *e))?;
+        let Some((s, event)) = first_event(motion, around, contact, step, along.take()) else {
             *z = step.end;
             t += step.h;
             if step.reached {
@@ -154,7 +155,7 @@ where
         let mut h = s * step.h;
         let mut there = *z;
         for _ in 0..6 {
-            there = integrator.retake(motion, &step, h).end;
+            there = integrator.retake(motion, step, h).end;
             let Event::End(side) = event else { break };
             let miss = around.travel[side].map_or(0.0, |e| e.position - there[0]);
             let correction = miss / there[1];
@@ -361,14 +362,16 @@ where
     let reverses = motion.reverses() && step.end[1] * motion.mode.direction < 0.0;
     let bulge = step.bulge(0);
     let near = |side: usize| {
-        let beyond =
-            |e: End| ((step.start[0] - e.position) * outward(side)).max((step.end[0] - e.position) * outward(side));
-        around.travel[side].is_some_and(|e| beyond(e) + bulge > 0.0)
+        let beyond = |e: End, z: &[f64; N]| (z[0] - e.position) * outward(side);
+        around.travel[side].is_some_and(|e| {
+            let (start, end) = (beyond(e, &step.start), beyond(e, &step.end));
+            end >= 0.0 || start.max(end) + bulge > 0.0
+        })
     };
     let sides = [near(0), near(1)];
     let pins = motion.scene.map_or(0, |s| s.pins.len());
     let changing = (0..pins).find(|&pin| along != Some(pin) && may_change(motion, pin, step));
-    if !reverses && sides == [false; 2] && changing.is_none() {
+    if !(reverses || sides[0] || sides[1] || changing.is_some()) {
         return None;
     }
     let dense = step.dense(motion);

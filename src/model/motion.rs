@@ -218,6 +218,14 @@ impl System<2> for Motion<'_> {
         [y[1], polynomial(&self.work.folded.force, x)]
     }
 
+    /// From sigma to x on the panel the way enters last: what comes before it does not wait for it.
+    #[inline(always)]
+    fn acceleration(&mut self, _t: f64, y: &[f64; 2], way: f64) -> f64 {
+        self.place(y[0] + way);
+        let x = self.work.folded.x(Dual::<1>::variable(y[0], 0));
+        polynomial(&self.work.folded.force, x.value + way * x.slope[0])
+    }
+
     fn scale(&mut self, y: &[f64; 2], f: &[f64; 2]) -> [f64; 2] {
         let (length, speed) = self.scales(y[1], f[1]);
         [length, speed]

@@ -4,6 +4,7 @@
 //! Source: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.5, II.6 (dense output), II.10 (error).
 pub(super) mod tableau;
 
+use super::pair::Outcome;
 use super::step::{Step, add_compensated};
 use super::{Dense, System};
 use tableau::{A, C, D, E3, E5, EXTENDED, STAGES};
@@ -16,8 +17,7 @@ pub(super) const ERROR_POWER: f64 = 8.0;
 /// The interval of stability on the negative real axis ends at about this h lambda; Solving ODEs II (1996), IV.2.
 pub(super) const STABLE_TO: f64 = 6.1;
 
-/// The step of size h from (t, y), where f(t, y) = `first` and the sums so far have lost `carry`: its slopes, its end,
-/// what the sums up to there have lost.
+/// The step of size h from (t, y), where f(t, y) = `first` and the sums so far have lost `carry`.
 pub(super) fn attempt<S: System<N>, const N: usize>(
     system: &mut S,
     t: f64,
@@ -25,7 +25,7 @@ pub(super) fn attempt<S: System<N>, const N: usize>(
     first: &[f64; N],
     h: f64,
     carry: &[f64; N],
-) -> (Slopes<N>, [f64; N], [f64; N]) {
+) -> Outcome<Slopes<N>, N> {
     let mut k = [[0.0; N]; STAGES + 1];
     k[0] = *first;
     macro_rules! stage {
@@ -54,7 +54,7 @@ pub(super) fn attempt<S: System<N>, const N: usize>(
     });
     let (end, lost) = add_compensated(y, &increment, carry);
     k[STAGES] = system.derivative(t + h, &end);
-    (k, end, lost)
+    Outcome { last: k[STAGES], stages: k, end, carry: lost }
 }
 
 /// Error estimate over the tolerance, II.10, eq. (10.17): below 1 the step is good.

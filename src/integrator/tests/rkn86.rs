@@ -1,6 +1,8 @@
 //! RKN8(6): coefficients, orders, step-size control.
 use super::Oscillator;
+use crate::integrator::pair::Rkn86;
 use crate::integrator::rkn86::tableau::{A, C, E, E_RATE, STAGES, WEIGHTS};
+use crate::integrator::step::Trial;
 use crate::integrator::{Integrator, Method, Step, System, rkn86};
 
 /// y'' = -y as a system of second order.
@@ -29,7 +31,8 @@ impl System<2> for Fall {
 
 fn attempt<S: System<2>>(system: &mut S, t: f64, y: &[f64; 2], h: f64) -> Step<2> {
     let first = system.derivative(t, y);
-    rkn86::attempt(system, t, y, &first, h, &[0.0; 2]).1.step
+    let none = [0.0; 2];
+    Trial::explicit::<Rkn86>(t, y, h, &none, rkn86::attempt(system, t, y, &first, h, &none)).step
 }
 
 #[test]
@@ -149,4 +152,25 @@ fn shrinking_steps_are_foreseen() {
     assert!((y[0] - 1e3).abs() < 1e3 * 1e-5, "{y:?}");
     let work = integrator.statistics();
     assert!(work.accepted > 15 && work.rejected <= 2, "{work:?}");
+}
+
+/// Starts at every phase of an oscillation, so that rate and force change their signs within some of the steps.
+#[test]
+fn a_path_is_no_farther_out_than_its_bulge() {
+    let mut straight = 0;
+    for i in 0..120 {
+        let phase = 0.053 * f64::from(i);
+        let exact = |t: f64| (t + phase).cos();
+        for h in [0.02, 0.3, 1.0, 1.8] {
+            let step = attempt(&mut Spring, 0.0, &[phase.cos(), -phase.sin()], h);
+            let bulge = step.bulge(0);
+            let (low, high) = (exact(0.0).min(exact(h)), exact(0.0).max(exact(h)));
+            for k in 1..200 {
+                let q = exact(h * f64::from(k) / 200.0);
+                assert!((low - q).max(q - high) <= bulge + 1e-15, "phase {phase}, h {h}, part {k}: {q}, bulge {bulge}");
+            }
+            straight += u32::from(bulge == 0.0);
+        }
+    }
+    assert!((100..400).contains(&straight), "{straight} steps without a turn");
 }
