@@ -56,16 +56,19 @@ pub struct Spot {
     pub x: f64,
 }
 
-/// Value of a polynomial with monomial coefficients: Estrin's scheme, whose longest chain is four products and four sums.
+/// Value of a polynomial with monomial coefficients: even and odd powers apart, each by Estrin's scheme, so that coefficients
+/// are read in pairs as they are.
 #[inline]
 pub fn polynomial(c: &Series, x: f64) -> f64 {
-    let x2 = x * x;
-    let x4 = x2 * x2;
-    let x8 = x4 * x4;
-    let pair = |k: usize| c[k] + c[k + 1] * x;
-    let four = |k: usize| pair(k) + pair(k + 2) * x2;
-    let eight = |k: usize| four(k) + four(k + 4) * x4;
-    eight(0) + eight(8) * x8
+    let y = x * x;
+    let (y2, y4) = (y * y, (y * y) * (y * y));
+    let pair = |k: usize| [c[k] + c[k + 2] * y, c[k + 1] + c[k + 3] * y];
+    let four = |k: usize| {
+        let (low, high) = (pair(k), pair(k + 4));
+        [low[0] + high[0] * y2, low[1] + high[1] * y2]
+    };
+    let (low, high) = (four(0), four(8));
+    (low[0] + high[0] * y4) + x * (low[1] + high[1] * y4)
 }
 
 /// Monomial coefficients of [`ROW`] functions, power by power.

@@ -151,12 +151,13 @@ impl Instance {
         self.logger.event(|| {
             let cost = self.model.statistics();
             format!(
-                "terminated at t = {} s after {} evaluations in {} accepted steps ({} by RKN8(6), {} by DOP853, {} short ones by RK4, {} stiff ones by Radau IIA) and {} rejected",
+                "terminated at t = {} s after {} evaluations in {} accepted steps ({} by RKN8(6), {} by DOP853, {} shorter ones by DOPRI5, {} short ones by RK4, {} stiff ones by Radau IIA) and {} rejected",
                 self.clock.time(),
                 cost.evaluations,
                 cost.accepted,
                 cost.nystroem,
-                cost.accepted - cost.nystroem - cost.short - cost.implicit,
+                cost.accepted - cost.nystroem - cost.fifth - cost.short - cost.implicit,
+                cost.fifth,
                 cost.short,
                 cost.implicit,
                 cost.rejected

@@ -5,7 +5,7 @@
 //! | bytes | what |
 //! |---|---|
 //! | 8 | `linkFMUs` |
-//! | 4 | version of the form, 1 |
+//! | 4 | version of the form, 2 |
 //! | 8 | number of bytes, all of them |
 //! | 8 | hash of the GUID: the interface |
 //! | 8 | hash of what of mechanism.json is neither parameter nor input nor text |
@@ -21,7 +21,7 @@ use crate::model::{Model, Snapshot};
 use crate::record::{Damaged, Record, crc32};
 
 const MAGIC: [u8; 8] = *b"linkFMUs";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Bytes of magic, version, length and the two hashes.
 const HEADER: usize = 36;
 /// Bytes of the check sum.

@@ -9,7 +9,7 @@ use super::reach::reach;
 use super::starting::starting_step;
 use super::step::{Stages, Step, Trial};
 use super::stiffness::Stiffness;
-use super::{IntegrationError, Method, Statistics, System, dop853, radau, rk4, rkn86};
+use super::{IntegrationError, Method, Statistics, System, dop853, dopri5, radau, rk4, rkn86};
 use crate::record::{Damaged, Record};
 
 /// Limits of the step-size control as in DOP853; its safety factor is 0.9, at which the retraction at tolerance 1e-12 takes
@@ -23,7 +23,9 @@ const SHRINK_INFINITE: f64 = 0.1;
 const SHRINK_UNSOLVED: f64 = 0.25;
 /// A span this many times shorter than the step that DOP853 would take may be one for RK4.
 const SHORT: f64 = 4.0;
-/// What each step of DOP853 adds to the span at which RK4 is tried again.
+/// A span this many times shorter may be one for the pair of order 5.
+const MIDDLE: f64 = 1.5;
+/// What each step of a pair of order 8 adds to the spans at which RK4 and the pair of order 5 are tried again.
 const SHORT_AGAIN: f64 = 1.02;
 /// A step that could have been so many times as large tells nothing of how the error grows.
 const LARGEST_REACH: f64 = 10.0;
@@ -57,6 +59,8 @@ pub struct Integrator<const N: usize> {
     stiffness: Stiffness,
     /// Span up to which one step of RK4 has met its share of the tolerance, as far as is known [s].
     short: f64,
+    /// The same for the pair of order 5 [s].
+    middle: f64,
     /// Size [s] of the last step, and by which factor it could just have been larger, if it was explicit and that is known.
     last: Option<(f64, f64)>,
     /// The last step, if it was one of Radau.
@@ -73,6 +77,7 @@ impl<const N: usize> Default for Integrator<N> {
             carry: [0.0; N],
             stiffness: Stiffness::default(),
             short: f64::INFINITY,
+            middle: f64::INFINITY,
             last: None,
             before: None,
             method: Method::default(),
@@ -98,6 +103,7 @@ impl<const N: usize> Integrator<N> {
         record.all_finite("compensation", &mut self.carry)?;
         self.stiffness.record(record)?;
         record.number("longest short step", &mut self.short, |h| h > 0.0, "a number > 0")?;
+        record.number("longest step of order 5", &mut self.middle, |h| h > 0.0, "a number > 0")?;
         record.option(
             "last explicit step",
             &mut self.last,
@@ -133,6 +139,7 @@ impl<const N: usize> Integrator<N> {
         Integrator {
             proposal: self.proposal,
             short: self.short,
+            middle: self.middle,
             method: self.method,
             statistics: self.statistics,
             ..Integrator::default()
@@ -155,6 +162,10 @@ impl<const N: usize> Integrator<N> {
             let begin = self.begin(system, t, y, span, tolerance);
             if let Some(end) = self.short_step(system, y, &begin, tolerance) {
                 *y = end;
+                break;
+            }
+            if let Some(step) = self.middle_step(system, y, &begin, tolerance) {
+                *y = step.end;
                 break;
             }
             let step = self.long_step(system, y, &begin, span, tolerance)?;
@@ -185,6 +196,9 @@ impl<const N: usize> Integrator<N> {
             let first = begin.first;
             let stages = Stages::Rk4(rk4::Slopes { first, last: self.derivative.unwrap_or(first) });
             return Ok(Step { t, h: begin.rest, reached: true, start: *y, end, carry, stages });
+        }
+        if let Some(step) = self.middle_step(system, y, &begin, tolerance) {
+            return Ok(step);
         }
         self.long_step(system, y, &begin, end, tolerance)
     }
@@ -237,6 +251,42 @@ impl<const N: usize> Integrator<N> {
         Some(outcome.end)
     }
 
+    /// A step to the end of the span by the pair of order 5, if the span is one step of DOP853 and short enough: half the
+    /// evaluations. The Nystroem pair has few enough.
+    #[inline]
+    fn middle_step<S: System<N>>(
+        &mut self,
+        system: &mut S,
+        y: &[f64; N],
+        begin: &Begin<N>,
+        tolerance: f64,
+    ) -> Option<Step<N>> {
+        let &Begin { t, ref first, rest: h, ref scale, wish } = begin;
+        if S::SECOND_ORDER || h > self.middle || h * MIDDLE > wish || S::CAN_BE_STIFF && self.stiffness.implicit {
+            return None;
+        }
+        let carry = self.carry;
+        let (slopes, end, lost) = dopri5::attempt(system, t, y, first, h, &carry);
+        self.statistics.evaluations += dopri5::EVALUATIONS;
+        let error = dopri5::error(&slopes, h, scale, tolerance);
+        let reach = h * if error.is_finite() { reach(error, dopri5::ERROR_POWER) } else { SHRINK_INFINITE };
+        if error.is_nan() || error > 1.0 {
+            self.middle = reach;
+            self.statistics.rejected += 1;
+            return None;
+        }
+        self.proposal = Some(wish.max(reach.min(GROW_MOST * h)));
+        self.derivative = Some(slopes[dopri5::STAGES - 1]);
+        self.carry = lost;
+        self.last = None;
+        self.method = Method::Dopri5;
+        self.before = None;
+        self.short *= SHORT_AGAIN;
+        self.statistics.accepted += 1;
+        self.statistics.fifth += 1;
+        Some(Step { t, h, reached: true, start: *y, end, carry, stages: Stages::Dopri5(slopes) })
+    }
+
     /// One accepted step of an explicit pair or of Radau.
     fn long_step<S: System<N>>(
         &mut self,
@@ -280,6 +330,7 @@ impl<const N: usize> Integrator<N> {
             if error <= 1.0 {
                 let mut grow = grow_most;
                 self.short *= SHORT_AGAIN;
+                self.middle *= SHORT_AGAIN;
                 if S::CAN_BE_STIFF {
                     self.before = None;
                 }
@@ -370,6 +421,12 @@ impl<const N: usize> Integrator<N> {
                 (first[0], first[1]) = (step.start[1], accelerations[0]);
                 let outcome = rkn86::attempt(system, step.t, &step.start, &first, h, &step.carry);
                 Trial::explicit::<Rkn86>(step.t, &step.start, h, &step.carry, outcome)
+            }
+            Stages::Dopri5(slopes) => {
+                self.statistics.evaluations += dopri5::EVALUATIONS;
+                let (slopes, end, carry) = dopri5::attempt(system, step.t, &step.start, &slopes[0], h, &step.carry);
+                let last = slopes[dopri5::STAGES - 1];
+                Trial { step: Step { h, reached: false, end, stages: Stages::Dopri5(slopes), ..*step }, carry, last }
             }
             Stages::Rk4(slopes) => {
                 self.statistics.evaluations += rk4::EVALUATIONS;

@@ -1,11 +1,13 @@
-//! Adaptive integration of y' = f(t, y): explicit where it can be (a Nystroem pair for forces that
-//! do not depend on the speed, else DOP853; RK4 over short spans), implicit (Radau IIA) where it must be.
+//! Adaptive integration of y' = f(t, y): explicit where it can be (a Nystroem pair for forces that do not depend on the speed,
+//! else DOP853, or Dormand and Prince's pair of order 5 over spans that are short for it; RK4 over very short spans), implicit
+//! (Radau IIA) where it must be.
 //!
 //! In: a first-order system, a start, a span, a tolerance. Out: y at the exact end of the span; for each step, on request,
 //! the interpolant and where it passes a level. It must not know what y means.
 mod controller;
 mod dense;
 mod dop853;
+mod dopri5;
 mod error;
 mod linear;
 mod pair;

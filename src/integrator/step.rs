@@ -1,6 +1,6 @@
 //! One step: what every method leaves of it.
 use super::pair::{Outcome, Pair};
-use super::{Dense, Method, System, dop853, radau, rk4, rkn86};
+use super::{Dense, Method, System, dop853, dopri5, radau, rk4, rkn86};
 
 /// One accepted step from t to t + h.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +24,7 @@ pub struct Step<const N: usize> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Stages<const N: usize> {
     Dop853(dop853::Slopes<N>),
+    Dopri5(dopri5::Slopes<N>),
     Rk4(rk4::Slopes<N>),
     Rkn86(rkn86::Accelerations),
     Radau(radau::Stages<N>),
@@ -60,6 +61,7 @@ impl<const N: usize> Step<N> {
     pub fn method(&self) -> Method {
         match self.stages {
             Stages::Dop853(_) => Method::Dop853,
+            Stages::Dopri5(_) => Method::Dopri5,
             Stages::Rk4(_) => Method::Rk4,
             Stages::Rkn86(_) => Method::Rkn86,
             Stages::Radau(_) => Method::Radau,
@@ -70,6 +72,7 @@ impl<const N: usize> Step<N> {
     pub fn rates(&self) -> Option<[&[f64; N]; 2]> {
         match &self.stages {
             Stages::Dop853(slopes) => Some([&slopes[0], &slopes[dop853::tableau::STAGES]]),
+            Stages::Dopri5(slopes) => Some([&slopes[0], &slopes[dopri5::STAGES - 1]]),
             Stages::Rk4(slopes) => Some([&slopes.first, &slopes.last]),
             _ => None,
         }
@@ -81,12 +84,14 @@ impl<const N: usize> Step<N> {
     pub fn bulge(&self, n: usize) -> f64 {
         const ROOM: f64 = 1.5;
         let range = |least: f64, most: f64| ROOM * 0.25 * self.h * (most - least);
+        let of_all = |slopes: &[[f64; N]]| {
+            let start = (f64::INFINITY, f64::NEG_INFINITY);
+            let (least, most) = slopes.iter().fold(start, |(a, b), f| (a.min(f[n]), b.max(f[n])));
+            range(least, most)
+        };
         match &self.stages {
-            Stages::Dop853(slopes) => {
-                let start = (f64::INFINITY, f64::NEG_INFINITY);
-                let (least, most) = slopes.iter().fold(start, |(a, b), f| (a.min(f[n]), b.max(f[n])));
-                range(least, most)
-            }
+            Stages::Dop853(slopes) => of_all(slopes),
+            Stages::Dopri5(slopes) => of_all(slopes),
             Stages::Rk4(slopes) => range(slopes.first[n].min(slopes.last[n]), slopes.first[n].max(slopes.last[n])),
             Stages::Rkn86(accelerations) if n == 0 => {
                 let (mut least, mut most) = (accelerations[0], accelerations[0]);
@@ -107,10 +112,11 @@ impl<const N: usize> Step<N> {
     }
 
     /// Interpolant over this step: of order 7 after DOP853, for three evaluations; of order 6 after the Nystroem pair; of
-    /// order 3 after RK4 (Hermite's cubic) and after Radau (the collocation polynomial).
+    /// order 4 after the pair of order 5; of order 3 after RK4 (Hermite's cubic) and after Radau (the collocation polynomial).
     pub fn dense<S: System<N>>(&self, system: &mut S) -> Dense<N> {
         match &self.stages {
             Stages::Dop853(slopes) => dop853::dense(self, slopes, system),
+            Stages::Dopri5(slopes) => dopri5::dense(self, slopes),
             Stages::Rk4(slopes) => rk4::dense(self, slopes),
             Stages::Rkn86(accelerations) => rkn86::dense(self, accelerations),
             Stages::Radau(stages) => radau::dense(self, stages),

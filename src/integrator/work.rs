@@ -14,10 +14,12 @@ pub enum Method {
     Radau,
     /// Explicit Runge-Kutta-Nystroem of order 8, Dormand, El-Mikkawy and Prince.
     Rkn86,
+    /// Explicit Runge-Kutta of order 5, Dormand and Prince.
+    Dopri5,
 }
 
 impl Method {
-    const ALL: [Self; 4] = [Self::Dop853, Self::Rk4, Self::Radau, Self::Rkn86];
+    const ALL: [Self; 5] = [Self::Dop853, Self::Rk4, Self::Radau, Self::Rkn86, Self::Dopri5];
 
     /// Written or read.
     ///
@@ -48,8 +50,10 @@ pub struct Statistics {
     pub implicit: u64,
     /// Accepted steps of RK4.
     pub short: u64,
-    /// Accepted steps of the Nystroem pair; those of DOP853 are the rest.
+    /// Accepted steps of the Nystroem pair.
     pub nystroem: u64,
+    /// Accepted steps of the pair of order 5; those of DOP853 are the rest.
+    pub fifth: u64,
 }
 
 impl Statistics {
@@ -58,8 +62,9 @@ impl Statistics {
     /// # Errors
     /// A count near overflow is read.
     pub(super) fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
-        let Self { evaluations, accepted, rejected, jacobians, newton_iterations, implicit, short, nystroem } = self;
-        for count in [evaluations, accepted, rejected, jacobians, newton_iterations, implicit, short, nystroem] {
+        let Self { evaluations, accepted, rejected, jacobians, newton_iterations, implicit, short, nystroem, fifth } =
+            self;
+        for count in [evaluations, accepted, rejected, jacobians, newton_iterations, implicit, short, nystroem, fifth] {
             record.count("statistics", count)?;
         }
         Ok(())

@@ -64,7 +64,8 @@ pub fn table(folder: &Path) -> Result<Pages, String> {
          functions; one core. Time: of the steps and of what is read after each, the fastest of {RUNS} runs, the scenes \
          taken in turn. To bare: the ratio of times. All scenes but the first have the stops. Read are four reactions in \
          one fmi2GetReal, or four outputs along one input in one fmi2GetDirectionalDerivative. Steps by method: RKN is the \
-         Nystroem pair for forces that do not depend on the speed, RK4 the one for short spans."
+         Nystroem pair for forces that do not depend on the speed, DOPRI5 the pair for spans that are short for DOP853, RK4 \
+         the method for very short ones."
     );
     let page = asked::page("Cost by scene", &words) + &asked::table(&figures) + &tables;
     Ok(Pages { page, csv })
@@ -72,9 +73,9 @@ pub fn table(folder: &Path) -> Result<Pages, String> {
 
 /// Accepted steps of each method that took any.
 fn methods(work: Statistics) -> String {
-    let Statistics { accepted, implicit, short, nystroem, .. } = work;
-    let rest = accepted - implicit - short - nystroem;
-    let taken = [("RKN", nystroem), ("DOP853", rest), ("RK4", short), ("Radau", implicit)];
+    let Statistics { accepted, implicit, short, nystroem, fifth, .. } = work;
+    let rest = accepted - implicit - short - nystroem - fifth;
+    let taken = [("RKN", nystroem), ("DOP853", rest), ("DOPRI5", fifth), ("RK4", short), ("Radau", implicit)];
     taken
         .iter()
         .filter(|(_, count)| *count > 0)

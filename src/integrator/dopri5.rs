@@ -1,0 +1,85 @@
+//! One step of Dormand and Prince's pair of order 5(4), for spans that are longer than RK4 is good for and still short against
+//! the motion.
+//!
+//! The last stage is f at the end of the step, which the next one starts with: six evaluations a step. Coefficients and the
+//! interpolant: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.5, table 5.2, and II.6, CONTD5; their order conditions
+//! are tested.
+use super::dense::TERMS;
+use super::step::{Step, add_compensated};
+use super::{Dense, System};
+
+/// Stages, the last of them at the end of the step.
+pub(super) const STAGES: usize = 7;
+/// Evaluations of a step.
+pub(super) const EVALUATIONS: u64 = STAGES as u64 - 1;
+/// Nodes c_i.
+pub(super) const C: [f64; STAGES] = [0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0];
+/// a_ij; the last row is the weights b_j of the step.
+#[rustfmt::skip]
+pub(super) const A: [[f64; STAGES - 1]; STAGES] = [
+    [0.0; STAGES - 1],
+    [1.0 / 5.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0],
+    [44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0, 0.0, 0.0, 0.0],
+    [19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0, 0.0, 0.0],
+    [9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0, 0.0],
+    [35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
+];
+/// Weights of the step less those of the embedded method of order 4.
+#[rustfmt::skip]
+pub(super) const E: [f64; STAGES] = [
+    71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0,
+];
+/// Weights of the interpolant's last term.
+#[rustfmt::skip]
+pub(super) const D: [f64; STAGES] = [
+    -12715105075.0 / 11282082432.0, 0.0, 87487479700.0 / 32700410799.0, -10690763975.0 / 1880347072.0,
+    701980252875.0 / 199316789632.0, -1453857185.0 / 822651844.0, 69997945.0 / 29380423.0,
+];
+/// [`error`] falls as this power of the step size.
+pub(super) const ERROR_POWER: f64 = 40.0;
+/// Part of the tolerance that a step may use.
+const MARGIN: f64 = 0.3;
+
+/// f at the stages.
+pub(super) type Slopes<const N: usize> = [[f64; N]; STAGES];
+
+/// The step of size h from (t, y), where f(t, y) = `first` and the sums so far have lost `carry`: f at the stages, the end, and
+/// what the sums up to there have lost.
+pub(super) fn attempt<S: System<N>, const N: usize>(
+    system: &mut S,
+    t: f64,
+    y: &[f64; N],
+    first: &[f64; N],
+    h: f64,
+    carry: &[f64; N],
+) -> (Slopes<N>, [f64; N], [f64; N]) {
+    let mut k = [*first; STAGES];
+    for i in 1..STAGES - 1 {
+        let at = std::array::from_fn(|n| y[n] + h * (0..i).map(|j| A[i][j] * k[j][n]).sum::<f64>());
+        k[i] = system.derivative(t + C[i] * h, &at);
+    }
+    let increment = std::array::from_fn(|n| h * (0..STAGES - 1).map(|j| A[STAGES - 1][j] * k[j][n]).sum::<f64>());
+    let (end, lost) = add_compensated(y, &increment, carry);
+    k[STAGES - 1] = system.derivative(t + h, &end);
+    (k, end, lost)
+}
+
+/// How good a step is: below 1 it is. As in [`super::rk4::judge`], with an estimate e that is the local error of order 4 and
+/// falls as h^5: the step's share is the tolerance times e^(1/5), so e^(4/5) <= tolerance, both sides to the power of 10.
+pub(super) fn error<const N: usize>(k: &Slopes<N>, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
+    let difference = |n: usize| h * (0..STAGES).map(|j| E[j] * k[j][n]).sum::<f64>() / scale[n];
+    let square = (0..N).map(|n| difference(n).powi(2)).sum::<f64>() / N as f64;
+    square.powi(4) * (MARGIN * tolerance).powi(-10)
+}
+
+/// Interpolant of order 4, for no evaluation: II.6, CONTD5.
+pub(super) fn dense<const N: usize>(step: &Step<N>, k: &Slopes<N>) -> Dense<N> {
+    let delta: [f64; N] = std::array::from_fn(|n| step.end[n] - step.start[n]);
+    let mut terms = [[0.0; N]; TERMS];
+    terms[0] = delta;
+    terms[1] = std::array::from_fn(|n| step.h * k[0][n] - delta[n]);
+    terms[2] = std::array::from_fn(|n| delta[n] - step.h * k[STAGES - 1][n] - terms[1][n]);
+    terms[3] = std::array::from_fn(|n| step.h * (0..STAGES).map(|j| D[j] * k[j][n]).sum::<f64>());
+    Dense::new(step.start, step.end, terms)
+}
