@@ -125,18 +125,20 @@ pub fn side_by_side_at<T: Number>(rows: &[Row], x: T, values: &mut [[T; ROW]]) {
     }
 }
 
-/// Horner's scheme for even and for odd powers.
-#[inline]
+/// Horner's scheme in x^4 for each of four residues of the power, which overlap.
+#[inline(always)]
 fn polynomials(row: &Row, x: f64) -> [f64; ROW] {
-    let square = x * x;
-    let (mut even, mut odd) = (row[NODES - 2].0, row[NODES - 1].0);
-    for pair in row[..NODES - 2].rchunks_exact(2) {
-        for i in 0..ROW {
-            even[i] = even[i] * square + pair[0].0[i];
-            odd[i] = odd[i] * square + pair[1].0[i];
+    let x2 = x * x;
+    let x4 = x2 * x2;
+    let mut sums = [row[NODES - 4].0, row[NODES - 3].0, row[NODES - 2].0, row[NODES - 1].0];
+    for four in row[..NODES - 4].rchunks_exact(4) {
+        for (sum, c) in sums.iter_mut().zip(four) {
+            for i in 0..ROW {
+                sum[i] = sum[i] * x4 + c.0[i];
+            }
         }
     }
-    std::array::from_fn(|i| even[i] + odd[i] * x)
+    std::array::from_fn(|i| (sums[0][i] + sums[2][i] * x2) + (sums[1][i] + sums[3][i] * x2) * x)
 }
 
 /// Horner's scheme for the derivatives.
@@ -150,11 +152,20 @@ fn slopes(row: &Row, x: f64) -> [f64; ROW] {
     sums
 }
 
+/// Coefficients of the derivative.
+fn slopes_of(c: &Series) -> Series {
+    let mut slopes = [0.0; NODES];
+    for k in 1..NODES {
+        slopes[k - 1] = k as f64 * c[k];
+    }
+    slopes
+}
+
 /// A polynomial with monomial coefficients at x, with derivatives if x carries some.
 #[inline]
 pub fn polynomial_at<T: Number>(c: &Series, x: T) -> T {
-    let slope = || c.iter().enumerate().skip(1).rev().fold(0.0, |sum, (k, c)| sum * x.value() + k as f64 * c);
-    x.chain(polynomial(c, x.value()), if T::CARRIES { slope() } else { 0.0 })
+    let slope = if T::CARRIES { polynomial(&slopes_of(c), x.value()) } else { 0.0 };
+    x.chain(polynomial(c, x.value()), slope)
 }
 
 impl Table {

@@ -4,6 +4,7 @@ use super::{Statistics, Step, System};
 
 mod choice;
 mod dop853;
+mod dopri5;
 mod linear;
 mod radau_iia;
 mod retake;
