@@ -133,8 +133,8 @@ fn polynomials(row: &Row, x: f64) -> [f64; ROW] {
     let mut sums = [row[NODES - 4].0, row[NODES - 3].0, row[NODES - 2].0, row[NODES - 1].0];
     for four in row[..NODES - 4].rchunks_exact(4) {
         for (sum, c) in sums.iter_mut().zip(four) {
-            for i in 0..ROW {
-                sum[i] = sum[i] * x4 + c.0[i];
+            for (sum, c) in sum.iter_mut().zip(c.0) {
+                *sum = *sum * x4 + c;
             }
         }
     }
@@ -145,8 +145,8 @@ fn polynomials(row: &Row, x: f64) -> [f64; ROW] {
 fn slopes(row: &Row, x: f64) -> [f64; ROW] {
     let mut sums = [0.0; ROW];
     for (k, lanes) in row.iter().enumerate().skip(1).rev() {
-        for i in 0..ROW {
-            sums[i] = sums[i] * x + k as f64 * lanes.0[i];
+        for (sum, c) in sums.iter_mut().zip(lanes.0) {
+            *sum = *sum * x + k as f64 * c;
         }
     }
     sums

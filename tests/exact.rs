@@ -54,9 +54,12 @@ fn the_gear_moves_alike() {
     agree(GEAR, &[], &[], 0.13, &["crank.angle", "crank.speed", "joint2.force"], 1e-11);
     // It is another computation: the last digits differ.
     let mut both = [true, false].map(|tables| start(GEAR, tables, &[], &[]));
-    both.iter_mut().for_each(|model| model.step(0.1).unwrap());
-    let [with, without] = both.each_mut().map(|model| get(model, "crank.angle").to_bits());
-    assert_ne!(with, without);
+    let differ = (0..10).any(|_| {
+        both.iter_mut().for_each(|model| model.step(0.01).unwrap());
+        let [with, without] = both.each_mut().map(|model| get(model, "crank.speed").to_bits());
+        with != without
+    });
+    assert!(differ);
 }
 
 #[test]
