@@ -333,7 +333,7 @@ fn a_string_that_is_no_state_is_refused_and_nothing_changes() {
         (bytes[..bytes.len() - 1].to_vec(), "cut off"),
         (longer(1), "too long"),
         (longer(1000), "too long"),
-        (changed(8, &[2]), "version 2"),
+        (changed(8, &[3]), "version 3"),
         (changed(100, &[bytes[100] ^ 1]), "check sum"),
         (sealed(changed(20, &[bytes[20] ^ 1])), "GUID"),
         (sealed(changed(28, &[bytes[28] ^ 1])), "mechanism.json"),

@@ -80,6 +80,10 @@ fn splitting_the_span_changes_less_than_the_tolerance() {
 #[test]
 fn the_gear_is_up_at_the_reference_time() {
     let mut gear = Gear::new(1e-13);
+    // It is at the stop just then: whether it has been hit is a matter of rounding.
+    let stop = gear.0.variables().find("upstop.enabled").unwrap();
+    gear.0.set_boolean(stop, false).unwrap();
+    gear.0.initialize().unwrap();
     gear.0.step(RETRACTED.0).unwrap();
     assert!((gear.get("crank.angle") + 1.3).abs() < 1e-11);
     assert!((gear.get("crank.speed") - RETRACTED.1).abs() < 1e-9);
