@@ -16,6 +16,8 @@ pub trait Number:
     fn sqrt(self) -> Self;
     /// A function of this number, given its value and its derivative.
     fn chain(self, value: f64, derivative: f64) -> Self;
+    /// Functions of this number, given their values, and their derivatives if it carries some.
+    fn chain_all<const M: usize>(self, values: [f64; M], derivatives: impl FnOnce() -> [f64; M]) -> [Self; M];
 }
 
 impl Number for f64 {
@@ -35,6 +37,10 @@ impl Number for f64 {
 
     fn chain(self, value: f64, _derivative: f64) -> Self {
         value
+    }
+
+    fn chain_all<const M: usize>(self, values: [f64; M], _derivatives: impl FnOnce() -> [f64; M]) -> [Self; M] {
+        values
     }
 }
 
@@ -105,6 +111,11 @@ impl<const N: usize> Number for Dual<N> {
 
     fn chain(self, value: f64, derivative: f64) -> Self {
         Self { value, slope: self.slope.map(|s| s * derivative) }
+    }
+
+    fn chain_all<const M: usize>(self, values: [f64; M], derivatives: impl FnOnce() -> [f64; M]) -> [Self; M] {
+        let derivatives = derivatives();
+        std::array::from_fn(|i| self.chain(values[i], derivatives[i]))
     }
 }
 
