@@ -212,8 +212,10 @@ impl<T: Number> Loop<T> {
             for i in 0..N {
                 x[i] = free_x[i] + along_x[i] * z[0] + z[1];
                 y[i] = free_y[i] + along_y[i] * z[0] + z[2];
-                sizes[i] = norm([x[i], y[i]]);
-                inverse[i] = 1.0 / greater(f64::MIN_POSITIVE, sizes[i].value());
+                let square = x[i] * x[i] + y[i] * y[i];
+                sizes[i] = square.sqrt();
+                // A quotient that does not wait for the root.
+                inverse[i] = sizes[i].value() * (1.0 / greater(f64::MIN_POSITIVE, square.value()));
                 slopes[1][i] = x[i].value() * inverse[i];
                 slopes[2][i] = y[i].value() * inverse[i];
                 slopes[0][i] = slopes[1][i] * along_x[i].value() + slopes[2][i] * along_y[i].value();
@@ -380,8 +382,7 @@ fn solve_three<T: Number>(a: &[[f64; 3]; 3], b: &[T; 3]) -> ([T; 3], f64) {
 }
 
 fn norm<T: Number>(r: [T; 2]) -> T {
-    let square = r[0] * r[0] + r[1] * r[1];
-    if square.value() > 0.0 { square.sqrt() } else { T::constant(0.0) }
+    (r[0] * r[0] + r[1] * r[1]).sqrt()
 }
 
 /// Gauss elimination with pivots in place; the solution replaces the right-hand side. Returns the determinant.

@@ -12,7 +12,7 @@ pub trait Number:
     fn constant(value: f64) -> Self;
     /// The value.
     fn value(self) -> f64;
-    /// Square root, for a value > 0.
+    /// Square root, for a value >= 0; at 0 without derivatives.
     fn sqrt(self) -> Self;
     /// A function of this number, given its value and its derivative.
     fn chain(self, value: f64, derivative: f64) -> Self;
@@ -106,7 +106,7 @@ impl<const N: usize> Number for Dual<N> {
 
     fn sqrt(self) -> Self {
         let root = self.value.sqrt();
-        self.chain(root, 0.5 / root)
+        self.chain(root, if root > 0.0 { 0.5 / root } else { 0.0 })
     }
 
     fn chain(self, value: f64, derivative: f64) -> Self {

@@ -211,6 +211,7 @@ fn release(
     off: &dyn Fn(&mut Motion) -> Result<f64, Locked>,
 ) -> Result<Option<f64>, Locked> {
     const SAMPLES: usize = 64;
+    const CLOSE: f64 = 1e-15;
     if motion.given.change.is_none() {
         return Ok(None);
     }
@@ -225,7 +226,7 @@ fn release(
                 motion.time = time(s);
                 off(motion).unwrap_or(-1.0)
             };
-            return Ok(Some(time(passage(&mut beyond, (a, at_a), (b, at_b)))));
+            return Ok(Some(time(passage(&mut beyond, (a, at_a), (b, at_b), CLOSE))));
         }
         (a, at_a) = (b, at_b);
     }
@@ -460,6 +461,8 @@ fn may_change<const N: usize>(motion: &mut Motion, pin: usize, step: &Step<N>) -
 /// Part of a step after which a pin's slip speed leaves its stretch.
 fn change_of_band<const N: usize>(motion: &mut Motion, dense: &Dense<N>, pin: usize) -> Option<f64> {
     const SAMPLES: usize = 8;
+    /// Followed so much too far, a law errs by the square of it.
+    const CLOSE: f64 = 1e-11;
     let law = motion.scene?.pins[pin].law;
     let (low, high) = law.range(motion.work.acting.bands[pin]?);
     // How far beyond the stretch; negative within.
@@ -473,19 +476,23 @@ fn change_of_band<const N: usize>(motion: &mut Motion, dense: &Dense<N>, pin: us
         let b = i as f64 / SAMPLES as f64;
         let at_b = beyond(b);
         if at_b > 0.0 {
-            return Some(passage(&mut beyond, (a, at_a), (b, at_b)));
+            return Some(passage(&mut beyond, (a, at_a), (b, at_b), CLOSE));
         }
         (a, at_a) = (b, at_b);
     }
     None
 }
 
-/// Where a function passes from <= 0 at a to > 0 at b, on the far side: false position after Illinois (Dowell and Jarratt,
+/// Where a function passes from <= 0 at a to > 0 at b, on the far side, within `close`: false position after Illinois (Dowell and Jarratt,
 /// BIT 11 (1971), 168), with halving where it is slow.
-fn passage(f: &mut dyn FnMut(f64) -> f64, (mut a, mut at_a): (f64, f64), (mut b, mut at_b): (f64, f64)) -> f64 {
-    const CLOSE: f64 = 1e-15;
+fn passage(
+    f: &mut dyn FnMut(f64) -> f64,
+    (mut a, mut at_a): (f64, f64),
+    (mut b, mut at_b): (f64, f64),
+    close: f64,
+) -> f64 {
     for k in 0..100 {
-        if b - a <= CLOSE {
+        if b - a <= close {
             break;
         }
         let line = b - at_b * (b - a) / (at_b - at_a);
