@@ -9,7 +9,7 @@ use super::reach::reach;
 use super::starting::starting_step;
 use super::step::{Stages, Step, Trial};
 use super::stiffness::Stiffness;
-use super::{IntegrationError, Method, Statistics, System, dop853, dopri5, radau, rk4, rkn86};
+use super::{Dense, IntegrationError, Method, Statistics, System, dop853, dopri5, radau, rk4, rkn86};
 use crate::record::{Damaged, Record};
 
 /// Limits of the step-size control as in DOP853; its safety factor is 0.9, at which the retraction at tolerance 1e-12 takes
@@ -443,6 +443,12 @@ impl<const N: usize> Integrator<N> {
         self.derivative = Some(trial.last);
         self.carry = trial.carry;
         trial.step
+    }
+
+    /// [`Step::dense`], its evaluations counted.
+    pub fn dense<S: System<N>>(&mut self, system: &mut S, step: &Step<N>) -> Dense<N> {
+        self.statistics.evaluations += step.dense_evaluations();
+        step.dense(system)
     }
 
     /// Go on from the end of a step of size h, where f is `last`, which was wished to have the size `wish` and could grow

@@ -111,6 +111,14 @@ impl<const N: usize> Step<N> {
         }
     }
 
+    /// Evaluations that [`Self::dense`] takes.
+    pub fn dense_evaluations(&self) -> u64 {
+        match self.stages {
+            Stages::Dop853(_) => (dop853::tableau::EXTENDED - dop853::tableau::STAGES) as u64 - 1,
+            _ => 0,
+        }
+    }
+
     /// Interpolant over this step: of order 7 after DOP853, for three evaluations; of order 6 after the Nystroem pair; of
     /// order 4 after the pair of order 5; of order 3 after RK4 (Hermite's cubic) and after Radau (the collocation polynomial).
     pub fn dense<S: System<N>>(&self, system: &mut S) -> Dense<N> {

@@ -143,7 +143,7 @@ where
         }
         let step = integrator.step(motion, t, z, span, tolerance);
         let step = step.as_ref().map_err(|e| failure(motion, *e))?;
-        let Some((s, event)) = first_event(motion, around, contact, step, along.take()) else {
+        let Some((s, event)) = first_event(integrator, motion, around, contact, step, along.take()) else {
             *z = step.end;
             t += step.h;
             if step.reached {
@@ -351,6 +351,7 @@ fn calm<const N: usize>(
 
 /// The first event in a step, and the part of the step before it.
 fn first_event<'m, const N: usize>(
+    integrator: &mut Integrator<N>,
     motion: &mut Motion<'m>,
     around: &Surroundings,
     contact: &Contact,
@@ -375,7 +376,7 @@ where
     if !(reverses || sides[0] || sides[1] || changing.is_some()) {
         return None;
     }
-    let dense = step.dense(motion);
+    let dense = integrator.dense(motion, step);
     if !dense.at(0.5).iter().all(|y| y.is_finite()) {
         return Some((0.25, Event::Unknown));
     }
