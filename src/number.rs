@@ -125,6 +125,14 @@ pub fn same_bits(a: &[f64], b: &[f64]) -> bool {
     a.len() == b.len() && a.iter().zip(b).fold(0, |differ, (a, b)| differ | (a.to_bits() ^ b.to_bits())) == 0
 }
 
+/// Make one list as long as the other the same: mostly it is, and to see that is cheaper than a copy.
+#[inline]
+pub fn become_same(own: &mut [f64], other: &[f64]) {
+    if !same_bits(own, other) {
+        own.copy_from_slice(other);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -118,6 +118,19 @@ impl<const N: usize> Integrator<N> {
         self.statistics.record(record)
     }
 
+    /// Become the same as another one: as by assignment, but the stages of an implicit step, more than all the rest, are
+    /// copied only if there are some.
+    #[inline]
+    pub fn copy_from(&mut self, other: &Self) {
+        let Self { proposal, derivative, carry, stiffness, short, middle, last, before, method, statistics } = self;
+        (*proposal, *derivative, *carry, *stiffness) = (other.proposal, other.derivative, other.carry, other.stiffness);
+        (*short, *middle, *last, *method, *statistics) =
+            (other.short, other.middle, other.last, other.method, other.statistics);
+        if before.is_some() || other.before.is_some() {
+            *before = other.before;
+        }
+    }
+
     /// The method of the last step.
     pub fn method(&self) -> Method {
         self.method

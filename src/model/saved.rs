@@ -8,6 +8,7 @@ use super::setting::{Setting, fingerprint};
 use super::state::{SavedState, State};
 use super::{Inputs, Model, ModelError, Motion, is_reduced};
 use crate::definition::Method;
+use crate::number::{become_same, same_bits};
 use crate::record::{Damaged, Record, fnv1a};
 use crate::reduced::Reduced;
 use crate::variables::Quantity;
@@ -120,32 +121,48 @@ impl Model {
         let same = self.shares_reduced(&self.setting, &snapshot.setting);
         match (&snapshot.motion, &mut self.state, &self.reduced) {
             (Some(SavedMotion::Reduced(saved)), Some(Motion::Reduced(state)), Some(reduced)) if same => {
-                state.restore(saved, reduced, inputs)?;
+                let others = !same_bits(&self.inputs.reals, &inputs.reals);
+                state.restore(saved, reduced, others.then_some(&inputs.reals[..]))?;
+                if others {
+                    self.inputs.reals.copy_from_slice(&inputs.reals);
+                }
+                self.inputs.copy_rest(inputs);
             }
-            (Some(SavedMotion::RigidFem(saved)), Some(Motion::RigidFem(state)), Some(reduced)) if same => {
-                state.restore(saved, reduced, inputs)?;
-            }
-            (saved, state, own) => {
-                let reduced = match (own, &snapshot.reduced) {
-                    (Some(own), _) if same => Some(Arc::clone(own)),
-                    (_, Some(theirs)) => Some(Arc::clone(theirs)),
-                    (_, None) if saved.is_some() => Some(Arc::new(self.last.renewed(&snapshot.setting.mechanism)?)),
-                    (_, None) => None,
-                };
-                *state = match (saved, &reduced) {
-                    (Some(SavedMotion::Reduced(saved)), Some(reduced)) => {
-                        Some(Motion::Reduced(State::from_saved(saved, reduced, inputs)?))
-                    }
-                    (Some(SavedMotion::RigidFem(saved)), Some(reduced)) => {
-                        Some(Motion::RigidFem(Box::new(Elastic::from_saved(saved, reduced, inputs)?)))
-                    }
-                    _ => None,
-                };
-                self.reduced = reduced;
+            _ => {
+                self.restore_otherwise(snapshot, same)?;
+                self.inputs.copy_from(inputs);
             }
         }
         share(&mut self.setting, &snapshot.setting);
-        self.inputs.copy_from(inputs);
+        Ok(())
+    }
+
+    /// The motion of a snapshot that is not of the reduced model under the present parameters, or not in motion.
+    #[cold]
+    fn restore_otherwise(&mut self, snapshot: &Snapshot, same: bool) -> Result<(), ModelError> {
+        let inputs = &snapshot.inputs;
+        if let (Some(SavedMotion::RigidFem(saved)), Some(Motion::RigidFem(state)), Some(reduced)) =
+            (&snapshot.motion, &mut self.state, &self.reduced)
+            && same
+        {
+            return state.restore(saved, reduced, inputs);
+        }
+        let reduced = match (&self.reduced, &snapshot.reduced) {
+            (Some(own), _) if same => Some(Arc::clone(own)),
+            (_, Some(theirs)) => Some(Arc::clone(theirs)),
+            (_, None) if snapshot.has_motion() => Some(Arc::new(self.last.renewed(&snapshot.setting.mechanism)?)),
+            (_, None) => None,
+        };
+        self.state = match (&snapshot.motion, &reduced) {
+            (Some(SavedMotion::Reduced(saved)), Some(reduced)) => {
+                Some(Motion::Reduced(State::from_saved(saved, reduced, inputs)?))
+            }
+            (Some(SavedMotion::RigidFem(saved)), Some(reduced)) => {
+                Some(Motion::RigidFem(Box::new(Elastic::from_saved(saved, reduced, inputs)?)))
+            }
+            _ => None,
+        };
+        self.reduced = reduced;
         Ok(())
     }
 
@@ -210,11 +227,16 @@ impl Model {
     }
 
     /// Whether one reduced model is that of both.
+    #[inline]
     fn shares_reduced(&self, a: &Setting, b: &Setting) -> bool {
+        std::ptr::eq(a, b) || self.agree_in_reduced(a, b)
+    }
+
+    #[cold]
+    fn agree_in_reduced(&self, a: &Setting, b: &Setting) -> bool {
         let same = |i: usize| a.parameters[i].to_bits() == b.parameters[i].to_bits();
-        std::ptr::eq(a, b)
-            || a.flags == b.flags
-                && self.original.ranges.iter().enumerate().all(|(i, (_, role))| !is_reduced(*role) || same(i))
+        a.flags == b.flags
+            && self.original.ranges.iter().enumerate().all(|(i, (_, role))| !is_reduced(*role) || same(i))
     }
 
     fn parameter(&self, place: usize) -> String {
@@ -231,6 +253,7 @@ fn share<T>(one: &mut Arc<T>, other: &Arc<T>) {
     }
 }
 
+#[cold]
 fn saved(motion: &Motion) -> SavedMotion {
     match motion {
         Motion::Reduced(state) => SavedMotion::Reduced(state.saved()),
@@ -240,9 +263,20 @@ fn saved(motion: &Motion) -> SavedMotion {
 
 impl Inputs {
     /// Take over other inputs of the same mechanism, without allocation.
+    #[inline]
     fn copy_from(&mut self, other: &Self) {
-        self.reals.copy_from_slice(&other.reals);
-        self.locks.copy_from_slice(&other.locks);
+        become_same(&mut self.reals, &other.reals);
+        self.copy_rest(other);
+    }
+
+    /// Take over all but the numbers.
+    #[inline]
+    fn copy_rest(&mut self, other: &Self) {
+        for (own, other) in self.locks.iter_mut().zip(&other.locks) {
+            if own != other {
+                *own = *other;
+            }
+        }
         self.signal.copy_from(&other.signal);
     }
 }

@@ -91,6 +91,7 @@ impl Signal {
     }
 
     /// Become the same as another one of as many inputs.
+    #[inline]
     pub fn copy_from(&mut self, other: &Self) {
         if self.any || other.any {
             self.first.copy_from_slice(&other.first);

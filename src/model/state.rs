@@ -75,7 +75,7 @@ impl Memory {
     /// Become the same as another one; copies no more than that one is.
     fn copy_from(&mut self, other: &Self) {
         match (self, other) {
-            (Self::Conservative(own), Self::Conservative(other)) => *own = *other,
+            (Self::Conservative(own), Self::Conservative(other)) => own.copy_from(other),
             (own, other) => *own = *other,
         }
     }

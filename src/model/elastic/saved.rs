@@ -75,7 +75,7 @@ impl Elastic {
     /// # Errors
     /// As [`Self::from_saved`]; nothing has changed.
     pub fn restore(&mut self, saved: &SavedElastic, reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
-        self.rigid.restore(&saved.rigid, reduced, inputs)?;
+        self.rigid.restore(&saved.rigid, reduced, Some(&inputs.reals))?;
         self.fem.clone_from(&saved.fem);
         self.state.copy_from(&saved.state);
         self.applied.copy_from_slice(&saved.applied);

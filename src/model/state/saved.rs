@@ -4,9 +4,9 @@ use super::super::motion::Work;
 use super::super::outputs::Cache;
 use super::super::travel::{End, Travel};
 use super::super::{Inputs, ModelError};
-use super::{Memory, State, scene, scene_in};
+use super::{Memory, State, blows, scene, scene_in};
 use crate::integrator::Integrator;
-use crate::number::same_bits;
+use crate::number::{become_same, same_bits};
 use crate::record::{Damaged, Record};
 use crate::reduced::Reduced;
 
@@ -46,10 +46,11 @@ impl State {
     }
 
     /// [`Self::saved`] in the place of another one, without allocation.
+    #[inline]
     pub fn save(&self, saved: &mut SavedState) {
         (saved.sigma, saved.sigma_dot, saved.turns) = (self.sigma, self.sigma_dot, self.turns);
         (saved.contact, saved.travel) = (self.contact, self.travel);
-        saved.applied.copy_from_slice(&self.applied);
+        become_same(&mut saved.applied, &self.applied);
         (saved.airspeed, saved.reference) = (self.airspeed, self.reference);
         saved.memory.copy_from(&self.memory);
     }
@@ -76,14 +77,15 @@ impl State {
         })
     }
 
-    /// [`Self::from_saved`] in place, with the same reduced model; without allocation unless air has begun or ceased to act.
+    /// [`Self::from_saved`] in place, with the same reduced model, and with the inputs if they are not the present ones; without
+    /// allocation unless air has begun or ceased to act.
     ///
     /// # Errors
     /// As [`Self::from_saved`]; nothing has changed.
-    pub fn restore(&mut self, saved: &SavedState, reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
-        let then = scene_in(reduced, saved.airspeed)?;
-        if then.is_some_and(|s| s.air) != self.work.air {
-            self.work = Work::new(then);
+    #[inline]
+    pub fn restore(&mut self, saved: &SavedState, reduced: &Reduced, inputs: Option<&[f64]>) -> Result<(), ModelError> {
+        if blows(reduced, saved.airspeed) != self.work.air {
+            self.renew_work(saved, reduced)?;
         }
         if !same_bits(&saved.applied, &self.applied) {
             self.applied.copy_from_slice(&saved.applied);
@@ -97,7 +99,19 @@ impl State {
         (self.contact, self.travel) = (saved.contact, saved.travel);
         (self.airspeed, self.reference) = (saved.airspeed, saved.reference);
         self.memory.copy_from(&saved.memory);
-        self.cache.renew(&inputs.reals[..reduced.loading().inputs.len()]);
+        match inputs {
+            Some(inputs) => self.cache.renew(&inputs[..reduced.loading().inputs.len()]),
+            None => self.cache.forget(),
+        }
+        Ok(())
+    }
+
+    #[cold]
+    fn renew_work(&mut self, saved: &SavedState, reduced: &Reduced) -> Result<(), ModelError> {
+        let then = scene_in(reduced, saved.airspeed)?;
+        if then.is_some_and(|s| s.air) != self.work.air {
+            self.work = Work::new(then);
+        }
         Ok(())
     }
 }
