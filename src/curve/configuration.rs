@@ -1,5 +1,6 @@
 //! The exact evaluator: one configuration with its derivatives along the curve.
 use super::{Curve, panel::twice_kinetic};
+use crate::chebyshev::value;
 use crate::closure::{self, Closure};
 use crate::linkage::{Linkage, Point, Positions, Rates};
 
@@ -117,10 +118,16 @@ impl Curve {
         }
         panel.place(x, &mut c.q);
         linkage.place(&c.q, &mut c.positions);
-        c.q_sigma = panel.slopes_at(x);
-        let speed = c.set_out(linkage);
-        c.q_second = panel.curvatures_at(x);
-        c.q_second.iter_mut().for_each(|v| *v /= speed * speed);
+        if panel.derivatives.is_empty() {
+            c.q_sigma = panel.slopes_at(x);
+            let speed = c.set_out(linkage);
+            c.q_second = panel.curvatures_at(x);
+            c.q_second.iter_mut().for_each(|v| *v /= speed * speed);
+        } else {
+            // Along sigma already, but for rounding.
+            (c.q_sigma, c.q_second) = panel.derivatives.iter().map(|[f, s]| (value(f, x), value(s, x))).unzip();
+            c.set_out(linkage);
+        }
         c.bend(linkage);
         c.amplification = f64::INFINITY;
     }

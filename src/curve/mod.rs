@@ -172,6 +172,18 @@ impl Curve {
         &self.closure.linkage
     }
 
+    /// How much a rounding error in the loops is amplified at sigma; infinite where branches cross to the last digit.
+    pub fn amplification(&self, sigma: f64) -> f64 {
+        let c = self.configuration(sigma);
+        let (mut tangent, mut work) = (c.q_sigma, crate::closure::Workspace::default());
+        self.closure.normalise(&mut tangent);
+        if self.closure.linearise(&c.q, &mut work) {
+            self.closure.amplification(&self.closure.normal(&tangent), &mut work)
+        } else {
+            f64::INFINITY
+        }
+    }
+
     /// The coordinates at sigma by name, in words.
     pub fn describe(&self, sigma: f64) -> String {
         trace::describe(&self.closure, &self.configuration(sigma).q)

@@ -30,6 +30,10 @@ pub struct Panel {
     pub amplification: f64,
     /// The same at the nodes.
     pub amplifications: [f64; NODES],
+    /// Of each coordinate, if rounding is amplified much more at some nodes than at others: its first and second derivative
+    /// along sigma as series in x, through what the loop equations give at the nodes. In between, close to a crossing, these
+    /// are far more accurate than either the loop equations or derivatives of `coordinates`.
+    pub derivatives: Vec<[Series; 2]>,
     /// Of each coordinate's second derivative along sigma: tail of its series in x, and its largest value.
     pub bends: Vec<[f64; 2]>,
 }
@@ -51,8 +55,9 @@ pub struct Room {
     /// For configurations.
     pub work: Workspace,
     c: Configuration,
-    /// Coordinates and their second derivatives at the nodes.
+    /// Coordinates and their derivatives along sigma at the nodes.
     nodes: Vec<[f64; NODES]>,
+    firsts: Vec<[f64; NODES]>,
     seconds: Vec<[f64; NODES]>,
     known: Known,
     /// Positions closed so far.
@@ -77,6 +82,8 @@ const NEAR: f64 = 60.0;
 const TIP_NEAR: f64 = 8.0;
 /// Where nodes amplify rounding more than this many times as much as the best one, the series ends in rounding.
 const CROSSING: f64 = 5.0;
+/// Where it differs more than this between nodes, derivatives are kept.
+const UNEVEN: f64 = 2.0;
 /// Below this amplification no position is too close to a crossing.
 const HARMLESS: f64 = 30.0;
 /// Away from crossings rounding may turn out this many times as large.
@@ -122,8 +129,8 @@ impl Panel {
         let n = base.q.len();
         let w = &closure.weights;
         let normal = closure.normal(&base.tangent);
-        let Room { work, c, nodes, seconds, known, closed } = room;
-        for samples in [&mut *nodes, &mut *seconds] {
+        let Room { work, c, nodes, firsts, seconds, known, closed } = room;
+        for samples in [&mut *nodes, &mut *firsts, &mut *seconds] {
             samples.clear();
             samples.resize(n, [0.0; NODES]);
         }
@@ -150,8 +157,8 @@ impl Panel {
                 return Err(Refusal::TooWide(ASTRAY));
             }
             known.add(u, &c.q, &c.q_sigma, speeds[j]);
-            for (i, (sample, second)) in nodes.iter_mut().zip(&mut *seconds).enumerate() {
-                (sample[j], second[j]) = (c.q[i], c.q_second[i]);
+            for (i, ((sample, first), second)) in nodes.iter_mut().zip(&mut *firsts).zip(&mut *seconds).enumerate() {
+                (sample[j], first[j], second[j]) = (c.q[i], c.q_sigma[i], c.q_second[i]);
             }
             last = u;
         }
@@ -185,6 +192,12 @@ impl Panel {
         if amplification > HARMLESS.max(CROSSING * least) {
             coordinates.iter_mut().chain([&mut speed]).for_each(|s| *s = chopped(s));
         }
+        let derivatives = if amplification > UNEVEN * least {
+            let fit = |samples: &[f64; NODES]| chopped(&transform.fit(samples));
+            firsts.iter().zip(&*seconds).map(|(first, second)| [fit(first), fit(second)]).collect()
+        } else {
+            Vec::new()
+        };
         let bend = |s: &[f64; NODES]| [tail(&transform.fit(s)), s.iter().fold(0.0, |a: f64, v| a.max(v.abs()))];
         let bends = seconds.iter().map(bend).collect();
         let mut tip: Vec<f64> = coordinates.iter().map(|s| value(s, 1.0)).collect();
@@ -211,6 +224,7 @@ impl Panel {
             tip,
             amplification: least,
             amplifications,
+            derivatives,
             bends,
         };
         Ok((panel, ahead, wider))
@@ -226,6 +240,12 @@ impl Panel {
         mirrored.normal.iter_mut().for_each(|n| *n = -*n);
         mirrored.amplifications.reverse();
         mirrored.coordinates.iter_mut().for_each(|series| odd(series));
+        for [first, second] in &mut mirrored.derivatives {
+            odd(first);
+            odd(second);
+            // sigma grows the other way.
+            first.iter_mut().for_each(|c| *c = -*c);
+        }
         odd(&mut mirrored.speed);
         mirrored.length = antiderivative(&mirrored.speed);
         mirrored.span = mirrored.length.iter().sum();

@@ -25,7 +25,7 @@ const SHRINK_UNSOLVED: f64 = 0.25;
 const SHORT: f64 = 4.0;
 /// A span this many times shorter may be one for the pair of order 5.
 const MIDDLE: f64 = 1.5;
-/// What each step of a pair of order 8 adds to the spans at which RK4 and the pair of order 5 are tried again.
+/// What each step of a dearer method adds to the spans at which RK4 and the pair of order 5 are tried again.
 const SHORT_AGAIN: f64 = 1.02;
 /// A step that could have been so many times as large tells nothing of how the error grows.
 const LARGEST_REACH: f64 = 10.0;

@@ -6,7 +6,8 @@ const DIGITS: u32 = 52;
 const BIAS: f64 = 1023.0;
 const MANTISSA: u64 = (1 << DIGITS) - 1;
 
-/// x^(-1/n), within a part in 200 for n >= 4, x >= 0, finite; that of a number below the smallest for x = 0.
+/// x^(-1/n), within a part in 200 for n >= 4 and x > 0, normal; for smaller x, 0 among them, something larger than for any
+/// normal x, and finite.
 ///
 /// Step sizes need no more, and every step pays for it. It is 2^(-log2(x) / n): with x = 2^e (1 + m), 0 <= m < 1,
 /// log2(1 + m) is m + 0.3463 m (1 - m) within 0.007; 2^m, |m| <= 1/2, is its series up to m^3 within 0.0008. Unlike the power

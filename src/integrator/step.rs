@@ -68,7 +68,7 @@ impl<const N: usize> Step<N> {
         }
     }
 
-    /// Rates at the start and at the end, where the method has them.
+    /// Rates at the start and at the end, of an explicit step of a system of first order.
     pub fn rates(&self) -> Option<[&[f64; N]; 2]> {
         match &self.stages {
             Stages::Dop853(slopes) => Some([&slopes[0], &slopes[dop853::tableau::STAGES]]),

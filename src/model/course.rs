@@ -45,6 +45,8 @@ const FLIGHT: f64 = 1e-10;
 /// Height of a flight, in units of the last place of sigma, below which positions do not tell it from rest: four times
 /// what the search for the impact takes for rounding.
 const HEIGHT: f64 = 64.0 * f64::EPSILON;
+/// A change of stretch is met within this part of a step: a law followed so much too far errs by the square of it.
+const AT_BORDER: f64 = 1e-11;
 
 /// An event within a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -189,7 +191,7 @@ where
                 let (law, band) = (pins[pin].law, motion.work.acting.bands[pin].unwrap_or(Band::Ramp));
                 let next = law.next(band, motion.slip(pin, z[0], z[1]));
                 motion.set_band(pin, Some(next));
-                if h <= 1e-14 * span {
+                if s <= AT_BORDER {
                     along = Some(pin);
                 }
             }
@@ -462,8 +464,6 @@ fn may_change<const N: usize>(motion: &mut Motion, pin: usize, step: &Step<N>) -
 /// Part of a step after which a pin's slip speed leaves its stretch.
 fn change_of_band<const N: usize>(motion: &mut Motion, dense: &Dense<N>, pin: usize) -> Option<f64> {
     const SAMPLES: usize = 8;
-    /// Followed so much too far, a law errs by the square of it.
-    const CLOSE: f64 = 1e-11;
     let law = motion.scene?.pins[pin].law;
     let (low, high) = law.range(motion.work.acting.bands[pin]?);
     // How far beyond the stretch; negative within.
@@ -477,7 +477,7 @@ fn change_of_band<const N: usize>(motion: &mut Motion, dense: &Dense<N>, pin: us
         let b = i as f64 / SAMPLES as f64;
         let at_b = beyond(b);
         if at_b > 0.0 {
-            return Some(passage(&mut beyond, (a, at_a), (b, at_b), CLOSE));
+            return Some(passage(&mut beyond, (a, at_a), (b, at_b), AT_BORDER));
         }
         (a, at_a) = (b, at_b);
     }

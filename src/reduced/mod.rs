@@ -395,7 +395,8 @@ impl Reduced {
 /// Why something is not smooth along the curve: branches almost cross, or nothing with mass moves.
 fn rough(curve: &Curve, what: String, at: &Unresolved) -> ReductionError {
     let position = curve.describe(at.sigma);
-    if curve.configuration(at.sigma).amplification > NEAR_CROSSING {
+    let crosses = curve.crossings().iter().any(|sigma| (sigma - at.sigma).abs() < curve.scale());
+    if !crosses && curve.amplification(at.sigma) > NEAR_CROSSING {
         ReductionError::Curve(CurveError::NearCrossing { position })
     } else {
         ReductionError::Table { what, position }
