@@ -40,6 +40,7 @@ fn keep(saved: Saved, identity: [u64; 2]) -> FmuState {
 /// # Safety
 /// `state` is NULL or leads to readable memory of a state's size; if that is a state, nobody else uses it during `'a`
 /// (FMI 2.0.5, 2.1.8).
+#[inline(always)]
 unsafe fn kept<'a>(state: FmuState, instance: &Instance) -> Result<&'a mut Kept, Refusal> {
     let kept = state.cast::<Kept>();
     if kept.is_null() {
@@ -69,6 +70,7 @@ unsafe fn kept<'a>(state: FmuState, instance: &Instance) -> Result<&'a mut Kept,
 ///
 /// # Safety
 /// A valid `state` leads to a pointer that nobody else uses during `'a` (FMI 2.0.5, 2.1.8).
+#[inline(always)]
 unsafe fn place<'a>(state: *mut FmuState) -> Result<&'a mut FmuState, Refusal> {
     // SAFETY: the caller's promise.
     let room = unsafe { output("FMUstate", state, 1) }?;

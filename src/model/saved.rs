@@ -77,6 +77,7 @@ impl Inputs {
 
 impl Model {
     /// What a snapshot must have been taken of: hashes of the interface, and of what of the definition no parameter changes.
+    #[inline]
     pub fn identity(&self) -> [u64; 2] {
         *self.original.identity.get_or_init(|| {
             let guid = self.original.variables.guid();
@@ -97,6 +98,7 @@ impl Model {
 
     /// [`Self::snapshot`] in the place of another one of this mechanism; without allocation if that was in motion by the
     /// same method.
+    #[inline]
     pub fn snapshot_into(&self, snapshot: &mut Snapshot) {
         share(&mut snapshot.setting, &self.setting);
         snapshot.inputs.copy_from(&self.inputs);
@@ -116,6 +118,7 @@ impl Model {
     ///
     /// # Errors
     /// Friction's reactions are not smooth under the snapshot's parameters; nothing has changed.
+    #[inline]
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), ModelError> {
         let inputs = &snapshot.inputs;
         let same = self.shares_reduced(&self.setting, &snapshot.setting);
