@@ -252,16 +252,20 @@ impl<const N: usize> Integrator<N> {
             self.statistics.rejected += 1;
             return None;
         }
-        self.derivative = Some(outcome.last);
-        self.carry = outcome.carry;
-        self.last = None;
-        self.method = Method::Rk4;
+        self.arrive::<S>(Method::Rk4, outcome.last, outcome.carry);
+        self.statistics.short += 1;
+        Some(outcome.end)
+    }
+
+    /// Go on from the end of a span, reached by a method whose step sizes are not controlled, where f is `last` and the sums
+    /// have lost `carry`.
+    #[inline]
+    fn arrive<S: System<N>>(&mut self, method: Method, last: [f64; N], carry: [f64; N]) {
+        (self.derivative, self.carry, self.last, self.method) = (Some(last), carry, None, method);
         if S::CAN_BE_STIFF {
             self.before = None;
         }
         self.statistics.accepted += 1;
-        self.statistics.short += 1;
-        Some(outcome.end)
     }
 
     /// A step to the end of the span by the pair of order 5, if the span is one step of DOP853 and short enough: half the
@@ -289,13 +293,8 @@ impl<const N: usize> Integrator<N> {
             return None;
         }
         self.proposal = Some(wish.max(reach.min(GROW_MOST * h)));
-        self.derivative = Some(slopes[dopri5::STAGES - 1]);
-        self.carry = lost;
-        self.last = None;
-        self.method = Method::Dopri5;
-        self.before = None;
+        self.arrive::<S>(Method::Dopri5, slopes[dopri5::STAGES - 1], lost);
         self.short *= SHORT_AGAIN;
-        self.statistics.accepted += 1;
         self.statistics.fifth += 1;
         Some(Step { t, h, reached: true, start: *y, end, carry, stages: Stages::Dopri5(slopes) })
     }

@@ -1,11 +1,11 @@
 //! The course of a motion over one communication step: integration from event to event.
 //!
 //! In: the motion, the travel, what holds. Out: the state at the exact end. Events - impacts on stops, bumpers touched and
-//! left, reversals of drives with an efficiency - are roots on the interpolant of a step, polished on the integration itself.
+//! left, reversals of drives with an efficiency - are found on the interpolant of a step and polished on the integration itself.
+use super::events::{AT_BORDER, Contact, Event, Surroundings, bumper, first_event, outward, passage};
 use super::motion::Motion;
-use super::travel::{End, Travel};
 use crate::friction::{Band, Locked};
-use crate::integrator::{Dense, Direction, IntegrationError, Integrator, Step, System};
+use crate::integrator::{IntegrationError, Integrator, System};
 
 /// Why a course ended early.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,47 +22,11 @@ impl From<Locked> for Stopped {
     }
 }
 
-/// What is at the ends of the travel during a step; positions in the frame of sigma.
-#[derive(Clone, Copy, Debug)]
-pub struct Surroundings {
-    /// Ends.
-    pub travel: Travel,
-    /// Whether a lock is engaged there.
-    pub locked: [bool; 2],
-}
-
-/// Where the motion is besides its sigma and sigma_dot.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Contact {
-    /// End at which the mechanism rests.
-    pub resting: Option<usize>,
-    /// Bumper, by its place in the scene, in contact at each end.
-    pub touching: [Option<usize>; 2],
-}
-
 /// Flight between two impacts below which they are one contact [s].
 const FLIGHT: f64 = 1e-10;
 /// Height of a flight, in units of the last place of sigma, below which positions do not tell it from rest: four times
 /// what the search for the impact takes for rounding.
 const HEIGHT: f64 = 64.0 * f64::EPSILON;
-/// A change of stretch is met within this part of a step: a law followed so much too far errs by the square of it.
-const AT_BORDER: f64 = 1e-11;
-
-/// An event within a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Event {
-    /// The end of the travel on this side is passed.
-    End(usize),
-    /// The bumper on this side begins or ceases to push.
-    Bumper(usize),
-    /// sigma_dot changes its sign.
-    Reversal,
-    /// A pin comes to another stretch of its law.
-    Band(usize),
-    /// The interpolant tried a state in which friction locks: the step is taken again, shorter.
-    Unknown,
-}
-
 /// Advance z = (sigma, sigma_dot, energy lost if N = 3) by exactly `span`; returns the energy lost in impacts [J].
 ///
 /// # Errors
@@ -239,20 +203,6 @@ fn failure(motion: &Motion, error: IntegrationError) -> Stopped {
     if motion.locked { Stopped::Locked } else { Stopped::Integration(error) }
 }
 
-fn towards(sign: f64) -> Direction {
-    if sign > 0.0 { Direction::Rising } else { Direction::Falling }
-}
-
-fn outward(side: usize) -> f64 {
-    if side == 0 { -1.0 } else { 1.0 }
-}
-
-/// The scene's bumper at an end.
-fn bumper(motion: &Motion, around: &Surroundings, side: usize) -> Option<usize> {
-    let end = around.travel[side]?;
-    motion.scene.and_then(|s| s.bumpers.iter().position(|&b| b == end.stop))
-}
-
 fn rigid(motion: &Motion, around: &Surroundings, side: usize) -> bool {
     around.travel[side].is_some_and(|e| motion.reduced.loading().stops[e.stop].rigid)
 }
@@ -349,163 +299,4 @@ fn calm<const N: usize>(
     z[1] = 0.0;
     contact.resting = Some(side);
     Ok(0.5 * speed * speed)
-}
-
-/// The first event in a step, and the part of the step before it.
-fn first_event<'m, const N: usize>(
-    integrator: &mut Integrator<N>,
-    motion: &mut Motion<'m>,
-    around: &Surroundings,
-    contact: &Contact,
-    step: &Step<N>,
-    along: Option<usize>,
-) -> Option<(f64, Event)>
-where
-    Motion<'m>: System<N>,
-{
-    let reverses = motion.reverses() && step.end[1] * motion.mode.direction < 0.0;
-    let bulge = step.bulge(0);
-    let near = |side: usize| {
-        let beyond = |e: End, z: &[f64; N]| (z[0] - e.position) * outward(side);
-        around.travel[side].is_some_and(|e| {
-            let (start, end) = (beyond(e, &step.start), beyond(e, &step.end));
-            end >= 0.0 || start.max(end) + bulge > 0.0
-        })
-    };
-    let sides = [near(0), near(1)];
-    let pins = motion.scene.map_or(0, |s| s.pins.len());
-    let changing = (0..pins).find(|&pin| along != Some(pin) && may_change(motion, pin, step));
-    if !(reverses || sides[0] || sides[1] || changing.is_some()) {
-        return None;
-    }
-    let dense = integrator.dense(motion, step);
-    if !dense.at(0.5).iter().all(|y| y.is_finite()) {
-        return Some((0.25, Event::Unknown));
-    }
-    let mut first: Option<(f64, Event)> = None;
-    let mut offer = |s: Option<f64>, event: Event| {
-        if let Some(s) = s
-            && first.is_none_or(|(other, _)| s < other)
-        {
-            first = Some((s, event));
-        }
-    };
-    if reverses {
-        offer(dense.first_passage(1, 0.0, towards(-motion.mode.direction), false), Event::Reversal);
-    }
-    for pin in (changing.unwrap_or(pins)..pins).filter(|p| along != Some(*p)) {
-        if changing == Some(pin) || may_change(motion, pin, step) {
-            offer(change_of_band(motion, &dense, pin), Event::Band(pin));
-        }
-    }
-    for side in (0..2).filter(|&side| sides[side]) {
-        let Some(end) = around.travel[side] else { continue };
-        let leaving = (step.start[0] - end.position) * outward(side) >= 0.0;
-        if contact.touching[side].is_none() {
-            offer(dense.first_passage(0, end.position, towards(outward(side)), leaving), Event::End(side));
-        }
-        if let Some(k) = bumper(motion, around, side) {
-            let touches = contact.touching[side].is_some();
-            offer(bumper_event(motion, &dense, k, touches), Event::Bumper(side));
-            if around.locked[side] {
-                // Coming back from beyond.
-                let beyond = (step.start[0] - end.position) * outward(side) > 0.0;
-                if beyond {
-                    offer(dense.first_passage(0, end.position, towards(-outward(side)), false), Event::End(side));
-                }
-            }
-        }
-    }
-    first
-}
-
-/// Part of a step after which a bumper that touches lets go, or one that is pressed while it does not push begins to.
-fn bumper_event<const N: usize>(motion: &mut Motion, dense: &Dense<N>, k: usize, touches: bool) -> Option<f64> {
-    const SAMPLES: usize = 12;
-    let mut passed = |s: f64| {
-        let y = dense.at(s);
-        let (beyond, push) = motion.pressure(k, y[0], y[1]);
-        // A bumper that touches lets go when it would pull; one that does not begins when it would push, if it is pressed.
-        if touches { push < 0.0 } else { beyond > 0.0 && push > 0.0 }
-    };
-    // At the start, just after an event, it may be so by rounding.
-    let mut before = passed(0.0);
-    for i in 1..=SAMPLES {
-        let (mut a, mut b) = ((i - 1) as f64 / SAMPLES as f64, i as f64 / SAMPLES as f64);
-        let now = passed(b);
-        if now && !before {
-            for _ in 0..60 {
-                let middle = 0.5 * (a + b);
-                if passed(middle) { b = middle } else { a = middle }
-            }
-            return Some(b);
-        }
-        before = now;
-    }
-    None
-}
-
-/// Whether a pin may come to another stretch of its law within a step, judged by Bezier's points of Hermite's cubic for its slip
-/// speed, which are around the cubic, and half as much room as they are off a straight line.
-fn may_change<const N: usize>(motion: &mut Motion, pin: usize, step: &Step<N>) -> bool {
-    const ROOM: f64 = 0.5;
-    let (Some(scene), Some([first, last])) = (motion.scene, step.rates()) else { return true };
-    let law = scene.pins[pin].law;
-    let (low, high) = law.range(motion.work.acting.bands[pin].unwrap_or(Band::Ramp));
-    let [a, rate_a] = motion.slip_rate(pin, [step.start[0], step.start[1], first[1]]);
-    let [b, rate_b] = motion.slip_rate(pin, [step.end[0], step.end[1], last[1]]);
-    let (second, third) = (a + step.h / 3.0 * rate_a, b - step.h / 3.0 * rate_b);
-    let third_of = (b - a) / 3.0;
-    let room = ROOM * (second - (a + third_of)).abs().max((third - (b - third_of)).abs());
-    // The start is within the stretch, but for rounding.
-    second.min(third).min(b) - room < low || second.max(third).max(b) + room > high
-}
-
-/// Part of a step after which a pin's slip speed leaves its stretch.
-fn change_of_band<const N: usize>(motion: &mut Motion, dense: &Dense<N>, pin: usize) -> Option<f64> {
-    const SAMPLES: usize = 8;
-    let law = motion.scene?.pins[pin].law;
-    let (low, high) = law.range(motion.work.acting.bands[pin]?);
-    // How far beyond the stretch; negative within.
-    let mut beyond = |s: f64| {
-        let y = dense.at(s);
-        let v = motion.slip(pin, y[0], y[1]);
-        (low - v).max(v - high)
-    };
-    let (mut a, mut at_a) = (0.0, beyond(0.0).min(0.0));
-    for i in 1..=SAMPLES {
-        let b = i as f64 / SAMPLES as f64;
-        let at_b = beyond(b);
-        if at_b > 0.0 {
-            return Some(passage(&mut beyond, (a, at_a), (b, at_b), AT_BORDER));
-        }
-        (a, at_a) = (b, at_b);
-    }
-    None
-}
-
-/// Where a function passes from <= 0 at a to > 0 at b, on the far side, within `close`: false position after Illinois (Dowell and Jarratt,
-/// BIT 11 (1971), 168), with halving where it is slow.
-fn passage(
-    f: &mut dyn FnMut(f64) -> f64,
-    (mut a, mut at_a): (f64, f64),
-    (mut b, mut at_b): (f64, f64),
-    close: f64,
-) -> f64 {
-    for k in 0..100 {
-        if b - a <= close {
-            break;
-        }
-        let line = b - at_b * (b - a) / (at_b - at_a);
-        let c = if k % 8 == 7 || !(a < line && line < b) { 0.5 * (a + b) } else { line };
-        let at_c = f(c);
-        if at_c > 0.0 {
-            (b, at_b) = (c, at_c);
-            at_a *= 0.5;
-        } else {
-            (a, at_a) = (c, at_c);
-            at_b *= 0.5;
-        }
-    }
-    b
 }

@@ -6,6 +6,7 @@ mod course;
 mod derivatives;
 mod elastic;
 mod error;
+mod events;
 mod motion;
 mod outputs;
 mod panel;

@@ -4,7 +4,8 @@ mod saved;
 pub use saved::SavedState;
 
 use super::acting::Mode;
-use super::course::{Contact, Stopped, Surroundings, advance};
+use super::course::{Stopped, advance};
+use super::events::{Contact, Surroundings};
 use super::motion::{Motion, Work};
 use super::outputs::Cache;
 use super::panel::Given;

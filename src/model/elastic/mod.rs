@@ -10,7 +10,7 @@ mod track;
 
 pub use saved::SavedElastic;
 
-use super::course::Contact;
+use super::events::Contact;
 use super::state::State;
 use super::{Inputs, ModelError};
 use crate::definition::{DefinitionError, Mechanism, Solver};

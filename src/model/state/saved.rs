@@ -1,5 +1,5 @@
 //! What of a state of motion decides how it goes on.
-use super::super::course::Contact;
+use super::super::events::Contact;
 use super::super::motion::Work;
 use super::super::outputs::Cache;
 use super::super::travel::{End, Travel};
