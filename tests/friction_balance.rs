@@ -212,6 +212,37 @@ fn gear(relative: bool) -> Run {
     Run(MODELS[usize::from(relative)].get_or_init(build).clone())
 }
 
+/// Joints of Andrews' squeezer between bodies K1 to K7, 0 the ground.
+const SQUEEZER: [(&str, usize, usize); 10] = [
+    ("O", 0, 1),
+    ("P", 1, 2),
+    ("B", 0, 3),
+    ("A5", 0, 5),
+    ("A7", 0, 7),
+    ("G", 5, 4),
+    ("H", 7, 6),
+    ("E3", 2, 3),
+    ("E4", 2, 4),
+    ("E6", 2, 6),
+];
+const PIN_RADIUS: f64 = 1e-4;
+
+/// Andrews' squeezer with pins in the joints that the bits of `which` tell.
+fn squeezer(which: u32) -> Run {
+    const TEXT: &str = include_str!("../modelDescription/AndrewsSqueezer/resources/mechanism.json");
+    let mut text: Value = serde_json::from_str(TEXT).unwrap();
+    for (k, (joint, ..)) in SQUEEZER.iter().enumerate() {
+        if which & (1 << k) != 0 {
+            text["joints"][joint]["pin_radius"] = json!(PIN_RADIUS);
+        }
+    }
+    text["friction"] = json!({
+        "enabled": true, "static_coefficient": COMMON[0], "kinetic_coefficient": COMMON[1],
+        "static_speed": SLOW_FAST[0], "kinetic_speed": SLOW_FAST[1]
+    });
+    Run::of(&text)
+}
+
 /// The same without static friction.
 fn smooth() -> Run {
     static MODEL: OnceLock<Model> = OnceLock::new();
@@ -319,6 +350,31 @@ proptest! {
         for name in ["actuator.breakaway_force_forward", "actuator.breakaway_force_backward"] {
             let slack = 1e-12 * (holding.abs() + forward.abs() + backward.abs()) + rounding;
             prop_assert!((smooth.get(name) - holding).abs() <= slack, "{} {holding}", smooth.get(name));
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 80, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Three loops with one to ten pins: pairs of them pass one force on, those of the middle stand alone.
+    #[test]
+    fn friction_of_andrews_squeezer_is_that_of_its_reactions(
+        angle in -0.5..0.5f64, speed in speeds(), torque in -0.1..0.1f64, which in 1u32..1024,
+    ) {
+        let mut run = squeezer(which).set(&[("drive.torque", torque)]);
+        run.put(&[("K1.start_angle", -0.06 + 0.3 * angle), ("K1.start_speed", 20.0 * speed)]);
+        let mut run = run.start();
+        let speeds: Vec<f64> = std::iter::once(0.0).chain((1..8).map(|k| run.get(&format!("K{k}.speed")))).collect();
+        let fastest = speeds.iter().fold(0.0, |a: f64, w| a.max(w.abs()));
+        for (k, (joint, first, second)) in SQUEEZER.into_iter().enumerate() {
+            if which & (1 << k) == 0 {
+                continue;
+            }
+            let told = run.get(&format!("{joint}.friction_torque"));
+            let size = run.get(&format!("{joint}.force"));
+            let rounding = 10.0 * SPEED * PIN_RADIUS * fastest;
+            same(told, COMMON, PIN_RADIUS * (speeds[second] - speeds[first]), rounding, PIN_RADIUS, size)?;
         }
     }
 }
