@@ -16,8 +16,13 @@ pub trait Number:
     fn sqrt(self) -> Self;
     /// A function of this number, given its value and its derivative.
     fn chain(self, value: f64, derivative: f64) -> Self;
-    /// Functions of this number, given their values, and their derivatives if it carries some.
-    fn chain_all<const M: usize>(self, values: [f64; M], derivatives: impl FnOnce() -> [f64; M]) -> [Self; M];
+    /// Functions of this number into `out`, given what writes their values, and their derivatives if it carries some.
+    fn chain_all<const M: usize>(
+        self,
+        out: &mut [Self; M],
+        values: impl FnOnce(&mut [f64; M]),
+        derivatives: impl FnOnce(&mut [f64; M]),
+    );
 }
 
 impl Number for f64 {
@@ -39,8 +44,14 @@ impl Number for f64 {
         value
     }
 
-    fn chain_all<const M: usize>(self, values: [f64; M], _derivatives: impl FnOnce() -> [f64; M]) -> [Self; M] {
-        values
+    #[inline]
+    fn chain_all<const M: usize>(
+        self,
+        out: &mut [Self; M],
+        values: impl FnOnce(&mut [f64; M]),
+        _derivatives: impl FnOnce(&mut [f64; M]),
+    ) {
+        values(out);
     }
 }
 
@@ -113,9 +124,18 @@ impl<const N: usize> Number for Dual<N> {
         Self { value, slope: self.slope.map(|s| s * derivative) }
     }
 
-    fn chain_all<const M: usize>(self, values: [f64; M], derivatives: impl FnOnce() -> [f64; M]) -> [Self; M] {
-        let derivatives = derivatives();
-        std::array::from_fn(|i| self.chain(values[i], derivatives[i]))
+    fn chain_all<const M: usize>(
+        self,
+        out: &mut [Self; M],
+        values: impl FnOnce(&mut [f64; M]),
+        derivatives: impl FnOnce(&mut [f64; M]),
+    ) {
+        let (mut of_self, mut slopes) = ([0.0; M], [0.0; M]);
+        values(&mut of_self);
+        derivatives(&mut slopes);
+        for (out, (value, slope)) in out.iter_mut().zip(of_self.into_iter().zip(slopes)) {
+            *out = self.chain(value, slope);
+        }
     }
 }
 

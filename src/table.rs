@@ -117,14 +117,14 @@ pub fn side_by_side(series: &[Series], out: &mut Vec<Row>) {
 #[inline]
 pub fn side_by_side_at<T: Number>(rows: &[Row], x: T, values: &mut [[T; ROW]]) {
     for (values, row) in values.iter_mut().zip(rows) {
-        *values = x.chain_all(polynomials(row, x.value()), || slopes(row, x.value()));
+        x.chain_all(values, |values| polynomials(row, x.value(), values), |values| slopes(row, x.value(), values));
     }
 }
 
 /// Horner's scheme in x^4 for each of four residues of the power, which overlap.
 // Not inlined: in a loop over rows a compiler would gather one lane of several rows in place of the lanes of one.
 #[inline(never)]
-fn polynomials(row: &Row, x: f64) -> [f64; ROW] {
+fn polynomials(row: &Row, x: f64, values: &mut [f64; ROW]) {
     let x2 = x * x;
     let x4 = x2 * x2;
     let mut sums = [row[NODES - 4].0, row[NODES - 3].0, row[NODES - 2].0, row[NODES - 1].0];
@@ -135,18 +135,19 @@ fn polynomials(row: &Row, x: f64) -> [f64; ROW] {
             }
         }
     }
-    std::array::from_fn(|i| (sums[0][i] + sums[2][i] * x2) + (sums[1][i] + sums[3][i] * x2) * x)
+    for (i, value) in values.iter_mut().enumerate() {
+        *value = (sums[0][i] + sums[2][i] * x2) + (sums[1][i] + sums[3][i] * x2) * x;
+    }
 }
 
 /// Horner's scheme for the derivatives.
-fn slopes(row: &Row, x: f64) -> [f64; ROW] {
-    let mut sums = [0.0; ROW];
+fn slopes(row: &Row, x: f64, sums: &mut [f64; ROW]) {
+    sums.fill(0.0);
     for (k, lanes) in row.iter().enumerate().skip(1).rev() {
         for (sum, c) in sums.iter_mut().zip(lanes.0) {
             *sum = *sum * x + k as f64 * c;
         }
     }
-    sums
 }
 
 /// Coefficients of the derivative.
