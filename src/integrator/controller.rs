@@ -283,9 +283,9 @@ impl<const N: usize> Integrator<N> {
             return None;
         }
         let carry = self.carry;
-        let (slopes, end, lost) = dopri5::attempt(system, t, y, first, h, &carry);
+        let Outcome { stages, end, last, carry: lost } = dopri5::attempt(system, t, y, first, h, &carry);
         self.statistics.evaluations += dopri5::EVALUATIONS;
-        let error = dopri5::error(&slopes, h, scale, tolerance);
+        let error = dopri5::error(&stages, h, scale, tolerance);
         let reach = h * if error.is_finite() { reach(error, dopri5::ERROR_POWER) } else { SHRINK_INFINITE };
         if error.is_nan() || error > 1.0 {
             self.middle = reach;
@@ -293,10 +293,10 @@ impl<const N: usize> Integrator<N> {
             return None;
         }
         self.proposal = Some(wish.max(reach.min(GROW_MOST * h)));
-        self.arrive::<S>(Method::Dopri5, slopes[dopri5::STAGES - 1], lost);
+        self.arrive::<S>(Method::Dopri5, last, lost);
         self.short *= SHORT_AGAIN;
         self.statistics.fifth += 1;
-        Some(Step { t, h, reached: true, start: *y, end, carry, stages: Stages::Dopri5(slopes) })
+        Some(Step { t, h, reached: true, start: *y, end, carry, stages: Stages::Dopri5(stages) })
     }
 
     /// One accepted step of an explicit pair or of Radau.
@@ -436,9 +436,9 @@ impl<const N: usize> Integrator<N> {
             }
             Stages::Dopri5(slopes) => {
                 self.statistics.evaluations += dopri5::EVALUATIONS;
-                let (slopes, end, carry) = dopri5::attempt(system, step.t, &step.start, &slopes[0], h, &step.carry);
-                let last = slopes[dopri5::STAGES - 1];
-                Trial { step: Step { h, reached: false, end, stages: Stages::Dopri5(slopes), ..*step }, carry, last }
+                let Outcome { stages, end, last, carry } =
+                    dopri5::attempt(system, step.t, &step.start, &slopes[0], h, &step.carry);
+                Trial { step: Step { h, reached: false, end, stages: Stages::Dopri5(stages), ..*step }, carry, last }
             }
             Stages::Rk4(slopes) => {
                 self.statistics.evaluations += rk4::EVALUATIONS;

@@ -5,6 +5,7 @@
 //! interpolant: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.5, table 5.2, and II.6, CONTD5; their order conditions
 //! are tested.
 use super::dense::TERMS;
+use super::pair::Outcome;
 use super::step::{Step, add_compensated};
 use super::{Dense, System};
 
@@ -44,8 +45,7 @@ const MARGIN: f64 = 0.3;
 /// f at the stages.
 pub(super) type Slopes<const N: usize> = [[f64; N]; STAGES];
 
-/// The step of size h from (t, y), where f(t, y) = `first` and the sums so far have lost `carry`: f at the stages, the end, and
-/// what the sums up to there have lost.
+/// The step of size h from (t, y), where f(t, y) = `first` and the sums so far have lost `carry`.
 pub(super) fn attempt<S: System<N>, const N: usize>(
     system: &mut S,
     t: f64,
@@ -53,7 +53,7 @@ pub(super) fn attempt<S: System<N>, const N: usize>(
     first: &[f64; N],
     h: f64,
     carry: &[f64; N],
-) -> (Slopes<N>, [f64; N], [f64; N]) {
+) -> Outcome<Slopes<N>, N> {
     let mut k = [*first; STAGES];
     for i in 1..STAGES - 1 {
         let at = std::array::from_fn(|n| y[n] + h * (0..i).map(|j| A[i][j] * k[j][n]).sum::<f64>());
@@ -62,7 +62,7 @@ pub(super) fn attempt<S: System<N>, const N: usize>(
     let increment = std::array::from_fn(|n| h * (0..STAGES - 1).map(|j| A[STAGES - 1][j] * k[j][n]).sum::<f64>());
     let (end, lost) = add_compensated(y, &increment, carry);
     k[STAGES - 1] = system.derivative(t + h, &end);
-    (k, end, lost)
+    Outcome { last: k[STAGES - 1], stages: k, end, carry: lost }
 }
 
 /// How good a step is: below 1 it is. As in [`super::rk4::judge`], with an estimate e that is the local error of order 4 and

@@ -14,6 +14,7 @@ mod reaction;
 mod saved;
 mod setting;
 mod signal;
+mod slopes;
 mod state;
 mod travel;
 

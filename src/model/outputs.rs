@@ -2,10 +2,10 @@
 use super::Inputs;
 use super::acting::Mode;
 use super::course::rests;
-use super::derivatives::Slopes;
 use super::motion::{Motion, Work};
 use super::panel::Given;
 use super::reaction::Transmitted;
+use super::slopes::Slopes;
 use super::state::{State, acting, airspeed};
 use crate::friction::Locked;
 use crate::number::same_bits;
