@@ -101,6 +101,19 @@ fn friction_drag_and_bumpers_cost_their_scene_alone() {
     // Drag that does not blow, and friction and locks that are there but off, cost nothing: the default gear has them.
 }
 
+/// Eight times on its way a pin of the gear comes to another stretch of its law. The step is ended there on the interpolant: three
+/// evaluations for it, one to go on from there.
+#[test]
+fn a_change_of_stretch_costs_no_second_step() {
+    let mut model = gear(&Scene { name: "friction", flags: &[("friction.enabled", true)], ..BARE });
+    model.step(0.13).unwrap();
+    let work = model.statistics();
+    assert_eq!((work.short, work.fifth, work.implicit), (0, 0, 0), "steps of DOP853 alone");
+    // The start, and interpolants over steps that come near to a border.
+    let besides = 12;
+    assert!(work.evaluations <= 12 * (work.accepted + work.rejected) + 4 * 8 + besides, "{work:?}");
+}
+
 #[test]
 fn rest_costs_no_evaluation() {
     let mut model = gear(&BARE);

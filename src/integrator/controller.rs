@@ -26,7 +26,7 @@ const SHORT: f64 = 4.0;
 /// A span this many times shorter may be one for the pair of order 5.
 const MIDDLE: f64 = 1.5;
 /// What each step of a dearer method adds to the spans at which RK4 and the pair of order 5 are tried again.
-const SHORT_AGAIN: f64 = 1.02;
+const SHORT_AGAIN: f64 = 1.01;
 /// A step that could have been so many times as large tells nothing of how the error grows.
 const LARGEST_REACH: f64 = 10.0;
 /// A step below this part of the span cannot be told from round-off in time.
@@ -140,6 +140,12 @@ impl<const N: usize> Integrator<N> {
     pub fn refresh(&mut self) {
         self.derivative = None;
         self.last = None;
+    }
+
+    /// Go on from a state on the interpolant of the last step.
+    pub fn branch_off(&mut self) {
+        self.refresh();
+        self.carry = [0.0; N];
     }
 
     /// The state or the right-hand side has jumped: forget everything but the statistics.

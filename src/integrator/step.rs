@@ -119,6 +119,11 @@ impl<const N: usize> Step<N> {
         }
     }
 
+    /// Whether the interpolant errs no more than the tolerance of the step: those of the explicit pairs of first order do.
+    pub fn interpolates(&self) -> bool {
+        matches!(self.stages, Stages::Dop853(_) | Stages::Dopri5(_))
+    }
+
     /// Interpolant over this step: of order 7 after DOP853, for three evaluations; of order 6 after the Nystroem pair; of
     /// order 4 after the pair of order 5; of order 3 after RK4 (Hermite's cubic) and after Radau (the collocation polynomial).
     pub fn dense<S: System<N>>(&self, system: &mut S) -> Dense<N> {

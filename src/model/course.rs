@@ -2,7 +2,7 @@
 //!
 //! In: the motion, the travel, what holds. Out: the state at the exact end. Events - impacts on stops, bumpers touched and
 //! left, reversals of drives with an efficiency - are found on the interpolant of a step and polished on the integration itself.
-use super::events::{AT_BORDER, Contact, Event, Surroundings, bumper, first_event, outward, passage};
+use super::events::{AT_BORDER, Contact, Event, Found, Surroundings, bumper, first_event, outward, passage};
 use super::motion::Motion;
 use crate::friction::{Band, Locked};
 use crate::integrator::{IntegrationError, Integrator, System};
@@ -109,7 +109,8 @@ where
         }
         let step = integrator.step(motion, t, z, span, tolerance);
         let step = step.as_ref().map_err(|e| failure(motion, *e))?;
-        let Some((s, event)) = first_event(integrator, motion, around, contact, step, along.take()) else {
+        let Some(Found { part, state, event }) = first_event(integrator, motion, around, contact, step, along.take())
+        else {
             *z = step.end;
             t += step.h;
             if step.reached {
@@ -117,21 +118,25 @@ where
             }
             continue;
         };
-        // Land on the event by a step that ends there.
-        let mut h = s * step.h;
-        let mut there = *z;
-        for _ in 0..6 {
-            there = integrator.retake(motion, step, h).end;
-            let Event::End(side) = event else { break };
-            let miss = around.travel[side].map_or(0.0, |e| e.position - there[0]);
-            let correction = miss / there[1];
-            let small =
-                correction.abs() <= 1e-15 * span.max(step.h) || miss.abs() <= 4.0 * f64::EPSILON * there[0].abs();
-            let next = h + correction;
-            if small || !(next > 0.0 && next <= step.h && correction.abs() < 0.1 * step.h) {
-                break;
+        // Land on the event: on the interpolant, or by a step that ends there; on an end of the travel to the last digit.
+        let (mut h, mut there) = (part * step.h, state);
+        let smooth = matches!(event, Event::Band(_) | Event::Bumper(_) | Event::Reversal);
+        if smooth && step.interpolates() {
+            integrator.branch_off();
+        } else {
+            for _ in 0..6 {
+                there = integrator.retake(motion, step, h).end;
+                let Event::End(side) = event else { break };
+                let miss = around.travel[side].map_or(0.0, |e| e.position - there[0]);
+                let correction = miss / there[1];
+                let small =
+                    correction.abs() <= 1e-15 * span.max(step.h) || miss.abs() <= 4.0 * f64::EPSILON * there[0].abs();
+                let next = h + correction;
+                if small || !(next > 0.0 && next <= step.h && correction.abs() < 0.1 * step.h) {
+                    break;
+                }
+                h = next;
             }
-            h = next;
         }
         *z = there;
         t += h;
@@ -155,7 +160,7 @@ where
                 let (law, band) = (pins[pin].law, motion.work.acting.bands[pin].unwrap_or(Band::Ramp));
                 let next = law.next(band, motion.slip(pin, z[0], z[1]));
                 motion.set_band(pin, Some(next));
-                if s <= AT_BORDER {
+                if part <= AT_BORDER {
                     along = Some(pin);
                 }
             }

@@ -43,6 +43,17 @@ pub enum Event {
     Unknown,
 }
 
+/// The first event in a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found<const N: usize> {
+    /// Part of the step before it.
+    pub part: f64,
+    /// The interpolant there.
+    pub state: [f64; N],
+    /// What begins or ceases.
+    pub event: Event,
+}
+
 pub fn outward(side: usize) -> f64 {
     if side == 0 { -1.0 } else { 1.0 }
 }
@@ -53,7 +64,7 @@ pub fn bumper(motion: &Motion, around: &Surroundings, side: usize) -> Option<usi
     motion.scene.and_then(|s| s.bumpers.iter().position(|&b| b == end.stop))
 }
 
-/// The first event in a step, and the part of the step before it.
+/// The first event in a step.
 pub fn first_event<'m, const N: usize>(
     integrator: &mut Integrator<N>,
     motion: &mut Motion<'m>,
@@ -61,7 +72,7 @@ pub fn first_event<'m, const N: usize>(
     contact: &Contact,
     step: &Step<N>,
     along: Option<usize>,
-) -> Option<(f64, Event)>
+) -> Option<Found<N>>
 where
     Motion<'m>: System<N>,
 {
@@ -82,7 +93,7 @@ where
     }
     let dense = integrator.dense(motion, step);
     if !dense.at(0.5).iter().all(|y| y.is_finite()) {
-        return Some((0.25, Event::Unknown));
+        return Some(Found { part: 0.25, state: dense.at(0.25), event: Event::Unknown });
     }
     let mut first: Option<(f64, Event)> = None;
     let mut offer = |s: Option<f64>, event: Event| {
@@ -118,7 +129,7 @@ where
             }
         }
     }
-    first
+    first.map(|(part, event)| Found { part, state: dense.at(part), event })
 }
 
 fn towards(sign: f64) -> Direction {

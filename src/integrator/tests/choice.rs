@@ -1,4 +1,5 @@
 //! The choice between the methods.
+use super::Oscillator;
 use super::radau_iia::VanDerPol;
 use crate::integrator::{Integrator, Method, System};
 
@@ -118,4 +119,32 @@ fn a_system_that_cannot_be_stiff_is_never_asked_for_a_jacobian() {
     let mut integrator = Integrator::default();
     integrator.advance(&mut Explicit, &mut [1.0], 1.0, 1e-6).unwrap();
     assert_eq!(integrator.statistics().implicit, 0);
+}
+
+/// Whatever the span, 100 rad in many steps end as accurately as in a few.
+#[test]
+fn short_spans_err_no_more_than_long_steps() {
+    for tolerance in [1e-6, 1e-9, 1e-12] {
+        let run = |steps: u32| {
+            let (mut y, mut integrator) = ([1.0, 0.0], Integrator::default());
+            let h = 100.0 / f64::from(steps);
+            for _ in 0..steps {
+                integrator.advance(&mut Oscillator, &mut y, h, tolerance).unwrap();
+            }
+            let end = h * f64::from(steps);
+            ((y[0] - end.cos()).hypot(y[1] + end.sin()), integrator.statistics())
+        };
+        let (long, _) = run(1);
+        let mut seen = [false; 3];
+        for k in 0..40 {
+            let (error, work) = run((200.0 * 1.2f64.powi(k)) as u32);
+            // 1e-13: the rounding of h over the steps.
+            assert!(error < 1.3 * long + 1e-13, "{tolerance:e}: {error:e}, in one call {long:e}, {work:?}");
+            for (seen, count) in seen.iter_mut().zip([work.short, work.fifth, work.accepted - work.short - work.fifth])
+            {
+                *seen |= count > work.accepted / 2;
+            }
+        }
+        assert_eq!(seen, [true; 3], "{tolerance:e}: all methods have been tried");
+    }
 }
