@@ -44,6 +44,9 @@ pub struct Scene {
     given: usize,
 }
 
+/// Place of a load that does not act.
+const NOWHERE: usize = usize::MAX;
+
 /// Room to fill the table.
 #[derive(Debug)]
 pub(super) struct Room {
@@ -52,6 +55,8 @@ pub(super) struct Room {
     loads: Vec<Load>,
     places: Vec<usize>,
     influence: Vec<f64>,
+    /// Components of the pins' reactions, term after term.
+    parts: Vec<f64>,
 }
 
 impl Scene {
@@ -197,50 +202,53 @@ impl Scene {
     pub(super) fn room(&self, reduced: &Reduced) -> Room {
         let loading = &reduced.loading;
         let base = loading.base();
-        let mut places: Vec<usize> = (0..loading.loads.len()).collect();
+        let mut places: Vec<usize> = (0..loading.loads.len()).map(|l| if l < base { l } else { NOWHERE }).collect();
         for (k, &load) in self.loads.iter().enumerate() {
             places[load] = base + k;
         }
         let own = self.loads.iter().map(|&load| &loading.loads[load]);
         let loads = loading.loads[..base].iter().chain(own).cloned().collect();
-        Room { columns: Columns::default(), loads, places, influence: Vec::new() }
+        Room { columns: Columns::default(), loads, places, influence: Vec::new(), parts: Vec::new() }
     }
 
     /// All components at a configuration.
     pub(super) fn fill(&self, reduced: &Reduced, c: &Configuration, room: &mut Room, values: &mut [f64]) {
         let (loading, linkage, n) = (&reduced.loading, reduced.linkage(), self.pins.len());
-        let Room { columns, loads, places, influence } = room;
+        let Room { columns, loads, places, influence, parts } = room;
         influence.clear();
         influence.extend(loading.loads.iter().map(|l| l.influence(linkage, c)));
-        let joints = linkage.joints.len();
-        let reactions = if n == 0 { &[][..] } else { columns.fill(reduced.curve.closure(), c, loads) };
-        // A component of all pins: to sigma_ddot = 1, to sigma_dot^2 = 1, then to each load = 1 at rest.
-        let part = |k: usize, term: usize| self.part(reduced, c, k, &reactions[term * joints..(term + 1) * joints]);
-        let at_rest = |k: usize, load: usize| part(k, 2 + places[load]);
-        // A reaction to a load: what balances it at rest, and what the motion that it causes needs.
-        let effect = |k: usize, load: usize| at_rest(k, load) + part(k, 0) * influence[load];
+        // All components of the pins' reactions to sigma_ddot = 1, to sigma_dot^2 = 1, then to each load = 1 at rest.
+        parts.clear();
+        if n > 0 {
+            let joints = linkage.joints.len();
+            for column in columns.fill(reduced.curve.closure(), c, loads).chunks_exact(joints) {
+                self.part(reduced, c, column, parts);
+            }
+        }
+        let of_load = |load: usize| 2 * n * (2 + places[load])..2 * n * (3 + places[load]);
         for (value, &load) in values.iter_mut().zip(&self.loads) {
             *value = influence[load];
         }
-        for (k, value) in values[self.square()].iter_mut().enumerate() {
-            *value = part(k, 1);
-        }
-        for (k, value) in values[self.inertial()].iter_mut().enumerate() {
-            *value = part(k, 0);
-        }
+        values[self.square()].copy_from_slice(&parts[2 * n..4 * n]);
+        values[self.inertial()].copy_from_slice(&parts[..2 * n]);
         for (k, value) in values[self.passed()].iter_mut().enumerate() {
             let (axis, group, pin) = (k / (n * self.leaders.len()), k / n % self.leaders.len(), k % n);
-            *value = at_rest(axis * n + self.leaders[group], self.pins[pin].load);
+            *value = parts[of_load(self.pins[pin].load)][axis * n + self.leaders[group]];
         }
-        for (load, &number) in self.loads[..self.free()].iter().enumerate() {
-            for (k, value) in values[self.caused(load)].iter_mut().enumerate() {
-                *value = effect(k, number);
+        // A reaction to a load: what balances it at rest, and what the motion that it causes needs.
+        let (inertial, at_rest) = parts.split_at_mut(4 * n);
+        for (load, &place) in places.iter().enumerate().filter(|(_, place)| **place != NOWHERE) {
+            for (part, inertial) in at_rest[2 * n * place..2 * n * (place + 1)].iter_mut().zip(&inertial[..2 * n]) {
+                *part += inertial * influence[load];
             }
         }
+        for (load, &number) in self.loads[..self.free()].iter().enumerate() {
+            values[self.caused(load)].copy_from_slice(&parts[of_load(number)]);
+        }
         for row in 0..self.rows() {
-            let of_load = |load: usize| if row == 0 { influence[load] } else { effect(row - 1, load) };
+            let effect = |load: usize| if row == 0 { influence[load] } else { parts[of_load(load)][row - 1] };
             let given = &mut values[self.given(row, 0)..self.given(row + 1, 0)];
-            reduced.components.fill_effects(loading, &reduced.curve, c, &of_load, given);
+            reduced.components.fill_effects(loading, &reduced.curve, c, &effect, given);
         }
         if let (true, Some(air)) = (self.air, &loading.air) {
             for (k, surface) in air.surfaces.iter().enumerate() {
@@ -254,19 +262,18 @@ impl Scene {
         }
     }
 
-    /// Component number `k` of the pins' reactions in a column.
-    fn part(&self, reduced: &Reduced, c: &Configuration, k: usize, column: &[Reaction]) -> f64 {
-        let (axis, pin) = (k / self.pins.len(), k % self.pins.len());
-        let joint = self.pins[pin].joint;
-        let force = column[joint].force;
-        self.signs[pin]
-            * match (reduced.linkage().joints[joint].freedom, axis) {
-                (Freedom::Turn, _) => force[axis],
-                (Freedom::Slide(line), 0) => {
-                    let first = reduced.linkage().joints[joint].first.body;
-                    force.dot(&quarter(c.positions.vector(first, line)))
+    /// The components of the pins' reactions in a column.
+    fn part(&self, reduced: &Reduced, c: &Configuration, column: &[Reaction], parts: &mut Vec<f64>) {
+        let (first, n) = (parts.len(), self.pins.len());
+        parts.resize(first + 2 * n, 0.0);
+        for (i, (pin, sign)) in self.pins.iter().zip(&self.signs).enumerate() {
+            let (joint, force) = (&reduced.linkage().joints[pin.joint], column[pin.joint].force);
+            match joint.freedom {
+                Freedom::Turn => (parts[first + i], parts[first + n + i]) = (sign * force.x, sign * force.y),
+                Freedom::Slide(line) => {
+                    parts[first + i] = sign * force.dot(&quarter(c.positions.vector(joint.first.body, line)));
                 }
-                (Freedom::Slide(_), _) => 0.0,
             }
+        }
     }
 }
