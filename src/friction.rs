@@ -108,7 +108,8 @@ pub struct Balance<'a, T> {
 /// prismatic joint].
 ///
 /// Friction acts on the reactions only through u and P_g, three numbers for one group of joints however many they are: these
-/// are the unknowns z, z = B |R(z)|, solved by Newton's method from z = B |R(0)|.
+/// are the unknowns z, z = B |R(z)|, solved by Newton's method from z = B |R(0)|. Of several solutions it is that which comes
+/// from the one without friction as the m_j grow.
 #[derive(Clone, Debug)]
 pub struct Loop<T> {
     /// m_j [m or 1], with the sign of the slip.
@@ -118,6 +119,7 @@ pub struct Loop<T> {
     /// B: effect of |R_j| on each unknown.
     effect: Vec<T>,
     unknown: Vec<T>,
+    before: Vec<T>,
     rest: Vec<T>,
     matrix: Vec<f64>,
     /// Direction of R_i, and its part along inertial_i.
@@ -140,6 +142,10 @@ impl fmt::Display for Locked {
 /// is rounding in the friction, which is a small part of the reactions itself.
 const SETTLED: f64 = 1e-14;
 
+/// Newton's method that takes more iterations, from the reactions without friction, may be on its way to a solution that is
+/// not connected with that.
+const FEW: u32 = 4;
+
 impl<T: Number> Loop<T> {
     /// Room for n joints in so many groups.
     pub fn new(n: usize, groups: usize) -> Self {
@@ -149,6 +155,7 @@ impl<T: Number> Loop<T> {
             size: vec![zero; n],
             effect: vec![zero; unknowns * n],
             unknown: vec![zero; unknowns],
+            before: vec![zero; unknowns],
             rest: vec![zero; unknowns],
             matrix: vec![0.0; unknowns * unknowns],
             direction: vec![[0.0; 3]; n],
@@ -163,8 +170,8 @@ impl<T: Number> Loop<T> {
 
     /// Solve for the sizes |R_i| to rounding.
     ///
-    /// At small coefficients the solution is unique and the determinant of the equations near 1; where it is not positive,
-    /// friction holds more than the reactions that cause it can explain.
+    /// At small coefficients the solution is unique and the determinant of the equations near 1; where it ceases to be
+    /// positive as the coefficients grow, friction holds more than the reactions that cause it can explain.
     ///
     /// # Errors
     /// [`Locked`]: no solution, or none that is continuously connected with that without friction.
@@ -183,7 +190,7 @@ impl<T: Number> Loop<T> {
     /// [`Self::solve`] for one group of N joints; false if it does not settle soon with a positive determinant.
     #[inline]
     fn solve_one<const N: usize>(&mut self, balance: &Balance<T>) -> bool {
-        const MOST: u32 = 12;
+        let most = FEW + u32::from(T::CARRIES);
         let chunk = |s: &[T]| s.first_chunk::<N>().copied();
         let [Some(free_x), Some(free_y)] = balance.free.map(chunk) else { return false };
         let [Some(along_x), Some(along_y)] = balance.inertial.map(chunk) else { return false };
@@ -205,7 +212,7 @@ impl<T: Number> Loop<T> {
             z[k] = dot(&effect[k], &sizes);
         }
         let mut settled = false;
-        for iteration in 1..=MOST {
+        for iteration in 1..=most {
             // Derivatives of each |R| along the unknowns.
             let mut slopes = [[0.0; N]; 3];
             let mut inverse = [0.0; N];
@@ -265,10 +272,16 @@ impl<T: Number> Loop<T> {
     }
 
     /// [`Self::solve`] for any number of joints and groups.
+    ///
+    /// Where Newton's method from the reactions without friction does not soon find the solution, as where friction takes most
+    /// of a reaction away, it is followed from that without friction while the arms grow to their size.
     fn solve_any(&mut self, balance: &Balance<T>) -> Result<(), Locked> {
-        const MOST: u32 = 60;
-        let (n, unknowns) = (self.arm.len(), self.unknown.len());
-        let groups = (unknowns - 1) / 2;
+        /// Parts by which the arms grow at first and at least.
+        const FIRST: f64 = 0.25;
+        const LEAST: f64 = 1e-4;
+        const MOST: u32 = 12;
+        let n = self.arm.len();
+        let groups = (self.unknown.len() - 1) / 2;
         // Unknown number 1 + axis + 2 g is the component of P_g.
         for j in 0..n {
             self.effect[j] = -(balance.influence[j] * self.arm[j]);
@@ -282,8 +295,32 @@ impl<T: Number> Loop<T> {
         for (z, row) in self.unknown.iter_mut().zip(self.effect.chunks_exact(n)) {
             *z = total(row, &self.size);
         }
+        if self.newton(balance, 1.0, FEW + u32::from(T::CARRIES)) {
+            return Ok(());
+        }
+        self.unknown.fill(T::constant(0.0));
+        let (mut part, mut more) = (0.0, FIRST);
+        while part < 1.0 {
+            self.before.copy_from_slice(&self.unknown);
+            let next = f64::min(part + more, 1.0);
+            if self.newton(balance, next, MOST) {
+                (part, more) = (next, 2.0 * more);
+            } else if more > LEAST {
+                self.unknown.copy_from_slice(&self.before);
+                more *= 0.25;
+            } else {
+                return Err(Locked);
+            }
+        }
+        Ok(())
+    }
+
+    /// Newton's method from the present unknowns, with this part of the arms; false if it does not settle in so many
+    /// iterations, or where a determinant is not positive.
+    fn newton(&mut self, balance: &Balance<T>, part: f64, most: u32) -> bool {
+        let (n, unknowns) = (self.arm.len(), self.unknown.len());
         let mut settled = false;
-        for iteration in 1..=MOST {
+        for iteration in 1..=most {
             self.iterations = iteration;
             let mut scale = f64::MIN_POSITIVE;
             for i in 0..n {
@@ -301,18 +338,21 @@ impl<T: Number> Loop<T> {
             self.matrix.fill(0.0);
             for k in 0..unknowns {
                 let row = &self.effect[k * n..(k + 1) * n];
-                self.rest[k] = total(row, &self.size) - self.unknown[k];
+                self.rest[k] = total(row, &self.size) * T::constant(part) - self.unknown[k];
                 let out = &mut self.matrix[k * unknowns..(k + 1) * unknowns];
                 out[k] = 1.0;
                 for (j, effect) in row.iter().enumerate() {
                     let of = 1 + 2 * balance.groups[j];
-                    let [along, x, y] = self.direction[j].map(|slope| effect.value() * slope);
+                    let [along, x, y] = self.direction[j].map(|slope| part * effect.value() * slope);
                     out[0] -= along;
                     out[of] -= x;
                     out[of + 1] -= y;
                 }
             }
             let determinant = eliminate(&mut self.matrix, &mut self.rest);
+            if determinant.is_nan() || determinant <= 0.0 {
+                return false;
+            }
             let mut left: f64 = 0.0;
             for i in 0..n {
                 let of = 1 + 2 * balance.groups[i];
@@ -331,14 +371,14 @@ impl<T: Number> Loop<T> {
                 *z = *z + *step;
             }
             if !left.is_finite() {
-                return Err(Locked);
+                return false;
             }
             if settled || (left < SETTLED && !T::CARRIES) || left == 0.0 {
-                return if determinant > 0.0 { Ok(()) } else { Err(Locked) };
+                return true;
             }
             settled = left < SETTLED;
         }
-        Err(Locked)
+        false
     }
 }
 

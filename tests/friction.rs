@@ -95,3 +95,50 @@ fn creeping_in_the_ramp_is_stiff_and_is_integrated_implicitly() {
     assert!(statistics.implicit > 0, "{statistics:?}");
     assert!(statistics.evaluations < 20_000, "{statistics:?}");
 }
+
+/// A rod between a slider with friction and a heavy one that slides upright without: where the heavy one falls, friction can take
+/// most of the reaction away that causes it. With N = N_0 + k |N|, k < -1, the reaction is still N_0 / (1 - k).
+#[test]
+fn friction_that_relieves_its_reaction_does_not_lock() {
+    const TRAMMEL: &str = r#"{
+        "name": "Trammel", "gravity": { "acceleration": 9.81, "up_angle": 1.5707963267948966 },
+        "bodies": { "ground": {}, "a": { "mass": 0.1 }, "b": { "mass": 5 },
+            "rod": { "length": 1, "mass": 0.1, "shape": "uniform_rod" } },
+        "joints": {
+            "guide": { "type": "prismatic", "first": "ground.origin", "second": "a.origin" },
+            "column": { "type": "prismatic", "first": "ground.origin", "second": "b.origin",
+                "axis_angle": 1.5707963267948966, "static_coefficient": 0, "kinetic_coefficient": 0 },
+            "pa": { "type": "revolute", "first": "a.origin", "second": "rod.origin" },
+            "pb": { "type": "revolute", "first": "rod.end", "second": "b.origin" } },
+        "friction": { "enabled": true, "static_coefficient": 0.5, "kinetic_coefficient": 0.5, "static_speed": 1e-3, "kinetic_speed": 2e-3 },
+        "start": { "body": "rod", "angle": 2.0, "speed": -1 }, "guess": { "rod": 2.0, "guide": 0.42, "column": 0.91 } }"#;
+    let (light, heavy, rod, g, mu) = (0.1, 5.0, 0.1, 9.81, 0.5);
+    let mut relieved = 0;
+    for i in 0..=60 {
+        let theta = 2.2 - 0.01 * f64::from(i);
+        let mut model = Model::from_json(TRAMMEL).unwrap();
+        set(&mut model, &[("rod.start_angle", theta)]);
+        model.initialize().unwrap();
+        let (sin, cos) = theta.sin_cos();
+        // M alpha + M' / 2 = -(heavy + rod / 2) g cos + mu |N| sin, N = weight + (heavy + rod / 2) (cos alpha - sin).
+        let (inertia, lever) = (light * sin * sin + heavy * cos * cos + rod / 3.0, heavy + 0.5 * rod);
+        let free = (-(light - heavy) * sin * cos - lever * g * cos) / inertia;
+        let normal = (light + heavy + rod) * g + lever * (cos * free - sin);
+        let k = lever * cos * mu * sin / inertia;
+        let size = if normal > 0.0 { normal / (1.0 - k) } else { -normal / (1.0 + k) };
+        relieved += usize::from(normal > 0.0 && k < -1.0);
+        let (told, exact) = (get(&mut model, "rod.acceleration"), free + mu * size * sin / inertia);
+        assert!((told - exact).abs() < 1e-10 * exact.abs(), "{theta}: {told}, not {exact}; k {k}");
+    }
+    assert!(relieved > 20, "{relieved}");
+    // Through that region, until the rod creeps.
+    let mut model = Model::from_json(TRAMMEL).unwrap();
+    set(&mut model, &[("rod.start_angle", 1.95)]);
+    model.initialize().unwrap();
+    for _ in 0..100 {
+        model.step(1e-3).unwrap();
+    }
+    let drift = get(&mut model, "energy.drift");
+    let speed = get(&mut model, "rod.speed");
+    assert!(speed.abs() < 1e-3 && drift.abs() < 1e-9, "{speed}, drift {drift:e}");
+}

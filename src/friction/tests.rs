@@ -56,6 +56,24 @@ proptest! {
         prop_assert!(one.iterations <= 8);
     }
 
+    /// The same at any coefficient. With m from 0 on, N = f.f / (b + sqrt(b2 - a c)) as long as neither the root nor the sum
+    /// vanishes: friction may take away nearly all of the reaction, but not add to it without bound.
+    #[test]
+    fn one_joint_locks_where_its_solution_ends(angle in 0.0..std::f64::consts::TAU, f in 1.0..1e4f64, k in -5.0..5.0f64) {
+        let mut one = Loop::new(1, 1);
+        one.arm[0] = k;
+        let solved = one.solve(&joint(&[f, 0.0], &[angle.cos(), angle.sin()]));
+        // Relative to f: a, b and the root.
+        let (a, b, root) = (1.0 - k * k, k * angle.cos(), 1.0 - (k * angle.sin()).powi(2));
+        let ends = root <= 0.0 || a <= 0.0 && b <= 0.0;
+        prop_assume!(root.abs() > 1e-3 && a.abs() > 1e-3);
+        prop_assert_eq!(solved.is_err(), ends);
+        if !ends {
+            let size = f / (b + root.sqrt());
+            prop_assert!((one.size[0] - size).abs() <= 1e-11 * size, "{} {size}", one.size[0]);
+        }
+    }
+
     /// Derivatives through the loop by the implicit function theorem, against differences of the solution.
     #[test]
     fn derivatives_pass_through_the_loop(fx in 1.0..9.0f64, fy in -9.0..9.0f64, gx in -9.0..9.0f64, m in 0.0..0.03f64, groups in 1usize..3) {
