@@ -1,5 +1,5 @@
 //! Positions, rates and accelerations of the bodies, outward along the tree.
-use super::{Branch, Freedom, Linkage, Point, Vec2, quarter};
+use super::{Branch, Freedom, Joint, Linkage, Point, Vec2, quarter};
 
 /// Where every body is.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -46,6 +46,16 @@ impl Positions {
         self.origin[point.body] + self.vector(point.body, point.local)
     }
 
+    /// Position, velocity and acceleration of a point, given the rates and second rates.
+    #[inline]
+    pub fn motion(&self, rates: &Rates, second: &Rates, point: Point) -> [Vec2; 3] {
+        let arm = self.vector(point.body, point.local);
+        let (omega, alpha) = (rates.angle[point.body], second.angle[point.body]);
+        let velocity = rates.origin[point.body] + omega * quarter(arm);
+        let acceleration = second.origin[point.body] + alpha * quarter(arm) - omega * omega * arm;
+        [self.origin[point.body] + arm, velocity, acceleration]
+    }
+
     /// Velocity of a point, given the rates.
     pub fn velocity(&self, rates: &Rates, point: Point) -> Vec2 {
         let arm = self.vector(point.body, point.local);
@@ -54,18 +64,17 @@ impl Positions {
 
     /// Acceleration of a point, given the rates and second rates.
     pub fn acceleration(&self, rates: &Rates, second: &Rates, point: Point) -> Vec2 {
-        let arm = self.vector(point.body, point.local);
-        let (omega, alpha) = (rates.angle[point.body], second.angle[point.body]);
-        second.origin[point.body] + alpha * quarter(arm) - omega * omega * arm
+        self.motion(rates, second, point)[2]
     }
 }
 
 impl Rates {
-    /// Put the angles' rates in, for rates of the coordinates.
+    /// Put the angles' rates in, for rates of the coordinates. Of the origins, that of the ground stays 0.
     fn turn(&mut self, linkage: &Linkage, of_coordinates: &[f64]) {
-        self.angle.clear();
-        self.angle.extend(linkage.bodies.iter().map(|b| b.turn.map_or(0.0, |t| of_coordinates[t])));
-        self.origin.clear();
+        self.angle.resize(linkage.bodies.len(), 0.0);
+        for (rate, body) in self.angle.iter_mut().zip(&linkage.bodies) {
+            *rate = body.turn.map_or(0.0, |t| of_coordinates[t]);
+        }
         self.origin.resize(linkage.bodies.len(), Vec2::zeros());
     }
 }
@@ -85,7 +94,7 @@ impl Linkage {
         p.turn.clear();
         // Cosines of the ground, and of what slides on it unturned, cost nothing.
         p.turn.extend(p.angle.iter().map(|&a| if a == 0.0 { (1.0, 0.0) } else { (a.cos(), a.sin()) }));
-        p.origin.clear();
+        // The ground's stays 0, the others follow from it.
         p.origin.resize(self.bodies.len(), Vec2::zeros());
         p.arms.clear();
         for branch in &self.tree {
@@ -143,13 +152,12 @@ impl Linkage {
     }
 
     fn arms(&self, p: &Positions, branch: &Branch) -> Arms {
-        let joint = &self.joints[branch.joint];
-        let (on_parent, on_child) =
-            if branch.reversed { (joint.second, joint.first) } else { (joint.first, joint.second) };
-        let axis = match joint.freedom {
-            Freedom::Turn => Vec2::zeros(),
-            Freedom::Slide(e) => p.vector(joint.first.body, e) * if branch.reversed { -1.0 } else { 1.0 },
+        let axis = match branch.slide.map(|_| &self.joints[branch.joint]) {
+            Some(Joint { freedom: Freedom::Slide(e), first, .. }) => {
+                p.vector(first.body, *e) * if branch.reversed { -1.0 } else { 1.0 }
+            }
+            _ => Vec2::zeros(),
         };
-        Arms { from: p.vector(on_parent.body, on_parent.local), to: p.vector(on_child.body, on_child.local), axis }
+        Arms { from: p.vector(branch.parent, branch.from), to: p.vector(branch.child, branch.to), axis }
     }
 }
