@@ -47,12 +47,9 @@ impl Factors {
         }
         self.taken.clear();
         self.taken.resize(columns, FREE);
-        self.entries.clear();
+        // Every row leaves these as they were: empty.
         self.entries.resize(columns, 0.0);
-        self.present.clear();
         self.present.resize(columns, false);
-        self.columns.clear();
-        self.waiting.clear();
         self.waiting.resize(columns.div_ceil(64), 0);
     }
 

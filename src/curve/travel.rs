@@ -7,6 +7,7 @@ pub(super) struct Travel<'a> {
     linkage: &'a Linkage,
     /// Positive in the permitted travel, negative outside.
     inside: &'a mut dyn FnMut(&Positions) -> f64,
+    q: Vec<f64>,
     positions: Positions,
     /// The value at the end of the last panel.
     before: f64,
@@ -14,12 +15,20 @@ pub(super) struct Travel<'a> {
 
 impl<'a> Travel<'a> {
     pub(super) fn new(linkage: &'a Linkage, inside: &'a mut dyn FnMut(&Positions) -> f64) -> Self {
-        Self { linkage, inside, positions: Positions::default(), before: 0.0 }
+        Self { linkage, inside, q: Vec::new(), positions: Positions::default(), before: 0.0 }
     }
 
     fn at(&mut self, q: &[f64]) -> f64 {
         self.linkage.place(q, &mut self.positions);
         (self.inside)(&self.positions)
+    }
+
+    fn on(&mut self, panel: &Panel, x: f64) -> f64 {
+        let mut q = std::mem::take(&mut self.q);
+        panel.place(x, &mut q);
+        let value = self.at(&q);
+        self.q = q;
+        value
     }
 
     /// Set out from a permitted position: where it is on the limit, rounding may not put it outside.
@@ -34,7 +43,7 @@ impl<'a> Travel<'a> {
         x.extend(nodes);
         x.push(1.0);
         let mut values = vec![self.before];
-        values.extend(nodes.iter().map(|x| self.at(&panel.series_at(*x))));
+        values.extend(nodes.iter().map(|x| self.on(panel, *x)));
         values.push(self.at(&panel.tip));
         self.before = values[values.len() - 1];
         for k in 1..x.len() {
@@ -60,7 +69,7 @@ impl<'a> Travel<'a> {
             if middle == inside || middle == outside {
                 return inside;
             }
-            let negative = self.at(&panel.series_at(middle)) < 0.0;
+            let negative = self.on(panel, middle) < 0.0;
             *(if negative { &mut outside } else { &mut inside }) = middle;
         }
     }
@@ -71,7 +80,7 @@ impl<'a> Travel<'a> {
         while b - a > 1e-8 && least >= 0.0 {
             let right = b - best > best - a;
             let x = if right { best + PART * (b - best) } else { best - PART * (best - a) };
-            let value = self.at(&panel.series_at(x));
+            let value = self.on(panel, x);
             match (value < least, right) {
                 (true, true) => (a, best, least) = (best, x, value),
                 (true, false) => (b, best, least) = (best, x, value),
