@@ -1,6 +1,7 @@
 //! One panel of the curve: closed positions as polynomials in a plane's distance from the panel's base.
 use super::configuration::{Configuration, Workspace};
 use super::known::Known;
+use super::travel::Travel;
 use crate::chebyshev::{NODES, Series, Transform, chopped, monomials, polynomial, slopes_of, tail};
 use crate::closure::Closure;
 use crate::linkage::{Linkage, Positions, Rates};
@@ -115,17 +116,18 @@ impl Panel {
         self.start + self.span
     }
 
-    /// Try to build the panel that starts at `base`. Returns the unit tangent at its tip with it, and by what factor it might
+    /// Try to build the panel that starts at `base`; `travel` passes its nodes. Returns the unit tangent at its tip with it, and by what factor it might
     /// have been wider.
     ///
     /// # Errors
     /// A [`Refusal`].
-    pub fn build(
+    pub(super) fn build(
         closure: &Closure,
         transform: &Transform,
         base: &Base,
         width: f64,
         room: &mut Room,
+        mut travel: Option<&mut Travel>,
     ) -> Result<(Self, Vec<f64>, f64), Refusal> {
         let n = base.q.len();
         let w = &closure.weights;
@@ -149,6 +151,9 @@ impl Panel {
                 .ok_or(Refusal::TooWide(ASTRAY))?;
             amplifications[j] = landing.amplification;
             closure.place(landing, &c.q, &mut work.loops, &mut c.positions);
+            if let Some(travel) = &mut travel {
+                travel.pass(j, &c.positions);
+            }
             speeds[j] = c.derive(closure, &normal, work);
             if speeds[j] == 0.0 || speeds[j].is_nan() {
                 return Err(Refusal::Massless);
@@ -242,22 +247,21 @@ impl Panel {
     }
 
     /// The same stretch followed the other way, with its base, the present tip, at `start`: x becomes -x.
-    pub fn mirrored(&self, start: f64) -> Self {
+    pub fn mirrored(mut self, start: f64) -> Self {
         let odd = |series: &mut [f64]| series.iter_mut().skip(1).step_by(2).for_each(|c| *c = -*c);
-        let mut mirrored = self.clone();
-        std::mem::swap(&mut mirrored.base, &mut mirrored.tip);
-        mirrored.start = start;
-        mirrored.normal.iter_mut().for_each(|n| *n = -*n);
-        mirrored.amplifications.reverse();
-        mirrored.coordinates.iter_mut().for_each(|series| odd(series));
-        for [first, second] in &mut mirrored.derivatives {
+        std::mem::swap(&mut self.base, &mut self.tip);
+        self.start = start;
+        self.normal.iter_mut().for_each(|n| *n = -*n);
+        self.amplifications.reverse();
+        self.coordinates.iter_mut().for_each(|series| odd(series));
+        for [first, second] in &mut self.derivatives {
             odd(first);
             odd(second);
             // sigma grows the other way.
             first.iter_mut().for_each(|c| *c = -*c);
         }
-        odd(&mut mirrored.speed);
-        mirrored.measured()
+        odd(&mut self.speed);
+        self.measured()
     }
 
     /// Coordinates at x in [-1, 1], by the polynomials.

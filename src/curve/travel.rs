@@ -1,5 +1,6 @@
 //! Travel: where along a panel the permitted positions end.
 use super::panel::Panel;
+use crate::chebyshev::NODES;
 use crate::linkage::{Linkage, Positions};
 
 /// The permitted travel, as it is followed from the start.
@@ -11,11 +12,13 @@ pub(super) struct Travel<'a> {
     positions: Positions,
     /// The value at the end of the last panel.
     before: f64,
+    /// Values at the nodes of the panel that is being built.
+    at_nodes: [f64; NODES],
 }
 
 impl<'a> Travel<'a> {
     pub(super) fn new(linkage: &'a Linkage, inside: &'a mut dyn FnMut(&Positions) -> f64) -> Self {
-        Self { linkage, inside, q: Vec::new(), positions: Positions::default(), before: 0.0 }
+        Self { linkage, inside, q: Vec::new(), positions: Positions::default(), before: 0.0, at_nodes: [0.0; NODES] }
     }
 
     fn at(&mut self, q: &[f64]) -> f64 {
@@ -36,14 +39,19 @@ impl<'a> Travel<'a> {
         self.before = self.at(q).max(0.0);
     }
 
+    /// Take note of the bodies' positions at a node of a panel.
+    pub(super) fn pass(&mut self, node: usize, positions: &Positions) {
+        self.at_nodes[node] = (self.inside)(positions);
+    }
+
     /// The first sigma of the panel at which travel ends: between two nodes that differ in sign, or where it dips below 0
-    /// between them.
+    /// between them; its nodes are those last passed.
     pub(super) fn left(&mut self, panel: &Panel, nodes: &[f64]) -> Option<f64> {
         let mut x: Vec<f64> = vec![-1.0];
         x.extend(nodes);
         x.push(1.0);
         let mut values = vec![self.before];
-        values.extend(nodes.iter().map(|x| self.on(panel, *x)));
+        values.extend(self.at_nodes);
         values.push(self.at(&panel.tip));
         self.before = values[values.len() - 1];
         for k in 1..x.len() {

@@ -1,5 +1,5 @@
 //! Positions, rates and accelerations of the bodies, outward along the tree.
-use super::{Branch, Freedom, Joint, Linkage, Point, Vec2, quarter};
+use super::{Freedom, Joint, Linkage, Point, Vec2, quarter};
 
 /// Where every body is.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -34,11 +34,15 @@ pub struct Rates {
     pub origin: Vec<Vec2>,
 }
 
+/// A vector turned by the angle with this cosine and sine.
+fn rotated((cos, sin): (f64, f64), local: Vec2) -> Vec2 {
+    Vec2::new(cos * local.x - sin * local.y, sin * local.x + cos * local.y)
+}
+
 impl Positions {
     /// A vector fixed in a body, in the mechanism frame.
     pub fn vector(&self, body: usize, local: Vec2) -> Vec2 {
-        let (cos, sin) = self.turn[body];
-        Vec2::new(cos * local.x - sin * local.y, sin * local.x + cos * local.y)
+        rotated(self.turn[body], local)
     }
 
     /// Position of a point [m].
@@ -89,19 +93,28 @@ impl Linkage {
 
     /// As [`Self::positions`], in place.
     pub fn place(&self, q: &[f64], p: &mut Positions) {
-        p.angle.clear();
-        p.angle.extend(self.bodies.iter().map(|b| b.turn.map_or(0.0, |t| q[t]) + b.offset));
-        p.turn.clear();
-        // Cosines of the ground, and of what slides on it unturned, cost nothing.
-        p.turn.extend(p.angle.iter().map(|&a| if a == 0.0 { (1.0, 0.0) } else { (a.cos(), a.sin()) }));
-        // The ground's stays 0, the others follow from it.
+        // The ground's place stays 0, the others follow from it.
+        p.angle.resize(self.bodies.len(), 0.0);
+        p.turn.resize(self.bodies.len(), (1.0, 0.0));
         p.origin.resize(self.bodies.len(), Vec2::zeros());
-        p.arms.clear();
-        for branch in &self.tree {
-            let arms = self.arms(p, branch);
-            let slide = branch.slide.map_or(Vec2::zeros(), |s| q[s] * arms.axis);
-            p.origin[branch.child] = p.origin[branch.parent] + arms.from - arms.to + slide;
-            p.arms.push(arms);
+        p.arms.resize(self.tree.len(), Arms::default());
+        let (turns, origin) = (&mut p.turn[..], &mut p.origin[..]);
+        for ((body, angle), turn) in self.bodies.iter().zip(&mut p.angle).zip(&mut *turns) {
+            *angle = body.turn.map_or(0.0, |t| q[t]) + body.offset;
+            // Cosines of the ground, and of what slides on it unturned, cost nothing.
+            *turn = if *angle == 0.0 { (1.0, 0.0) } else { (angle.cos(), angle.sin()) };
+        }
+        for (branch, arms) in self.tree.iter().zip(&mut p.arms) {
+            arms.from = rotated(turns[branch.parent], branch.from);
+            arms.to = rotated(turns[branch.child], branch.to);
+            let mut place = origin[branch.parent] + arms.from - arms.to;
+            if let (Some(s), Joint { freedom: Freedom::Slide(e), first, .. }) =
+                (branch.slide, &self.joints[branch.joint])
+            {
+                arms.axis = rotated(turns[first.body], *e) * if branch.reversed { -1.0 } else { 1.0 };
+                place += q[s] * arms.axis;
+            }
+            origin[branch.child] = place;
         }
     }
 
@@ -149,15 +162,5 @@ impl Linkage {
             }
             a.origin[child] = v;
         }
-    }
-
-    fn arms(&self, p: &Positions, branch: &Branch) -> Arms {
-        let axis = match branch.slide.map(|_| &self.joints[branch.joint]) {
-            Some(Joint { freedom: Freedom::Slide(e), first, .. }) => {
-                p.vector(first.body, *e) * if branch.reversed { -1.0 } else { 1.0 }
-            }
-            _ => Vec2::zeros(),
-        };
-        Arms { from: p.vector(branch.parent, branch.from), to: p.vector(branch.child, branch.to), axis }
     }
 }
