@@ -190,7 +190,7 @@ impl Closure {
     /// Change of the independent loop equation number `i` that is asked for, and those that tell the amplification.
     fn probes(&self, i: usize, change: f64) -> [f64; 3] {
         let size = self.linkage.size;
-        let signed = |k: usize| if (i >> k) % 2 == 0 { size } else { -size };
+        let signed = |k: usize| if (i >> k).is_multiple_of(2) { size } else { -size };
         [change, signed(0), signed(1)]
     }
 
