@@ -1,6 +1,6 @@
 //! Chebyshev series of one fixed length: the building block of the traced curve and of every table.
 //!
-//! In: values at the Gauss nodes of [-1, 1]. Out: coefficients, values, antiderivatives, monomial coefficients.
+//! In: values at the Gauss nodes of [-1, 1]. Out: coefficients, monomial coefficients, values.
 //! Source: Trefethen, Approximation Theory and Approximation Practice (2013), chapters 2, 3 and 19.
 use std::f64::consts::PI;
 
@@ -20,26 +20,32 @@ pub fn nodes() -> [f64; NODES] {
 pub struct Transform {
     /// Nodes, ascending.
     pub nodes: [f64; NODES],
-    /// T_k(x_j), row j.
-    basis: [[f64; NODES]; NODES],
+    /// T_k(x_j), row j, of the nodes below 0: T_k(-x) = (-1)^k T_k(x).
+    basis: [[f64; NODES]; NODES / 2],
 }
 
 impl Transform {
     /// The transform for [`NODES`] nodes.
     pub fn new() -> Self {
-        let nodes = nodes();
+        // T_k(x_j) = (-1)^k cos(pi k (j + 1/2) / NODES); less whole turns, as the angle is rounded.
         let basis = std::array::from_fn(|j| {
-            std::array::from_fn(|k| (PI * (k as f64) * ((NODES - 1 - j) as f64 + 0.5) / NODES as f64).cos())
+            std::array::from_fn(|k| {
+                let angle = (k * (2 * j + 1 + 2 * NODES)) % (4 * NODES);
+                (PI * angle as f64 / (2 * NODES) as f64).cos()
+            })
         });
-        Self { nodes, basis }
+        Self { nodes: nodes(), basis }
     }
 
     /// Coefficients of the polynomial through `values` at the nodes.
     pub fn fit(&self, values: &[f64; NODES]) -> Series {
         let mut out = [0.0; NODES];
-        for (value, row) in values.iter().zip(&self.basis) {
-            for (sum, t) in out.iter_mut().zip(row) {
-                *sum += value * t;
+        for (j, row) in self.basis.iter().enumerate() {
+            let (value, mirrored) = (values[j], values[NODES - 1 - j]);
+            let (even, odd) = (value + mirrored, value - mirrored);
+            for (sums, t) in out.chunks_exact_mut(2).zip(row.chunks_exact(2)) {
+                sums[0] += even * t[0];
+                sums[1] += odd * t[1];
             }
         }
         out.iter_mut().for_each(|c| *c *= 2.0 / NODES as f64);
@@ -52,48 +58,6 @@ impl Default for Transform {
     fn default() -> Self {
         Self::new()
     }
-}
-
-/// Value at x in [-1, 1] by Clenshaw's recurrence; any number of coefficients.
-pub fn value(series: &[f64], x: f64) -> f64 {
-    let (mut b1, mut b2) = (0.0, 0.0);
-    for &c in series[1..].iter().rev() {
-        (b1, b2) = (c + 2.0 * x * b1 - b2, b1);
-    }
-    series[0] + x * b1 - b2
-}
-
-/// Values at x of an antiderivative and of its slope, side by side.
-pub fn with_slope(antiderivative: &[f64; NODES + 1], slope: &Series, x: f64) -> (f64, f64) {
-    let (mut b1, mut b2) = (antiderivative[NODES], 0.0);
-    let (mut d1, mut d2) = (0.0, 0.0);
-    for k in (1..NODES).rev() {
-        (b1, b2) = (antiderivative[k] + 2.0 * x * b1 - b2, b1);
-        (d1, d2) = (slope[k] + 2.0 * x * d1 - d2, d1);
-    }
-    (antiderivative[0] + x * b1 - b2, slope[0] + x * d1 - d2)
-}
-
-/// Antiderivative that vanishes at x = -1; one coefficient more than the series.
-pub fn antiderivative(series: &Series) -> [f64; NODES + 1] {
-    let c = |k: usize| if k < NODES { series[k] } else { 0.0 };
-    let mut out = [0.0; NODES + 1];
-    out[1] = c(0) - c(2) / 2.0;
-    for (k, slot) in out.iter_mut().enumerate().skip(2) {
-        *slot = (c(k - 1) - c(k + 1)) / (2.0 * k as f64);
-    }
-    out[0] = out.iter().enumerate().skip(1).map(|(k, a)| if k % 2 == 1 { *a } else { -*a }).sum();
-    out
-}
-
-/// Derivative.
-pub fn derivative(series: &Series) -> Series {
-    let mut out = [0.0; NODES];
-    for k in (1..NODES).rev() {
-        out[k - 1] = if k + 1 < NODES { out[k + 1] } else { 0.0 } + 2.0 * k as f64 * series[k];
-    }
-    out[0] *= 0.5;
-    out
 }
 
 /// Monomial coefficients of the Chebyshev polynomials: T_k = 2 x T_(k-1) - T_(k-2), coefficient by coefficient.
@@ -113,15 +77,52 @@ const MONOMIALS: [[f64; NODES]; NODES] = {
     rows
 };
 
+/// The same by pairs of an even and an odd k: each polynomial has the powers of its own parity only.
+const PAIRS: [[f64; NODES]; NODES / 2] = {
+    let mut rows = [[0.0; NODES]; NODES / 2];
+    let mut i = 0;
+    while i < NODES * NODES / 2 {
+        let (pair, power) = (i / NODES, i % NODES);
+        rows[pair][power] = MONOMIALS[2 * pair + power % 2][power];
+        i += 1;
+    }
+    rows
+};
+
 /// Coefficients of 1, x, x^2, ... Accurate where the series decays faster than (1 + sqrt 2)^-k, as a resolved panel does.
 pub fn monomials(series: &Series) -> Series {
     let mut out = [0.0; NODES];
-    for (c, row) in series.iter().zip(&MONOMIALS) {
-        for (sum, m) in out.iter_mut().zip(row) {
-            *sum += c * m;
+    for (c, row) in series.chunks_exact(2).zip(&PAIRS) {
+        for (sums, m) in out.chunks_exact_mut(2).zip(row.chunks_exact(2)) {
+            sums[0] += c[0] * m[0];
+            sums[1] += c[1] * m[1];
         }
     }
     out
+}
+
+/// Value of a polynomial with monomial coefficients: even and odd powers apart, each by Estrin's scheme, so that coefficients
+/// are read in pairs as they are.
+#[inline]
+pub fn polynomial(c: &Series, x: f64) -> f64 {
+    let y = x * x;
+    let (y2, y4) = (y * y, (y * y) * (y * y));
+    let pair = |k: usize| [c[k] + c[k + 2] * y, c[k + 1] + c[k + 3] * y];
+    let four = |k: usize| {
+        let (low, high) = (pair(k), pair(k + 4));
+        [low[0] + high[0] * y2, low[1] + high[1] * y2]
+    };
+    let (low, high) = (four(0), four(8));
+    (low[0] + high[0] * y4) + x * (low[1] + high[1] * y4)
+}
+
+/// Monomial coefficients of the derivative.
+pub fn slopes_of(c: &Series) -> Series {
+    let mut slopes = [0.0; NODES];
+    for k in 1..NODES {
+        slopes[k - 1] = k as f64 * c[k];
+    }
+    slopes
 }
 
 /// Size of what a longer series would add: the largest of the last three coefficients.
@@ -153,30 +154,21 @@ mod tests {
         let m = monomials(&c);
         for i in 0..=40 {
             let x = -1.0 + f64::from(i) / 20.0;
-            assert!((value(&c, x) - (0.7 * x).exp()).abs() < 1e-14);
-            let horner = m.iter().rev().fold(0.0, |a, k| a * x + k);
-            assert!((horner - (0.7 * x).exp()).abs() < 1e-14);
+            let chebyshev: f64 = c.iter().enumerate().map(|(k, c)| c * (k as f64 * x.acos()).cos()).sum();
+            assert!((chebyshev - (0.7 * x).exp()).abs() < 1e-14);
+            assert!((polynomial(&m, x) - (0.7 * x).exp()).abs() < 1e-14);
         }
         assert!(tail(&c) < 1e-13);
-    }
-
-    #[test]
-    fn antiderivative_of_a_cosine_is_a_sine() {
-        let a = antiderivative(&fitted(f64::cos));
-        for i in 0..=20 {
-            let x = -1.0 + f64::from(i) / 10.0;
-            assert!((value(&a, x) - (x.sin() - (-1.0f64).sin())).abs() < 1e-14);
-        }
     }
 
     #[test]
     fn derivative_of_a_sine_is_a_cosine() {
         // T_k has the slope k^2 at the ends, by which it amplifies the rounding of its coefficient: twice a mean of values.
         let allowed = (0..NODES).map(|k| (k * k) as f64).sum::<f64>() * 2.0 * f64::EPSILON;
-        let d = derivative(&fitted(f64::sin));
+        let d = slopes_of(&monomials(&fitted(f64::sin)));
         for i in 0..=20 {
             let x = -1.0 + f64::from(i) / 10.0;
-            assert!((value(&d, x) - x.cos()).abs() < allowed);
+            assert!((polynomial(&d, x) - x.cos()).abs() < allowed);
         }
     }
 

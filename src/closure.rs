@@ -37,10 +37,8 @@ pub struct Workspace {
     pub factors: Factors,
     /// Values of all loop equations.
     gaps: Vec<f64>,
-    /// Values of the independent ones.
-    picked: Vec<f64>,
-    /// A change of coordinates.
-    step: Vec<f64>,
+    /// Changes of coordinates: that to a closed position, and those that tell the amplification.
+    steps: Vec<[f64; 3]>,
     /// Rows of one loop.
     partials: [Vec<f64>; 2],
 }
@@ -182,36 +180,36 @@ impl Closure {
 
     /// How much rounding in a gap is amplified in solutions on planes with this normal: the largest entry of two of them.
     pub fn amplification(&self, normal: &[f64], work: &mut Workspace) -> f64 {
-        let mut largest: f64 = 0.0;
-        for k in 0..2 {
-            work.picked.clear();
-            let size = self.linkage.size;
-            work.picked.extend((0..self.rows.len()).map(|i| if (i >> k) % 2 == 0 { size } else { -size }));
-            work.factors.solve(&work.picked, normal, 0.0, &mut work.step);
-            let worst = self.size(&work.step);
-            // A solution that is not a number must not be lost in the maximum.
-            largest = if worst >= largest || worst.is_nan() { worst } else { largest };
-        }
-        largest
+        work.steps.resize(normal.len(), [0.0; 3]);
+        let rows = (0..self.rows.len()).map(|i| self.probes(i, 0.0));
+        work.factors.solve(rows, normal, [0.0; 3], &mut work.steps);
+        let [_, a, b] = self.sizes(&work.steps);
+        a.max(b)
+    }
+
+    /// Change of the independent loop equation number `i` that is asked for, and those that tell the amplification.
+    fn probes(&self, i: usize, change: f64) -> [f64; 3] {
+        let size = self.linkage.size;
+        let signed = |k: usize| if (i >> k).is_multiple_of(2) { size } else { -size };
+        [change, signed(0), signed(1)]
     }
 
     /// A solution on a plane with this normal, for gaps that favour no combination of loops.
-    pub fn probe<'w>(&self, normal: &[f64], work: &'w mut Workspace) -> &'w [f64] {
-        work.picked.clear();
-        work.picked.extend((0..self.rows.len()).map(|i| self.linkage.size * (1.0 + 3.7 * i as f64).sin()));
-        work.factors.solve(&work.picked, normal, 0.0, &mut work.step);
-        &work.step
+    pub fn probe(&self, normal: &[f64], work: &Workspace) -> Vec<f64> {
+        let mut out = vec![0.0; normal.len()];
+        let rows = (0..self.rows.len()).map(|i| [self.linkage.size * (1.0 + 3.7 * i as f64).sin()]);
+        work.factors.solve(rows, normal, [0.0], out.as_chunks_mut().0);
+        out
     }
 
-    /// Largest of the changes of coordinates, weighted.
-    fn size(&self, step: &[f64]) -> f64 {
-        let mut largest: f64 = 0.0;
-        for (s, w) in step.iter().zip(&self.weights) {
-            let size = (s * w).abs();
-            if !size.is_finite() {
-                return f64::INFINITY;
+    /// Largest of the changes of coordinates, weighted, of each of several; infinite if one is not a number.
+    fn sizes<const N: usize>(&self, steps: &[[f64; N]]) -> [f64; N] {
+        let mut largest = [0.0; N];
+        for (step, w) in steps.iter().zip(&self.weights) {
+            for (largest, s) in largest.iter_mut().zip(step) {
+                let size = (s * w).abs();
+                *largest = if size.is_nan() { f64::INFINITY } else { size.max(*largest) };
             }
-            largest = largest.max(size);
         }
         largest
     }
@@ -268,20 +266,20 @@ impl Closure {
                 return None;
             }
             self.linkage.measure(&work.positions, &mut work.gaps);
-            work.picked.clear();
-            work.picked.extend(self.rows.iter().map(|&r| -work.gaps[r]));
             let off: f64 = (0..q.len()).map(|i| normal[i] * (q[i] - base[i])).sum();
-            work.factors.solve(&work.picked, normal, along - off, &mut work.step);
-            let size = self.size(&work.step);
+            work.steps.resize(q.len(), [0.0; 3]);
+            let rows = self.rows.iter().enumerate().map(|(i, &r)| self.probes(i, -work.gaps[r]));
+            work.factors.solve(rows, normal, [along - off, 0.0, 0.0], &mut work.steps);
+            let [size, a, b] = self.sizes(&work.steps);
             if size > 1.0 {
                 return None;
             }
-            for (x, s) in q.iter_mut().zip(&work.step) {
-                *x += s;
+            for (x, [step, ..]) in q.iter_mut().zip(&work.steps) {
+                *x += step;
             }
             let first = *first.get_or_insert(size);
             if size < COARSE || size >= 0.5 * last {
-                let amplification = self.amplification(normal, work);
+                let amplification = a.max(b);
                 if !amplification.is_finite() {
                     return None;
                 }

@@ -102,24 +102,20 @@ impl Load {
     /// Displacement and its first and second derivative along sigma.
     pub fn displacement(&self, linkage: &Linkage, c: &Configuration) -> [f64; 3] {
         let p = &c.positions;
-        let point = |x: Point| (p.point(x), p.velocity(&c.rates, x), p.acceleration(&c.rates, &c.second, x));
+        let point = |x: Point| p.motion(&c.rates, &c.second, x);
         match *self {
             Self::Gravity(acceleration) => {
                 let mut sum = [0.0; 3];
                 for (i, body) in linkage.bodies.iter().enumerate().skip(1) {
-                    let (x, v, a) = point(center(linkage, i));
-                    for (s, d) in sum.iter_mut().zip([x, v, a]) {
+                    for (s, d) in sum.iter_mut().zip(point(center(linkage, i))) {
                         *s += body.mass * acceleration.dot(&d);
                     }
                 }
                 sum
             }
-            Self::Force { at, direction } => {
-                let (x, v, a) = point(at);
-                [x, v, a].map(|d| direction.dot(&d))
-            }
+            Self::Force { at, direction } => point(at).map(|d| direction.dot(&d)),
             Self::Pair { first, second } => {
-                let ((x1, v1, a1), (x2, v2, a2)) = (point(first), point(second));
+                let ([x1, v1, a1], [x2, v2, a2]) = (point(first), point(second));
                 let (x, v, a) = (x2 - x1, v2 - v1, a2 - a1);
                 let length = x.norm();
                 let along = x / length;
@@ -134,7 +130,7 @@ impl Load {
             Self::Slide { joint } => {
                 // The gap is s e, and e turns with the first body: gap'' = (s'' - s omega^2) e + (...) normal to it.
                 let (first, second, axis) = axis(linkage, p, joint);
-                let ((x1, v1, a1), (x2, v2, a2)) = (point(first), point(second));
+                let ([x1, v1, a1], [x2, v2, a2]) = (point(first), point(second));
                 let s = axis.dot(&(x2 - x1));
                 let omega = c.rates.angle[first.body];
                 [s, axis.dot(&(v2 - v1)), axis.dot(&(a2 - a1)) + s * omega * omega]

@@ -2,7 +2,9 @@
 //!
 //! In: an exact function of sigma. Out: the same function at the cost of one polynomial for each component. Built once,
 //! read without allocation, lock or branch on the mechanism's size. It must not know what the functions mean.
-use crate::chebyshev::{NODES, Series, Transform, monomials, tail};
+pub use crate::chebyshev::polynomial;
+
+use crate::chebyshev::{NODES, Series, Transform, monomials, slopes_of, tail};
 use crate::number::Number;
 use std::fmt;
 use std::ops::Range;
@@ -54,21 +56,6 @@ pub struct Spot {
     pub panel: usize,
     /// -1 at its first sigma, 1 at its last.
     pub x: f64,
-}
-
-/// Value of a polynomial with monomial coefficients: even and odd powers apart, each by Estrin's scheme, so that coefficients
-/// are read in pairs as they are.
-#[inline]
-pub fn polynomial(c: &Series, x: f64) -> f64 {
-    let y = x * x;
-    let (y2, y4) = (y * y, (y * y) * (y * y));
-    let pair = |k: usize| [c[k] + c[k + 2] * y, c[k + 1] + c[k + 3] * y];
-    let four = |k: usize| {
-        let (low, high) = (pair(k), pair(k + 4));
-        [low[0] + high[0] * y2, low[1] + high[1] * y2]
-    };
-    let (low, high) = (four(0), four(8));
-    (low[0] + high[0] * y4) + x * (low[1] + high[1] * y4)
 }
 
 /// Monomial coefficients of [`ROW`] functions, power by power.
@@ -148,15 +135,6 @@ fn slopes(row: &Row, x: f64, sums: &mut [f64; ROW]) {
             *sum = *sum * x + k as f64 * c;
         }
     }
-}
-
-/// Coefficients of the derivative.
-fn slopes_of(c: &Series) -> Series {
-    let mut slopes = [0.0; NODES];
-    for k in 1..NODES {
-        slopes[k - 1] = k as f64 * c[k];
-    }
-    slopes
 }
 
 /// A polynomial with monomial coefficients at x, with derivatives if x carries some.

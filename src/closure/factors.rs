@@ -47,12 +47,9 @@ impl Factors {
         }
         self.taken.clear();
         self.taken.resize(columns, FREE);
-        self.entries.clear();
+        // Every row leaves these as they were: empty.
         self.entries.resize(columns, 0.0);
-        self.present.clear();
         self.present.resize(columns, false);
-        self.columns.clear();
-        self.waiting.clear();
         self.waiting.resize(columns.div_ceil(64), 0);
     }
 
@@ -150,22 +147,43 @@ impl Factors {
         out.extend(self.null.iter().map(|z| scale * z));
     }
 
-    /// The change of coordinates for these changes of the rows, and `along` on the plane's normal.
-    pub fn solve(&self, rows: &[f64], normal: &[f64], along: f64, out: &mut Vec<f64>) {
-        out.clear();
-        out.resize(self.taken.len(), 0.0);
+    /// The changes of coordinates for several changes of the rows at once, told row by row, and `along` on the plane's
+    /// normal. `out` has a place for each coordinate.
+    pub fn solve<const N: usize>(
+        &self,
+        rows: impl Iterator<Item = [f64; N]>,
+        normal: &[f64],
+        along: [f64; N],
+        out: &mut [[f64; N]],
+    ) {
+        let take = |sums: &mut [f64; N], factor: f64, values: &[f64; N]| {
+            for (sum, value) in sums.iter_mut().zip(values) {
+                *sum -= factor * value;
+            }
+        };
+        out.fill([0.0; N]);
         // L y = rows; y is kept at the pivots' columns.
-        for (row, value) in rows.iter().enumerate() {
-            let lower = part(&self.lower, &self.lower_ends, row).iter();
-            out[self.pivots[row].0] = value - lower.map(|&(r, f)| f * out[self.pivots[r].0]).sum::<f64>();
+        for (row, mut values) in rows.enumerate() {
+            for &(r, factor) in part(&self.lower, &self.lower_ends, row) {
+                take(&mut values, factor, &out[self.pivots[r].0]);
+            }
+            out[self.pivots[row].0] = values;
         }
         for (row, &(pivot, inverse)) in self.pivots.iter().enumerate().rev() {
-            let sum: f64 = part(&self.upper, &self.upper_ends, row).iter().map(|&(c, v)| v * out[c]).sum();
-            out[pivot] = (out[pivot] - sum) * inverse;
+            let mut values = out[pivot];
+            for &(column, factor) in part(&self.upper, &self.upper_ends, row) {
+                take(&mut values, factor, &out[column]);
+            }
+            out[pivot] = values.map(|v| v * inverse);
         }
-        let scale = (along - dot(normal, out)) / dot(normal, &self.null);
-        for (x, z) in out.iter_mut().zip(&self.null) {
-            *x += scale * z;
+        let mut rest = along;
+        for (n, values) in normal.iter().zip(&*out) {
+            take(&mut rest, *n, values);
+        }
+        let across = 1.0 / dot(normal, &self.null);
+        let scale = rest.map(|r| -r * across);
+        for (values, z) in out.iter_mut().zip(&self.null) {
+            take(values, *z, &scale);
         }
     }
 
@@ -226,10 +244,15 @@ mod tests {
             assert!(factors.finish());
             let right: Vec<f64> = (0..n).map(|_| noise(&mut seed)).collect();
             let mut out = Vec::new();
-            factors.solve(&right[..n - 1], &normal, right[n - 1], &mut out);
+            let mut solutions = vec![[0.0; 2]; n];
+            let rows = right[..n - 1].iter().map(|r| [*r, -0.5 * r]);
+            factors.solve(rows, &normal, [right[n - 1], -0.5 * right[n - 1]], &mut solutions);
             // The amplification of a random band matrix is some 1e3.
-            let miss = &dense * DVector::from_column_slice(&out) - DVector::from_column_slice(&right);
-            assert!(miss.norm() < 1e-11, "{n}: {miss}");
+            for (k, factor) in [1.0, -0.5].into_iter().enumerate() {
+                let solution = DVector::from_iterator(n, solutions.iter().map(|s| s[k]));
+                let miss = &dense * solution - factor * DVector::from_column_slice(&right);
+                assert!(miss.norm() < 1e-11, "{n}: {miss}");
+            }
             factors.tangent(&normal, 2.0, &mut out);
             let miss = &dense * DVector::from_column_slice(&out);
             assert!((miss[n - 1] - 2.0).abs() < 1e-11 && miss.rows(0, n - 1).norm() < 1e-11, "{n}: {miss}");

@@ -1,6 +1,6 @@
 //! The exact evaluator: one configuration with its derivatives along the curve.
 use super::{Curve, panel::twice_kinetic};
-use crate::chebyshev::value;
+use crate::chebyshev::polynomial;
 use crate::closure::{self, Closure};
 use crate::linkage::{Linkage, Point, Positions, Rates};
 
@@ -38,8 +38,6 @@ pub struct Workspace {
     pub(super) loops: closure::Workspace,
     /// Values of all loop equations.
     gaps: Vec<f64>,
-    /// What the independent ones must change by.
-    right: Vec<f64>,
 }
 
 impl Configuration {
@@ -80,9 +78,8 @@ impl Configuration {
         self.q_second.resize(self.q.len(), 0.0);
         linkage.accelerate(&self.positions, &self.rates, [&self.q, &self.q_sigma, &self.q_second], &mut self.second);
         linkage.gap_second_rates(&self.positions, &self.rates, &self.second, &mut work.gaps);
-        work.right.clear();
-        work.right.extend(closure.rows().iter().map(|&r| -work.gaps[r]));
-        factors.solve(&work.right, normal, 0.0, &mut self.q_second);
+        let rows = closure.rows().iter().map(|&r| [-work.gaps[r]]);
+        factors.solve(rows, normal, [0.0], self.q_second.as_chunks_mut().0);
         self.bend(linkage);
         speed
     }
@@ -125,7 +122,8 @@ impl Curve {
             c.q_second.iter_mut().for_each(|v| *v /= speed * speed);
         } else {
             // Along sigma already, but for rounding.
-            (c.q_sigma, c.q_second) = panel.derivatives.iter().map(|[f, s]| (value(f, x), value(s, x))).unzip();
+            (c.q_sigma, c.q_second) =
+                panel.derivatives.iter().map(|[f, s]| (polynomial(f, x), polynomial(s, x))).unzip();
             c.set_out(linkage);
         }
         c.bend(linkage);
@@ -138,8 +136,8 @@ fn kinetic_product(linkage: &Linkage, p: &Positions, r: &Rates, a: &Rates) -> f6
     let mut sum = 0.0;
     for (i, body) in linkage.bodies.iter().enumerate().skip(1) {
         let point = Point { body: i, local: body.center };
-        sum +=
-            body.mass * p.velocity(r, point).dot(&p.acceleration(r, a, point)) + body.inertia * r.angle[i] * a.angle[i];
+        let [_, v, acceleration] = p.motion(r, a, point);
+        sum += body.mass * v.dot(&acceleration) + body.inertia * r.angle[i] * a.angle[i];
     }
     sum
 }

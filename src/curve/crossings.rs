@@ -48,7 +48,7 @@ impl Curve {
         // Where the equations have no solution, the crossing is found.
         let solve = |x: f64, work: &mut Workspace| {
             let regular = self.closure.linearise(&panel.series_at(x), work);
-            regular.then(|| self.closure.probe(&panel.normal, work).to_vec())
+            regular.then(|| self.closure.probe(&panel.normal, work))
         };
         let Some(direction) = solve(middle, work) else { return middle };
         let mut signed = |x: f64| solve(x, work).map_or(0.0, |solution| 1.0 / dot(&solution, &direction));

@@ -1,7 +1,8 @@
-//! One panel of the curve: closed positions as Chebyshev series over a plane's distance from the panel's base.
+//! One panel of the curve: closed positions as polynomials in a plane's distance from the panel's base.
 use super::configuration::{Configuration, Workspace};
 use super::known::Known;
-use crate::chebyshev::{NODES, Series, Transform, antiderivative, chopped, derivative, tail, value, with_slope};
+use super::travel::Travel;
+use crate::chebyshev::{NODES, Series, Transform, chopped, monomials, polynomial, slopes_of, tail};
 use crate::closure::Closure;
 use crate::linkage::{Linkage, Positions, Rates};
 
@@ -16,12 +17,13 @@ pub struct Panel {
     pub normal: Vec<f64>,
     /// Last u.
     pub width: f64,
-    /// Each coordinate as a series in x = 2 u / width - 1.
+    /// Each coordinate as a polynomial in x = 2 u / width - 1: its monomial coefficients.
     pub coordinates: Vec<Series>,
-    /// sigma - start as a series in x, and its value at the tip.
-    length: [f64; NODES + 1],
+    /// sigma - start as a polynomial in x: at 0, its coefficients beyond that one, and its value at the tip.
+    half: f64,
+    length: Series,
     span: f64,
-    /// d sigma / d x as a series in x, and its values at both ends.
+    /// d sigma / d x as a polynomial in x, and its values at both ends.
     speed: Series,
     rims: [f64; 2],
     /// Coordinates at its end.
@@ -31,7 +33,7 @@ pub struct Panel {
     /// The same at the nodes.
     pub amplifications: [f64; NODES],
     /// Of each coordinate, if rounding is amplified much more at some nodes than at others: its first and second derivative
-    /// along sigma as series in x, through what the loop equations give at the nodes. In between, close to a crossing, these
+    /// along sigma as polynomials in x, through what the loop equations give at the nodes. In between, close to a crossing, these
     /// are far more accurate than either the loop equations or derivatives of `coordinates`.
     pub derivatives: Vec<[Series; 2]>,
     /// Of each coordinate's second derivative along sigma: tail of its series in x, and its largest value.
@@ -114,17 +116,18 @@ impl Panel {
         self.start + self.span
     }
 
-    /// Try to build the panel that starts at `base`. Returns the unit tangent at its tip with it, and by what factor it might
+    /// Try to build the panel that starts at `base`; `travel` passes its nodes. Returns the unit tangent at its tip with it, and by what factor it might
     /// have been wider.
     ///
     /// # Errors
     /// A [`Refusal`].
-    pub fn build(
+    pub(super) fn build(
         closure: &Closure,
         transform: &Transform,
         base: &Base,
         width: f64,
         room: &mut Room,
+        mut travel: Option<&mut Travel>,
     ) -> Result<(Self, Vec<f64>, f64), Refusal> {
         let n = base.q.len();
         let w = &closure.weights;
@@ -148,6 +151,9 @@ impl Panel {
                 .ok_or(Refusal::TooWide(ASTRAY))?;
             amplifications[j] = landing.amplification;
             closure.place(landing, &c.q, &mut work.loops, &mut c.positions);
+            if let Some(travel) = &mut travel {
+                travel.pass(j, &c.positions);
+            }
             speeds[j] = c.derive(closure, &normal, work);
             if speeds[j] == 0.0 || speeds[j].is_nan() {
                 return Err(Refusal::Massless);
@@ -192,15 +198,16 @@ impl Panel {
         if amplification > HARMLESS.max(CROSSING * least) {
             coordinates.iter_mut().chain([&mut speed]).for_each(|s| *s = chopped(s));
         }
+        coordinates.iter_mut().chain([&mut speed]).for_each(|s| *s = monomials(s));
         let derivatives = if amplification > UNEVEN * least {
-            let fit = |samples: &[f64; NODES]| chopped(&transform.fit(samples));
+            let fit = |samples: &[f64; NODES]| monomials(&chopped(&transform.fit(samples)));
             firsts.iter().zip(&*seconds).map(|(first, second)| [fit(first), fit(second)]).collect()
         } else {
             Vec::new()
         };
         let bend = |s: &[f64; NODES]| [tail(&transform.fit(s)), s.iter().fold(0.0, |a: f64, v| a.max(v.abs()))];
         let bends = seconds.iter().map(bend).collect();
-        let mut tip: Vec<f64> = coordinates.iter().map(|s| value(s, 1.0)).collect();
+        let mut tip: Vec<f64> = coordinates.iter().map(|s| polynomial(s, 1.0)).collect();
         *closed += 1;
         let landing =
             closure.on_plane(&mut work.loops, &mut tip, &base.q, &normal, width).ok_or(Refusal::TooWide(ASTRAY))?;
@@ -210,50 +217,54 @@ impl Panel {
         let mut ahead = Vec::new();
         work.loops.factors.tangent(&normal, 1.0, &mut ahead);
         closure.normalise(&mut ahead);
-        let length = antiderivative(&speed);
         let panel = Self {
             start: base.sigma,
             base: base.q.clone(),
             normal,
             width,
             coordinates,
-            span: length.iter().sum(),
-            length,
-            rims: [-1.0, 1.0].map(|x| value(&speed, x)),
+            half: 0.0,
+            length: [0.0; NODES],
+            span: 0.0,
             speed,
+            rims: [0.0; 2],
             tip,
             amplification: least,
             amplifications,
             derivatives,
             bends,
         };
-        Ok((panel, ahead, wider))
+        Ok((panel.measured(), ahead, wider))
+    }
+
+    /// With its length, which follows from the speed.
+    fn measured(mut self) -> Self {
+        self.length = std::array::from_fn(|k| self.speed[k] / (k + 1) as f64);
+        self.half = polynomial(&self.length, -1.0);
+        self.span = self.half + polynomial(&self.length, 1.0);
+        self.rims = [-1.0, 1.0].map(|x| polynomial(&self.speed, x));
+        self
     }
 
     /// The same stretch followed the other way, with its base, the present tip, at `start`: x becomes -x.
-    pub fn mirrored(&self, start: f64) -> Self {
-        // T_k(-x) = (-1)^k T_k(x).
+    pub fn mirrored(mut self, start: f64) -> Self {
         let odd = |series: &mut [f64]| series.iter_mut().skip(1).step_by(2).for_each(|c| *c = -*c);
-        let mut mirrored = self.clone();
-        std::mem::swap(&mut mirrored.base, &mut mirrored.tip);
-        mirrored.start = start;
-        mirrored.normal.iter_mut().for_each(|n| *n = -*n);
-        mirrored.amplifications.reverse();
-        mirrored.coordinates.iter_mut().for_each(|series| odd(series));
-        for [first, second] in &mut mirrored.derivatives {
+        std::mem::swap(&mut self.base, &mut self.tip);
+        self.start = start;
+        self.normal.iter_mut().for_each(|n| *n = -*n);
+        self.amplifications.reverse();
+        self.coordinates.iter_mut().for_each(|series| odd(series));
+        for [first, second] in &mut self.derivatives {
             odd(first);
             odd(second);
             // sigma grows the other way.
             first.iter_mut().for_each(|c| *c = -*c);
         }
-        odd(&mut mirrored.speed);
-        mirrored.length = antiderivative(&mirrored.speed);
-        mirrored.span = mirrored.length.iter().sum();
-        mirrored.rims.reverse();
-        mirrored
+        odd(&mut self.speed);
+        self.measured()
     }
 
-    /// Coordinates at x in [-1, 1], by the series.
+    /// Coordinates at x in [-1, 1], by the polynomials.
     pub fn series_at(&self, x: f64) -> Vec<f64> {
         let mut q = Vec::new();
         self.place(x, &mut q);
@@ -263,25 +274,25 @@ impl Panel {
     /// As [`Self::series_at`], in place.
     pub fn place(&self, x: f64, q: &mut Vec<f64>) {
         q.clear();
-        q.extend(self.coordinates.iter().map(|s| value(s, x)));
+        q.extend(self.coordinates.iter().map(|s| polynomial(s, x)));
     }
 
     /// Derivatives of the coordinates with respect to x.
     pub fn slopes_at(&self, x: f64) -> Vec<f64> {
-        self.coordinates.iter().map(|s| value(&derivative(s), x)).collect()
+        self.coordinates.iter().map(|s| polynomial(&slopes_of(s), x)).collect()
     }
 
     /// Second derivatives of the coordinates with respect to x.
     pub fn curvatures_at(&self, x: f64) -> Vec<f64> {
-        self.coordinates.iter().map(|s| value(&derivative(&derivative(s)), x)).collect()
+        self.coordinates.iter().map(|s| polynomial(&slopes_of(&slopes_of(s)), x)).collect()
     }
 
     /// sigma at x.
     pub fn sigma_at(&self, x: f64) -> f64 {
-        self.start + value(&self.length, x)
+        self.start + self.half + x * polynomial(&self.length, x)
     }
 
-    /// x at sigma: Newton's method on a monotonic series.
+    /// x at sigma: Newton's method on a monotonic polynomial.
     pub fn x_at(&self, sigma: f64) -> f64 {
         let start = self.start;
         // From the cubic that has the right slopes at both ends.
@@ -290,8 +301,8 @@ impl Panel {
         let mut x = -1.0 + s * (m0 + s * ((6.0 - 2.0 * m0 - m1) + s * (m0 + m1 - 4.0)));
         x = if x.is_finite() { x.clamp(-1.0, 1.0) } else { 0.0 };
         for _ in 0..20 {
-            let (length, speed) = with_slope(&self.length, &self.speed, x);
-            let step = (sigma - start - length) / speed;
+            let length = self.half + x * polynomial(&self.length, x);
+            let step = (sigma - start - length) / polynomial(&self.speed, x);
             x = (x + step).clamp(-1.0, 1.0);
             // The next step would be of the size of the square of this one.
             if step.abs() < 1e-9 {

@@ -81,7 +81,11 @@ impl Curve {
                     // The limit met forward just touches the curve and was not seen from behind.
                     Stop::Returned(_) => last - end(&other),
                 };
-                panels = other.iter().rev().map(|p| p.mirrored(-p.end())).chain(panels).collect();
+                let mirrored = |p: Panel| {
+                    let start = -p.end();
+                    p.mirrored(start)
+                };
+                panels = other.into_iter().rev().map(mirrored).chain(panels).collect();
                 if low || high { Ends::Stopped { low, high } } else { Ends::Open }
             }
         };
@@ -148,7 +152,7 @@ fn follow(
         travel.start(q);
     }
     loop {
-        let (panel, ahead, wider) = next_panel(closure, transform, &base, &mut width, room)?;
+        let (panel, ahead, wider) = next_panel(closure, transform, &base, &mut width, room, travel.as_deref_mut())?;
         let returns = returned(closure, transform, q, tangent, &panel, panels.is_empty(), room);
         let left = travel.as_mut().and_then(|t| t.left(&panel, &transform.nodes));
         if let Some((growth, cut)) = returns {
@@ -187,10 +191,11 @@ fn next_panel(
     base: &Base,
     width: &mut f64,
     room: &mut Room,
+    mut travel: Option<&mut Travel>,
 ) -> Result<(Panel, Vec<f64>, f64), CurveError> {
     let mut massless = false;
     while *width > SMALLEST {
-        match Panel::build(closure, transform, base, *width, room) {
+        match Panel::build(closure, transform, base, *width, room, travel.as_deref_mut()) {
             Ok(built) => return Ok(built),
             Err(refusal) => {
                 massless = refusal == Refusal::Massless;
@@ -260,6 +265,6 @@ fn returned(
     }
     let direction: Vec<f64> = (0..n).map(|i| panel.normal[i] / (w[i] * w[i])).collect();
     let base = Base { sigma: panel.start, q: panel.base.clone(), tangent: direction };
-    let (cut, ..) = Panel::build(closure, transform, &base, u, room).ok()?;
+    let (cut, ..) = Panel::build(closure, transform, &base, u, room, None).ok()?;
     Some((growth, Some(cut)))
 }

@@ -1,5 +1,6 @@
 //! Travel: where along a panel the permitted positions end.
 use super::panel::Panel;
+use crate::chebyshev::NODES;
 use crate::linkage::{Linkage, Positions};
 
 /// The permitted travel, as it is followed from the start.
@@ -7,14 +8,17 @@ pub(super) struct Travel<'a> {
     linkage: &'a Linkage,
     /// Positive in the permitted travel, negative outside.
     inside: &'a mut dyn FnMut(&Positions) -> f64,
+    q: Vec<f64>,
     positions: Positions,
     /// The value at the end of the last panel.
     before: f64,
+    /// Values at the nodes of the panel that is being built.
+    at_nodes: [f64; NODES],
 }
 
 impl<'a> Travel<'a> {
     pub(super) fn new(linkage: &'a Linkage, inside: &'a mut dyn FnMut(&Positions) -> f64) -> Self {
-        Self { linkage, inside, positions: Positions::default(), before: 0.0 }
+        Self { linkage, inside, q: Vec::new(), positions: Positions::default(), before: 0.0, at_nodes: [0.0; NODES] }
     }
 
     fn at(&mut self, q: &[f64]) -> f64 {
@@ -22,19 +26,32 @@ impl<'a> Travel<'a> {
         (self.inside)(&self.positions)
     }
 
+    fn on(&mut self, panel: &Panel, x: f64) -> f64 {
+        let mut q = std::mem::take(&mut self.q);
+        panel.place(x, &mut q);
+        let value = self.at(&q);
+        self.q = q;
+        value
+    }
+
     /// Set out from a permitted position: where it is on the limit, rounding may not put it outside.
     pub(super) fn start(&mut self, q: &[f64]) {
         self.before = self.at(q).max(0.0);
     }
 
+    /// Take note of the bodies' positions at a node of a panel.
+    pub(super) fn pass(&mut self, node: usize, positions: &Positions) {
+        self.at_nodes[node] = (self.inside)(positions);
+    }
+
     /// The first sigma of the panel at which travel ends: between two nodes that differ in sign, or where it dips below 0
-    /// between them.
+    /// between them; its nodes are those last passed.
     pub(super) fn left(&mut self, panel: &Panel, nodes: &[f64]) -> Option<f64> {
         let mut x: Vec<f64> = vec![-1.0];
         x.extend(nodes);
         x.push(1.0);
         let mut values = vec![self.before];
-        values.extend(nodes.iter().map(|x| self.at(&panel.series_at(*x))));
+        values.extend(self.at_nodes);
         values.push(self.at(&panel.tip));
         self.before = values[values.len() - 1];
         for k in 1..x.len() {
@@ -60,7 +77,7 @@ impl<'a> Travel<'a> {
             if middle == inside || middle == outside {
                 return inside;
             }
-            let negative = self.at(&panel.series_at(middle)) < 0.0;
+            let negative = self.on(panel, middle) < 0.0;
             *(if negative { &mut outside } else { &mut inside }) = middle;
         }
     }
@@ -71,7 +88,7 @@ impl<'a> Travel<'a> {
         while b - a > 1e-8 && least >= 0.0 {
             let right = b - best > best - a;
             let x = if right { best + PART * (b - best) } else { best - PART * (best - a) };
-            let value = self.at(&panel.series_at(x));
+            let value = self.on(panel, x);
             match (value < least, right) {
                 (true, true) => (a, best, least) = (best, x, value),
                 (true, false) => (b, best, least) = (best, x, value),

@@ -113,10 +113,10 @@ impl Parameter<'_> {
     /// Variable name, `<body>.<quantity>`.
     pub fn name(&self) -> String {
         match self.place {
-            Place::Section { section, quantity } => format!("{section}.{quantity}"),
-            Place::Element { element, quantity, .. } => format!("{element}.{quantity}"),
-            Place::Point { body, point, axis } => format!("{body}.{point}_{}", AXES[axis]),
-            Place::Force { force, axis } => format!("{force}.force_{}", AXES[axis]),
+            Place::Section { section, quantity } => [section, ".", quantity].concat(),
+            Place::Element { element, quantity, .. } => [element, ".", quantity].concat(),
+            Place::Point { body, point, axis } => [body, ".", point, "_", AXES[axis]].concat(),
+            Place::Force { force, axis } => [force, ".force_", AXES[axis]].concat(),
             Place::Torque { torque, .. } => format!("{torque}.torque"),
             Place::Start { of, quantity } => format!("{of}.start_{quantity}"),
         }
@@ -139,8 +139,8 @@ impl Parameter<'_> {
         let words = self.words;
         match self.place {
             Place::Section { .. } => words.into(),
-            Place::Element { element, .. } => format!("{words} of {element}"),
-            Place::Point { body, point, axis } => format!("{words} {point}, {}, of {body}", AXES[axis]),
+            Place::Element { element, .. } => [words, " of ", element].concat(),
+            Place::Point { body, point, axis } => [words, " ", point, ", ", AXES[axis], ", of ", body].concat(),
             Place::Force { force, axis } => format!("{words} at {force}, {}, mechanism frame", AXES[axis]),
             Place::Torque { on, .. } => format!("{words} on {on}"),
             Place::Start { of, quantity } => format!("{words} {quantity} of {of}"),

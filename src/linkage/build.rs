@@ -264,7 +264,11 @@ impl Linkage {
                 let child = if a == parent { b } else { a };
                 if chosen[i] && (a == parent || b == parent) && !reached[child] {
                     reached[child] = true;
-                    self.tree.push(Branch { child, parent, joint: i, slide: None, reversed: child == a });
+                    let reversed = child == a;
+                    let (on_parent, on_child) =
+                        if reversed { (joint.second, joint.first) } else { (joint.first, joint.second) };
+                    let (from, to) = (on_parent.local, on_child.local);
+                    self.tree.push(Branch { child, parent, joint: i, slide: None, from, to, reversed });
                     front.push(child);
                 }
             }

@@ -79,6 +79,10 @@ pub struct Branch {
     pub joint: usize,
     /// Coordinate that is the joint's position.
     pub slide: Option<usize>,
+    /// The joint's point on the parent, in its frame [m].
+    pub from: Vec2,
+    /// The same on the child.
+    pub to: Vec2,
     /// Whether the child is the joint's first-named body.
     pub reversed: bool,
 }

@@ -1,5 +1,5 @@
 //! Positions, rates and accelerations of the bodies, outward along the tree.
-use super::{Branch, Freedom, Linkage, Point, Vec2, quarter};
+use super::{Freedom, Joint, Linkage, Point, Vec2, quarter};
 
 /// Where every body is.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -34,16 +34,30 @@ pub struct Rates {
     pub origin: Vec<Vec2>,
 }
 
+/// A vector turned by the angle with this cosine and sine.
+fn rotated((cos, sin): (f64, f64), local: Vec2) -> Vec2 {
+    Vec2::new(cos * local.x - sin * local.y, sin * local.x + cos * local.y)
+}
+
 impl Positions {
     /// A vector fixed in a body, in the mechanism frame.
     pub fn vector(&self, body: usize, local: Vec2) -> Vec2 {
-        let (cos, sin) = self.turn[body];
-        Vec2::new(cos * local.x - sin * local.y, sin * local.x + cos * local.y)
+        rotated(self.turn[body], local)
     }
 
     /// Position of a point [m].
     pub fn point(&self, point: Point) -> Vec2 {
         self.origin[point.body] + self.vector(point.body, point.local)
+    }
+
+    /// Position, velocity and acceleration of a point, given the rates and second rates.
+    #[inline]
+    pub fn motion(&self, rates: &Rates, second: &Rates, point: Point) -> [Vec2; 3] {
+        let arm = self.vector(point.body, point.local);
+        let (omega, alpha) = (rates.angle[point.body], second.angle[point.body]);
+        let velocity = rates.origin[point.body] + omega * quarter(arm);
+        let acceleration = second.origin[point.body] + alpha * quarter(arm) - omega * omega * arm;
+        [self.origin[point.body] + arm, velocity, acceleration]
     }
 
     /// Velocity of a point, given the rates.
@@ -54,18 +68,17 @@ impl Positions {
 
     /// Acceleration of a point, given the rates and second rates.
     pub fn acceleration(&self, rates: &Rates, second: &Rates, point: Point) -> Vec2 {
-        let arm = self.vector(point.body, point.local);
-        let (omega, alpha) = (rates.angle[point.body], second.angle[point.body]);
-        second.origin[point.body] + alpha * quarter(arm) - omega * omega * arm
+        self.motion(rates, second, point)[2]
     }
 }
 
 impl Rates {
-    /// Put the angles' rates in, for rates of the coordinates.
+    /// Put the angles' rates in, for rates of the coordinates. Of the origins, that of the ground stays 0.
     fn turn(&mut self, linkage: &Linkage, of_coordinates: &[f64]) {
-        self.angle.clear();
-        self.angle.extend(linkage.bodies.iter().map(|b| b.turn.map_or(0.0, |t| of_coordinates[t])));
-        self.origin.clear();
+        self.angle.resize(linkage.bodies.len(), 0.0);
+        for (rate, body) in self.angle.iter_mut().zip(&linkage.bodies) {
+            *rate = body.turn.map_or(0.0, |t| of_coordinates[t]);
+        }
         self.origin.resize(linkage.bodies.len(), Vec2::zeros());
     }
 }
@@ -80,19 +93,28 @@ impl Linkage {
 
     /// As [`Self::positions`], in place.
     pub fn place(&self, q: &[f64], p: &mut Positions) {
-        p.angle.clear();
-        p.angle.extend(self.bodies.iter().map(|b| b.turn.map_or(0.0, |t| q[t]) + b.offset));
-        p.turn.clear();
-        // Cosines of the ground, and of what slides on it unturned, cost nothing.
-        p.turn.extend(p.angle.iter().map(|&a| if a == 0.0 { (1.0, 0.0) } else { (a.cos(), a.sin()) }));
-        p.origin.clear();
+        // The ground's place stays 0, the others follow from it.
+        p.angle.resize(self.bodies.len(), 0.0);
+        p.turn.resize(self.bodies.len(), (1.0, 0.0));
         p.origin.resize(self.bodies.len(), Vec2::zeros());
-        p.arms.clear();
-        for branch in &self.tree {
-            let arms = self.arms(p, branch);
-            let slide = branch.slide.map_or(Vec2::zeros(), |s| q[s] * arms.axis);
-            p.origin[branch.child] = p.origin[branch.parent] + arms.from - arms.to + slide;
-            p.arms.push(arms);
+        p.arms.resize(self.tree.len(), Arms::default());
+        let (turns, origin) = (&mut p.turn[..], &mut p.origin[..]);
+        for ((body, angle), turn) in self.bodies.iter().zip(&mut p.angle).zip(&mut *turns) {
+            *angle = body.turn.map_or(0.0, |t| q[t]) + body.offset;
+            // Cosines of the ground, and of what slides on it unturned, cost nothing.
+            *turn = if *angle == 0.0 { (1.0, 0.0) } else { (angle.cos(), angle.sin()) };
+        }
+        for (branch, arms) in self.tree.iter().zip(&mut p.arms) {
+            arms.from = rotated(turns[branch.parent], branch.from);
+            arms.to = rotated(turns[branch.child], branch.to);
+            let mut place = origin[branch.parent] + arms.from - arms.to;
+            if let (Some(s), Joint { freedom: Freedom::Slide(e), first, .. }) =
+                (branch.slide, &self.joints[branch.joint])
+            {
+                arms.axis = rotated(turns[first.body], *e) * if branch.reversed { -1.0 } else { 1.0 };
+                place += q[s] * arms.axis;
+            }
+            origin[branch.child] = place;
         }
     }
 
@@ -140,16 +162,5 @@ impl Linkage {
             }
             a.origin[child] = v;
         }
-    }
-
-    fn arms(&self, p: &Positions, branch: &Branch) -> Arms {
-        let joint = &self.joints[branch.joint];
-        let (on_parent, on_child) =
-            if branch.reversed { (joint.second, joint.first) } else { (joint.first, joint.second) };
-        let axis = match joint.freedom {
-            Freedom::Turn => Vec2::zeros(),
-            Freedom::Slide(e) => p.vector(joint.first.body, e) * if branch.reversed { -1.0 } else { 1.0 },
-        };
-        Arms { from: p.vector(on_parent.body, on_parent.local), to: p.vector(on_child.body, on_child.local), axis }
     }
 }

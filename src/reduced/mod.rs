@@ -250,8 +250,7 @@ impl Reduced {
             let size = self.natural.derivatives(self.linkage().size).repeat(2);
             self.tabulate(&vec![size; self.markers.len()], &mut |c, values| {
                 for (&point, v) in self.markers.iter().zip(values.chunks_exact_mut(6)) {
-                    let (x, first) = (c.positions.point(point), c.positions.velocity(&c.rates, point));
-                    let second = c.positions.acceleration(&c.rates, &c.second, point);
+                    let [x, first, second] = c.positions.motion(&c.rates, &c.second, point);
                     v.copy_from_slice(&[x.x, first.x, second.x, x.y, first.y, second.y]);
                 }
             })

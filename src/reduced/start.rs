@@ -1,5 +1,6 @@
 //! The start on the curve: where a coordinate has a stated value.
 use super::{Reduced, ReductionError, rough};
+use crate::table::polynomial;
 
 impl Reduced {
     /// sigma where a coordinate has this value, and the number of turns of the curve before it: of several the one
@@ -11,16 +12,13 @@ impl Reduced {
         let table = self.coordinates().map_err(|e| rough(&self.curve, name.into(), e))?;
         const SAMPLES: usize = 16;
         let growth = self.growth(coordinate);
-        let sample = |panel: usize, k: usize| {
-            let x = OVERLAP * (-1.0 + 2.0 * k as f64 / SAMPLES as f64);
-            (x, crate::table::polynomial(table.series(panel, 3 * coordinate), x))
-        };
+        let x: [f64; SAMPLES + 1] = std::array::from_fn(|k| OVERLAP * (-1.0 + 2.0 * k as f64 / SAMPLES as f64));
+        let sampled =
+            |panel: usize, order: usize| x.map(|x| polynomial(table.series(panel, 3 * coordinate + order), x));
+        let samples: Vec<_> = (0..table.panels()).map(|panel| [0, 1].map(|order| sampled(panel, order))).collect();
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for panel in 0..table.panels() {
-            for k in 0..=SAMPLES {
-                let (_, q) = sample(panel, k);
-                (low, high) = (low.min(q), high.max(q));
-            }
+        for q in samples.iter().flat_map(|[values, _]| values) {
+            (low, high) = (low.min(*q), high.max(*q));
         }
         // On a curve that turns fully round the value may lie some turns away.
         let turns = if growth == 0.0 {
@@ -36,7 +34,7 @@ impl Reduced {
         };
         for turn in turns {
             let wanted = value - turn * growth;
-            for panel in 0..table.panels() {
+            for (panel, [values, slopes]) in samples.iter().enumerate() {
                 let (a, b) = table.borders(panel);
                 let mut offer = |x: f64| {
                     let (sigma, turn) = self.within_a_turn(0.5 * (a + b) + 0.5 * (b - a) * x, turn);
@@ -44,8 +42,8 @@ impl Reduced {
                         best = Some((sigma, turn));
                     }
                 };
-                let miss = |x: f64| crate::table::polynomial(table.series(panel, 3 * coordinate), x) - wanted;
-                let slope = |x: f64| crate::table::polynomial(table.series(panel, 3 * coordinate + 1), x);
+                let miss = |x: f64| polynomial(table.series(panel, 3 * coordinate), x) - wanted;
+                let slope = |x: f64| polynomial(table.series(panel, 3 * coordinate + 1), x);
                 // At the border of panels rounding may hide the change of sign.
                 for x in [-1.0, 1.0] {
                     if miss(x).abs() <= 8.0 * f64::EPSILON * (1.0 + value.abs()) {
@@ -53,10 +51,10 @@ impl Reduced {
                     }
                 }
                 for k in 0..SAMPLES {
-                    let (x0, x1) = (sample(panel, k).0, sample(panel, k + 1).0);
-                    if miss(x0) * miss(x1) <= 0.0 {
+                    let (x0, x1) = (x[k], x[k + 1]);
+                    if (values[k] - wanted) * (values[k + 1] - wanted) <= 0.0 {
                         offer(bisect(&miss, x0, x1));
-                    } else if slope(x0) * slope(x1) <= 0.0 {
+                    } else if slopes[k] * slopes[k + 1] <= 0.0 {
                         // The coordinate turns back here: a start exactly at the toggle.
                         let x = bisect(&slope, x0, x1);
                         if miss(x) * miss(x0) <= 0.0 {

@@ -9,7 +9,7 @@ use crate::definition::{DefinitionError, Mechanism, Method};
 use crate::linkage::{Freedom, GROUND, Linkage, Point};
 use crate::loading::{Loading, markers};
 use crate::loads::Load;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// Collects the variables in order.
 struct Builder<'a> {
@@ -34,7 +34,7 @@ impl Variables {
         let linkage = Linkage::new(mechanism)?;
         let mut builder = Builder::new(mechanism, &linkage)?;
         builder.add_all();
-        let mut names = HashSet::new();
+        let mut names = HashSet::with_capacity(builder.list.len());
         if let Some(twice) = builder.list.iter().find(|v| !names.insert(v.name.as_str())) {
             let message = "two elements give a variable of this name: rename one".into();
             return Err(DefinitionError::Key { key: twice.name.clone(), message });
@@ -293,8 +293,8 @@ impl<'a> Builder<'a> {
         ];
         for order in 0..3 {
             self.output(
-                format!("{name}.{}", suffixes[order]),
-                format!("{} {name}", words[order]),
+                [name, ".", suffixes[order]].concat(),
+                [words[order], " ", name].concat(),
                 units[order],
                 output(order),
                 needs[order],
@@ -307,7 +307,8 @@ impl<'a> Builder<'a> {
         let needs = Needs { speed: true, inertia: true, masses: true, inputs: &inputs, loads: &loads, ..PLACED };
         let linkage = self.linkage;
         for (joint, j) in linkage.joints.iter().enumerate() {
-            let (n, first, second) = (&j.name, &linkage.bodies[j.first.body].name, &linkage.bodies[j.second.body].name);
+            let body = |place: usize| linkage.bodies[place].name.as_str();
+            let (n, first, second) = (j.name.as_str(), body(j.first.body), body(j.second.body));
             let parts = [
                 ("force_x", ReactionPart::X, "Force, x,", Unit::Newton),
                 ("force_y", ReactionPart::Y, "Force, y,", Unit::Newton),
@@ -316,8 +317,8 @@ impl<'a> Builder<'a> {
             ];
             let count = if j.freedom == Freedom::Turn { 3 } else { 4 };
             for (suffix, part, text, unit) in parts.into_iter().take(count) {
-                let description = format!("{text} that {first} exerts on {second} in {n}");
-                self.output(format!("{n}.{suffix}"), description, unit, Output::Reaction { joint, part }, needs);
+                let description = [text, " that ", first, " exerts on ", second, " in ", n].concat();
+                self.output([n, ".", suffix].concat(), description, unit, Output::Reaction { joint, part }, needs);
             }
             let pins = self.loading.friction.as_ref().map_or(&[][..], |f| &f.pins);
             if let Some(pin) = pins.iter().position(|p| p.joint == joint) {
@@ -326,8 +327,8 @@ impl<'a> Builder<'a> {
                 } else {
                     ("friction_force", "Friction force along the axis", Unit::Newton)
                 };
-                let text = format!("{word} that {first} exerts on {second} in {n}");
-                self.output(format!("{n}.{suffix}"), text, unit, Output::Friction { pin }, needs);
+                let text = [word, " that ", first, " exerts on ", second, " in ", n].concat();
+                self.output([n, ".", suffix].concat(), text, unit, Output::Friction { pin }, needs);
             }
         }
     }
@@ -405,9 +406,9 @@ impl<'a> Builder<'a> {
             ];
             for (order, (prefix, word, unit, needs)) in orders.into_iter().enumerate() {
                 for (axis, suffix) in ["x", "y"].into_iter().enumerate() {
-                    let text = format!("{word} of {n}, {suffix}, mechanism frame");
+                    let text = [word, " of ", n, ", ", suffix, ", mechanism frame"].concat();
                     let output = Output::Marker { marker, axis, order };
-                    self.output(format!("{n}.{prefix}{suffix}"), text, unit, output, needs);
+                    self.output([n, ".", prefix, suffix].concat(), text, unit, output, needs);
                 }
             }
         }
@@ -495,9 +496,14 @@ fn guid(name: &str, list: &[Variable]) -> String {
         }
     };
     feed(name);
+    // Few sorts of variables, many variables.
+    let mut texts = HashMap::new();
     for v in list {
         feed(&v.name);
-        feed(&format!("{:?} {:?} {:?} {}", v.kind, v.causality, v.variability, v.unit.map_or("", Unit::name)));
+        let sort = (v.kind, v.causality, v.variability, v.unit);
+        feed(texts.entry(sort).or_insert_with(|| {
+            format!("{:?} {:?} {:?} {}", v.kind, v.causality, v.variability, v.unit.map_or("", Unit::name))
+        }));
     }
     let hex = format!("{hash:032x}");
     format!("{{{}-{}-{}-{}-{}}}", &hex[..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..])

@@ -25,9 +25,9 @@ impl Builder<'_> {
             let needs = [at, Needs { speed: true, ..at }, all];
             let words = ["Present", "First derivative of the", "Second derivative of the"];
             for (order, suffix) in [what, "speed", "acceleration"].into_iter().enumerate() {
-                let text = format!("{} {what} of {n}", words[order]);
+                let text = [words[order], " ", what, " of ", &n].concat();
                 let output = Output::Displacement { load: place, order };
-                self.output(format!("{n}.{suffix}"), text, units[order], output, needs[order]);
+                self.output([&n, ".", suffix].concat(), text, units[order], output, needs[order]);
             }
             self.add_one_element(&n, place, turns, efficiency.is_some());
         }
@@ -110,7 +110,7 @@ impl Builder<'_> {
             ),
         ] {
             let output = Output::OneElement { drive, term };
-            self.output(format!("{n}.{suffix}"), format!("{text} {n}"), unit, output, needs);
+            self.output([n, ".", &suffix].concat(), [text, " ", n].concat(), unit, output, needs);
         }
         if rubs {
             for (suffix, text, term) in [
