@@ -287,6 +287,10 @@ fn an_experiment_is_checked() {
     }
     assert_eq!(setup(Some(1e-8), -1.0, Some(1.0)), Status::Ok);
     assert_eq!(gear.get("solver.tolerance"), Ok(1e-8));
+    // A parameter that is set later does not override the experiment.
+    assert_eq!(gear.set("solver.tolerance", 1e-3), Status::Ok);
+    assert_eq!(gear.initialize(), Status::Ok);
+    assert_eq!(gear.get("solver.tolerance"), Ok(1e-8));
 }
 
 #[test]

@@ -265,6 +265,21 @@ fn a_state_returns_the_phase_the_clock_and_the_parameters() {
 }
 
 #[test]
+fn a_state_returns_the_tolerance_of_the_experiment() {
+    let (first, second) = (Gear::new(), Gear::new());
+    // SAFETY: the component is valid.
+    unsafe { assert_eq!(fmi2SetupExperiment(first.c, 1, 1e-7, 0.0, 0, 0.0), Status::Ok) };
+    let state = save(&first);
+    let copy = deserialize(&second, &serialize(&first, state)).unwrap();
+    restore(&second, copy);
+    assert_eq!(second.set("solver.tolerance", 1e-3), Status::Ok);
+    assert_eq!(second.initialize(), Status::Ok);
+    assert_eq!(second.get("solver.tolerance"), Ok(1e-7));
+    free(&first, state);
+    free(&second, copy);
+}
+
+#[test]
 fn a_state_outlives_its_instance() {
     let scenario = &SCENARIOS[0];
     let first = started(scenario);
@@ -333,7 +348,7 @@ fn a_string_that_is_no_state_is_refused_and_nothing_changes() {
         (bytes[..bytes.len() - 1].to_vec(), "cut off"),
         (longer(1), "too long"),
         (longer(1000), "too long"),
-        (changed(8, &[3]), "version 3"),
+        (changed(8, &[4]), "version 4"),
         (changed(100, &[bytes[100] ^ 1]), "check sum"),
         (sealed(changed(20, &[bytes[20] ^ 1])), "GUID"),
         (sealed(changed(28, &[bytes[28] ^ 1])), "mechanism.json"),

@@ -230,6 +230,55 @@ fn a_bumper_holds_by_its_spring() {
 }
 
 /// A flight whose height is rounding of the position is rest; it once ended the step below the stop.
+/// A lock catches at a bumper too, at its undeformed position.
+#[test]
+fn a_lock_catches_what_comes_to_a_bumper() {
+    for damping in [0.0, 3e3] {
+        let values = [("upstop.angle", -1.1), ("upstop.stiffness", 1e5), ("upstop.damping", damping)];
+        for steps in [1, 20, 400] {
+            let mut gear = Gear::new().set(&values).with(&[("upstop.rigid", false), ("uplock.engage", true)]).start();
+            for _ in 0..steps {
+                gear.0.step(0.4 / f64::from(steps)).unwrap();
+            }
+            let (angle, speed) = (gear.get("crank.angle"), gear.get("crank.speed"));
+            assert!((angle + 1.1).abs() < 1e-14 && speed == 0.0, "{angle} {speed}");
+            // The actuator still pushes towards the stop.
+            assert!(gear.get("uplock.force") < -1e3, "{}", gear.get("uplock.force"));
+        }
+    }
+}
+
+/// Two stops at one place, or closer than a start is told from a stop, leave no room to move.
+#[test]
+fn stops_at_one_place_hold_whatever_pushes() {
+    for (gap, restitution) in [(0.0, 0.0), (0.0, 1.0), (5e-11, 0.5)] {
+        for angle in [0.3, -0.5] {
+            for (force, speed) in [(3e4, 0.0), (-3e4, 0.0), (0.0, 0.0), (3e4, 5.0), (-3e4, -5.0), (-1e4, 2.0)] {
+                let mut gear = Gear::new().set(&[
+                    ("upstop.angle", angle),
+                    ("downstop.angle", angle + gap),
+                    ("crank.start_angle", angle),
+                    ("crank.start_speed", speed),
+                    ("upstop.restitution", restitution),
+                    ("downstop.restitution", restitution),
+                    ("actuator.force", force),
+                ]);
+                gear.0.initialize().unwrap();
+                for _ in 0..3 {
+                    gear.0.step(0.01).unwrap();
+                    let (now, speed_now) = (gear.get("crank.angle"), gear.get("crank.speed"));
+                    assert!((now - angle).abs() < 1e-15 && speed_now == 0.0, "{force} {speed}: {now} {speed_now}");
+                    assert_eq!(gear.get("energy.drift"), 0.0);
+                    let [up, down] = ["upstop.torque", "downstop.torque"].map(|name| gear.get(name));
+                    assert!((up != 0.0) != (down != 0.0), "one holds: {up} {down}");
+                    assert!(up >= 0.0 && down <= 0.0);
+                    gear.put(&[("actuator.force", -force)]);
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn a_flight_too_low_to_be_told_is_rest() {
     for speed in [-1e-3, -1e-5, -1e-7, -1e-9, -1e-11, -1e-13] {

@@ -33,6 +33,8 @@ pub struct Instance {
     pub logger: Logger,
     /// Whether `fmi2SetupExperiment` was called.
     set_up: bool,
+    /// That of the experiment, if it has one: it holds against solver.tolerance.
+    tolerance: Option<Real>,
     clock: Clock,
     model: Model,
     /// Texts that `fmi2GetString` told last: its pointers lead here.
@@ -102,6 +104,7 @@ impl Instance {
             phase: Phase::Instantiated,
             logger,
             set_up: false,
+            tolerance: None,
             clock: Clock::default(),
             model,
             texts: Vec::new(),
@@ -122,6 +125,7 @@ impl Instance {
             }
             self.model.set_tolerance(tolerance)?;
         }
+        self.tolerance = tolerance;
         self.clock = clock;
         self.set_up = true;
         Ok(())
@@ -139,6 +143,9 @@ impl Instance {
 
     /// `fmi2ExitInitializationMode`. Refused, the mode goes on: parameters can be corrected.
     pub fn exit_initialization_mode(&mut self) -> Result<(), Refusal> {
+        if let Some(tolerance) = self.tolerance {
+            self.model.set_tolerance(tolerance)?;
+        }
         self.model.initialize()?;
         self.phase = Phase::Step;
         self.logger.event(|| format!("initialized at t = {} s", self.clock.time()));
@@ -171,25 +178,29 @@ impl Instance {
         self.model.reset();
         self.clock = Clock::default();
         self.set_up = false;
+        self.tolerance = None;
         self.phase = Phase::Instantiated;
         Ok(())
     }
 
     /// `fmi2GetFMUstate`: everything that decides what follows; the log categories are no part of it.
     pub fn save(&self) -> Saved {
-        Saved { phase: self.phase, set_up: self.set_up, clock: self.clock, model: self.model.snapshot() }
+        let Self { phase, set_up, tolerance, clock, .. } = *self;
+        Saved { phase, set_up, tolerance, clock, model: self.model.snapshot() }
     }
 
     /// [`Self::save`] in the place of a state of this FMU, without allocation where that was one of the same kind.
     pub fn save_into(&self, saved: &mut Saved) {
-        (saved.phase, saved.set_up, saved.clock) = (self.phase, self.set_up, self.clock);
+        (saved.phase, saved.set_up) = (self.phase, self.set_up);
+        (saved.tolerance, saved.clock) = (self.tolerance, self.clock);
         self.model.snapshot_into(&mut saved.model);
     }
 
     /// `fmi2SetFMUstate`: from here on as the instance that was saved, in the phase that it was in.
     pub fn restore(&mut self, saved: &Saved) -> Result<(), Refusal> {
         self.model.restore(&saved.model)?;
-        (self.phase, self.set_up, self.clock) = (saved.phase, saved.set_up, saved.clock);
+        (self.phase, self.set_up) = (saved.phase, saved.set_up);
+        (self.tolerance, self.clock) = (saved.tolerance, saved.clock);
         Ok(())
     }
 

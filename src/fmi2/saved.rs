@@ -5,11 +5,12 @@
 //! | bytes | what |
 //! |---|---|
 //! | 8 | `linkFMUs` |
-//! | 4 | version of the form, 2 |
+//! | 4 | version of the form, 3 |
 //! | 8 | number of bytes, all of them |
 //! | 8 | hash of the GUID: the interface |
 //! | 8 | hash of what of mechanism.json is neither parameter nor input nor text |
 //! | 1, 1 | phase, whether the experiment was set up |
+//! | 1 or 9 | whether the experiment has a tolerance, the tolerance |
 //! | 17 or 25 | start time, time, whether there is a stop time, stop time |
 //! | n | the model: parameters, inputs, the state of motion with the memory of its integration |
 //! | 4 | CRC-32 of all before |
@@ -21,7 +22,7 @@ use crate::model::{Model, Snapshot};
 use crate::record::{Damaged, Record, crc32};
 
 const MAGIC: [u8; 8] = *b"linkFMUs";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// Bytes of magic, version, length and the two hashes.
 const HEADER: usize = 36;
 /// Bytes of the check sum.
@@ -32,6 +33,7 @@ const CHECK: usize = 4;
 pub struct Saved {
     pub phase: Phase,
     pub set_up: bool,
+    pub tolerance: Option<f64>,
     pub clock: Clock,
     pub model: Snapshot,
 }
@@ -48,7 +50,9 @@ impl Saved {
         bytes.extend_from_slice(&[0; 8]);
         identity.iter().for_each(|hash| bytes.extend_from_slice(&hash.to_le_bytes()));
         bytes.extend_from_slice(&[self.phase as u8, u8::from(self.set_up)]);
-        self.clock.clone().record(&mut Record::Write(&mut bytes)).map_err(damaged)?;
+        let mut record = Record::Write(&mut bytes);
+        record_tolerance(&mut self.tolerance.clone(), &mut record).map_err(damaged)?;
+        self.clock.clone().record(&mut record).map_err(damaged)?;
         self.model.write(&mut bytes)?;
         let length = (bytes.len() + CHECK) as u64;
         bytes[12..20].copy_from_slice(&length.to_le_bytes());
@@ -98,10 +102,11 @@ impl Saved {
             return refuse(what.to_owned());
         }
         let mut record = Record::Read(&all[HEADER..]);
-        let (mut phase, mut set_up, mut clock) = (0, false, Clock::default());
+        let (mut phase, mut set_up, mut tolerance, mut clock) = (0, false, None, Clock::default());
         record.choice("phase", &mut phase, 256).map_err(damaged)?;
         let Some(phase) = Phase::of_bit(phase) else { return refuse(format!("phase = {phase}: there is none such")) };
         record.flag("set up", &mut set_up).map_err(damaged)?;
+        record_tolerance(&mut tolerance, &mut record).map_err(damaged)?;
         clock.record(&mut record).map_err(damaged)?;
         let Record::Read(rest) = record else {
             return refuse("a state that is read became one that is written".into());
@@ -110,8 +115,12 @@ impl Saved {
         if !model.has_motion() && !matches!(phase, Phase::Instantiated | Phase::Initialization) {
             return refuse(format!("phase = '{}', but the state is not initialised", phase.name()));
         }
-        Ok(Saved { phase, set_up, clock, model })
+        Ok(Saved { phase, set_up, tolerance, clock, model })
     }
+}
+
+fn record_tolerance(tolerance: &mut Option<f64>, record: &mut Record) -> Result<(), Damaged> {
+    record.option("tolerance", tolerance, || 0.0, |record, tolerance| record.positive("tolerance", tolerance))
 }
 
 fn damaged(damaged: Damaged) -> Refusal {

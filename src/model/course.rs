@@ -66,6 +66,12 @@ where
             contact.resting = None;
             integrator.restart();
             stale = true;
+            // Between two stops at one place, what one lets go the other may hold.
+            let other = 1 - side;
+            if at(around, other, z[0]) && (around.locked[other] || rests(motion, around, other, z[0])?) {
+                contact.resting = Some(other);
+                continue;
+            }
         }
         if let Some(side) = pushes_out(motion, around, z) {
             lost += strike(motion, around, contact, side, z, tolerance)?;
@@ -272,6 +278,12 @@ fn strike<const N: usize>(
             contact.touching[side] = bumper(motion, around, side);
         }
         return Ok(0.0);
+    }
+    if at(around, 1 - side, end.position) && rigid(motion, around, 1 - side) {
+        // No room between two stops: there is no motion.
+        z[1] = 0.0;
+        contact.resting = Some(side);
+        return Ok(before);
     }
     // Newton's law of impact.
     z[1] *= -motion.reduced.loading().stops[end.stop].restitution;

@@ -119,7 +119,10 @@ where
         }
         if let Some(k) = bumper(motion, around, side) {
             let touches = contact.touching[side].is_some();
-            offer(bumper_event(motion, &dense, k, touches), Event::Bumper(side));
+            // Coming from inside it is met at its end of the travel, where a lock may catch the mechanism.
+            if touches || leaving {
+                offer(bumper_event(motion, &dense, k, touches), Event::Bumper(side));
+            }
             if around.locked[side] {
                 // Coming back from beyond.
                 let beyond = (step.start[0] - end.position) * outward(side) > 0.0;
