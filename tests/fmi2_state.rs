@@ -354,7 +354,7 @@ fn a_string_that_is_no_state_is_refused_and_nothing_changes() {
         (sealed(changed(28, &[bytes[28] ^ 1])), "mechanism.json"),
         (sealed(changed(36, &[32])), "phase = 32"),
         (sealed(changed(36, &[3])), "phase = 3"),
-        (sealed(changed(46, &f64::NAN.to_le_bytes())), "time = NaN"),
+        (sealed(changed(47, &f64::NAN.to_le_bytes())), "time = NaN"),
         (replaced(&bytes, 0.1755, -0.1755), "crank.length = -0.1755: must be"),
         (replaced(&bytes, 0.1755, f64::NAN), "crank.length = NaN: must be"),
         (replaced(&bytes, 0.1755, 10.0), "fmi2DeSerializeFMUstate"),

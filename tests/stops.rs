@@ -280,6 +280,15 @@ fn stops_at_one_place_hold_whatever_pushes() {
 }
 
 #[test]
+fn a_step_may_be_as_long_as_time_is() {
+    for h in [1e3, 1e9, 1e12, 1e15, 1e300] {
+        let mut gear = Gear::new().start();
+        gear.0.step(h).unwrap();
+        assert!(gear.is("retracted") && gear.get("crank.speed") == 0.0, "{h:e}");
+    }
+}
+
+#[test]
 fn a_flight_too_low_to_be_told_is_rest() {
     for speed in [-1e-3, -1e-5, -1e-7, -1e-9, -1e-11, -1e-13] {
         for force in [-30_000.0, -3_000.0, 3_000.0] {

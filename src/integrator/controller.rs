@@ -29,8 +29,10 @@ const MIDDLE: f64 = 1.5;
 const SHORT_AGAIN: f64 = 1.01;
 /// A step that could have been so many times as large tells nothing of how the error grows.
 const LARGEST_REACH: f64 = 10.0;
-/// A step below this part of the span cannot be told from round-off in time.
+/// A step below this part of the span cannot be told from round-off in time; of a span longer than [`LONG`], of that: whoever
+/// asks for a very long span counts on rest.
 const SMALLEST: f64 = 1e-14;
+const LONG: f64 = 1e3;
 
 /// What a step starts with.
 struct Begin<const N: usize> {
@@ -485,7 +487,8 @@ impl<const N: usize> Integrator<N> {
     fn reject(&mut self, t: f64, h: f64, shrink: f64, end: f64) -> Result<f64, IntegrationError> {
         self.statistics.rejected += 1;
         let wish = h * shrink;
-        if wish < SMALLEST * end.abs() { Err(IntegrationError::StepTooSmall { t, step: wish }) } else { Ok(wish) }
+        let smallest = SMALLEST * end.abs().min(LONG);
+        if wish < smallest { Err(IntegrationError::StepTooSmall { t, step: wish }) } else { Ok(wish) }
     }
 
     fn evaluate<S: System<N>>(&mut self, system: &mut S, t: f64, y: &[f64; N]) -> [f64; N] {
