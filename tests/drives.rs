@@ -279,7 +279,7 @@ fn locked() -> TestCaseError {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 250, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// Inverse, then forward dynamics, at rest and in motion.
     #[test]
