@@ -12,7 +12,8 @@ use crate::table::{Bundle, ROW, polynomial_at, side_by_side_at};
 /// What is decided between steps, not within one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Mode {
-    /// Sign of sigma_dot for the drives with an efficiency; it holds until sigma_dot passes through 0.
+    /// Sign of sigma_dot for the drives with an efficiency; it holds until sigma_dot passes through 0. With 0 all that
+    /// they are told arrives.
     pub direction: f64,
     /// Bumper, by its place in the scene, that is in contact at the low and at the high end of the travel.
     pub touching: [Option<usize>; 2],
@@ -285,9 +286,15 @@ fn balance<'a, T>(scene: &'a Scene, effects: &'a [T], reactions: &'a [T], inerti
 }
 
 /// [CK16] eqs. (5), (29): what part of a drive's force `full` (times its influence) arrives when the motion has this
-/// direction: eta where power flows in, 1/eta where it flows back.
+/// direction: eta where power flows in, 1/eta where it flows back; all of it without a direction, as no power flows.
 fn efficient(full: f64, direction: f64, efficiency: f64) -> f64 {
-    if full * direction > 0.0 { efficiency } else { 1.0 / efficiency }
+    if direction == 0.0 {
+        1.0
+    } else if full * direction > 0.0 {
+        efficiency
+    } else {
+        1.0 / efficiency
+    }
 }
 
 #[cfg(test)]

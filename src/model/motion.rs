@@ -136,6 +136,16 @@ impl Motion<'_> {
         Ok(0.0)
     }
 
+    /// Acceleration at any state, were the drives with an efficiency to work in this direction; with 0, without their losses.
+    ///
+    /// # Errors
+    /// [`Locked`].
+    pub fn heading(&mut self, direction: f64, sigma: f64, sigma_dot: f64) -> Result<f64, Locked> {
+        self.clear_bands();
+        self.mode.direction = direction;
+        Ok(self.effect(sigma, sigma_dot)?.acceleration)
+    }
+
     /// Slip speed of a pin [m/s]. Asked for at the ends of steps and between them, it leaves the panel as it is.
     pub fn slip(&mut self, pin: usize, sigma: f64, sigma_dot: f64) -> f64 {
         let Some(scene) = self.scene else { return 0.0 };

@@ -388,7 +388,7 @@ impl State {
         place.map_or(self.cache.sizes[load], |k| self.cache.work.acting.arriving[k])
     }
 
-    /// Force along sigma of everything but one drive: in the present motion, or at rest without friction.
+    /// Force along sigma of everything but one drive: in the present motion, or at rest without friction and losses.
     fn others(&mut self, reduced: &Reduced, inputs: &Inputs, drive: usize, moving: bool) -> Result<f64, Unknown> {
         let influence = self.influence(reduced, drive);
         if moving {
@@ -396,7 +396,7 @@ impl State {
             return Ok(free - self.arriving(reduced, drive) * influence);
         }
         let sigma = self.sigma;
-        let at_rest = self.moving(reduced, inputs, |motion, _| motion.settle(sigma, 0.0))??;
+        let at_rest = self.moving(reduced, inputs, |motion, _| motion.heading(0.0, sigma, 0.0))??;
         let force = at_rest - self.arriving(reduced, drive) * influence;
         // The evaluation at rest has taken the place of that in motion.
         self.cache.effect = None;
@@ -404,7 +404,7 @@ impl State {
     }
 
     /// Force along sigma that a drive must give, where friction depends on it: for an acceleration along the curve, or to
-    /// begin to move in a direction.
+    /// begin to move in a direction. The other drives lose by [`toward`], so that what this one gives at present has no part.
     fn inverse(
         &mut self,
         reduced: &Reduced,
@@ -414,10 +414,11 @@ impl State {
         breakaway: Option<f64>,
     ) -> Result<f64, Unknown> {
         let (sigma, sigma_dot) = (self.sigma, if breakaway.is_some() { 0.0 } else { self.sigma_dot });
+        let direction = breakaway.unwrap_or(toward(sigma_dot, acceleration));
         let influence = self.influence(reduced, drive);
         self.cache.effect = None;
         self.moving(reduced, inputs, |motion, scene| {
-            let free = motion.settle(sigma, sigma_dot)?;
+            let free = motion.heading(direction, sigma, sigma_dot)?;
             let Some(scene) = scene else {
                 let size = motion.given.sizes[drive];
                 return Ok(acceleration - (free - size * influence));
@@ -479,6 +480,14 @@ impl State {
 
 pub(super) fn checked<'a>(table: Result<&'a Table, &Unresolved>) -> Result<&'a Table, Unresolved> {
     table.map_err(Clone::clone)
+}
+
+/// Direction in which the mechanism moves, or sets off from rest: that of sigma_ddot; 0 if it stays at rest.
+pub(super) fn toward(sigma_dot: f64, acceleration: f64) -> f64 {
+    match if sigma_dot == 0.0 { acceleration } else { sigma_dot } {
+        0.0 => 0.0,
+        rate => rate.signum(),
+    }
 }
 
 /// Length of a vector; where the squares leave the range of numbers, by the slower way.

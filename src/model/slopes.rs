@@ -9,8 +9,7 @@
 //! of a drive with an efficiency that in the present direction. What is held at a stop or by a lock stays held.
 use super::Inputs;
 use super::acting::{Acting, Mode};
-use super::motion::Motion;
-use super::outputs::{Unknown, checked};
+use super::outputs::{Unknown, checked, toward};
 use super::panel::{Folded, Given};
 use super::reaction::part_of;
 use super::signal::Change;
@@ -291,18 +290,6 @@ impl View<'_> {
         Ok(ZERO)
     }
 
-    /// The direction in which the drives with an efficiency work at this sigma_dot.
-    fn direction(&mut self, sigma_dot: f64) -> Result<f64, Unknown> {
-        if self.slopes.acting.arriving.is_empty() {
-            return Ok(0.0);
-        }
-        let sigma = self.state.sigma;
-        self.state.cache.effect = None;
-        let find =
-            |motion: &mut Motion, _: Option<&Scene>| motion.settle(sigma, sigma_dot).map(|_| motion.mode.direction);
-        Ok(self.state.moving(self.reduced, self.inputs, find)??)
-    }
-
     /// What acts; evaluated once.
     fn effect(&mut self) -> Result<Effect, Unknown> {
         if let Some(effect) = self.slopes.effect {
@@ -357,18 +344,17 @@ impl View<'_> {
         let force = if moving {
             self.effect()?.free
         } else {
-            let direction = self.direction(0.0)?;
             self.slopes.effect = None;
-            self.settle(ZERO, direction)?
+            self.evaluate(ZERO, 0.0)?
         };
         Ok(force - self.arriving(drive) * influence)
     }
 
     fn inverse(&mut self, drive: usize, acceleration: D, breakaway: Option<f64>) -> Result<D, Unknown> {
         let sigma_dot = if breakaway.is_some() { ZERO } else { self.speed() };
-        let direction = self.direction(sigma_dot.value)?;
+        let direction = breakaway.unwrap_or(toward(sigma_dot.value, acceleration.value));
         self.slopes.effect = None;
-        let free = self.settle(sigma_dot, direction)?;
+        let free = self.evaluate(sigma_dot, direction)?;
         let (sigma, size) = (self.sigma(), self.arriving(drive));
         match self.reduced.scene(self.slopes.air).ok().flatten() {
             None => Ok(acceleration - (free - size * self.influence(drive))),

@@ -192,11 +192,14 @@ pub enum OneElement {
     StaticLoad,
     /// Delta F_S or Delta T_S, eqs. (15), (36).
     AdditionalForce,
-    /// F_S or T_S for the demanded acceleration, eqs. (16), (37).
+    /// F_S or T_S for the demanded acceleration, eqs. (16), (37): inverse dynamics. The other drives lose what the direction
+    /// of the motion says, at rest that in which it sets off; without a demand at rest they lose nothing.
     RequiredForce,
-    /// What holds the mechanism still here under the present loads, without loss.
+    /// What holds the mechanism still here under the present loads, without friction and without the losses of any drive: it
+    /// lies between what sets off backward and forward.
     HoldingForce,
-    /// What begins to move the mechanism here from rest, forward along the drive, against static friction.
+    /// What begins to move the mechanism here from rest, forward along the drive, against static friction and against the
+    /// losses of all drives in a motion that way.
     BreakawayForward,
     /// The same backward.
     BreakawayBackward,

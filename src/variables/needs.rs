@@ -24,6 +24,8 @@ pub(super) struct Needs<'a> {
     pub(super) inputs: &'a [usize],
     /// Geometry or constants of these loads.
     pub(super) loads: &'a [usize],
+    /// Whether what drives lose does not count.
+    pub(super) lossless: bool,
     /// Place of this marker.
     pub(super) marker: Option<usize>,
     /// Static friction of the joints.
@@ -42,6 +44,7 @@ pub(super) const PLACED: Needs<'static> = Needs {
     masses: false,
     inputs: &[],
     loads: &[],
+    lossless: false,
     marker: None,
     statics: false,
     elasticity: false,
@@ -54,6 +57,8 @@ pub(super) struct Effect {
     inertia: bool,
     masses: bool,
     loads: Vec<bool>,
+    /// Whether it is an efficiency, which acts on nothing but what its drive loses.
+    efficiency: bool,
     markers: Vec<bool>,
     statics: bool,
 }
@@ -67,6 +72,7 @@ impl Effect {
             inertia: false,
             masses: false,
             loads: vec![false; on.loading.loads.len()],
+            efficiency: false,
             markers: vec![false; on.markers.len()],
             statics: false,
         }
@@ -83,7 +89,7 @@ impl Effect {
                     || needs.joint.is_some_and(|j| self.joints[j])
                     || (needs.inertia && self.inertia)
                     || (needs.masses && self.masses)
-                    || needs.loads.iter().any(|&l| self.loads[l])
+                    || (!(needs.lossless && self.efficiency) && needs.loads.iter().any(|&l| self.loads[l]))
                     || needs.marker.is_some_and(|m| self.markers[m])
                     || (needs.statics && self.statics)
             }
@@ -185,6 +191,7 @@ impl<'a> Resolved<'a> {
     /// The masses must have been compared.
     fn compare_loads(&self, other: &Loading, effect: &mut Effect) {
         effect.statics = statics(self.loading) != statics(other);
+        effect.efficiency = self.loading.drives != other.drives;
         for (l, differs) in effect.loads.iter_mut().enumerate() {
             let gravity = effect.masses && matches!(self.loading.loads[l], Load::Gravity(_));
             *differs = gravity || load_constants(self.loading, l) != load_constants(other, l);

@@ -48,15 +48,17 @@ impl Builder<'_> {
             all
         };
         let demanded = with(&others, Some(self.loading.inputs.len() + drive));
-        // With an efficiency the sign of the drive's power counts: its own force and the speed. Friction depends on all.
+        // With an efficiency the sign of the drive's power counts: its own force and the speed. Friction depends on all; what
+        // arrives of a drive with losses depends on where the motion goes, and if it holds, on what there is to hold.
         let rubs = self.rubs();
-        let (none, others_too) = (with(&[], lossy.then_some(drive)), with(&others, (lossy || rubs).then_some(drive)));
+        let loses = self.loading.drives.iter().any(|d| d.efficiency.is_some());
+        let (none, others_too) = (with(&[], lossy.then_some(drive)), with(&others, (loses || rubs).then_some(drive)));
         let pins: Vec<usize> = self.loading.friction.iter().flat_map(|f| &f.pins).map(|p| p.load).collect();
         let frictionless: Vec<usize> = loads.iter().copied().filter(|l| !pins.contains(l)).collect();
         let relative = self.loading.air.is_some();
         let mass = Needs { inertia: true, speed: lossy, inputs: &none, loads: &own, ..PLACED };
         let load = Needs {
-            speed: lossy || rubs || relative || self.damped(),
+            speed: loses || rubs || relative || self.damped(),
             inertia: rubs,
             masses: rubs,
             inputs: &others_too,
@@ -65,8 +67,8 @@ impl Builder<'_> {
         };
         let additional = Needs { speed: true, inertia: true, inputs: &none, loads: &own, ..PLACED };
         let required = Needs { speed: true, inertia: true, masses: rubs, inputs: &demanded, loads: &loads, ..PLACED };
-        let holding = Needs { inputs: &others, loads: &frictionless, ..PLACED };
-        let breakaway = Needs { statics: true, ..holding };
+        let holding = Needs { inputs: &others, loads: &frictionless, lossless: true, ..PLACED };
+        let breakaway = Needs { statics: true, lossless: false, ..holding };
         let (mass_unit, change_unit, unit) = if turns {
             (Unit::KilogramSquareMetre, Unit::KilogramSquareMetrePerRadian, Unit::NewtonMetre)
         } else {
