@@ -2,6 +2,7 @@
 pub mod chebyshev;
 pub mod closure;
 pub mod curve;
+mod decimal;
 pub mod definition;
 pub mod drag;
 pub mod fmi2;

@@ -2,6 +2,7 @@
 //!
 //! In: a definition and its linkage. Out: loads in a fixed order - those that inputs size, those of constant size, springs,
 //! then those that a state sizes: stops, surfaces in the air, friction - with the laws of all. It must not know the state.
+use crate::decimal::Decimal;
 use crate::definition::{DefinitionError, Friction, Limit, Mechanism};
 use crate::drag::Surface;
 use crate::friction::Law;
@@ -302,6 +303,10 @@ impl Loading {
         }
         for (name, lock) in mechanism.locks.iter() {
             let at = linkage.locate(mechanism, format_args!("locks.{name}.at"), &lock.at)?;
+            if at.body == GROUND {
+                let message = format!("{} is on the ground, so it cannot act: name a point that moves", lock.at);
+                return Err(DefinitionError::Key { key: format!("locks.{name}.at"), message });
+            }
             let stop = mechanism.stops.position(&lock.stop).unwrap_or(0);
             self.locks.push(Lock { name: name.into(), stop, at });
         }
@@ -353,8 +358,8 @@ impl Loading {
         if f.kinetic_speed <= f.static_speed {
             return Err(DefinitionError::Value {
                 key: "friction.kinetic_speed".into(),
-                value: format!("{}", f.kinetic_speed),
-                allowed: format!("greater than friction.static_speed = {}", f.static_speed),
+                value: Decimal(f.kinetic_speed).to_string(),
+                allowed: format!("greater than friction.static_speed = {}", Decimal(f.static_speed)),
             });
         }
         let Friction { enabled, static_coefficient, kinetic_coefficient, static_speed, kinetic_speed } = *f;

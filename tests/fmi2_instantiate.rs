@@ -96,8 +96,10 @@ fn categories_filter_the_messages() {
     assert_eq!(refused(), 0);
     assert_eq!(debug(1, &[c"logEvents", c"logStatusError"]), Status::Ok);
     assert_eq!(refused(), 1);
-    assert_eq!(debug(0, &[]), Status::Ok);
+    assert_eq!(debug(0, &[c"logAll"]), Status::Ok);
     assert_eq!(refused(), 0);
+    assert_eq!(debug(0, &[]), Status::Ok);
+    assert_eq!(refused(), 1, "as instantiated without loggingOn");
     assert_eq!(debug(1, &[]), Status::Ok);
     assert_eq!(debug(1, &[c"logNonsense"]), Status::Error);
     assert!(gear.refusal().contains("logNonsense"));

@@ -26,7 +26,7 @@ impl Source {
     /// Find the mechanism that `path` names.
     ///
     /// # Errors
-    /// There is nothing there, or a folder without a mechanism.
+    /// There is nothing there, or a device, a pipe or the like, or a folder without a mechanism.
     pub fn find(workspace: &Workspace, path: &Path) -> Result<Self> {
         if path.is_file() {
             return Ok(match described_folder(workspace, path) {
@@ -35,7 +35,8 @@ impl Source {
             });
         }
         if !path.is_dir() {
-            bail!("{}: there is no such file or folder; name a {MECHANISM} or a folder that holds one", path.display());
+            let fault = if path.exists() { "this is no regular file" } else { "there is no such file or folder" };
+            bail!("{}: {fault}; name a {MECHANISM} or a folder that holds one", path.display());
         }
         for mechanism in [path.join("resources").join(MECHANISM), path.join(MECHANISM)] {
             if mechanism.is_file() {

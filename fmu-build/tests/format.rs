@@ -323,12 +323,32 @@ fn both_refuse_what_is_wrong() {
     for (place, value, schema_too) in [
         ("/name", json!("1st"), both),
         ("/name", json!("two words"), both),
+        ("/name", json!("Full\n"), both),
         ("/name", json!(3), both),
         ("/description", json!(3), both),
+        ("/description", json!(null), both),
+        ("/description", json!("two\nlines"), both),
+        ("/description", json!("ends\n"), both),
+        ("/description", json!("bell\u{7}"), both),
+        ("/gravity", json!([9.81, 1.57, 2]), both),
+        ("/gravity", json!(null), both),
+        ("/friction", json!(null), both),
+        ("/friction", json!([true, 0.2, 0.1, 0.02, 0.9]), both),
+        ("/experiment", json!([1, 0.001]), both),
+        ("/solver", json!([1e-9, null, null, true]), both),
+        ("/markers/eye", json!(["crank.eye"]), both),
         ("/gravity/acceleration", json!(-9.81), both),
         ("/gravity/up_angle", json!("up"), both),
         ("/bodies/crank/length", json!(0.0), both),
         ("/bodies/crank/length", json!(-0.1), both),
+        ("/bodies/crank/length", json!(1e101), both),
+        ("/bodies/ground/length", json!(1e101), both),
+        ("/bodies/slider", json!([null, null, null, 0.5]), both),
+        ("/bodies/crank/mass", json!(null), both),
+        ("/bodies/crank/shape", json!({ "uniform_rod": null }), both),
+        ("/bodies/weight/center", json!([1e101, 0.0]), both),
+        ("/bodies/crank/points", json!({ "a": [0.0, -1e101] }), both),
+        ("/bodies/crank/points", json!({ "a\n": [0.0, 0.0] }), both),
         ("/bodies/crank/mass", json!(-1.0), both),
         ("/bodies/crank/mass", json!("1"), both),
         ("/bodies/crank/center", json!([0.0, 0.0]), both),
@@ -349,6 +369,8 @@ fn both_refuse_what_is_wrong() {
         ("/joints/pin/angle", json!(0.0), both),
         ("/joints/pin/axis_angle", json!(0.0), both),
         ("/joints/pin/first", json!("crank"), both),
+        ("/joints/pin/first", json!("crank.end\n"), both),
+        ("/joints/pin/type", json!({ "revolute": null }), both),
         ("/joints/pin/first", json!("crunk.end"), geometry),
         ("/joints/pin/second", json!("crank.origin"), geometry),
         ("/actuators/cylinder/torque", json!(1.0), both),
@@ -410,12 +432,18 @@ fn both_refuse_what_is_wrong() {
         ("/stops/half", json!({ "limit": "upper", "angle": 1.0 }), both),
         ("/locks/latch/stop", json!("nothing"), geometry),
         ("/locks/latch/at", json!("crank.nowhere"), geometry),
+        ("/locks/latch/at", json!("ground.anchor"), geometry),
         ("/locks/latch/engage", json!(1), both),
         ("/start/body", json!("nobody"), geometry),
+        ("/start", json!(["crank", 0.5, null, null, 2.0]), both),
         ("/start/joint", json!("guide"), both),
+        ("/start/joint", json!(null), both),
+        ("/start/speed", json!(null), both),
+        ("/start/angle", json!(1e9), both),
         ("/start/position", json!(0.3), both),
         ("/guess/crank", json!("left"), both),
         ("/guess/crank", json!(1e101), both),
+        ("/guess/crank", json!(1e9), geometry),
         ("/guess/nobody", json!(1.0), geometry),
         ("/solver/tolerance", json!(0.0), both),
         ("/solver/tolerance", json!(1.0), both),
@@ -455,19 +483,22 @@ fn add_part(whole: &mut Value, part: &Value) {
 #[test]
 fn every_example_runs() {
     let validator = validator();
-    let mut whole = Value::Null;
+    let mut above = Value::Null;
     let (mut wholes, mut parts) = (0, 0);
     for block in FORMAT.split("```json\n").skip(1) {
         let text = block.split_once("```").unwrap().0;
         let example: Value = serde_json::from_str(text).unwrap_or_else(|e| panic!("{e} in\n{text}"));
-        if example.get("name").is_some() {
-            whole = example;
+        let whole = if example.get("name").is_some() {
+            above = example;
             wholes += 1;
+            above.clone()
         } else {
-            // Parts add up, as a reader would who follows the text.
+            // As the text says: into the whole file that stands last above it.
+            let mut whole = above.clone();
             add_part(&mut whole, &example);
             parts += 1;
-        }
+            whole
+        };
         let errors: Vec<String> =
             validator.iter_errors(&whole).map(|e| format!("{}: {e}", e.instance_path())).collect();
         assert!(errors.is_empty(), "{errors:?} in\n{text}");

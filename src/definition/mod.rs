@@ -8,6 +8,7 @@ mod parameter;
 mod parameters;
 mod place;
 mod solver;
+mod strict;
 mod validate;
 
 pub use error::DefinitionError;
@@ -16,6 +17,7 @@ pub use parameter::{Flag, Parameter, Range, Role};
 pub use solver::{Method, Solver};
 
 use serde::Deserialize;
+use strict::Strict;
 
 /// Name of the body that does not move.
 pub const GROUND: &str = "ground";
@@ -461,15 +463,24 @@ impl Mechanism {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut mechanism = Self::parse(text).map_err(|e| DefinitionError::Malformed {
             key: place::key_at(text, e.line(), e.column()),
-            message: e.to_string(),
+            message: in_words(&e),
         })?;
         mechanism.check()?;
         Ok(mechanism)
     }
 
     fn parse(text: &str) -> Result<Self, serde_json::Error> {
-        serde_json::from_str(text)
+        let mut json = serde_json::Deserializer::from_str(text);
+        let mechanism = Self::deserialize(Strict(&mut json))?;
+        json.end().map(|()| mechanism)
     }
+}
+
+/// A parser's message, for whoever writes the file.
+fn in_words(error: &serde_json::Error) -> String {
+    let message = error.to_string().replace("expected f64", "expected a number");
+    let remedy = if message.contains("invalid type: null") { "; leave the key out if it has no value" } else { "" };
+    message + remedy
 }
 
 #[cfg(test)]

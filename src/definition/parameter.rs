@@ -14,6 +14,8 @@ pub enum Range {
     Length,
     /// A coordinate: of any sign, and so that its square is a number.
     Coordinate,
+    /// An angle that counts whole turns, and so few that its digits still tell the place in a turn.
+    Turn,
     /// > 0 and <= 1.
     Fraction,
     /// From 0 to 1.
@@ -24,6 +26,8 @@ pub enum Range {
 
 /// Largest length [m].
 const FARTHEST: f64 = 1e100;
+/// Largest angle that counts turns [rad]: its last digit is 1e-10 rad.
+const MOST_TURNED: f64 = 1e6;
 
 impl Range {
     /// Whether the value is in the range.
@@ -35,6 +39,7 @@ impl Range {
                 Self::Positive => value > 0.0,
                 Self::Length => value > 0.0 && value <= FARTHEST,
                 Self::Coordinate => value.abs() <= FARTHEST,
+                Self::Turn => value.abs() <= MOST_TURNED,
                 Self::Fraction => value > 0.0 && value <= 1.0,
                 Self::Unit => (0.0..=1.0).contains(&value),
                 Self::Between(low, high) => (low..=high).contains(&value),
@@ -49,6 +54,7 @@ impl Range {
             Self::Positive => "a finite number > 0".into(),
             Self::Length => format!("a number > 0 and <= {FARTHEST:e}"),
             Self::Coordinate => format!("a number from -{FARTHEST:e} to {FARTHEST:e}"),
+            Self::Turn => format!("an angle from -{MOST_TURNED:e} to {MOST_TURNED:e} rad"),
             Self::Fraction => "a number > 0 and <= 1".into(),
             Self::Unit => "a number from 0 to 1".into(),
             Self::Between(low, high) => format!("a number from {low:e} to {high:e}"),

@@ -211,15 +211,16 @@ impl Mechanism {
             _ => None,
         };
         if let Some((of, value, quantity, unit, speed_unit)) = stated {
-            let p = |quantity, unit, role| Parameter {
+            let p = |quantity, unit, range, role| Parameter {
                 place: Place::Start { of, quantity },
                 words: "Start",
                 unit,
-                range: Range::Finite,
+                range,
                 role,
             };
-            visit(p(quantity, unit, StartPosition), value);
-            visit(p("speed", speed_unit, StartSpeed), &mut start.speed);
+            let range = if quantity == "angle" { Range::Turn } else { Range::Finite };
+            visit(p(quantity, unit, range, StartPosition), value);
+            visit(p("speed", speed_unit, Range::Finite, StartSpeed), &mut start.speed);
         }
         let p = |n, words, unit, range| of_section("solver", n, words, unit, range, Tolerance);
         let words = "Relative tolerance of the integration";

@@ -1,5 +1,6 @@
 //! Checks of a definition that need no geometry: numbers in range, names that resolve, keys that go together.
 use super::{DefinitionError, GROUND, JointKind, Mechanism, Range, Solver};
+use crate::decimal::Decimal;
 use std::fmt;
 
 type Check = Result<(), DefinitionError>;
@@ -23,13 +24,17 @@ fn check_finite(key: String, value: f64) -> Check {
     if value.is_finite() {
         return Ok(());
     }
-    Err(DefinitionError::Value { key, value: format!("{value}"), allowed: "a finite number".into() })
+    Err(DefinitionError::Value { key, value: Decimal(value).to_string(), allowed: "a finite number".into() })
 }
 
 impl Mechanism {
     /// Check everything that can be told without geometry.
     pub(super) fn check(&mut self) -> Check {
         check_name("name", &self.name)?;
+        if self.description.chars().any(char::is_control) {
+            let (key, value) = ("description".into(), format!("\"{}\"", self.description));
+            return Err(DefinitionError::Value { key, value, allowed: "one line of text".into() });
+        }
         self.check_names()?;
         self.check_solver()?;
         let mut wrong = None;
@@ -37,7 +42,7 @@ impl Mechanism {
             if wrong.is_none() && !parameter.range.contains(*value) {
                 wrong = Some(DefinitionError::Value {
                     key: parameter.key(),
-                    value: format!("{value}"),
+                    value: Decimal(*value).to_string(),
                     allowed: parameter.range.text(),
                 });
             }
@@ -57,7 +62,7 @@ impl Mechanism {
                 let key = format!("experiment.{key}");
                 return Err(DefinitionError::Value {
                     key,
-                    value: format!("{value}"),
+                    value: Decimal(value).to_string(),
                     allowed: "a finite number > 0".into(),
                 });
             }
@@ -258,11 +263,11 @@ impl Mechanism {
         for (name, marker) in self.markers.iter() {
             self.point(format_args!("markers.{name}.at"), &marker.at)?;
         }
-        for (name, value) in self.guess.iter() {
-            if !Range::Coordinate.contains(*value) {
-                let key = format!("guess.{name}");
-                let allowed = Range::Coordinate.text();
-                return Err(DefinitionError::Value { key, value: format!("{value}"), allowed });
+        for (name, &value) in self.guess.iter() {
+            let range = if self.bodies.get(name).is_some() { Range::Turn } else { Range::Coordinate };
+            if !range.contains(value) {
+                let (key, value) = (format!("guess.{name}"), Decimal(value).to_string());
+                return Err(DefinitionError::Value { key, value, allowed: range.text() });
             }
         }
         Ok(())

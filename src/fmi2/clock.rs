@@ -3,6 +3,7 @@
 //! In: the experiment and the steps. Out: the end of an accepted step, or a refusal.
 
 use super::refusal::Refusal;
+use crate::decimal::Decimal;
 use crate::record::{Damaged, Record};
 
 /// Part of a step by which a communication point may be off. A lost or repeated step is off by a whole one, a host that
@@ -43,9 +44,11 @@ impl Clock {
             return Err(Refusal::error(format!("startTime is {start} s; it must be finite")));
         }
         match stop {
-            Some(stop) if !(stop.is_finite() && stop > start) => {
-                Err(Refusal::error(format!("stopTime is {stop} s; it must be finite and after startTime = {start} s")))
-            }
+            Some(stop) if !(stop.is_finite() && stop > start) => Err(Refusal::error(format!(
+                "stopTime is {} s; it must be finite and after startTime = {} s",
+                Decimal(stop),
+                Decimal(start)
+            ))),
             _ => Ok(Clock { start, time: start, stop }),
         }
     }
@@ -81,22 +84,27 @@ impl Clock {
         let end = point + h;
         if !(h > 0.0 && h.is_finite()) {
             return Err(Refusal::error(format!(
-                "communicationStepSize is {h} s; it must be finite and greater than 0"
+                "communicationStepSize is {} s; it must be finite and greater than 0",
+                Decimal(h)
             )));
         }
         let slack = self.slack(h);
         // Negated, so that a NaN is refused.
         if !((point - self.time).abs() <= slack && end.is_finite()) {
             return Err(Refusal::error(format!(
-                "currentCommunicationPoint is {point} s, but the instance is at {} s (tolerance {slack:e} s)",
-                self.time
+                "currentCommunicationPoint is {} s, but the instance is at {} s (tolerance {slack:e} s)",
+                Decimal(point),
+                Decimal(self.time)
             )));
         }
         match self.stop {
-            Some(stop) if end > stop + self.stop_slack(end, h) => Err(Refusal::error(format!(
-                "the step from {point} s by {h} s ends at {end} s, past stopTime = {stop} s; \
-                 take a shorter step or a later stopTime in fmi2SetupExperiment"
-            ))),
+            Some(stop) if end > stop + self.stop_slack(end, h) => {
+                let [point, h, end, stop] = [point, h, end, stop].map(Decimal);
+                Err(Refusal::error(format!(
+                    "the step from {point} s by {h} s ends at {end} s, past stopTime = {stop} s; \
+                     take a shorter step or a later stopTime in fmi2SetupExperiment"
+                )))
+            }
             _ => Ok(end),
         }
     }

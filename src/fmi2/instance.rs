@@ -11,6 +11,7 @@ use super::refusal::Refusal;
 use super::saved::Saved;
 use super::types::{Boolean, CO_SIMULATION, FALSE, Integer, MODEL_EXCHANGE, Real, Status, TRUE, Text};
 use super::types::{DO_STEP_STATUS, LAST_SUCCESSFUL_TIME, PENDING_STATUS, TERMINATED};
+use crate::decimal::Decimal;
 use crate::model::Model;
 use crate::variables::{Kind, Reference};
 use std::ffi::{CStr, CString, c_int};
@@ -121,7 +122,10 @@ impl Instance {
         let clock = Clock::new(start, stop)?;
         if let Some(tolerance) = tolerance {
             if !(tolerance > 0.0 && tolerance.is_finite()) {
-                return Err(Refusal::error(format!("tolerance is {tolerance}; it must be finite and greater than 0")));
+                return Err(Refusal::error(format!(
+                    "tolerance is {}; it must be finite and greater than 0",
+                    Decimal(tolerance)
+                )));
             }
             self.model.set_tolerance(tolerance)?;
         }

@@ -3,8 +3,9 @@
 //! In: finished lines of text. Out: calls of the host's printf-style logger. The list of categories is also what
 //! `modelDescription.xml` declares.
 //!
-//! What is on: a failed call is always reported after `fmi2Instantiate`; `loggingOn` adds warnings and events.
-//! `fmi2SetDebugLogging` then rules alone, and with `fmi2False` and no category it silences everything.
+//! What is on: FMI 2.0.5, 2.1.3, has the logger called for every failed call, and `loggingOn` switch debug logging. So a
+//! failed call is reported with `loggingOn` = `fmi2False` too, here and in `fmi2SetDebugLogging`; only a host that names
+//! categories gets exactly what it named.
 
 use super::refusal::Refusal;
 use super::types::{CallbackFunctions, Environment, LoggerCallback, Status};
@@ -80,7 +81,7 @@ impl Logger {
             callback: functions.logger,
             environment: functions.environment,
             instance_name: instance_name.to_owned(),
-            enabled: if logging_on { ALL } else { FAILURES },
+            enabled: unnamed(logging_on),
         }
     }
 
@@ -111,8 +112,8 @@ impl Logger {
         }
     }
 
-    /// Switch the given categories, or all if none is given. Switching on leaves exactly these on; switching off leaves
-    /// the others as they were.
+    /// Switch the given categories: on leaves exactly these on, off leaves the others as they were. If none is given,
+    /// everything is on, or all but failures off, as after `fmi2Instantiate`.
     ///
     /// # Errors
     /// A name that [`LOG_CATEGORIES`] does not hold; nothing is changed then.
@@ -121,7 +122,11 @@ impl Logger {
         on: bool,
         categories: impl ExactSizeIterator<Item = Option<&'a CStr>>,
     ) -> Result<(), Refusal> {
-        let mut chosen = if categories.len() == 0 { ALL } else { 0 };
+        if categories.len() == 0 {
+            self.enabled = unnamed(on);
+            return Ok(());
+        }
+        let mut chosen = 0;
         for category in categories {
             let category = category.ok_or_else(|| Refusal::error("a category is NULL"))?;
             chosen |= bits(category)?;
@@ -133,6 +138,11 @@ impl Logger {
     fn is_on(&self, category: Category) -> bool {
         self.enabled & category.bit() != 0
     }
+}
+
+/// What is on if the host names no category.
+fn unnamed(logging_on: bool) -> u8 {
+    if logging_on { ALL } else { FAILURES }
 }
 
 fn on_one_line(message: &str) -> String {
@@ -193,8 +203,10 @@ mod tests {
         assert_eq!(logger.enabled, Category::Warning.bit());
         set(&mut logger, true, &[c"logAll"]).unwrap();
         assert_eq!(logger.enabled, ALL);
-        set(&mut logger, false, &[]).unwrap();
+        set(&mut logger, false, &[c"logAll"]).unwrap();
         assert_eq!(logger.enabled, 0);
+        set(&mut logger, false, &[]).unwrap();
+        assert_eq!(logger.enabled, self::logger(false).enabled);
         set(&mut logger, true, &[]).unwrap();
         assert_eq!(logger.enabled, ALL);
     }

@@ -1,4 +1,5 @@
 //! What a model refuses.
+use crate::decimal::Decimal;
 use crate::definition::DefinitionError;
 use crate::integrator::IntegrationError;
 use crate::reduced::ReductionError;
@@ -107,6 +108,15 @@ pub enum ModelError {
         /// The value at the start.
         start: f64,
     },
+    /// A lock whose point stands still where its stop is.
+    LockStill {
+        /// The lock.
+        name: String,
+        /// Its stop.
+        stop: String,
+        /// Where the stop is.
+        position: String,
+    },
     /// A snapshot that cannot be one of this mechanism.
     Saved {
         /// What is wrong with it.
@@ -129,7 +139,7 @@ impl fmt::Display for ModelError {
                 "value reference {reference} is no {kind} variable: references run from 0 to {}, kinds are in modelDescription.xml",
                 count.saturating_sub(1)
             ),
-            Self::Value { name, value, allowed } => write!(f, "{name} = {value}: must be {allowed}"),
+            Self::Value { name, value, allowed } => write!(f, "{name} = {}: must be {allowed}", Decimal(*value)),
             Self::Text { name, value, allowed } => write!(f, "{name} = \"{value}\": must be {allowed}"),
             Self::RigidFem(RigidFemError::Substeps { count, limit }) => write!(
                 f,
@@ -142,8 +152,10 @@ impl fmt::Display for ModelError {
             ),
             Self::StopPassed { name, value, time } => write!(
                 f,
-                "{name} = {value}: this stop is reached {time} s into the step, and solver.method = \"rigid_fem\" has no stops; \
-                 end the run before, set the stop's enabled to false, or choose solver.method = \"reduced\""
+                "{name} = {}: this stop is reached {} s into the step, and solver.method = \"rigid_fem\" has no stops; \
+                 end the run before, set the stop's enabled to false, or choose solver.method = \"reduced\"",
+                Decimal(*value),
+                Decimal(*time)
             ),
             Self::Derivative { what, reason } => write!(f, "{what}: {reason}"),
             Self::Output { name } => write!(f, "{name} is an output and cannot be set"),
@@ -160,10 +172,11 @@ impl fmt::Display for ModelError {
                 )
             }
             Self::NotInitialised => f.write_str("a step was asked for before initialisation"),
-            Self::StepSize { h } => write!(f, "step size h = {h} s: must be finite and > 0"),
+            Self::StepSize { h } => write!(f, "step size h = {} s: must be finite and > 0", Decimal(*h)),
             Self::Integration(IntegrationError::StepTooSmall { t, step }) => write!(
                 f,
-                "the integration stopped {t} s into the step: no step above {step:.1e} s meets solver.tolerance; check the sizes of the inputs"
+                "the integration stopped {} s into the step: no step above {step:.1e} s meets solver.tolerance; check the sizes of the inputs",
+                Decimal(*t)
             ),
             Self::Locked { position } => write!(
                 f,
@@ -171,7 +184,14 @@ impl fmt::Display for ModelError {
             ),
             Self::BeyondStop { name, value, start } => write!(
                 f,
-                "{name} = {value}: the start, at {start}, is beyond this stop; move the start or the stop, or set the stop's enabled to false"
+                "{name} = {}: the start, at {}, is beyond this stop; move the start or the stop, or set the stop's enabled to false",
+                Decimal(*value),
+                Decimal(*start)
+            ),
+            Self::LockStill { name, stop, position } => write!(
+                f,
+                "locks.{name}.at: this point stands still where {stop} is, near {position}, so the lock cannot act: \
+                 name a point that moves there"
             ),
             Self::Saved { what } => write!(f, "the saved state is none of this mechanism: {what}"),
             Self::Travel { position } => {

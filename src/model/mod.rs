@@ -209,7 +209,7 @@ impl Model {
             Ok(value) if value.is_finite() => Ok(value),
             Ok(_) => Err(ModelError::Overflow { name: name() }),
             Err(Unknown::Table(at)) => {
-                Err(ModelError::Table { name: name(), position: reduced.curve().describe(at.sigma) })
+                Err(ModelError::Table { name: name(), position: reduced.curve().describe(at.sigma, state.turns()) })
             }
             Err(Unknown::Locked) => Err(ModelError::Locked { position: state.describe(reduced) }),
             Err(Unknown::RigidFem(error)) => Err(error.into()),
@@ -461,6 +461,14 @@ impl Motion {
         match self {
             Self::Reduced(state) => state.statistics(),
             Self::RigidFem(state) => state.statistics(),
+        }
+    }
+
+    /// Turns of the curve so far, from its beginning.
+    fn turns(&self) -> f64 {
+        match self {
+            Self::Reduced(state) => state.turns(),
+            Self::RigidFem(state) => state.turns(),
         }
     }
 

@@ -9,7 +9,7 @@ use super::events::{Contact, Surroundings};
 use super::motion::{Motion, Work};
 use super::outputs::Cache;
 use super::panel::Given;
-use super::travel::{Travel, beyond_stop, travel};
+use super::travel::{Travel, beyond_stop, can_hold, travel};
 use super::{Inputs, ModelError};
 use crate::definition::{DefinitionError, Mechanism};
 use crate::integrator::{Integrator, Statistics};
@@ -117,21 +117,21 @@ pub fn acting<'a>(reduced: &'a Reduced, inputs: &Inputs) -> Result<Option<&'a Sc
     reduced.scene(blows(reduced, airspeed(reduced, inputs)) || (reduced.loading().air.is_some() && changes()))
 }
 
-/// [`acting`], with the error told.
-fn scene<'a>(reduced: &'a Reduced, inputs: &Inputs) -> Result<Option<&'a Scene>, ModelError> {
-    acting(reduced, inputs).map_err(|at| told(reduced, at))
+/// [`acting`], with the error told after so many turns.
+fn scene<'a>(reduced: &'a Reduced, inputs: &Inputs, turns: f64) -> Result<Option<&'a Scene>, ModelError> {
+    acting(reduced, inputs).map_err(|at| told(reduced, at, turns))
 }
 
 /// What acts in air of this speed.
 ///
 /// # Errors
 /// As [`scene`].
-fn scene_in(reduced: &Reduced, speed: f64) -> Result<Option<&Scene>, ModelError> {
-    reduced.scene(blows(reduced, speed)).map_err(|at| told(reduced, at))
+fn scene_in(reduced: &Reduced, speed: f64, turns: f64) -> Result<Option<&Scene>, ModelError> {
+    reduced.scene(blows(reduced, speed)).map_err(|at| told(reduced, at, turns))
 }
 
-fn told(reduced: &Reduced, at: &Unresolved) -> ModelError {
-    ModelError::Table { name: "friction".into(), position: reduced.curve().describe(at.sigma) }
+fn told(reduced: &Reduced, at: &Unresolved, turns: f64) -> ModelError {
+    ModelError::Table { name: "friction".into(), position: reduced.curve().describe(at.sigma, turns) }
 }
 
 impl State {
@@ -163,7 +163,8 @@ impl State {
         if let (Some(body), Some(angle)) = (&start.body, start.angle) {
             not_beyond_stop(reduced, mechanism, body, angle)?;
         }
-        let (sigma, turns) = reduced.find(coordinate, value, &variable)?;
+        let stated = start.angle.or(start.position).unwrap_or(0.0);
+        let (sigma, turns) = reduced.find(coordinate, value, &variable).map_err(|e| e.as_stated(stated))?;
         let mut sigma_dot = 0.0;
         if start.speed != 0.0 {
             // From the table, which is as good where branches cross. Nearer to a toggle than some 1e-13 rad, where the
@@ -171,7 +172,7 @@ impl State {
             let table = reduced.coordinates();
             let table = table.map_err(|at| ModelError::Table {
                 name: variable.clone(),
-                position: reduced.curve().describe(at.sigma),
+                position: reduced.curve().describe(at.sigma, turns),
             })?;
             let slope = table.value(table.spot(sigma), 3 * coordinate + 1);
             if slope.abs() * reduced.scale() < 1e-6 {
@@ -183,7 +184,8 @@ impl State {
         let travel = travel(reduced, sigma, turns)?;
         let here = sigma + turns * reduced.period().unwrap_or(0.0);
         let resting = (0..2).find(|&side| sigma_dot == 0.0 && travel[side].is_some_and(|e| e.position == here));
-        let scene = scene(reduced, inputs)?;
+        can_hold(reduced, &travel)?;
+        let scene = scene(reduced, inputs, turns)?;
         let sizes = reduced.sizes(&inputs.reals);
         let mut state = Self {
             sigma,
@@ -258,7 +260,7 @@ impl State {
                 self.cache.recount();
             }
             None if !(first..=last).contains(&y[0]) => {
-                let position = reduced.curve().describe(y[0]);
+                let position = reduced.curve().describe(y[0], self.turns);
                 self.undo(reduced, changed, airspeed, reference);
                 return Err(ModelError::Travel { position });
             }
@@ -300,15 +302,20 @@ impl State {
         self.memory.statistics()
     }
 
+    /// Turns of the curve so far, from its beginning.
+    pub fn turns(&self) -> f64 {
+        self.turns
+    }
+
     /// Where the linkage is.
     pub fn describe(&self, reduced: &Reduced) -> String {
-        reduced.curve().describe(self.sigma)
+        reduced.curve().describe(self.sigma, self.turns)
     }
 
     /// Take up inputs that have changed since the last step: the change of the loads' potential is work from outside. Tells
     /// whether any has.
     fn apply<'a>(&mut self, reduced: &'a Reduced, inputs: &Inputs) -> Result<(Option<&'a Scene>, bool), ModelError> {
-        let scene = scene(reduced, inputs)?;
+        let scene = scene(reduced, inputs, self.turns)?;
         let loads = reduced.loading().inputs.len();
         let mut work = 0.0;
         let mut changed = false;
@@ -353,7 +360,7 @@ impl State {
         self.reference = reference;
         self.airspeed = airspeed;
         // It is at hand: it was in use before this step.
-        let scene = scene_in(reduced, airspeed).unwrap_or_default();
+        let scene = scene_in(reduced, airspeed, self.turns).unwrap_or_default();
         if scene.is_some_and(|s| s.air) != self.work.air {
             self.work = Work::new(scene);
         }

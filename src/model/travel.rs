@@ -29,9 +29,10 @@ pub fn travel(reduced: &Reduced, sigma: f64, turns: f64) -> Result<Travel, Model
     let mut out = [None; 2];
     for (place, stop) in reduced.loading().stops.iter().enumerate().filter(|(_, s)| s.enabled) {
         let name = format!("{}.{}", stop.name, stop.quantity);
-        let table = reduced
-            .displacement(stop.load)
-            .map_err(|e| ModelError::Table { name: name.clone(), position: reduced.curve().describe(e.sigma) })?;
+        let table = reduced.displacement(stop.load).map_err(|e| ModelError::Table {
+            name: name.clone(),
+            position: reduced.curve().describe(e.sigma, turns),
+        })?;
         let growth = reduced.load_growth(stop.load);
         let spot = table.spot(sigma);
         let (s, slope) = (table.value(spot, 0) + turns * growth, table.value(spot, 1));
@@ -65,6 +66,27 @@ pub fn beyond_stop(stop: &Stop, s: f64) -> Result<(), ModelError> {
     if stop.beyond(s) > AT * (1.0 + stop.value.abs()) {
         let name = format!("{}.{}", stop.name, stop.quantity);
         return Err(ModelError::BeyondStop { name, value: stop.value, start: s });
+    }
+    Ok(())
+}
+
+/// Refuse a lock whose point stands still where its stop is: no force there would hold the mechanism.
+///
+/// # Errors
+/// [`ModelError::LockStill`].
+pub fn can_hold(reduced: &Reduced, travel: &Travel) -> Result<(), ModelError> {
+    // A part of what the mechanism's size would be for a motion of one radian: what is below it is rounding.
+    const STILL: f64 = 1e-9;
+    let loading = reduced.loading();
+    for end in travel.iter().flatten() {
+        let (sigma, turns) = reduced.unwound(end.position);
+        for (place, lock) in loading.locks.iter().enumerate().filter(|(_, lock)| lock.stop == end.stop) {
+            if reduced.lock_path(place, sigma).norm() * reduced.scale() < STILL * reduced.linkage().size {
+                let (name, stop) = (lock.name.clone(), loading.stops[end.stop].name.clone());
+                let position = reduced.curve().describe(sigma, turns);
+                return Err(ModelError::LockStill { name, stop, position });
+            }
+        }
     }
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! Why a definition gives no reduced model.
 use crate::closure::AssemblyError;
 use crate::curve::CurveError;
+use crate::decimal::Decimal;
 use crate::definition::DefinitionError;
 use std::fmt;
 
@@ -33,8 +34,10 @@ pub enum ReductionError {
         name: String,
         /// Its value.
         value: f64,
-        /// Least and largest value on the curve.
+        /// Least and largest value within the stops on the curve.
         range: (f64, f64),
+        /// The value that is whole turns away and within them, where there is one.
+        turned: Option<f64>,
     },
     /// The start speed cannot be had: the stated coordinate stands still at this position.
     StartSpeed {
@@ -59,16 +62,35 @@ impl fmt::Display for ReductionError {
                 f,
                 "{what} is not smooth near {position}: almost nothing with mass moves there; give a mass or an inertia to a body that does"
             ),
-            Self::Start { name, value, range: (low, high) } => {
-                write!(f, "{name} = {value} cannot be reached: the linkage moves from {low} to {high}")
+            Self::Start { name, value, range: (low, high), turned } => {
+                let (low, high) = (Decimal::rounded(*low), Decimal::rounded(*high));
+                write!(f, "{name} = {} cannot be reached: the linkage moves from {low} to {high}", Decimal(*value))?;
+                match turned {
+                    Some(same) => write!(f, ", where {} is the same position: state that", Decimal::rounded(*same)),
+                    None => Ok(()),
+                }
             }
             Self::StartSpeed { name, value } => write!(
                 f,
-                "{name} = {value} cannot be had: at this position it stands still whatever the speed (a toggle); \
-                 state the start by another body"
+                "{name} = {} cannot be had: at this position it stands still whatever the speed (a toggle); \
+                 state the start by another body",
+                Decimal(*value)
             ),
         }
     }
 }
 
 impl std::error::Error for ReductionError {}
+
+impl ReductionError {
+    /// The same of a start that is stated by a quantity which has this value where the coordinate has its.
+    pub fn as_stated(mut self, stated: f64) -> Self {
+        if let Self::Start { value, range, turned, .. } = &mut self {
+            let offset = stated - *value;
+            *value = stated;
+            *range = (range.0 + offset, range.1 + offset);
+            *turned = turned.map(|turned| turned + offset);
+        }
+        self
+    }
+}

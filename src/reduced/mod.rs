@@ -371,7 +371,7 @@ impl Reduced {
 
     /// Why the influences are not smooth: two ends meet, or what [`rough`] says.
     fn unresolved(loading: &Loading, curve: &Curve, at: &Unresolved) -> ReductionError {
-        let position = curve.describe(at.sigma);
+        let position = curve.describe(at.sigma, 0.0);
         let c = curve.configuration(at.sigma);
         let meets = loading.loads.iter().position(|load| {
             matches!(load, Load::Pair { .. }) && load.displacement(curve.linkage(), &c)[0] < 1e-3 * curve.linkage().size
@@ -393,7 +393,7 @@ impl Reduced {
 
 /// Why something is not smooth along the curve: branches almost cross, or nothing with mass moves.
 fn rough(curve: &Curve, what: String, at: &Unresolved) -> ReductionError {
-    let position = curve.describe(at.sigma);
+    let position = curve.describe(at.sigma, 0.0);
     let crosses = curve.crossings().iter().any(|sigma| (sigma - at.sigma).abs() < curve.scale());
     if !crosses && curve.amplification(at.sigma) > NEAR_CROSSING {
         ReductionError::Curve(CurveError::NearCrossing { position })

@@ -1,4 +1,5 @@
 //! What the rigid-link finite elements refuse.
+use crate::decimal::Decimal;
 use std::fmt;
 
 /// Why there is no finite element model, or no step. The text names the quantity, the value, the limit and the remedy.
@@ -92,6 +93,7 @@ impl fmt::Display for RigidFemError {
                 "{body} is held by joints at {count} points: a rigid finite element has exactly 2 of them; choose the reduced model"
             ),
             Self::AxialStiffness { body, value } => {
+                let value = Decimal(*value);
                 write!(f, "axial stiffness of {body} = {value} N: must be finite and > 0; state E A of the rod")
             }
             Self::Massless { body, mass } => write!(
@@ -103,7 +105,9 @@ impl fmt::Display for RigidFemError {
                 f,
                 "efficiency of {drive} = {value}: rigid finite elements know no losses in drives; set it to 1 or choose the reduced model"
             ),
-            Self::StepSize { name, value } => write!(f, "step size {name} = {value} s: must be finite and > 0"),
+            Self::StepSize { name, value } => {
+                write!(f, "step size {name} = {} s: must be finite and > 0", Decimal(*value))
+            }
             Self::Substeps { count, limit } => {
                 write!(f, "a step would take {count:e} steps of h_fem, allowed are {limit:e}: raise h_fem")
             }

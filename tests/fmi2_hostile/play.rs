@@ -46,6 +46,7 @@ pub enum Op {
 pub enum Logging {
     AllOn,
     AllOff,
+    DebugOff,
     ErrorsOnly,
     DiscardsOff,
 }
@@ -296,6 +297,7 @@ impl Player {
                     let (on, names): (c_int, &[&CStr]) = match logging {
                         Logging::AllOn => (1, &[]),
                         Logging::AllOff => (0, &[c"logAll"]),
+                        Logging::DebugOff => (0, &[]),
                         Logging::ErrorsOnly => (1, &[c"logStatusError"]),
                         Logging::DiscardsOff => (0, &[c"logStatusDiscard"]),
                     };
@@ -345,6 +347,8 @@ impl Player {
             Op::Logging(logging) => match logging {
                 Logging::AllOn => (self.logs_errors, self.logs_discards) = (true, true),
                 Logging::AllOff => (self.logs_errors, self.logs_discards) = (false, false),
+                // Failures are no debug messages.
+                Logging::DebugOff => (self.logs_errors, self.logs_discards) = (true, true),
                 Logging::ErrorsOnly => (self.logs_errors, self.logs_discards) = (true, false),
                 Logging::DiscardsOff => self.logs_discards = false,
             },

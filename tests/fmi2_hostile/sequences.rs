@@ -54,7 +54,8 @@ fn op(others: usize) -> impl Strategy<Value = Op> {
         12 => prop_oneof![6 => 1e-5..5e-3, 1 => odd()].prop_map(Op::Step),
         2 => (1e-5..1e-3, prop_oneof![0.01..3.0, -3.0..-0.01]).prop_map(|(h, off)| Op::StepFromElsewhere(h, off)),
         1 => prop_oneof![
-            Just(Logging::AllOn), Just(Logging::AllOff), Just(Logging::ErrorsOnly), Just(Logging::DiscardsOff)
+            Just(Logging::AllOn), Just(Logging::AllOff), Just(Logging::DebugOff), Just(Logging::ErrorsOnly),
+            Just(Logging::DiscardsOff)
         ].prop_map(Op::Logging),
         3 => Just(Op::Save),
         4 => Just(Op::Restore),

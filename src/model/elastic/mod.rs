@@ -159,6 +159,11 @@ impl Elastic {
         Statistics { accepted: self.steps, ..Statistics::default() }
     }
 
+    /// Turns of the curve so far, from its beginning.
+    pub fn turns(&self) -> f64 {
+        self.rigid.turns()
+    }
+
     /// Where the linkage is.
     pub fn describe(&self, reduced: &Reduced) -> String {
         self.rigid.describe(reduced)

@@ -38,7 +38,7 @@ impl<'a> Track<'a> {
     pub fn new(reduced: &'a Reduced, rigid: &State) -> Result<Self, ModelError> {
         let table = reduced.coordinates().map_err(|at| ModelError::Table {
             name: "solver.method".into(),
-            position: reduced.curve().describe(at.sigma),
+            position: reduced.curve().describe(at.sigma, rigid.turns),
         })?;
         Ok(Self { table, sigma: rigid.sigma, sigma_dot: rigid.sigma_dot, turns: rigid.turns })
     }
@@ -103,7 +103,7 @@ impl<'a> Track<'a> {
                 self.turns += around;
                 Ok(())
             }
-            _ => Err(ModelError::Travel { position: reduced.curve().describe(self.sigma) }),
+            _ => Err(ModelError::Travel { position: reduced.curve().describe(self.sigma, self.turns) }),
         }
     }
 }

@@ -60,7 +60,7 @@ impl State {
     /// # Errors
     /// [`ModelError::Table`]: a reaction that causes friction is not smooth.
     pub fn from_saved(saved: &SavedState, reduced: &Reduced, inputs: &Inputs) -> Result<Self, ModelError> {
-        let (then, now) = (scene_in(reduced, saved.airspeed)?, scene(reduced, inputs)?);
+        let (then, now) = (scene_in(reduced, saved.airspeed, saved.turns)?, scene(reduced, inputs, saved.turns)?);
         Ok(Self {
             sigma: saved.sigma,
             sigma_dot: saved.sigma_dot,
@@ -108,7 +108,7 @@ impl State {
 
     #[cold]
     fn renew_work(&mut self, saved: &SavedState, reduced: &Reduced) -> Result<(), ModelError> {
-        let then = scene_in(reduced, saved.airspeed)?;
+        let then = scene_in(reduced, saved.airspeed, saved.turns)?;
         if then.is_some_and(|s| s.air) != self.work.air {
             self.work = Work::new(then);
         }
@@ -193,7 +193,7 @@ impl SavedState {
         if self.contact.resting.is_some_and(|side| self.travel[side].is_none()) {
             return refuse("resting where the travel has no end".into());
         }
-        let scene = scene_in(reduced, self.airspeed)?;
+        let scene = scene_in(reduced, self.airspeed, self.turns)?;
         let bumpers = scene.map_or(0, |s| s.bumpers.len());
         if let Some(k) = self.contact.touching.iter().flatten().find(|k| **k >= bumpers) {
             return refuse(format!("touching = {k}: must be below {bumpers}"));

@@ -1,0 +1,47 @@
+//! Numbers in messages.
+use std::fmt;
+
+/// A number as a message tells it: with all digits that tell it from its neighbours, and with an exponent where it would
+/// begin or end with many zeros.
+#[derive(Clone, Copy, Debug)]
+pub struct Decimal(pub f64);
+
+impl Decimal {
+    /// The number with ten digits, for a value that is known no better.
+    pub fn rounded(value: f64) -> Self {
+        Self(format!("{value:.9e}").parse().unwrap_or(value))
+    }
+}
+
+impl fmt::Display for Decimal {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let value = self.0;
+        if value == 0.0 || (1e-5..1e15).contains(&value.abs()) { write!(f, "{value}") } else { write!(f, "{value:e}") }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn zeros_are_counted_not_written() {
+        for (value, text) in [
+            (0.0, "0"),
+            (-1.0, "-1"),
+            (0.1, "0.1"),
+            (-1.3258449313980745, "-1.3258449313980745"),
+            (1e-5, "0.00001"),
+            (1e-20, "1e-20"),
+            (1e300, "1e300"),
+            (-1.5e15, "-1.5e15"),
+            (f64::NAN, "NaN"),
+            (f64::NEG_INFINITY, "-inf"),
+        ] {
+            assert_eq!(Decimal(value).to_string(), text);
+        }
+        assert_eq!(Decimal::rounded(-1.3258449313980745).to_string(), "-1.325844931");
+        assert_eq!(Decimal::rounded(0.7999999999999998).to_string(), "0.8");
+        assert_eq!(Decimal::rounded(0.0).to_string(), "0");
+    }
+}
