@@ -160,7 +160,8 @@ impl Table {
     /// other, at a sigma, and returns how much it amplifies rounding.
     ///
     /// Each panel is cut until the set's series have decayed to [`ACCURACY`], relative to the natural size of the component
-    /// or to its largest value on the whole grid, or to the rounding in `exact`: second derivatives amplify it twice.
+    /// or to its largest value on the whole grid, or to the rounding in `exact`, as second derivatives amplify it twice, or in
+    /// sigma.
     /// A set is [`Unresolved`] where cutting does not help.
     pub fn build_all(
         grid: &Grid,
@@ -335,9 +336,14 @@ impl Set {
         const ORDER: f64 = (NODES - 2) as f64;
         let series = &stretch.series[self.components.clone()];
         let (mut worst, mut component) = (0.0, 0);
+        /// Rounding of sigma, as of a sum of lengths, in units of its last place.
+        const STEP: f64 = 4.0 * f64::EPSILON;
+        // On a stretch that is short against sigma no series can tell less than what that rounding makes.
+        let step = STEP * stretch.a.abs().max(stretch.b.abs()) / (0.5 * (stretch.b - stretch.a));
         for (i, (s, whole)) in series.iter().zip(&self.whole).enumerate() {
             let t = if *whole > 0.0 { tail(s) / whole } else { 0.0 };
-            if t > worst || t.is_nan() {
+            let slope = || s.iter().enumerate().map(|(k, c)| k as f64 * c.abs()).sum::<f64>();
+            if (t > worst && t * whole > step * slope()) || t.is_nan() {
                 (worst, component) = (t, i);
             }
         }
