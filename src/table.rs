@@ -338,12 +338,14 @@ impl Set {
         let (mut worst, mut component) = (0.0, 0);
         /// Rounding of sigma, as of a sum of lengths, in units of its last place.
         const STEP: f64 = 4.0 * f64::EPSILON;
+        /// Rounding of this size is not accepted.
+        const COARSEST: f64 = 1e-9;
         // On a stretch that is short against sigma no series can tell less than what that rounding makes.
         let step = STEP * stretch.a.abs().max(stretch.b.abs()) / (0.5 * (stretch.b - stretch.a));
         for (i, (s, whole)) in series.iter().zip(&self.whole).enumerate() {
             let t = if *whole > 0.0 { tail(s) / whole } else { 0.0 };
             let slope = || s.iter().enumerate().map(|(k, c)| k as f64 * c.abs()).sum::<f64>();
-            if (t > worst && t * whole > step * slope()) || t.is_nan() {
+            if (t > worst && (t > COARSEST || t * whole > step * slope())) || t.is_nan() {
                 (worst, component) = (t, i);
             }
         }
