@@ -22,7 +22,7 @@ use crate::model::{Model, Snapshot};
 use crate::record::{Damaged, Record, crc32};
 
 const MAGIC: [u8; 8] = *b"linkFMUs";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 /// Bytes of magic, version, length and the two hashes.
 const HEADER: usize = 36;
 /// Bytes of the check sum.

@@ -2,6 +2,8 @@
 //!
 //! Source: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.4 (step-size control); Hairer, Wanner, Solving ODEs II (1996),
 //! IV.2 (detecting stiffness), IV.8 (Radau, step sizes).
+mod short;
+
 use super::linear::largest_eigenvalue;
 use super::pair::{Dop853, Outcome, Pair, Rkn86};
 use super::radau::{Before, Start};
@@ -21,10 +23,6 @@ const GROW_MOST: f64 = 6.0;
 const SHRINK_INFINITE: f64 = 0.1;
 /// Shrinking where Newton's method does not converge.
 const SHRINK_UNSOLVED: f64 = 0.25;
-/// A span this many times shorter than the step that DOP853 would take may be one for RK4.
-const SHORT: f64 = 4.0;
-/// A span this many times shorter may be one for the pair of order 5.
-const MIDDLE: f64 = 1.5;
 /// What each step of a dearer method adds to the spans at which RK4 and the pair of order 5 are tried again.
 const SHORT_AGAIN: f64 = 1.01;
 /// A step that could have been so many times as large tells nothing of how the error grows.
@@ -238,73 +236,6 @@ impl<const N: usize> Integrator<N> {
             None => starting_step(system, (t, y, &first), &scale, rest, tolerance, &mut self.statistics),
         };
         Begin { t, first, rest, scale, wish }
-    }
-
-    /// The end of the span by one step of RK4, if it is short enough for that.
-    #[inline]
-    fn short_step<S: System<N>>(
-        &mut self,
-        system: &mut S,
-        y: &[f64; N],
-        begin: &Begin<N>,
-        tolerance: f64,
-    ) -> Option<[f64; N]> {
-        let &Begin { t, ref first, rest: h, ref scale, wish } = begin;
-        if h > self.short || h * SHORT > wish || S::CAN_BE_STIFF && self.stiffness.implicit {
-            return None;
-        }
-        let outcome = rk4::attempt(system, t, y, first, h, &self.carry);
-        self.statistics.evaluations += rk4::EVALUATIONS;
-        if let Err(reach) = rk4::judge(h, &outcome, scale, tolerance) {
-            self.short = reach;
-            self.statistics.rejected += 1;
-            return None;
-        }
-        self.arrive::<S>(Method::Rk4, outcome.last, outcome.carry);
-        self.statistics.short += 1;
-        Some(outcome.end)
-    }
-
-    /// Go on from the end of a span, reached by a method whose step sizes are not controlled, where f is `last` and the sums
-    /// have lost `carry`.
-    #[inline]
-    fn arrive<S: System<N>>(&mut self, method: Method, last: [f64; N], carry: [f64; N]) {
-        (self.derivative, self.carry, self.last, self.method) = (Some(last), carry, None, method);
-        if S::CAN_BE_STIFF {
-            self.before = None;
-        }
-        self.statistics.accepted += 1;
-    }
-
-    /// A step to the end of the span by the pair of order 5, if the span is one step of DOP853 and short enough: half the
-    /// evaluations. The Nystroem pair has few enough.
-    #[inline]
-    fn middle_step<S: System<N>>(
-        &mut self,
-        system: &mut S,
-        y: &[f64; N],
-        begin: &Begin<N>,
-        tolerance: f64,
-    ) -> Option<Step<N>> {
-        let &Begin { t, ref first, rest: h, ref scale, wish } = begin;
-        if S::SECOND_ORDER || h > self.middle || h * MIDDLE > wish || S::CAN_BE_STIFF && self.stiffness.implicit {
-            return None;
-        }
-        let carry = self.carry;
-        let Outcome { stages, end, last, carry: lost } = dopri5::attempt(system, t, y, first, h, &carry);
-        self.statistics.evaluations += dopri5::EVALUATIONS;
-        let error = dopri5::error(&stages, h, scale, tolerance);
-        let reach = h * if error.is_finite() { reach(error, dopri5::ERROR_POWER) } else { SHRINK_INFINITE };
-        if error.is_nan() || error > 1.0 {
-            self.middle = reach;
-            self.statistics.rejected += 1;
-            return None;
-        }
-        self.proposal = Some(wish.max(reach.min(GROW_MOST * h)));
-        self.arrive::<S>(Method::Dopri5, last, lost);
-        self.short *= SHORT_AGAIN;
-        self.statistics.fifth += 1;
-        Some(Step { t, h, reached: true, start: *y, end, carry, stages: Stages::Dopri5(stages) })
     }
 
     /// One accepted step of an explicit pair or of Radau.

@@ -1,5 +1,11 @@
 //! The interpolant of one step, whatever the method.
 
+use crate::record::{Damaged, Record};
+
+/// Stages within a step, of a lower order than its end, are off its interpolant by some ten times the tolerance where that errs by
+/// half of it; where a motion is damped that is much faster than the step, the interpolant errs as much as they.
+const OFF: f64 = 30.0;
+
 /// Polynomial of degree 7 at most over one step, in the nested form of Hairer, Norsett, Wanner, Solving ODEs I (1993),
 /// II.6, CONTD8: start + s (terms[0] + (1 - s) (terms[1] + s (terms[2] + (1 - s) (...)))), s = (time - t) / h.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -7,6 +13,8 @@ pub struct Dense<const N: usize> {
     pub(super) start: [f64; N],
     pub(super) end: [f64; N],
     pub(super) terms: [[f64; N]; TERMS],
+    /// How far stages within the step are off it, where the method has such.
+    pub(super) off: Option<[f64; N]>,
 }
 
 /// Terms of the nested form: the degree.
@@ -14,7 +22,28 @@ pub(super) const TERMS: usize = 7;
 
 impl<const N: usize> Dense<N> {
     pub(super) fn new(start: [f64; N], end: [f64; N], terms: [[f64; N]; TERMS]) -> Self {
-        Self { start, end, terms }
+        Self { start, end, terms, off: None }
+    }
+
+    /// Whether stages within the step, if there are any, are no further off it than those of smooth motions are.
+    pub fn is_within(&self, tolerance: f64, scale: &[f64; N]) -> bool {
+        let within = |off: &[f64; N]| off.iter().zip(scale).all(|(off, scale)| *off <= OFF * tolerance * scale);
+        self.off.as_ref().is_none_or(within)
+    }
+
+    /// To be read.
+    pub fn blank() -> Self {
+        Self::new([0.0; N], [0.0; N], [[0.0; N]; TERMS])
+    }
+
+    /// All fields, written or read.
+    ///
+    /// # Errors
+    /// A number is read that is not finite.
+    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        record.all_finite("interpolant", &mut self.start)?;
+        record.all_finite("interpolant", &mut self.end)?;
+        self.terms.iter_mut().try_for_each(|term| record.all_finite("interpolant", term))
     }
 
     /// State at the part s of the step, 0 <= s <= 1; beyond, its continuation.

@@ -1,11 +1,13 @@
 //! The course of a motion over one communication step: integration from event to event.
 //!
 //! In: the motion, the travel, what holds. Out: the state at the exact end. Events - impacts on stops, bumpers touched and
-//! left, reversals of drives with an efficiency - are found on the interpolant of a step and polished on the integration itself.
+//! left, reversals of drives with an efficiency, changes of friction's stretch - are found on the interpolant of a step; impacts are
+//! polished on the integration itself. A step may go on beyond the communication step (`overshoot.rs`).
 use super::events::{AT_BORDER, Contact, Event, Found, Surroundings, bumper, first_event, outward, passage};
 use super::motion::Motion;
+use super::overshoot::{Lookahead, Overshoot};
 use crate::friction::{Band, Locked};
-use crate::integrator::{IntegrationError, Integrator, System};
+use crate::integrator::{Dense, IntegrationError, Integrator, Step, System};
 
 /// Why a course ended early.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,12 +29,27 @@ const FLIGHT: f64 = 1e-10;
 /// Height of a flight, in units of the last place of sigma, below which positions do not tell it from rest: four times
 /// what the search for the impact takes for rounding.
 const HEIGHT: f64 = 64.0 * f64::EPSILON;
+
+/// What an advance goes by from one step to the next.
+struct Way<'a> {
+    around: &'a Surroundings,
+    tolerance: f64,
+    /// Energy lost in impacts [J].
+    lost: f64,
+    /// Whether the state has jumped: what is in touch and where pins are on their laws is to be looked at anew.
+    stale: bool,
+    /// A pin whose last change of stretch took no time: it goes along the border and stays where it is for one step.
+    along: Option<usize>,
+}
+
 /// Advance z = (sigma, sigma_dot, energy lost if N = 3) by exactly `span`; returns the energy lost in impacts [J].
 ///
 /// # Errors
 /// [`Stopped`].
+#[expect(clippy::too_many_arguments, reason = "what is integrated, by whom, from where to where")]
 pub fn advance<'m, const N: usize>(
     integrator: &mut Integrator<N>,
+    lookahead: &mut Lookahead<N>,
     motion: &mut Motion<'m>,
     around: &Surroundings,
     contact: &mut Contact,
@@ -43,29 +60,42 @@ pub fn advance<'m, const N: usize>(
 where
     Motion<'m>: System<N>,
 {
-    let mut lost = 0.0;
+    let mut way = Way { around, tolerance, lost: 0.0, stale: true, along: None };
     let mut t = 0.0;
-    let pins = motion.scene.map_or(&[][..], |s| &s.pins);
-    let mut stale = true;
-    // A pin whose last change of stretch took no time: it goes along the border and stays where it is for one step.
-    let mut along = None;
+    if let Some(mut ahead) = lookahead.overshoot.take() {
+        if span < ahead.rest() {
+            *z = ahead.read(span);
+            lookahead.overshoot = Some(ahead);
+            return Ok(0.0);
+        }
+        t = ahead.rest();
+        *z = ahead.last();
+        motion.time = t;
+        let middle = ahead.middle();
+        motion.set_bands(middle[0], middle[1]);
+        way.stale = false;
+        if let Some(event) = ahead.event {
+            happen((event, false), integrator, motion, contact, z, &mut way)?;
+        }
+    }
+    let mut may_pass = lookahead.is_calm();
     while t < span {
         motion.time = t;
         if let Some(side) = contact.resting {
             if around.locked[side] {
-                return Ok(lost);
+                return Ok(way.lost);
             }
             if rests(motion, around, side, z[0])? {
                 let off = |motion: &mut Motion| Ok(-motion.settle(z[0], 0.0)? * outward(side));
                 match release(motion, t, span, &off)? {
                     Some(at) if at < span => t = at,
-                    _ => return Ok(lost),
+                    _ => return Ok(way.lost),
                 }
             }
             motion.time = t;
             contact.resting = None;
             integrator.restart();
-            stale = true;
+            way.stale = true;
             // Between two stops at one place, what one lets go the other may hold.
             let other = 1 - side;
             if at(around, other, z[0]) && (around.locked[other] || rests(motion, around, other, z[0])?) {
@@ -74,23 +104,23 @@ where
             }
         }
         if let Some(side) = pushes_out(motion, around, z) {
-            lost += strike(motion, around, contact, side, z, tolerance)?;
+            way.lost += strike(motion, around, contact, side, z, tolerance)?;
             integrator.restart();
-            stale = true;
+            way.stale = true;
             continue;
         }
-        if stale {
+        if way.stale {
             meet_bumpers(motion, around, contact, z)?;
             let leaves = |side: usize| z[1] * outward(side) < 0.0 && at(around, side, z[0]);
             if let Some(side) = (0..2).find(|&side| leaves(side) && rigid(motion, around, side)) {
-                lost += calm(motion, contact, side, z, tolerance)?;
+                way.lost += calm(motion, contact, side, z, tolerance)?;
                 if contact.resting.is_some() {
                     continue;
                 }
             }
         }
         motion.mode.touching = contact.touching;
-        if std::mem::take(&mut stale) {
+        if std::mem::take(&mut way.stale) {
             motion.set_bands(z[0], z[1]);
         }
         if motion.reverses() {
@@ -106,73 +136,148 @@ where
                 };
                 match release(motion, t, span, &off)? {
                     Some(at) if at < span => t = at,
-                    _ => return Ok(lost),
+                    _ => return Ok(way.lost),
                 }
                 integrator.restart();
-                stale = true;
+                way.stale = true;
                 continue;
             }
         }
-        let step = integrator.step(motion, t, z, span, tolerance);
-        let step = step.as_ref().map_err(|e| failure(motion, *e))?;
-        let Some(Found { part, state, event }) = first_event(integrator, motion, around, contact, step, along.take())
-        else {
-            *z = step.end;
-            t += step.h;
-            if step.reached {
-                break;
+        let beyond = integrator.beyond(span - t).filter(|_| may_pass);
+        let step = match integrator.step(motion, t, z, beyond.map_or(span, |h| t + h), tolerance) {
+            Err(_) if beyond.is_some() => {
+                // What is beyond the span is of no concern yet.
+                lookahead.failed();
+                (may_pass, motion.locked) = (false, false);
+                continue;
             }
-            continue;
+            step => step.map_err(|e| failure(motion, e))?,
         };
-        // Land on the event: on the interpolant, or by a step that ends there; on an end of the travel to the last digit.
-        let (mut h, mut there) = (part * step.h, state);
-        let smooth = matches!(event, Event::Band(_) | Event::Bumper(_) | Event::Reversal);
-        if smooth && step.interpolates() {
-            integrator.branch_off();
-        } else {
-            for _ in 0..6 {
-                there = integrator.retake(motion, step, h).end;
-                let Event::End(side) = event else { break };
-                let miss = around.travel[side].map_or(0.0, |e| e.position - there[0]);
-                let correction = miss / there[1];
-                let small =
-                    correction.abs() <= 1e-15 * span.max(step.h) || miss.abs() <= 4.0 * f64::EPSILON * there[0].abs();
-                let next = h + correction;
-                if small || !(next > 0.0 && next <= step.h && correction.abs() < 0.1 * step.h) {
-                    break;
-                }
-                h = next;
+        let mut dense = None;
+        let found = first_event(integrator, motion, around, contact, &step, way.along.take(), &mut dense);
+        let (mut kept, mut h, mut there) = (step, step.h, step.end);
+        if let Some(found) = &found {
+            let exact = dense.as_ref().is_some_and(|dense| is_exact(motion, &step, dense, tolerance));
+            let retaken = land(integrator, motion, around, &step, found, exact);
+            (h, there) = retaken.map_or((found.part * step.h, found.state), |step| (step.h, step.end));
+            if let Some(retaken) = retaken {
+                (kept, dense) = (retaken, None);
             }
+        }
+        if t + h > span {
+            let dense = dense.unwrap_or_else(|| integrator.dense(motion, &kept));
+            let exact = is_exact(motion, &kept, &dense, tolerance);
+            let event = found.map(|found| found.event).filter(|event| *event != Event::Unknown);
+            let mut ahead = Overshoot { dense, h: kept.h, end: h, there, event, now: 0.0, from: [0.0; N] };
+            if exact {
+                *z = ahead.read(span - t);
+                lookahead.keep(ahead);
+            } else {
+                *z = integrator.retake(motion, &step, span - t).end;
+                lookahead.failed();
+            }
+            break;
         }
         *z = there;
         t += h;
         motion.time = t;
-        match event {
-            Event::Band(_) | Event::Unknown => integrator.refresh(),
-            _ => {
-                integrator.restart();
-                stale = true;
+        match found {
+            Some(Found { event, part, .. }) => {
+                happen((event, part <= AT_BORDER), integrator, motion, contact, z, &mut way)?;
             }
+            None if step.reached => break,
+            None => {}
         }
-        match event {
-            Event::End(side) => lost += strike(motion, around, contact, side, z, tolerance)?,
-            Event::Bumper(side) => {
-                contact.touching[side] =
-                    if contact.touching[side].is_some() { None } else { bumper(motion, around, side) };
+    }
+    Ok(way.lost)
+}
+
+/// Whether states may be taken from the interpolant of a step.
+fn is_exact<'m, const N: usize>(motion: &mut Motion<'m>, step: &Step<N>, dense: &Dense<N>, tolerance: f64) -> bool
+where
+    Motion<'m>: System<N>,
+{
+    let Some([first, _]) = step.rates() else { return false };
+    let scale = motion.scale(&step.start, first);
+    step.interpolates() && dense.is_within(tolerance, &scale)
+}
+
+/// Land on an event: on the interpolant if that is exact, or by a step that ends there, which is returned; on an end of the travel to the last
+/// digit.
+fn land<'m, const N: usize>(
+    integrator: &mut Integrator<N>,
+    motion: &mut Motion<'m>,
+    around: &Surroundings,
+    step: &Step<N>,
+    found: &Found<N>,
+    exact: bool,
+) -> Option<Step<N>>
+where
+    Motion<'m>: System<N>,
+{
+    let smooth = matches!(found.event, Event::Band(_) | Event::Bumper(_) | Event::Reversal);
+    if smooth && exact {
+        integrator.branch_off();
+        return None;
+    }
+    let mut retaken = integrator.retake(motion, step, found.part * step.h);
+    if let Event::End(side) = found.event {
+        for _ in 1..6 {
+            let miss = around.travel[side].map_or(0.0, |e| e.position - retaken.end[0]);
+            let correction = miss / retaken.end[1];
+            let small = correction.abs() <= 1e-15 * (step.t + step.h)
+                || miss.abs() <= 4.0 * f64::EPSILON * retaken.end[0].abs();
+            let next = retaken.h + correction;
+            if small || !(next > 0.0 && next <= step.h && correction.abs() < 0.1 * step.h) {
+                break;
             }
-            Event::Reversal => z[1] = 0.0,
-            Event::Unknown => {}
-            Event::Band(pin) => {
-                let (law, band) = (pins[pin].law, motion.work.acting.bands[pin].unwrap_or(Band::Ramp));
-                let next = law.next(band, motion.slip(pin, z[0], z[1]));
-                motion.set_band(pin, Some(next));
-                if part <= AT_BORDER {
-                    along = Some(pin);
-                }
+            retaken = integrator.retake(motion, step, next);
+        }
+    }
+    Some(retaken)
+}
+
+/// What an event does that has come, at the state z.
+///
+/// # Errors
+/// [`Locked`].
+fn happen<'m, const N: usize>(
+    (event, at_once): (Event, bool),
+    integrator: &mut Integrator<N>,
+    motion: &mut Motion<'m>,
+    contact: &mut Contact,
+    z: &mut [f64; N],
+    way: &mut Way,
+) -> Result<(), Locked>
+where
+    Motion<'m>: System<N>,
+{
+    match event {
+        Event::Band(_) | Event::Unknown => integrator.refresh(),
+        _ => {
+            integrator.restart();
+            way.stale = true;
+        }
+    }
+    match event {
+        Event::End(side) => way.lost += strike(motion, way.around, contact, side, z, way.tolerance)?,
+        Event::Bumper(side) => {
+            contact.touching[side] =
+                if contact.touching[side].is_some() { None } else { bumper(motion, way.around, side) };
+        }
+        Event::Reversal => z[1] = 0.0,
+        Event::Unknown => {}
+        Event::Band(pin) => {
+            let Some(scene) = motion.scene else { return Ok(()) };
+            let (law, band) = (scene.pins[pin].law, motion.work.acting.bands[pin].unwrap_or(Band::Ramp));
+            let next = law.next(band, motion.slip(pin, z[0], z[1]));
+            motion.set_band(pin, Some(next));
+            if at_once {
+                way.along = Some(pin);
             }
         }
     }
-    Ok(lost)
+    Ok(())
 }
 
 /// When what holds the mechanism at rest lets it go, under inputs that change with time: where `off`, <= 0 at t = `from`

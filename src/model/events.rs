@@ -6,6 +6,7 @@ use super::motion::Motion;
 use super::travel::{End, Travel};
 use crate::friction::Band;
 use crate::integrator::{Dense, Direction, Integrator, Step, System};
+use crate::record::{Damaged, Record};
 
 /// What is at the ends of the travel during a step; positions in the frame of sigma.
 #[derive(Clone, Copy, Debug)]
@@ -43,6 +44,31 @@ pub enum Event {
     Unknown,
 }
 
+impl Event {
+    /// Written or read, if it is known.
+    ///
+    /// # Errors
+    /// There is no such event.
+    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        let (mut kind, mut place) = match *self {
+            Self::End(side) => (0, side),
+            Self::Bumper(side) => (1, side),
+            Self::Reversal => (2, 0),
+            Self::Band(pin) => (3, pin),
+            Self::Unknown => return Err(Damaged("event: none that is known".to_owned())),
+        };
+        record.choice("event", &mut kind, 4)?;
+        record.place("place of an event", &mut place, if kind < 3 { 2 } else { usize::MAX })?;
+        *self = match kind {
+            0 => Self::End(place),
+            1 => Self::Bumper(place),
+            2 => Self::Reversal,
+            _ => Self::Band(place),
+        };
+        Ok(())
+    }
+}
+
 /// The first event in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found<const N: usize> {
@@ -64,7 +90,7 @@ pub fn bumper(motion: &Motion, around: &Surroundings, side: usize) -> Option<usi
     motion.scene.and_then(|s| s.bumpers.iter().position(|&b| b == end.stop))
 }
 
-/// The first event in a step.
+/// The first event in a step, with its interpolant if that was needed.
 pub fn first_event<'m, const N: usize>(
     integrator: &mut Integrator<N>,
     motion: &mut Motion<'m>,
@@ -72,6 +98,7 @@ pub fn first_event<'m, const N: usize>(
     contact: &Contact,
     step: &Step<N>,
     along: Option<usize>,
+    dense: &mut Option<Dense<N>>,
 ) -> Option<Found<N>>
 where
     Motion<'m>: System<N>,
@@ -91,7 +118,7 @@ where
     if !(reverses || sides[0] || sides[1] || changing.is_some()) {
         return None;
     }
-    let dense = integrator.dense(motion, step);
+    let dense = dense.get_or_insert_with(|| integrator.dense(motion, step));
     if !dense.at(0.5).iter().all(|y| y.is_finite()) {
         return Some(Found { part: 0.25, state: dense.at(0.25), event: Event::Unknown });
     }
@@ -108,7 +135,7 @@ where
     }
     for pin in (changing.unwrap_or(pins)..pins).filter(|p| along != Some(*p)) {
         if changing == Some(pin) || may_change(motion, pin, step) {
-            offer(change_of_band(motion, &dense, pin), Event::Band(pin));
+            offer(change_of_band(motion, dense, pin), Event::Band(pin));
         }
     }
     for side in (0..2).filter(|&side| sides[side]) {
@@ -121,7 +148,7 @@ where
             let touches = contact.touching[side].is_some();
             // Coming from inside it is met at its end of the travel, where a lock may catch the mechanism.
             if touches || leaving {
-                offer(bumper_event(motion, &dense, k, touches), Event::Bumper(side));
+                offer(bumper_event(motion, dense, k, touches), Event::Bumper(side));
             }
             if around.locked[side] {
                 // Coming back from beyond.

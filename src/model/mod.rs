@@ -9,6 +9,7 @@ mod error;
 mod events;
 mod motion;
 mod outputs;
+mod overshoot;
 mod panel;
 mod reaction;
 mod saved;

@@ -8,6 +8,7 @@ use super::course::{Stopped, advance};
 use super::events::{Contact, Surroundings};
 use super::motion::{Motion, Work};
 use super::outputs::Cache;
+use super::overshoot::{Conditions, Lookahead};
 use super::panel::Given;
 use super::travel::{Travel, beyond_stop, can_hold, travel};
 use super::{Inputs, ModelError};
@@ -44,24 +45,29 @@ pub struct State {
 }
 
 /// Memory of the integration.
+#[expect(clippy::large_enum_variant, reason = "a step allocates nothing, so there is no box")]
 #[derive(Clone, Copy, Debug)]
 enum Memory {
     /// No power is lost: the state is (sigma, sigma_dot).
     Conservative(Integrator<2>),
-    /// The energy lost is integrated too.
-    Lossy(Integrator<3>),
+    /// The energy lost is integrated too, and steps may go on beyond the present.
+    Lossy(Integrator<3>, Lookahead<3>),
 }
 
 impl Memory {
     fn new(lossy: bool) -> Self {
-        if lossy { Self::Lossy(Integrator::default()) } else { Self::Conservative(Integrator::default()) }
+        if lossy {
+            Self::Lossy(Integrator::default(), Lookahead::default())
+        } else {
+            Self::Conservative(Integrator::default())
+        }
     }
 
     /// Take up or leave off the energy lost; it is counted in steps with a scene, and in those with inputs that change.
     fn suit(&mut self, lossy: bool) {
         match self {
-            Self::Conservative(i) if lossy => *self = Self::Lossy(i.with_components()),
-            Self::Lossy(i) if !lossy => *self = Self::Conservative(i.with_components()),
+            Self::Conservative(i) if lossy => *self = Self::Lossy(i.with_components(), Lookahead::default()),
+            Self::Lossy(i, _) if !lossy => *self = Self::Conservative(i.with_components()),
             _ => {}
         }
     }
@@ -69,7 +75,7 @@ impl Memory {
     fn statistics(&self) -> Statistics {
         match self {
             Self::Conservative(i) => i.statistics(),
-            Self::Lossy(i) => i.statistics(),
+            Self::Lossy(i, _) => i.statistics(),
         }
     }
 
@@ -77,6 +83,10 @@ impl Memory {
     fn copy_from(&mut self, other: &Self) {
         match (self, other) {
             (Self::Conservative(own), Self::Conservative(other)) => own.copy_from(other),
+            (Self::Lossy(own, own_ahead), Self::Lossy(other, other_ahead)) => {
+                own.copy_from(other);
+                own_ahead.copy_from(other_ahead);
+            }
             (own, other) => *own = *other,
         }
     }
@@ -85,7 +95,19 @@ impl Memory {
     fn restart(&mut self) {
         match self {
             Self::Conservative(i) => i.restart(),
-            Self::Lossy(i) => i.restart(),
+            Self::Lossy(i, ahead) => {
+                i.restart();
+                ahead.forget();
+            }
+        }
+    }
+
+    /// sigma is counted anew.
+    fn recount(&mut self) {
+        if let Self::Lossy(i, ahead) = self
+            && ahead.overshoot.take().is_some()
+        {
+            i.branch_off();
         }
     }
 
@@ -93,7 +115,12 @@ impl Memory {
     fn refresh(&mut self) {
         match self {
             Self::Conservative(i) => i.refresh(),
-            Self::Lossy(i) => i.refresh(),
+            Self::Lossy(i, ahead) => {
+                if ahead.forget() {
+                    i.branch_off();
+                }
+                i.refresh();
+            }
         }
     }
 }
@@ -224,13 +251,18 @@ impl State {
                 let lost = if around.travel == [None; 2] {
                     integrator.advance(&mut motion, &mut y, h, tolerance).map(|()| 0.0).map_err(Stopped::Integration)
                 } else {
-                    advance(integrator, &mut motion, &around, &mut contact, &mut y, h, tolerance)
+                    let never = &mut Lookahead::default();
+                    advance(integrator, never, &mut motion, &around, &mut contact, &mut y, h, tolerance)
                 };
                 (y, lost)
             }
-            Memory::Lossy(integrator) => {
+            Memory::Lossy(integrator, lookahead) => {
+                if lookahead.begin(Conditions { tolerance, locked: around.locked }) {
+                    integrator.branch_off();
+                }
                 let mut z = [self.sigma, self.sigma_dot, 0.0];
-                let lost = advance(integrator, &mut motion, &around, &mut contact, &mut z, h, tolerance);
+                let lost = advance(integrator, lookahead, &mut motion, &around, &mut contact, &mut z, h, tolerance);
+                lookahead.end();
                 ([z[0], z[1]], lost.map(|lost| lost + z[2]))
             }
         };
@@ -255,7 +287,8 @@ impl State {
                 let around = ((y[0] - first) / period).floor();
                 y[0] -= around * period;
                 self.turns += around;
-                // The panel in memory is counted on over whole turns; sigma no longer is.
+                // The panel in memory is counted on over whole turns, as is a step ahead; sigma no longer is.
+                self.memory.recount();
                 self.work.folded.forget();
                 self.cache.recount();
             }

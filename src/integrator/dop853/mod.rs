@@ -92,15 +92,16 @@ pub(super) fn stiffness<const N: usize>(
     if points > 0.0 { h * (slopes / points).sqrt() } else { 0.0 }
 }
 
-/// Interpolant of order 7; costs three evaluations.
+/// Interpolant of order 7; costs three evaluations, at stages within the step.
 pub(super) fn dense<S: System<N>, const N: usize>(step: &Step<N>, slopes: &Slopes<N>, system: &mut S) -> Dense<N> {
     let mut k = [[0.0; N]; EXTENDED];
+    let mut points = [[0.0; N]; EXTENDED - STAGES - 1];
     k[..=STAGES].copy_from_slice(slopes);
-    for i in STAGES + 1..EXTENDED {
-        let at = std::array::from_fn(|n| {
+    for (i, at) in (STAGES + 1..).zip(&mut points) {
+        *at = std::array::from_fn(|n| {
             step.start[n] + step.h * k[..i].iter().zip(&A[i]).map(|(stage, a)| a * stage[n]).sum::<f64>()
         });
-        k[i] = system.derivative(step.t + C[i] * step.h, &at);
+        k[i] = system.derivative(step.t + C[i] * step.h, at);
     }
     let mut terms = [[0.0; N]; 7];
     for n in 0..N {
@@ -112,5 +113,14 @@ pub(super) fn dense<S: System<N>, const N: usize>(step: &Step<N>, slopes: &Slope
             term[n] = step.h * k.iter().zip(weights).map(|(stage, d)| d * stage[n]).sum::<f64>();
         }
     }
-    Dense::new(step.start, step.end, terms)
+    let mut dense = Dense::new(step.start, step.end, terms);
+    let mut off = [0.0_f64; N];
+    for (c, point) in C[STAGES + 1..].iter().zip(&points) {
+        let there = dense.at(*c);
+        for n in 0..N {
+            off[n] = off[n].max((there[n] - point[n]).abs());
+        }
+    }
+    dense.off = Some(off);
+    dense
 }

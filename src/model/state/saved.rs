@@ -1,11 +1,11 @@
 //! What of a state of motion decides how it goes on.
-use super::super::events::Contact;
+use super::super::events::{Contact, Event};
 use super::super::motion::Work;
 use super::super::outputs::Cache;
+use super::super::overshoot::{Lookahead, Overshoot};
 use super::super::travel::{End, Travel};
 use super::super::{Inputs, ModelError};
 use super::{Memory, State, blows, scene, scene_in};
-use crate::integrator::Integrator;
 use crate::number::{become_same, same_bits};
 use crate::record::{Damaged, Record};
 use crate::reduced::Reduced;
@@ -131,7 +131,7 @@ impl SavedState {
             applied: vec![0.0; reduced.components().sized],
             airspeed: 0.0,
             reference: 0.0,
-            memory: Memory::Conservative(Integrator::default()),
+            memory: Memory::new(false),
         };
         saved.record(record)?;
         saved.check(reduced)?;
@@ -162,14 +162,17 @@ impl SavedState {
         record.all_finite("size", &mut self.applied)?;
         record.finite("airspeed", &mut self.airspeed)?;
         record.finite("energy", &mut self.reference)?;
-        let mut lossy = matches!(self.memory, Memory::Lossy(_));
+        let mut lossy = matches!(self.memory, Memory::Lossy(..));
         record.flag("lossy", &mut lossy)?;
         if record.reads() && lossy {
-            self.memory = Memory::Lossy(Integrator::default());
+            self.memory = Memory::new(true);
         }
         match &mut self.memory {
             Memory::Conservative(integrator) => integrator.record(record),
-            Memory::Lossy(integrator) => integrator.record(record),
+            Memory::Lossy(integrator, lookahead) => {
+                integrator.record(record)?;
+                lookahead.record(record)
+            }
         }
     }
 
@@ -201,6 +204,12 @@ impl SavedState {
         let constants = &self.applied[loading.inputs.len()..];
         if constants.iter().zip(&loading.constants).any(|(a, b)| a.to_bits() != b.to_bits()) {
             return refuse("the constant loads are not those of the parameters".into());
+        }
+        if let Memory::Lossy(_, Lookahead { overshoot: Some(Overshoot { event: Some(Event::Band(pin)), .. }), .. }) =
+            self.memory
+            && pin >= scene.map_or(0, |s| s.pins.len())
+        {
+            return refuse(format!("place of an event = {pin}: there is no such pin"));
         }
         // The energy lost is integrated in a scene, and in steps with inputs that change.
         if scene.is_some() && matches!(self.memory, Memory::Conservative(_)) {
