@@ -88,16 +88,17 @@ impl Bundle {
 }
 
 /// Functions on one panel side by side, appended to `out`.
-pub fn side_by_side(series: &[Series], out: &mut Vec<Row>) {
-    out.extend(series.chunks(ROW).map(|row| {
-        let mut lanes = [Lanes::default(); NODES];
-        for (i, series) in row.iter().enumerate() {
-            for (lane, c) in lanes.iter_mut().zip(series) {
-                lane.0[i] = *c;
+pub fn side_by_side<'a>(functions: impl IntoIterator<Item = &'a Series>, out: &mut Vec<Row>) {
+    for (i, series) in functions.into_iter().enumerate() {
+        if i % ROW == 0 {
+            out.push([Lanes::default(); NODES]);
+        }
+        if let Some(row) = out.last_mut() {
+            for (lanes, c) in row.iter_mut().zip(series) {
+                lanes.0[i % ROW] = *c;
             }
         }
-        lanes
-    }));
+    }
 }
 
 /// Values of functions side by side at x, with derivatives if x carries some.
@@ -293,14 +294,13 @@ impl Table {
         &self.coefficients[panel * self.components + component]
     }
 
-    /// The first components, to be read together.
-    pub fn bundle(&self, components: usize) -> Bundle {
-        let rows = Bundle::rows(components);
-        let mut coefficients = Vec::with_capacity(self.panels() * rows);
-        for panel in self.coefficients.chunks_exact(self.components) {
-            side_by_side(&panel[..components], &mut coefficients);
+    /// Components, to be read together.
+    pub fn bundle(&self, components: impl Iterator<Item = usize> + Clone) -> Bundle {
+        let mut coefficients = Vec::new();
+        for panel in self.coefficients.chunks_exact(self.components.max(1)) {
+            side_by_side(components.clone().map(|component| &panel[component]), &mut coefficients);
         }
-        Bundle { rows, coefficients }
+        Bundle { rows: Bundle::rows(components.count()), coefficients }
     }
 
     /// Value of a component at a place.
@@ -420,7 +420,7 @@ mod tests {
             prop_assert!((polynomial_at(&c, x) - value).abs() < 1e-14);
             prop_assert!((dual.value - value).abs() < 1e-14 && (dual.slope[0] - slope).abs() < 2e-13);
             let mut rows = Vec::new();
-            side_by_side(&[[1.0; NODES], c], &mut rows);
+            side_by_side([&[1.0; NODES], &c], &mut rows);
             let mut values = [[Dual::<1>::constant(1.0); ROW]];
             side_by_side_at(&rows, Dual::<1>::variable(x, 0), &mut values);
             prop_assert!((values[0][1].value - value).abs() < 1e-14 && (values[0][1].slope[0] - slope).abs() < 2e-13);

@@ -3,7 +3,7 @@ use super::signal::Change;
 use crate::chebyshev::{NODES, Series};
 use crate::number::{Dual, Number};
 use crate::reduced::{Reduced, Scene};
-use crate::table::{Bundle, Row, Table, polynomial_at, side_by_side};
+use crate::table::{Bundle, Lanes, Row, Table, polynomial_at, side_by_side};
 
 /// Rounding of a panel's border that is counted on over whole turns, relative to the numbers that are added up.
 const BORDER: f64 = 8.0 * f64::EPSILON;
@@ -76,14 +76,14 @@ pub struct Folded {
     exact: Vec<Series>,
     /// Those of them that are read together, side by side.
     exact_bundle: Vec<Row>,
-    /// Room for the rows but the first.
-    rows: Vec<Series>,
+    /// The effects of a given load on the pins' reactions, side by side.
+    exact_given: Vec<Row>,
 }
 
 impl Folded {
     /// Holds nowhere; with room for a scene.
     pub fn new(scene: Option<&Scene>) -> Self {
-        let rows = scene.map_or(0, |s| s.rows() - 1);
+        let rows = scene.map_or(0, |s| Bundle::rows(s.rows() - 1));
         Self {
             low: f64::INFINITY,
             high: f64::NEG_INFINITY,
@@ -93,11 +93,11 @@ impl Folded {
             panel: 0,
             turns: 0.0,
             force: [0.0; NODES],
-            reactions: Vec::with_capacity(Bundle::rows(rows)),
+            reactions: Vec::with_capacity(rows),
             rates: Vec::new(),
             exact: Vec::new(),
             exact_bundle: Vec::new(),
-            rows: Vec::with_capacity(rows),
+            exact_given: Vec::new(),
         }
     }
 
@@ -188,31 +188,40 @@ impl Folded {
         if reduced.is_exact() && self.inverse != 0.0 {
             self.enter_exactly(reduced, scene, table, sigma, shift);
         }
-        let rows = scene.map_or(1, Scene::rows);
-        self.rates.clear();
-        self.rows.clear();
-        for row in 0..rows {
-            let mut sum = self.fold(scene, table, given.sizes, row);
-            let mut add = |k: Option<usize>, size: f64| {
-                if let Some(k) = k {
-                    add(&mut sum, self.series(table, scene.map_or(k, |s| s.given(row, k))), size);
-                }
-            };
-            add(reduced.components().springs, 1.0);
-            add(reduced.components().winding, self.turns);
-            if row == 0 {
-                self.force = sum;
-            } else {
-                self.rows.push(sum);
+        let (springs, winding) = (reduced.components().springs, reduced.components().winding);
+        let given_loads = loads(scene, given.sizes);
+        let own = springs.map(|k| (k, 1.0)).into_iter().chain(winding.map(|k| (k, self.turns)));
+        self.force = [0.0; NODES];
+        self.reactions.clear();
+        self.reactions.resize(Bundle::rows(scene.map_or(0, |s| s.rows() - 1)), [Lanes::default(); NODES]);
+        for (k, size) in given_loads.chain(own) {
+            let mut force = self.force;
+            add(&mut force, self.series(table, scene.map_or(k, |s| s.given(0, k))), size);
+            self.force = force;
+            if let Some(scene) = scene {
+                self.add_reactions(scene, k, size);
             }
-            if let Some(change) = &given.change {
+        }
+        self.rates.clear();
+        if let Some(change) = &given.change {
+            for row in 0..scene.map_or(1, Scene::rows) {
                 let rates = [change.first, change.second].map(|sizes| self.fold(scene, table, sizes, row));
                 self.rates.push(rates);
             }
         }
-        if !self.rows.is_empty() {
-            self.reactions.clear();
-            side_by_side(&self.rows, &mut self.reactions);
+    }
+
+    /// Add the effect of a given load of this size on the pins' reactions.
+    fn add_reactions(&mut self, scene: &Scene, k: usize, size: f64) {
+        let effects = if self.exact.is_empty() {
+            scene.caused_by_given[k].panel(self.panel)
+        } else {
+            self.exact_given.clear();
+            side_by_side((1..scene.rows()).map(|row| &self.exact[scene.given(row, k)]), &mut self.exact_given);
+            &self.exact_given
+        };
+        for (sum, effect) in self.reactions.as_flattened_mut().iter_mut().zip(effects.as_flattened()) {
+            sum.0 = std::array::from_fn(|i| sum.0[i] + size * effect.0[i]);
         }
     }
 
@@ -236,13 +245,17 @@ impl Folded {
     /// Sum of the effects of the first loads of these sizes.
     fn fold(&self, scene: Option<&Scene>, table: &Table, sizes: &[f64], row: usize) -> Series {
         let mut sum = [0.0; NODES];
-        for (load, size) in sizes.iter().enumerate() {
-            if *size != 0.0 && !scene.is_some_and(|s| s.lossy.contains(&load)) {
-                add(&mut sum, self.series(table, scene.map_or(load, |s| s.given(row, load))), *size);
-            }
+        for (load, size) in loads(scene, sizes) {
+            add(&mut sum, self.series(table, scene.map_or(load, |s| s.given(row, load))), size);
         }
         sum
     }
+}
+
+/// The loads of given sizes that act in full, with their sizes.
+fn loads<'a>(scene: Option<&'a Scene>, sizes: &'a [f64]) -> impl Iterator<Item = (usize, f64)> + 'a {
+    let sizes = sizes.iter().copied().enumerate();
+    sizes.filter(move |(load, size)| *size != 0.0 && !scene.is_some_and(|s| s.lossy.contains(load)))
 }
 
 /// Length of the whole turns before sigma, their number, and the length of one.

@@ -40,6 +40,8 @@ pub struct Scene {
     /// Influences of `loads`; then of the pins' reactions: to sigma_dot^2, to sigma_ddot, to friction without motion, to each
     /// of the other `loads`; then directions of surfaces and displacements of bumpers.
     pub bundle: Bundle,
+    /// Effects of each given load on all components of the pins' reactions.
+    pub caused_by_given: Vec<Bundle>,
     /// Components of the table for the effects of given loads on the motion or on one component of a pin's reaction.
     given: usize,
 }
@@ -160,13 +162,17 @@ impl Scene {
             loads,
             table: Table::empty(),
             bundle: Bundle::default(),
+            caused_by_given: Vec::new(),
             given: reduced.components.count,
         };
         let sizes = scene.sizes(reduced);
         let mut room = scene.room(reduced);
         let mut fill = |c: &Configuration, values: &mut [f64]| scene.fill(reduced, c, &mut room, values);
         scene.table = reduced.tabulate(&[sizes], &mut fill).swap_remove(0)?;
-        scene.bundle = scene.table.bundle(scene.bundled());
+        scene.bundle = scene.table.bundle(0..scene.bundled());
+        let own = &scene;
+        let of_given = |k: usize| own.table.bundle((1..own.rows()).map(move |row| own.given(row, k)));
+        scene.caused_by_given = (0..scene.given).map(of_given).collect();
         Ok(Some(scene))
     }
 
