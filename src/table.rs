@@ -101,6 +101,17 @@ pub fn side_by_side<'a>(functions: impl IntoIterator<Item = &'a Series>, out: &m
     }
 }
 
+/// Add functions side by side, each times `size`.
+// Not inlined: as arguments the two are known not to overlap, so that lanes are added together.
+#[inline(never)]
+pub fn add_side_by_side(sums: &mut [Row], size: f64, rows: &[Row]) {
+    for (sum, row) in sums.as_flattened_mut().iter_mut().zip(rows.as_flattened()) {
+        for (sum, c) in sum.0.iter_mut().zip(&row.0) {
+            *sum += size * c;
+        }
+    }
+}
+
 /// Values of functions side by side at x, with derivatives if x carries some.
 #[inline]
 pub fn side_by_side_at<T: Number>(rows: &[Row], x: T, values: &mut [[T; ROW]]) {

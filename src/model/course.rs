@@ -62,10 +62,9 @@ where
 {
     let mut way = Way { around, tolerance, lost: 0.0, stale: true, along: None };
     let mut t = 0.0;
-    if let Some(mut ahead) = lookahead.overshoot.take() {
+    if let Some(ahead) = &mut lookahead.overshoot {
         if span < ahead.rest() {
             *z = ahead.read(span);
-            lookahead.overshoot = Some(ahead);
             return Ok(0.0);
         }
         t = ahead.rest();
@@ -74,7 +73,9 @@ where
         let middle = ahead.middle();
         motion.set_bands(middle[0], middle[1]);
         way.stale = false;
-        if let Some(event) = ahead.event {
+        let event = ahead.event;
+        lookahead.overshoot = None;
+        if let Some(event) = event {
             happen((event, false), integrator, motion, contact, z, &mut way)?;
         }
     }
@@ -143,9 +144,9 @@ where
                 continue;
             }
         }
-        let beyond = integrator.beyond(span - t).filter(|_| may_pass);
-        let step = match integrator.step(motion, t, z, beyond.map_or(span, |h| t + h), tolerance) {
-            Err(_) if beyond.is_some() => {
+        let beyond = may_pass && integrator.outlasts(span - t);
+        let step = match integrator.step(motion, t, z, if beyond { f64::INFINITY } else { span }, tolerance) {
+            Err(_) if beyond => {
                 // What is beyond the span is of no concern yet.
                 lookahead.failed();
                 (may_pass, motion.locked) = (false, false);

@@ -3,7 +3,7 @@ use super::signal::Change;
 use crate::chebyshev::{NODES, Series};
 use crate::number::{Dual, Number};
 use crate::reduced::{Reduced, Scene};
-use crate::table::{Bundle, Lanes, Row, Table, polynomial_at, side_by_side};
+use crate::table::{Bundle, Lanes, Row, Table, add_side_by_side, polynomial_at, side_by_side};
 
 /// Rounding of a panel's border that is counted on over whole turns, relative to the numbers that are added up.
 const BORDER: f64 = 8.0 * f64::EPSILON;
@@ -191,17 +191,16 @@ impl Folded {
         let (springs, winding) = (reduced.components().springs, reduced.components().winding);
         let given_loads = loads(scene, given.sizes);
         let own = springs.map(|k| (k, 1.0)).into_iter().chain(winding.map(|k| (k, self.turns)));
-        self.force = [0.0; NODES];
+        let mut force = [0.0; NODES];
         self.reactions.clear();
         self.reactions.resize(Bundle::rows(scene.map_or(0, |s| s.rows() - 1)), [Lanes::default(); NODES]);
         for (k, size) in given_loads.chain(own) {
-            let mut force = self.force;
             add(&mut force, self.series(table, scene.map_or(k, |s| s.given(0, k))), size);
-            self.force = force;
             if let Some(scene) = scene {
                 self.add_reactions(scene, k, size);
             }
         }
+        self.force = force;
         self.rates.clear();
         if let Some(change) = &given.change {
             for row in 0..scene.map_or(1, Scene::rows) {
@@ -220,9 +219,7 @@ impl Folded {
             side_by_side((1..scene.rows()).map(|row| &self.exact[scene.given(row, k)]), &mut self.exact_given);
             &self.exact_given
         };
-        for (sum, effect) in self.reactions.as_flattened_mut().iter_mut().zip(effects.as_flattened()) {
-            sum.0 = std::array::from_fn(|i| sum.0[i] + size * effect.0[i]);
-        }
+        add_side_by_side(&mut self.reactions, size, effects);
     }
 
     /// Hold at sigma alone, with values from the exact evaluator. Slopes, which only Newton's method takes, are the table's.

@@ -14,10 +14,10 @@ const MIDDLE: f64 = 1.5;
 const BEYOND: f64 = 3.0;
 
 impl<const N: usize> Integrator<N> {
-    /// Size of a step that should be let go on beyond a span, as it would be cut much shorter than possible otherwise [s]; only
+    /// Whether a step should be let go on beyond the end of a span, as it would be cut much shorter than possible otherwise; only
     /// explicit ones, as the interpolants of others are less exact than they.
-    pub fn beyond(&self, span: f64) -> Option<f64> {
-        self.proposal.filter(|h| !self.stiffness.implicit && *h > BEYOND * span)
+    pub fn outlasts(&self, span: f64) -> bool {
+        !self.stiffness.implicit && self.proposal.is_some_and(|h| h > BEYOND * span)
     }
 
     /// The end of the span by one step of RK4, if it is short enough for that.
