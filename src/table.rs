@@ -39,6 +39,17 @@ pub struct Grid {
     pub centers: Vec<f64>,
 }
 
+impl Grid {
+    /// With the borders of these tables, which started from it.
+    pub fn refined<'a>(&self, tables: impl IntoIterator<Item = &'a Table>) -> Self {
+        let mut borders = self.borders.clone();
+        borders.extend(tables.into_iter().flat_map(|t| &t.borders));
+        borders.sort_by(f64::total_cmp);
+        borders.dedup();
+        Self { borders, centers: self.centers.clone() }
+    }
+}
+
 /// Functions of sigma on panels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {

@@ -35,6 +35,8 @@ pub struct Reduced {
     components: Components,
     markers: Vec<Point>,
     grid: Grid,
+    /// Where tables of reactions start, which tell of all loads.
+    fine: Grid,
     natural: Natural,
     tables: Arc<Tables>,
     /// Whether the motion is to be evaluated without them.
@@ -103,9 +105,9 @@ impl Reduced {
         if (&loading.loads, &loading.springs, &markers) != (&self.loading.loads, &self.loading.springs, &self.markers) {
             return Self::on(curve, loading, markers, exact);
         }
-        let (grid, tables) = (self.grid.clone(), Arc::clone(&self.tables));
+        let (grid, fine, tables) = (self.grid.clone(), self.fine.clone(), Arc::clone(&self.tables));
         let (components, natural, scenes) = (self.components, self.natural, Default::default());
-        Ok(Self { curve, loading, components, markers, grid, natural, tables, exact, scenes })
+        Ok(Self { curve, loading, components, markers, grid, fine, natural, tables, exact, scenes })
     }
 
     /// On a curve that is known, with the tables that every start needs.
@@ -132,12 +134,15 @@ impl Reduced {
             }
         };
         let mut tables = tabulate(&curve, &grid, &sizes, fill);
+        let fine = grid.refined(tables.iter().flatten());
         let displacements: Vec<_> = loading.loads.iter().map(|_| OnceLock::new()).collect();
         for (load, table) in needed.into_iter().zip(tables.drain(2..)) {
             // Two stops of one load have the same table.
             let _ = displacements[load].set(table);
         }
         let coordinates = tables.swap_remove(1);
+        // Whatever moves has to be cut where the coordinates' second derivatives have.
+        let grid = grid.refined(&coordinates);
         let influence = tables.swap_remove(0).map_err(|e| Self::unresolved(&loading, &curve, &e))?;
         let tables = Arc::new(Tables {
             influence,
@@ -147,7 +152,7 @@ impl Reduced {
             reactions: OnceLock::new(),
             state_reactions: OnceLock::new(),
         });
-        Ok(Self { curve, loading, components, markers, grid, natural, tables, exact, scenes: Default::default() })
+        Ok(Self { curve, loading, components, markers, grid, fine, natural, tables, exact, scenes: Default::default() })
     }
 
     /// The linkage.
@@ -227,7 +232,7 @@ impl Reduced {
             let (linkage, load) = (self.linkage(), &self.loading.loads[load]);
             let size = self.natural.derivatives(self.natural.displacement(load, linkage)).to_vec();
             let mut fill = |c: &Configuration, v: &mut [f64]| v.copy_from_slice(&load.displacement(linkage, c));
-            self.tabulate(&[size], &mut fill).swap_remove(0)
+            self.tabulate(&self.grid, &[size], &mut fill).swap_remove(0)
         };
         self.tables.displacements[load].get_or_init(table).as_ref()
     }
@@ -248,7 +253,7 @@ impl Reduced {
     pub fn marker(&self, i: usize) -> Result<&Table, &Unresolved> {
         let tables = self.tables.markers.get_or_init(|| {
             let size = self.natural.derivatives(self.linkage().size).repeat(2);
-            self.tabulate(&vec![size; self.markers.len()], &mut |c, values| {
+            self.tabulate(&self.grid, &vec![size; self.markers.len()], &mut |c, values| {
                 for (&point, v) in self.markers.iter().zip(values.chunks_exact_mut(6)) {
                     let [x, first, second] = c.positions.motion(&c.rates, &c.second, point);
                     v.copy_from_slice(&[x.x, first.x, second.x, x.y, first.y, second.y]);
@@ -293,7 +298,7 @@ impl Reduced {
         let joints = self.linkage().joints.len();
         let terms = 2 + loads.len() - skipped;
         let mut columns = Columns::default();
-        self.tabulate(&vec![sizes; joints], &mut |c, values| {
+        self.tabulate(&self.fine, &vec![sizes; joints], &mut |c, values| {
             let reactions = &columns.fill(self.curve.closure(), c, loads)[skipped * joints..];
             for (joint, v) in values.chunks_exact_mut((3 * terms).max(1)).enumerate() {
                 for k in 0..terms {
@@ -384,10 +389,11 @@ impl Reduced {
 
     fn tabulate(
         &self,
+        grid: &Grid,
         sizes: &[Vec<f64>],
         exact: &mut dyn FnMut(&Configuration, &mut [f64]),
     ) -> Vec<Result<Table, Unresolved>> {
-        tabulate(&self.curve, &self.grid, sizes, exact)
+        tabulate(&self.curve, grid, sizes, exact)
     }
 }
 

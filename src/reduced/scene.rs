@@ -165,7 +165,7 @@ impl Scene {
         let sizes = scene.sizes(reduced);
         let mut room = scene.room(reduced);
         let mut fill = |c: &Configuration, values: &mut [f64]| scene.fill(reduced, c, &mut room, values);
-        scene.table = reduced.tabulate(&[sizes], &mut fill).swap_remove(0)?;
+        scene.table = reduced.tabulate(&reduced.fine, &[sizes], &mut fill).swap_remove(0)?;
         scene.bundle = scene.table.bundle(scene.bundled());
         Ok(Some(scene))
     }
