@@ -121,6 +121,7 @@ impl Reduced {
         let size = |&l: &usize| natural.derivatives(natural.displacement(&loading.loads[l], curve.linkage())).to_vec();
         let mut sizes = vec![components.sizes(&loading, &curve, &natural), natural.coordinates(curve.linkage())];
         sizes.extend(needed.iter().map(size));
+        let mut pulls = Vec::new();
         let fill = &mut |c: &Configuration, values: &mut [f64]| {
             let (influences, rest) = values.split_at_mut(components.count);
             let (coordinates, displacements) = rest.split_at_mut(3 * c.q.len());
@@ -128,7 +129,8 @@ impl Reduced {
                 v.copy_from_slice(&loading.loads[load].displacement(curve.linkage(), c));
             }
             // The needed loads begin with those that the influences are of.
-            components.fill_effects(&loading, &curve, c, &|load| displacements[3 * load + 1], influences);
+            components.pulls(&loading, &curve, c, &mut pulls);
+            components.fill_effects(&pulls, |load| displacements[3 * load + 1], influences);
             for (i, derivatives) in coordinates.chunks_exact_mut(3).enumerate() {
                 derivatives.copy_from_slice(&[c.q[i], c.q_sigma[i], c.q_second[i]]);
             }
@@ -363,7 +365,9 @@ impl Reduced {
             None => {
                 let mut values = vec![0.0; self.components.count];
                 let influence = |load: usize| self.loading.loads[load].influence(self.linkage(), &c);
-                self.components.fill_effects(&self.loading, &self.curve, &c, &influence, &mut values);
+                let mut pulls = Vec::new();
+                self.components.pulls(&self.loading, &self.curve, &c, &mut pulls);
+                self.components.fill_effects(&pulls, influence, &mut values);
                 values
             }
             Some(scene) => {
