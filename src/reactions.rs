@@ -3,7 +3,7 @@
 //! In: a configuration and the loads. Out: one column of joint reactions for each of these terms. Newton and Euler's
 //! equations of every body, inward along the spanning tree; the joints that close the loops follow from the loop
 //! Jacobian: J^T lambda = generalised forces. A column alone need not be in balance; the sum over a motion is.
-use crate::closure::{Closure, Factors, Workspace};
+use crate::closure::Closure;
 use crate::curve::Configuration;
 use crate::linkage::{Freedom, GROUND, Joint, Linkage, Point, Rates, Vec2, cross, quarter};
 use crate::loads::{Load, Wrench};
@@ -93,7 +93,6 @@ struct Terms<const N: usize> {
 /// Room for the reactions of one configuration after another.
 #[derive(Debug, Default)]
 pub struct Columns {
-    work: Workspace,
     normal: Vec<f64>,
     at_rest: Rates,
     terms: Terms<SIDE>,
@@ -108,12 +107,11 @@ impl Columns {
         let joints = linkage.joints.len();
         self.normal.clear();
         self.normal.extend(c.q_sigma.iter().zip(&closure.weights).map(|(q, w)| q * w * w));
-        let factors = closure.linearise(&c.q, &mut self.work).then_some(&self.work.factors);
         self.at_rest.angle.resize(linkage.bodies.len(), 0.0);
         self.at_rest.origin.resize(linkage.bodies.len(), Vec2::zeros());
         self.reactions.clear();
         self.reactions.resize((2 + loads.len()) * joints, Reaction::default());
-        let redundant = SelfStresses::new(closure, c, factors, &self.normal);
+        let redundant = SelfStresses::new(closure, c, &self.normal);
         for (block, reactions) in self.reactions.chunks_mut(SIDE * joints).enumerate() {
             let terms = &mut self.terms;
             terms.demand.clear();
@@ -131,7 +129,7 @@ impl Columns {
                 }
             }
             terms.generalise(closure, c);
-            terms.balance(closure, factors, &self.normal);
+            terms.balance(closure, c, &self.normal);
             terms.inward(closure, c, None, &mut |joint, [x, y], moment| {
                 for (i, term) in reactions.chunks_exact_mut(joints).enumerate() {
                     term[joint] = Reaction { force: Vec2::new(x[i], y[i]), moment: moment[i] };
@@ -153,7 +151,7 @@ struct SelfStresses {
 }
 
 impl SelfStresses {
-    fn new(closure: &Closure, c: &Configuration, factors: Option<&Factors>, normal: &[f64]) -> Self {
+    fn new(closure: &Closure, c: &Configuration, normal: &[f64]) -> Self {
         let linkage = &*closure.linkage;
         let size = linkage.size;
         let mut states = Vec::new();
@@ -172,7 +170,7 @@ impl SelfStresses {
             for extra in (0..linkage.rows()).filter(|r| !closure.rows().contains(r)) {
                 terms.general.clear();
                 terms.general.extend(jacobian.row(extra).iter().map(|g| [-g]));
-                terms.balance(closure, factors, normal);
+                terms.balance(closure, c, normal);
                 terms.all_factors[extra] = [1.0];
                 state(&mut terms, None);
             }
@@ -260,10 +258,10 @@ impl<const N: usize> Terms<N> {
     }
 
     /// Factors of all loop equations, those that follow from others 0, which balance the generalised forces.
-    fn balance(&mut self, closure: &Closure, factors: Option<&Factors>, normal: &[f64]) {
+    fn balance(&mut self, closure: &Closure, c: &Configuration, normal: &[f64]) {
         self.all_factors.clear();
         self.all_factors.resize(closure.linkage.rows(), [0.0; N]);
-        if let Some(factors) = factors {
+        if let Some(factors) = c.factors() {
             factors.solve_transposed(normal, &mut self.general, &mut self.factors);
             for (row, factor) in closure.rows().iter().zip(&self.factors) {
                 self.all_factors[*row] = *factor;

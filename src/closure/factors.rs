@@ -12,7 +12,7 @@ type Entry = (usize, f64);
 const FREE: usize = usize::MAX;
 
 /// Factors of J, with room for the next ones.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Factors {
     /// Rows of U without their pivots, and of L without its unit diagonal, one after another; where each row ends.
     upper: Vec<Entry>,
