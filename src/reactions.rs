@@ -27,7 +27,7 @@ impl Default for Reaction {
 /// Reactions of all joints, for sigma_ddot = 1, for sigma_dot^2 = 1, then for each load = 1.
 pub fn columns(closure: &Closure, c: &Configuration, loads: &[Load]) -> Vec<Vec<Reaction>> {
     let joints = closure.linkage.joints.len();
-    Columns::default().fill(closure, c, loads).chunks_exact(joints).map(<[Reaction]>::to_vec).collect()
+    Columns::default().fill(closure, c, loads, 0).chunks_exact(joints).map(<[Reaction]>::to_vec).collect()
 }
 
 /// Groups of joints that transmit one force, but for its sign, under torques on bodies and forces along prismatic joints: a
@@ -101,8 +101,9 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// Reactions of all joints, for sigma_ddot = 1, for sigma_dot^2 = 1, then for each load = 1: term after term.
-    pub fn fill(&mut self, closure: &Closure, c: &Configuration, loads: &[Load]) -> &[Reaction] {
+    /// Reactions of all joints, for sigma_ddot = 1, for sigma_dot^2 = 1, then for each load = 1: term after term, without
+    /// the first `skipped`.
+    pub fn fill(&mut self, closure: &Closure, c: &Configuration, loads: &[Load], skipped: usize) -> &[Reaction] {
         let linkage = &*closure.linkage;
         let joints = linkage.joints.len();
         self.normal.clear();
@@ -110,13 +111,13 @@ impl Columns {
         self.at_rest.angle.resize(linkage.bodies.len(), 0.0);
         self.at_rest.origin.resize(linkage.bodies.len(), Vec2::zeros());
         self.reactions.clear();
-        self.reactions.resize((2 + loads.len()) * joints, Reaction::default());
+        self.reactions.resize((2 + loads.len() - skipped) * joints, Reaction::default());
         let redundant = SelfStresses::new(closure, c, &self.normal);
         for (block, reactions) in self.reactions.chunks_mut(SIDE * joints).enumerate() {
             let terms = &mut self.terms;
             terms.demand.clear();
             terms.demand.resize(linkage.bodies.len(), Demand::NONE);
-            for (i, term) in (SIDE * block..2 + loads.len()).take(SIDE).enumerate() {
+            for (i, term) in (skipped + SIDE * block..2 + loads.len()).take(SIDE).enumerate() {
                 match term {
                     0 => inertial(closure, c, &self.at_rest, &c.rates, i, &mut terms.demand),
                     1 => inertial(closure, c, &c.rates, &c.second, i, &mut terms.demand),

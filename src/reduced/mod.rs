@@ -301,7 +301,7 @@ impl Reduced {
         let terms = 2 + loads.len() - skipped;
         let mut columns = Columns::default();
         self.tabulate(&self.fine, &vec![sizes; joints], &mut |c, values| {
-            let reactions = &columns.fill(self.curve.closure(), c, loads)[skipped * joints..];
+            let reactions = columns.fill(self.curve.closure(), c, loads, skipped);
             for (joint, v) in values.chunks_exact_mut((3 * terms).max(1)).enumerate() {
                 for k in 0..terms {
                     let Reaction { force, moment } = reactions[k * joints + joint];

@@ -225,7 +225,7 @@ impl Scene {
         parts.clear();
         parts.resize(2 * n * (2 + loads.len()), 0.0);
         if n > 0 {
-            self.part(reduced, c, columns.fill(reduced.curve.closure(), c, loads), parts);
+            self.part(reduced, c, columns.fill(reduced.curve.closure(), c, loads, 0), parts);
         }
         let of_load = |load: usize| 2 * n * (2 + places[load])..2 * n * (3 + places[load]);
         for (value, &load) in values.iter_mut().zip(&self.loads) {
