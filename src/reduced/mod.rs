@@ -35,7 +35,7 @@ pub struct Reduced {
     components: Components,
     markers: Vec<Point>,
     grid: Grid,
-    /// Where tables of reactions start, which tell of all loads.
+    /// Where tables of what given loads do start.
     fine: Grid,
     natural: Natural,
     tables: Arc<Tables>,
@@ -281,7 +281,7 @@ impl Reduced {
             let size = self.linkage().size;
             reaction_sizes(vec![self.natural.scale / size, 1.0 / size], loads, &self.natural, self.linkage())
         };
-        self.tables.reactions.get_or_init(|| self.reactions(sizes(), loads, 0))[joint].as_ref()
+        self.tables.reactions.get_or_init(|| self.reactions(&self.fine, sizes(), loads, 0))[joint].as_ref()
     }
 
     /// A joint's reaction to the loads that a state sizes: force x, force y, moment; each for each of these loads = 1.
@@ -291,16 +291,22 @@ impl Reduced {
     pub fn state_reaction(&self, joint: usize) -> Result<&Table, &Unresolved> {
         let loads = &self.loading.loads[self.loading.base()..];
         let sizes = || reaction_sizes(Vec::new(), loads, &self.natural, self.linkage());
-        self.tables.state_reactions.get_or_init(|| self.reactions(sizes(), loads, 2))[joint].as_ref()
+        self.tables.state_reactions.get_or_init(|| self.reactions(&self.grid, sizes(), loads, 2))[joint].as_ref()
     }
 
     /// Tables of the reactions of all joints for these loads, without the first `skipped` of their columns: for each joint
     /// force x, force y, moment; each for all columns.
-    fn reactions(&self, sizes: Vec<f64>, loads: &[Load], skipped: usize) -> Vec<Result<Table, Unresolved>> {
+    fn reactions(
+        &self,
+        grid: &Grid,
+        sizes: Vec<f64>,
+        loads: &[Load],
+        skipped: usize,
+    ) -> Vec<Result<Table, Unresolved>> {
         let joints = self.linkage().joints.len();
         let terms = 2 + loads.len() - skipped;
         let mut columns = Columns::default();
-        self.tabulate(&self.fine, &vec![sizes; joints], &mut |c, values| {
+        self.tabulate(grid, &vec![sizes; joints], &mut |c, values| {
             let reactions = columns.fill(self.curve.closure(), c, loads, skipped);
             for (joint, v) in values.chunks_exact_mut((3 * terms).max(1)).enumerate() {
                 for k in 0..terms {
