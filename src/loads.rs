@@ -143,29 +143,35 @@ impl Load {
         self.displacement(linkage, c)[1]
     }
 
-    /// What it does to the bodies.
-    pub fn wrenches(&self, linkage: &Linkage, p: &Positions) -> Vec<Wrench> {
+    /// What it does to the bodies, each wrench told to `act`.
+    pub fn exert(&self, linkage: &Linkage, p: &Positions, act: &mut impl FnMut(Wrench)) {
         let at = |point: Point, force: Vec2| Wrench {
             body: point.body,
             force,
             moment: cross(p.vector(point.body, point.local), force),
         };
         match *self {
-            Self::Gravity(acceleration) => (1..linkage.bodies.len())
-                .map(|i| at(center(linkage, i), linkage.bodies[i].mass * acceleration))
-                .collect(),
-            Self::Force { at: point, direction } => vec![at(point, direction)],
+            Self::Gravity(acceleration) => {
+                (1..linkage.bodies.len())
+                    .for_each(|i| act(at(center(linkage, i), linkage.bodies[i].mass * acceleration)));
+            }
+            Self::Force { at: point, direction } => act(at(point, direction)),
             Self::Pair { first, second } => {
                 let along = (p.point(second) - p.point(first)).normalize();
-                vec![at(first, -along), at(second, along)]
+                act(at(first, -along));
+                act(at(second, along));
             }
-            Self::Torque { body } => vec![couple(body, 1.0)],
-            Self::Couple { first, second } => vec![couple(first, -1.0), couple(second, 1.0)],
+            Self::Torque { body } => act(couple(body, 1.0)),
+            Self::Couple { first, second } => {
+                act(couple(first, -1.0));
+                act(couple(second, 1.0));
+            }
             Self::Slide { joint } => {
                 let (first, second, axis) = axis(linkage, p, joint);
                 // Both forces act at the second point, where the bodies touch.
                 let moment = cross(p.point(second) - p.origin[first.body], -axis);
-                vec![at(second, axis), Wrench { body: first.body, force: -axis, moment }]
+                act(at(second, axis));
+                act(Wrench { body: first.body, force: -axis, moment });
             }
         }
     }

@@ -3,7 +3,7 @@
 //! In: a configuration and the loads. Out: one column of joint reactions for each of these terms. Newton and Euler's
 //! equations of every body, inward along the spanning tree; the joints that close the loops follow from the loop
 //! Jacobian: J^T lambda = generalised forces. A column alone need not be in balance; the sum over a motion is.
-use crate::closure::{Closure, Workspace};
+use crate::closure::Closure;
 use crate::curve::Configuration;
 use crate::linkage::{Freedom, GROUND, Joint, Linkage, Point, Rates, Vec2, cross, quarter};
 use crate::loads::{Load, Wrench};
@@ -27,7 +27,7 @@ impl Default for Reaction {
 /// Reactions of all joints, for sigma_ddot = 1, for sigma_dot^2 = 1, then for each load = 1.
 pub fn columns(closure: &Closure, c: &Configuration, loads: &[Load]) -> Vec<Vec<Reaction>> {
     let joints = closure.linkage.joints.len();
-    Columns::default().fill(closure, c, loads).chunks_exact(joints).map(<[Reaction]>::to_vec).collect()
+    Columns::default().fill(closure, c, loads, 0).chunks_exact(joints).map(<[Reaction]>::to_vec).collect()
 }
 
 /// Groups of joints that transmit one force, but for its sign, under torques on bodies and forces along prismatic joints: a
@@ -56,105 +56,89 @@ pub fn groups(linkage: &Linkage) -> Vec<(usize, f64)> {
     groups
 }
 
-/// What a body needs: force, and moment about the origin of its frame.
-type Demand = (Vec2, f64);
+/// Terms that are solved for side by side.
+const SIDE: usize = 4;
+
+/// What a body needs in N terms: force x and y, and moment about the origin of its frame.
+#[derive(Clone, Copy, Debug)]
+struct Demand<const N: usize> {
+    force: [[f64; N]; 2],
+    moment: [f64; N],
+}
+
+impl<const N: usize> Demand<N> {
+    const NONE: Self = Self { force: [[0.0; N]; 2], moment: [0.0; N] };
+
+    /// A force more, or with the sign -1 less, at this arm from the origin.
+    fn add(&mut self, sign: f64, arm: Vec2, [x, y]: &[[f64; N]; 2]) {
+        for i in 0..N {
+            self.force[0][i] += sign * x[i];
+            self.force[1][i] += sign * y[i];
+            self.moment[i] += sign * (arm.x * y[i] - arm.y * x[i]);
+        }
+    }
+}
+
+/// Room to solve for N terms at one configuration.
+#[derive(Debug, Default)]
+struct Terms<const N: usize> {
+    demand: Vec<Demand<N>>,
+    /// Demands while they are summed inward.
+    summed: Vec<Demand<N>>,
+    general: Vec<[f64; N]>,
+    factors: Vec<[f64; N]>,
+    all_factors: Vec<[f64; N]>,
+}
 
 /// Room for the reactions of one configuration after another.
 #[derive(Debug, Default)]
 pub struct Columns {
-    work: Workspace,
     normal: Vec<f64>,
     at_rest: Rates,
-    demand: Vec<Demand>,
-    /// Forces and moments of the bodies while they are summed inward.
-    summed: Vec<Demand>,
-    general: Vec<f64>,
-    factors: Vec<f64>,
-    all_factors: Vec<f64>,
+    terms: Terms<SIDE>,
     /// Reactions of all joints, term after term.
     reactions: Vec<Reaction>,
 }
 
 impl Columns {
-    /// Reactions of all joints, for sigma_ddot = 1, for sigma_dot^2 = 1, then for each load = 1: term after term.
-    pub fn fill(&mut self, closure: &Closure, c: &Configuration, loads: &[Load]) -> &[Reaction] {
+    /// Reactions of all joints, for sigma_ddot = 1, for sigma_dot^2 = 1, then for each load = 1: term after term, without
+    /// the first `skipped`.
+    pub fn fill(&mut self, closure: &Closure, c: &Configuration, loads: &[Load], skipped: usize) -> &[Reaction] {
         let linkage = &*closure.linkage;
         let joints = linkage.joints.len();
         self.normal.clear();
         self.normal.extend(c.q_sigma.iter().zip(&closure.weights).map(|(q, w)| q * w * w));
-        let regular = closure.linearise(&c.q, &mut self.work);
         self.at_rest.angle.resize(linkage.bodies.len(), 0.0);
         self.at_rest.origin.resize(linkage.bodies.len(), Vec2::zeros());
         self.reactions.clear();
-        self.reactions.resize((2 + loads.len()) * joints, Reaction::default());
-        let redundant = self.self_stresses(closure, c, regular);
-        for term in 0..2 + loads.len() {
-            match term {
-                0 => inertial(closure, c, &self.at_rest, &c.rates, &mut self.demand),
-                1 => inertial(closure, c, &c.rates, &c.second, &mut self.demand),
-                _ => {
-                    self.demand.clear();
-                    self.demand.resize(linkage.bodies.len(), (Vec2::zeros(), 0.0));
-                    for Wrench { body, force, moment } in loads[term - 2].wrenches(linkage, &c.positions) {
-                        self.demand[body].0 -= force;
-                        self.demand[body].1 -= moment;
-                    }
+        self.reactions.resize((2 + loads.len() - skipped) * joints, Reaction::default());
+        let redundant = SelfStresses::new(closure, c, &self.normal);
+        for (block, reactions) in self.reactions.chunks_mut(SIDE * joints).enumerate() {
+            let terms = &mut self.terms;
+            terms.demand.clear();
+            terms.demand.resize(linkage.bodies.len(), Demand::NONE);
+            for (i, term) in (skipped + SIDE * block..2 + loads.len()).take(SIDE).enumerate() {
+                match term {
+                    0 => inertial(closure, c, &self.at_rest, &c.rates, i, &mut terms.demand),
+                    1 => inertial(closure, c, &c.rates, &c.second, i, &mut terms.demand),
+                    _ => loads[term - 2].exert(linkage, &c.positions, &mut |Wrench { body, force, moment }| {
+                        let demand = &mut terms.demand[body];
+                        demand.force[0][i] -= force.x;
+                        demand.force[1][i] -= force.y;
+                        demand.moment[i] -= moment;
+                    }),
                 }
             }
-            self.general.clear();
-            self.general.resize(c.q.len(), 0.0);
-            generalised(closure, c, &self.demand, &mut self.summed, &mut self.general);
-            self.balance(closure, regular);
-            let reactions = &mut self.reactions[term * joints..(term + 1) * joints];
-            inward(closure, c, &self.all_factors, None, &mut self.demand, reactions);
-            redundant.relieve(reactions);
+            terms.generalise(closure, c);
+            terms.balance(closure, c, &self.normal);
+            terms.inward(closure, c, None, &mut |joint, [x, y], moment| {
+                for (i, term) in reactions.chunks_exact_mut(joints).enumerate() {
+                    term[joint] = Reaction { force: Vec2::new(x[i], y[i]), moment: moment[i] };
+                }
+            });
+            reactions.chunks_exact_mut(joints).for_each(|term| redundant.relieve(term));
         }
         &self.reactions
-    }
-
-    /// Factors of all loop equations, those that follow from others 0, which balance the generalised forces.
-    fn balance(&mut self, closure: &Closure, regular: bool) {
-        self.all_factors.clear();
-        self.all_factors.resize(closure.linkage.rows(), 0.0);
-        if regular {
-            self.work.factors.solve_transposed(&self.normal, &mut self.general, &mut self.factors);
-            for (row, factor) in closure.rows().iter().zip(&self.factors) {
-                self.all_factors[*row] = *factor;
-            }
-        }
-    }
-
-    fn self_stresses(&mut self, closure: &Closure, c: &Configuration, regular: bool) -> SelfStresses {
-        let linkage = &*closure.linkage;
-        let size = linkage.size;
-        let idle = || vec![(Vec2::zeros(), 0.0); linkage.bodies.len()];
-        let mut states = Vec::new();
-        let mut state = |factors: &[f64], twisted: Option<usize>| {
-            let mut reactions = vec![Reaction::default(); linkage.joints.len()];
-            inward(closure, c, factors, twisted, &mut idle(), &mut reactions);
-            states.push(reactions);
-        };
-        if closure.redundant() {
-            let jacobian = linkage.jacobian(&c.positions, &c.q);
-            for extra in (0..linkage.rows()).filter(|r| !closure.rows().contains(r)) {
-                self.general.clear();
-                self.general.extend(jacobian.row(extra).iter().map(|g| -g));
-                self.balance(closure, regular);
-                self.all_factors[extra] = 1.0;
-                state(&self.all_factors, None);
-            }
-        }
-        // A prismatic joint outside the tree joins bodies that already turn together: its moment is free.
-        for &joint in linkage.cuts.iter().filter(|&&j| linkage.joints[j].freedom != Freedom::Turn) {
-            state(&vec![0.0; linkage.rows()], Some(joint));
-        }
-        let n = states.len();
-        if n == 0 {
-            return SelfStresses { states, inverse: DMatrix::zeros(0, 0), size };
-        }
-        let gram = DMatrix::from_fn(n, n, |i, j| product(&states[i], &states[j], size));
-        let inverse = gram.pseudo_inverse(1e-12).unwrap_or(DMatrix::zeros(n, n));
-        SelfStresses { states, inverse, size }
     }
 }
 
@@ -168,6 +152,45 @@ struct SelfStresses {
 }
 
 impl SelfStresses {
+    fn new(closure: &Closure, c: &Configuration, normal: &[f64]) -> Self {
+        let linkage = &*closure.linkage;
+        let size = linkage.size;
+        let mut states = Vec::new();
+        let mut terms = Terms::<1>::default();
+        let mut state = |terms: &mut Terms<1>, twisted: Option<usize>| {
+            terms.demand.clear();
+            terms.demand.resize(linkage.bodies.len(), Demand::NONE);
+            let mut reactions = vec![Reaction::default(); linkage.joints.len()];
+            terms.inward(closure, c, twisted, &mut |joint, [[x], [y]], [moment]| {
+                reactions[joint] = Reaction { force: Vec2::new(x, y), moment };
+            });
+            states.push(reactions);
+        };
+        if closure.redundant() {
+            let jacobian = linkage.jacobian(&c.positions, &c.q);
+            for extra in (0..linkage.rows()).filter(|r| !closure.rows().contains(r)) {
+                terms.general.clear();
+                terms.general.extend(jacobian.row(extra).iter().map(|g| [-g]));
+                terms.balance(closure, c, normal);
+                terms.all_factors[extra] = [1.0];
+                state(&mut terms, None);
+            }
+        }
+        // A prismatic joint outside the tree joins bodies that already turn together: its moment is free.
+        for &joint in linkage.cuts.iter().filter(|&&j| linkage.joints[j].freedom != Freedom::Turn) {
+            terms.all_factors.clear();
+            terms.all_factors.resize(linkage.rows(), [0.0]);
+            state(&mut terms, Some(joint));
+        }
+        let n = states.len();
+        if n == 0 {
+            return Self { states, inverse: DMatrix::zeros(0, 0), size };
+        }
+        let gram = DMatrix::from_fn(n, n, |i, j| product(&states[i], &states[j], size));
+        let inverse = gram.pseudo_inverse(1e-12).unwrap_or(DMatrix::zeros(n, n));
+        Self { states, inverse, size }
+    }
+
     /// Take away what the reactions have of these states.
     fn relieve(&self, reactions: &mut [Reaction]) {
         if self.states.is_empty() {
@@ -190,88 +213,113 @@ fn product(a: &[Reaction], b: &[Reaction], size: f64) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.force.dot(&b.force) + a.moment * b.moment / (size * size)).sum()
 }
 
-/// What each body needs for these accelerations.
-fn inertial(closure: &Closure, c: &Configuration, r: &Rates, a: &Rates, demand: &mut Vec<Demand>) {
-    let p = &c.positions;
-    demand.clear();
-    demand.extend(closure.linkage.bodies.iter().enumerate().map(|(i, body)| {
-        let force = body.mass * p.acceleration(r, a, Point { body: i, local: body.center });
-        (force, body.inertia * a.angle[i] + cross(p.vector(i, body.center), force))
-    }));
-}
-
-/// The reactions that give every body what it needs, for these factors of the loop equations and a unit moment in
-/// `twisted`, a prismatic joint outside the tree. The demand is used up.
-fn inward(
+/// What each body needs for these accelerations, as term number `i`.
+fn inertial<const N: usize>(
     closure: &Closure,
     c: &Configuration,
-    factors: &[f64],
-    twisted: Option<usize>,
-    demand: &mut [Demand],
-    reactions: &mut [Reaction],
+    r: &Rates,
+    a: &Rates,
+    i: usize,
+    demand: &mut [Demand<N>],
 ) {
-    let linkage = &*closure.linkage;
     let p = &c.positions;
-    // Joints that close loops: their forces relieve the demands of the two bodies.
-    if let Some(j) = twisted {
-        reactions[j].moment = 1.0;
-        demand[linkage.joints[j].second.body].1 -= 1.0;
-        demand[linkage.joints[j].first.body].1 += 1.0;
-    }
-    let mut row = 0;
-    for &j in &linkage.cuts {
-        let joint = &linkage.joints[j];
-        let force = match joint.freedom {
-            Freedom::Turn => {
-                row += 2;
-                Vec2::new(factors[row - 2], factors[row - 1])
-            }
-            Freedom::Slide(axis) => {
-                row += 1;
-                factors[row - 1] * quarter(p.vector(joint.first.body, axis))
-            }
-        };
-        reactions[j].force = force;
-        let at = p.point(joint.second);
-        for (body, force) in [(joint.second.body, force), (joint.first.body, -force)] {
-            demand[body].0 -= force;
-            demand[body].1 -= cross(at - p.origin[body], force);
-        }
-    }
-    // Joints of the tree, from the outermost inward: each gives its child what the child still needs.
-    for branch in linkage.tree.iter().rev() {
-        let (force, moment) = demand[branch.child];
-        let joint = &linkage.joints[branch.joint];
-        let slides = joint.freedom != Freedom::Turn;
-        let at = p.point(joint.second);
-        let about = |body: usize| cross(at - p.origin[body], force);
-        let couple = if slides { moment - about(branch.child) } else { 0.0 };
-        demand[branch.parent].0 += force;
-        demand[branch.parent].1 += about(branch.parent) + couple;
-        let sign = if branch.reversed { -1.0 } else { 1.0 };
-        reactions[branch.joint] = Reaction { force: sign * force, moment: sign * couple };
+    for (place, (body, demand)) in closure.linkage.bodies.iter().zip(demand).enumerate() {
+        let force = body.mass * p.acceleration(r, a, Point { body: place, local: body.center });
+        (demand.force[0][i], demand.force[1][i]) = (force.x, force.y);
+        demand.moment[i] = body.inertia * a.angle[place] + cross(p.vector(place, body.center), force);
     }
 }
 
-/// Generalised forces of the demands: their virtual work for each change of a coordinate; added to `out`.
-fn generalised(closure: &Closure, c: &Configuration, demand: &[Demand], summed: &mut Vec<Demand>, out: &mut [f64]) {
-    let linkage = &*closure.linkage;
-    let p = &c.positions;
-    // Moments about the origins of the bodies' frames.
-    summed.clear();
-    summed.extend_from_slice(demand);
-    for (branch, arms) in linkage.tree.iter().zip(&p.arms).rev() {
-        let (child, parent) = (branch.child, branch.parent);
-        let (force, moment) = summed[child];
-        if let Some(turn) = linkage.bodies[child].turn {
-            out[turn] += moment - cross(arms.to, force);
+impl<const N: usize> Terms<N> {
+    /// Generalised forces of the demands: their virtual work for each change of a coordinate.
+    fn generalise(&mut self, closure: &Closure, c: &Configuration) {
+        let (linkage, p) = (&*closure.linkage, &c.positions);
+        self.general.clear();
+        self.general.resize(c.q.len(), [0.0; N]);
+        // Moments about the origins of the bodies' frames.
+        self.summed.clone_from(&self.demand);
+        for (branch, arms) in linkage.tree.iter().zip(&p.arms).rev() {
+            let (child, parent) = (branch.child, branch.parent);
+            let Demand { force, moment } = self.summed[child];
+            let [x, y] = &force;
+            if let Some(turn) = linkage.bodies[child].turn {
+                for (i, work) in self.general[turn].iter_mut().enumerate() {
+                    *work += moment[i] - (arms.to.x * y[i] - arms.to.y * x[i]);
+                }
+            }
+            if let Some(slide) = branch.slide {
+                for (i, work) in self.general[slide].iter_mut().enumerate() {
+                    *work += arms.axis.x * x[i] + arms.axis.y * y[i];
+                }
+            }
+            // The pivot moves with the parent; only the force is passed on, turning has its own coordinate.
+            let pivot = p.origin[child] + arms.to;
+            self.summed[parent].add(1.0, pivot - p.origin[parent], &force);
         }
-        if let Some(slide) = branch.slide {
-            out[slide] += arms.axis.dot(&force);
+    }
+
+    /// Factors of all loop equations, those that follow from others 0, which balance the generalised forces.
+    fn balance(&mut self, closure: &Closure, c: &Configuration, normal: &[f64]) {
+        self.all_factors.clear();
+        self.all_factors.resize(closure.linkage.rows(), [0.0; N]);
+        if let Some(factors) = c.factors() {
+            factors.solve_transposed(normal, &mut self.general, &mut self.factors);
+            for (row, factor) in closure.rows().iter().zip(&self.factors) {
+                self.all_factors[*row] = *factor;
+            }
         }
-        // The pivot moves with the parent; only the force is passed on, turning has its own coordinate.
-        let pivot = p.origin[child] + arms.to;
-        summed[parent].0 += force;
-        summed[parent].1 += cross(pivot - p.origin[parent], force);
+    }
+
+    /// `give` every joint the force and moment with which all bodies get what they need, for the factors of all loop
+    /// equations and a unit moment in `twisted`, a prismatic joint outside the tree. The demand is used up.
+    fn inward(
+        &mut self,
+        closure: &Closure,
+        c: &Configuration,
+        twisted: Option<usize>,
+        give: &mut impl FnMut(usize, [[f64; N]; 2], [f64; N]),
+    ) {
+        let (linkage, p) = (&*closure.linkage, &c.positions);
+        let demand = &mut self.demand;
+        // Joints that close loops: what they transmit relieves the demands of the two bodies.
+        let mut row = 0;
+        for &j in &linkage.cuts {
+            let joint = &linkage.joints[j];
+            let factors = &self.all_factors[row..];
+            let force = match joint.freedom {
+                Freedom::Turn => [factors[0], factors[1]],
+                Freedom::Slide(axis) => {
+                    let normal = quarter(p.vector(joint.first.body, axis));
+                    [normal.x, normal.y].map(|n| factors[0].map(|f| f * n))
+                }
+            };
+            row += if joint.freedom == Freedom::Turn { 2 } else { 1 };
+            let at = p.point(joint.second);
+            for (body, sign) in [(joint.second.body, -1.0), (joint.first.body, 1.0)] {
+                demand[body].add(sign, at - p.origin[body], &force);
+            }
+            let moment = if twisted == Some(j) { 1.0 } else { 0.0 };
+            for i in 0..N {
+                demand[joint.second.body].moment[i] -= moment;
+                demand[joint.first.body].moment[i] += moment;
+            }
+            give(j, force, [moment; N]);
+        }
+        // Joints of the tree, from the outermost inward: each gives its child what the child still needs.
+        for branch in linkage.tree.iter().rev() {
+            let Demand { force, moment } = demand[branch.child];
+            let joint = &linkage.joints[branch.joint];
+            let at = p.point(joint.second);
+            let mut couple = [0.0; N];
+            if joint.freedom != Freedom::Turn {
+                let arm = at - p.origin[branch.child];
+                couple = std::array::from_fn(|i| moment[i] - (arm.x * force[1][i] - arm.y * force[0][i]));
+            }
+            let parent = &mut demand[branch.parent];
+            parent.add(1.0, at - p.origin[branch.parent], &force);
+            parent.moment.iter_mut().zip(couple).for_each(|(moment, couple)| *moment += couple);
+            let sign = if branch.reversed { -1.0 } else { 1.0 };
+            give(branch.joint, force.map(|f| f.map(|f| sign * f)), couple.map(|m| sign * m));
+        }
     }
 }

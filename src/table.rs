@@ -39,6 +39,17 @@ pub struct Grid {
     pub centers: Vec<f64>,
 }
 
+impl Grid {
+    /// With the borders of these tables, which started from it.
+    pub fn refined<'a>(&self, tables: impl IntoIterator<Item = &'a Table>) -> Self {
+        let mut borders = self.borders.clone();
+        borders.extend(tables.into_iter().flat_map(|t| &t.borders));
+        borders.sort_by(f64::total_cmp);
+        borders.dedup();
+        Self { borders, centers: self.centers.clone() }
+    }
+}
+
 /// Functions of sigma on panels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
@@ -187,7 +198,12 @@ impl Table {
             sets.push(Set { components: first..first + size.len(), whole: size.clone(), table, unresolved: None });
         }
         let components = sets.last().map_or(0, |s| s.components.end);
-        let mut sampler = Sampler { transform: Transform::new(), values: vec![0.0; components], exact };
+        let mut sampler = Sampler {
+            transform: Transform::new(),
+            values: vec![0.0; components],
+            samples: vec![[0.0; NODES]; components],
+            exact,
+        };
         // What must still be placed, last panel first.
         let mut open = Vec::new();
         for pair in grid.borders.windows(2).rev() {
@@ -365,7 +381,7 @@ impl Set {
         let stays = stretch.part < 1.0 && worst < 1e-10 && worst > 0.1 * before;
         if worst <= allowed || stays {
             self.table.borders.push(stretch.b);
-            self.table.coefficients.extend(series.iter().map(monomials));
+            self.table.coefficients.extend(series.iter().map(|s| unless_zero(s, monomials)));
             return Placed::Resolved;
         }
         if stretch.part < SHORTEST || !worst.is_finite() {
@@ -389,29 +405,32 @@ struct Stretch {
     before: Vec<f64>,
 }
 
+/// A linear map of a series; that of nothing, such as a revolute joint's moment, costs nothing.
+fn unless_zero(values: &[f64; NODES], map: impl Fn(&[f64; NODES]) -> Series) -> Series {
+    if values.iter().all(|v| *v == 0.0) { [0.0; NODES] } else { map(values) }
+}
+
 /// Samples functions at the nodes of a stretch.
 struct Sampler<'a> {
     transform: Transform,
     values: Vec<f64>,
+    samples: Vec<[f64; NODES]>,
     exact: &'a mut dyn FnMut(f64, &mut [f64]) -> f64,
 }
 
 impl Sampler<'_> {
     fn stretch(&mut self, a: f64, b: f64) -> Stretch {
-        let mut samples = vec![[0.0; NODES]; self.values.len()];
         let mut rounding: f64 = 1.0;
         for (j, x) in self.transform.nodes.iter().enumerate() {
             rounding = rounding.max((self.exact)(a + 0.5 * (b - a) * (1.0 + x), &mut self.values));
-            for (sample, value) in samples.iter_mut().zip(&self.values) {
+            for (sample, value) in self.samples.iter_mut().zip(&self.values) {
                 sample[j] = *value;
             }
         }
-        let largest = samples.iter().map(|s| s.iter().fold(0.0, |a: f64, v| a.max(v.abs()))).collect();
-        for sample in &mut samples {
-            *sample = self.transform.fit(sample);
-        }
+        let largest = self.samples.iter().map(|s| s.iter().fold(0.0, |a: f64, v| a.max(v.abs()))).collect();
+        let series = self.samples.iter().map(|s| unless_zero(s, |s| self.transform.fit(s))).collect();
         let rounding = (f64::EPSILON * rounding * rounding).min(10.0 * ACCURACY);
-        Stretch { a, b, part: 1.0, series: samples, largest, rounding, before: Vec::new() }
+        Stretch { a, b, part: 1.0, series, largest, rounding, before: Vec::new() }
     }
 }
 

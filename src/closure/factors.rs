@@ -12,7 +12,7 @@ type Entry = (usize, f64);
 const FREE: usize = usize::MAX;
 
 /// Factors of J, with room for the next ones.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Factors {
     /// Rows of U without their pivots, and of L without its unit diagonal, one after another; where each row ends.
     upper: Vec<Entry>,
@@ -156,11 +156,6 @@ impl Factors {
         along: [f64; N],
         out: &mut [[f64; N]],
     ) {
-        let take = |sums: &mut [f64; N], factor: f64, values: &[f64; N]| {
-            for (sum, value) in sums.iter_mut().zip(values) {
-                *sum -= factor * value;
-            }
-        };
         out.fill([0.0; N]);
         // L y = rows; y is kept at the pivots' columns.
         for (row, mut values) in rows.enumerate() {
@@ -187,25 +182,38 @@ impl Factors {
         }
     }
 
-    /// Factors of the rows whose sum, with a multiple of the plane's normal, gives `right`; this is used up.
-    pub fn solve_transposed(&self, normal: &[f64], right: &mut [f64], out: &mut Vec<f64>) {
-        let scale = dot(&self.null, right) / dot(&self.null, normal);
-        for (r, n) in right.iter_mut().zip(normal) {
-            *r -= scale * n;
+    /// Factors of the rows whose sum, with a multiple of the plane's normal, gives each `right`; these are used up.
+    pub fn solve_transposed<const N: usize>(&self, normal: &[f64], right: &mut [[f64; N]], out: &mut Vec<[f64; N]>) {
+        let mut along = [0.0; N];
+        for (z, values) in self.null.iter().zip(&*right) {
+            take(&mut along, -z, values);
+        }
+        let across = 1.0 / dot(&self.null, normal);
+        let scale = along.map(|a| a * across);
+        for (values, n) in right.iter_mut().zip(normal) {
+            take(values, *n, &scale);
         }
         out.clear();
         for (row, &(pivot, inverse)) in self.pivots.iter().enumerate() {
-            let y = right[pivot] * inverse;
-            for &(c, v) in part(&self.upper, &self.upper_ends, row) {
-                right[c] -= v * y;
+            let y = right[pivot].map(|r| r * inverse);
+            for &(column, factor) in part(&self.upper, &self.upper_ends, row) {
+                take(&mut right[column], factor, &y);
             }
             out.push(y);
         }
         for row in (0..out.len()).rev() {
-            for &(r, f) in part(&self.lower, &self.lower_ends, row) {
-                out[r] -= f * out[row];
+            let values = out[row];
+            for &(r, factor) in part(&self.lower, &self.lower_ends, row) {
+                take(&mut out[r], factor, &values);
             }
         }
+    }
+}
+
+/// Less `factor` times `values`.
+fn take<const N: usize>(sums: &mut [f64; N], factor: f64, values: &[f64; N]) {
+    for (sum, value) in sums.iter_mut().zip(values) {
+        *sum -= factor * value;
     }
 }
 
@@ -256,12 +264,16 @@ mod tests {
             factors.tangent(&normal, 2.0, &mut out);
             let miss = &dense * DVector::from_column_slice(&out);
             assert!((miss[n - 1] - 2.0).abs() < 1e-11 && miss.rows(0, n - 1).norm() < 1e-11, "{n}: {miss}");
-            factors.solve_transposed(&normal, &mut right.clone(), &mut out);
-            let rest = DVector::from_column_slice(&right)
-                - dense.rows(0, n - 1).transpose() * DVector::from_column_slice(&out);
+            let mut solutions = Vec::new();
+            let mut rights: Vec<[f64; 2]> = right.iter().map(|r| [*r, -0.5 * r]).collect();
+            factors.solve_transposed(&normal, &mut rights, &mut solutions);
             let normal = DVector::from_column_slice(&normal);
-            let along = rest.dot(&normal) / normal.norm_squared();
-            assert!((rest - along * normal).norm() < 1e-11 * DVector::from_column_slice(&out).norm().max(1.0), "{n}");
+            for (k, factor) in [1.0, -0.5].into_iter().enumerate() {
+                let solution = DVector::from_iterator(n - 1, solutions.iter().map(|s| s[k]));
+                let rest = factor * DVector::from_column_slice(&right) - dense.rows(0, n - 1).transpose() * &solution;
+                let along = rest.dot(&normal) / normal.norm_squared();
+                assert!((rest - along * &normal).norm() < 1e-11 * solution.norm().max(1.0), "{n}");
+            }
         }
     }
 

@@ -1,7 +1,7 @@
 //! The exact evaluator: one configuration with its derivatives along the curve.
 use super::{Curve, panel::twice_kinetic};
 use crate::chebyshev::polynomial;
-use crate::closure::{self, Closure};
+use crate::closure::{self, Closure, Factors};
 use crate::linkage::{Linkage, Point, Positions, Rates};
 
 /// Where rounding is amplified this many times as much as at best in a panel, its series are more accurate than its loop
@@ -29,6 +29,9 @@ pub struct Configuration {
     pub second: Rates,
     /// How much a rounding error in the loops is amplified in q_sigma; in q_second twice.
     pub amplification: f64,
+    /// The independent loop equations linearised, and whether they have full rank to the last bit.
+    factors: Factors,
+    regular: bool,
 }
 
 /// Room for one configuration after another.
@@ -41,6 +44,11 @@ pub struct Workspace {
 }
 
 impl Configuration {
+    /// The independent loop equations linearised; none where they lose rank to the last bit.
+    pub fn factors(&self) -> Option<&Factors> {
+        self.regular.then_some(&self.factors)
+    }
+
     /// The first derivatives, from a direction along the curve in `q_sigma`, to unit speed.
     fn set_out(&mut self, linkage: &Linkage) -> f64 {
         linkage.move_at(&self.positions, &self.q, &self.q_sigma, &mut self.rates);
@@ -111,6 +119,8 @@ impl Curve {
             closure.place(landing, &c.q, &mut work.loops, &mut c.positions);
             c.derive(closure, &panel.normal, work);
             c.amplification = landing.amplification;
+            c.regular = true;
+            std::mem::swap(&mut c.factors, &mut work.loops.factors);
             return;
         }
         panel.place(x, &mut c.q);
@@ -128,6 +138,8 @@ impl Curve {
         }
         c.bend(linkage);
         c.amplification = f64::INFINITY;
+        c.regular = closure.linearise(&c.q, &mut work.loops);
+        std::mem::swap(&mut c.factors, &mut work.loops.factors);
     }
 }
 

@@ -63,13 +63,7 @@ impl Curve {
 
     /// How wide a panel may be in the middle of each panel of the curve, and at the curve's ends.
     fn knots(&self, accuracy: f64) -> Vec<Knot> {
-        let scale = self.scale();
-        let mut largest: Vec<f64> = self.closure.weights.iter().map(|w| 1.0 / (w * scale * scale)).collect();
-        for panel in &self.panels {
-            for (all, [_, here]) in largest.iter_mut().zip(&panel.bends) {
-                *all = all.max(*here);
-            }
-        }
+        let largest = self.largest_bends();
         let knot = |panel: &super::Panel| {
             let most = panel.amplifications.iter().fold(1.0, |a: f64, b| a.max(*b));
             // What is left of a tail that is rounding is not cut any smaller.
@@ -86,6 +80,25 @@ impl Curve {
             knots.push(Knot { sigma: last, ..high });
         }
         knots
+    }
+
+    /// Largest second derivative of each coordinate within the range, or its natural size. On a panel that reaches beyond
+    /// the range it is looked for at the ends of what is within.
+    fn largest_bends(&self) -> Vec<f64> {
+        let (first, last) = self.range;
+        let scale = self.scale();
+        let mut largest: Vec<f64> = self.closure.weights.iter().map(|w| 1.0 / (w * scale * scale)).collect();
+        let mut meet = |place: usize, bend: f64| largest[place] = largest[place].max(bend);
+        for panel in &self.panels {
+            let (low, high) = (first.max(panel.start), last.min(panel.end()));
+            if (low, high) == (panel.start, panel.end()) {
+                panel.bends.iter().enumerate().for_each(|(i, [_, bend])| meet(i, *bend));
+            } else if low < high {
+                let ends = [low, high].map(|sigma| self.configuration(sigma).q_second);
+                ends.iter().for_each(|bends| bends.iter().enumerate().for_each(|(i, bend)| meet(i, bend.abs())));
+            }
+        }
+        largest
     }
 
     /// Move the borders so that every crossing is in the middle of a panel.

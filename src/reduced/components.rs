@@ -55,6 +55,17 @@ impl Natural {
     }
 }
 
+/// Sizes of a spring's load in each of its components.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pull {
+    load: usize,
+    at_rest: f64,
+    /// For each unit of sigma_dot.
+    damping: f64,
+    /// For each whole turn.
+    winding: f64,
+}
+
 impl Components {
     /// Natural size of each component.
     pub(super) fn sizes(&self, loading: &Loading, curve: &Curve, natural: &Natural) -> Vec<f64> {
@@ -90,30 +101,35 @@ impl Components {
         Self { sized: loading.sized(), springs, damping, winding, count }
     }
 
+    /// What every spring does at a configuration.
+    pub(super) fn pulls(&self, loading: &Loading, curve: &Curve, c: &Configuration, pulls: &mut Vec<Pull>) {
+        pulls.clear();
+        pulls.extend(loading.springs.iter().map(|spring| {
+            let [s, s_sigma, _] = loading.loads[spring.load].displacement(curve.linkage(), c);
+            Pull {
+                load: spring.load,
+                at_rest: -spring.pull(s),
+                damping: spring.damping * s_sigma,
+                winding: self.winding.map_or(0.0, |_| -spring.stiffness * winding(loading, curve, spring)),
+            }
+        }));
+    }
+
     /// The components of whatever each load of unit size has this `effect` on.
-    pub(super) fn fill_effects(
-        &self,
-        loading: &Loading,
-        curve: &Curve,
-        c: &Configuration,
-        effect: &dyn Fn(usize) -> f64,
-        values: &mut [f64],
-    ) {
+    pub(super) fn fill_effects(&self, pulls: &[Pull], effect: impl Fn(usize) -> f64, values: &mut [f64]) {
         values[self.sized..].fill(0.0);
         for (load, value) in values[..self.sized].iter_mut().enumerate() {
             *value = effect(load);
         }
-        for spring in &loading.springs {
-            let [s, s_sigma, _] = loading.loads[spring.load].displacement(curve.linkage(), c);
-            let of_pull = effect(spring.load);
-            let mut add = |component: Option<usize>, value: f64| {
+        for pull in pulls {
+            let of_pull = effect(pull.load);
+            for (component, factor) in
+                [(self.springs, pull.at_rest), (self.damping, pull.damping), (self.winding, pull.winding)]
+            {
                 if let Some(k) = component {
-                    values[k] += value;
+                    values[k] += factor * of_pull;
                 }
-            };
-            add(self.springs, -spring.pull(s) * of_pull);
-            add(self.damping, spring.damping * s_sigma * of_pull);
-            add(self.winding, -spring.stiffness * winding(loading, curve, spring) * of_pull);
+            }
         }
     }
 }

@@ -35,6 +35,8 @@ pub struct Reduced {
     components: Components,
     markers: Vec<Point>,
     grid: Grid,
+    /// Where tables of what given loads do start.
+    fine: Grid,
     natural: Natural,
     tables: Arc<Tables>,
     /// Whether the motion is to be evaluated without them.
@@ -103,9 +105,9 @@ impl Reduced {
         if (&loading.loads, &loading.springs, &markers) != (&self.loading.loads, &self.loading.springs, &self.markers) {
             return Self::on(curve, loading, markers, exact);
         }
-        let (grid, tables) = (self.grid.clone(), Arc::clone(&self.tables));
+        let (grid, fine, tables) = (self.grid.clone(), self.fine.clone(), Arc::clone(&self.tables));
         let (components, natural, scenes) = (self.components, self.natural, Default::default());
-        Ok(Self { curve, loading, components, markers, grid, natural, tables, exact, scenes })
+        Ok(Self { curve, loading, components, markers, grid, fine, natural, tables, exact, scenes })
     }
 
     /// On a curve that is known, with the tables that every start needs.
@@ -119,6 +121,7 @@ impl Reduced {
         let size = |&l: &usize| natural.derivatives(natural.displacement(&loading.loads[l], curve.linkage())).to_vec();
         let mut sizes = vec![components.sizes(&loading, &curve, &natural), natural.coordinates(curve.linkage())];
         sizes.extend(needed.iter().map(size));
+        let mut pulls = Vec::new();
         let fill = &mut |c: &Configuration, values: &mut [f64]| {
             let (influences, rest) = values.split_at_mut(components.count);
             let (coordinates, displacements) = rest.split_at_mut(3 * c.q.len());
@@ -126,18 +129,22 @@ impl Reduced {
                 v.copy_from_slice(&loading.loads[load].displacement(curve.linkage(), c));
             }
             // The needed loads begin with those that the influences are of.
-            components.fill_effects(&loading, &curve, c, &|load| displacements[3 * load + 1], influences);
+            components.pulls(&loading, &curve, c, &mut pulls);
+            components.fill_effects(&pulls, |load| displacements[3 * load + 1], influences);
             for (i, derivatives) in coordinates.chunks_exact_mut(3).enumerate() {
                 derivatives.copy_from_slice(&[c.q[i], c.q_sigma[i], c.q_second[i]]);
             }
         };
         let mut tables = tabulate(&curve, &grid, &sizes, fill);
+        let fine = grid.refined(tables.iter().flatten());
         let displacements: Vec<_> = loading.loads.iter().map(|_| OnceLock::new()).collect();
         for (load, table) in needed.into_iter().zip(tables.drain(2..)) {
             // Two stops of one load have the same table.
             let _ = displacements[load].set(table);
         }
         let coordinates = tables.swap_remove(1);
+        // Whatever moves has to be cut where the coordinates' second derivatives have.
+        let grid = grid.refined(&coordinates);
         let influence = tables.swap_remove(0).map_err(|e| Self::unresolved(&loading, &curve, &e))?;
         let tables = Arc::new(Tables {
             influence,
@@ -147,7 +154,7 @@ impl Reduced {
             reactions: OnceLock::new(),
             state_reactions: OnceLock::new(),
         });
-        Ok(Self { curve, loading, components, markers, grid, natural, tables, exact, scenes: Default::default() })
+        Ok(Self { curve, loading, components, markers, grid, fine, natural, tables, exact, scenes: Default::default() })
     }
 
     /// The linkage.
@@ -227,7 +234,7 @@ impl Reduced {
             let (linkage, load) = (self.linkage(), &self.loading.loads[load]);
             let size = self.natural.derivatives(self.natural.displacement(load, linkage)).to_vec();
             let mut fill = |c: &Configuration, v: &mut [f64]| v.copy_from_slice(&load.displacement(linkage, c));
-            self.tabulate(&[size], &mut fill).swap_remove(0)
+            self.tabulate(&self.grid, &[size], &mut fill).swap_remove(0)
         };
         self.tables.displacements[load].get_or_init(table).as_ref()
     }
@@ -248,7 +255,7 @@ impl Reduced {
     pub fn marker(&self, i: usize) -> Result<&Table, &Unresolved> {
         let tables = self.tables.markers.get_or_init(|| {
             let size = self.natural.derivatives(self.linkage().size).repeat(2);
-            self.tabulate(&vec![size; self.markers.len()], &mut |c, values| {
+            self.tabulate(&self.grid, &vec![size; self.markers.len()], &mut |c, values| {
                 for (&point, v) in self.markers.iter().zip(values.chunks_exact_mut(6)) {
                     let [x, first, second] = c.positions.motion(&c.rates, &c.second, point);
                     v.copy_from_slice(&[x.x, first.x, second.x, x.y, first.y, second.y]);
@@ -274,7 +281,7 @@ impl Reduced {
             let size = self.linkage().size;
             reaction_sizes(vec![self.natural.scale / size, 1.0 / size], loads, &self.natural, self.linkage())
         };
-        self.tables.reactions.get_or_init(|| self.reactions(sizes(), loads, 0))[joint].as_ref()
+        self.tables.reactions.get_or_init(|| self.reactions(&self.fine, sizes(), loads, 0))[joint].as_ref()
     }
 
     /// A joint's reaction to the loads that a state sizes: force x, force y, moment; each for each of these loads = 1.
@@ -284,17 +291,23 @@ impl Reduced {
     pub fn state_reaction(&self, joint: usize) -> Result<&Table, &Unresolved> {
         let loads = &self.loading.loads[self.loading.base()..];
         let sizes = || reaction_sizes(Vec::new(), loads, &self.natural, self.linkage());
-        self.tables.state_reactions.get_or_init(|| self.reactions(sizes(), loads, 2))[joint].as_ref()
+        self.tables.state_reactions.get_or_init(|| self.reactions(&self.grid, sizes(), loads, 2))[joint].as_ref()
     }
 
     /// Tables of the reactions of all joints for these loads, without the first `skipped` of their columns: for each joint
     /// force x, force y, moment; each for all columns.
-    fn reactions(&self, sizes: Vec<f64>, loads: &[Load], skipped: usize) -> Vec<Result<Table, Unresolved>> {
+    fn reactions(
+        &self,
+        grid: &Grid,
+        sizes: Vec<f64>,
+        loads: &[Load],
+        skipped: usize,
+    ) -> Vec<Result<Table, Unresolved>> {
         let joints = self.linkage().joints.len();
         let terms = 2 + loads.len() - skipped;
         let mut columns = Columns::default();
-        self.tabulate(&vec![sizes; joints], &mut |c, values| {
-            let reactions = &columns.fill(self.curve.closure(), c, loads)[skipped * joints..];
+        self.tabulate(grid, &vec![sizes; joints], &mut |c, values| {
+            let reactions = columns.fill(self.curve.closure(), c, loads, skipped);
             for (joint, v) in values.chunks_exact_mut((3 * terms).max(1)).enumerate() {
                 for k in 0..terms {
                     let Reaction { force, moment } = reactions[k * joints + joint];
@@ -358,7 +371,9 @@ impl Reduced {
             None => {
                 let mut values = vec![0.0; self.components.count];
                 let influence = |load: usize| self.loading.loads[load].influence(self.linkage(), &c);
-                self.components.fill_effects(&self.loading, &self.curve, &c, &influence, &mut values);
+                let mut pulls = Vec::new();
+                self.components.pulls(&self.loading, &self.curve, &c, &mut pulls);
+                self.components.fill_effects(&pulls, influence, &mut values);
                 values
             }
             Some(scene) => {
@@ -384,10 +399,11 @@ impl Reduced {
 
     fn tabulate(
         &self,
+        grid: &Grid,
         sizes: &[Vec<f64>],
         exact: &mut dyn FnMut(&Configuration, &mut [f64]),
     ) -> Vec<Result<Table, Unresolved>> {
-        tabulate(&self.curve, &self.grid, sizes, exact)
+        tabulate(&self.curve, grid, sizes, exact)
     }
 }
 

@@ -4,6 +4,7 @@
 //! mechanism without dampers, efficiencies, bumpers, friction and moving air has no scene and pays for none. It must not
 //! know the state.
 use super::Reduced;
+use super::components::Pull;
 use crate::curve::Configuration;
 use crate::linkage::{Freedom, quarter};
 use crate::loading::Pin;
@@ -50,13 +51,14 @@ pub struct Scene {
 const NOWHERE: usize = usize::MAX;
 
 /// Room to fill the table.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Room {
     columns: Columns,
     /// The loads that act, and the place among them of each load of all.
     loads: Vec<Load>,
     places: Vec<usize>,
     influence: Vec<f64>,
+    pulls: Vec<Pull>,
     /// Components of the pins' reactions, term after term.
     parts: Vec<f64>,
 }
@@ -168,7 +170,7 @@ impl Scene {
         let sizes = scene.sizes(reduced);
         let mut room = scene.room(reduced);
         let mut fill = |c: &Configuration, values: &mut [f64]| scene.fill(reduced, c, &mut room, values);
-        scene.table = reduced.tabulate(&[sizes], &mut fill).swap_remove(0)?;
+        scene.table = reduced.tabulate(&reduced.fine, &[sizes], &mut fill).swap_remove(0)?;
         scene.bundle = scene.table.bundle(0..scene.bundled());
         let own = &scene;
         let of_given = |k: usize| own.table.bundle((1..own.rows()).map(move |row| own.given(row, k)));
@@ -214,22 +216,22 @@ impl Scene {
         }
         let own = self.loads.iter().map(|&load| &loading.loads[load]);
         let loads = loading.loads[..base].iter().chain(own).cloned().collect();
-        Room { columns: Columns::default(), loads, places, influence: Vec::new(), parts: Vec::new() }
+        Room { loads, places, ..Room::default() }
     }
 
     /// All components at a configuration.
     pub(super) fn fill(&self, reduced: &Reduced, c: &Configuration, room: &mut Room, values: &mut [f64]) {
         let (loading, linkage, n) = (&reduced.loading, reduced.linkage(), self.pins.len());
-        let Room { columns, loads, places, influence, parts } = room;
+        let Room { columns, loads, places, pulls, influence, parts } = room;
         influence.clear();
-        influence.extend(loading.loads.iter().map(|l| l.influence(linkage, c)));
+        let acts = |(load, place): (&Load, &usize)| if *place == NOWHERE { 0.0 } else { load.influence(linkage, c) };
+        influence.extend(loading.loads.iter().zip(&*places).map(acts));
+        reduced.components.pulls(loading, &reduced.curve, c, pulls);
         // All components of the pins' reactions to sigma_ddot = 1, to sigma_dot^2 = 1, then to each load = 1 at rest.
         parts.clear();
+        parts.resize(2 * n * (2 + loads.len()), 0.0);
         if n > 0 {
-            let joints = linkage.joints.len();
-            for column in columns.fill(reduced.curve.closure(), c, loads).chunks_exact(joints) {
-                self.part(reduced, c, column, parts);
-            }
+            self.part(reduced, c, columns.fill(reduced.curve.closure(), c, loads, 0), parts);
         }
         let of_load = |load: usize| 2 * n * (2 + places[load])..2 * n * (3 + places[load]);
         for (value, &load) in values.iter_mut().zip(&self.loads) {
@@ -237,9 +239,14 @@ impl Scene {
         }
         values[self.square()].copy_from_slice(&parts[2 * n..4 * n]);
         values[self.inertial()].copy_from_slice(&parts[..2 * n]);
-        for (k, value) in values[self.passed()].iter_mut().enumerate() {
-            let (axis, group, pin) = (k / (n * self.leaders.len()), k / n % self.leaders.len(), k % n);
-            *value = parts[of_load(self.pins[pin].load)][axis * n + self.leaders[group]];
+        let passed = &mut values[self.passed()];
+        for (pin, of_pin) in self.pins.iter().enumerate() {
+            let part = &parts[of_load(of_pin.load)];
+            for (group, &leader) in self.leaders.iter().enumerate() {
+                for axis in 0..2 {
+                    passed[(axis * self.leaders.len() + group) * n + pin] = part[axis * n + leader];
+                }
+            }
         }
         // A reaction to a load: what balances it at rest, and what the motion that it causes needs.
         let (inertial, at_rest) = parts.split_at_mut(4 * n);
@@ -254,7 +261,7 @@ impl Scene {
         for row in 0..self.rows() {
             let effect = |load: usize| if row == 0 { influence[load] } else { parts[of_load(load)][row - 1] };
             let given = &mut values[self.given(row, 0)..self.given(row + 1, 0)];
-            reduced.components.fill_effects(loading, &reduced.curve, c, &effect, given);
+            reduced.components.fill_effects(pulls, effect, given);
         }
         if let (true, Some(air)) = (self.air, &loading.air) {
             for (k, surface) in air.surfaces.iter().enumerate() {
@@ -268,16 +275,20 @@ impl Scene {
         }
     }
 
-    /// The components of the pins' reactions in a column.
-    fn part(&self, reduced: &Reduced, c: &Configuration, column: &[Reaction], parts: &mut Vec<f64>) {
-        let (first, n) = (parts.len(), self.pins.len());
-        parts.resize(first + 2 * n, 0.0);
-        for (i, (pin, sign)) in self.pins.iter().zip(&self.signs).enumerate() {
-            let (joint, force) = (&reduced.linkage().joints[pin.joint], column[pin.joint].force);
-            match joint.freedom {
-                Freedom::Turn => (parts[first + i], parts[first + n + i]) = (sign * force.x, sign * force.y),
-                Freedom::Slide(line) => {
-                    parts[first + i] = sign * force.dot(&quarter(c.positions.vector(joint.first.body, line)));
+    /// The components of the pins' reactions in all columns.
+    fn part(&self, reduced: &Reduced, c: &Configuration, columns: &[Reaction], parts: &mut [f64]) {
+        let (joints, n) = (&reduced.linkage().joints, self.pins.len());
+        for (i, (pin, &sign)) in self.pins.iter().zip(&self.signs).enumerate() {
+            let joint = &joints[pin.joint];
+            let normal = match joint.freedom {
+                Freedom::Turn => None,
+                Freedom::Slide(line) => Some(quarter(c.positions.vector(joint.first.body, line))),
+            };
+            for (column, parts) in columns.chunks_exact(joints.len()).zip(parts.chunks_exact_mut(2 * n)) {
+                let force = sign * column[pin.joint].force;
+                match normal {
+                    None => (parts[i], parts[n + i]) = (force.x, force.y),
+                    Some(normal) => parts[i] = force.dot(&normal),
                 }
             }
         }
