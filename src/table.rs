@@ -69,13 +69,20 @@ pub struct Spot {
     pub x: f64,
 }
 
-/// Monomial coefficients of [`ROW`] functions, power by power.
-pub type Row = [Lanes; NODES];
-
-/// Numbers that are computed with at once.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Monomial coefficients of [`ROW`] functions, power by power; aligned, so that two are read at once.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(16))]
-pub struct Lanes(pub [f64; ROW]);
+pub struct Row([f64; NODES * ROW]);
+
+impl Row {
+    /// Functions that are 0.
+    pub const ZERO: Self = Self([0.0; NODES * ROW]);
+
+    /// The coefficients of each power.
+    fn powers(&self) -> &[[f64; ROW]] {
+        self.0.as_chunks().0
+    }
+}
 
 /// Functions that are read together, on each panel side by side; zeros fill the last row.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -102,21 +109,19 @@ impl Bundle {
 pub fn side_by_side<'a>(functions: impl IntoIterator<Item = &'a Series>, out: &mut Vec<Row>) {
     for (i, series) in functions.into_iter().enumerate() {
         if i % ROW == 0 {
-            out.push([Lanes::default(); NODES]);
+            out.push(Row::ZERO);
         }
         if let Some(row) = out.last_mut() {
-            for (lanes, c) in row.iter_mut().zip(series) {
-                lanes.0[i % ROW] = *c;
+            for (place, c) in row.0[i % ROW..].iter_mut().step_by(ROW).zip(series) {
+                *place = *c;
             }
         }
     }
 }
 
 /// Add functions side by side, each times `size`.
-// Not inlined: as arguments the two are known not to overlap, so that lanes are added together.
-#[inline(never)]
 pub fn add_side_by_side(sums: &mut [Row], size: f64, rows: &[Row]) {
-    for (sum, row) in sums.as_flattened_mut().iter_mut().zip(rows.as_flattened()) {
+    for (sum, row) in sums.iter_mut().zip(rows) {
         for (sum, c) in sum.0.iter_mut().zip(&row.0) {
             *sum += size * c;
         }
@@ -137,10 +142,11 @@ pub fn side_by_side_at<T: Number>(rows: &[Row], x: T, values: &mut [[T; ROW]]) {
 fn polynomials(row: &Row, x: f64, values: &mut [f64; ROW]) {
     let x2 = x * x;
     let x4 = x2 * x2;
-    let mut sums = [row[NODES - 4].0, row[NODES - 3].0, row[NODES - 2].0, row[NODES - 1].0];
-    for four in row[..NODES - 4].rchunks_exact(4) {
+    let powers = row.powers();
+    let mut sums = [powers[NODES - 4], powers[NODES - 3], powers[NODES - 2], powers[NODES - 1]];
+    for four in powers[..NODES - 4].rchunks_exact(4) {
         for (sum, c) in sums.iter_mut().zip(four) {
-            for (sum, c) in sum.iter_mut().zip(c.0) {
+            for (sum, c) in sum.iter_mut().zip(c) {
                 *sum = *sum * x4 + c;
             }
         }
@@ -153,8 +159,8 @@ fn polynomials(row: &Row, x: f64, values: &mut [f64; ROW]) {
 /// Horner's scheme for the derivatives.
 fn slopes(row: &Row, x: f64, sums: &mut [f64; ROW]) {
     sums.fill(0.0);
-    for (k, lanes) in row.iter().enumerate().skip(1).rev() {
-        for (sum, c) in sums.iter_mut().zip(lanes.0) {
+    for (k, power) in row.powers().iter().enumerate().skip(1).rev() {
+        for (sum, c) in sums.iter_mut().zip(power) {
             *sum = *sum * x + k as f64 * c;
         }
     }

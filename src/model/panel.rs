@@ -3,7 +3,7 @@ use super::signal::Change;
 use crate::chebyshev::{NODES, Series};
 use crate::number::{Dual, Number};
 use crate::reduced::{Reduced, Scene};
-use crate::table::{Bundle, Lanes, Row, Table, add_side_by_side, polynomial_at, side_by_side};
+use crate::table::{Bundle, Row, Table, add_side_by_side, polynomial_at, side_by_side};
 
 /// Rounding of a panel's border that is counted on over whole turns, relative to the numbers that are added up.
 const BORDER: f64 = 8.0 * f64::EPSILON;
@@ -193,7 +193,7 @@ impl Folded {
         let own = springs.map(|k| (k, 1.0)).into_iter().chain(winding.map(|k| (k, self.turns)));
         let mut force = [0.0; NODES];
         self.reactions.clear();
-        self.reactions.resize(Bundle::rows(scene.map_or(0, |s| s.rows() - 1)), [Lanes::default(); NODES]);
+        self.reactions.resize(Bundle::rows(scene.map_or(0, |s| s.rows() - 1)), Row::ZERO);
         for (k, size) in given_loads.chain(own) {
             add(&mut force, self.series(table, scene.map_or(k, |s| s.given(0, k))), size);
             if let Some(scene) = scene {
