@@ -191,19 +191,15 @@ impl<T: Number> Loop<T> {
     #[inline]
     fn solve_one<const N: usize>(&mut self, balance: &Balance<T>) -> bool {
         let most = FEW + u32::from(T::CARRIES);
-        let chunk = |s: &[T]| s.first_chunk::<N>().copied();
-        let [Some(free_x), Some(free_y)] = balance.free.map(chunk) else { return false };
-        let [Some(along_x), Some(along_y)] = balance.inertial.map(chunk) else { return false };
-        let [Some(passed_x), Some(passed_y)] = balance.passed.map(chunk) else { return false };
-        let (Some(influence), Some(arm)) = (chunk(balance.influence), chunk(&self.arm)) else { return false };
-        let mut effect = [influence, passed_x, passed_y];
-        for row in &mut effect {
-            for j in 0..N {
-                row[j] = -(row[j] * arm[j]);
-            }
-        }
+        let [Some(free_x), Some(free_y)] = balance.free.map(<[T]>::first_chunk::<N>) else { return false };
+        let [Some(along_x), Some(along_y)] = balance.inertial.map(<[T]>::first_chunk::<N>) else { return false };
+        let [Some(passed_x), Some(passed_y)] = balance.passed.map(<[T]>::first_chunk::<N>) else { return false };
+        let (Some(influence), Some(arm)) = (balance.influence.first_chunk::<N>(), self.arm.first_chunk::<N>()) else {
+            return false;
+        };
+        let effect = [influence, passed_x, passed_y].map(|row| std::array::from_fn::<T, N, _>(|j| -(row[j] * arm[j])));
         let zero = T::constant(0.0);
-        let (mut x, mut y, mut sizes) = (free_x, free_y, [zero; N]);
+        let (mut x, mut y, mut sizes) = (*free_x, *free_y, [zero; N]);
         let mut z = [zero; 3];
         for i in 0..N {
             sizes[i] = norm([x[i], y[i]]);
@@ -244,14 +240,14 @@ impl<T: Number> Loop<T> {
             if determinant.is_nan() || determinant <= 0.0 {
                 return false;
             }
-            let (mut left, mut scale) = (0.0, f64::MIN_POSITIVE);
-            for i in 0..N {
+            // Of all reactions together.
+            let moved: [f64; N] = std::array::from_fn(|i| {
                 let dx = along_x[i].value() * step[0].value() + step[1].value();
                 let dy = along_y[i].value() * step[0].value() + step[2].value();
-                left = greater(left, (dx * dx + dy * dy) * inverse[i]);
-                scale = greater(scale, sizes[i].value());
-            }
-            left /= scale;
+                (dx * dx + dy * dy) * inverse[i]
+            });
+            let values = sizes.map(T::value);
+            let left = total_of(&moved) / greater(f64::MIN_POSITIVE, total_of(&values));
             for k in 0..3 {
                 z[k] = z[k] + step[k];
             }
@@ -393,6 +389,16 @@ fn dot<T: Number, const N: usize>(a: &[T; N], b: &[T; N]) -> T {
     let mut sums = [a[0] * b[0], if N > 1 { a[1] * b[1] } else { T::constant(0.0) }];
     for j in 2..N {
         sums[j % 2] = sums[j % 2] + a[j] * b[j];
+    }
+    sums[0] + sums[1]
+}
+
+/// Sum of a few numbers, those at even and at odd places apart.
+#[inline]
+fn total_of<const N: usize>(a: &[f64; N]) -> f64 {
+    let mut sums = [0.0; 2];
+    for j in 0..N {
+        sums[j % 2] += a[j];
     }
     sums[0] + sums[1]
 }
