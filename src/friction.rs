@@ -67,20 +67,42 @@ impl Law {
         }
     }
 
-    /// mu with the sign of v [1], at the slip speed v [m/s] of any sign; `band` is followed some way beyond its ends, for
-    /// steps that try to go there before the end is found.
-    pub fn signed<T: Number>(&self, v: T, band: Band) -> T {
+    /// mu with the sign of v [1] over the slip speed v [m/s] of any sign, as on `band`; it goes on beyond its ends, for steps that
+    /// try to go there before the end is found.
+    pub fn cubic(&self, band: Band) -> Cubic {
         let (low, high) = (self.static_coefficient, self.kinetic_coefficient);
         match band {
-            Band::Ramp => v * T::constant(low / self.static_speed),
-            Band::Step(sign) => {
-                let s = (v * T::constant(sign) - T::constant(self.static_speed))
-                    * T::constant(1.0 / (self.kinetic_speed - self.static_speed));
-                let step = s * s * (T::constant(3.0) - s * T::constant(2.0));
-                (T::constant(low) + step * T::constant(high - low)) * T::constant(sign)
-            }
-            Band::Level(sign) => T::constant(sign * high),
+            Band::Ramp => Cubic { from: 0.0, rate: 1.0 / self.static_speed, terms: [0.0, low, 0.0, 0.0] },
+            Band::Step(sign) => Cubic {
+                from: sign * self.static_speed,
+                rate: sign / (self.kinetic_speed - self.static_speed),
+                terms: [low, 0.0, 3.0 * (high - low), -2.0 * (high - low)].map(|term| sign * term),
+            },
+            Band::Level(sign) => Cubic { from: 0.0, rate: 0.0, terms: [sign * high, 0.0, 0.0, 0.0] },
         }
+    }
+}
+
+/// A stretch of a law as a cubic in s = rate (v - from).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cubic {
+    from: f64,
+    rate: f64,
+    terms: [f64; 4],
+}
+
+impl Cubic {
+    /// Value at v.
+    #[inline]
+    pub fn at<T: Number>(&self, v: T) -> T {
+        let s = (v - T::constant(self.from)) * T::constant(self.rate);
+        let [a, b, c, d] = self.terms.map(T::constant);
+        (a + s * b) + s * s * (c + s * d)
+    }
+
+    /// That many times as much.
+    pub fn times(self, factor: f64) -> Self {
+        Self { terms: self.terms.map(|term| term * factor), ..self }
     }
 }
 

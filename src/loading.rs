@@ -5,7 +5,7 @@
 use crate::decimal::Decimal;
 use crate::definition::{DefinitionError, Friction, Limit, Mechanism};
 use crate::drag::Surface;
-use crate::friction::Law;
+use crate::friction::{Band, Cubic, Law};
 use crate::linkage::{Freedom, GROUND, Linkage, Point, Vec2, turned};
 use crate::loads::Load;
 use std::fmt;
@@ -115,6 +115,13 @@ pub struct Pin {
     pub radius: f64,
     /// Coefficient of friction over slip speed.
     pub law: Law,
+}
+
+impl Pin {
+    /// Arm of the friction, mu with the sign of v times the radius [m, or 1], over the slip speed v [m/s] as on `band`.
+    pub fn arm(&self, band: Band) -> Cubic {
+        self.law.cubic(band).times(self.radius)
+    }
 }
 
 /// Law of a spring and damper. Its pull on S is preload + stiffness (S - free) + damping S_dot.

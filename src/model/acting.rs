@@ -4,7 +4,7 @@
 //! the loads that the state decides. Written once for values and for values with derivatives.
 use super::panel::{Folded, Given};
 use crate::drag::Meeting;
-use crate::friction::{Balance, Band, Locked, Loop};
+use crate::friction::{Balance, Band, Cubic, Locked, Loop};
 use crate::number::Number;
 use crate::reduced::{Reduced, Scene};
 use crate::table::{Bundle, ROW, polynomial_at, side_by_side_at};
@@ -38,7 +38,9 @@ pub struct Acting<T> {
     /// Reactions and friction.
     pub friction: Loop<T>,
     /// Stretch of its law in which each pin is taken to be; where none is stated, that of its slip speed.
-    pub bands: Vec<Option<Band>>,
+    bands: Vec<Option<Band>>,
+    /// Arm of each pin's friction on its stretch.
+    arms: Vec<Cubic>,
     /// The scene's bundle.
     effects: Vec<[T; ROW]>,
     /// Effect of all but friction on the motion.
@@ -63,11 +65,25 @@ impl<T: Number> Acting<T> {
             loads: vec![zero; loads],
             friction: Loop::new(pins, groups),
             bands: vec![None; pins],
+            arms: vec![Cubic::default(); pins],
             effects: vec![[zero; ROW]; scene.map_or(0, |s| Bundle::rows(s.bundled()))],
             motion: zero,
             reactions: vec![[zero; ROW]; reactions],
             kept: vec![zero; lossy + 1 + ROW * reactions],
             room: vec![zero; 4 * pins],
+        }
+    }
+
+    /// Stretch of its law in which a pin is taken to be, if one is stated.
+    pub fn band(&self, pin: usize) -> Option<Band> {
+        self.bands[pin]
+    }
+
+    /// State the stretch of its law in which a pin is, until told otherwise; with none, its slip speed tells.
+    pub fn set_band(&mut self, scene: &Scene, pin: usize, band: Option<Band>) {
+        self.bands[pin] = band;
+        if let Some(band) = band {
+            self.arms[pin] = scene.pins[pin].arm(band);
         }
     }
 
@@ -257,11 +273,12 @@ impl<T: Number> Acting<T> {
     fn rub(&mut self, scene: &Scene, sigma_dot: T) -> Result<(), Locked> {
         let effects = self.effects.as_flattened();
         let slips = &effects[scene.free()..scene.loads.len()];
-        let arms = self.friction.arm.iter_mut().zip(&self.bands);
-        for ((arm, band), (pin, slip)) in arms.zip(scene.pins.iter().zip(slips)) {
-            let slip = *slip * sigma_dot * T::constant(pin.radius);
-            let band = band.unwrap_or_else(|| pin.law.band(slip.value()));
-            *arm = pin.law.signed(slip, band) * T::constant(pin.radius);
+        for (j, (pin, slip)) in scene.pins.iter().zip(slips).enumerate() {
+            let v = *slip * sigma_dot * T::constant(pin.radius);
+            if self.bands[j].is_none() {
+                self.arms[j] = pin.arm(pin.law.band(v.value()));
+            }
+            self.friction.arm[j] = self.arms[j].at(v);
         }
         let reactions = self.reactions.as_flattened();
         self.friction.solve(&balance(scene, effects, reactions, &effects[scene.inertial()]))

@@ -270,7 +270,7 @@ where
         Event::Unknown => {}
         Event::Band(pin) => {
             let Some(scene) = motion.scene else { return Ok(()) };
-            let (law, band) = (scene.pins[pin].law, motion.work.acting.bands[pin].unwrap_or(Band::Ramp));
+            let (law, band) = (scene.pins[pin].law, motion.work.acting.band(pin).unwrap_or(Band::Ramp));
             let next = law.next(band, motion.slip(pin, z[0], z[1]));
             motion.set_band(pin, Some(next));
             if at_once {

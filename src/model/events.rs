@@ -198,7 +198,7 @@ fn may_change<const N: usize>(motion: &mut Motion, pin: usize, step: &Step<N>) -
     const ROOM: f64 = 0.5;
     let (Some(scene), Some([first, last])) = (motion.scene, step.rates()) else { return true };
     let law = scene.pins[pin].law;
-    let (low, high) = law.range(motion.work.acting.bands[pin].unwrap_or(Band::Ramp));
+    let (low, high) = law.range(motion.work.acting.band(pin).unwrap_or(Band::Ramp));
     let [a, rate_a] = motion.slip_rate(pin, [step.start[0], step.start[1], first[1]]);
     let [b, rate_b] = motion.slip_rate(pin, [step.end[0], step.end[1], last[1]]);
     let (second, third) = (a + step.h / 3.0 * rate_a, b - step.h / 3.0 * rate_b);
@@ -212,7 +212,7 @@ fn may_change<const N: usize>(motion: &mut Motion, pin: usize, step: &Step<N>) -
 fn change_of_band<const N: usize>(motion: &mut Motion, dense: &Dense<N>, pin: usize) -> Option<f64> {
     const SAMPLES: usize = 8;
     let law = motion.scene?.pins[pin].law;
-    let (low, high) = law.range(motion.work.acting.bands[pin]?);
+    let (low, high) = law.range(motion.work.acting.band(pin)?);
     // How far beyond the stretch; negative within.
     let mut beyond = |s: f64| {
         let y = dense.at(s);

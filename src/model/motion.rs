@@ -170,8 +170,10 @@ impl Motion<'_> {
 
     /// State the stretch of its law in which a pin is, until told otherwise; with none, its slip speed tells.
     pub fn set_band(&mut self, pin: usize, band: Option<Band>) {
-        self.work.acting.bands[pin] = band;
-        self.work.tangent.bands[pin] = band;
+        if let Some(scene) = self.scene {
+            self.work.acting.set_band(scene, pin, band);
+            self.work.tangent.set_band(scene, pin, band);
+        }
     }
 
     /// State the stretches in which all pins are at this state.
@@ -185,7 +187,7 @@ impl Motion<'_> {
 
     /// Let slip speeds tell the stretches.
     fn clear_bands(&mut self) {
-        for pin in 0..self.work.acting.bands.len() {
+        for pin in 0..self.scene.map_or(0, |s| s.pins.len()) {
             self.set_band(pin, None);
         }
     }
