@@ -48,12 +48,16 @@ impl<const N: usize> Dense<N> {
 
     /// State at the part s of the step, 0 <= s <= 1; beyond, its continuation.
     pub fn at(&self, s: f64) -> [f64; N] {
-        std::array::from_fn(|n| {
-            let mut sum = 0.0;
-            for (i, term) in self.terms.iter().enumerate().rev() {
-                sum = (sum + term[n]) * if i % 2 == 0 { s } else { 1.0 - s };
-            }
-            self.start[n] + sum
-        })
+        std::array::from_fn(|n| self.component(n, s))
+    }
+
+    /// One component of that.
+    #[inline]
+    pub fn component(&self, n: usize, s: f64) -> f64 {
+        let mut sum = 0.0;
+        for (i, term) in self.terms.iter().enumerate().rev() {
+            sum = (sum + term[n]) * if i % 2 == 0 { s } else { 1.0 - s };
+        }
+        self.start[n] + sum
     }
 }

@@ -170,8 +170,7 @@ fn towards(sign: f64) -> Direction {
 fn bumper_event<const N: usize>(motion: &mut Motion, dense: &Dense<N>, k: usize, touches: bool) -> Option<f64> {
     const SAMPLES: usize = 12;
     let mut passed = |s: f64| {
-        let y = dense.at(s);
-        let (beyond, push) = motion.pressure(k, y[0], y[1]);
+        let (beyond, push) = motion.pressure(k, dense.component(0, s), dense.component(1, s));
         // A bumper that touches lets go when it would pull; one that does not begins when it would push, if it is pressed.
         if touches { push < 0.0 } else { beyond > 0.0 && push > 0.0 }
     };
@@ -215,8 +214,7 @@ fn change_of_band<const N: usize>(motion: &mut Motion, dense: &Dense<N>, pin: us
     let (low, high) = law.range(motion.work.acting.band(pin)?);
     // How far beyond the stretch; negative within.
     let mut beyond = |s: f64| {
-        let y = dense.at(s);
-        let v = motion.slip(pin, y[0], y[1]);
+        let v = motion.slip(pin, dense.component(0, s), dense.component(1, s));
         (low - v).max(v - high)
     };
     let (mut a, mut at_a) = (0.0, beyond(0.0).min(0.0));
@@ -231,28 +229,59 @@ fn change_of_band<const N: usize>(motion: &mut Motion, dense: &Dense<N>, pin: us
     None
 }
 
-/// Where a function passes from <= 0 at a to > 0 at b, on the far side, within `close`: false position after Illinois (Dowell and Jarratt,
-/// BIT 11 (1971), 168), with halving where it is slow.
+/// Where a function passes from <= 0 at a to > 0 at b, on the far side, within `close`: false position after Anderson and Bjoerck
+/// (BIT 13 (1973), 253), at least half of `close` off either end, so that the other side is met too; with halving where it is slow.
 pub fn passage(
     f: &mut dyn FnMut(f64) -> f64,
     (mut a, mut at_a): (f64, f64),
     (mut b, mut at_b): (f64, f64),
     close: f64,
 ) -> f64 {
+    let less = |part: f64| if part < 1.0 { 1.0 - part } else { 0.5 };
+    let mut last = 0.0;
     for k in 0..100 {
         if b - a <= close {
             break;
         }
-        let line = b - at_b * (b - a) / (at_b - at_a);
-        let c = if k % 8 == 7 || !(a < line && line < b) { 0.5 * (a + b) } else { line };
+        let line = (b - at_b * (b - a) / (at_b - at_a)).min(b - 0.5 * close).max(a + 0.5 * close);
+        let halve = if k < 16 { k % 8 == 7 } else { k % 2 == 0 };
+        let c = if halve || !(a < line && line < b) { 0.5 * (a + b) } else { line };
         let at_c = f(c);
         if at_c > 0.0 {
+            // An end that stays for the second time counts for less.
+            at_a *= if last > 0.0 { less(at_c / at_b) } else { 1.0 };
             (b, at_b) = (c, at_c);
-            at_a *= 0.5;
         } else {
+            at_b *= if last < 0.0 { less(at_c / at_a) } else { 1.0 };
             (a, at_a) = (c, at_c);
-            at_b *= 0.5;
         }
+        last = if at_c > 0.0 { 1.0 } else { -1.0 };
     }
     b
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_passage_is_met_on_the_far_side_in_few_calls() {
+        let functions: [(&dyn Fn(f64) -> f64, f64); 4] = [
+            (&|x| x.exp() - 2.0, 2.0_f64.ln()),
+            (&|x| (x - 0.3).powi(3), 0.3),
+            (&|x| if x > 0.7 { 1.0 } else { -1e-9 }, 0.7),
+            (&|x| 1e-3 - (x - 1.0).powi(2), 1.0 - 1e-3_f64.sqrt()),
+        ];
+        for (n, (f, exact)) in functions.iter().enumerate() {
+            let mut calls = 0;
+            let mut counted = |x: f64| {
+                calls += 1;
+                f(x)
+            };
+            let at = passage(&mut counted, (0.0, f(0.0)), (1.0, f(1.0)), 1e-11);
+            println!("{n}: {calls}");
+            assert!(f(at) > 0.0 && at - exact <= 1.1e-11, "{n}: {at}");
+            assert!(calls <= [9, 90, 90, 14][n], "{n}: {calls}");
+        }
+    }
 }
