@@ -103,7 +103,7 @@ def by_scene(rows: list[Row], canvas: Canvas) -> None:
     axes = canvas.subplots()
     height = 0.38
     for shift, steps, colour, label in ((-0.5, "1", BLUE, "one doStep of 0.13 s"), (0.5, "130", ORANGE, "130 of 1 ms")):
-        mine = [pick(rows, scene=scene, steps=steps)[0] for scene in SCENES]
+        mine = [pick(rows, scene=scene, steps=steps, inputs="constant")[0] for scene in SCENES]
         times, ratios = column(mine, "time_us"), column(mine, "ratio")
         places = [place + shift * height for place in range(len(SCENES))]
         axes.barh(places, times, height, color=colour, label=label)

@@ -286,6 +286,7 @@ impl<T: Number> Acting<T> {
 }
 
 /// The pins' reactions without friction, and what friction and sigma_ddot do to them.
+#[inline]
 fn balance<'a, T>(scene: &'a Scene, effects: &'a [T], reactions: &'a [T], inertial: &'a [T]) -> Balance<'a, T> {
     let n = scene.pins.len();
     let passed = &effects[scene.passed()];

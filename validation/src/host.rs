@@ -5,7 +5,7 @@
 #![allow(unsafe_code)]
 
 use crate::life::{Life, done};
-use crate::scene::{After, Scene};
+use crate::scene::{After, KNOWN, Scene, force};
 use linkage_fmu::fmi2::types::{Boolean, Component, FALSE, FmuState, TRUE, ValueReference};
 use linkage_fmu::fmi2::{
     fmi2DoStep, fmi2EnterInitializationMode, fmi2ExitInitializationMode, fmi2FreeFMUstate, fmi2FreeInstance,
@@ -23,8 +23,6 @@ const MOTION: [&str; 3] = ["crank.angle", "crank.speed", "crank.acceleration"];
 const REACTIONS: [&str; 4] = ["joint1.force", "joint2.force", "joint3.force", "joint4.force"];
 /// Unknowns of the directional derivative.
 const UNKNOWNS: [&str; 4] = ["crank.speed", "crank.acceleration", "actuator.speed", "actuator.acceleration"];
-/// Its known.
-const KNOWN: &str = "actuator.force";
 
 /// An initialised instance of the landing gear, with the state that each run begins with.
 pub struct Host {
@@ -100,7 +98,7 @@ impl Host {
                 // SAFETY: the component is valid (4.2.2).
                 done("fmi2DoStep", unsafe { fmi2DoStep(self.component, f64::from(step) * h, h, FALSE) })?;
                 for &what in after {
-                    self.call(what)?;
+                    self.call(what, step + 1)?;
                 }
             }
             *least = least.min(began.elapsed().as_secs_f64());
@@ -108,7 +106,7 @@ impl Host {
         Ok(())
     }
 
-    fn call(&self, what: After) -> Result<(), String> {
+    fn call(&self, what: After, steps: u32) -> Result<(), String> {
         match what {
             After::Motion => self.motion.iter().try_for_each(|reference| self.read([*reference])),
             After::Reactions => self.read(self.reactions),
@@ -123,6 +121,10 @@ impl Host {
                 };
                 std::hint::black_box(&rates);
                 done("fmi2GetDirectionalDerivative", status)
+            }
+            After::Force => {
+                // SAFETY: the component is valid; one reference, one value (2.1.7).
+                done("fmi2SetReal", unsafe { fmi2SetReal(self.component, &self.known, 1, &force(steps)) })
             }
         }
     }

@@ -5,6 +5,9 @@ use linkage_fmu::model::{Model, ModelError, Statistics};
 /// Duration of a retraction, scene S1 [s].
 pub const SPAN: f64 = 0.13;
 
+/// The input that is set, and along which derivatives are taken.
+pub const KNOWN: &str = "actuator.force";
+
 /// What a host calls after a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum After {
@@ -16,6 +19,13 @@ pub enum After {
     EachReaction,
     /// One fmi2GetDirectionalDerivative: four outputs along one input.
     Derivatives,
+    /// One fmi2SetReal: the force, to one unit of its last place more and less in turn.
+    Force,
+}
+
+/// Force of the actuator after so many steps in which [`After::Force`] is called [N].
+pub fn force(steps: u32) -> f64 {
+    if steps.is_multiple_of(2) { 30_000.0 } else { 30_000.0_f64.next_up() }
 }
 
 /// Settings that differ from the default, and calls.
@@ -80,11 +90,11 @@ pub const SCENES: [Scene; 9] = [
 ];
 
 impl Scene {
-    /// What the integrator does in `steps` equal steps of the retraction.
+    /// What the integrator does in `steps` equal steps of the retraction, with what of `after` it feels.
     ///
     /// # Errors
     /// The engine refuses a setting or a step.
-    pub fn work(&self, text: &str, tolerance: f64, steps: u32) -> Result<Statistics, ModelError> {
+    pub fn work(&self, text: &str, tolerance: f64, steps: u32, after: &[After]) -> Result<Statistics, ModelError> {
         let mut model = Model::from_json(text)?;
         for &(name, value) in self.reals {
             let reference = model.variables().find(name).unwrap_or_default();
@@ -96,8 +106,12 @@ impl Scene {
         }
         model.set_tolerance(tolerance)?;
         model.initialize()?;
-        for _ in 0..steps {
+        let known = model.variables().find(KNOWN).unwrap_or_default();
+        for step in 1..=steps {
             model.step(SPAN / f64::from(steps))?;
+            if after.contains(&After::Force) {
+                model.set_real(known, force(step))?;
+            }
         }
         Ok(model.statistics())
     }

@@ -3,13 +3,19 @@
 use crate::asked::{self, Asked, digits};
 use crate::host::Host;
 use crate::measure::{self, Pages};
-use crate::scene::{SCENES, SPAN};
+use crate::scene::{After, SCENES, SPAN};
 use linkage_fmu::model::Statistics;
 use std::fmt::Write;
 use std::path::Path;
 
 /// Tolerance of all runs.
 const TOLERANCE: f64 = 1e-9;
+/// Words for a table, doSteps in a retraction, and what is called after each besides.
+const RUNS_OF: [(&str, u32, &[After]); 3] = [
+    ("One doStep of 0.13 s", 1, &[]),
+    ("130 doSteps of 1 ms", 130, &[]),
+    ("130 doSteps of 1 ms, the force changed after each", 130, &[After::Force]),
+];
 /// Runs of which the fastest counts.
 const RUNS: usize = 400;
 
@@ -21,9 +27,10 @@ pub fn table(folder: &Path) -> Result<Pages, String> {
     let text = measure::mechanism(folder)?;
     let mut hosts = SCENES.iter().map(|scene| Host::new(folder, scene, TOLERANCE)).collect::<Result<Vec<_>, _>>()?;
     let mut tables = String::new();
-    let mut csv = String::from("scene,steps,time_us,ratio,evaluations,jacobians,accepted,rejected,methods\n");
+    let mut csv = String::from("scene,steps,inputs,time_us,ratio,evaluations,jacobians,accepted,rejected,methods\n");
     let mut figures = Vec::new();
-    for (title, steps) in [("One doStep of 0.13 s", 1), ("130 doSteps of 1 ms", 130)] {
+    for (title, steps, besides) in RUNS_OF {
+        let inputs = if besides.is_empty() { "constant" } else { "changing" };
         let _ = writeln!(
             tables,
             "## {title}\n\n| scene | time [us] | to bare | evaluations | Jacobians | steps | rejected | steps by method \
@@ -32,12 +39,13 @@ pub fn table(folder: &Path) -> Result<Pages, String> {
         let mut times = [f64::INFINITY; SCENES.len()];
         for _ in 0..RUNS {
             for ((time, host), scene) in times.iter_mut().zip(&mut hosts).zip(&SCENES) {
-                host.run(steps, SPAN / f64::from(steps), scene.after, std::slice::from_mut(time))?;
+                let after = [scene.after, besides].concat();
+                host.run(steps, SPAN / f64::from(steps), &after, std::slice::from_mut(time))?;
             }
         }
         let times = times.map(|seconds| seconds * 1e6);
         for (time, scene) in times.iter().zip(&SCENES) {
-            let work = scene.work(&text, TOLERANCE, steps).map_err(|e| format!("{}: {e}", scene.name))?;
+            let work = scene.work(&text, TOLERANCE, steps, besides).map_err(|e| format!("{}: {e}", scene.name))?;
             let Statistics { evaluations, jacobians, accepted, rejected, .. } = work;
             let (ratio, methods) = (time / times[0], methods(work));
             let _ = writeln!(
@@ -49,7 +57,7 @@ pub fn table(folder: &Path) -> Result<Pages, String> {
             );
             let _ = writeln!(
                 csv,
-                "{},{steps},{time:.2},{ratio:.3},{evaluations},{jacobians},{accepted},{rejected},{}",
+                "{},{steps},{inputs},{time:.2},{ratio:.3},{evaluations},{jacobians},{accepted},{rejected},{}",
                 scene.name,
                 methods.replace(", ", " ")
             );
@@ -63,7 +71,8 @@ pub fn table(folder: &Path) -> Result<Pages, String> {
         "The landing gear (30 kN, load factor 3, from rest, 0.13 s) at tolerance {TOLERANCE:.0e}, called through the C \
          functions; one core. Time: of the steps and of what is read after each, the fastest of {RUNS} runs, the scenes \
          taken in turn. To bare: the ratio of times. All scenes but the first have the stops. Read are four reactions in \
-         one fmi2GetReal, or four outputs along one input in one fmi2GetDirectionalDerivative. Steps by method: RKN is the \
+         one fmi2GetReal, or four outputs along one input in one fmi2GetDirectionalDerivative. Without a change of inputs, steps \
+         with a scene go on beyond communication steps, and states are read from them. Steps by method: RKN is the \
          Nystroem pair for forces that do not depend on the speed, DOPRI5 the pair for spans that are short for DOP853, RK4 \
          the method for very short ones."
     );

@@ -76,7 +76,7 @@ impl Row {
                 host.run(count, SPAN / f64::from(count), after, least)?;
             }
         }
-        let work = scene.work(text, accuracy, count).map_err(|e| e.to_string())?;
+        let work = scene.work(text, accuracy, count, &[]).map_err(|e| e.to_string())?;
         let times = least.map(|parts| parts.iter().sum::<f64>() * 1e9 / f64::from(count));
         Ok(Self { micros, tolerance, times, evaluations: work.evaluations as f64 / f64::from(count) })
     }
