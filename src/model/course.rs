@@ -145,36 +145,39 @@ where
             }
         }
         let beyond = may_pass && integrator.outlasts(span - t);
-        let step = match integrator.step(motion, t, z, if beyond { f64::INFINITY } else { span }, tolerance) {
+        let step = integrator.step(motion, t, z, if beyond { f64::INFINITY } else { span }, tolerance);
+        let step = match &step {
+            Ok(step) => step,
             Err(_) if beyond => {
                 // What is beyond the span is of no concern yet.
                 lookahead.failed();
                 (may_pass, motion.locked) = (false, false);
                 continue;
             }
-            step => step.map_err(|e| failure(motion, e))?,
+            Err(error) => return Err(failure(motion, *error)),
         };
         let mut dense = None;
-        let found = first_event(integrator, motion, around, contact, &step, way.along.take(), &mut dense);
-        let (mut kept, mut h, mut there) = (step, step.h, step.end);
-        if let Some(found) = &found {
-            let exact = dense.as_ref().is_some_and(|dense| is_exact(motion, &step, dense, tolerance));
-            let retaken = land(integrator, motion, around, &step, found, exact);
-            (h, there) = retaken.map_or((found.part * step.h, found.state), |step| (step.h, step.end));
-            if let Some(retaken) = retaken {
-                (kept, dense) = (retaken, None);
-            }
-        }
+        let found = first_event(integrator, motion, around, contact, step, way.along.take(), &mut dense);
+        let retaken = found.as_ref().and_then(|found| {
+            let exact = dense.as_ref().is_some_and(|dense| is_exact(motion, step, dense, tolerance));
+            land(integrator, motion, around, step, found, exact)
+        });
+        let (h, there) = match (&found, &retaken) {
+            (_, Some(retaken)) => (retaken.h, retaken.end),
+            (Some(found), None) => (found.part * step.h, found.state),
+            (None, None) => (step.h, step.end),
+        };
         if t + h > span {
-            let dense = dense.unwrap_or_else(|| integrator.dense(motion, &kept));
-            let exact = is_exact(motion, &kept, &dense, tolerance);
+            let kept = retaken.as_ref().unwrap_or(step);
+            let dense = dense.filter(|_| retaken.is_none()).unwrap_or_else(|| integrator.dense(motion, kept));
+            let exact = is_exact(motion, kept, &dense, tolerance);
             let event = found.map(|found| found.event).filter(|event| *event != Event::Unknown);
             let mut ahead = Overshoot { dense, h: kept.h, end: h, there, event, now: 0.0, from: [0.0; N] };
             if exact {
                 *z = ahead.read(span - t);
                 lookahead.keep(ahead);
             } else {
-                *z = integrator.retake(motion, &step, span - t).end;
+                *z = integrator.retake(motion, step, span - t).end;
                 lookahead.failed();
             }
             break;
