@@ -188,19 +188,21 @@ impl Folded {
         if reduced.is_exact() && self.inverse != 0.0 {
             self.enter_exactly(reduced, scene, table, sigma, shift);
         }
-        let (springs, winding) = (reduced.components().springs, reduced.components().winding);
-        let given_loads = loads(scene, given.sizes);
-        let own = springs.map(|k| (k, 1.0)).into_iter().chain(winding.map(|k| (k, self.turns)));
-        let mut force = [0.0; NODES];
-        self.reactions.clear();
-        self.reactions.resize(Bundle::rows(scene.map_or(0, |s| s.rows() - 1)), Row::ZERO);
-        for (k, size) in given_loads.chain(own) {
+        let own = [(reduced.components().springs, 1.0), (reduced.components().winding, self.turns)];
+        let own = own.into_iter().filter_map(|(k, size)| Some((k?, size)));
+        self.force = self.fold(scene, table, given.sizes, 0);
+        for (k, size) in own.clone() {
+            let mut force = self.force;
             add(&mut force, self.series(table, scene.map_or(k, |s| s.given(0, k))), size);
-            if let Some(scene) = scene {
+            self.force = force;
+        }
+        if let Some(scene) = scene.filter(|s| !s.pins.is_empty()) {
+            self.reactions.clear();
+            self.reactions.resize(Bundle::rows(scene.rows() - 1), Row::ZERO);
+            for (k, size) in loads(Some(scene), given.sizes).chain(own) {
                 self.add_reactions(scene, k, size);
             }
         }
-        self.force = force;
         self.rates.clear();
         if let Some(change) = &given.change {
             for row in 0..scene.map_or(1, Scene::rows) {
