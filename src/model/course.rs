@@ -157,7 +157,8 @@ where
             Err(error) => return Err(failure(motion, *error)),
         };
         let mut dense = None;
-        let found = first_event(integrator, motion, around, contact, step, way.along.take(), &mut dense);
+        let along = way.along.take();
+        let found = first_event(integrator, motion, around, contact, step, along, &mut dense);
         let retaken = found.as_ref().and_then(|found| {
             let exact = dense.as_ref().is_some_and(|dense| is_exact(motion, step, dense, tolerance));
             land(integrator, motion, around, step, found, exact)
@@ -167,19 +168,20 @@ where
             (Some(found), None) => (found.part * step.h, found.state),
             (None, None) => (step.h, step.end),
         };
-        if t + h > span {
+        if beyond && t + h > span {
             let kept = retaken.as_ref().unwrap_or(step);
             let dense = dense.filter(|_| retaken.is_none()).unwrap_or_else(|| integrator.dense(motion, kept));
-            let exact = is_exact(motion, kept, &dense, tolerance);
+            if !is_exact(motion, kept, &dense, tolerance) {
+                // To be made again, to the end of the span.
+                lookahead.failed();
+                integrator.branch_off();
+                (may_pass, way.along) = (false, along);
+                continue;
+            }
             let event = found.map(|found| found.event).filter(|event| *event != Event::Unknown);
             let mut ahead = Overshoot { dense, h: kept.h, end: h, there, event, now: 0.0, from: [0.0; N] };
-            if exact {
-                *z = ahead.read(span - t);
-                lookahead.keep(ahead);
-            } else {
-                *z = integrator.retake(motion, step, span - t).end;
-                lookahead.failed();
-            }
+            *z = ahead.read(span - t);
+            lookahead.keep(ahead);
             break;
         }
         *z = there;
@@ -206,8 +208,8 @@ where
     step.interpolates() && dense.is_within(tolerance, &scale)
 }
 
-/// Land on an event: on the interpolant if that is exact, or by a step that ends there, which is returned; on an end of the travel to the last
-/// digit.
+/// Land on an event: on the interpolant if that is exact, or by a step that ends there, which is returned; on an end of the
+/// travel to the last digit.
 fn land<'m, const N: usize>(
     integrator: &mut Integrator<N>,
     motion: &mut Motion<'m>,

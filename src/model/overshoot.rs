@@ -35,7 +35,7 @@ pub struct Overshoot<const N: usize> {
     pub there: [f64; N],
     /// What begins or ceases at the end.
     pub event: Option<Event>,
-    /// Time from its start to the present, below `end` [s].
+    /// Time from its start to the present, at most `end` [s].
     pub now: f64,
     /// What each component counts from: of those that start anew with a communication step, the value at present.
     pub from: [f64; N],
@@ -85,7 +85,7 @@ impl<const N: usize> Overshoot<N> {
         record.all_finite("end of the step ahead", &mut self.there)?;
         record.option("event ahead", &mut self.event, || Event::Reversal, |record, event| event.record(record))?;
         let end = self.end;
-        record.number("present", &mut self.now, |now| 0.0 <= now && now < end, "before the end of the step ahead")?;
+        record.number("present", &mut self.now, |now| 0.0 <= now && now <= end, "within the step ahead")?;
         record.all_finite("count", &mut self.from)
     }
 }
