@@ -1,7 +1,7 @@
 //! Bad input as a user sees it: each message names the key or variable, the value, what is allowed or what to do.
 #![allow(clippy::unwrap_used)]
 
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 
 const GEAR: &str = include_str!("../modelDescription/LandingGearRetraction/resources/mechanism.json");
 

@@ -1,7 +1,7 @@
 //! Directional derivatives and derivatives of outputs, against differences and closed forms.
 #![allow(clippy::unwrap_used)]
 
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 use linkage_fmu::variables::{Causality, Kind, Reference};
 
 macro_rules! mechanism {

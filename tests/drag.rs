@@ -1,7 +1,7 @@
 //! Drag of the air on the gear: force and moment, acceleration, reactions and energy against formulas written out here.
 #![allow(clippy::unwrap_used)]
 
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use std::sync::OnceLock;

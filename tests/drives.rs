@@ -2,7 +2,7 @@
 //! what was asked for.
 #![allow(clippy::unwrap_used)]
 
-use linkage_fmu::model::{Model, ModelError};
+use linkage_fmu::mechanism::{Model, ModelError};
 use linkage_fmu::variables::{Causality, Kind, Reference};
 use proptest::prelude::*;
 use serde_json::{Value, json};

@@ -1,7 +1,7 @@
 //! The motion without tables: each evaluation closes the loops and balances the forces anew.
 #![allow(clippy::unwrap_used)]
 
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 
 macro_rules! mechanism {
     ($name:literal) => {

@@ -6,7 +6,7 @@ mod fmi2_host;
 use fmi2_host::{Folder, Gear, Log, c, callback, callbacks};
 use linkage_fmu::fmi2::types::{Component, FmuState, Status};
 use linkage_fmu::fmi2::*;
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 use linkage_fmu::variables::{Causality, Kind};
 use std::ptr::{null, null_mut};
 

@@ -1,7 +1,7 @@
 //! Joint friction: the paper's gear, its loop, its energy, its stiffness.
 #![allow(clippy::unwrap_used)]
 
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 
 const GEAR: &str = include_str!("../modelDescription/LandingGearRetraction/resources/mechanism.json");
 

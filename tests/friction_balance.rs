@@ -1,7 +1,7 @@
 //! Friction against closed forms, against the reactions that the FMU itself tells, and in balance with other losses.
 #![allow(clippy::unwrap_used)]
 
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use std::sync::OnceLock;

@@ -1,7 +1,7 @@
 //! Scene S1 of the landing gear against reference values from a 34-digit energy quadrature.
 #![allow(clippy::unwrap_used)]
 
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 
 const GEAR: &str = include_str!("../modelDescription/LandingGearRetraction/resources/mechanism.json");
 

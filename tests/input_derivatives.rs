@@ -1,7 +1,7 @@
 //! Inputs that change within a step: order, exactness, energy, and what is let go in between.
 #![allow(clippy::unwrap_used)]
 
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 
 const GEAR: &str = include_str!("../modelDescription/LandingGearRetraction/resources/mechanism.json");
 

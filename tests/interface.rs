@@ -1,7 +1,7 @@
 //! The gear's interface: names, units, start values, and dependencies that are true to the code.
 #![allow(clippy::unwrap_used)]
 
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 use linkage_fmu::variables::{Causality, Kind, Reference, Unit, Value};
 
 const GEAR: &str = include_str!("../modelDescription/LandingGearRetraction/resources/mechanism.json");

@@ -2,7 +2,7 @@
 //! as what is stepped to, and whatever changes in between takes effect at once.
 #![allow(clippy::unwrap_used)]
 
-use linkage_fmu::model::{Model, Statistics};
+use linkage_fmu::mechanism::{Model, Statistics};
 use serde_json::{Value, json};
 
 const GEAR: &str = include_str!("../modelDescription/LandingGearRetraction/resources/mechanism.json");

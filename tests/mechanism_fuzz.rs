@@ -4,7 +4,7 @@
 //! `LINKAGE_FMU_CASES=20000 cargo test --test mechanism_fuzz -- --nocapture`.
 #![allow(clippy::unwrap_used)]
 
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 use linkage_fmu::variables::Causality;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};

@@ -3,7 +3,7 @@
 //! With friction its torques, with air the drag, act on the bodies too.
 #![allow(clippy::unwrap_used)]
 
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 use proptest::prelude::*;
 use std::sync::OnceLock;
 

@@ -1,8 +1,8 @@
 //! A scene pays for what is in it: which tables are built, and how often each quantity is computed.
 #![allow(clippy::unwrap_used)]
 
-use linkage_fmu::model::{Computed, Model, Statistics};
-use linkage_fmu::reduced::Built;
+use linkage_fmu::mechanism::reduced::Built;
+use linkage_fmu::mechanism::{Computed, Model, Statistics};
 
 const GEAR: &str = include_str!("../modelDescription/LandingGearRetraction/resources/mechanism.json");
 

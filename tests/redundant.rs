@@ -1,7 +1,7 @@
 //! Redundant joints: accepted where they fit everywhere, with the reactions of least norm; refused by name where not.
 #![allow(clippy::unwrap_used)]
 
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 use nalgebra::{DMatrix, DVector};
 
 /// A parallelogram with a third bar in the middle; `third` is its length. The plate is the coupler, 2 m long.

@@ -1,12 +1,12 @@
 //! Rigid-link finite elements ([HF08] section 3) against the reduced model, and against themselves.
 #![allow(clippy::unwrap_used)]
 
-use linkage_fmu::definition::Mechanism;
-use linkage_fmu::linkage::Linkage;
-use linkage_fmu::loading::Loading;
-use linkage_fmu::model::Model;
-use linkage_fmu::reactions::Reaction;
-use linkage_fmu::rigid_fem::{RigidFem, RigidFemError, State, Workspace};
+use linkage_fmu::mechanism::Model;
+use linkage_fmu::mechanism::definition::Mechanism;
+use linkage_fmu::mechanism::linkage::Linkage;
+use linkage_fmu::mechanism::loads::resolved::Loading;
+use linkage_fmu::mechanism::reactions::Reaction;
+use linkage_fmu::mechanism::rigid_fem::{RigidFem, RigidFemError, State, Workspace};
 use serde_json::{Value, json};
 use std::time::Instant;
 

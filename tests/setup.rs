@@ -2,11 +2,11 @@
 //! allocations; and what a changed parameter leaves as it was.
 #![allow(unsafe_code, clippy::unwrap_used)]
 
-use linkage_fmu::chebyshev::NODES;
-use linkage_fmu::definition::Mechanism;
-use linkage_fmu::model::Model;
-use linkage_fmu::reduced::Reduced;
-use linkage_fmu::variables::Variables;
+use linkage_fmu::mechanism::Model;
+use linkage_fmu::mechanism::definition::Mechanism;
+use linkage_fmu::mechanism::interface;
+use linkage_fmu::mechanism::reduced::Reduced;
+use linkage_fmu::numerics::chebyshev::NODES;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
@@ -62,7 +62,7 @@ fn the_tables_have_few_panels() {
 #[test]
 fn texts_are_made_once() {
     let mechanism = Mechanism::from_json(GEAR).unwrap();
-    let (variables, count) = allocations(|| Variables::new(&mechanism).unwrap());
+    let (variables, count) = allocations(|| interface::variables(&mechanism).unwrap());
     let most = 10 * variables.list().len();
     assert!(count <= most, "{count} allocations, more than {most}");
 }

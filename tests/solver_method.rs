@@ -5,7 +5,7 @@ mod fmi2_host;
 
 use fmi2_host::Gear;
 use linkage_fmu::fmi2::types::Status;
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 use linkage_fmu::variables::{Causality, Kind};
 use serde_json::{Value, json};
 

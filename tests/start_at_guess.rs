@@ -1,7 +1,7 @@
 //! A start that is the guess itself lies where the trace begins: between two panels, on a closed curve at its seam.
 #![allow(clippy::unwrap_used)]
 
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 
 const JIB: &str = include_str!("../modelDescription/Jib/resources/mechanism.json");
 const CRANK: &str = include_str!("../modelDescription/SliderCrank/resources/mechanism.json");

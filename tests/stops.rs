@@ -1,7 +1,7 @@
 //! Stops, bumpers and locks: impacts, rest, what holds, and the energy.
 #![allow(clippy::unwrap_used)]
 
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 use proptest::prelude::*;
 use std::sync::OnceLock;
 

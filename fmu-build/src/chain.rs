@@ -45,7 +45,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 mod tests {
     use super::*;
     use crate::workspace::Workspace;
-    use linkage_fmu::model::Model;
+    use linkage_fmu::mechanism::Model;
 
     #[test]
     fn two_four_bars_are_the_committed_mechanism() {

@@ -5,8 +5,8 @@
 
 use anyhow::{Context, Result, bail};
 use linkage_fmu::fmi2::logger::LOG_CATEGORIES;
-use linkage_fmu::model::Model;
-use linkage_fmu::model::OUTPUT_ORDER;
+use linkage_fmu::mechanism::Model;
+use linkage_fmu::mechanism::OUTPUT_ORDER;
 use linkage_fmu::variables::{BaseUnit, Causality, Kind, Reference, Unit, Value, Variability, Variable};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, Event};

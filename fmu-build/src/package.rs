@@ -12,7 +12,7 @@ use crate::terminals;
 use crate::workspace::{DEFAULT_FMU, MECHANISM, Workspace};
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -5,7 +5,8 @@
 //! 2.4.9, with that version in it.
 
 use anyhow::Result;
-use linkage_fmu::variables::{Output, Quantity, Variable, Variables};
+use linkage_fmu::mechanism::quantity::{Output, Quantity};
+use linkage_fmu::variables::{Variable, Variables};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, Event};
 
@@ -22,7 +23,7 @@ struct Terminal<'a> {
 ///
 /// # Errors
 /// XML cannot be written.
-pub fn to_xml(variables: &Variables) -> Result<Option<String>> {
+pub fn to_xml(variables: &Variables<Quantity>) -> Result<Option<String>> {
     let terminals = terminals(variables);
     if terminals.is_empty() {
         return Ok(None);
@@ -62,7 +63,7 @@ fn quantity(variable: &Variable) -> &str {
 }
 
 /// The drives: an input, and the displacement along which it does work, with its derivatives.
-fn terminals(variables: &Variables) -> Vec<Terminal<'_>> {
+fn terminals(variables: &Variables<Quantity>) -> Vec<Terminal<'_>> {
     let all = || (0..).zip(variables.list());
     all()
         .filter_map(|(reference, input)| {
@@ -87,7 +88,7 @@ fn terminals(variables: &Variables) -> Vec<Terminal<'_>> {
 mod tests {
     use super::*;
     use crate::workspace::{MECHANISM, Workspace};
-    use linkage_fmu::model::Model;
+    use linkage_fmu::mechanism::Model;
     use std::fs;
 
     fn file_of(name: &str) -> Option<String> {

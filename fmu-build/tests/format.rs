@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use jsonschema::Validator;
-use linkage_fmu::definition::Mechanism;
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
+use linkage_fmu::mechanism::definition::Mechanism;
 use linkage_fmu::variables::{Causality, Kind};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;

@@ -12,7 +12,12 @@ use crate::variables::{Causality, Kind, Reference, Variable, Variables};
 /// # Errors
 /// An unknown reference, another type, or an output before initialization mode.
 #[inline]
-pub fn may_get(variables: &Variables, phase: Phase, reference: Reference, kind: Kind) -> Result<(), Refusal> {
+pub fn may_get<Q: Copy>(
+    variables: &Variables<Q>,
+    phase: Phase,
+    reference: Reference,
+    kind: Kind,
+) -> Result<(), Refusal> {
     let early = phase == Phase::Instantiated;
     match variables.get(reference) {
         Some(v) if v.kind == kind && !(early && v.causality == Causality::Output) => Ok(()),
@@ -22,7 +27,7 @@ pub fn may_get(variables: &Variables, phase: Phase, reference: Reference, kind: 
 
 /// Why a variable may not be read.
 #[cold]
-fn no_get(variables: &Variables, reference: Reference, kind: Kind) -> Refusal {
+fn no_get<Q: Copy>(variables: &Variables<Q>, reference: Reference, kind: Kind) -> Refusal {
     match of_kind(variables, reference, kind) {
         Ok(variable) => Refusal::error(format!(
             "'{}' (value reference {reference}) is an output; it has a value from fmi2EnterInitializationMode on",
@@ -36,7 +41,12 @@ fn no_get(variables: &Variables, reference: Reference, kind: Kind) -> Refusal {
 ///
 /// # Errors
 /// An unknown reference, another type, or a variable that is not the host's to set now.
-pub fn may_set(variables: &Variables, phase: Phase, reference: Reference, kind: Kind) -> Result<(), Refusal> {
+pub fn may_set<Q: Copy>(
+    variables: &Variables<Q>,
+    phase: Phase,
+    reference: Reference,
+    kind: Kind,
+) -> Result<(), Refusal> {
     let variable = of_kind(variables, reference, kind)?;
     let reason = match (variable.causality, phase) {
         (Causality::Input, _) => return Ok(()),
@@ -47,7 +57,7 @@ pub fn may_set(variables: &Variables, phase: Phase, reference: Reference, kind: 
     Err(Refusal::error(format!("'{}' (value reference {reference}) is {reason}", variable.name)))
 }
 
-fn of_kind(variables: &Variables, reference: Reference, kind: Kind) -> Result<&Variable, Refusal> {
+fn of_kind<Q: Copy>(variables: &Variables<Q>, reference: Reference, kind: Kind) -> Result<&Variable, Refusal> {
     match variables.get(reference) {
         Some(variable) if variable.kind == kind => Ok(variable),
         Some(variable) => Err(Refusal::error(format!(
@@ -63,7 +73,7 @@ fn of_kind(variables: &Variables, reference: Reference, kind: Kind) -> Result<&V
     }
 }
 
-fn range(variables: &Variables, kind: Kind) -> String {
+fn range<Q: Copy>(variables: &Variables<Q>, kind: Kind) -> String {
     let is_of_kind = |variable: &Variable| variable.kind == kind;
     let list = variables.list();
     match (list.iter().position(is_of_kind), list.iter().rposition(is_of_kind)) {

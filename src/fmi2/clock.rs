@@ -3,8 +3,8 @@
 //! In: the experiment and the steps. Out: the end of an accepted step, or a refusal.
 
 use super::refusal::Refusal;
-use crate::decimal::Decimal;
-use crate::record::{Damaged, Record};
+use crate::codec::record::{Damaged, Record};
+use crate::numerics::decimal::Decimal;
 
 /// Part of a step by which a communication point may be off. A lost or repeated step is off by a whole one, a host that
 /// keeps its time in other units (ticks, single-precision steps) by far less than this part.

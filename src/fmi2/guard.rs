@@ -9,7 +9,7 @@ use super::logger::Logger;
 use super::phase::{Function, Phase};
 use super::refusal::Refusal;
 use super::types::{CallbackFunctions, Component, Status, Text};
-use crate::model::Model;
+use crate::mechanism::Model;
 use std::any::Any;
 use std::cell::UnsafeCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -167,13 +167,9 @@ fn fault(payload: &(dyn Any + Send)) -> String {
 mod tests {
     use super::*;
     use crate::fmi2::phase::{DO_STEP, GET_REAL, RESET};
+    use crate::mechanism::GEAR;
     use std::ffi::c_void;
     use std::ptr::{null, null_mut};
-
-    const GEAR: &str = include_str!(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/modelDescription/LandingGearRetraction/resources/mechanism.json"
-    ));
 
     fn gear() -> Component {
         let functions = CallbackFunctions {

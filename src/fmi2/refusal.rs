@@ -4,7 +4,7 @@
 //! `guard`.
 
 use super::types::Status;
-use crate::model::ModelError;
+use crate::mechanism::ModelError;
 
 /// Why a call was refused. The instance is unchanged.
 #[derive(Clone, Debug, PartialEq)]

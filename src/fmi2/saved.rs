@@ -18,8 +18,8 @@
 use super::clock::Clock;
 use super::phase::Phase;
 use super::refusal::Refusal;
-use crate::model::{Model, Snapshot};
-use crate::record::{Damaged, Record, crc32};
+use crate::codec::record::{Damaged, Record, crc32};
+use crate::mechanism::{Model, Snapshot};
 
 const MAGIC: [u8; 8] = *b"linkFMUs";
 const VERSION: u32 = 4;

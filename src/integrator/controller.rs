@@ -12,7 +12,7 @@ use super::starting::starting_step;
 use super::step::{Stages, Step, Trial};
 use super::stiffness::Stiffness;
 use super::{Dense, IntegrationError, Method, Statistics, System, dop853, dopri5, radau, rk4, rkn86};
-use crate::record::{Damaged, Record};
+use crate::codec::record::{Damaged, Record};
 
 /// Limits of the step-size control as in DOP853; its safety factor is 0.9, at which the retraction at tolerance 1e-12 takes
 /// a quarter more evaluations, in rejected steps.

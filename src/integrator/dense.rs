@@ -1,6 +1,6 @@
 //! The interpolant of one step, whatever the method.
 
-use crate::record::{Damaged, Record};
+use crate::codec::record::{Damaged, Record};
 
 /// Stages within a step, of a lower order than its end, are off its interpolant by some ten times the tolerance where that errs by
 /// half of it; where a motion is damped that is much faster than the step, the interpolant errs as much as they.

@@ -5,7 +5,7 @@
 //! for a few steps Radau takes over. It gives back when, for a few, its steps are shorter than those of DOP853 were. A
 //! change that did not pay doubles the number of steps before the next one, so that trials stay a small part of the work.
 
-use crate::record::{Damaged, Record};
+use crate::codec::record::{Damaged, Record};
 
 /// Steps held back before Radau takes over.
 const PATIENCE: u32 = 6;

@@ -1,6 +1,6 @@
 //! What an integration has done: by which method, how much.
 
-use crate::record::{Damaged, Record};
+use crate::codec::record::{Damaged, Record};
 
 /// A method of integration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -5,7 +5,7 @@ mod andrews;
 mod chain;
 mod slcrank;
 
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 
 /// A mechanism under test.
 struct Scene(Model);

@@ -3,7 +3,7 @@
 
 use linkage_fmu::fmi2::types::{CallbackFunctions, Component, Environment, LoggerCallback, Status, Text};
 use linkage_fmu::fmi2::*;
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::path::{Path, PathBuf};

@@ -1,5 +1,5 @@
 //! A host that reads and writes a model's variables by name.
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 
 /// Rounding of the compared expressions and of the tables (1e-13 of each table's largest value), with up to three tables
 /// multiplied and divided by one another.

@@ -8,9 +8,9 @@ mod run;
 
 use generate::{CHAINS, Discard, build, grashof, linkages, numbers};
 use linkage::{Coordinate, Linkage};
-use linkage_fmu::curve::CurveError;
-use linkage_fmu::model::ModelError;
-use linkage_fmu::reduced::ReductionError;
+use linkage_fmu::mechanism::ModelError;
+use linkage_fmu::mechanism::curve::CurveError;
+use linkage_fmu::mechanism::reduced::ReductionError;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;

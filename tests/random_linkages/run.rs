@@ -1,7 +1,7 @@
 //! One model of a random linkage, read by the names of its variables.
 use crate::linkage::{Coordinate, Freedom, Linkage, Vec2};
 use crate::oracle::Motion;
-use linkage_fmu::model::{Model, ModelError};
+use linkage_fmu::mechanism::{Model, ModelError};
 
 /// A model with the linkage that it was made from.
 #[derive(Clone)]

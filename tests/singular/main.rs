@@ -1,7 +1,7 @@
 //! Toggles, flat positions where branches cross, full turns, redundant joints: none is a special case of the motion.
 #![allow(clippy::unwrap_used)]
 
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 const GEAR: &str = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");

@@ -4,7 +4,7 @@ pub mod mechanism;
 
 use crate::asked;
 use crate::measure::{self, COLUMNS, Pages, Row};
-use linkage_fmu::model::{Model, ModelError};
+use linkage_fmu::mechanism::{Model, ModelError};
 use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;

@@ -3,7 +3,7 @@
 use crate::asked::{self, Asked, digits};
 use crate::benchmarks::mechanism;
 use crate::measure::Pages;
-use linkage_fmu::model::{Model, ModelError};
+use linkage_fmu::mechanism::{Model, ModelError};
 use std::fmt::Write;
 use std::time::Instant;
 

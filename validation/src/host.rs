@@ -12,7 +12,7 @@ use linkage_fmu::fmi2::{
     fmi2GetDirectionalDerivative, fmi2GetFMUstate, fmi2GetReal, fmi2SetBoolean, fmi2SetFMUstate, fmi2SetReal,
     fmi2SetupExperiment,
 };
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 use std::path::Path;
 use std::ptr::null_mut;
 use std::time::Instant;

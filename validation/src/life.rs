@@ -6,7 +6,7 @@ use linkage_fmu::fmi2::{
     fmi2DoStep, fmi2EnterInitializationMode, fmi2ExitInitializationMode, fmi2FreeInstance, fmi2GetReal,
     fmi2Instantiate, fmi2SetupExperiment, fmi2Terminate,
 };
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 use linkage_fmu::variables::Reference;
 use std::ffi::CString;
 use std::path::Path;

@@ -1,5 +1,5 @@
 //! One measurement: a span of a model in equal doSteps, timed, with its row in a table.
-use linkage_fmu::model::{Model, ModelError, Statistics};
+use linkage_fmu::mechanism::{Model, ModelError, Statistics};
 use std::path::Path;
 use std::time::Instant;
 

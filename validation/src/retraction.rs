@@ -1,7 +1,7 @@
 //! Scene S1: run time of a whole retraction against its error.
 use crate::asked;
 use crate::measure::{self, COLUMNS, Pages, Row};
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;

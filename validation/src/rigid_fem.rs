@@ -1,6 +1,6 @@
 //! Scene S1 by rigid-link finite elements: order of the step, elastic limit, energy and run time.
 use crate::measure;
-use linkage_fmu::model::{Model, ModelError};
+use linkage_fmu::mechanism::{Model, ModelError};
 use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;

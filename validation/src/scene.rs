@@ -1,6 +1,6 @@
 //! The landing gear's scenes: what acts, and what the host calls after each step.
 
-use linkage_fmu::model::{Model, ModelError, Statistics};
+use linkage_fmu::mechanism::{Model, ModelError, Statistics};
 
 /// Duration of a retraction, scene S1 [s].
 pub const SPAN: f64 = 0.13;

@@ -4,7 +4,7 @@ use crate::asked::{self, Asked, digits};
 use crate::host::Host;
 use crate::measure::{self, Pages};
 use crate::scene::{After, SCENES, SPAN};
-use linkage_fmu::model::Statistics;
+use linkage_fmu::mechanism::Statistics;
 use std::fmt::Write;
 use std::path::Path;
 

@@ -3,10 +3,10 @@
 use crate::benchmarks::mechanism;
 use crate::life::Life;
 use crate::measure;
-use linkage_fmu::definition::Mechanism;
-use linkage_fmu::model::{Model, ModelError};
-use linkage_fmu::reduced::Reduced;
-use linkage_fmu::variables::Variables;
+use linkage_fmu::mechanism::definition::Mechanism;
+use linkage_fmu::mechanism::interface;
+use linkage_fmu::mechanism::reduced::Reduced;
+use linkage_fmu::mechanism::{Model, ModelError};
 use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;
@@ -88,7 +88,7 @@ impl Parts {
         };
         for _ in 0..runs {
             let mechanism = timed(&mut least.read, || Mechanism::from_json(text))?;
-            timed(&mut least.variables, || Variables::new(&mechanism))?;
+            timed(&mut least.variables, || interface::variables(&mechanism))?;
             timed(&mut least.curve, || Reduced::trace(&mechanism))?;
             timed(&mut least.reduced, || Reduced::new(&mechanism))?;
             let mut model = timed(&mut least.model, || Model::from_json(text))?;

@@ -4,7 +4,7 @@ use crate::asked::{self, Asked, digits};
 use crate::benchmarks::{ANDREWS_SPAN, K1_ANGLE};
 use crate::measure::{self, Pages};
 use crate::retraction::{SPAN, THETA2};
-use linkage_fmu::model::{Model, ModelError};
+use linkage_fmu::mechanism::{Model, ModelError};
 use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;

@@ -8,7 +8,7 @@ pub(super) mod coefficients;
 use super::linear::{Complex, Factors};
 use super::step::{self, Step, Trial, add_compensated};
 use super::{Dense, Statistics, System};
-use crate::record::{Damaged, Record};
+use crate::codec::record::{Damaged, Record};
 use coefficients::{ALPHA, BETA, C, E, GAMMA, STAGES, T, T_INVERSE};
 
 /// Order of the error estimate plus 1: it falls as this power of the step size.

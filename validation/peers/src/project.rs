@@ -1,6 +1,6 @@
 //! This project: the packed mechanism in the engine, natively.
 use crate::measure::{Point, fastest};
-use linkage_fmu::model::{Model, ModelError};
+use linkage_fmu::mechanism::{Model, ModelError};
 use std::time::Instant;
 
 const TOOL: &str = "linkage-fmu";

@@ -1,5 +1,5 @@
 //! The mechanisms under stress, and what a scene changes of them.
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 use linkage_fmu::variables::{BaseUnit, Causality, Kind, Reference, Unit, Value};
 
 /// A value known from elsewhere.
@@ -219,7 +219,7 @@ impl Case {
     /// # Errors
     /// What it says.
     pub fn model(&self, tolerance: f64) -> Result<Model, String> {
-        let told = |e: linkage_fmu::model::ModelError| e.to_string();
+        let told = |e: linkage_fmu::mechanism::ModelError| e.to_string();
         let text = self.text.as_deref().unwrap_or(self.mechanism.text);
         // A guess in metres is no parameter: all lengths are then scaled in the text.
         let guessed = self.mechanism.slide.is_some() && self.scaling.length != 1.0;

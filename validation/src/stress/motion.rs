@@ -2,7 +2,7 @@
 use super::case::{Case, find, get, set};
 use super::plan::{Force, Plan};
 use cpu_time::ThreadTime;
-use linkage_fmu::model::{Model, Statistics};
+use linkage_fmu::mechanism::{Model, Statistics};
 
 /// Places in a run at which energies are looked at.
 const LOOKS: u64 = 64;

@@ -9,7 +9,7 @@
 use super::case::{Case, get, set};
 use super::motion::{Run, run, scale, step};
 use super::plan::{Cut, Force, Plan};
-use linkage_fmu::model::Model;
+use linkage_fmu::mechanism::Model;
 
 /// Errors relative to L and V by which kappa is found: small against the motion, large against rounding.
 const NUDGE: f64 = 1e-6;

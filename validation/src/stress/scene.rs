@@ -3,7 +3,7 @@ use super::case::{Case, Scaling, get};
 use super::motion::{Run, run, scale, step};
 use super::plan::Plan;
 use super::reference::{Reference, TABLE, amplification, energy_bound};
-use linkage_fmu::model::Statistics;
+use linkage_fmu::mechanism::Statistics;
 
 /// Bound of an angle above which the motion cannot be foretold at the tolerance: kappa holds for small errors, and an error
 /// of a radian is as large as the motion itself [rad].

@@ -1,0 +1,2 @@
+//! Records in bytes, and check sums. It must not know what the fields mean.
+pub mod record;

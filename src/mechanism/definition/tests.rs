@@ -1,0 +1,46 @@
+use super::*;
+use crate::mechanism::GEAR;
+
+fn refused(from: &str, to: &str) -> String {
+    assert!(GEAR.contains(from), "the gear has no {from}");
+    Mechanism::from_json(&GEAR.replacen(from, to, 1)).expect_err(to).to_string()
+}
+
+#[test]
+fn the_gear_is_read() {
+    let mut gear = Mechanism::from_json(GEAR).unwrap();
+    let mut names = Vec::new();
+    gear.parameters(&mut |p, value| names.push((p.name(), *value)));
+    for expected in [("crank.length", 0.1755), ("leg.angle", -2.4), ("wheel.mass", 19.5), ("crank.start_angle", 0.8)] {
+        assert!(names.contains(&(expected.0.to_string(), expected.1)), "{expected:?} in {names:?}");
+    }
+}
+
+#[test]
+fn errors_name_the_key_the_value_and_what_is_allowed() {
+    for (from, to, fragments) in [
+        ("\"mass\": 13.689", "\"mass\": -1", vec!["bodies.crank.mass", "-1", ">= 0"]),
+        ("\"length\": 0.1755", "\"length\": 0", vec!["bodies.crank.length", "= 0", "> 0"]),
+        ("\"length\": 0.1755", "\"length\": 1e999", vec!["number out of range", "line"]),
+        ("\"mass\": 13.689", "\"mas\": 13.689", vec!["unknown field `mas`", "mass", "line"]),
+        ("\"mass\": 13.689", "\"mass\": \"13\"", vec!["invalid type", "line"]),
+        ("crank.end", "crunk.end", vec!["joints.joint2.first", "crunk.end", "crank, leg"]),
+        ("crank.end", "crank.tip", vec!["joints.joint2.first", "crank.tip", "origin, end, actuator"]),
+        ("revolute", "hinge", vec!["unknown variant `hinge`", "revolute"]),
+        ("\"leg.end\"", "\"wheel.origin\"", vec!["bodies.wheel.fixed_to", "circle"]),
+        ("\"start\": { \"body\": \"crank\"", "\"start\": { \"body\": \"crunk\"", vec!["start.body", "crunk"]),
+        ("\"tolerance\": 1e-9", "\"tolerance\": 1e-30", vec!["solver.tolerance", "1e-14"]),
+        ("{", "[", vec!["line"]),
+    ] {
+        let text = refused(from, to);
+        for fragment in fragments {
+            assert!(text.contains(fragment), "`{text}` lacks `{fragment}`");
+        }
+    }
+}
+
+#[test]
+fn a_name_may_stand_once_only() {
+    let text = refused("\"joint2\":", "\"joint1\":");
+    assert!(text.contains("`joint1` stands twice"), "{text}");
+}

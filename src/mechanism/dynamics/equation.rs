@@ -1,0 +1,286 @@
+//! The motion along the curve: the right-hand side of the reduced model under inputs that are constant or change with time.
+//!
+//! sigma_ddot = sum of sizes times influences, because the reduced inertia is 1 and its derivative 0. On one panel this
+//! is one polynomial: the sizes are folded into its coefficients when the panel is entered. What a state decides - friction,
+//! drag, bumpers, dampers, efficiencies - is in the scene; a mechanism without them does not pay for them.
+use crate::integrator::System;
+use crate::mechanism::dynamics::panel_force::{Folded, Given};
+use crate::mechanism::dynamics::state_loads::{Acting, Effect, Mode};
+use crate::mechanism::loads::laws::friction::{Band, Locked};
+use crate::mechanism::reduced::{Reduced, Scene};
+use crate::numerics::dual::{Dual, Number};
+use crate::numerics::table::polynomial;
+
+/// Room for the evaluation of one motion, with what it found last.
+#[derive(Clone, Debug)]
+pub struct Work {
+    /// Right-hand side where it was used last.
+    pub folded: Folded,
+    /// What acts.
+    pub acting: Acting<f64>,
+    /// What acts, with derivatives along sigma and sigma_dot.
+    tangent: Acting<Dual<2>>,
+    /// Whether the scene is one with moving air.
+    pub air: bool,
+}
+
+impl Work {
+    /// For a scene, or none.
+    pub fn new(scene: Option<&Scene>) -> Self {
+        let air = scene.is_some_and(|s| s.air);
+        Self { folded: Folded::new(scene), acting: Acting::new(scene), tangent: Acting::new(scene), air }
+    }
+}
+
+/// The motion for one span of inputs.
+pub struct Motion<'a> {
+    /// Tables.
+    pub reduced: &'a Reduced,
+    /// What acts besides the loads of given sizes.
+    pub scene: Option<&'a Scene>,
+    /// Their sizes.
+    pub given: Given<'a>,
+    /// Time since the start of the span [s].
+    pub time: f64,
+    /// What is decided between steps.
+    pub mode: Mode,
+    /// Room.
+    pub work: &'a mut Work,
+    /// Whether friction had no solution somewhere.
+    pub locked: bool,
+}
+
+impl Motion<'_> {
+    #[inline(always)]
+    fn place(&mut self, sigma: f64) -> f64 {
+        self.work.folded.place(self.reduced, self.scene, &self.given, sigma)
+    }
+
+    /// Acceleration and power lost, for a motion in the mode's direction.
+    ///
+    /// # Errors
+    /// [`Locked`].
+    pub fn effect(&mut self, sigma: f64, sigma_dot: f64) -> Result<Effect<f64>, Locked> {
+        let x = self.place(sigma);
+        let Work { folded, acting, .. } = &mut *self.work;
+        match self.scene {
+            None if folded.changes() => Ok(changing(folded, [self.time, sigma, sigma_dot])),
+            None => Ok(Effect { acceleration: polynomial(&folded.force, x), lost: 0.0 }),
+            Some(scene) => {
+                let at = [self.time, sigma, sigma_dot];
+                acting.evaluate((self.reduced, scene), &self.given, folded, &self.mode, at)
+            }
+        }
+    }
+
+    /// [`Self::effect`] with its derivatives along sigma and sigma_dot.
+    ///
+    /// # Errors
+    /// [`Locked`].
+    pub fn tangent(&mut self, sigma: f64, sigma_dot: f64) -> Result<Effect<Dual<2>>, Locked> {
+        self.place(sigma);
+        let y = [Dual::constant(self.time), Dual::variable(sigma, 0), Dual::variable(sigma_dot, 1)];
+        let Work { folded, tangent, .. } = &mut *self.work;
+        match self.scene {
+            None => Ok(changing(folded, y)),
+            Some(scene) => tangent.evaluate((self.reduced, scene), &self.given, folded, &self.mode, y),
+        }
+    }
+
+    /// Whether a drive has an efficiency, so that the right-hand side jumps where sigma_dot changes its sign.
+    pub fn reverses(&self) -> bool {
+        self.scene.is_some_and(|s| !s.lossy.is_empty())
+    }
+
+    /// Direction in which a mechanism at rest sets off: 0 if its drives hold it ([CK16] 2.3: driven forward they give
+    /// less, driven back they hold more). Of a mechanism that moves, its direction.
+    ///
+    /// # Errors
+    /// [`Locked`].
+    pub fn direction(&mut self, sigma: f64, sigma_dot: f64) -> Result<f64, Locked> {
+        if sigma_dot != 0.0 {
+            return Ok(sigma_dot.signum());
+        }
+        for direction in [1.0, -1.0] {
+            self.mode.direction = direction;
+            if self.effect(sigma, 0.0)?.acceleration * direction > 0.0 {
+                return Ok(direction);
+            }
+        }
+        Ok(0.0)
+    }
+
+    /// Acceleration at any state, with what arrives of every load. Where drives hold the mechanism at rest, each lets arrive
+    /// something between its forward and its backward value: the common share at which all is in balance. The mode's direction
+    /// is then that of the drives, 0 where they hold.
+    ///
+    /// # Errors
+    /// [`Locked`].
+    pub fn settle(&mut self, sigma: f64, sigma_dot: f64) -> Result<f64, Locked> {
+        self.clear_bands();
+        if !self.reverses() {
+            return Ok(self.effect(sigma, sigma_dot)?.acceleration);
+        }
+        self.mode.direction = self.direction(sigma, sigma_dot)?;
+        if self.mode.direction != 0.0 {
+            return Ok(self.effect(sigma, sigma_dot)?.acceleration);
+        }
+        self.mode.direction = -1.0;
+        let back = self.effect(sigma, 0.0)?.acceleration;
+        self.work.acting.keep();
+        self.mode.direction = 1.0;
+        let forward = self.effect(sigma, 0.0)?.acceleration;
+        let share = if back > forward { back / (back - forward) } else { 1.0 };
+        self.work.acting.mix(share);
+        self.mode.direction = 0.0;
+        Ok(0.0)
+    }
+
+    /// Acceleration at any state, were the drives with an efficiency to work in this direction; with 0, without their losses.
+    ///
+    /// # Errors
+    /// [`Locked`].
+    pub fn heading(&mut self, direction: f64, sigma: f64, sigma_dot: f64) -> Result<f64, Locked> {
+        self.clear_bands();
+        self.mode.direction = direction;
+        Ok(self.effect(sigma, sigma_dot)?.acceleration)
+    }
+
+    /// Slip speed of a pin [m/s]. Asked for at the ends of steps and between them, it leaves the panel as it is.
+    pub fn slip(&mut self, pin: usize, sigma: f64, sigma_dot: f64) -> f64 {
+        let Some(scene) = self.scene else { return 0.0 };
+        let component = scene.free() + pin;
+        let influence = if self.reduced.is_exact() {
+            let x = self.place(sigma);
+            polynomial(self.work.folded.series(&scene.table, component), x)
+        } else {
+            self.work.folded.value((self.reduced, &scene.table), component, sigma)
+        };
+        influence * sigma_dot * scene.pins[pin].radius
+    }
+
+    /// Slip speed of a pin and its rate, at (sigma, sigma_dot, sigma_ddot).
+    pub fn slip_rate(&mut self, pin: usize, [sigma, sigma_dot, sigma_ddot]: [f64; 3]) -> [f64; 2] {
+        let Some(scene) = self.scene else { return [0.0; 2] };
+        let component = scene.free() + pin;
+        let influence = self.work.folded.value((self.reduced, &scene.table), component, Dual::<1>::variable(sigma, 0));
+        let rate = influence.slope[0] * sigma_dot * sigma_dot + influence.value * sigma_ddot;
+        [influence.value * sigma_dot, rate].map(|v| v * scene.pins[pin].radius)
+    }
+
+    /// State the stretch of its law in which a pin is, until told otherwise; with none, its slip speed tells.
+    pub fn set_band(&mut self, pin: usize, band: Option<Band>) {
+        if let Some(scene) = self.scene {
+            self.work.acting.set_band(scene, pin, band);
+            self.work.tangent.set_band(scene, pin, band);
+        }
+    }
+
+    /// State the stretches in which all pins are at this state.
+    pub fn set_bands(&mut self, sigma: f64, sigma_dot: f64) {
+        for pin in 0..self.scene.map_or(0, |s| s.pins.len()) {
+            let slip = self.slip(pin, sigma, sigma_dot);
+            let band = self.scene.map(|s| s.pins[pin].law.band(slip));
+            self.set_band(pin, band);
+        }
+    }
+
+    /// Let slip speeds tell the stretches.
+    fn clear_bands(&mut self) {
+        for pin in 0..self.scene.map_or(0, |s| s.pins.len()) {
+            self.set_band(pin, None);
+        }
+    }
+
+    /// How far the load of a bumper is beyond its stop, and the push of the bumper if it is in contact.
+    pub fn pressure(&mut self, bumper: usize, sigma: f64, sigma_dot: f64) -> (f64, f64) {
+        let x = self.place(sigma);
+        let Some(scene) = self.scene else { return (0.0, 0.0) };
+        let (folded, loading) = (&self.work.folded, self.reduced.loading());
+        let at = |component: usize| polynomial(folded.series(&scene.table, component), x);
+        let stop = &loading.stops[scene.bumpers[bumper]];
+        let s = at(scene.pressed(bumper)) + folded.turns * self.reduced.load_growth(stop.load);
+        let rate = at(scene.free() - scene.bumpers.len() + bumper) * sigma_dot;
+        let beyond = stop.beyond(s);
+        let outward = if stop.beyond(1.0) > stop.beyond(0.0) { rate } else { -rate };
+        (beyond, stop.stiffness * beyond + stop.damping * outward)
+    }
+
+    /// sigma to its length; sigma_dot to itself, or to the speed that the present force gives over that length.
+    fn scales(&self, sigma_dot: f64, acceleration: f64) -> (f64, f64) {
+        let length = self.reduced.scale();
+        let fallen = (acceleration.abs() * length).sqrt();
+        (length, sigma_dot.abs().max(fallen).max(1e-12 * length))
+    }
+}
+
+/// Without a scene: the given loads alone, at (t, sigma, sigma_dot).
+fn changing<T: Number>(folded: &Folded, [t, sigma, sigma_dot]: [T; 3]) -> Effect<T> {
+    let x = folded.x(sigma);
+    Effect { acceleration: folded.at(x, t), lost: -(folded.excess(0, x, t) * sigma_dot) }
+}
+
+/// No loss of power and constant inputs: (sigma, sigma_dot).
+impl System<2> for Motion<'_> {
+    const SECOND_ORDER: bool = true;
+
+    #[inline(always)]
+    fn derivative(&mut self, _t: f64, y: &[f64; 2]) -> [f64; 2] {
+        let x = self.place(y[0]);
+        [y[1], polynomial(&self.work.folded.force, x)]
+    }
+
+    /// From sigma to x on the panel the way enters last: what comes before it does not wait for it.
+    #[inline(always)]
+    fn acceleration(&mut self, _t: f64, y: &[f64; 2], way: f64) -> f64 {
+        self.place(y[0] + way);
+        let x = self.work.folded.x(Dual::<1>::variable(y[0], 0));
+        polynomial(&self.work.folded.force, x.value + way * x.slope[0])
+    }
+
+    fn scale(&mut self, y: &[f64; 2], f: &[f64; 2]) -> [f64; 2] {
+        let (length, speed) = self.scales(y[1], f[1]);
+        [length, speed]
+    }
+}
+
+/// With a scene, or inputs that change with time: (sigma, sigma_dot, energy lost).
+impl System<3> for Motion<'_> {
+    const CAN_BE_STIFF: bool = true;
+
+    fn jacobian(&mut self, t: f64, y: &[f64; 3]) -> [[f64; 3]; 3] {
+        self.time = t;
+        match self.tangent(y[0], y[1]) {
+            Ok(Effect { acceleration: a, lost: l }) => {
+                [[0.0, 1.0, 0.0], [a.slope[0], a.slope[1], 0.0], [l.slope[0], l.slope[1], 0.0]]
+            }
+            Err(Locked) => {
+                self.locked = true;
+                [[f64::NAN; 3]; 3]
+            }
+        }
+    }
+
+    fn derivative(&mut self, t: f64, y: &[f64; 3]) -> [f64; 3] {
+        self.time = t;
+        match self.effect(y[0], y[1]) {
+            Ok(effect) => [y[1], effect.acceleration, effect.lost],
+            // The step is refused and tried again shorter; if none is short enough, this is told as the reason.
+            Err(Locked) => {
+                self.locked = true;
+                [f64::NAN; 3]
+            }
+        }
+    }
+
+    fn scale(&mut self, y: &[f64; 3], f: &[f64; 3]) -> [f64; 3] {
+        // Where the loads balance each other, the acceleration tells nothing of the forces at work, those of given size do.
+        let x = self.place(y[0]);
+        let folded = &self.work.folded;
+        let force = f[1].abs().max(folded.at(x, 0.0).abs()).max(folded.excess(0, x, self.time).abs());
+        let (length, speed) = self.scales(y[1], force);
+        // Where friction balances the rest, it is the power lost that tells of the forces at work.
+        let resisting = if f[2] == 0.0 { 0.0 } else { (f[2] / y[1]).abs() };
+        [length, speed, (speed * speed).max(resisting * length)]
+    }
+}

@@ -1,0 +1,147 @@
+//! How the inputs change within a step.
+//!
+//! In: derivatives set by the host. Out: for each Real input u(t) = u_0 + u_1 t + u_2 t^2 / 2, with t [s] counted from the
+//! communication point. It must not know what the inputs act on.
+use crate::codec::record::{Damaged, Record};
+
+/// Derivatives of the Real inputs.
+///
+/// FMI 2.0.5, 4.2.1: they are set with respect to the beginning of a communication step, and are 0 until set. The standard
+/// does not say how long they hold. Here they hold for one step: it ends with the input at u(h), where it stays unless it is
+/// set. What the rate was at the end is kept to tell the derivatives of outputs there, until an input is set anew.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InputPolynomial {
+    /// u_1 [unit/s].
+    pub first: Vec<f64>,
+    /// u_2 [unit/s2].
+    pub second: Vec<f64>,
+    /// Whether they are those of the next step; else those with which the last one ended.
+    pub ahead: bool,
+    /// Whether any may be other than 0.
+    any: bool,
+}
+
+/// The change of what acts, in one step or in one direction.
+#[derive(Clone, Copy, Debug)]
+pub struct Change<'a> {
+    /// u_1 of the loads that inputs size.
+    pub first: &'a [f64],
+    /// u_2 of them.
+    pub second: &'a [f64],
+    /// Both of the speed of the air.
+    pub airspeed: [f64; 2],
+}
+
+impl InputPolynomial {
+    /// Constant inputs.
+    pub fn new(count: usize) -> Self {
+        Self { first: vec![0.0; count], second: vec![0.0; count], ahead: false, any: false }
+    }
+
+    /// Set the derivative of order 1 or 2 for the next step.
+    pub fn set(&mut self, input: usize, order: usize, value: f64) {
+        if !self.ahead {
+            self.clear();
+        }
+        if order == 1 {
+            self.first[input] = value;
+        } else {
+            self.second[input] = value;
+        }
+        self.ahead = self.first.iter().chain(&self.second).any(|u| *u != 0.0);
+        self.any = self.ahead;
+    }
+
+    /// An input was set: if its derivatives are those of the last step, they are over.
+    pub fn value_set(&mut self, input: usize) {
+        if self.any && !self.ahead {
+            (self.first[input], self.second[input]) = (0.0, 0.0);
+        }
+    }
+
+    /// Constant inputs again.
+    pub fn clear(&mut self) {
+        self.first.fill(0.0);
+        self.second.fill(0.0);
+        (self.ahead, self.any) = (false, false);
+    }
+
+    /// What changes in the next step, if anything does; the first inputs size `loads`, the last is the speed of the air if
+    /// there is air.
+    pub fn change(&self, loads: usize, air: bool) -> Option<Change<'_>> {
+        let last = self.first.len().wrapping_sub(1);
+        let airspeed = if air { [self.first[last], self.second[last]] } else { [0.0; 2] };
+        self.ahead.then(|| Change { first: &self.first[..loads], second: &self.second[..loads], airspeed })
+    }
+
+    /// u(h) of an input that begins with u_0.
+    pub fn at(&self, input: usize, value: f64, h: f64) -> f64 {
+        if self.ahead { value + h * (self.first[input] + 0.5 * h * self.second[input]) } else { value }
+    }
+
+    /// All fields, written or read.
+    ///
+    /// # Errors
+    /// A derivative is read that is not finite.
+    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        record.all_finite("derivative of an input", &mut self.first)?;
+        record.all_finite("second derivative of an input", &mut self.second)?;
+        self.any = self.first.iter().chain(&self.second).any(|u| *u != 0.0);
+        record.flag("derivatives of inputs ahead", &mut self.ahead)
+    }
+
+    /// Become the same as another one of as many inputs.
+    #[inline]
+    pub fn copy_from(&mut self, other: &Self) {
+        if self.any || other.any {
+            self.first.copy_from_slice(&other.first);
+            self.second.copy_from_slice(&other.second);
+            self.any = other.any;
+        }
+        self.ahead = other.ahead;
+    }
+
+    /// A step of size h is done.
+    pub fn end(&mut self, h: f64) {
+        if !self.any {
+            return;
+        }
+        for (first, second) in self.first.iter_mut().zip(&mut self.second) {
+            *first += h * *second;
+            *second = 0.0;
+        }
+        self.ahead = false;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn derivatives_hold_for_one_step() {
+        let mut signal = InputPolynomial::new(2);
+        assert!(signal.change(1, false).is_none());
+        signal.set(1, 1, 3.0);
+        signal.set(1, 2, 4.0);
+        signal.value_set(1);
+        assert_eq!(signal.at(1, 2.0, 0.5), 2.0 + 3.0 * 0.5 + 0.5 * 4.0 * 0.25);
+        assert_eq!(signal.change(1, true).unwrap().airspeed, [3.0, 4.0]);
+        signal.end(0.5);
+        assert!(signal.change(1, true).is_none());
+        assert_eq!((signal.at(1, 2.0, 0.5), signal.first[1]), (2.0, 5.0));
+        signal.value_set(1);
+        assert_eq!(signal.first[1], 0.0);
+    }
+
+    #[test]
+    fn what_the_last_step_ended_with_is_over_when_one_input_gets_a_derivative() {
+        let mut signal = InputPolynomial::new(2);
+        signal.set(0, 2, 4.0);
+        signal.end(1.0);
+        signal.set(1, 1, 1.0);
+        assert_eq!((signal.first.as_slice(), signal.second.as_slice()), (&[0.0, 1.0][..], &[0.0; 2][..]));
+        signal.set(1, 1, 0.0);
+        assert!(!signal.ahead);
+    }
+}

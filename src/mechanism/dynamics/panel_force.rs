@@ -1,0 +1,276 @@
+//! The right-hand side on the panel that was used last: the sizes of loads folded into its polynomials.
+use crate::mechanism::dynamics::input_polynomial::Change;
+use crate::mechanism::reduced::{Reduced, Scene};
+use crate::numerics::chebyshev::{NODES, Series};
+use crate::numerics::dual::{Dual, Number};
+use crate::numerics::table::{Bundle, Row, Table, add_side_by_side, polynomial_at, side_by_side};
+
+/// Rounding of a panel's border that is counted on over whole turns, relative to the numbers that are added up.
+const BORDER: f64 = 8.0 * f64::EPSILON;
+
+/// Sizes of everything that the state does not decide.
+#[derive(Clone, Copy, Debug)]
+pub struct Given<'a> {
+    /// Sizes of the sized loads.
+    pub sizes: &'a [f64],
+    /// Speed of the air [m/s].
+    pub airspeed: f64,
+    /// Whole turns before sigma = 0.
+    pub turns: f64,
+    /// How the sizes and the air change with time, if they do.
+    pub change: Option<Change<'a>>,
+}
+
+impl Given<'_> {
+    /// Size of a load at the time t [s] of the step.
+    #[inline]
+    pub fn size<T: Number>(&self, load: usize, t: T) -> T {
+        T::constant(self.sizes[load]) + self.excess(load, t)
+    }
+
+    /// Its size less that at t = 0.
+    #[inline]
+    pub fn excess<T: Number>(&self, load: usize, t: T) -> T {
+        match &self.change {
+            Some(change) if load < change.first.len() => parabola([change.first[load], change.second[load]], t),
+            _ => T::constant(0.0),
+        }
+    }
+
+    /// Speed of the air at the time t [s] of the step [m/s].
+    #[inline]
+    pub fn air<T: Number>(&self, t: T) -> T {
+        let excess = self.change.map_or(T::constant(0.0), |change| parabola(change.airspeed, t));
+        T::constant(self.airspeed) + excess
+    }
+}
+
+/// u_1 t + u_2 t^2 / 2.
+fn parabola<T: Number>([first, second]: [f64; 2], t: T) -> T {
+    t * (T::constant(first) + t * T::constant(0.5 * second))
+}
+
+/// Forces of the sized loads and springs as polynomials on one panel: that along the curve, and where joints have friction,
+/// their reactions.
+#[derive(Clone, Debug)]
+pub struct Folded {
+    /// First sigma for which it holds, and the first for which it no longer does; counted on over whole turns.
+    low: f64,
+    high: f64,
+    center: f64,
+    /// 2 / width of the panel; 0 beyond an open end, where all stays what it is at the end.
+    inverse: f64,
+    /// x at the center.
+    offset: f64,
+    /// Place of the panel.
+    panel: usize,
+    /// Whole turns before this panel.
+    pub turns: f64,
+    /// Force along the curve.
+    pub force: Series,
+    /// Components of the pins' reactions, side by side.
+    pub reactions: Vec<Row>,
+    /// First and second time derivative of all rows, the force first; none under constant inputs.
+    rates: Vec<[Series; 2]>,
+    /// Without tables: all components at the one sigma for which it holds, by value and slope.
+    exact: Vec<Series>,
+    /// Those of them that are read together, side by side.
+    exact_bundle: Vec<Row>,
+    /// The effects of a given load on the pins' reactions, side by side.
+    exact_given: Vec<Row>,
+}
+
+impl Folded {
+    /// Holds nowhere; with room for a scene.
+    pub fn new(scene: Option<&Scene>) -> Self {
+        let rows = scene.map_or(0, |s| Bundle::rows(s.rows() - 1));
+        Self {
+            low: f64::INFINITY,
+            high: f64::NEG_INFINITY,
+            center: 0.0,
+            inverse: 0.0,
+            offset: 0.0,
+            panel: 0,
+            turns: 0.0,
+            force: [0.0; NODES],
+            reactions: Vec::with_capacity(rows),
+            rates: Vec::new(),
+            exact: Vec::new(),
+            exact_bundle: Vec::new(),
+            exact_given: Vec::new(),
+        }
+    }
+
+    /// Hold nowhere.
+    pub fn forget(&mut self) {
+        (self.low, self.high) = (f64::INFINITY, f64::NEG_INFINITY);
+    }
+
+    /// x on the panel at sigma, which is entered if it is another one.
+    #[inline(always)]
+    pub fn place(&mut self, reduced: &Reduced, scene: Option<&Scene>, given: &Given, sigma: f64) -> f64 {
+        if !(self.low <= sigma && sigma < self.high) {
+            self.enter(reduced, scene, given, sigma);
+        }
+        self.x(sigma)
+    }
+
+    /// x on the present panel at sigma, with derivatives if sigma has some.
+    #[inline(always)]
+    pub fn x<T: Number>(&self, sigma: T) -> T {
+        sigma.chain(self.offset + (sigma.value() - self.center) * self.inverse, self.inverse)
+    }
+
+    /// Whether it changes with time.
+    #[inline]
+    pub fn changes(&self) -> bool {
+        !self.rates.is_empty()
+    }
+
+    /// Monomial coefficients of one component of this table, on the panel.
+    #[inline]
+    pub fn series<'a>(&'a self, table: &'a Table, component: usize) -> &'a Series {
+        if self.exact.is_empty() { table.series(self.panel, component) } else { &self.exact[component] }
+    }
+
+    /// Coefficients of what is read together, on the panel.
+    #[inline]
+    pub fn bundle<'a>(&'a self, bundle: &'a Bundle) -> &'a [Row] {
+        if self.exact.is_empty() { bundle.panel(self.panel) } else { &self.exact_bundle }
+    }
+
+    /// Effect of all given loads on the motion, at the time t [s].
+    #[inline]
+    pub fn at<T: Number>(&self, x: T, t: T) -> T {
+        let sum = polynomial_at(&self.force, x);
+        if self.rates.is_empty() { sum } else { sum + self.excess(0, x, t) }
+    }
+
+    /// Effect of all given loads in a row of the scene, less what it is at t = 0; row 0 is the motion.
+    pub fn excess<T: Number>(&self, row: usize, x: T, t: T) -> T {
+        match self.rates.get(row) {
+            Some([first, second]) => t * (polynomial_at(first, x) + t * T::constant(0.5) * polynomial_at(second, x)),
+            None => T::constant(0.0),
+        }
+    }
+
+    /// One component of the table at any sigma, without entering its panel.
+    pub fn value<T: Number>(&self, (reduced, table): (&Reduced, &Table), component: usize, sigma: T) -> T {
+        let (shift, ..) = around(reduced, sigma.value());
+        let (first, last) = reduced.curve().range();
+        let spot = table.spot_near((sigma.value() - shift).clamp(first, last), self.panel);
+        let (a, b) = table.borders(spot.panel);
+        polynomial_at(table.series(spot.panel, component), sigma.chain(spot.x, 2.0 / (b - a)))
+    }
+
+    #[cold]
+    fn enter(&mut self, reduced: &Reduced, scene: Option<&Scene>, given: &Given, sigma: f64) {
+        let table = scene.map_or(reduced.influence(), |s| &s.table);
+        let (first, last) = reduced.curve().range();
+        let (shift, turns, period) = around(reduced, sigma);
+        self.panel = table.panel_near(sigma - shift, self.panel);
+        self.turns = given.turns + turns;
+        let (a, b) = table.borders(self.panel);
+        (self.low, self.high, self.center, self.inverse) = (a + shift, b + shift, 0.5 * (a + b) + shift, 2.0 / (b - a));
+        if reduced.period().is_some() {
+            // Within rounding of its borders, which panel it is depends on how whole turns are counted: there it is asked
+            // anew, so that the answer never depends on the panel before.
+            let margin = BORDER * (first.abs().max(last.abs()) + shift.abs() + period);
+            (self.low, self.high) = (self.low + margin, self.high - margin);
+        }
+        self.offset = 0.0;
+        if reduced.period().is_none() && !(first..last).contains(&sigma) {
+            // Beyond an open end; a step that ends there is refused.
+            (self.inverse, self.offset) = (0.0, if sigma < first { -1.0 } else { 1.0 });
+            (self.low, self.high) = if sigma < first { (f64::NEG_INFINITY, first) } else { (last, f64::INFINITY) };
+        }
+        self.exact.clear();
+        if reduced.is_exact() && self.inverse != 0.0 {
+            self.enter_exactly(reduced, scene, table, sigma, shift);
+        }
+        let own = [(reduced.components().springs, 1.0), (reduced.components().winding, self.turns)];
+        let own = own.into_iter().filter_map(|(k, size)| Some((k?, size)));
+        self.force = self.fold(scene, table, given.sizes, 0);
+        for (k, size) in own.clone() {
+            let mut force = self.force;
+            add(&mut force, self.series(table, scene.map_or(k, |s| s.given(0, k))), size);
+            self.force = force;
+        }
+        if let Some(scene) = scene.filter(|s| !s.pins.is_empty()) {
+            self.reactions.clear();
+            self.reactions.resize(Bundle::rows(scene.rows() - 1), Row::ZERO);
+            for (k, size) in loads(Some(scene), given.sizes).chain(own) {
+                self.add_reactions(scene, k, size);
+            }
+        }
+        self.rates.clear();
+        if let Some(change) = &given.change {
+            for row in 0..scene.map_or(1, Scene::rows) {
+                let rates = [change.first, change.second].map(|sizes| self.fold(scene, table, sizes, row));
+                self.rates.push(rates);
+            }
+        }
+    }
+
+    /// Add the effect of a given load of this size on the pins' reactions.
+    fn add_reactions(&mut self, scene: &Scene, k: usize, size: f64) {
+        let effects = if self.exact.is_empty() {
+            scene.caused_by_given[k].panel(self.panel)
+        } else {
+            self.exact_given.clear();
+            side_by_side((1..scene.rows()).map(|row| &self.exact[scene.given(row, k)]), &mut self.exact_given);
+            &self.exact_given
+        };
+        add_side_by_side(&mut self.reactions, size, effects);
+    }
+
+    /// Hold at sigma alone, with values from the exact evaluator. Slopes, which only Newton's method takes, are the table's.
+    fn enter_exactly(&mut self, reduced: &Reduced, scene: Option<&Scene>, table: &Table, sigma: f64, shift: f64) {
+        let x = Dual::<1>::variable(self.x(sigma), 0);
+        let values = reduced.exact_motion(scene, sigma - shift);
+        self.exact.extend(values.iter().enumerate().map(|(component, &value)| {
+            let slope = polynomial_at(table.series(self.panel, component), x).slope[0];
+            let mut series = [0.0; NODES];
+            (series[0], series[1]) = (value, slope);
+            series
+        }));
+        if let Some(scene) = scene {
+            self.exact_bundle.clear();
+            side_by_side(&self.exact[..scene.bundled()], &mut self.exact_bundle);
+        }
+        (self.low, self.high, self.center) = (sigma, sigma.next_up(), sigma);
+    }
+
+    /// Sum of the effects of the first loads of these sizes.
+    fn fold(&self, scene: Option<&Scene>, table: &Table, sizes: &[f64], row: usize) -> Series {
+        let mut sum = [0.0; NODES];
+        for (load, size) in loads(scene, sizes) {
+            add(&mut sum, self.series(table, scene.map_or(load, |s| s.given(row, load))), size);
+        }
+        sum
+    }
+}
+
+/// The loads of given sizes that act in full, with their sizes.
+fn loads<'a>(scene: Option<&'a Scene>, sizes: &'a [f64]) -> impl Iterator<Item = (usize, f64)> + 'a {
+    let sizes = sizes.iter().copied().enumerate();
+    sizes.filter(move |(load, size)| *size != 0.0 && !scene.is_some_and(|s| s.lossy.contains(load)))
+}
+
+/// Length of the whole turns before sigma, their number, and the length of one.
+fn around(reduced: &Reduced, sigma: f64) -> (f64, f64, f64) {
+    let first = reduced.curve().range().0;
+    match reduced.period() {
+        Some(period) => {
+            let turns = ((sigma - first) / period).floor();
+            (turns * period, turns, period)
+        }
+        None => (0.0, 0.0, 0.0),
+    }
+}
+
+fn add(sum: &mut Series, series: &Series, size: f64) {
+    for (sum, c) in sum.iter_mut().zip(series) {
+        *sum += size * c;
+    }
+}

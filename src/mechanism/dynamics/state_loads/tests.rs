@@ -1,0 +1,58 @@
+//! The gear's friction loop at random states: how far it converges, and how fast.
+#![allow(clippy::unwrap_used)]
+use super::Mode;
+use crate::mechanism::GEAR;
+use crate::mechanism::definition::Mechanism;
+use crate::mechanism::dynamics::equation::{Motion, Work};
+use crate::mechanism::dynamics::panel_force::Given;
+use crate::mechanism::reduced::Reduced;
+use proptest::prelude::*;
+use std::sync::OnceLock;
+
+fn gear() -> &'static Reduced {
+    static GEAR_REDUCED: OnceLock<Reduced> = OnceLock::new();
+    GEAR_REDUCED.get_or_init(|| {
+        let mut mechanism = Mechanism::from_json(GEAR).unwrap();
+        mechanism.flags(&mut |flag, value| *value |= flag.name() == "friction.enabled");
+        Reduced::new(&mechanism).unwrap()
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn the_loop_converges_to_rounding_in_a_few_iterations(
+        part in 0.0..1.0f64,
+        sigma_dot in -150.0..150.0f64,
+        force in -40_000.0..40_000.0f64,
+        factor in -3.0..6.0f64,
+    ) {
+        let reduced = gear();
+        let scene = reduced.scene(false).unwrap().unwrap();
+        let (first, last) = reduced.curve().range();
+        // Off the last 0.02 rad beyond the stops.
+        let sigma = first + (0.05 + 0.9 * part) * (last - first);
+        let mut sizes = vec![0.0; reduced.components().sized];
+        (sizes[0], sizes[1]) = (force, factor);
+        let mut work = Work::new(Some(scene));
+        let given = Given { sizes: &sizes, airspeed: 0.0, turns: 0.0, change: None };
+        let mut motion = Motion { reduced, scene: Some(scene), given, time: 0.0, mode: Mode::default(), work: &mut work, locked: false };
+        motion.effect(sigma, sigma_dot).unwrap();
+        let acting = &motion.work.acting;
+        let (friction, n) = (&acting.friction, scene.pins.len());
+        prop_assert!(friction.iterations <= 8, "{} iterations", friction.iterations);
+        let (effects, reactions) = (acting.effects.as_flattened(), acting.reactions.as_flattened());
+        let balance = super::balance(scene, effects, reactions, &effects[scene.inertial()]);
+        let largest = friction.size.iter().fold(0.0, |a: f64, s| a.max(*s));
+        for i in 0..n {
+            let r = [0, 1].map(|axis| {
+                (0..n).fold(balance.free[axis][i], |sum, j| {
+                    let passed = balance.passed[axis][balance.groups[i] * n + j];
+                    sum + (passed + balance.inertial[axis][i] * balance.influence[j]) * friction.friction(j)
+                })
+            });
+            prop_assert!((r[0].hypot(r[1]) - friction.size[i]).abs() <= 1e-13 * largest, "joint {i}");
+        }
+    }
+}

@@ -1,0 +1,216 @@
+//! The motion by rigid finite elements: the state, its steps and its refusals.
+//!
+//! In: the reduced model, inputs, steps. Out: a state in the finite elements' terms, and the sigma and sigma_dot of the
+//! reduced model that fit it best. What the finite elements do not have - friction, air, stops, locks, losses in drives - is
+//! refused where it would begin to matter. It must not know the reduced model's integration.
+mod outputs;
+mod refusals;
+mod saved;
+mod track;
+
+pub use saved::SavedElastic;
+
+use crate::integrator::Statistics;
+use crate::mechanism::definition::{DefinitionError, Mechanism, Solver};
+use crate::mechanism::linkage::Vec2;
+use crate::mechanism::motion::events::Contact;
+use crate::mechanism::motion::state::State;
+use crate::mechanism::reactions::Reaction;
+use crate::mechanism::reduced::Reduced;
+use crate::mechanism::rigid_fem::{self, RigidFem, RigidFemError, Workspace};
+use crate::mechanism::{ModelError, dynamics::inputs::Inputs};
+use refusals::{refuse_locks, refuse_losses, refuse_passing};
+use std::sync::Arc;
+use track::Track;
+
+/// The state of motion, with room for its steps.
+#[derive(Clone, Debug)]
+pub struct Elastic {
+    fem: Arc<RigidFem>,
+    room: Workspace,
+    /// Largest step of Newmark's method [s].
+    fem_step: f64,
+    /// At the last communication point, in balance with the applied sizes.
+    state: rigid_fem::State,
+    /// The same with the accelerations that are in balance with the present sizes.
+    present: rigid_fem::State,
+    /// Whether `present` is up to date.
+    balanced: bool,
+    /// Sizes of the loads in the last step: those that the energy balance knows.
+    applied: Vec<f64>,
+    /// Accelerations and sizes before the last change of them: what a step that fails returns to.
+    before: (Vec<Vec2>, Vec<f64>),
+    /// Sizes under the present inputs.
+    sizes: Vec<f64>,
+    /// Joint reactions, and whether they are those of the present sizes.
+    reactions: (bool, Vec<Reaction>),
+    /// Energy at the start, plus the work of changing sizes, less the energy lost since [J].
+    reference: f64,
+    /// How far each stop may be passed: where the mechanism starts at it, by the stretch there [rad or m].
+    slack: Vec<f64>,
+    /// The reduced model at the sigma and sigma_dot that fit best.
+    rigid: State,
+    steps: u64,
+}
+
+impl Elastic {
+    /// The state that the definition states, with the stretch that its own forces give.
+    ///
+    /// # Errors
+    /// What the finite elements do not have, a linkage that they cannot do, a body without axial stiffness; as
+    /// [`State::at_start`].
+    pub fn at_start(reduced: &Reduced, mechanism: &Mechanism, inputs: &Inputs) -> Result<Self, ModelError> {
+        refuse_losses(reduced, inputs)?;
+        let mut rigid = State::at_start(reduced, mechanism, inputs)?;
+        // No stop holds it.
+        rigid.contact = Contact::default();
+        refuse_locks(reduced, inputs, &rigid)?;
+        let linkage = reduced.linkage();
+        let fem = Arc::new(finite_elements(reduced, mechanism)?);
+        let c = reduced.curve().configuration(rigid.sigma);
+        let q: Vec<f64> = c.q.iter().enumerate().map(|(i, q)| q + rigid.turns * reduced.growth(i)).collect();
+        let q_dot: Vec<f64> = c.q_sigma.iter().map(|slope| slope * rigid.sigma_dot).collect();
+        let sizes = reduced.sizes(&inputs.reals);
+        let state = fem.start(linkage, &q, &q_dot, &sizes)?;
+        let beyond = |stop: &crate::mechanism::loads::resolved::Stop| {
+            stop.beyond(fem.displacement(&state, stop.load)[0]).max(0.0)
+        };
+        Ok(Self {
+            room: fem.workspace(),
+            fem_step: fem_step(mechanism),
+            present: state.clone(),
+            balanced: true,
+            before: (state.accelerations.clone(), sizes.clone()),
+            applied: sizes.clone(),
+            reactions: (false, vec![Reaction::default(); linkage.joints.len()]),
+            reference: fem.energy(&state, &sizes),
+            slack: reduced.loading().stops.iter().map(beyond).collect(),
+            rigid,
+            steps: 0,
+            sizes,
+            state,
+            fem,
+        })
+    }
+
+    /// Advance by exactly `h` [s] under these inputs. On an error the state is what it was.
+    ///
+    /// # Errors
+    /// No equilibrium or too large a strain; a stop is reached; what the finite elements do not have has been switched on.
+    pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64) -> Result<(), ModelError> {
+        refuse_losses(reduced, inputs)?;
+        refuse_locks(reduced, inputs, &self.rigid)?;
+        let reference = self.reference;
+        let changed = self.apply(reduced)?;
+        self.advance(reduced, h).inspect_err(|_| {
+            if changed {
+                self.state.accelerations.copy_from_slice(&self.before.0);
+                self.applied.copy_from_slice(&self.before.1);
+                self.reference = reference;
+            }
+        })
+    }
+
+    /// [`Self::step`] under the applied sizes.
+    fn advance(&mut self, reduced: &Reduced, h: f64) -> Result<(), ModelError> {
+        let mut track = Track::new(reduced, &self.rigid)?;
+        let (fem, slack) = (&self.fem, &self.slack);
+        let (mut time, mut steps) = (0.0, 0);
+        let lost = fem.advance_watched(
+            &mut self.state,
+            &mut self.room,
+            &self.applied,
+            [h, self.fem_step],
+            &mut |state, substep| {
+                time += substep;
+                steps += 1;
+                refuse_passing(reduced, slack, time, substep, &|load| fem.displacement(state, load))?;
+                track.follow(reduced, fem, state, substep)
+            },
+        )?;
+        self.reference -= lost;
+        self.steps += steps;
+        track.give(&mut self.rigid);
+        self.balanced = false;
+        self.reactions.0 = false;
+        Ok(())
+    }
+
+    /// An input has changed; those beyond the sized loads size nothing.
+    pub fn set(&mut self, input: usize, loads: usize, value: f64) {
+        if input < loads {
+            self.sizes[input] = value;
+            self.balanced = false;
+            self.reactions.0 = false;
+        }
+        self.rigid.cache.set(input, loads, value);
+    }
+
+    /// A Boolean input has changed.
+    pub fn forget(&mut self) {
+        self.rigid.cache.forget();
+    }
+
+    /// Whether the sigma that fits best is at a stop.
+    pub fn at_stop(&self, reduced: &Reduced, stop: usize) -> bool {
+        self.rigid.at_stop(reduced, stop)
+    }
+
+    /// Steps of Newmark's method so far.
+    pub fn statistics(&self) -> Statistics {
+        Statistics { accepted: self.steps, ..Statistics::default() }
+    }
+
+    /// Turns of the curve so far, from its beginning.
+    pub fn turns(&self) -> f64 {
+        self.rigid.turns()
+    }
+
+    /// Where the linkage is.
+    pub fn describe(&self, reduced: &Reduced) -> String {
+        self.rigid.describe(reduced)
+    }
+
+    /// Take up sizes that have changed since the last step: the change of the loads' potential is work from outside. Tells
+    /// whether any has.
+    fn apply(&mut self, reduced: &Reduced) -> Result<bool, ModelError> {
+        let mut work = 0.0;
+        let mut changed = false;
+        for (load, (size, applied)) in self.sizes.iter().zip(&self.applied).enumerate() {
+            debug_assert!(load < reduced.loading().sized());
+            if size.to_bits() != applied.to_bits() {
+                work -= (size - applied) * self.fem.displacement(&self.state, load)[0];
+                changed = true;
+            }
+        }
+        if changed {
+            self.before.0.copy_from_slice(&self.state.accelerations);
+            self.before.1.copy_from_slice(&self.applied);
+            self.fem.rebalance(&mut self.state, &mut self.room, &self.sizes, self.fem_step)?;
+            self.reference += work;
+            self.applied.copy_from_slice(&self.sizes);
+        }
+        Ok(changed)
+    }
+}
+
+/// Largest step of Newmark's method [s].
+fn fem_step(mechanism: &Mechanism) -> f64 {
+    mechanism.solver.fem_step.unwrap_or(Solver::FEM_STEP)
+}
+
+/// The finite elements of a linkage with the bodies' axial stiffness.
+fn finite_elements(reduced: &Reduced, mechanism: &Mechanism) -> Result<RigidFem, ModelError> {
+    let linkage = reduced.linkage();
+    let stated = |body: usize| {
+        let defined = mechanism.bodies.get(&linkage.bodies[body].name);
+        defined.and_then(|b| b.axial_stiffness).unwrap_or(f64::NAN)
+    };
+    RigidFem::new(linkage, reduced.loading(), &stated).map_err(|error| match error {
+        RigidFemError::AxialStiffness { body, value } if value.is_nan() => {
+            let message = "solver.method = \"rigid_fem\" asks for it: state E A of the body in N".into();
+            ModelError::Definition(DefinitionError::Key { key: format!("bodies.{body}.axial_stiffness"), message })
+        }
+        error => error.into(),
+    })
+}

@@ -1,0 +1,3 @@
+//! Laws that size a load: force, slope, potential.
+pub mod drag;
+pub mod friction;

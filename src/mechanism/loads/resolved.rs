@@ -1,0 +1,428 @@
+//! The loading of a mechanism: its loads of unit size, and what makes each as large as it is.
+//!
+//! In: a definition and its linkage. Out: loads in a fixed order - those that inputs size, those of constant size, springs,
+//! then those that a state sizes: stops, surfaces in the air, friction - with the laws of all. It must not know the state.
+use crate::mechanism::definition::{DefinitionError, Friction, Limit, Mechanism};
+use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point, Vec2, turned};
+use crate::mechanism::loads::laws::drag::Surface;
+use crate::mechanism::loads::laws::friction::{Band, Cubic, Law};
+use crate::mechanism::loads::unit_load::Load;
+use crate::numerics::decimal::Decimal;
+use std::fmt;
+
+/// All loads of a mechanism.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Loading {
+    /// Loads of unit size: one for each input, then those of constant size, one for each spring; after these one for each
+    /// stop, three for each surface, one for each joint with friction.
+    pub loads: Vec<Load>,
+    /// Names of the inputs that size the first loads, such as `actuator.force`.
+    pub inputs: Vec<String>,
+    /// Sizes of the loads after them.
+    pub constants: Vec<f64>,
+    /// Laws of the last loads.
+    pub springs: Vec<Spring>,
+    /// Drives; each sizes the load at the same place.
+    pub drives: Vec<Drive>,
+    /// Place of gravity among the loads.
+    pub gravity: Option<usize>,
+    /// Stops.
+    pub stops: Vec<Stop>,
+    /// Locks.
+    pub locks: Vec<Lock>,
+    /// Air and the surfaces in it.
+    pub air: Option<Air>,
+    /// Friction in the joints.
+    pub friction: Option<Pins>,
+}
+
+/// A stop; S is the displacement of its load.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stop {
+    /// Name.
+    pub name: String,
+    /// Place of its load.
+    pub load: usize,
+    /// Which end of the travel it is.
+    pub limit: Limit,
+    /// S at the stop [rad or m].
+    pub value: f64,
+    /// Name of the quantity that `value` is.
+    pub quantity: &'static str,
+    /// Whether it is there.
+    pub enabled: bool,
+    /// Whether it is rigid; else a bumper.
+    pub rigid: bool,
+    /// Speed after an impact over the speed before [1].
+    pub restitution: f64,
+    /// Of the bumper [N/m or N.m/rad].
+    pub stiffness: f64,
+    /// Of the bumper [N.s/m or N.m.s/rad].
+    pub damping: f64,
+}
+
+impl Stop {
+    /// How far S is beyond the stop [rad or m]; negative within the travel.
+    pub fn beyond(&self, s: f64) -> f64 {
+        match self.limit {
+            Limit::Lower => self.value - s,
+            Limit::Upper => s - self.value,
+        }
+    }
+}
+
+/// A lock.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lock {
+    /// Name.
+    pub name: String,
+    /// Place of its stop.
+    pub stop: usize,
+    /// Point on which it acts.
+    pub at: Point,
+}
+
+/// Air with the surfaces in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Air {
+    /// Mass density [kg/m3].
+    pub density: f64,
+    /// Direction of flow, a unit vector.
+    pub flow: Vec2,
+    /// Whether the motion of the surfaces counts.
+    pub relative_wind: bool,
+    /// Surfaces.
+    pub surfaces: Vec<Surface>,
+}
+
+/// Friction in the joints.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pins {
+    /// Whether it acts.
+    pub enabled: bool,
+    /// Joints with friction.
+    pub pins: Vec<Pin>,
+}
+
+/// A joint with friction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pin {
+    /// Place of the joint.
+    pub joint: usize,
+    /// Place of its load: a couple [N.m] in a revolute joint, a force along the axis [N] in a prismatic one.
+    pub load: usize,
+    /// Radius of the pin [m]; 1 in a prismatic joint, where the load is a force.
+    pub radius: f64,
+    /// Coefficient of friction over slip speed.
+    pub law: Law,
+}
+
+impl Pin {
+    /// Arm of the friction, mu with the sign of v times the radius [m, or 1], over the slip speed v [m/s] as on `band`.
+    pub fn arm(&self, band: Band) -> Cubic {
+        self.law.cubic(band).times(self.radius)
+    }
+}
+
+/// Law of a spring and damper. Its pull on S is preload + stiffness (S - free) + damping S_dot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spring {
+    /// Name.
+    pub name: String,
+    /// Place of its load.
+    pub load: usize,
+    /// Stiffness [N/m or N.m/rad].
+    pub stiffness: f64,
+    /// Damping [N.s/m or N.m.s/rad].
+    pub damping: f64,
+    /// S without force but the preload [m or rad].
+    pub free: f64,
+    /// Pull at this S [N or N.m].
+    pub preload: f64,
+}
+
+impl Spring {
+    /// Pull at rest [N or N.m].
+    pub fn pull(&self, s: f64) -> f64 {
+        self.preload + self.stiffness * (s - self.free)
+    }
+
+    /// Energy stored, less that at the free length [J].
+    pub fn energy(&self, s: f64) -> f64 {
+        let stretch = s - self.free;
+        stretch * (self.preload + 0.5 * self.stiffness * stretch)
+    }
+}
+
+/// A drive of the mechanism.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drive {
+    /// Name.
+    pub name: String,
+    /// Whether it turns; else it moves along a line.
+    pub turns: bool,
+    /// [CK16] eq. (5); none where it is 1 and no parameter.
+    pub efficiency: Option<f64>,
+}
+
+/// The load of two points, or of a joint.
+fn between(
+    mechanism: &Mechanism,
+    linkage: &Linkage,
+    key: fmt::Arguments,
+    first: &Option<String>,
+    second: &Option<String>,
+    joint: &Option<String>,
+) -> Result<Load, DefinitionError> {
+    let missing = || DefinitionError::Key { key: key.to_string(), message: "give first and second, or joint".into() };
+    if let (Some(first), Some(second)) = (first, second) {
+        let end = |k: &str, text: &str| linkage.locate(mechanism, format_args!("{key}.{k}"), text);
+        let (first, second) = (end("first", first)?, end("second", second)?);
+        if first.body == second.body {
+            let message =
+                format!("both ends are on {}, so it cannot act: name two bodies", linkage.bodies[first.body].name);
+            return Err(DefinitionError::Key { key: key.to_string(), message });
+        }
+        let ends = [first, second];
+        let is_at = |a: Point, b: Point| a.body == b.body && (a.local - b.local).norm() <= 1e-12 * linkage.size;
+        let pinned = linkage.joints.iter().find(|j| {
+            let points = [[j.first, j.second], [j.second, j.first]];
+            j.freedom == Freedom::Turn && points.iter().any(|p| is_at(p[0], ends[0]) && is_at(p[1], ends[1]))
+        });
+        if let Some(joint) = pinned {
+            let message =
+                format!("its two ends are the one point of {}, so its length is zero: name two points", joint.name);
+            return Err(DefinitionError::Key { key: key.to_string(), message });
+        }
+        return Ok(Load::Pair { first, second });
+    }
+    let name = joint.as_ref().ok_or_else(missing)?;
+    let place = linkage.joints.iter().position(|j| j.name == *name).ok_or_else(missing)?;
+    let j = &linkage.joints[place];
+    Ok(match j.freedom {
+        Freedom::Turn => Load::Couple { first: j.first.body, second: j.second.body },
+        Freedom::Slide(_) => Load::Slide { joint: place },
+    })
+}
+
+impl Loading {
+    /// Resolve the loads of a definition.
+    ///
+    /// # Errors
+    /// A point, body or joint that does not exist; two ends on one body.
+    pub fn new(mechanism: &Mechanism, linkage: &Linkage) -> Result<Self, DefinitionError> {
+        let mut sized: Vec<(String, Load)> = Vec::new();
+        let mut constant: Vec<(f64, Load)> = Vec::new();
+        let mut drives = Vec::new();
+        for (name, a) in mechanism.actuators.iter() {
+            let load = between(mechanism, linkage, format_args!("actuators.{name}"), &a.first, &a.second, &a.joint)?;
+            let turns = matches!(load, Load::Couple { .. });
+            sized.push((format!("{name}.{}", if turns { "torque" } else { "force" }), load));
+            drives.push(Drive { name: name.into(), turns, efficiency: a.efficiency });
+        }
+        let gravity = mechanism.gravity.as_ref().map(|_| sized.len());
+        if let Some(g) = &mechanism.gravity {
+            let acceleration = -g.acceleration * Vec2::new(g.up_angle.cos(), g.up_angle.sin());
+            sized.push(("load_factor".into(), Load::Gravity(acceleration)));
+        }
+        for (name, force) in mechanism.forces.iter() {
+            let at = linkage.locate(mechanism, format_args!("forces.{name}.at"), &force.at)?;
+            for (axis, direction, size) in [("x", Vec2::x(), force.force[0]), ("y", Vec2::y(), force.force[1])] {
+                let load = Load::Force { at, direction };
+                if force.constant {
+                    constant.push((size, load))
+                } else {
+                    sized.push((format!("{name}.force_{axis}"), load))
+                }
+            }
+        }
+        for (name, t) in mechanism.torques.iter() {
+            let load = Load::Torque { body: linkage.carrier(mechanism, &t.on).map_or(0, |(body, _)| body) };
+            if t.constant { constant.push((t.torque, load)) } else { sized.push((format!("{name}.torque"), load)) }
+        }
+        let (inputs, mut loads): (Vec<String>, Vec<Load>) = sized.into_iter().unzip();
+        let (constants, more): (Vec<f64>, Vec<Load>) = constant.into_iter().unzip();
+        loads.extend(more);
+        let mut springs = Vec::new();
+        for (name, s) in mechanism.springs.iter() {
+            let load = between(mechanism, linkage, format_args!("springs.{name}"), &s.first, &s.second, &s.joint)?;
+            springs.push(Spring {
+                name: name.into(),
+                load: loads.len(),
+                stiffness: s.stiffness,
+                damping: s.damping.unwrap_or(0.0),
+                free: s.free_length.or(s.free_angle).unwrap_or(0.0),
+                preload: s.preload.unwrap_or(0.0),
+            });
+            loads.push(load);
+        }
+        let mut loading = Self {
+            loads,
+            inputs,
+            constants,
+            springs,
+            drives,
+            gravity,
+            stops: Vec::new(),
+            locks: Vec::new(),
+            air: None,
+            friction: None,
+        };
+        loading.add_stops(mechanism, linkage)?;
+        loading.add_air(mechanism, linkage)?;
+        loading.add_friction(mechanism, linkage)?;
+        Ok(loading)
+    }
+
+    fn add_stops(&mut self, mechanism: &Mechanism, linkage: &Linkage) -> Result<(), DefinitionError> {
+        for (name, s) in mechanism.stops.iter() {
+            let mut value = s.angle.or(s.position).or(s.length).unwrap_or(0.0);
+            let load = match &s.body {
+                Some(body) => {
+                    let (carrier, angle) = linkage.carrier(mechanism, body).unwrap_or((GROUND, 0.0));
+                    if linkage.bodies[carrier].turn.is_none() {
+                        let message = format!("{body} does not turn: name a turning body, a joint or two points");
+                        return Err(DefinitionError::Key { key: format!("stops.{name}.body"), message });
+                    }
+                    value -= angle;
+                    Load::Torque { body: carrier }
+                }
+                None => between(mechanism, linkage, format_args!("stops.{name}"), &s.first, &s.second, &s.joint)?,
+            };
+            let quantity = match load {
+                Load::Torque { .. } | Load::Couple { .. } => "angle",
+                Load::Slide { .. } => "position",
+                _ => "length",
+            };
+            self.stops.push(Stop {
+                name: name.into(),
+                load: self.loads.len(),
+                limit: s.limit,
+                value,
+                quantity,
+                enabled: s.enabled,
+                rigid: s.rigid,
+                restitution: s.restitution,
+                stiffness: s.stiffness,
+                damping: s.damping,
+            });
+            self.loads.push(load);
+        }
+        for (name, lock) in mechanism.locks.iter() {
+            let at = linkage.locate(mechanism, format_args!("locks.{name}.at"), &lock.at)?;
+            if at.body == GROUND {
+                let message = format!("{} is on the ground, so it cannot act: name a point that moves", lock.at);
+                return Err(DefinitionError::Key { key: format!("locks.{name}.at"), message });
+            }
+            let stop = mechanism.stops.position(&lock.stop).unwrap_or(0);
+            self.locks.push(Lock { name: name.into(), stop, at });
+        }
+        Ok(())
+    }
+
+    fn add_air(&mut self, mechanism: &Mechanism, linkage: &Linkage) -> Result<(), DefinitionError> {
+        let Some(air) = &mechanism.air else { return Ok(()) };
+        let mut surfaces = Vec::new();
+        for (name, s) in mechanism.surfaces.iter() {
+            let locate = |key: &str, text: &Option<String>| {
+                let text = text.as_deref().unwrap_or_default();
+                linkage.locate(mechanism, format_args!("surfaces.{name}.{key}"), text)
+            };
+            let (start, line, length, breadth) = match &s.at {
+                None => {
+                    let (from, to) = (locate("from", &s.from)?, locate("to", &s.to)?);
+                    let along = to.local - from.local;
+                    (from, Some(along.normalize()), along.norm(), s.width.unwrap_or(0.0))
+                }
+                Some(text) => {
+                    let named = text.split('.').next().unwrap_or_default();
+                    let angle = linkage.carrier(mechanism, named).map_or(0.0, |(_, angle)| angle);
+                    let line = s.surface_angle.map(|a| turned(Vec2::x(), a + angle));
+                    (locate("at", &s.at)?, line, 0.0, s.area.unwrap_or(0.0))
+                }
+            };
+            let first = self.loads.len();
+            surfaces.push(Surface {
+                name: name.into(),
+                start,
+                line,
+                length,
+                breadth,
+                coefficient: s.drag_coefficient,
+                load: first,
+            });
+            self.loads.push(Load::Force { at: start, direction: Vec2::x() });
+            self.loads.push(Load::Force { at: start, direction: Vec2::y() });
+            self.loads.push(Load::Torque { body: start.body });
+        }
+        let flow = turned(Vec2::x(), air.flow_angle);
+        self.air = Some(Air { density: air.density, flow, relative_wind: air.relative_wind, surfaces });
+        Ok(())
+    }
+
+    fn add_friction(&mut self, mechanism: &Mechanism, linkage: &Linkage) -> Result<(), DefinitionError> {
+        let Some(f) = &mechanism.friction else { return Ok(()) };
+        if f.kinetic_speed <= f.static_speed {
+            return Err(DefinitionError::Value {
+                key: "friction.kinetic_speed".into(),
+                value: Decimal(f.kinetic_speed).to_string(),
+                allowed: format!("greater than friction.static_speed = {}", Decimal(f.static_speed)),
+            });
+        }
+        let Friction { enabled, static_coefficient, kinetic_coefficient, static_speed, kinetic_speed } = *f;
+        let mut pins = Vec::new();
+        for (joint, ((_, defined), resolved)) in mechanism.joints.iter().zip(&linkage.joints).enumerate() {
+            let (first, second) = (resolved.first.body, resolved.second.body);
+            let (load, radius) = match (resolved.freedom, defined.pin_radius) {
+                (Freedom::Slide(_), _) => (Load::Slide { joint }, 1.0),
+                (Freedom::Turn, Some(radius)) => (Load::Couple { first, second }, radius),
+                (Freedom::Turn, None) => continue,
+            };
+            let law = Law {
+                static_coefficient: defined.static_coefficient.unwrap_or(static_coefficient),
+                kinetic_coefficient: defined.kinetic_coefficient.unwrap_or(kinetic_coefficient),
+                static_speed,
+                kinetic_speed,
+            };
+            pins.push(Pin { joint, load: self.loads.len(), radius, law });
+            self.loads.push(load);
+        }
+        self.friction = Some(Pins { enabled, pins });
+        Ok(())
+    }
+
+    /// Number of loads whose size follows from inputs, constants and springs; the others are those that a state sizes.
+    pub fn base(&self) -> usize {
+        self.sized() + self.springs.len()
+    }
+
+    /// Number of loads of a given size: inputs, then constants.
+    pub fn sized(&self) -> usize {
+        self.inputs.len() + self.constants.len()
+    }
+
+    /// Name of a load, to speak of it.
+    pub fn name(&self, load: usize) -> String {
+        match load.checked_sub(self.sized()).map(|spring| self.springs.get(spring)) {
+            Some(Some(spring)) => spring.name.clone(),
+            Some(None) => self.name_of_state_load(load),
+            None => self.inputs.get(load).cloned().unwrap_or_else(|| "a constant load".into()),
+        }
+    }
+
+    fn name_of_state_load(&self, load: usize) -> String {
+        let stop = self.stops.iter().find(|s| s.load == load).map(|s| s.name.clone());
+        let surfaces = self.air.iter().flat_map(|air| &air.surfaces);
+        let surface = || surfaces.into_iter().find(|s| (s.load..s.load + 3).contains(&load)).map(|s| s.name.clone());
+        stop.or_else(surface).unwrap_or_else(|| "friction".into())
+    }
+}
+
+/// Markers of a definition, in its order.
+///
+/// # Errors
+/// A point that does not exist.
+pub fn markers(mechanism: &Mechanism, linkage: &Linkage) -> Result<Vec<Point>, DefinitionError> {
+    let named = mechanism.markers.iter();
+    named.map(|(name, m)| linkage.locate(mechanism, format_args!("markers.{name}.at"), &m.at)).collect()
+}

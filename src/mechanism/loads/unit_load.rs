@@ -1,0 +1,178 @@
+//! Loads: forces and torques of unit size, their displacements and their influence on the motion.
+//!
+//! In: the configuration. Out: for each load its displacement S (what its size does work on) with derivatives along the
+//! curve, and its wrenches on the bodies. The influence function of [CK16] is S_sigma: the virtual work of the unit load
+//! for each d sigma. It must not know the present size of a load.
+use crate::mechanism::curve::Configuration;
+use crate::mechanism::linkage::{Freedom, Linkage, Point, Positions, Vec2, cross};
+
+/// A load of unit size.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Load {
+    /// Gravity for the load factor 1: the acceleration [m/s2] on every mass. S = -sum m acceleration . (-r) [J].
+    Gravity(Vec2),
+    /// 1 N at a point, in a fixed direction. S is the point's position in this direction [m].
+    Force {
+        /// Where it acts.
+        at: Point,
+        /// Unit vector in the mechanism frame.
+        direction: Vec2,
+    },
+    /// 1 N that pushes two points apart. S is their distance [m].
+    Pair {
+        /// One end.
+        first: Point,
+        /// The other end.
+        second: Point,
+    },
+    /// 1 N.m on a body. S is its angle [rad].
+    Torque {
+        /// Place of the body.
+        body: usize,
+    },
+    /// 1 N.m on one body and -1 N.m on another. S is the angle between them [rad].
+    Couple {
+        /// Place of the body that is turned back.
+        first: usize,
+        /// Place of the body that is turned forward.
+        second: usize,
+    },
+    /// 1 N along the axis of a prismatic joint. S is the joint's position [m].
+    Slide {
+        /// Place of the joint.
+        joint: usize,
+    },
+}
+
+/// Force [N] on a body and its moment about the origin of the body's frame [N.m].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wrench {
+    /// Place of the body.
+    pub body: usize,
+    /// Force [N].
+    pub force: Vec2,
+    /// Moment about the body's origin [N.m].
+    pub moment: f64,
+}
+
+fn center(linkage: &Linkage, body: usize) -> Point {
+    Point { body, local: linkage.bodies[body].center }
+}
+
+fn couple(body: usize, moment: f64) -> Wrench {
+    Wrench { body, force: Vec2::zeros(), moment }
+}
+
+/// The points of a prismatic joint and its axis in the mechanism frame; no axis for a revolute one.
+fn axis(linkage: &Linkage, p: &Positions, joint: usize) -> (Point, Point, Vec2) {
+    let j = &linkage.joints[joint];
+    let axis = match j.freedom {
+        Freedom::Slide(e) => p.vector(j.first.body, e),
+        Freedom::Turn => Vec2::zeros(),
+    };
+    (j.first, j.second, axis)
+}
+
+impl Load {
+    /// How much S grows when the linkage's angles grow by these amounts: over one turn of a closed curve.
+    pub fn growth(&self, linkage: &Linkage, of_angle: &dyn Fn(usize) -> f64) -> f64 {
+        let body = |b: usize| linkage.bodies[b].turn.map_or(0.0, of_angle);
+        match *self {
+            Self::Torque { body: b } => body(b),
+            Self::Couple { first, second } => body(second) - body(first),
+            _ => 0.0,
+        }
+    }
+
+    /// Displacement where the bodies are; that of gravity is not a place and is 0.
+    pub fn place(&self, linkage: &Linkage, p: &Positions) -> f64 {
+        match *self {
+            Self::Gravity(_) => 0.0,
+            Self::Force { at, direction } => direction.dot(&p.point(at)),
+            Self::Pair { first, second } => (p.point(second) - p.point(first)).norm(),
+            Self::Torque { body } => p.angle[body],
+            Self::Couple { first, second } => p.angle[second] - p.angle[first],
+            Self::Slide { joint } => {
+                let (first, second, axis) = axis(linkage, p, joint);
+                axis.dot(&(p.point(second) - p.point(first)))
+            }
+        }
+    }
+
+    /// Displacement and its first and second derivative along sigma.
+    pub fn displacement(&self, linkage: &Linkage, c: &Configuration) -> [f64; 3] {
+        let p = &c.positions;
+        let point = |x: Point| p.motion(&c.rates, &c.second, x);
+        match *self {
+            Self::Gravity(acceleration) => {
+                let mut sum = [0.0; 3];
+                for (i, body) in linkage.bodies.iter().enumerate().skip(1) {
+                    for (s, d) in sum.iter_mut().zip(point(center(linkage, i))) {
+                        *s += body.mass * acceleration.dot(&d);
+                    }
+                }
+                sum
+            }
+            Self::Force { at, direction } => point(at).map(|d| direction.dot(&d)),
+            Self::Pair { first, second } => {
+                let ([x1, v1, a1], [x2, v2, a2]) = (point(first), point(second));
+                let (x, v, a) = (x2 - x1, v2 - v1, a2 - a1);
+                let length = x.norm();
+                let along = x / length;
+                let rate = along.dot(&v);
+                [length, rate, along.dot(&a) + (v.norm_squared() - rate * rate) / length]
+            }
+            Self::Torque { body } => [p.angle[body], c.rates.angle[body], c.second.angle[body]],
+            Self::Couple { first, second } => {
+                let of = |angle: &[f64]| angle[second] - angle[first];
+                [of(&p.angle), of(&c.rates.angle), of(&c.second.angle)]
+            }
+            Self::Slide { joint } => {
+                // The gap is s e, and e turns with the first body: gap'' = (s'' - s omega^2) e + (...) normal to it.
+                let (first, second, axis) = axis(linkage, p, joint);
+                let ([x1, v1, a1], [x2, v2, a2]) = (point(first), point(second));
+                let s = axis.dot(&(x2 - x1));
+                let omega = c.rates.angle[first.body];
+                [s, axis.dot(&(v2 - v1)), axis.dot(&(a2 - a1)) + s * omega * omega]
+            }
+        }
+    }
+
+    /// Influence S_sigma: the virtual work of the unit load for each d sigma.
+    pub fn influence(&self, linkage: &Linkage, c: &Configuration) -> f64 {
+        self.displacement(linkage, c)[1]
+    }
+
+    /// What it does to the bodies, each wrench told to `act`.
+    pub fn exert(&self, linkage: &Linkage, p: &Positions, act: &mut impl FnMut(Wrench)) {
+        let at = |point: Point, force: Vec2| Wrench {
+            body: point.body,
+            force,
+            moment: cross(p.vector(point.body, point.local), force),
+        };
+        match *self {
+            Self::Gravity(acceleration) => {
+                (1..linkage.bodies.len())
+                    .for_each(|i| act(at(center(linkage, i), linkage.bodies[i].mass * acceleration)));
+            }
+            Self::Force { at: point, direction } => act(at(point, direction)),
+            Self::Pair { first, second } => {
+                let along = (p.point(second) - p.point(first)).normalize();
+                act(at(first, -along));
+                act(at(second, along));
+            }
+            Self::Torque { body } => act(couple(body, 1.0)),
+            Self::Couple { first, second } => {
+                act(couple(first, -1.0));
+                act(couple(second, 1.0));
+            }
+            Self::Slide { joint } => {
+                let (first, second, axis) = axis(linkage, p, joint);
+                // Both forces act at the second point, where the bodies touch.
+                let moment = cross(p.point(second) - p.origin[first.body], -axis);
+                act(at(second, axis));
+                act(Wrench { body: first.body, force: -axis, moment });
+            }
+        }
+    }
+}

@@ -1,0 +1,32 @@
+//! The first kind of model: a planar linkage with one degree of freedom.
+pub mod closure;
+pub mod curve;
+pub mod definition;
+mod dynamics;
+mod error;
+mod fem_motion;
+pub mod interface;
+pub mod linkage;
+pub mod loads;
+mod model;
+mod motion;
+mod outputs;
+mod parameters;
+pub mod quantity;
+pub mod reactions;
+pub mod reduced;
+pub mod rigid_fem;
+mod snapshot;
+
+pub use crate::integrator::Statistics;
+pub use error::ModelError;
+pub use model::{Model, OUTPUT_ORDER};
+pub use outputs::Computed;
+pub use snapshot::Snapshot;
+
+/// The default mechanism, for tests.
+#[cfg(test)]
+pub(crate) const GEAR: &str = include_str!(concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/modelDescription/LandingGearRetraction/resources/mechanism.json"
+));

@@ -1,0 +1,454 @@
+//! The model: one mechanism with its present parameters, inputs and state, and its outputs on demand.
+//!
+//! In: a definition's text, values set by the host, steps. Out: values by reference. It must not know FMI's life cycle.
+mod derivatives;
+
+use super::dynamics::input_polynomial::InputPolynomial;
+use super::dynamics::inputs::Inputs;
+use super::error::ModelError;
+use super::fem_motion::Elastic;
+use super::interface;
+use super::motion::state::State;
+use super::outputs::{Computed, Unknown};
+use super::parameters::Setting;
+use super::quantity::Quantity;
+use crate::integrator::Statistics;
+use crate::mechanism::definition::{Experiment, Mechanism, Method, Range, Role};
+use crate::mechanism::reduced::Reduced;
+use crate::variables::{Causality, Reference, Value, Variables};
+pub use derivatives::OUTPUT_ORDER;
+use std::sync::{Arc, OnceLock};
+
+/// One mechanism with its parameters, inputs and state.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// As read: what reset returns to.
+    pub(super) original: Arc<Original>,
+    /// The present parameters; shared with the snapshots that were taken under them.
+    pub(super) setting: Arc<Setting>,
+    pub(super) inputs: Inputs,
+    /// For the present parameters; none after one of them has changed.
+    pub(super) reduced: Option<Arc<Reduced>>,
+    /// The last one that was built, of which the next one keeps what it can.
+    pub(super) last: Arc<Reduced>,
+    pub(super) state: Option<Motion>,
+}
+
+/// The state of motion in the formulation that solver.method chose.
+// The reduced model's steps pay for no indirection.
+#[allow(clippy::large_enum_variant)]
+#[derive(Clone, Debug)]
+pub(super) enum Motion {
+    /// Along the curve.
+    Reduced(State),
+    /// By rigid finite elements.
+    RigidFem(Box<Elastic>),
+}
+
+/// What a definition gives, before any value is set.
+#[derive(Debug)]
+pub(super) struct Original {
+    pub(super) setting: Arc<Setting>,
+    pub(super) variables: Variables<Quantity>,
+    pub(super) ranges: Vec<(Range, Role)>,
+    pub(super) inputs: Inputs,
+    /// What a snapshot must have been taken of, found when the first one is.
+    pub(super) identity: OnceLock<[u64; 2]>,
+    pub(super) reduced: Arc<Reduced>,
+}
+
+impl Model {
+    /// Read a mechanism from the text of its `mechanism.json`, assemble it and trace its motion.
+    ///
+    /// # Errors
+    /// What is wrong with the definition, or why it gives no mechanism.
+    pub fn from_json(text: &str) -> Result<Self, ModelError> {
+        let mut mechanism = Mechanism::from_json(text)?;
+        let variables = interface::variables(&mechanism)?;
+        let mut ranges = Vec::new();
+        mechanism.parameters(&mut |p, _| ranges.push((p.range, p.role)));
+        let mut inputs = Inputs { reals: Vec::new(), locks: Vec::new(), signal: InputPolynomial::new(0) };
+        for v in variables.list().iter().filter(|v| v.causality == Causality::Input) {
+            match v.start {
+                Some(Value::Real(x)) => inputs.reals.push(x),
+                Some(Value::Boolean(x)) => inputs.locks.push(x),
+                _ => {}
+            }
+        }
+        inputs.signal = InputPolynomial::new(inputs.reals.len());
+        let reduced = Arc::new(Reduced::new(&mechanism)?);
+        let setting = Arc::new(Setting::new(mechanism));
+        let original = Original {
+            setting: Arc::clone(&setting),
+            variables,
+            ranges,
+            inputs: inputs.clone(),
+            identity: OnceLock::new(),
+            reduced: Arc::clone(&reduced),
+        };
+        let (original, last) = (Arc::new(original), Arc::clone(&reduced));
+        let mut model = Self { original, setting, inputs, reduced: Some(reduced), last, state: None };
+        model.state()?;
+        model.state = None;
+        Ok(model)
+    }
+
+    /// Name of the mechanism, the FMU's modelName and modelIdentifier.
+    pub fn name(&self) -> &str {
+        &self.original.setting.mechanism.name
+    }
+
+    /// One-line description of the mechanism.
+    pub fn description(&self) -> &str {
+        &self.original.setting.mechanism.description
+    }
+
+    /// What the host can see.
+    pub fn variables(&self) -> &Variables<Quantity> {
+        &self.original.variables
+    }
+
+    /// For each variable, if it is an output: the inputs and parameters on which its initial value depends, ascending.
+    ///
+    /// # Errors
+    /// A parameter that may not change a little.
+    pub fn initial_dependencies(&self) -> Result<Vec<Vec<Reference>>, ModelError> {
+        Ok(interface::initial_dependencies(&self.original.setting.mechanism)?)
+    }
+
+    /// Default experiment.
+    pub fn experiment(&self) -> Experiment {
+        self.original.setting.mechanism.experiment
+    }
+
+    /// The reduced model for the present parameters.
+    ///
+    /// # Errors
+    /// Why the present parameters give none.
+    pub fn reduced(&mut self) -> Result<&Arc<Reduced>, ModelError> {
+        if self.reduced.is_none() {
+            self.last = Arc::new(self.last.renewed(&self.setting.mechanism)?);
+            self.reduced = Some(Arc::clone(&self.last));
+        }
+        self.reduced.as_ref().ok_or(ModelError::NotInitialised)
+    }
+
+    /// Present value of a Real: output, input or parameter. Computed when first read in a state.
+    ///
+    /// # Errors
+    /// No Real has this reference, or the present parameters give no mechanism.
+    #[inline]
+    pub fn real(&mut self, reference: Reference) -> Result<f64, ModelError> {
+        match self.original.variables.quantity(reference) {
+            Some(Quantity::Parameter(i)) => Ok(self.setting.parameters[i]),
+            Some(Quantity::Input(i)) => Ok(self.inputs.reals[i]),
+            Some(Quantity::Output(output)) => {
+                if self.state.is_none() {
+                    self.state()?;
+                }
+                let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) else {
+                    return Err(ModelError::NotInitialised);
+                };
+                let value = match state {
+                    Motion::Reduced(state) => state.output(reduced, &self.inputs, output),
+                    Motion::RigidFem(state) => state.output(reduced, &self.inputs, output),
+                };
+                match value {
+                    Ok(value) if value.is_finite() => Ok(value),
+                    value => self.told(reference, value),
+                }
+            }
+            Some(Quantity::Flag(_) | Quantity::Lock(_) | Quantity::AtStop(_) | Quantity::Method) | None => {
+                Err(self.no_such(reference, "Real"))
+            }
+        }
+    }
+
+    /// What was found out about a variable, as it is told to the host.
+    #[cold]
+    fn told(&self, reference: Reference, value: Result<f64, Unknown>) -> Result<f64, ModelError> {
+        let name = || self.original.variables.list()[reference as usize].name.clone();
+        let (Some(state), Some(reduced)) = (&self.state, &self.reduced) else {
+            return Err(ModelError::NotInitialised);
+        };
+        match value {
+            Ok(value) if value.is_finite() => Ok(value),
+            Ok(_) => Err(ModelError::Overflow { name: name() }),
+            Err(Unknown::Table(at)) => {
+                Err(ModelError::Table { name: name(), position: reduced.curve().describe(at.sigma, state.turns()) })
+            }
+            Err(Unknown::Locked) => Err(ModelError::Locked { position: state.describe(reduced) }),
+            Err(Unknown::RigidFem(error)) => Err(error.into()),
+        }
+    }
+
+    /// Whether [`Self::set_real`] would accept this value; changes nothing.
+    ///
+    /// # Errors
+    /// No Real has this reference, it is an output, or the value is out of range.
+    pub fn check_real(&self, reference: Reference, value: f64) -> Result<(), ModelError> {
+        let name = || self.original.variables.list()[reference as usize].name.clone();
+        let range = match self.original.variables.quantity(reference) {
+            Some(Quantity::Parameter(i)) => self.original.ranges[i].0,
+            Some(Quantity::Input(_)) => Range::Finite,
+            Some(Quantity::Output(_)) => return Err(ModelError::Output { name: name() }),
+            Some(Quantity::Flag(_) | Quantity::Lock(_) | Quantity::AtStop(_) | Quantity::Method) | None => {
+                return Err(self.no_such(reference, "Real"));
+            }
+        };
+        if range.contains(value) {
+            return Ok(());
+        }
+        Err(ModelError::Value { name: name(), value, allowed: range.text() })
+    }
+
+    /// Set an input or a parameter. After a step, a parameter takes effect with the next initialisation only.
+    ///
+    /// # Errors
+    /// As [`Self::check_real`].
+    pub fn set_real(&mut self, reference: Reference, value: f64) -> Result<(), ModelError> {
+        self.check_real(reference, value)?;
+        if let Some(Quantity::Input(i)) = self.original.variables.quantity(reference) {
+            self.inputs.signal.value_set(i);
+        }
+        match self.original.variables.quantity(reference) {
+            Some(Quantity::Input(i)) if self.inputs.reals[i].to_bits() != value.to_bits() => {
+                self.inputs.reals[i] = value;
+                if let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) {
+                    let loads = reduced.loading().inputs.len();
+                    match state {
+                        Motion::Reduced(state) => state.cache.set(i, loads, value),
+                        Motion::RigidFem(state) => state.set(i, loads, value),
+                    }
+                }
+            }
+            Some(Quantity::Parameter(i)) if self.setting.parameters[i].to_bits() != value.to_bits() => {
+                Arc::make_mut(&mut self.setting).set_parameter(i, value);
+                self.state = None;
+                if is_reduced(self.original.ranges[i].1) {
+                    self.reduced = None;
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Present value of a Boolean.
+    ///
+    /// # Errors
+    /// No Boolean has this reference, or the present parameters give no mechanism.
+    pub fn boolean(&mut self, reference: Reference) -> Result<bool, ModelError> {
+        match self.original.variables.quantity(reference) {
+            Some(Quantity::Flag(i)) => Ok(self.setting.flags[i]),
+            Some(Quantity::Lock(i)) => Ok(self.inputs.locks[i]),
+            Some(Quantity::AtStop(stop)) => {
+                let reduced = Arc::clone(self.reduced()?);
+                Ok(self.state()?.at_stop(&reduced, stop))
+            }
+            _ => Err(self.no_such(reference, "Boolean")),
+        }
+    }
+
+    /// Whether [`Self::set_boolean`] would accept this value; changes nothing.
+    ///
+    /// # Errors
+    /// No Boolean has this reference, or it is an output.
+    pub fn check_boolean(&self, reference: Reference, _value: bool) -> Result<(), ModelError> {
+        match self.original.variables.quantity(reference) {
+            Some(Quantity::Flag(_) | Quantity::Lock(_)) => Ok(()),
+            Some(Quantity::AtStop(_)) => {
+                Err(ModelError::Output { name: self.original.variables.list()[reference as usize].name.clone() })
+            }
+            _ => Err(self.no_such(reference, "Boolean")),
+        }
+    }
+
+    /// Set a Boolean input or parameter. After a step, a parameter takes effect with the next initialisation only.
+    ///
+    /// # Errors
+    /// As [`Self::check_boolean`].
+    pub fn set_boolean(&mut self, reference: Reference, value: bool) -> Result<(), ModelError> {
+        self.check_boolean(reference, value)?;
+        match self.original.variables.quantity(reference) {
+            Some(Quantity::Lock(i)) if self.inputs.locks[i] != value => {
+                self.inputs.locks[i] = value;
+                match &mut self.state {
+                    Some(Motion::Reduced(state)) => state.cache.forget(),
+                    Some(Motion::RigidFem(state)) => state.forget(),
+                    None => {}
+                }
+            }
+            Some(Quantity::Flag(i)) if self.setting.flags[i] != value => {
+                Arc::make_mut(&mut self.setting).set_flag(i, value);
+                (self.state, self.reduced) = (None, None);
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Present value of a String.
+    ///
+    /// # Errors
+    /// No String has this reference.
+    pub fn text(&self, reference: Reference) -> Result<&'static str, ModelError> {
+        match self.original.variables.quantity(reference) {
+            Some(Quantity::Method) => Ok(self.setting.method().word()),
+            _ => Err(self.no_such(reference, "String")),
+        }
+    }
+
+    /// Whether [`Self::set_text`] would accept this value; changes nothing.
+    ///
+    /// # Errors
+    /// No String has this reference, or the text is none of its words.
+    pub fn check_text(&self, reference: Reference, value: &str) -> Result<(), ModelError> {
+        self.method_of(reference, value).map(|_| ())
+    }
+
+    /// Set a String parameter. After a step, it takes effect with the next initialisation only.
+    ///
+    /// # Errors
+    /// As [`Self::check_text`].
+    pub fn set_text(&mut self, reference: Reference, value: &str) -> Result<(), ModelError> {
+        let method = self.method_of(reference, value)?;
+        if self.setting.method() != method {
+            Arc::make_mut(&mut self.setting).mechanism.solver.method = Some(method);
+            self.state = None;
+            self.inputs.signal.clear();
+        }
+        Ok(())
+    }
+
+    fn method_of(&self, reference: Reference, value: &str) -> Result<Method, ModelError> {
+        match self.original.variables.quantity(reference) {
+            Some(Quantity::Method) => Method::of_word(value).ok_or_else(|| {
+                let words = Method::ALL.map(|method| format!("\"{}\"", method.word()));
+                let name = self.original.variables.list()[reference as usize].name.clone();
+                ModelError::Text { name, value: value.into(), allowed: words.join(" or ") }
+            }),
+            _ => Err(self.no_such(reference, "String")),
+        }
+    }
+
+    /// Override the relative tolerance of the integration; the same as setting solver.tolerance.
+    ///
+    /// # Errors
+    /// The tolerance is out of range.
+    pub fn set_tolerance(&mut self, tolerance: f64) -> Result<(), ModelError> {
+        match self.original.variables.find("solver.tolerance") {
+            Some(reference) => self.set_real(reference, tolerance),
+            None => Ok(()),
+        }
+    }
+
+    /// Put the mechanism at its start under the present parameters and inputs.
+    ///
+    /// # Errors
+    /// The present parameters give no mechanism, or the start cannot be reached.
+    pub fn initialize(&mut self) -> Result<(), ModelError> {
+        self.state = None;
+        self.state().map(|_| ())
+    }
+
+    /// Advance by exactly `h` [s], > 0, under the present inputs, which change as [`Self::set_input_derivative`] has said and
+    /// stay where they are at the end. On an error the state is what it was.
+    ///
+    /// # Errors
+    /// Not initialised, h out of range, the integration stopped, or the travel ended.
+    pub fn step(&mut self, h: f64) -> Result<(), ModelError> {
+        if !(h.is_finite() && h > 0.0) {
+            return Err(ModelError::StepSize { h });
+        }
+        if self.inputs.signal.ahead {
+            self.check_inputs_at(h)?;
+        }
+        let tolerance = self.setting.mechanism.solver.tolerance;
+        let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) else {
+            return Err(ModelError::NotInitialised);
+        };
+        match state {
+            Motion::Reduced(state) => state.step(reduced, &self.inputs, h, tolerance),
+            Motion::RigidFem(state) => state.step(reduced, &self.inputs, h),
+        }?;
+        if self.inputs.signal.ahead {
+            self.leave_inputs_at(h);
+        }
+        Ok(())
+    }
+
+    /// Back to what [`Self::from_json`] gave.
+    pub fn reset(&mut self) {
+        self.setting = Arc::clone(&self.original.setting);
+        self.inputs.clone_from(&self.original.inputs);
+        self.reduced = Some(Arc::clone(&self.original.reduced));
+        self.state = None;
+    }
+
+    /// Right-hand-side evaluations and accepted and rejected integration steps since initialisation.
+    pub fn statistics(&self) -> Statistics {
+        self.state.as_ref().map_or_else(Statistics::default, Motion::statistics)
+    }
+
+    /// What reading outputs has made be computed since initialisation; the finite elements do not count it.
+    pub fn computed(&self) -> Computed {
+        match &self.state {
+            Some(Motion::Reduced(state)) => state.cache.computed,
+            _ => Computed::default(),
+        }
+    }
+
+    /// The state, put at the start if there is none yet.
+    fn state(&mut self) -> Result<&mut Motion, ModelError> {
+        if self.state.is_none() {
+            let reduced = Arc::clone(self.reduced()?);
+            let (mechanism, inputs) = (&self.setting.mechanism, &self.inputs);
+            self.state = Some(match self.setting.method() {
+                Method::Reduced => Motion::Reduced(State::at_start(&reduced, mechanism, inputs)?),
+                Method::RigidFem => Motion::RigidFem(Box::new(Elastic::at_start(&reduced, mechanism, inputs)?)),
+            });
+        }
+        self.state.as_mut().ok_or(ModelError::NotInitialised)
+    }
+
+    fn no_such(&self, reference: Reference, kind: &'static str) -> ModelError {
+        ModelError::Reference { reference, kind, count: self.original.variables.list().len() }
+    }
+}
+
+/// Whether the reduced model depends on a parameter of this role.
+pub(super) fn is_reduced(role: Role) -> bool {
+    matches!(role, Role::Geometry | Role::Inertia | Role::Load)
+}
+
+impl Motion {
+    fn statistics(&self) -> Statistics {
+        match self {
+            Self::Reduced(state) => state.statistics(),
+            Self::RigidFem(state) => state.statistics(),
+        }
+    }
+
+    /// Turns of the curve so far, from its beginning.
+    fn turns(&self) -> f64 {
+        match self {
+            Self::Reduced(state) => state.turns(),
+            Self::RigidFem(state) => state.turns(),
+        }
+    }
+
+    fn describe(&self, reduced: &Reduced) -> String {
+        match self {
+            Self::Reduced(state) => state.describe(reduced),
+            Self::RigidFem(state) => state.describe(reduced),
+        }
+    }
+
+    fn at_stop(&self, reduced: &Reduced, stop: usize) -> bool {
+        match self {
+            Self::Reduced(state) => state.at_stop(reduced, stop),
+            Self::RigidFem(state) => state.at_stop(reduced, stop),
+        }
+    }
+}

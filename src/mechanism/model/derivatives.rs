@@ -1,0 +1,181 @@
+//! Derivatives as a host asks for them: of outputs by inputs, of outputs in time, and those of inputs that it sets.
+//!
+//! In: references, orders, seeds. Out: what `slopes.rs` finds, or a refusal by name. It must not know any law.
+use super::{Model, ModelError, Motion as Formulation};
+use crate::mechanism::definition::Method;
+use crate::mechanism::quantity::Quantity;
+use crate::variables::{Causality, Kind, Reference};
+
+/// The order of derivatives of outputs that can be told.
+pub const OUTPUT_ORDER: i32 = 1;
+/// The largest order of derivatives of inputs that can be set.
+pub const INPUT_ORDER: i32 = 2;
+
+impl Model {
+    /// Directional derivatives of outputs: told with its place, for each unknown the sum over the knowns of
+    /// dy / du times the seed, at the present state. `tell` is called once for each unknown.
+    ///
+    /// # Errors
+    /// An unknown that is no continuous output, a known that is no continuous input, an output that cannot be told,
+    /// `solver.method` = "`rigid_fem`".
+    pub fn directional_derivative(
+        &mut self,
+        unknowns: &[Reference],
+        knowns: &[Reference],
+        seeds: &[f64],
+        tell: &mut dyn FnMut(usize, f64),
+    ) -> Result<(), ModelError> {
+        for &known in knowns {
+            self.continuous(known, Causality::Input, "a known must be a continuous input")?;
+        }
+        for &unknown in unknowns {
+            self.continuous(unknown, Causality::Output, "an unknown must be a continuous output")?;
+        }
+        if let Some((seed, known)) = seeds.iter().zip(knowns).find(|(seed, _)| !seed.is_finite()) {
+            let name = self.name_of(*known);
+            return Err(ModelError::Value { name, value: *seed, allowed: "finite, as a seed".into() });
+        }
+        self.reducible("providesDirectionalDerivative")?;
+        // References of inputs are their places: they come first.
+        let sum = |input: usize| -> f64 {
+            knowns.iter().zip(seeds).filter(|(known, _)| **known as usize == input).map(|(_, seed)| seed).sum()
+        };
+        if let (Some(Formulation::Reduced(state)), Some(reduced)) = (&mut self.state, &self.reduced) {
+            state.head_for_inputs(reduced, &self.inputs, &sum);
+        }
+        for (place, &unknown) in unknowns.iter().enumerate() {
+            let dependencies = &self.original.variables.list()[unknown as usize].dependencies;
+            let depends = knowns.iter().any(|known| dependencies.contains(known));
+            tell(place, if depends { self.slope(unknown)? } else { 0.0 });
+        }
+        Ok(())
+    }
+
+    /// Rate of a continuous output in time, under inputs that change at the rates set by [`Self::set_input_derivative`].
+    ///
+    /// # Errors
+    /// No continuous output has this reference, another order than 1, an output that cannot be told, `solver.method` =
+    /// "`rigid_fem`".
+    pub fn output_derivative(&mut self, reference: Reference, order: i32) -> Result<f64, ModelError> {
+        self.continuous(reference, Causality::Output, "derivatives are told of continuous outputs")?;
+        if order != OUTPUT_ORDER {
+            let what = format!("order {order} of the derivative of {}", self.name_of(reference));
+            return Err(ModelError::Derivative {
+                what,
+                reason: "maxOutputDerivativeOrder is 1: ask for order 1".into(),
+            });
+        }
+        self.reducible("maxOutputDerivativeOrder")?;
+        let Self { state: Some(Formulation::Reduced(state)), reduced: Some(reduced), inputs, .. } = self else {
+            return Err(ModelError::NotInitialised);
+        };
+        let headed = state.head_for_time(reduced, inputs);
+        self.told(reference, headed.map(|()| 0.0))?;
+        self.slope(reference)
+    }
+
+    /// Whether [`Self::set_input_derivative`] would accept this; changes nothing.
+    ///
+    /// # Errors
+    /// No continuous input has this reference, the order is not 1 or 2, the value is not finite, `solver.method` =
+    /// "`rigid_fem`".
+    pub fn check_input_derivative(&self, reference: Reference, order: i32, value: f64) -> Result<(), ModelError> {
+        self.continuous(reference, Causality::Input, "derivatives are set of continuous inputs")?;
+        if !(1..=INPUT_ORDER).contains(&order) {
+            let what = format!("order {order} of the derivative of {}", self.name_of(reference));
+            return Err(ModelError::Derivative { what, reason: "set the orders 1 and 2".into() });
+        }
+        if !value.is_finite() {
+            let name = format!("derivative {order} of {}", self.name_of(reference));
+            return Err(ModelError::Value { name, value, allowed: "finite".into() });
+        }
+        self.not_elastic("canInterpolateInputs")
+    }
+
+    /// Set the derivative of an input at the beginning of the next step, for that step.
+    ///
+    /// # Errors
+    /// As [`Self::check_input_derivative`].
+    pub fn set_input_derivative(&mut self, reference: Reference, order: i32, value: f64) -> Result<(), ModelError> {
+        self.check_input_derivative(reference, order, value)?;
+        if let Some(Quantity::Input(i)) = self.original.variables.quantity(reference) {
+            self.inputs.signal.set(i, if order == 1 { 1 } else { 2 }, value);
+        }
+        Ok(())
+    }
+
+    /// Refuse a step at the end of which an input is not finite.
+    ///
+    /// # Errors
+    /// [`ModelError::Value`].
+    pub(super) fn check_inputs_at(&self, h: f64) -> Result<(), ModelError> {
+        for (i, value) in self.inputs.reals.iter().enumerate() {
+            let end = self.inputs.signal.at(i, *value, h);
+            if !end.is_finite() {
+                let name = format!("{} at the end of the step", self.name_of(i as Reference));
+                return Err(ModelError::Value { name, value: end, allowed: "finite".into() });
+            }
+        }
+        Ok(())
+    }
+
+    /// A step of size h is done: the inputs have come to where they stay.
+    pub(super) fn leave_inputs_at(&mut self, h: f64) {
+        let loads = self.reduced.as_ref().map_or(0, |reduced| reduced.loading().inputs.len());
+        for (i, value) in self.inputs.reals.iter_mut().enumerate() {
+            let end = self.inputs.signal.at(i, *value, h);
+            if end.to_bits() != value.to_bits() {
+                *value = end;
+                if let Some(Formulation::Reduced(state)) = &mut self.state {
+                    state.cache.set(i, loads, end);
+                }
+            }
+        }
+        self.inputs.signal.end(h);
+    }
+
+    fn slope(&mut self, reference: Reference) -> Result<f64, ModelError> {
+        let Some(Quantity::Output(output)) = self.original.variables.quantity(reference) else {
+            return Err(self.no_such(reference, "Real"));
+        };
+        let Self { state: Some(Formulation::Reduced(state)), reduced: Some(reduced), inputs, .. } = self else {
+            return Err(ModelError::NotInitialised);
+        };
+        let slope = state.slope(reduced, inputs, output);
+        self.told(reference, slope)
+    }
+
+    fn name_of(&self, reference: Reference) -> String {
+        self.original.variables.get(reference).map_or_else(String::new, |v| v.name.clone())
+    }
+
+    /// Refuse what is no Real of this causality.
+    fn continuous(&self, reference: Reference, causality: Causality, rule: &str) -> Result<(), ModelError> {
+        match self.original.variables.get(reference) {
+            Some(v) if v.causality == causality && v.kind == Kind::Real => Ok(()),
+            Some(v) => {
+                let what = format!("{} (value reference {reference})", v.name);
+                Err(ModelError::Derivative { what, reason: rule.into() })
+            }
+            None => Err(self.no_such(reference, "Real")),
+        }
+    }
+
+    /// Put the mechanism at its start if it is nowhere yet, and refuse the finite elements.
+    fn reducible(&mut self, capability: &str) -> Result<(), ModelError> {
+        self.not_elastic(capability)?;
+        self.state().map(|_| ())
+    }
+
+    fn not_elastic(&self, capability: &str) -> Result<(), ModelError> {
+        let elastic = match &self.state {
+            Some(state) => matches!(state, Formulation::RigidFem(_)),
+            None => self.setting.method() == Method::RigidFem,
+        };
+        if elastic {
+            let reason = "solver.method = \"rigid_fem\" does not have it; choose solver.method = \"reduced\"".into();
+            return Err(ModelError::Derivative { what: capability.into(), reason });
+        }
+        Ok(())
+    }
+}

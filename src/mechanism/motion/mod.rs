@@ -1,0 +1,9 @@
+//! The motion in time: the state, its steps, the events in them.
+pub mod advance;
+pub mod events;
+mod saved;
+pub mod state;
+pub mod step_ahead;
+pub mod travel;
+
+pub use saved::SavedState;

@@ -1,0 +1,220 @@
+//! What of a state of motion decides how it goes on.
+use super::state::{Memory, State, blows, scene, scene_in};
+use crate::codec::record::{Damaged, Record};
+use crate::mechanism::dynamics::equation::Work;
+use crate::mechanism::motion::events::{Contact, Event};
+use crate::mechanism::motion::step_ahead::{Lookahead, Overshoot};
+use crate::mechanism::motion::travel::{End, Travel};
+use crate::mechanism::outputs::Cache;
+use crate::mechanism::reduced::Reduced;
+use crate::mechanism::{ModelError, dynamics::inputs::Inputs};
+use crate::numerics::dual::{become_same, same_bits};
+
+/// Part of a closed curve's length by which sigma may be beyond its ends by rounding.
+const ROUNDING: f64 = 1e-12;
+/// Most turns, so that one of them still counts.
+const MOST_TURNS: f64 = 1e15;
+
+/// A [`State`] without what is found anew from it.
+#[derive(Clone, Debug)]
+pub struct SavedState {
+    sigma: f64,
+    sigma_dot: f64,
+    turns: f64,
+    contact: Contact,
+    travel: Travel,
+    applied: Vec<f64>,
+    airspeed: f64,
+    reference: f64,
+    memory: Memory,
+}
+
+impl State {
+    /// What decides how it goes on.
+    pub fn saved(&self) -> SavedState {
+        SavedState {
+            sigma: self.sigma,
+            sigma_dot: self.sigma_dot,
+            turns: self.turns,
+            contact: self.contact,
+            travel: self.travel,
+            applied: self.applied.clone(),
+            airspeed: self.airspeed,
+            reference: self.reference,
+            memory: self.memory,
+        }
+    }
+
+    /// [`Self::saved`] in the place of another one, without allocation.
+    #[inline]
+    pub fn save(&self, saved: &mut SavedState) {
+        (saved.sigma, saved.sigma_dot, saved.turns) = (self.sigma, self.sigma_dot, self.turns);
+        (saved.contact, saved.travel) = (self.contact, self.travel);
+        become_same(&mut saved.applied, &self.applied);
+        (saved.airspeed, saved.reference) = (self.airspeed, self.reference);
+        saved.memory.copy_from(&self.memory);
+    }
+
+    /// A state that goes on as the saved one did, under these inputs.
+    ///
+    /// # Errors
+    /// [`ModelError::Table`]: a reaction that causes friction is not smooth.
+    pub fn from_saved(saved: &SavedState, reduced: &Reduced, inputs: &Inputs) -> Result<Self, ModelError> {
+        let (then, now) = (scene_in(reduced, saved.airspeed, saved.turns)?, scene(reduced, inputs, saved.turns)?);
+        Ok(Self {
+            sigma: saved.sigma,
+            sigma_dot: saved.sigma_dot,
+            turns: saved.turns,
+            contact: saved.contact,
+            travel: saved.travel,
+            applied: saved.applied.clone(),
+            before: saved.applied.clone(),
+            airspeed: saved.airspeed,
+            reference: saved.reference,
+            memory: saved.memory,
+            work: Work::new(then),
+            cache: Cache::new(reduced, now, &inputs.reals),
+        })
+    }
+
+    /// [`Self::from_saved`] in place, with the same reduced model, and with the inputs if they are not the present ones; without
+    /// allocation unless air has begun or ceased to act.
+    ///
+    /// # Errors
+    /// As [`Self::from_saved`]; nothing has changed.
+    #[inline]
+    pub fn restore(&mut self, saved: &SavedState, reduced: &Reduced, inputs: Option<&[f64]>) -> Result<(), ModelError> {
+        if blows(reduced, saved.airspeed) != self.work.air {
+            self.renew_work(saved, reduced)?;
+        }
+        if !same_bits(&saved.applied, &self.applied) {
+            self.applied.copy_from_slice(&saved.applied);
+            self.work.folded.forget();
+        }
+        if saved.turns != self.turns {
+            self.work.folded.forget();
+            self.cache.recount();
+        }
+        (self.sigma, self.sigma_dot, self.turns) = (saved.sigma, saved.sigma_dot, saved.turns);
+        (self.contact, self.travel) = (saved.contact, saved.travel);
+        (self.airspeed, self.reference) = (saved.airspeed, saved.reference);
+        self.memory.copy_from(&saved.memory);
+        match inputs {
+            Some(inputs) => self.cache.renew(&inputs[..reduced.loading().inputs.len()]),
+            None => self.cache.forget(),
+        }
+        Ok(())
+    }
+
+    #[cold]
+    fn renew_work(&mut self, saved: &SavedState, reduced: &Reduced) -> Result<(), ModelError> {
+        let then = scene_in(reduced, saved.airspeed, saved.turns)?;
+        if then.is_some_and(|s| s.air) != self.work.air {
+            self.work = Work::new(then);
+        }
+        Ok(())
+    }
+}
+
+impl SavedState {
+    /// Read one for this reduced model.
+    ///
+    /// # Errors
+    /// A field is not what this mechanism can have.
+    pub fn read(record: &mut Record, reduced: &Reduced) -> Result<Self, ModelError> {
+        let mut saved = Self {
+            sigma: 0.0,
+            sigma_dot: 0.0,
+            turns: 0.0,
+            contact: Contact::default(),
+            travel: Travel::default(),
+            applied: vec![0.0; reduced.components().sized],
+            airspeed: 0.0,
+            reference: 0.0,
+            memory: Memory::new(false),
+        };
+        saved.record(record)?;
+        saved.check(reduced)?;
+        Ok(saved)
+    }
+
+    /// All fields, written or read.
+    ///
+    /// # Errors
+    /// A field is read that no state has.
+    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        record.finite("sigma", &mut self.sigma)?;
+        record.finite("sigma_dot", &mut self.sigma_dot)?;
+        let allowed = |turns: f64| turns.fract() == 0.0 && turns.abs() <= MOST_TURNS;
+        record.number("turns", &mut self.turns, allowed, "a whole number")?;
+        record.option("resting", &mut self.contact.resting, || 0, |record, side| record.place("resting", side, 2))?;
+        for touching in &mut self.contact.touching {
+            record.option("touching", touching, || 0, |record, k| record.place("touching", k, usize::MAX))?;
+        }
+        for end in &mut self.travel {
+            let blank = || End { position: 0.0, stop: 0 };
+            record.option("end of the travel", end, blank, |record, end| {
+                record.finite("end of the travel", &mut end.position)?;
+                record.place("stop", &mut end.stop, usize::MAX)
+            })?;
+        }
+        record.length("sizes", self.applied.len())?;
+        record.all_finite("size", &mut self.applied)?;
+        record.finite("airspeed", &mut self.airspeed)?;
+        record.finite("energy", &mut self.reference)?;
+        let mut lossy = matches!(self.memory, Memory::Lossy(..));
+        record.flag("lossy", &mut lossy)?;
+        if record.reads() && lossy {
+            self.memory = Memory::new(true);
+        }
+        match &mut self.memory {
+            Memory::Conservative(integrator) => integrator.record(record),
+            Memory::Lossy(integrator, lookahead) => {
+                integrator.record(record)?;
+                lookahead.record(record)
+            }
+        }
+    }
+
+    /// Refuse what this mechanism cannot have.
+    fn check(&self, reduced: &Reduced) -> Result<(), ModelError> {
+        let refuse = |what: String| Err(Damaged(what).into());
+        let (first, last) = reduced.curve().range();
+        let slack = reduced.period().map_or(0.0, |period| ROUNDING * period);
+        if !(first - slack..=last + slack).contains(&self.sigma) {
+            return refuse(format!("sigma = {}: must be from {first} to {last}", self.sigma));
+        }
+        if reduced.period().is_none() && self.turns != 0.0 {
+            return refuse(format!("turns = {}: must be 0, as the travel is open", self.turns));
+        }
+        let loading = reduced.loading();
+        for end in self.travel.iter().flatten() {
+            if loading.stops.get(end.stop).is_none_or(|stop| !stop.enabled) {
+                return refuse(format!("stop = {}: there is none enabled at this place", end.stop));
+            }
+        }
+        if self.contact.resting.is_some_and(|side| self.travel[side].is_none()) {
+            return refuse("resting where the travel has no end".into());
+        }
+        let scene = scene_in(reduced, self.airspeed, self.turns)?;
+        let bumpers = scene.map_or(0, |s| s.bumpers.len());
+        if let Some(k) = self.contact.touching.iter().flatten().find(|k| **k >= bumpers) {
+            return refuse(format!("touching = {k}: must be below {bumpers}"));
+        }
+        let constants = &self.applied[loading.inputs.len()..];
+        if constants.iter().zip(&loading.constants).any(|(a, b)| a.to_bits() != b.to_bits()) {
+            return refuse("the constant loads are not those of the parameters".into());
+        }
+        if let Memory::Lossy(_, Lookahead { overshoot: Some(Overshoot { event: Some(Event::Band(pin)), .. }), .. }) =
+            self.memory
+            && pin >= scene.map_or(0, |s| s.pins.len())
+        {
+            return refuse(format!("place of an event = {pin}: there is no such pin"));
+        }
+        // The energy lost is integrated in a scene, and in steps with inputs that change.
+        if scene.is_some() && matches!(self.memory, Memory::Conservative(_)) {
+            return refuse("the integration is not that of the parameters".into());
+        }
+        Ok(())
+    }
+}

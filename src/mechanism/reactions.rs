@@ -1,0 +1,325 @@
+//! Reactions: what every joint transmits, as an affine function of (sigma_ddot, sigma_dot^2, each load).
+//!
+//! In: a configuration and the loads. Out: one column of joint reactions for each of these terms. Newton and Euler's
+//! equations of every body, inward along the spanning tree; the joints that close the loops follow from the loop
+//! Jacobian: J^T lambda = generalised forces. A column alone need not be in balance; the sum over a motion is.
+use crate::mechanism::closure::Closure;
+use crate::mechanism::curve::Configuration;
+use crate::mechanism::linkage::{Freedom, GROUND, Joint, Linkage, Point, Rates, Vec2, cross, quarter};
+use crate::mechanism::loads::unit_load::{Load, Wrench};
+use nalgebra::{DMatrix, DVector};
+
+/// What the first-named body of a joint exerts on the second.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reaction {
+    /// Force in the mechanism frame [N].
+    pub force: Vec2,
+    /// Moment about the second body's point [N.m]; 0 in a revolute joint.
+    pub moment: f64,
+}
+
+impl Default for Reaction {
+    fn default() -> Self {
+        Self { force: Vec2::zeros(), moment: 0.0 }
+    }
+}
+
+/// Reactions of all joints, for sigma_ddot = 1, for sigma_dot^2 = 1, then for each load = 1.
+pub fn columns(closure: &Closure, c: &Configuration, loads: &[Load]) -> Vec<Vec<Reaction>> {
+    let joints = closure.linkage.joints.len();
+    Columns::default().fill(closure, c, loads, 0).chunks_exact(joints).map(<[Reaction]>::to_vec).collect()
+}
+
+/// Groups of joints that transmit one force, but for its sign, under torques on bodies and forces along prismatic joints: a
+/// body with two revolute joints and no other passes on what it gets. For each joint, the first of its group, and the sign.
+pub fn groups(linkage: &Linkage) -> Vec<(usize, f64)> {
+    let mut groups: Vec<(usize, f64)> = (0..linkage.joints.len()).map(|j| (j, 1.0)).collect();
+    for body in GROUND + 1..linkage.bodies.len() {
+        // What a joint exerts on the body, for each unit of its reaction.
+        let side = |j: &Joint| if j.second.body == body { 1.0 } else { -1.0 };
+        let at = linkage.joints.iter().enumerate().filter(|(_, j)| j.first.body == body || j.second.body == body);
+        let at: Vec<(usize, &Joint)> = at.collect();
+        let &[(a, first), (b, second)] = &at[..] else { continue };
+        if first.freedom != Freedom::Turn || second.freedom != Freedom::Turn {
+            continue;
+        }
+        let sign = -side(first) * side(second);
+        let ((into, of_first), (from, of_second)) = (groups[a], groups[b]);
+        if into == from {
+            continue;
+        }
+        let (into, from) = (into.min(from), into.max(from));
+        for (group, own) in groups.iter_mut().filter(|(group, _)| *group == from) {
+            (*group, *own) = (into, *own * sign * of_first * of_second);
+        }
+    }
+    groups
+}
+
+/// Terms that are solved for side by side.
+const SIDE: usize = 4;
+
+/// What a body needs in N terms: force x and y, and moment about the origin of its frame.
+#[derive(Clone, Copy, Debug)]
+struct Demand<const N: usize> {
+    force: [[f64; N]; 2],
+    moment: [f64; N],
+}
+
+impl<const N: usize> Demand<N> {
+    const NONE: Self = Self { force: [[0.0; N]; 2], moment: [0.0; N] };
+
+    /// A force more, or with the sign -1 less, at this arm from the origin.
+    fn add(&mut self, sign: f64, arm: Vec2, [x, y]: &[[f64; N]; 2]) {
+        for i in 0..N {
+            self.force[0][i] += sign * x[i];
+            self.force[1][i] += sign * y[i];
+            self.moment[i] += sign * (arm.x * y[i] - arm.y * x[i]);
+        }
+    }
+}
+
+/// Room to solve for N terms at one configuration.
+#[derive(Debug, Default)]
+struct Terms<const N: usize> {
+    demand: Vec<Demand<N>>,
+    /// Demands while they are summed inward.
+    summed: Vec<Demand<N>>,
+    general: Vec<[f64; N]>,
+    factors: Vec<[f64; N]>,
+    all_factors: Vec<[f64; N]>,
+}
+
+/// Room for the reactions of one configuration after another.
+#[derive(Debug, Default)]
+pub struct Columns {
+    normal: Vec<f64>,
+    at_rest: Rates,
+    terms: Terms<SIDE>,
+    /// Reactions of all joints, term after term.
+    reactions: Vec<Reaction>,
+}
+
+impl Columns {
+    /// Reactions of all joints, for sigma_ddot = 1, for sigma_dot^2 = 1, then for each load = 1: term after term, without
+    /// the first `skipped`.
+    pub fn fill(&mut self, closure: &Closure, c: &Configuration, loads: &[Load], skipped: usize) -> &[Reaction] {
+        let linkage = &*closure.linkage;
+        let joints = linkage.joints.len();
+        self.normal.clear();
+        self.normal.extend(c.q_sigma.iter().zip(&closure.weights).map(|(q, w)| q * w * w));
+        self.at_rest.angle.resize(linkage.bodies.len(), 0.0);
+        self.at_rest.origin.resize(linkage.bodies.len(), Vec2::zeros());
+        self.reactions.clear();
+        self.reactions.resize((2 + loads.len() - skipped) * joints, Reaction::default());
+        let redundant = SelfStresses::new(closure, c, &self.normal);
+        for (block, reactions) in self.reactions.chunks_mut(SIDE * joints).enumerate() {
+            let terms = &mut self.terms;
+            terms.demand.clear();
+            terms.demand.resize(linkage.bodies.len(), Demand::NONE);
+            for (i, term) in (skipped + SIDE * block..2 + loads.len()).take(SIDE).enumerate() {
+                match term {
+                    0 => inertial(closure, c, &self.at_rest, &c.rates, i, &mut terms.demand),
+                    1 => inertial(closure, c, &c.rates, &c.second, i, &mut terms.demand),
+                    _ => loads[term - 2].exert(linkage, &c.positions, &mut |Wrench { body, force, moment }| {
+                        let demand = &mut terms.demand[body];
+                        demand.force[0][i] -= force.x;
+                        demand.force[1][i] -= force.y;
+                        demand.moment[i] -= moment;
+                    }),
+                }
+            }
+            terms.generalise(closure, c);
+            terms.balance(closure, c, &self.normal);
+            terms.inward(closure, c, None, &mut |joint, [x, y], moment| {
+                for (i, term) in reactions.chunks_exact_mut(joints).enumerate() {
+                    term[joint] = Reaction { force: Vec2::new(x[i], y[i]), moment: moment[i] };
+                }
+            });
+            reactions.chunks_exact_mut(joints).for_each(|term| redundant.relieve(term));
+        }
+        &self.reactions
+    }
+}
+
+/// Reactions that hold one another in balance without any demand; there are some only if joints are redundant. Of all
+/// reactions in balance those of least norm are told: the least sum of |force|^2 + (moment / size)^2.
+struct SelfStresses {
+    states: Vec<Vec<Reaction>>,
+    /// Inverse of the matrix of their inner products.
+    inverse: DMatrix<f64>,
+    size: f64,
+}
+
+impl SelfStresses {
+    fn new(closure: &Closure, c: &Configuration, normal: &[f64]) -> Self {
+        let linkage = &*closure.linkage;
+        let size = linkage.size;
+        let mut states = Vec::new();
+        let mut terms = Terms::<1>::default();
+        let mut state = |terms: &mut Terms<1>, twisted: Option<usize>| {
+            terms.demand.clear();
+            terms.demand.resize(linkage.bodies.len(), Demand::NONE);
+            let mut reactions = vec![Reaction::default(); linkage.joints.len()];
+            terms.inward(closure, c, twisted, &mut |joint, [[x], [y]], [moment]| {
+                reactions[joint] = Reaction { force: Vec2::new(x, y), moment };
+            });
+            states.push(reactions);
+        };
+        if closure.redundant() {
+            let jacobian = linkage.jacobian(&c.positions, &c.q);
+            for extra in (0..linkage.rows()).filter(|r| !closure.rows().contains(r)) {
+                terms.general.clear();
+                terms.general.extend(jacobian.row(extra).iter().map(|g| [-g]));
+                terms.balance(closure, c, normal);
+                terms.all_factors[extra] = [1.0];
+                state(&mut terms, None);
+            }
+        }
+        // A prismatic joint outside the tree joins bodies that already turn together: its moment is free.
+        for &joint in linkage.cuts.iter().filter(|&&j| linkage.joints[j].freedom != Freedom::Turn) {
+            terms.all_factors.clear();
+            terms.all_factors.resize(linkage.rows(), [0.0]);
+            state(&mut terms, Some(joint));
+        }
+        let n = states.len();
+        if n == 0 {
+            return Self { states, inverse: DMatrix::zeros(0, 0), size };
+        }
+        let gram = DMatrix::from_fn(n, n, |i, j| product(&states[i], &states[j], size));
+        let inverse = gram.pseudo_inverse(1e-12).unwrap_or(DMatrix::zeros(n, n));
+        Self { states, inverse, size }
+    }
+
+    /// Take away what the reactions have of these states.
+    fn relieve(&self, reactions: &mut [Reaction]) {
+        if self.states.is_empty() {
+            return;
+        }
+        let parts = DVector::from_iterator(
+            self.states.len(),
+            self.states.iter().map(|state| product(state, reactions, self.size)),
+        );
+        for (state, part) in self.states.iter().zip((&self.inverse * parts).iter()) {
+            for (r, s) in reactions.iter_mut().zip(state) {
+                r.force -= *part * s.force;
+                r.moment -= part * s.moment;
+            }
+        }
+    }
+}
+
+fn product(a: &[Reaction], b: &[Reaction], size: f64) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.force.dot(&b.force) + a.moment * b.moment / (size * size)).sum()
+}
+
+/// What each body needs for these accelerations, as term number `i`.
+fn inertial<const N: usize>(
+    closure: &Closure,
+    c: &Configuration,
+    r: &Rates,
+    a: &Rates,
+    i: usize,
+    demand: &mut [Demand<N>],
+) {
+    let p = &c.positions;
+    for (place, (body, demand)) in closure.linkage.bodies.iter().zip(demand).enumerate() {
+        let force = body.mass * p.acceleration(r, a, Point { body: place, local: body.center });
+        (demand.force[0][i], demand.force[1][i]) = (force.x, force.y);
+        demand.moment[i] = body.inertia * a.angle[place] + cross(p.vector(place, body.center), force);
+    }
+}
+
+impl<const N: usize> Terms<N> {
+    /// Generalised forces of the demands: their virtual work for each change of a coordinate.
+    fn generalise(&mut self, closure: &Closure, c: &Configuration) {
+        let (linkage, p) = (&*closure.linkage, &c.positions);
+        self.general.clear();
+        self.general.resize(c.q.len(), [0.0; N]);
+        // Moments about the origins of the bodies' frames.
+        self.summed.clone_from(&self.demand);
+        for (branch, arms) in linkage.tree.iter().zip(&p.arms).rev() {
+            let (child, parent) = (branch.child, branch.parent);
+            let Demand { force, moment } = self.summed[child];
+            let [x, y] = &force;
+            if let Some(turn) = linkage.bodies[child].turn {
+                for (i, work) in self.general[turn].iter_mut().enumerate() {
+                    *work += moment[i] - (arms.to.x * y[i] - arms.to.y * x[i]);
+                }
+            }
+            if let Some(slide) = branch.slide {
+                for (i, work) in self.general[slide].iter_mut().enumerate() {
+                    *work += arms.axis.x * x[i] + arms.axis.y * y[i];
+                }
+            }
+            // The pivot moves with the parent; only the force is passed on, turning has its own coordinate.
+            let pivot = p.origin[child] + arms.to;
+            self.summed[parent].add(1.0, pivot - p.origin[parent], &force);
+        }
+    }
+
+    /// Factors of all loop equations, those that follow from others 0, which balance the generalised forces.
+    fn balance(&mut self, closure: &Closure, c: &Configuration, normal: &[f64]) {
+        self.all_factors.clear();
+        self.all_factors.resize(closure.linkage.rows(), [0.0; N]);
+        if let Some(factors) = c.factors() {
+            factors.solve_transposed(normal, &mut self.general, &mut self.factors);
+            for (row, factor) in closure.rows().iter().zip(&self.factors) {
+                self.all_factors[*row] = *factor;
+            }
+        }
+    }
+
+    /// `give` every joint the force and moment with which all bodies get what they need, for the factors of all loop
+    /// equations and a unit moment in `twisted`, a prismatic joint outside the tree. The demand is used up.
+    fn inward(
+        &mut self,
+        closure: &Closure,
+        c: &Configuration,
+        twisted: Option<usize>,
+        give: &mut impl FnMut(usize, [[f64; N]; 2], [f64; N]),
+    ) {
+        let (linkage, p) = (&*closure.linkage, &c.positions);
+        let demand = &mut self.demand;
+        // Joints that close loops: what they transmit relieves the demands of the two bodies.
+        let mut row = 0;
+        for &j in &linkage.cuts {
+            let joint = &linkage.joints[j];
+            let factors = &self.all_factors[row..];
+            let force = match joint.freedom {
+                Freedom::Turn => [factors[0], factors[1]],
+                Freedom::Slide(axis) => {
+                    let normal = quarter(p.vector(joint.first.body, axis));
+                    [normal.x, normal.y].map(|n| factors[0].map(|f| f * n))
+                }
+            };
+            row += if joint.freedom == Freedom::Turn { 2 } else { 1 };
+            let at = p.point(joint.second);
+            for (body, sign) in [(joint.second.body, -1.0), (joint.first.body, 1.0)] {
+                demand[body].add(sign, at - p.origin[body], &force);
+            }
+            let moment = if twisted == Some(j) { 1.0 } else { 0.0 };
+            for i in 0..N {
+                demand[joint.second.body].moment[i] -= moment;
+                demand[joint.first.body].moment[i] += moment;
+            }
+            give(j, force, [moment; N]);
+        }
+        // Joints of the tree, from the outermost inward: each gives its child what the child still needs.
+        for branch in linkage.tree.iter().rev() {
+            let Demand { force, moment } = demand[branch.child];
+            let joint = &linkage.joints[branch.joint];
+            let at = p.point(joint.second);
+            let mut couple = [0.0; N];
+            if joint.freedom != Freedom::Turn {
+                let arm = at - p.origin[branch.child];
+                couple = std::array::from_fn(|i| moment[i] - (arm.x * force[1][i] - arm.y * force[0][i]));
+            }
+            let parent = &mut demand[branch.parent];
+            parent.add(1.0, at - p.origin[branch.parent], &force);
+            parent.moment.iter_mut().zip(couple).for_each(|(moment, couple)| *moment += couple);
+            let sign = if branch.reversed { -1.0 } else { 1.0 };
+            give(branch.joint, force.map(|f| f.map(|f| sign * f)), couple.map(|m| sign * m));
+        }
+    }
+}

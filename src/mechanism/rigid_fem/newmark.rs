@@ -1,0 +1,254 @@
+//! Newmark's method: one step of constant length, with equilibrium iterations at its end.
+//!
+//! In: a state, sizes of the loads, a step. Out: the state after it. gamma = 1/2, beta = 1/4 (average acceleration):
+//!
+//! ```text
+//! x1 = x0 + h v0 + h^2 (a0 + a1) / 4,    v1 = v0 + h (a0 + a1) / 2
+//! ```
+//!
+//! where a1 is such that the equations of motion hold at the end. Second order in h. In linear problems it neither damps nor
+//! amplifies vibrations, however long h is. Here the rods turn, and with h longer than their periods, in fast motion and
+//! after many steps, the energy of their vibrations may grow: energy drift shows it early, and a strain beyond what a rigid
+//! link may have is refused.
+use super::element::Span;
+use super::lu::Lu;
+use super::nodal_load::Present;
+use super::{RigidFem, RigidFemError, State};
+use crate::mechanism::linkage::Vec2;
+
+/// Corrections of positions below this part of the linkage's size end the iterations. The correction that is still made then
+/// leaves an error smaller by the rate of convergence, about (h omega)^2.
+const CONVERGED: f64 = 1e-12;
+/// The gear takes at most five corrections at h = 2 ms; where this many do not suffice the step is far too long.
+const ITERATIONS: usize = 40;
+/// A step that is a multiple of `h_fem` but for this part is divided into that number: hosts subtract times.
+const ROUNDING: f64 = 1e-6;
+/// More substeps than this would seem to take for ever.
+const SUBSTEPS: f64 = 1e9;
+/// Largest strain |l - L| / L of a rod that stands for a rigid link [1]: several times what steel bears.
+const STRAIN: f64 = 1e-2;
+
+/// Room for a step's intermediate results, so that no step allocates.
+#[derive(Clone, Debug)]
+pub struct Workspace {
+    /// State at the end of the substep.
+    next: State,
+    /// State to return to when a substep fails.
+    backup: State,
+    forces: Vec<[Vec2; 2]>,
+    residual: Vec<f64>,
+    gradient: Vec<f64>,
+    tangent: Lu,
+}
+
+impl Workspace {
+    /// Forces at the nodes of every element [N].
+    pub(super) fn forces_mut(&mut self) -> &mut [[Vec2; 2]] {
+        &mut self.forces
+    }
+}
+
+impl RigidFem {
+    /// Room for steps of this linkage.
+    pub fn workspace(&self) -> Workspace {
+        let (n, elements) = (self.mesh.moving, self.mesh.elements.len());
+        let state = self.blank();
+        Workspace {
+            next: state.clone(),
+            backup: state,
+            forces: vec![[Vec2::zeros(); 2]; elements],
+            residual: vec![0.0; 2 * n],
+            gradient: vec![0.0; 2 * n],
+            tangent: Lu::new(2 * n),
+        }
+    }
+
+    /// Advance by `h` [s] in ceil(h / h_fem) equal steps, under loads of constant `sizes`. Returns the energy that dampers
+    /// took [J], by the trapezoidal rule. On an error the state is what it was.
+    ///
+    /// # Errors
+    /// A step that is not finite and > 0, or too many of them; no equilibrium at the end of a step; a rod stretched by more than 1 %.
+    pub fn advance(
+        &self,
+        state: &mut State,
+        room: &mut Workspace,
+        sizes: &[f64],
+        h: f64,
+        h_fem: f64,
+    ) -> Result<f64, RigidFemError> {
+        self.advance_watched(state, room, sizes, [h, h_fem], &mut |_, _| Ok(()))
+    }
+
+    /// [`Self::advance`] by `h` in steps of at most `h_fem` [s], where `watch` sees the state after each of these steps, with
+    /// its length [s], and may refuse it.
+    ///
+    /// # Errors
+    /// As [`Self::advance`]; what `watch` refuses.
+    pub fn advance_watched<E: From<RigidFemError>>(
+        &self,
+        state: &mut State,
+        room: &mut Workspace,
+        sizes: &[f64],
+        [h, h_fem]: [f64; 2],
+        watch: &mut dyn FnMut(&State, f64) -> Result<(), E>,
+    ) -> Result<f64, E> {
+        for (name, value) in [("h", h), ("h_fem", h_fem)] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(RigidFemError::StepSize { name, value }.into());
+            }
+        }
+        let count = (h / h_fem * (1.0 - ROUNDING)).ceil().max(1.0);
+        if count > SUBSTEPS {
+            return Err(RigidFemError::Substeps { count, limit: SUBSTEPS }.into());
+        }
+        let substep = h / count;
+        room.backup.copy_from(state);
+        let mut lost = 0.0;
+        let mut power = self.lost_power(state);
+        for _ in 0..count as u64 {
+            let done = self.substep(state, room, sizes, substep).map_err(E::from);
+            if let Err(error) = done.and_then(|()| watch(state, substep)) {
+                state.copy_from(&room.backup);
+                return Err(error);
+            }
+            let after = self.lost_power(state);
+            lost += 0.5 * substep * (power + after);
+            power = after;
+        }
+        Ok(lost)
+    }
+
+    /// After a change of the loads' sizes: accelerations that are in balance with them, a + da with
+    /// (M + h^2 K_e / 4) da = what is out of balance. Where h resolves a rod's vibration this is Newton's law to O(h^2), in
+    /// the motion of the rigid links it is Newton's law; vibrations faster than the step are not set off by it.
+    ///
+    /// # Errors
+    /// `h` is not finite and > 0; the forces are not finite.
+    pub fn rebalance(
+        &self,
+        state: &mut State,
+        room: &mut Workspace,
+        sizes: &[f64],
+        h: f64,
+    ) -> Result<(), RigidFemError> {
+        if !(h.is_finite() && h > 0.0) {
+            return Err(RigidFemError::StepSize { name: "h_fem", value: h });
+        }
+        room.backup.copy_from(state);
+        self.pin_forces(&state.present(), &state.accelerations, sizes, &mut room.forces);
+        self.assemble(&room.forces, &mut room.residual);
+        self.assemble_tangent(&state.present(), h, false, &mut room.tangent);
+        let solved = room.tangent.factor();
+        room.tangent.solve(&mut room.residual);
+        for (a, da) in state.accelerations.iter_mut().zip(room.residual.chunks_exact(2)) {
+            *a += Vec2::new(da[0], da[1]);
+        }
+        if solved && state.accelerations.iter().all(|a| a.norm().is_finite()) {
+            return Ok(());
+        }
+        state.copy_from(&room.backup);
+        Err(RigidFemError::Equilibrium { h, correction: f64::INFINITY, limit: CONVERGED * self.size })
+    }
+
+    fn substep(&self, state: &mut State, room: &mut Workspace, sizes: &[f64], h: f64) -> Result<(), RigidFemError> {
+        let limit = CONVERGED * self.size;
+        let mut correction = f64::INFINITY;
+        room.next.accelerations.copy_from_slice(&state.accelerations);
+        for _ in 0..ITERATIONS {
+            self.follow(state, &mut room.next, h);
+            let (at, a) = (room.next.present(), &room.next.accelerations);
+            self.pin_forces(&at, a, sizes, &mut room.forces);
+            self.assemble(&room.forces, &mut room.residual);
+            self.assemble_tangent(&at, h, true, &mut room.tangent);
+            self.add_springs(&at, h, &mut room.forces, &mut room.gradient, &mut room.tangent);
+            if !room.tangent.factor() {
+                break;
+            }
+            room.tangent.solve(&mut room.residual);
+            let mut largest: f64 = 0.0;
+            for (a, da) in room.next.accelerations.iter_mut().zip(room.residual.chunks_exact(2)) {
+                let da = Vec2::new(da[0], da[1]);
+                *a += da;
+                // Not max(), which would hide a NaN.
+                let size = da.norm();
+                largest = if size <= largest { largest } else { size };
+            }
+            correction = 0.25 * h * h * largest;
+            if !correction.is_finite() {
+                break;
+            }
+            if correction <= limit {
+                self.follow(state, &mut room.next, h);
+                self.check_strains(&room.next, h)?;
+                state.copy_from(&room.next);
+                return Ok(());
+            }
+        }
+        Err(RigidFemError::Equilibrium { h, correction, limit })
+    }
+
+    fn check_strains(&self, state: &State, h: f64) -> Result<(), RigidFemError> {
+        for (i, element) in self.mesh.elements.iter().enumerate() {
+            let length = Span::new(self.mesh.place(i, &state.positions)).length;
+            let strain = (length - element.length) / element.length;
+            if strain.abs() > STRAIN {
+                return Err(RigidFemError::Strain { body: self.names[i].clone(), strain, limit: STRAIN, h });
+            }
+        }
+        Ok(())
+    }
+
+    /// Positions, velocities and angles at the end for the accelerations there.
+    fn follow(&self, from: &State, to: &mut State, h: f64) {
+        for (i, &a1) in to.accelerations.iter().enumerate() {
+            let (x0, v0, a0) = (from.positions[i], from.velocities[i], from.accelerations[i]);
+            to.positions[i] = x0 + h * (v0 + 0.25 * h * (a0 + a1));
+            to.velocities[i] = v0 + 0.5 * h * (a0 + a1);
+        }
+        for (i, before) in from.angles.iter().enumerate() {
+            to.angles[i] = self.angle_near(i, &to.positions, *before);
+        }
+    }
+
+    /// M + h^2 K / 4, with K the rods' tangent stiffness: all of it, or its material part only.
+    fn assemble_tangent(&self, at: &Present, h: f64, geometric: bool, tangent: &mut Lu) {
+        tangent.clear();
+        let part = 0.25 * h * h;
+        for (i, element) in self.mesh.elements.iter().enumerate() {
+            let span = Span::new(self.mesh.place(i, at.x));
+            let k = if geometric { element.stiffness_matrix(&span) } else { element.material_matrix(&span) };
+            let k = part * k + element.mass_matrix(span.across);
+            for (row, first) in self.mesh.unknowns_of(i) {
+                for (column, second) in self.mesh.unknowns_of(i) {
+                    tangent.add(row, column, k[(first, second)]);
+                }
+            }
+        }
+    }
+
+    /// Springs and dampers in the tangent: (h^2 k / 4 + h c / 2) g g^T with g = dS/dx. Without it a stiff spring would
+    /// keep the iterations from converging.
+    fn add_springs(&self, at: &Present, h: f64, forces: &mut [[Vec2; 2]], g: &mut [f64], tangent: &mut Lu) {
+        for spring in &self.springs {
+            let part = 0.25 * h * h * spring.stiffness + 0.5 * h * spring.damping;
+            if part == 0.0 {
+                continue;
+            }
+            forces.fill([Vec2::zeros(); 2]);
+            self.loads[spring.load].push(&self.mesh, at, 1.0, forces);
+            self.assemble(forces, g);
+            for (row, first) in g.iter().enumerate().filter(|(_, first)| **first != 0.0) {
+                for (column, second) in g.iter().enumerate() {
+                    tangent.add(row, column, part * first * second);
+                }
+            }
+        }
+    }
+
+    /// Power that dampers take [W].
+    fn lost_power(&self, state: &State) -> f64 {
+        let rate =
+            |s: &crate::mechanism::loads::resolved::Spring| self.loads[s.load].rate(&self.mesh, &state.present());
+        self.springs.iter().filter(|s| s.damping != 0.0).map(|s| s.damping * rate(s).powi(2)).sum()
+    }
+}

@@ -1,0 +1,183 @@
+//! Loads of unit size as forces at nodes.
+//!
+//! In: a load of [`crate::mechanism::loads::unit_load`]. Out: its displacement S and, by virtual work, the forces dS/dx at the nodes of every
+//! element. It must not know how large the load is, nor time.
+use super::element::{Ends, Span};
+use super::mesh::{Mesh, Spot};
+use crate::mechanism::linkage::{GROUND, Linkage, Vec2};
+use crate::mechanism::loads::unit_load::Load;
+
+/// A load of unit size in elements' terms.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NodalLoad {
+    /// The acceleration [m/s2] on every mass. S is the sum of m acceleration . r [J].
+    Weight(Vec2),
+    /// 1 N at a point. S is its position in this direction [m].
+    Force(Spot, Vec2),
+    /// 1 N that pushes two points apart. S is their distance [m].
+    Pair(Spot, Spot),
+    /// 1 N.m on the second body and -1 N.m on the first; none is the ground. S is the angle between them [rad].
+    Couple(Option<usize>, Option<usize>),
+}
+
+/// Where the nodes are: positions [m], velocities [m/s] and the bodies' angles [rad].
+#[derive(Clone, Copy, Debug)]
+pub struct Present<'a> {
+    /// Positions of the moving nodes.
+    pub x: &'a [Vec2],
+    /// Their velocities.
+    pub v: &'a [Vec2],
+    /// Angles of the elements, counted on over whole turns.
+    pub angles: &'a [f64],
+}
+
+/// Forces at the two nodes of every element [N].
+pub type NodalForces = [[Vec2; 2]];
+
+impl NodalLoad {
+    /// From a load; none for a load in a prismatic joint, which no mesh has.
+    pub fn new(load: &Load, linkage: &Linkage, mesh: &Mesh) -> Option<Self> {
+        let element = |body: usize| body.checked_sub(1);
+        Some(match *load {
+            Load::Gravity(acceleration) => Self::Weight(acceleration),
+            Load::Force { at, direction } => Self::Force(mesh.spot(at), direction),
+            Load::Pair { first, second } => Self::Pair(mesh.spot(first), mesh.spot(second)),
+            Load::Torque { body } => Self::Couple(element(GROUND), element(body)),
+            Load::Couple { first, second } => Self::Couple(element(first), element(second)),
+            Load::Slide { joint } => {
+                debug_assert!(joint < linkage.joints.len());
+                return None;
+            }
+        })
+    }
+
+    /// S [m, rad or J].
+    pub fn displacement(&self, mesh: &Mesh, at: &Present) -> f64 {
+        match *self {
+            Self::Weight(acceleration) => mesh
+                .elements
+                .iter()
+                .enumerate()
+                .map(|(i, e)| e.mass * acceleration.dot(&e.center.interpolate(mesh.place(i, at.x))))
+                .sum(),
+            Self::Force(spot, direction) => direction.dot(&position(mesh, at, spot)),
+            Self::Pair(first, second) => (position(mesh, at, second) - position(mesh, at, first)).norm(),
+            Self::Couple(first, second) => {
+                let angle = |e: Option<usize>| e.map_or(0.0, |i| at.angles[i] - mesh.axis[i]);
+                angle(second) - angle(first)
+            }
+        }
+    }
+
+    /// Add `size` dS/dx to the forces at the nodes.
+    pub fn push(&self, mesh: &Mesh, at: &Present, size: f64, forces: &mut NodalForces) {
+        match *self {
+            Self::Weight(acceleration) => {
+                for (element, force) in mesh.elements.iter().zip(forces) {
+                    add(force, element.center.spread(size * element.mass * acceleration));
+                }
+            }
+            Self::Force(spot, direction) => push_at(spot, size * direction, forces),
+            Self::Pair(first, second) => {
+                let gap = position(mesh, at, second) - position(mesh, at, first);
+                let force = (size / gap.norm()) * gap;
+                push_at(second, force, forces);
+                push_at(first, -force, forces);
+            }
+            Self::Couple(first, second) => {
+                for (element, moment) in [(first, -size), (second, size)] {
+                    if let Some(i) = element {
+                        let span = Span::new(mesh.place(i, at.x));
+                        let force = (moment / span.length) * span.across;
+                        add(&mut forces[i], [-force, force]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// S_dot [m/s, rad/s or W].
+    pub fn rate(&self, mesh: &Mesh, at: &Present) -> f64 {
+        let velocity = |spot: Spot| match spot {
+            Spot::Fixed(_) => Vec2::zeros(),
+            Spot::Moving { element, place } => place.interpolate(mesh.rate(element, at.v)),
+        };
+        match *self {
+            Self::Weight(acceleration) => mesh
+                .elements
+                .iter()
+                .enumerate()
+                .map(|(i, e)| e.mass * acceleration.dot(&e.center.interpolate(mesh.rate(i, at.v))))
+                .sum(),
+            Self::Force(spot, direction) => direction.dot(&velocity(spot)),
+            Self::Pair(first, second) => {
+                let gap = position(mesh, at, second) - position(mesh, at, first);
+                gap.dot(&(velocity(second) - velocity(first))) / gap.norm()
+            }
+            Self::Couple(first, second) => {
+                let speed =
+                    |e: Option<usize>| e.map_or(0.0, |i| Span::new(mesh.place(i, at.x)).speed(mesh.rate(i, at.v)));
+                speed(second) - speed(first)
+            }
+        }
+    }
+
+    /// S_ddot [m/s2, rad/s2 or W/s] where the nodes have the accelerations `a`.
+    pub fn acceleration(&self, mesh: &Mesh, at: &Present, a: &[Vec2]) -> f64 {
+        let still = Ends { x: [Vec2::zeros(); 2], v: [Vec2::zeros(); 2], a: [Vec2::zeros(); 2] };
+        // Position, velocity and acceleration.
+        let point = |spot: Spot| match spot {
+            Spot::Fixed(position) => Ends { x: [position; 2], ..still },
+            Spot::Moving { element, place } => {
+                let ends = mesh.ends(element, at.x, at.v, a);
+                Ends {
+                    x: [place.interpolate(ends.x); 2],
+                    v: [place.interpolate(ends.v); 2],
+                    a: [place.interpolate(ends.a); 2],
+                }
+            }
+        };
+        match *self {
+            Self::Weight(acceleration) => mesh
+                .elements
+                .iter()
+                .enumerate()
+                .map(|(i, e)| e.mass * acceleration.dot(&e.center.interpolate(mesh.rate(i, a))))
+                .sum(),
+            Self::Force(spot, direction) => direction.dot(&point(spot).a[0]),
+            Self::Pair(first, second) => {
+                // L^2 = d . d, twice differentiated.
+                let (first, second) = (point(first), point(second));
+                let [gap, speed, change] =
+                    [second.x[0] - first.x[0], second.v[0] - first.v[0], second.a[0] - first.a[0]];
+                let length = gap.norm();
+                let rate = gap.dot(&speed) / length;
+                (speed.norm_squared() + gap.dot(&change) - rate * rate) / length
+            }
+            Self::Couple(first, second) => {
+                let of = |e: Option<usize>| {
+                    e.map_or(0.0, |i| mesh.elements[i].angular_acceleration(&mesh.ends(i, at.x, at.v, a)))
+                };
+                of(second) - of(first)
+            }
+        }
+    }
+}
+
+fn position(mesh: &Mesh, at: &Present, spot: Spot) -> Vec2 {
+    match spot {
+        Spot::Fixed(position) => position,
+        Spot::Moving { element, place } => place.interpolate(mesh.place(element, at.x)),
+    }
+}
+
+fn push_at(spot: Spot, force: Vec2, forces: &mut NodalForces) {
+    if let Spot::Moving { element, place } = spot {
+        add(&mut forces[element], place.spread(force));
+    }
+}
+
+fn add(to: &mut [Vec2; 2], force: [Vec2; 2]) {
+    to[0] += force[0];
+    to[1] += force[1];
+}

@@ -1,0 +1,177 @@
+//! The start: where the nodes are, and how they move, when the motion begins with its rods at rest in themselves.
+//!
+//! In: coordinates and speeds of the rigid linkage, sizes of the loads. Out: a state. It must not know time steps.
+use super::element::{Span, difference};
+use super::{RigidFem, RigidFemError, State};
+use crate::mechanism::linkage::{Linkage, Vec2};
+use nalgebra::{DMatrix, DVector};
+
+/// Corrections of positions below this part of the linkage's size end the iterations: some ten units of rounding.
+const CONVERGED: f64 = 2e-15;
+/// Each iteration reduces the error by the rods' strain, so a few suffice.
+const ITERATIONS: usize = 30;
+/// Singular values below this part of the largest are those of rods that are redundant.
+const RANK: f64 = 1e-11;
+/// An eigenvalue of the mass matrix below this part of the largest is rounding.
+const MASSLESS: f64 = 1e-12;
+
+impl RigidFem {
+    /// The rigid linkage at its coordinates `q` [rad] and speeds `q_dot` [rad/s]: rods of their lengths without force, no
+    /// accelerations.
+    pub fn unstretched(&self, linkage: &Linkage, q: &[f64], q_dot: &[f64]) -> State {
+        let p = linkage.positions(q);
+        let rates = linkage.rates(&p, q, q_dot);
+        let points = &self.mesh.points[..self.mesh.moving];
+        let angles = self.mesh.axis.iter().zip(&p.angle[1..]).map(|(axis, angle)| axis + angle).collect();
+        State {
+            positions: self.mesh.positions(&p),
+            velocities: points.iter().map(|&point| p.velocity(&rates, point)).collect(),
+            accelerations: vec![Vec2::zeros(); points.len()],
+            angles,
+        }
+    }
+
+    /// The start for the coordinates `q` [rad] and speeds `q_dot` [rad/s] of the rigid linkage, under loads of these sizes.
+    ///
+    /// Let go of without stretch (M a = Q - c), the rods would take up their forces by vibrating about their static stretch
+    /// with an amplitude as large as it, for ever, since Newmark's method damps nothing: the joints' forces would swing
+    /// between zero and twice what they are for rigid links. On the landing gear the joints' forces then differ from those
+    /// of rigid links by 58 % of the largest during the first 10 ms; started as here, by 0.005 %.
+    ///
+    /// So the motion starts with the stretch that its own forces give, and with lengths that do not change:
+    /// l_dot = l_ddot = 0. Positions x, velocities v, accelerations a and rods' forces N then follow from
+    ///
+    /// ```text
+    /// M a + G^T N = Q - c,    G a = -l omega^2,    l - L = N L / (E A),    G v = 0,    G = dl/dx
+    /// ```
+    ///
+    /// with x and v as near to the rigid linkage's as the kinetic energy measures it: M (x - x_rigid) and M (v - v_rigid)
+    /// are combinations of the rows of G, so that nothing moves along the mechanism's own freedom. What vibration is left
+    /// comes from the rate at which N changes. Where rods are redundant, N is the one of least strain energy.
+    ///
+    /// # Errors
+    /// A node that can move without moving any mass; the iterations for the stretch do not converge.
+    pub fn start(&self, linkage: &Linkage, q: &[f64], q_dot: &[f64], sizes: &[f64]) -> Result<State, RigidFemError> {
+        let rigid = self.unstretched(linkage, q, q_dot);
+        let mut state = rigid.clone();
+        self.check_masses(&System::new(self, &state).mass)?;
+        let limit = CONVERGED * self.size;
+        let mut correction = f64::INFINITY;
+        for _ in 0..ITERATIONS {
+            let system = System::new(self, &state);
+            let n = self.unknowns();
+            // Velocities with constant lengths.
+            let speeds = flat(&rigid.velocities);
+            let (change, _) = system.solve(&DVector::zeros(n), &-(&system.rows * &speeds));
+            state.velocities = nodal(&(speeds + change));
+            // Accelerations and forces in the rods: `pin_forces` at a = 0 tells Q - c - (the forces of the present stretch).
+            let mut forces = vec![[Vec2::zeros(); 2]; self.mesh.elements.len()];
+            let still = vec![Vec2::zeros(); self.mesh.moving];
+            self.pin_forces(&state.present(), &still, sizes, &mut forces);
+            let mut residual = vec![0.0; n];
+            self.assemble(&forces, &mut residual);
+            let spans: Vec<Span> =
+                (0..self.mesh.elements.len()).map(|i| Span::new(self.mesh.place(i, &state.positions))).collect();
+            let turning = spans.iter().enumerate().map(|(i, span)| {
+                let omega = span.speed(self.mesh.rate(i, &state.velocities));
+                -span.length * omega * omega
+            });
+            let turning = DVector::from_iterator(spans.len(), turning);
+            let (accelerations, extra) = system.solve(&DVector::from_vec(residual), &turning);
+            state.accelerations = nodal(&accelerations);
+            // The stretch that goes with these forces.
+            let stretch = self.mesh.elements.iter().zip(extra.iter()).map(|(e, n)| n * e.length / e.axial_stiffness);
+            let stretch = DVector::from_iterator(spans.len(), stretch);
+            let moved = flat(&state.positions) - flat(&rigid.positions);
+            let (change, _) = system.solve(&-(&system.mass * moved), &stretch);
+            correction = change.amax();
+            if correction <= limit {
+                return Ok(state);
+            }
+            if !correction.is_finite() {
+                break;
+            }
+            for (x, dx) in state.positions.iter_mut().zip(nodal(&change)) {
+                *x += dx;
+            }
+            for i in 0..spans.len() {
+                state.angles[i] = self.angle_near(i, &state.positions, state.angles[i]);
+            }
+        }
+        Err(RigidFemError::Stretch { correction, limit })
+    }
+
+    /// The mass matrix must be positive definite: Newmark's method would let the accelerations of a massless motion grow
+    /// from step to step.
+    fn check_masses(&self, mass: &DMatrix<f64>) -> Result<(), RigidFemError> {
+        let eigen = mass.clone().symmetric_eigen();
+        if eigen.eigenvalues.min() > MASSLESS * eigen.eigenvalues.max() {
+            return Ok(());
+        }
+        let node = eigen.eigenvectors.column(eigen.eigenvalues.imin()).iamax() / 2;
+        let at_node = (0..self.names.len()).filter(|&i| self.mesh.nodes[i].contains(&node));
+        let lightest = at_node.min_by(|&i, &k| self.mesh.elements[i].mass.total_cmp(&self.mesh.elements[k].mass));
+        let i = lightest.unwrap_or_default();
+        Err(RigidFemError::Massless { body: self.names[i].clone(), mass: self.mesh.elements[i].mass })
+    }
+}
+
+/// The matrix [M, G^T; G, 0] at a state.
+struct System {
+    mass: DMatrix<f64>,
+    rows: DMatrix<f64>,
+    /// Square roots of E A / L, scaled: they weight the rods so that a least-norm solution is one of least energy.
+    weights: DVector<f64>,
+    inverse: DMatrix<f64>,
+}
+
+impl System {
+    fn new(fem: &RigidFem, state: &State) -> Self {
+        let (n, m) = (fem.unknowns(), fem.mesh.elements.len());
+        let mut mass = DMatrix::zeros(n, n);
+        let mut rows = DMatrix::zeros(m, n);
+        for (i, element) in fem.mesh.elements.iter().enumerate() {
+            let span = Span::new(fem.mesh.place(i, &state.positions));
+            let (own, slopes) = (element.mass_matrix(span.across), difference(span.along));
+            for (row, first) in fem.mesh.unknowns_of(i) {
+                rows[(i, row)] = slopes[first];
+                for (column, second) in fem.mesh.unknowns_of(i) {
+                    mass[(row, column)] += own[(first, second)];
+                }
+            }
+        }
+        let stiffness = fem.mesh.elements.iter().map(|e| (e.axial_stiffness / e.length).sqrt());
+        let mut weights = DVector::from_iterator(m, stiffness);
+        // Of the size of the masses, so that singular values can be compared.
+        weights *= mass.amax() / weights.amax();
+        let mut matrix = DMatrix::zeros(n + m, n + m);
+        matrix.view_mut((0, 0), (n, n)).copy_from(&mass);
+        for i in 0..m {
+            for k in 0..n {
+                matrix[(n + i, k)] = weights[i] * rows[(i, k)];
+                matrix[(k, n + i)] = matrix[(n + i, k)];
+            }
+        }
+        let rank = RANK * matrix.amax();
+        let inverse = matrix.pseudo_inverse(rank).unwrap_or_else(|_| DMatrix::zeros(n + m, n + m));
+        Self { mass, rows, weights, inverse }
+    }
+
+    /// y and N with M y + G^T N = force and G y = stretch.
+    fn solve(&self, force: &DVector<f64>, stretch: &DVector<f64>) -> (DVector<f64>, DVector<f64>) {
+        let (n, m) = (force.len(), stretch.len());
+        let mut right = DVector::zeros(n + m);
+        right.rows_mut(0, n).copy_from(force);
+        right.rows_mut(n, m).copy_from(&stretch.component_mul(&self.weights));
+        let solution = &self.inverse * right;
+        (solution.rows(0, n).into_owned(), solution.rows(n, m).component_mul(&self.weights))
+    }
+}
+
+fn flat(nodes: &[Vec2]) -> DVector<f64> {
+    DVector::from_iterator(2 * nodes.len(), nodes.iter().flat_map(|v| [v.x, v.y]))
+}
+
+fn nodal(components: &DVector<f64>) -> Vec<Vec2> {
+    components.as_slice().chunks_exact(2).map(|c| Vec2::new(c[0], c[1])).collect()
+}

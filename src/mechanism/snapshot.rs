@@ -1,0 +1,257 @@
+//! Snapshots: all that decides how a model goes on, and its record.
+//!
+//! In: a model. Out: a copy of some hundred bytes, with the parameters and the reduced model shared; a model that goes on
+//! from one, bit for bit. What is found anew from these - caches of outputs, the panel in memory, room for a step - is left
+//! out.
+use super::dynamics::inputs::Inputs;
+use super::error::ModelError;
+use super::model::{Model, Motion, is_reduced};
+use crate::codec::record::{Damaged, Record, fnv1a};
+use crate::mechanism::definition::Method;
+use crate::mechanism::fem_motion::{Elastic, SavedElastic};
+use crate::mechanism::motion::{SavedState, state::State};
+use crate::mechanism::parameters::{Setting, fingerprint};
+use crate::mechanism::quantity::Quantity;
+use crate::mechanism::reduced::Reduced;
+use crate::numerics::dual::same_bits;
+use std::sync::Arc;
+
+/// All that decides how a model goes on.
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    setting: Arc<Setting>,
+    inputs: Inputs,
+    /// For these parameters, if it was known.
+    reduced: Option<Arc<Reduced>>,
+    motion: Option<SavedMotion>,
+}
+
+#[derive(Clone, Debug)]
+enum SavedMotion {
+    Reduced(SavedState),
+    RigidFem(SavedElastic),
+}
+
+impl Snapshot {
+    /// Whether the model was at a state of motion.
+    pub fn has_motion(&self) -> bool {
+        self.motion.is_some()
+    }
+
+    /// Write all fields.
+    ///
+    /// # Errors
+    /// A count of work done is near overflow.
+    pub fn write(&self, out: &mut Vec<u8>) -> Result<(), ModelError> {
+        let mut copy = self.clone();
+        let record = &mut Record::Write(out);
+        settings(record, &mut copy.setting.parameters.clone(), &mut copy.setting.flags.clone())?;
+        record.choice("solver.method", &mut (copy.setting.method() as u8), Method::ALL.len())?;
+        copy.inputs.record(record)?;
+        record.flag("in motion", &mut copy.has_motion())?;
+        match &mut copy.motion {
+            Some(SavedMotion::Reduced(state)) => state.record(record)?,
+            Some(SavedMotion::RigidFem(state)) => state.record(record)?,
+            None => {}
+        }
+        Ok(())
+    }
+}
+
+/// Parameters, as they stand in the record.
+fn settings(record: &mut Record, parameters: &mut [f64], flags: &mut [bool]) -> Result<(), Damaged> {
+    record.length("parameters", parameters.len())?;
+    // Their own ranges come after.
+    parameters.iter_mut().try_for_each(|value| record.number("parameter", value, |_| true, ""))?;
+    record.length("Boolean parameters", flags.len())?;
+    flags.iter_mut().try_for_each(|flag| record.flag("Boolean parameter", flag))
+}
+
+impl Model {
+    /// What a snapshot must have been taken of: hashes of the interface, and of what of the definition no parameter changes.
+    #[inline]
+    pub fn identity(&self) -> [u64; 2] {
+        *self.original.identity.get_or_init(|| {
+            let guid = self.original.variables.guid();
+            [fnv1a(guid.as_bytes()), fingerprint(&self.original.setting.mechanism)]
+        })
+    }
+
+    /// All that decides how the model goes on.
+    pub fn snapshot(&self) -> Snapshot {
+        let motion = self.state.as_ref().map(saved);
+        Snapshot {
+            setting: Arc::clone(&self.setting),
+            inputs: self.inputs.clone(),
+            reduced: self.reduced.clone(),
+            motion,
+        }
+    }
+
+    /// [`Self::snapshot`] in the place of another one of this mechanism; without allocation if that was in motion by the
+    /// same method.
+    #[inline]
+    pub fn snapshot_into(&self, snapshot: &mut Snapshot) {
+        share(&mut snapshot.setting, &self.setting);
+        snapshot.inputs.copy_from(&self.inputs);
+        match (&mut snapshot.reduced, &self.reduced) {
+            (Some(theirs), Some(own)) => share(theirs, own),
+            (theirs, own) => theirs.clone_from(own),
+        }
+        match (&self.state, &mut snapshot.motion) {
+            (Some(Motion::Reduced(state)), Some(SavedMotion::Reduced(saved))) => state.save(saved),
+            (Some(Motion::RigidFem(state)), Some(SavedMotion::RigidFem(saved))) => state.save(saved),
+            (state, motion) => *motion = state.as_ref().map(saved),
+        }
+    }
+
+    /// Go on from a snapshot of this mechanism, be it of another instance. Without allocation if the parameters are the
+    /// present ones and the model is in motion.
+    ///
+    /// # Errors
+    /// Friction's reactions are not smooth under the snapshot's parameters; nothing has changed.
+    #[inline]
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), ModelError> {
+        let inputs = &snapshot.inputs;
+        let same = self.shares_reduced(&self.setting, &snapshot.setting);
+        match (&snapshot.motion, &mut self.state, &self.reduced) {
+            (Some(SavedMotion::Reduced(saved)), Some(Motion::Reduced(state)), Some(reduced)) if same => {
+                let others = !same_bits(&self.inputs.reals, &inputs.reals);
+                state.restore(saved, reduced, others.then_some(&inputs.reals[..]))?;
+                if others {
+                    self.inputs.reals.copy_from_slice(&inputs.reals);
+                }
+                self.inputs.copy_rest(inputs);
+            }
+            _ => {
+                self.restore_otherwise(snapshot, same)?;
+                self.inputs.copy_from(inputs);
+            }
+        }
+        share(&mut self.setting, &snapshot.setting);
+        Ok(())
+    }
+
+    /// The motion of a snapshot that is not of the reduced model under the present parameters, or not in motion.
+    #[cold]
+    fn restore_otherwise(&mut self, snapshot: &Snapshot, same: bool) -> Result<(), ModelError> {
+        let inputs = &snapshot.inputs;
+        if let (Some(SavedMotion::RigidFem(saved)), Some(Motion::RigidFem(state)), Some(reduced)) =
+            (&snapshot.motion, &mut self.state, &self.reduced)
+            && same
+        {
+            return state.restore(saved, reduced, inputs);
+        }
+        let reduced = match (&self.reduced, &snapshot.reduced) {
+            (Some(own), _) if same => Some(Arc::clone(own)),
+            (_, Some(theirs)) => Some(Arc::clone(theirs)),
+            (_, None) if snapshot.has_motion() => Some(Arc::new(self.last.renewed(&snapshot.setting.mechanism)?)),
+            (_, None) => None,
+        };
+        self.state = match (&snapshot.motion, &reduced) {
+            (Some(SavedMotion::Reduced(saved)), Some(reduced)) => {
+                Some(Motion::Reduced(State::from_saved(saved, reduced, inputs)?))
+            }
+            (Some(SavedMotion::RigidFem(saved)), Some(reduced)) => {
+                Some(Motion::RigidFem(Box::new(Elastic::from_saved(saved, reduced, inputs)?)))
+            }
+            _ => None,
+        };
+        self.reduced = reduced;
+        Ok(())
+    }
+
+    /// Read a snapshot that [`Snapshot::write`] has written for this mechanism, be it in another process. The model stays as
+    /// it is.
+    ///
+    /// # Errors
+    /// What is written is no snapshot, a value is out of range, or the parameters give no mechanism.
+    pub fn read_snapshot(&self, bytes: &[u8]) -> Result<Snapshot, ModelError> {
+        let mut setting = Setting::clone(&self.setting);
+        let mut inputs = self.inputs.clone();
+        let record = &mut Record::Read(bytes);
+        settings(record, &mut setting.parameters, &mut setting.flags)?;
+        let mut method = 0;
+        record.choice("solver.method", &mut method, Method::ALL.len())?;
+        let method = Method::ALL[usize::from(method)];
+        match &mut setting.mechanism.solver.method {
+            Some(present) => *present = method,
+            None if method == Method::default() => {}
+            None => return Err(Damaged(format!("solver.method = \"{}\": not a choice here", method.word())).into()),
+        }
+        for (place, value) in setting.parameters.iter().enumerate() {
+            let (range, _) = self.original.ranges[place];
+            if !range.contains(*value) {
+                return Err(ModelError::Value { name: self.parameter(place), value: *value, allowed: range.text() });
+            }
+        }
+        setting.apply();
+        let setting = [&self.setting, &self.original.setting]
+            .into_iter()
+            .find(|known| known.is(&setting))
+            .map_or_else(|| Arc::new(setting.clone()), Arc::clone);
+        inputs.record(record)?;
+        let mut reduced = self.known_reduced(&setting);
+        let mut moves = false;
+        record.flag("in motion", &mut moves)?;
+        let motion = if moves {
+            let reduced = match &mut reduced {
+                Some(reduced) => reduced,
+                none => none.insert(Arc::new(self.last.renewed(&setting.mechanism)?)),
+            };
+            Some(match method {
+                Method::Reduced => SavedMotion::Reduced(SavedState::read(record, reduced)?),
+                Method::RigidFem => SavedMotion::RigidFem(SavedElastic::read(record, reduced, &setting.mechanism)?),
+            })
+        } else {
+            None
+        };
+        match record {
+            Record::Read([]) => Ok(Snapshot { setting, inputs, reduced, motion }),
+            _ => Err(Damaged("it goes on after its end".to_owned()).into()),
+        }
+    }
+
+    /// The reduced model for these parameters, if it is at hand.
+    fn known_reduced(&self, setting: &Setting) -> Option<Arc<Reduced>> {
+        if let Some(reduced) = self.reduced.as_ref().filter(|_| self.shares_reduced(&self.setting, setting)) {
+            return Some(Arc::clone(reduced));
+        }
+        let original = self.shares_reduced(&self.original.setting, setting);
+        original.then(|| Arc::clone(&self.original.reduced))
+    }
+
+    /// Whether one reduced model is that of both.
+    #[inline]
+    fn shares_reduced(&self, a: &Setting, b: &Setting) -> bool {
+        std::ptr::eq(a, b) || self.agree_in_reduced(a, b)
+    }
+
+    #[cold]
+    fn agree_in_reduced(&self, a: &Setting, b: &Setting) -> bool {
+        let same = |i: usize| a.parameters[i].to_bits() == b.parameters[i].to_bits();
+        a.flags == b.flags
+            && self.original.ranges.iter().enumerate().all(|(i, (_, role))| !is_reduced(*role) || same(i))
+    }
+
+    fn parameter(&self, place: usize) -> String {
+        let list = self.original.variables.list().iter().enumerate();
+        let is = |i: usize| self.original.variables.quantity(i as u32) == Some(Quantity::Parameter(place));
+        list.filter(|(i, _)| is(*i)).map(|(_, variable)| variable.name.clone()).collect()
+    }
+}
+
+/// Make one the other: without touching their counts if they are.
+fn share<T>(one: &mut Arc<T>, other: &Arc<T>) {
+    if !Arc::ptr_eq(one, other) {
+        one.clone_from(other);
+    }
+}
+
+#[cold]
+fn saved(motion: &Motion) -> SavedMotion {
+    match motion {
+        Motion::Reduced(state) => SavedMotion::Reduced(state.saved()),
+        Motion::RigidFem(state) => SavedMotion::RigidFem(state.saved()),
+    }
+}
