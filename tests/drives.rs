@@ -197,8 +197,8 @@ impl Run {
 
     /// A size of the forces at work as a drive sees them: all of them reduced to it, lossless.
     fn size(&mut self, drive: Drive, case: &Case) -> f64 {
-        let slope = |run: &mut Self, (name, turns): Drive| {
-            let mass = run.get(&format!("{name}.reduced_{}", if turns { "inertia" } else { "mass" }));
+        let slope = |run: &mut Self, (name, revolutions): Drive| {
+            let mass = run.get(&format!("{name}.reduced_{}", if revolutions { "inertia" } else { "mass" }));
             let worst = case.efficiencies.iter().flatten().fold(1.0, |a: f64, b| a.min(*b));
             (worst * mass).sqrt().recip()
         };
@@ -211,16 +211,16 @@ impl Run {
     }
 }
 
-fn input((name, turns): Drive) -> String {
-    format!("{name}.{}", if turns { "torque" } else { "force" })
+fn input((name, revolutions): Drive) -> String {
+    format!("{name}.{}", if revolutions { "torque" } else { "force" })
 }
 
-fn holding((name, turns): Drive) -> String {
-    format!("{name}.holding_{}", if turns { "torque" } else { "force" })
+fn holding((name, revolutions): Drive) -> String {
+    format!("{name}.holding_{}", if revolutions { "torque" } else { "force" })
 }
 
-fn breakaway((name, turns): Drive, forward: bool) -> String {
-    let (force, way) = (if turns { "torque" } else { "force" }, if forward { "forward" } else { "backward" });
+fn breakaway((name, revolutions): Drive, forward: bool) -> String {
+    let (force, way) = (if revolutions { "torque" } else { "force" }, if forward { "forward" } else { "backward" });
     format!("{name}.breakaway_{force}_{way}")
 }
 
@@ -287,8 +287,8 @@ proptest! {
         let mut run = Run::new(&case);
         for (drive, own) in run.drives.clone().into_iter().zip(case.forces) {
             let size = run.size(drive, &case);
-            let (name, turns) = drive;
-            let mass = run.get(&format!("{name}.reduced_{}", if turns { "inertia" } else { "mass" }));
+            let (name, revolutions) = drive;
+            let mass = run.get(&format!("{name}.reduced_{}", if revolutions { "inertia" } else { "mass" }));
             prop_assume!(mass < 1e3);
             run.set(&format!("{name}.demanded_acceleration"), case.demand);
             let Some(told) = run.find(&format!("{name}.required_force")) else { return Err(locked()) };

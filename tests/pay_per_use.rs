@@ -6,7 +6,7 @@ use linkage_fmu::mechanism::{Computed, Model, Statistics};
 
 const GEAR: &str = include_str!("../modelDescription/LandingGearRetraction/resources/mechanism.json");
 
-struct Scene {
+struct StateLoads {
     name: &'static str,
     flags: &'static [(&'static str, bool)],
     values: &'static [(&'static str, f64)],
@@ -14,9 +14,9 @@ struct Scene {
     reads: &'static [&'static str],
 }
 
-const BARE: Scene = Scene { name: "bare", flags: &[], values: &[], reads: &[] };
+const BARE: StateLoads = StateLoads { name: "bare", flags: &[], values: &[], reads: &[] };
 
-fn gear(scene: &Scene) -> Model {
+fn gear(scene: &StateLoads) -> Model {
     let mut model = Model::from_json(GEAR).unwrap();
     for (name, value) in scene.flags {
         let reference = model.variables().find(name).unwrap();
@@ -31,7 +31,7 @@ fn gear(scene: &Scene) -> Model {
 }
 
 /// What a retraction in ten steps builds and computes.
-fn cost(scene: &Scene) -> (Built, Computed, Statistics) {
+fn cost(scene: &StateLoads) -> (Built, Computed, Statistics) {
     let mut model = gear(scene);
     let reads: Vec<_> = scene.reads.iter().map(|name| model.variables().find(name).unwrap()).collect();
     for _ in 0..10 {
@@ -61,18 +61,18 @@ fn a_bare_scene_builds_and_computes_nothing_but_its_motion() {
 
 #[test]
 fn coordinates_cost_no_evaluation_and_an_acceleration_one() {
-    let angles = Scene { name: "angles", reads: &["crank.angle", "crank.speed", "follower.angle"], ..BARE };
+    let angles = StateLoads { name: "angles", reads: &["crank.angle", "crank.speed", "follower.angle"], ..BARE };
     let (built, computed, work) = cost(&angles);
     assert_eq!((built, computed, work), (NOTHING, Computed::default(), cost(&BARE).2));
     let reads = &["crank.acceleration", "coupler.acceleration", "follower.acceleration"];
-    let (built, computed, _) = cost(&Scene { name: "accelerations", reads, ..BARE });
+    let (built, computed, _) = cost(&StateLoads { name: "accelerations", reads, ..BARE });
     assert_eq!((built, computed), (NOTHING, Computed { effects: 10, reactions: 0 }));
 }
 
 #[test]
 fn reactions_cost_one_computation_for_each_joint_that_is_read() {
     let reads = &["joint2.force_x", "joint2.force_y", "joint2.force", "joint3.force", "joint3.force"];
-    let (built, computed, work) = cost(&Scene { name: "reactions", reads, ..BARE });
+    let (built, computed, work) = cost(&StateLoads { name: "reactions", reads, ..BARE });
     assert_eq!(built, Built { reactions: true, ..NOTHING });
     assert_eq!(computed, Computed { effects: 10, reactions: 20 });
     assert_eq!(work, cost(&BARE).2, "the motion does not know");
@@ -80,22 +80,22 @@ fn reactions_cost_one_computation_for_each_joint_that_is_read() {
 
 #[test]
 fn markers_cost_their_table() {
-    let (built, computed, _) = cost(&Scene { name: "marker", reads: &["wheel.x", "wheel.y"], ..BARE });
+    let (built, computed, _) = cost(&StateLoads { name: "marker", reads: &["wheel.x", "wheel.y"], ..BARE });
     assert_eq!((built, computed), (Built { markers: true, ..NOTHING }, Computed::default()));
 }
 
 #[test]
 fn friction_drag_and_bumpers_cost_their_scene_alone() {
-    let friction = Scene { name: "friction", flags: &[("friction.enabled", true)], ..BARE };
+    let friction = StateLoads { name: "friction", flags: &[("friction.enabled", true)], ..BARE };
     let (built, computed, work) = cost(&friction);
     assert_eq!((built, computed), (Built { scenes: [true, false], ..NOTHING }, Computed::default()));
     assert_eq!(work.nystroem, 0);
     assert!(work.jacobians <= 1, "only to see at the start whether it is stiff: {work:?}");
-    let drag = Scene { name: "drag", values: &[("airspeed", 70.0)], ..BARE };
+    let drag = StateLoads { name: "drag", values: &[("airspeed", 70.0)], ..BARE };
     let (built, computed, work) = cost(&drag);
     assert_eq!((built, computed), (Built { scenes: [false, true], ..NOTHING }, Computed::default()));
     assert!(work.jacobians <= 1 && work.nystroem == 0);
-    let bumper = Scene { name: "bumper", flags: &[("upstop.rigid", false)], ..BARE };
+    let bumper = StateLoads { name: "bumper", flags: &[("upstop.rigid", false)], ..BARE };
     let (built, computed, _) = cost(&bumper);
     assert_eq!((built, computed), (Built { scenes: [true, false], ..NOTHING }, Computed::default()));
     // Drag that does not blow, and friction and locks that are there but off, cost nothing: the default gear has them.
@@ -105,7 +105,7 @@ fn friction_drag_and_bumpers_cost_their_scene_alone() {
 /// evaluations for it, one to go on from there.
 #[test]
 fn a_change_of_stretch_costs_no_second_step() {
-    let mut model = gear(&Scene { name: "friction", flags: &[("friction.enabled", true)], ..BARE });
+    let mut model = gear(&StateLoads { name: "friction", flags: &[("friction.enabled", true)], ..BARE });
     model.step(0.13).unwrap();
     let work = model.statistics();
     assert_eq!((work.short, work.fifth, work.implicit), (0, 0, 0), "steps of DOP853 alone");

@@ -65,10 +65,10 @@ impl Both {
         let fem = RigidFem::new(&linkage, reduced.loading(), &|body| factor * stiffness(&linkage, body)).unwrap();
         let start = &mechanism.start;
         let body = start.body.as_deref().unwrap();
-        let turn = linkage.bodies[linkage.carrier(&mechanism, body).unwrap().0].turn.unwrap();
-        let (sigma, turns) = reduced.find(turn, start.angle.unwrap(), body).unwrap();
+        let turn = linkage.bodies[linkage.carrier(&mechanism, body).unwrap().0].angle_coordinate.unwrap();
+        let (sigma, revolutions) = reduced.find(turn, start.angle.unwrap(), body).unwrap();
         let c = reduced.curve().configuration(sigma);
-        let q: Vec<f64> = c.q.iter().enumerate().map(|(i, q)| q + turns * reduced.growth(i)).collect();
+        let q: Vec<f64> = c.q.iter().enumerate().map(|(i, q)| q + revolutions * reduced.growth(i)).collect();
         let q_dot: Vec<f64> = c.q_sigma.iter().map(|slope| slope * start.speed / c.q_sigma[turn]).collect();
         let mut both = Self {
             room: fem.workspace(),

@@ -45,7 +45,7 @@ pub enum ModelError {
     /// The rigid finite elements refused the mechanism or a step.
     RigidFem(RigidFemError),
     /// Something that the reduced model has and the rigid finite elements have not.
-    NotElastic {
+    NotInRigidFem {
         /// Variable.
         name: String,
         /// Its value.
@@ -147,7 +147,7 @@ impl fmt::Display for ModelError {
                 "a step would take {count:e} steps of solver.fem_step, allowed are {limit:e}: raise solver.fem_step"
             ),
             Self::RigidFem(e) => write!(f, "solver.method = \"rigid_fem\": {e}"),
-            Self::NotElastic { name, value, remedy } => write!(
+            Self::NotInRigidFem { name, value, remedy } => write!(
                 f,
                 "{name} = {value}: solver.method = \"rigid_fem\" does not have it; {remedy}, or choose solver.method = \"reduced\""
             ),

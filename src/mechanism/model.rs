@@ -6,11 +6,11 @@ mod derivatives;
 use super::dynamics::input_polynomial::InputPolynomial;
 use super::dynamics::inputs::Inputs;
 use super::error::ModelError;
-use super::fem_motion::Elastic;
+use super::fem_motion::RigidFemMotion;
 use super::interface;
 use super::motion::state::State;
-use super::outputs::{Computed, Unknown};
-use super::parameters::Setting;
+use super::outputs::{Computed, OutputError};
+use super::parameters::ParameterValues;
 use super::quantity::Quantity;
 use crate::integrator::Statistics;
 use crate::mechanism::definition::{Experiment, Mechanism, Method, Range, Role};
@@ -25,30 +25,30 @@ pub struct Model {
     /// As read: what reset returns to.
     pub(super) original: Arc<Original>,
     /// The present parameters; shared with the snapshots that were taken under them.
-    pub(super) setting: Arc<Setting>,
+    pub(super) parameter_values: Arc<ParameterValues>,
     pub(super) inputs: Inputs,
     /// For the present parameters; none after one of them has changed.
     pub(super) reduced: Option<Arc<Reduced>>,
     /// The last one that was built, of which the next one keeps what it can.
     pub(super) last: Arc<Reduced>,
-    pub(super) state: Option<Motion>,
+    pub(super) state: Option<Formulation>,
 }
 
 /// The state of motion in the formulation that solver.method chose.
 // The reduced model's steps pay for no indirection.
 #[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug)]
-pub(super) enum Motion {
+pub(super) enum Formulation {
     /// Along the curve.
     Reduced(State),
     /// By rigid finite elements.
-    RigidFem(Box<Elastic>),
+    RigidFem(Box<RigidFemMotion>),
 }
 
 /// What a definition gives, before any value is set.
 #[derive(Debug)]
 pub(super) struct Original {
-    pub(super) setting: Arc<Setting>,
+    pub(super) parameter_values: Arc<ParameterValues>,
     pub(super) variables: Variables<Quantity>,
     pub(super) ranges: Vec<(Range, Role)>,
     pub(super) inputs: Inputs,
@@ -77,9 +77,9 @@ impl Model {
         }
         inputs.signal = InputPolynomial::new(inputs.reals.len());
         let reduced = Arc::new(Reduced::new(&mechanism)?);
-        let setting = Arc::new(Setting::new(mechanism));
+        let parameter_values = Arc::new(ParameterValues::new(mechanism));
         let original = Original {
-            setting: Arc::clone(&setting),
+            parameter_values: Arc::clone(&parameter_values),
             variables,
             ranges,
             inputs: inputs.clone(),
@@ -87,7 +87,7 @@ impl Model {
             reduced: Arc::clone(&reduced),
         };
         let (original, last) = (Arc::new(original), Arc::clone(&reduced));
-        let mut model = Self { original, setting, inputs, reduced: Some(reduced), last, state: None };
+        let mut model = Self { original, parameter_values, inputs, reduced: Some(reduced), last, state: None };
         model.state()?;
         model.state = None;
         Ok(model)
@@ -95,12 +95,12 @@ impl Model {
 
     /// Name of the mechanism, the FMU's modelName and modelIdentifier.
     pub fn name(&self) -> &str {
-        &self.original.setting.mechanism.name
+        &self.original.parameter_values.mechanism.name
     }
 
     /// One-line description of the mechanism.
     pub fn description(&self) -> &str {
-        &self.original.setting.mechanism.description
+        &self.original.parameter_values.mechanism.description
     }
 
     /// What the host can see.
@@ -113,12 +113,12 @@ impl Model {
     /// # Errors
     /// A parameter that may not change a little.
     pub fn initial_dependencies(&self) -> Result<Vec<Vec<Reference>>, ModelError> {
-        Ok(interface::initial_dependencies(&self.original.setting.mechanism)?)
+        Ok(interface::initial_dependencies(&self.original.parameter_values.mechanism)?)
     }
 
     /// Default experiment.
     pub fn experiment(&self) -> Experiment {
-        self.original.setting.mechanism.experiment
+        self.original.parameter_values.mechanism.experiment
     }
 
     /// The reduced model for the present parameters.
@@ -127,7 +127,7 @@ impl Model {
     /// Why the present parameters give none.
     pub fn reduced(&mut self) -> Result<&Arc<Reduced>, ModelError> {
         if self.reduced.is_none() {
-            self.last = Arc::new(self.last.renewed(&self.setting.mechanism)?);
+            self.last = Arc::new(self.last.renewed(&self.parameter_values.mechanism)?);
             self.reduced = Some(Arc::clone(&self.last));
         }
         self.reduced.as_ref().ok_or(ModelError::NotInitialised)
@@ -140,7 +140,7 @@ impl Model {
     #[inline]
     pub fn real(&mut self, reference: Reference) -> Result<f64, ModelError> {
         match self.original.variables.quantity(reference) {
-            Some(Quantity::Parameter(i)) => Ok(self.setting.parameters[i]),
+            Some(Quantity::Parameter(i)) => Ok(self.parameter_values.parameters[i]),
             Some(Quantity::Input(i)) => Ok(self.inputs.reals[i]),
             Some(Quantity::Output(output)) => {
                 if self.state.is_none() {
@@ -150,8 +150,8 @@ impl Model {
                     return Err(ModelError::NotInitialised);
                 };
                 let value = match state {
-                    Motion::Reduced(state) => state.output(reduced, &self.inputs, output),
-                    Motion::RigidFem(state) => state.output(reduced, &self.inputs, output),
+                    Formulation::Reduced(state) => state.output(reduced, &self.inputs, output),
+                    Formulation::RigidFem(state) => state.output(reduced, &self.inputs, output),
                 };
                 match value {
                     Ok(value) if value.is_finite() => Ok(value),
@@ -166,7 +166,7 @@ impl Model {
 
     /// What was found out about a variable, as it is told to the host.
     #[cold]
-    fn told(&self, reference: Reference, value: Result<f64, Unknown>) -> Result<f64, ModelError> {
+    fn told(&self, reference: Reference, value: Result<f64, OutputError>) -> Result<f64, ModelError> {
         let name = || self.original.variables.list()[reference as usize].name.clone();
         let (Some(state), Some(reduced)) = (&self.state, &self.reduced) else {
             return Err(ModelError::NotInitialised);
@@ -174,11 +174,12 @@ impl Model {
         match value {
             Ok(value) if value.is_finite() => Ok(value),
             Ok(_) => Err(ModelError::Overflow { name: name() }),
-            Err(Unknown::Table(at)) => {
-                Err(ModelError::Table { name: name(), position: reduced.curve().describe(at.sigma, state.turns()) })
-            }
-            Err(Unknown::Locked) => Err(ModelError::Locked { position: state.describe(reduced) }),
-            Err(Unknown::RigidFem(error)) => Err(error.into()),
+            Err(OutputError::Table(at)) => Err(ModelError::Table {
+                name: name(),
+                position: reduced.curve().describe(at.sigma, state.revolutions()),
+            }),
+            Err(OutputError::Locked) => Err(ModelError::Locked { position: state.describe(reduced) }),
+            Err(OutputError::RigidFem(error)) => Err(error.into()),
         }
     }
 
@@ -217,13 +218,13 @@ impl Model {
                 if let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) {
                     let loads = reduced.loading().inputs.len();
                     match state {
-                        Motion::Reduced(state) => state.cache.set(i, loads, value),
-                        Motion::RigidFem(state) => state.set(i, loads, value),
+                        Formulation::Reduced(state) => state.cache.set(i, loads, value),
+                        Formulation::RigidFem(state) => state.set(i, loads, value),
                     }
                 }
             }
-            Some(Quantity::Parameter(i)) if self.setting.parameters[i].to_bits() != value.to_bits() => {
-                Arc::make_mut(&mut self.setting).set_parameter(i, value);
+            Some(Quantity::Parameter(i)) if self.parameter_values.parameters[i].to_bits() != value.to_bits() => {
+                Arc::make_mut(&mut self.parameter_values).set_parameter(i, value);
                 self.state = None;
                 if is_reduced(self.original.ranges[i].1) {
                     self.reduced = None;
@@ -240,7 +241,7 @@ impl Model {
     /// No Boolean has this reference, or the present parameters give no mechanism.
     pub fn boolean(&mut self, reference: Reference) -> Result<bool, ModelError> {
         match self.original.variables.quantity(reference) {
-            Some(Quantity::Flag(i)) => Ok(self.setting.flags[i]),
+            Some(Quantity::Flag(i)) => Ok(self.parameter_values.flags[i]),
             Some(Quantity::Lock(i)) => Ok(self.inputs.locks[i]),
             Some(Quantity::AtStop(stop)) => {
                 let reduced = Arc::clone(self.reduced()?);
@@ -274,13 +275,13 @@ impl Model {
             Some(Quantity::Lock(i)) if self.inputs.locks[i] != value => {
                 self.inputs.locks[i] = value;
                 match &mut self.state {
-                    Some(Motion::Reduced(state)) => state.cache.forget(),
-                    Some(Motion::RigidFem(state)) => state.forget(),
+                    Some(Formulation::Reduced(state)) => state.cache.forget(),
+                    Some(Formulation::RigidFem(state)) => state.forget(),
                     None => {}
                 }
             }
-            Some(Quantity::Flag(i)) if self.setting.flags[i] != value => {
-                Arc::make_mut(&mut self.setting).set_flag(i, value);
+            Some(Quantity::Flag(i)) if self.parameter_values.flags[i] != value => {
+                Arc::make_mut(&mut self.parameter_values).set_flag(i, value);
                 (self.state, self.reduced) = (None, None);
             }
             _ => {}
@@ -294,7 +295,7 @@ impl Model {
     /// No String has this reference.
     pub fn text(&self, reference: Reference) -> Result<&'static str, ModelError> {
         match self.original.variables.quantity(reference) {
-            Some(Quantity::Method) => Ok(self.setting.method().word()),
+            Some(Quantity::Method) => Ok(self.parameter_values.method().word()),
             _ => Err(self.no_such(reference, "String")),
         }
     }
@@ -313,8 +314,8 @@ impl Model {
     /// As [`Self::check_text`].
     pub fn set_text(&mut self, reference: Reference, value: &str) -> Result<(), ModelError> {
         let method = self.method_of(reference, value)?;
-        if self.setting.method() != method {
-            Arc::make_mut(&mut self.setting).mechanism.solver.method = Some(method);
+        if self.parameter_values.method() != method {
+            Arc::make_mut(&mut self.parameter_values).mechanism.solver.method = Some(method);
             self.state = None;
             self.inputs.signal.clear();
         }
@@ -364,13 +365,13 @@ impl Model {
         if self.inputs.signal.ahead {
             self.check_inputs_at(h)?;
         }
-        let tolerance = self.setting.mechanism.solver.tolerance;
+        let tolerance = self.parameter_values.mechanism.solver.tolerance;
         let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) else {
             return Err(ModelError::NotInitialised);
         };
         match state {
-            Motion::Reduced(state) => state.step(reduced, &self.inputs, h, tolerance),
-            Motion::RigidFem(state) => state.step(reduced, &self.inputs, h),
+            Formulation::Reduced(state) => state.step(reduced, &self.inputs, h, tolerance),
+            Formulation::RigidFem(state) => state.step(reduced, &self.inputs, h),
         }?;
         if self.inputs.signal.ahead {
             self.leave_inputs_at(h);
@@ -380,7 +381,7 @@ impl Model {
 
     /// Back to what [`Self::from_json`] gave.
     pub fn reset(&mut self) {
-        self.setting = Arc::clone(&self.original.setting);
+        self.parameter_values = Arc::clone(&self.original.parameter_values);
         self.inputs.clone_from(&self.original.inputs);
         self.reduced = Some(Arc::clone(&self.original.reduced));
         self.state = None;
@@ -388,25 +389,27 @@ impl Model {
 
     /// Right-hand-side evaluations and accepted and rejected integration steps since initialisation.
     pub fn statistics(&self) -> Statistics {
-        self.state.as_ref().map_or_else(Statistics::default, Motion::statistics)
+        self.state.as_ref().map_or_else(Statistics::default, Formulation::statistics)
     }
 
     /// What reading outputs has made be computed since initialisation; the finite elements do not count it.
     pub fn computed(&self) -> Computed {
         match &self.state {
-            Some(Motion::Reduced(state)) => state.cache.computed,
+            Some(Formulation::Reduced(state)) => state.cache.computed,
             _ => Computed::default(),
         }
     }
 
     /// The state, put at the start if there is none yet.
-    fn state(&mut self) -> Result<&mut Motion, ModelError> {
+    fn state(&mut self) -> Result<&mut Formulation, ModelError> {
         if self.state.is_none() {
             let reduced = Arc::clone(self.reduced()?);
-            let (mechanism, inputs) = (&self.setting.mechanism, &self.inputs);
-            self.state = Some(match self.setting.method() {
-                Method::Reduced => Motion::Reduced(State::at_start(&reduced, mechanism, inputs)?),
-                Method::RigidFem => Motion::RigidFem(Box::new(Elastic::at_start(&reduced, mechanism, inputs)?)),
+            let (mechanism, inputs) = (&self.parameter_values.mechanism, &self.inputs);
+            self.state = Some(match self.parameter_values.method() {
+                Method::Reduced => Formulation::Reduced(State::at_start(&reduced, mechanism, inputs)?),
+                Method::RigidFem => {
+                    Formulation::RigidFem(Box::new(RigidFemMotion::at_start(&reduced, mechanism, inputs)?))
+                }
             });
         }
         self.state.as_mut().ok_or(ModelError::NotInitialised)
@@ -422,7 +425,7 @@ pub(super) fn is_reduced(role: Role) -> bool {
     matches!(role, Role::Geometry | Role::Inertia | Role::Load)
 }
 
-impl Motion {
+impl Formulation {
     fn statistics(&self) -> Statistics {
         match self {
             Self::Reduced(state) => state.statistics(),
@@ -431,10 +434,10 @@ impl Motion {
     }
 
     /// Turns of the curve so far, from its beginning.
-    fn turns(&self) -> f64 {
+    fn revolutions(&self) -> f64 {
         match self {
-            Self::Reduced(state) => state.turns(),
-            Self::RigidFem(state) => state.turns(),
+            Self::Reduced(state) => state.revolutions(),
+            Self::RigidFem(state) => state.revolutions(),
         }
     }
 

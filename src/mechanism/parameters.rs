@@ -5,14 +5,14 @@ use crate::numerics::dual::same_bits;
 
 /// A mechanism with its parameters.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Setting {
+pub struct ParameterValues {
     /// With these parameters.
     pub mechanism: Mechanism,
     pub parameters: Vec<f64>,
     pub flags: Vec<bool>,
 }
 
-impl Setting {
+impl ParameterValues {
     pub fn new(mut mechanism: Mechanism) -> Self {
         let (mut parameters, mut flags) = (Vec::new(), Vec::new());
         mechanism.parameters(&mut |_, value| parameters.push(*value));

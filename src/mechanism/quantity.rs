@@ -23,14 +23,14 @@ pub enum Quantity {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Output {
     /// Angle of a body, or its first or second time derivative.
-    Turn {
+    Angle {
         /// Place of the body in the linkage.
         body: usize,
         /// 0, 1 or 2.
         order: usize,
     },
     /// Position of a prismatic joint, or its first or second time derivative.
-    Slide {
+    JointPosition {
         /// Coordinate of the linkage.
         coordinate: usize,
         /// 0, 1 or 2.
@@ -58,7 +58,7 @@ pub enum Output {
         term: OneElement,
     },
     /// Pull of a spring and damper.
-    Pull {
+    SpringForce {
         /// Place of the spring.
         spring: usize,
     },
@@ -74,7 +74,7 @@ pub enum Output {
     /// Friction in a joint: on the second-named body.
     Friction {
         /// Place among the joints with friction.
-        pin: usize,
+        friction_joint: usize,
     },
     /// Drag on a surface, along the flow.
     Drag {

@@ -5,7 +5,7 @@
 //! Jacobian: J^T lambda = generalised forces. A column alone need not be in balance; the sum over a motion is.
 use crate::mechanism::closure::Closure;
 use crate::mechanism::curve::Configuration;
-use crate::mechanism::linkage::{Freedom, GROUND, Joint, Linkage, Point, Rates, Vec2, cross, quarter};
+use crate::mechanism::linkage::{Freedom, GROUND, Joint, Linkage, Point, Rates, Vec2, cross, perp};
 use crate::mechanism::loads::unit_load::{Load, Wrench};
 use nalgebra::{DMatrix, DVector};
 
@@ -40,7 +40,7 @@ pub fn groups(linkage: &Linkage) -> Vec<(usize, f64)> {
         let at = linkage.joints.iter().enumerate().filter(|(_, j)| j.first.body == body || j.second.body == body);
         let at: Vec<(usize, &Joint)> = at.collect();
         let &[(a, first), (b, second)] = &at[..] else { continue };
-        if first.freedom != Freedom::Turn || second.freedom != Freedom::Turn {
+        if first.freedom != Freedom::Revolute || second.freedom != Freedom::Revolute {
             continue;
         }
         let sign = -side(first) * side(second);
@@ -177,7 +177,7 @@ impl SelfStresses {
             }
         }
         // A prismatic joint outside the tree joins bodies that already turn together: its moment is free.
-        for &joint in linkage.cuts.iter().filter(|&&j| linkage.joints[j].freedom != Freedom::Turn) {
+        for &joint in linkage.cuts.iter().filter(|&&j| linkage.joints[j].freedom != Freedom::Revolute) {
             terms.all_factors.clear();
             terms.all_factors.resize(linkage.rows(), [0.0]);
             state(&mut terms, Some(joint));
@@ -242,7 +242,7 @@ impl<const N: usize> Terms<N> {
             let (child, parent) = (branch.child, branch.parent);
             let Demand { force, moment } = self.summed[child];
             let [x, y] = &force;
-            if let Some(turn) = linkage.bodies[child].turn {
+            if let Some(turn) = linkage.bodies[child].angle_coordinate {
                 for (i, work) in self.general[turn].iter_mut().enumerate() {
                     *work += moment[i] - (arms.to.x * y[i] - arms.to.y * x[i]);
                 }
@@ -287,13 +287,13 @@ impl<const N: usize> Terms<N> {
             let joint = &linkage.joints[j];
             let factors = &self.all_factors[row..];
             let force = match joint.freedom {
-                Freedom::Turn => [factors[0], factors[1]],
-                Freedom::Slide(axis) => {
-                    let normal = quarter(p.vector(joint.first.body, axis));
+                Freedom::Revolute => [factors[0], factors[1]],
+                Freedom::Prismatic(axis) => {
+                    let normal = perp(p.vector(joint.first.body, axis));
                     [normal.x, normal.y].map(|n| factors[0].map(|f| f * n))
                 }
             };
-            row += if joint.freedom == Freedom::Turn { 2 } else { 1 };
+            row += if joint.freedom == Freedom::Revolute { 2 } else { 1 };
             let at = p.point(joint.second);
             for (body, sign) in [(joint.second.body, -1.0), (joint.first.body, 1.0)] {
                 demand[body].add(sign, at - p.origin[body], &force);
@@ -311,7 +311,7 @@ impl<const N: usize> Terms<N> {
             let joint = &linkage.joints[branch.joint];
             let at = p.point(joint.second);
             let mut couple = [0.0; N];
-            if joint.freedom != Freedom::Turn {
+            if joint.freedom != Freedom::Revolute {
                 let arm = at - p.origin[branch.child];
                 couple = std::array::from_fn(|i| moment[i] - (arm.x * force[1][i] - arm.y * force[0][i]));
             }

@@ -5,12 +5,12 @@
 //! out.
 use super::dynamics::inputs::Inputs;
 use super::error::ModelError;
-use super::model::{Model, Motion, is_reduced};
+use super::model::{Formulation, Model, is_reduced};
 use crate::codec::record::{Damaged, Record, fnv1a};
 use crate::mechanism::definition::Method;
-use crate::mechanism::fem_motion::{Elastic, SavedElastic};
+use crate::mechanism::fem_motion::{RigidFemMotion, SavedElastic};
 use crate::mechanism::motion::{SavedState, state::State};
-use crate::mechanism::parameters::{Setting, fingerprint};
+use crate::mechanism::parameters::{ParameterValues, fingerprint};
 use crate::mechanism::quantity::Quantity;
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::dual::same_bits;
@@ -19,15 +19,15 @@ use std::sync::Arc;
 /// All that decides how a model goes on.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
-    setting: Arc<Setting>,
+    parameter_values: Arc<ParameterValues>,
     inputs: Inputs,
     /// For these parameters, if it was known.
     reduced: Option<Arc<Reduced>>,
-    motion: Option<SavedMotion>,
+    motion: Option<SavedFormulation>,
 }
 
 #[derive(Clone, Debug)]
-enum SavedMotion {
+enum SavedFormulation {
     Reduced(SavedState),
     RigidFem(SavedElastic),
 }
@@ -45,13 +45,13 @@ impl Snapshot {
     pub fn write(&self, out: &mut Vec<u8>) -> Result<(), ModelError> {
         let mut copy = self.clone();
         let record = &mut Record::Write(out);
-        settings(record, &mut copy.setting.parameters.clone(), &mut copy.setting.flags.clone())?;
-        record.choice("solver.method", &mut (copy.setting.method() as u8), Method::ALL.len())?;
+        settings(record, &mut copy.parameter_values.parameters.clone(), &mut copy.parameter_values.flags.clone())?;
+        record.choice("solver.method", &mut (copy.parameter_values.method() as u8), Method::ALL.len())?;
         copy.inputs.record(record)?;
         record.flag("in motion", &mut copy.has_motion())?;
         match &mut copy.motion {
-            Some(SavedMotion::Reduced(state)) => state.record(record)?,
-            Some(SavedMotion::RigidFem(state)) => state.record(record)?,
+            Some(SavedFormulation::Reduced(state)) => state.record(record)?,
+            Some(SavedFormulation::RigidFem(state)) => state.record(record)?,
             None => {}
         }
         Ok(())
@@ -73,7 +73,7 @@ impl Model {
     pub fn identity(&self) -> [u64; 2] {
         *self.original.identity.get_or_init(|| {
             let guid = self.original.variables.guid();
-            [fnv1a(guid.as_bytes()), fingerprint(&self.original.setting.mechanism)]
+            [fnv1a(guid.as_bytes()), fingerprint(&self.original.parameter_values.mechanism)]
         })
     }
 
@@ -81,7 +81,7 @@ impl Model {
     pub fn snapshot(&self) -> Snapshot {
         let motion = self.state.as_ref().map(saved);
         Snapshot {
-            setting: Arc::clone(&self.setting),
+            parameter_values: Arc::clone(&self.parameter_values),
             inputs: self.inputs.clone(),
             reduced: self.reduced.clone(),
             motion,
@@ -92,15 +92,15 @@ impl Model {
     /// same method.
     #[inline]
     pub fn snapshot_into(&self, snapshot: &mut Snapshot) {
-        share(&mut snapshot.setting, &self.setting);
+        share(&mut snapshot.parameter_values, &self.parameter_values);
         snapshot.inputs.copy_from(&self.inputs);
         match (&mut snapshot.reduced, &self.reduced) {
             (Some(theirs), Some(own)) => share(theirs, own),
             (theirs, own) => theirs.clone_from(own),
         }
         match (&self.state, &mut snapshot.motion) {
-            (Some(Motion::Reduced(state)), Some(SavedMotion::Reduced(saved))) => state.save(saved),
-            (Some(Motion::RigidFem(state)), Some(SavedMotion::RigidFem(saved))) => state.save(saved),
+            (Some(Formulation::Reduced(state)), Some(SavedFormulation::Reduced(saved))) => state.save(saved),
+            (Some(Formulation::RigidFem(state)), Some(SavedFormulation::RigidFem(saved))) => state.save(saved),
             (state, motion) => *motion = state.as_ref().map(saved),
         }
     }
@@ -113,9 +113,9 @@ impl Model {
     #[inline]
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), ModelError> {
         let inputs = &snapshot.inputs;
-        let same = self.shares_reduced(&self.setting, &snapshot.setting);
+        let same = self.shares_reduced(&self.parameter_values, &snapshot.parameter_values);
         match (&snapshot.motion, &mut self.state, &self.reduced) {
-            (Some(SavedMotion::Reduced(saved)), Some(Motion::Reduced(state)), Some(reduced)) if same => {
+            (Some(SavedFormulation::Reduced(saved)), Some(Formulation::Reduced(state)), Some(reduced)) if same => {
                 let others = !same_bits(&self.inputs.reals, &inputs.reals);
                 state.restore(saved, reduced, others.then_some(&inputs.reals[..]))?;
                 if others {
@@ -128,7 +128,7 @@ impl Model {
                 self.inputs.copy_from(inputs);
             }
         }
-        share(&mut self.setting, &snapshot.setting);
+        share(&mut self.parameter_values, &snapshot.parameter_values);
         Ok(())
     }
 
@@ -136,7 +136,7 @@ impl Model {
     #[cold]
     fn restore_otherwise(&mut self, snapshot: &Snapshot, same: bool) -> Result<(), ModelError> {
         let inputs = &snapshot.inputs;
-        if let (Some(SavedMotion::RigidFem(saved)), Some(Motion::RigidFem(state)), Some(reduced)) =
+        if let (Some(SavedFormulation::RigidFem(saved)), Some(Formulation::RigidFem(state)), Some(reduced)) =
             (&snapshot.motion, &mut self.state, &self.reduced)
             && same
         {
@@ -145,15 +145,17 @@ impl Model {
         let reduced = match (&self.reduced, &snapshot.reduced) {
             (Some(own), _) if same => Some(Arc::clone(own)),
             (_, Some(theirs)) => Some(Arc::clone(theirs)),
-            (_, None) if snapshot.has_motion() => Some(Arc::new(self.last.renewed(&snapshot.setting.mechanism)?)),
+            (_, None) if snapshot.has_motion() => {
+                Some(Arc::new(self.last.renewed(&snapshot.parameter_values.mechanism)?))
+            }
             (_, None) => None,
         };
         self.state = match (&snapshot.motion, &reduced) {
-            (Some(SavedMotion::Reduced(saved)), Some(reduced)) => {
-                Some(Motion::Reduced(State::from_saved(saved, reduced, inputs)?))
+            (Some(SavedFormulation::Reduced(saved)), Some(reduced)) => {
+                Some(Formulation::Reduced(State::from_saved(saved, reduced, inputs)?))
             }
-            (Some(SavedMotion::RigidFem(saved)), Some(reduced)) => {
-                Some(Motion::RigidFem(Box::new(Elastic::from_saved(saved, reduced, inputs)?)))
+            (Some(SavedFormulation::RigidFem(saved)), Some(reduced)) => {
+                Some(Formulation::RigidFem(Box::new(RigidFemMotion::from_saved(saved, reduced, inputs)?)))
             }
             _ => None,
         };
@@ -167,68 +169,72 @@ impl Model {
     /// # Errors
     /// What is written is no snapshot, a value is out of range, or the parameters give no mechanism.
     pub fn read_snapshot(&self, bytes: &[u8]) -> Result<Snapshot, ModelError> {
-        let mut setting = Setting::clone(&self.setting);
+        let mut parameter_values = ParameterValues::clone(&self.parameter_values);
         let mut inputs = self.inputs.clone();
         let record = &mut Record::Read(bytes);
-        settings(record, &mut setting.parameters, &mut setting.flags)?;
+        settings(record, &mut parameter_values.parameters, &mut parameter_values.flags)?;
         let mut method = 0;
         record.choice("solver.method", &mut method, Method::ALL.len())?;
         let method = Method::ALL[usize::from(method)];
-        match &mut setting.mechanism.solver.method {
+        match &mut parameter_values.mechanism.solver.method {
             Some(present) => *present = method,
             None if method == Method::default() => {}
             None => return Err(Damaged(format!("solver.method = \"{}\": not a choice here", method.word())).into()),
         }
-        for (place, value) in setting.parameters.iter().enumerate() {
+        for (place, value) in parameter_values.parameters.iter().enumerate() {
             let (range, _) = self.original.ranges[place];
             if !range.contains(*value) {
                 return Err(ModelError::Value { name: self.parameter(place), value: *value, allowed: range.text() });
             }
         }
-        setting.apply();
-        let setting = [&self.setting, &self.original.setting]
+        parameter_values.apply();
+        let parameter_values = [&self.parameter_values, &self.original.parameter_values]
             .into_iter()
-            .find(|known| known.is(&setting))
-            .map_or_else(|| Arc::new(setting.clone()), Arc::clone);
+            .find(|known| known.is(&parameter_values))
+            .map_or_else(|| Arc::new(parameter_values.clone()), Arc::clone);
         inputs.record(record)?;
-        let mut reduced = self.known_reduced(&setting);
+        let mut reduced = self.known_reduced(&parameter_values);
         let mut moves = false;
         record.flag("in motion", &mut moves)?;
         let motion = if moves {
             let reduced = match &mut reduced {
                 Some(reduced) => reduced,
-                none => none.insert(Arc::new(self.last.renewed(&setting.mechanism)?)),
+                none => none.insert(Arc::new(self.last.renewed(&parameter_values.mechanism)?)),
             };
             Some(match method {
-                Method::Reduced => SavedMotion::Reduced(SavedState::read(record, reduced)?),
-                Method::RigidFem => SavedMotion::RigidFem(SavedElastic::read(record, reduced, &setting.mechanism)?),
+                Method::Reduced => SavedFormulation::Reduced(SavedState::read(record, reduced)?),
+                Method::RigidFem => {
+                    SavedFormulation::RigidFem(SavedElastic::read(record, reduced, &parameter_values.mechanism)?)
+                }
             })
         } else {
             None
         };
         match record {
-            Record::Read([]) => Ok(Snapshot { setting, inputs, reduced, motion }),
+            Record::Read([]) => Ok(Snapshot { parameter_values, inputs, reduced, motion }),
             _ => Err(Damaged("it goes on after its end".to_owned()).into()),
         }
     }
 
     /// The reduced model for these parameters, if it is at hand.
-    fn known_reduced(&self, setting: &Setting) -> Option<Arc<Reduced>> {
-        if let Some(reduced) = self.reduced.as_ref().filter(|_| self.shares_reduced(&self.setting, setting)) {
+    fn known_reduced(&self, parameter_values: &ParameterValues) -> Option<Arc<Reduced>> {
+        if let Some(reduced) =
+            self.reduced.as_ref().filter(|_| self.shares_reduced(&self.parameter_values, parameter_values))
+        {
             return Some(Arc::clone(reduced));
         }
-        let original = self.shares_reduced(&self.original.setting, setting);
+        let original = self.shares_reduced(&self.original.parameter_values, parameter_values);
         original.then(|| Arc::clone(&self.original.reduced))
     }
 
     /// Whether one reduced model is that of both.
     #[inline]
-    fn shares_reduced(&self, a: &Setting, b: &Setting) -> bool {
+    fn shares_reduced(&self, a: &ParameterValues, b: &ParameterValues) -> bool {
         std::ptr::eq(a, b) || self.agree_in_reduced(a, b)
     }
 
     #[cold]
-    fn agree_in_reduced(&self, a: &Setting, b: &Setting) -> bool {
+    fn agree_in_reduced(&self, a: &ParameterValues, b: &ParameterValues) -> bool {
         let same = |i: usize| a.parameters[i].to_bits() == b.parameters[i].to_bits();
         a.flags == b.flags
             && self.original.ranges.iter().enumerate().all(|(i, (_, role))| !is_reduced(*role) || same(i))
@@ -249,9 +255,9 @@ fn share<T>(one: &mut Arc<T>, other: &Arc<T>) {
 }
 
 #[cold]
-fn saved(motion: &Motion) -> SavedMotion {
+fn saved(motion: &Formulation) -> SavedFormulation {
     match motion {
-        Motion::Reduced(state) => SavedMotion::Reduced(state.saved()),
-        Motion::RigidFem(state) => SavedMotion::RigidFem(state.saved()),
+        Formulation::Reduced(state) => SavedFormulation::Reduced(state.saved()),
+        Formulation::RigidFem(state) => SavedFormulation::RigidFem(state.saved()),
     }
 }

@@ -62,7 +62,7 @@ pub struct Table {
 
 /// A place in a table: the panel, and where in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spot {
+pub struct TablePosition {
     /// Panel.
     pub panel: usize,
     /// -1 at its first sigma, 1 at its last.
@@ -210,19 +210,19 @@ impl Table {
     }
 
     /// The place of sigma.
-    pub fn spot(&self, sigma: f64) -> Spot {
+    pub fn spot(&self, sigma: f64) -> TablePosition {
         self.spot_in(sigma, self.panel(sigma))
     }
 
     /// [`Self::spot`], looked for first in this panel and beside it.
     #[inline]
-    pub fn spot_near(&self, sigma: f64, panel: usize) -> Spot {
+    pub fn spot_near(&self, sigma: f64, panel: usize) -> TablePosition {
         self.spot_in(sigma, self.panel_near(sigma, panel))
     }
 
-    fn spot_in(&self, sigma: f64, panel: usize) -> Spot {
+    fn spot_in(&self, sigma: f64, panel: usize) -> TablePosition {
         let (a, b) = self.borders(panel);
-        Spot { panel, x: (2.0 * sigma - (a + b)) / (b - a) }
+        TablePosition { panel, x: (2.0 * sigma - (a + b)) / (b - a) }
     }
 
     /// Monomial coefficients of one component on one panel.
@@ -231,7 +231,7 @@ impl Table {
     }
 
     /// Value of a component at a place.
-    pub fn value(&self, spot: Spot, component: usize) -> f64 {
+    pub fn value(&self, spot: TablePosition, component: usize) -> f64 {
         polynomial(self.series(spot.panel, component), spot.x)
     }
 }

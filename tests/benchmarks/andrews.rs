@@ -1,5 +1,5 @@
 //! Andrews' squeezing mechanism: seven bodies, three loops (Hairer and Wanner, Solving ODEs II, VII.7).
-use crate::{Scene, close};
+use crate::{StateLoads, close};
 
 const TEXT: &str = include_str!("../../modelDescription/AndrewsSqueezer/resources/mechanism.json");
 /// Time [s], beta [rad], its rate [rad/s].
@@ -17,8 +17,8 @@ const REACTIONS: [(&str, f64, f64); 3] = [
 ];
 const TORQUE: f64 = 0.033;
 
-fn scene() -> Scene {
-    Scene::new(TEXT, 1e-13)
+fn scene() -> StateLoads {
+    StateLoads::new(TEXT, 1e-13)
 }
 
 #[test]

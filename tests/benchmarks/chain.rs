@@ -2,7 +2,7 @@
 #[path = "../../fmu-build/src/chain/mechanism.rs"]
 mod mechanism;
 
-use crate::{Scene, close};
+use crate::{StateLoads, close};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 const TEXT: &str = include_str!("../../modelDescription/FourBarChain/resources/mechanism.json");
@@ -19,7 +19,7 @@ fn potential(count: u32, angle: f64) -> f64 {
     9.81 * ((n + 1.0) / 2.0 + n) * angle.sin()
 }
 
-fn energy_error(scene: &mut Scene, count: u32) -> f64 {
+fn energy_error(scene: &mut StateLoads, count: u32) -> f64 {
     let (angle, speed) = (scene.get("bar0.angle"), scene.get("bar0.speed"));
     kinetic(count, speed) + potential(count, angle) - kinetic(count, 1.0) - potential(count, FRAC_PI_2)
 }
@@ -27,7 +27,7 @@ fn energy_error(scene: &mut Scene, count: u32) -> f64 {
 #[test]
 fn two_four_bars_follow_the_reference() {
     for steps in [10_000, 1000, 1] {
-        let mut scene = Scene::new(TEXT, 1e-13);
+        let mut scene = StateLoads::new(TEXT, 1e-13);
         for _ in 0..steps {
             scene.step(10.0 / f64::from(steps));
             let error = energy_error(&mut scene, 2);
@@ -44,7 +44,7 @@ fn two_four_bars_follow_the_reference() {
 
 #[test]
 fn two_four_bars_are_upright_again_after_each_period() {
-    let mut scene = Scene::new(TEXT, 1e-13);
+    let mut scene = StateLoads::new(TEXT, 1e-13);
     for turn in 1..=5 {
         scene.step(PERIOD);
         scene.check("bar0.angle", FRAC_PI_2 - TAU * f64::from(turn), 1e-11);
@@ -57,7 +57,7 @@ fn forty_four_bars_go_straight_on_through_every_flat_position() {
     const COUNT: u32 = 40;
     // Angle of bar 0 [rad] after 10 s and 20 s: 2 am(t / 2 | -4 k) from upright, k = greatest potential over inertia.
     const ANGLES: [(u32, f64); 2] = [(10_000, -30.026_637_417_190_84), (20_000, -61.684_499_041_396_03)];
-    let mut scene = Scene::new(&mechanism::text(COUNT), 1e-13);
+    let mut scene = StateLoads::new(&mechanism::text(COUNT), 1e-13);
     let angles: Vec<(bool, u32)> = (0..=COUNT)
         .map(|k| scene.0.variables().find(&format!("bar{k}.angle")).map(|r| (true, r)))
         .chain((1..=COUNT).map(|k| scene.0.variables().find(&format!("link{k}.angle")).map(|r| (false, r))))

@@ -8,9 +8,9 @@ mod slcrank;
 use linkage_fmu::mechanism::Model;
 
 /// A mechanism under test.
-struct Scene(Model);
+struct StateLoads(Model);
 
-impl Scene {
+impl StateLoads {
     /// At its start, to be integrated with this tolerance.
     fn new(text: &str, tolerance: f64) -> Self {
         let mut model = Model::from_json(text).unwrap();

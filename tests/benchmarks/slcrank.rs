@@ -1,5 +1,5 @@
 //! The slider-crank of SUNDIALS' example idaSlCrank_dns: spring, damper and force.
-use crate::Scene;
+use crate::StateLoads;
 
 const TEXT: &str = include_str!("../../modelDescription/SlCrank/resources/mechanism.json");
 /// Crank angle [rad] at times [s]; the references have 12 digits.
@@ -17,7 +17,7 @@ const SLIDER: f64 = 1.023_578_558_980;
 #[test]
 fn the_crank_follows_the_reference_in_one_step_and_in_many() {
     for steps_a_second in [1, 100, 1000] {
-        let mut scene = Scene::new(TEXT, 1e-13);
+        let mut scene = StateLoads::new(TEXT, 1e-13);
         let mut done = 0.0;
         for (time, angle) in CRANK {
             let span: f64 = time - done;

@@ -13,7 +13,7 @@ macro_rules! definition {
 struct Case {
     json: &'static str,
     drive: &'static str,
-    turns: bool,
+    revolutions: bool,
     start: (&'static str, f64, f64),
     speed: (&'static str, f64),
     inputs: &'static [(&'static str, f64)],
@@ -24,7 +24,7 @@ const CASES: [Case; 5] = [
     Case {
         json: definition!("LandingGearRetraction"),
         drive: "actuator",
-        turns: false,
+        revolutions: false,
         start: ("crank.start_angle", -1.3, 0.8),
         speed: ("crank.start_speed", 40.0),
         inputs: &[
@@ -39,7 +39,7 @@ const CASES: [Case; 5] = [
     Case {
         json: definition!("SliderCrank"),
         drive: "drive",
-        turns: true,
+        revolutions: true,
         start: ("crank.start_angle", -4.0, 4.0),
         speed: ("crank.start_speed", 300.0),
         inputs: &[("drive.torque", 50.0), ("load_factor", 3.0), ("piston.force_x", 1e3), ("piston.force_y", 3e3)],
@@ -47,7 +47,7 @@ const CASES: [Case; 5] = [
     Case {
         json: definition!("FourBar"),
         drive: "drive",
-        turns: true,
+        revolutions: true,
         start: ("crank.start_angle", -4.0, 4.0),
         speed: ("crank.start_speed", 40.0),
         inputs: &[
@@ -61,7 +61,7 @@ const CASES: [Case; 5] = [
     Case {
         json: definition!("CraneJib"),
         drive: "cylinder",
-        turns: false,
+        revolutions: false,
         start: ("jib.start_angle", 1.0, 1.5),
         speed: ("jib.start_speed", 0.4),
         inputs: &[
@@ -77,7 +77,7 @@ const CASES: [Case; 5] = [
     Case {
         json: definition!("Jib"),
         drive: "cylinder",
-        turns: false,
+        revolutions: false,
         start: ("jib.start_angle", -0.299, 0.706),
         speed: ("jib.start_speed", 0.5),
         inputs: &[("cylinder.force", 6e4), ("load_factor", 2.0), ("tip.force_x", 4e3), ("tip.force_y", 4e3)],
@@ -105,7 +105,7 @@ fn check(index: usize, place: f64, speed: f64, sizes: &[f64], efficiency: f64) {
     }
     let (name, low, high) = case.start;
     host.place((name, low + (high - low) * place), (case.speed.0, case.speed.1 * speed));
-    let (force, mass) = if case.turns { ("torque", "inertia") } else { ("force", "mass") };
+    let (force, mass) = if case.revolutions { ("torque", "inertia") } else { ("force", "mass") };
     let name = |suffix: &str| format!("{}.{suffix}", case.drive);
     let present = host.get(&name(force));
     let acceleration = host.get(&name("acceleration"));

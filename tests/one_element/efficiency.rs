@@ -87,18 +87,18 @@ fn a_crank_gains_what_arrives_of_its_torque_over_several_turns() {
         host.set_all(&[("drive.torque", torque), ("piston.force_y", 0.0)]);
         host.place(("crank.start_angle", 0.3), ("crank.start_speed", 200.0));
         let (kinetic, y) = (host.get("energy.kinetic"), host.get("piston.y"));
-        let mut turns = 0.0;
+        let mut revolutions = 0.0;
         for _ in 0..100 {
             host.step(1e-3);
             let angle = host.get("crank.angle") - 0.3;
-            turns = angle / std::f64::consts::TAU;
+            revolutions = angle / std::f64::consts::TAU;
             let expected = kinetic + part * torque * angle - 0.8 * 9.81 * (host.get("piston.y") - y);
             let error = (host.get("energy.kinetic") - expected).abs();
             assert!(error < 1e-10 * kinetic, "{error:e}");
             assert!(host.get("energy.drift").abs() < 1e-10 * kinetic);
         }
-        println!("{turns:.1} turns");
-        assert!(turns > 2.0);
+        println!("{revolutions:.1} revolutions");
+        assert!(revolutions > 2.0);
     }
 }
 

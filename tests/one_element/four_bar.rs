@@ -106,7 +106,7 @@ fn superposed(parts: &[Part]) -> [f64; 4] {
 /// The names of what a drive puts out, and the mechanism reduced to it.
 struct Expected {
     drive: &'static str,
-    turns: bool,
+    revolutions: bool,
     inertia: f64,
     change: f64,
     load: f64,
@@ -115,7 +115,7 @@ struct Expected {
 }
 
 fn compare(worst: &mut Worst, host: &mut Host, e: &Expected, force: f64, demand: f64) {
-    let (mass, force_name) = if e.turns { ("inertia", "torque") } else { ("mass", "force") };
+    let (mass, force_name) = if e.revolutions { ("inertia", "torque") } else { ("mass", "force") };
     let name = |suffix: &str| format!("{}.{suffix}", e.drive);
     host.set(&name(force_name), force);
     host.set(&name("demanded_acceleration"), demand);
@@ -168,7 +168,7 @@ fn four_bar(host: &mut Host, crank_mass: f64, rocker_mass: f64) {
         ];
         let [inertia, change, load, size] = superposed(&parts);
         let size = size.max(300.0 * parts[0].radius().0);
-        let expected = Expected { drive: "drive", turns: true, inertia, change, load, size, speed };
+        let expected = Expected { drive: "drive", revolutions: true, inertia, change, load, size, speed };
         compare(&mut worst, host, &expected, 10.0 * wave(k, 1.9), 200.0 * wave(k, 2.3));
         // Eqs. (3), (4): the centre's tangential and the coupler's angular acceleration, where they are not near zero.
         let epsilon = host.get("drive.acceleration");
@@ -240,7 +240,7 @@ fn a_crane_jib_with_its_cylinder() {
         let mass = inertia / (x1 * x1);
         let expected = Expected {
             drive: "cylinder",
-            turns: false,
+            revolutions: false,
             inertia: mass,
             change: (inertia_change / (x1 * x1) - 2.0 * inertia * x2 / x1.powi(3)) / x1,
             load: moment / x1,

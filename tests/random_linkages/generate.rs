@@ -1,7 +1,5 @@
 //! Strategies for random linkages: loops of four bodies and chains of six, any body as the ground, joints of both kinds.
-use crate::linkage::{
-    Body, Coordinate, Freedom, GROUND, Joint, Linkage, Loads, Mass, Place, Rider, Vec2, turned,
-};
+use crate::linkage::{Body, Coordinate, Freedom, GROUND, Joint, Linkage, Loads, Mass, Place, Rider, Vec2, turned};
 use crate::oracle;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};

@@ -113,7 +113,7 @@ impl Linkage {
     }
 
     /// Whether a body can turn: no chain of prismatic joints holds it to the ground.
-    pub fn turns(&self, body: usize) -> bool {
+    pub fn revolutions(&self, body: usize) -> bool {
         let mut held = vec![false; self.bodies.len()];
         held[GROUND] = true;
         for _ in &self.bodies {
@@ -127,9 +127,9 @@ impl Linkage {
 
     /// Angles of the bodies that turn, positions of the prismatic joints.
     pub fn coordinates(&self) -> Vec<Coordinate> {
-        let turns = (0..self.bodies.len()).filter(|&b| self.turns(b)).map(Coordinate::Turn);
+        let revolutions = (0..self.bodies.len()).filter(|&b| self.revolutions(b)).map(Coordinate::Turn);
         let slides = (0..self.joints.len()).filter(|&j| matches!(self.joints[j].freedom, Freedom::Slide { .. }));
-        turns.chain(slides.map(Coordinate::Slide)).collect()
+        revolutions.chain(slides.map(Coordinate::Slide)).collect()
     }
 
     pub fn name(&self, coordinate: Coordinate) -> String {

@@ -38,7 +38,7 @@ impl<'a> Motion<'a> {
         let count = linkage.bodies.len();
         let mut motion =
             Self { linkage, poses: vec![(Vec2::zeros(), 0.0); count], rates: vec![(Vec2::zeros(), 0.0); count] };
-        for b in (0..count).filter(|&b| linkage.turns(b)) {
+        for b in (0..count).filter(|&b| linkage.revolutions(b)) {
             let [angle, speed] = read(Coordinate::Turn(b));
             (motion.poses[b].1, motion.rates[b].1) = (angle, speed);
         }

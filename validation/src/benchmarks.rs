@@ -14,7 +14,7 @@ pub const ANDREWS_SPAN: f64 = 0.03;
 pub const K1_ANGLE: f64 = 15.810_771_195_153_797;
 
 /// One mechanism with an output whose value at the end of the span is known.
-struct Scene {
+struct StateLoads {
     /// Word for CSV.
     name: String,
     title: String,
@@ -44,12 +44,12 @@ pub fn table(descriptions: &Path) -> Result<Pages, String> {
     Ok(Pages { page: out, csv })
 }
 
-fn scenes(descriptions: &Path) -> Result<Vec<Scene>, String> {
+fn scenes(descriptions: &Path) -> Result<Vec<StateLoads>, String> {
     let read = |name: &str| measure::mechanism(&descriptions.join(name));
     let (andrews, slcrank) = (read("AndrewsSqueezer")?, read("SlCrank")?);
     let mut scenes = Vec::new();
     for steps in [1, 300] {
-        scenes.push(Scene {
+        scenes.push(StateLoads {
             name: "AndrewsSqueezer".into(),
             title: format!("Andrews' squeezer, 0.03 s in {steps} doSteps"),
             text: andrews.clone(),
@@ -61,7 +61,7 @@ fn scenes(descriptions: &Path) -> Result<Vec<Scene>, String> {
         });
     }
     for steps in [1, 1000] {
-        scenes.push(Scene {
+        scenes.push(StateLoads {
             name: "SlCrank".into(),
             title: format!("Slider-crank idaSlCrank, 10 s in {steps} doSteps"),
             text: slcrank.clone(),
@@ -74,7 +74,7 @@ fn scenes(descriptions: &Path) -> Result<Vec<Scene>, String> {
     }
     for (count, exact) in CHAINS {
         for steps in [1, 1000] {
-            scenes.push(Scene {
+            scenes.push(StateLoads {
                 name: format!("FourBarChain{count}"),
                 title: format!("Chain of {count} four-bars ({} bodies), 10 s in {steps} doSteps", 2 * count + 1),
                 text: mechanism::text(count),
@@ -89,7 +89,7 @@ fn scenes(descriptions: &Path) -> Result<Vec<Scene>, String> {
     Ok(scenes)
 }
 
-impl Scene {
+impl StateLoads {
     fn report(&self, out: &mut String, csv: &mut String) -> Result<(), ModelError> {
         /// Runs of which the fastest counts.
         const RUNS: usize = 50;

@@ -5,7 +5,7 @@
 #![allow(unsafe_code)]
 
 use crate::life::{Life, done};
-use crate::scene::{After, KNOWN, Scene, force};
+use crate::scene::{After, KNOWN, StateLoads, force};
 use linkage_fmu::fmi2::types::{Boolean, Component, FALSE, FmuState, TRUE, ValueReference};
 use linkage_fmu::fmi2::{
     fmi2DoStep, fmi2EnterInitializationMode, fmi2ExitInitializationMode, fmi2FreeFMUstate, fmi2FreeInstance,
@@ -47,7 +47,7 @@ impl Host {
     ///
     /// # Errors
     /// The file cannot be read or has not the gear's variables; a call is refused.
-    pub fn new(folder: &Path, scene: &Scene, tolerance: f64) -> Result<Self, String> {
+    pub fn new(folder: &Path, scene: &StateLoads, tolerance: f64) -> Result<Self, String> {
         let model = Model::from_json(&crate::measure::mechanism(folder)?).map_err(|e| e.to_string())?;
         let [known] = references(&model, [KNOWN])?;
         let mut host = Self {
@@ -62,7 +62,7 @@ impl Host {
         Ok(host)
     }
 
-    fn initialize(&mut self, model: &Model, scene: &Scene, tolerance: f64) -> Result<(), String> {
+    fn initialize(&mut self, model: &Model, scene: &StateLoads, tolerance: f64) -> Result<(), String> {
         let c = self.component;
         for &(name, value) in scene.reals {
             let [reference] = references(model, [name])?;

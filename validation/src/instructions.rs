@@ -6,7 +6,7 @@
 use crate::asked;
 use crate::host::Host;
 use crate::measure::Pages;
-use crate::scene::{After, DEFAULT, SCENES, SPAN, Scene};
+use crate::scene::{After, DEFAULT, SCENES, SPAN, StateLoads};
 use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
@@ -104,7 +104,8 @@ fn counted(scene: &str, reads: &str, steps: u32, repetitions: u32) -> Result<u64
 pub fn repeat(folder: &Path, words: [&str; 4]) -> Result<(), String> {
     let [name, reads, steps, repetitions] = words;
     let number = |word: &str| word.parse::<u32>().map_err(|e| format!("{word}: {e}"));
-    let scene: &Scene = SCENES.iter().find(|scene| scene.name == name).ok_or_else(|| format!("no scene {name}"))?;
+    let scene: &StateLoads =
+        SCENES.iter().find(|scene| scene.name == name).ok_or_else(|| format!("no scene {name}"))?;
     let after = READS.iter().find(|(word, _)| *word == reads).map_or(scene.after, |(_, after)| after);
     let (steps, repetitions) = (number(steps)?, number(repetitions)?);
     let mut host = Host::new(folder, scene, TOLERANCE)?;

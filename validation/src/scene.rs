@@ -29,7 +29,7 @@ pub fn force(steps: u32) -> f64 {
 }
 
 /// Settings that differ from the default, and calls.
-pub struct Scene {
+pub struct StateLoads {
     /// Word for the command line and for CSV.
     pub name: &'static str,
     /// Words for a table.
@@ -47,40 +47,41 @@ const AIR: &[(&str, f64)] = &[("airspeed", 70.0)];
 const BUMPER: &[(&str, f64)] = &[("upstop.angle", -1.1), ("upstop.stiffness", 1e6), ("upstop.damping", 5e3)];
 
 /// Gravity, load factor and drive; no stops.
-pub const BARE: Scene =
-    Scene { name: "bare", title: "bare: drive and gravity, no stops", reals: &[], flags: NO_STOPS, after: &[] };
+pub const BARE: StateLoads =
+    StateLoads { name: "bare", title: "bare: drive and gravity, no stops", reals: &[], flags: NO_STOPS, after: &[] };
 /// The mechanism as it is committed.
-pub const DEFAULT: Scene = Scene { name: "default", title: "default: rigid stops", reals: &[], flags: &[], after: &[] };
+pub const DEFAULT: StateLoads =
+    StateLoads { name: "default", title: "default: rigid stops", reals: &[], flags: &[], after: &[] };
 
 /// All scenes; the first is the one the others are compared with.
-pub const SCENES: [Scene; 9] = [
+pub const SCENES: [StateLoads; 9] = [
     BARE,
     DEFAULT,
-    Scene {
+    StateLoads {
         name: "bumper",
         title: "bumper, met at -1.1 rad",
         reals: BUMPER,
         flags: &[("upstop.rigid", false)],
         after: &[],
     },
-    Scene { name: "drag", title: "drag at 70 m/s", reals: AIR, flags: &[], after: &[] },
-    Scene {
+    StateLoads { name: "drag", title: "drag at 70 m/s", reals: AIR, flags: &[], after: &[] },
+    StateLoads {
         name: "wind",
         title: "drag in relative wind",
         reals: AIR,
         flags: &[("air.relative_wind", true)],
         after: &[],
     },
-    Scene { name: "friction", title: "friction", reals: &[], flags: &[("friction.enabled", true)], after: &[] },
-    Scene { name: "reactions", title: "four reactions read", reals: &[], flags: &[], after: &[After::Reactions] },
-    Scene {
+    StateLoads { name: "friction", title: "friction", reals: &[], flags: &[("friction.enabled", true)], after: &[] },
+    StateLoads { name: "reactions", title: "four reactions read", reals: &[], flags: &[], after: &[After::Reactions] },
+    StateLoads {
         name: "derivatives",
         title: "directional derivatives read",
         reals: &[],
         flags: &[],
         after: &[After::Derivatives],
     },
-    Scene {
+    StateLoads {
         name: "all",
         title: "all of these",
         reals: &[("airspeed", 70.0), BUMPER[0], BUMPER[1], BUMPER[2]],
@@ -89,7 +90,7 @@ pub const SCENES: [Scene; 9] = [
     },
 ];
 
-impl Scene {
+impl StateLoads {
     /// What the integrator does in `steps` equal steps of the retraction, with what of `after` it feels.
     ///
     /// # Errors

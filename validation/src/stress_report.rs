@@ -1,5 +1,5 @@
 //! `stress`: all scenes, told as they come, and written as a table.
-use crate::stress::{self, Outcome, Scene, Verdict};
+use crate::stress::{self, Outcome, StateLoads, Verdict};
 use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;
@@ -68,7 +68,7 @@ const COLUMNS: [&str; 13] = [
     "why",
 ];
 
-fn fields(scene: &Scene, outcome: &Outcome) -> [String; 13] {
+fn fields(scene: &StateLoads, outcome: &Outcome) -> [String; 13] {
     let pair = |values: Option<(f64, f64)>| {
         values.map_or([String::new(), String::new()], |(value, bound)| [format!("{value:.1e}"), format!("{bound:.1e}")])
     };
@@ -90,7 +90,7 @@ fn fields(scene: &Scene, outcome: &Outcome) -> [String; 13] {
     ]
 }
 
-fn line(scene: &Scene, outcome: &Outcome, separator: &str) -> String {
+fn line(scene: &StateLoads, outcome: &Outcome, separator: &str) -> String {
     fields(scene, outcome).join(separator)
 }
 

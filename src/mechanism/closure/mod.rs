@@ -56,7 +56,7 @@ pub struct Landing {
 
 /// Weights that make coordinates comparable.
 fn weights(linkage: &Linkage) -> Vec<f64> {
-    (0..linkage.coordinates.len()).map(|i| if i < linkage.turns { 1.0 } else { 1.0 / linkage.size }).collect()
+    (0..linkage.coordinates.len()).map(|i| if i < linkage.angles { 1.0 } else { 1.0 / linkage.size }).collect()
 }
 
 /// Jacobian in comparable units: gaps in sizes, coordinates weighted.
@@ -164,7 +164,7 @@ impl Closure {
         let (mut row, mut kept) = (0, self.rows.iter().peekable());
         for (place, &joint) in linkage.cuts.iter().enumerate() {
             linkage.partials(&work.positions, q, place, &mut work.partials);
-            let count = if linkage.joints[joint].freedom == Freedom::Turn { 2 } else { 1 };
+            let count = if linkage.joints[joint].freedom == Freedom::Revolute { 2 } else { 1 };
             for partials in &work.partials[..count] {
                 if kept.next_if(|r| **r == row).is_some() {
                     let columns = linkage.loops[place].columns.iter().copied();
@@ -328,10 +328,11 @@ pub fn guessed(linkage: &Linkage, guess: &crate::mechanism::definition::Named<f6
     for (name, &value) in guess.iter() {
         let body = linkage.bodies.iter().find(|b| b.name == name);
         let found = match body {
-            Some(b) => b.turn.map(|t| (t, value - b.offset)),
-            None => {
-                linkage.coordinates[linkage.turns..].iter().position(|c| c == name).map(|i| (linkage.turns + i, value))
-            }
+            Some(b) => b.angle_coordinate.map(|t| (t, value - b.offset)),
+            None => linkage.coordinates[linkage.angles..]
+                .iter()
+                .position(|c| c == name)
+                .map(|i| (linkage.angles + i, value)),
         };
         match found {
             Some((i, v)) => q[i] = Some(v),
@@ -345,7 +346,7 @@ pub fn guessed(linkage: &Linkage, guess: &crate::mechanism::definition::Named<f6
         name: linkage.coordinates[i].clone(),
         message: format!(
             "is missing: give its rough {}",
-            if i < linkage.turns { "angle [rad]" } else { "position [m]" }
+            if i < linkage.angles { "angle [rad]" } else { "position [m]" }
         ),
     };
     q.into_iter().enumerate().map(|(i, v)| v.ok_or_else(|| missing(i))).collect()

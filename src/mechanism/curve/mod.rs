@@ -185,10 +185,10 @@ impl Curve {
     }
 
     /// The coordinates at sigma, after so many turns of a closed curve, by name and in words.
-    pub fn describe(&self, sigma: f64, turns: f64) -> String {
+    pub fn describe(&self, sigma: f64, revolutions: f64) -> String {
         let mut q = self.configuration(sigma).q;
         if let Ends::Closed(growth) = &self.ends {
-            q.iter_mut().zip(growth).for_each(|(q, growth)| *q += turns * growth);
+            q.iter_mut().zip(growth).for_each(|(q, growth)| *q += revolutions * growth);
         }
         trace::describe(&self.closure, &q)
     }

@@ -125,7 +125,7 @@ impl Curve {
 /// Coordinates by name, in words.
 pub(super) fn describe(closure: &Closure, q: &[f64]) -> String {
     let names = &closure.linkage.coordinates;
-    let unit = |i: usize| if i < closure.linkage.turns { "rad" } else { "m" };
+    let unit = |i: usize| if i < closure.linkage.angles { "rad" } else { "m" };
     // A long chain is told by its first few coordinates.
     let parts: Vec<String> = (0..q.len().min(6)).map(|i| format!("{} = {:.6} {}", names[i], q[i], unit(i))).collect();
     parts.join(", ")
@@ -164,7 +164,7 @@ fn follow(
             }
         }
         base = Base { sigma: panel.end(), q: panel.tip.clone(), tangent: ahead };
-        let far = base.q[linkage.turns..].iter().any(|s| s.abs() > REACH * linkage.size);
+        let far = base.q[linkage.angles..].iter().any(|s| s.abs() > REACH * linkage.size);
         // How wide it might have been, and how that changes from panel to panel.
         let widest = panel.width * wider.min(GROWTH);
         let trend = widest_before.map_or(1.0, |before: f64| (widest / before).clamp(0.5, GROWTH));
@@ -240,7 +240,7 @@ fn returned(
     room: &mut Room,
 ) -> Option<(Vec<f64>, Option<Panel>)> {
     let (n, w) = (start.len(), &closure.weights);
-    let turns = closure.linkage.turns;
+    let turns = closure.linkage.angles;
     // The start as seen from here: whole turns added.
     let target: Vec<f64> = (0..n)
         .map(|i| {

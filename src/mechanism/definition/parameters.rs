@@ -132,9 +132,9 @@ impl Mechanism {
         let joints = &self.joints;
         for (name, spring) in self.springs.iter_mut() {
             let revolute = |j: &String| joints.get(j).is_some_and(|j| j.kind == JointKind::Revolute);
-            let turns = spring.joint.as_ref().is_some_and(revolute);
+            let is_rotary = spring.joint.as_ref().is_some_and(revolute);
             let p = |n, words, linear: Unit, rotary: Unit, range| {
-                Element { group: "springs", name }.part(n, words, if turns { rotary } else { linear }, range, Load)
+                Element { group: "springs", name }.part(n, words, if is_rotary { rotary } else { linear }, range, Load)
             };
             let (k, range) = ("Stiffness", Range::NonNegative);
             visit(p("stiffness", k, Unit::NewtonPerMetre, Unit::NewtonMetrePerRadian, range), &mut spring.stiffness);
@@ -188,7 +188,7 @@ impl Mechanism {
         }
         for (name, stop) in self.stops.iter_mut() {
             let p = |n, words, unit, range| Element { group: "stops", name }.part(n, words, unit, range, Load);
-            let turns = stop.angle.is_some();
+            let is_rotary = stop.angle.is_some();
             if let Some(v) = &mut stop.angle {
                 visit(p("angle", "Angle", Unit::Radian, Range::Finite), v);
             }
@@ -198,10 +198,10 @@ impl Mechanism {
             if let Some(v) = &mut stop.length {
                 visit(p("length", "Distance of the points", Unit::Metre, Range::NonNegative), v);
             }
-            let unit = if turns { Unit::NewtonMetrePerRadian } else { Unit::NewtonPerMetre };
+            let unit = if is_rotary { Unit::NewtonMetrePerRadian } else { Unit::NewtonPerMetre };
             visit(p("restitution", "Restitution", Unit::One, Range::Unit), &mut stop.restitution);
             visit(p("stiffness", "Stiffness as a bumper", unit, Range::NonNegative), &mut stop.stiffness);
-            let unit = if turns { Unit::NewtonMetreSecondPerRadian } else { Unit::NewtonSecondPerMetre };
+            let unit = if is_rotary { Unit::NewtonMetreSecondPerRadian } else { Unit::NewtonSecondPerMetre };
             visit(p("damping", "Damping as a bumper", unit, Range::NonNegative), &mut stop.damping);
         }
         let start = &mut self.start;

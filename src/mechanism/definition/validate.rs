@@ -232,8 +232,8 @@ impl Mechanism {
         }
         for (name, a) in self.actuators.iter() {
             let key = format!("actuators.{name}");
-            let turns = self.check_ends(&key, &a.first, &a.second, &a.joint)?;
-            let (asked, other) = if turns { ("torque", a.force) } else { ("force", a.torque) };
+            let is_rotary = self.check_ends(&key, &a.first, &a.second, &a.joint)?;
+            let (asked, other) = if is_rotary { ("torque", a.force) } else { ("force", a.torque) };
             if other.is_some() {
                 return Err(key_error(
                     key,
@@ -244,8 +244,8 @@ impl Mechanism {
         }
         for (name, spring) in self.springs.iter() {
             let key = format!("springs.{name}");
-            let turns = self.check_ends(&key, &spring.first, &spring.second, &spring.joint)?;
-            let wrong = if turns { spring.free_length } else { spring.free_angle };
+            let is_rotary = self.check_ends(&key, &spring.first, &spring.second, &spring.joint)?;
+            let wrong = if is_rotary { spring.free_length } else { spring.free_angle };
             if wrong.is_some() {
                 let message = "a spring in a revolute joint has a free_angle, any other a free_length";
                 return Err(key_error(key, message));
@@ -350,8 +350,8 @@ impl Mechanism {
                     "angle"
                 }
                 (None, Some(_), None, None) | (None, None, Some(_), Some(_)) => {
-                    let turns = self.check_ends(&format!("stops.{name}"), &s.first, &s.second, &s.joint)?;
-                    if turns {
+                    let is_rotary = self.check_ends(&format!("stops.{name}"), &s.first, &s.second, &s.joint)?;
+                    if is_rotary {
                         "angle"
                     } else if s.joint.is_some() {
                         "position"

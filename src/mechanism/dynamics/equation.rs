@@ -4,71 +4,76 @@
 //! is one polynomial: the sizes are folded into its coefficients when the panel is entered. What a state decides - friction,
 //! drag, bumpers, dampers, efficiencies - is in the scene; a mechanism without them does not pay for them.
 use crate::integrator::System;
-use crate::mechanism::dynamics::panel_force::{Folded, Given};
-use crate::mechanism::dynamics::state_loads::{Acting, Effect, Mode};
-use crate::mechanism::loads::laws::friction::{Band, Locked};
-use crate::mechanism::reduced::{Reduced, Scene};
+use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
+use crate::mechanism::dynamics::state_loads::{Evaluation, Mode, StateLoadEvaluator};
+use crate::mechanism::loads::laws::friction::{Locked, Regime};
+use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::dual::{Dual, Number};
 use crate::numerics::table::polynomial;
 
 /// Room for the evaluation of one motion, with what it found last.
 #[derive(Clone, Debug)]
-pub struct Work {
+pub struct Scratch {
     /// Right-hand side where it was used last.
-    pub folded: Folded,
+    pub panel_force: PanelForce,
     /// What acts.
-    pub acting: Acting<f64>,
+    pub evaluator: StateLoadEvaluator<f64>,
     /// What acts, with derivatives along sigma and sigma_dot.
-    tangent: Acting<Dual<2>>,
+    tangent: StateLoadEvaluator<Dual<2>>,
     /// Whether the scene is one with moving air.
     pub air: bool,
 }
 
-impl Work {
+impl Scratch {
     /// For a scene, or none.
-    pub fn new(scene: Option<&Scene>) -> Self {
-        let air = scene.is_some_and(|s| s.air);
-        Self { folded: Folded::new(scene), acting: Acting::new(scene), tangent: Acting::new(scene), air }
+    pub fn new(state_loads: Option<&StateLoads>) -> Self {
+        let air = state_loads.is_some_and(|s| s.air);
+        Self {
+            panel_force: PanelForce::new(state_loads),
+            evaluator: StateLoadEvaluator::new(state_loads),
+            tangent: StateLoadEvaluator::new(state_loads),
+            air,
+        }
     }
 }
 
 /// The motion for one span of inputs.
-pub struct Motion<'a> {
+pub struct EquationOfMotion<'a> {
     /// Tables.
     pub reduced: &'a Reduced,
     /// What acts besides the loads of given sizes.
-    pub scene: Option<&'a Scene>,
+    pub state_loads: Option<&'a StateLoads>,
     /// Their sizes.
-    pub given: Given<'a>,
+    pub given: AppliedLoads<'a>,
     /// Time since the start of the span [s].
     pub time: f64,
     /// What is decided between steps.
     pub mode: Mode,
     /// Room.
-    pub work: &'a mut Work,
+    pub scratch: &'a mut Scratch,
     /// Whether friction had no solution somewhere.
     pub locked: bool,
 }
 
-impl Motion<'_> {
+impl EquationOfMotion<'_> {
     #[inline(always)]
     fn place(&mut self, sigma: f64) -> f64 {
-        self.work.folded.place(self.reduced, self.scene, &self.given, sigma)
+        self.scratch.panel_force.place(self.reduced, self.state_loads, &self.given, sigma)
     }
 
     /// Acceleration and power lost, for a motion in the mode's direction.
     ///
     /// # Errors
     /// [`Locked`].
-    pub fn effect(&mut self, sigma: f64, sigma_dot: f64) -> Result<Effect<f64>, Locked> {
+    pub fn effect(&mut self, sigma: f64, sigma_dot: f64) -> Result<Evaluation<f64>, Locked> {
         let x = self.place(sigma);
-        let Work { folded, acting, .. } = &mut *self.work;
-        match self.scene {
-            None if folded.changes() => Ok(changing(folded, [self.time, sigma, sigma_dot])),
-            None => Ok(Effect { acceleration: polynomial(&folded.force, x), lost: 0.0 }),
-            Some(scene) => {
+        let Scratch { panel_force, evaluator, .. } = &mut *self.scratch;
+        match self.state_loads {
+            None if panel_force.changes() => Ok(changing(panel_force, [self.time, sigma, sigma_dot])),
+            None => Ok(Evaluation { acceleration: polynomial(&panel_force.force, x), lost: 0.0 }),
+            Some(state_loads) => {
                 let at = [self.time, sigma, sigma_dot];
-                acting.evaluate((self.reduced, scene), &self.given, folded, &self.mode, at)
+                evaluator.evaluate((self.reduced, state_loads), &self.given, panel_force, &self.mode, at)
             }
         }
     }
@@ -77,19 +82,19 @@ impl Motion<'_> {
     ///
     /// # Errors
     /// [`Locked`].
-    pub fn tangent(&mut self, sigma: f64, sigma_dot: f64) -> Result<Effect<Dual<2>>, Locked> {
+    pub fn tangent(&mut self, sigma: f64, sigma_dot: f64) -> Result<Evaluation<Dual<2>>, Locked> {
         self.place(sigma);
         let y = [Dual::constant(self.time), Dual::variable(sigma, 0), Dual::variable(sigma_dot, 1)];
-        let Work { folded, tangent, .. } = &mut *self.work;
-        match self.scene {
-            None => Ok(changing(folded, y)),
-            Some(scene) => tangent.evaluate((self.reduced, scene), &self.given, folded, &self.mode, y),
+        let Scratch { panel_force, tangent, .. } = &mut *self.scratch;
+        match self.state_loads {
+            None => Ok(changing(panel_force, y)),
+            Some(state_loads) => tangent.evaluate((self.reduced, state_loads), &self.given, panel_force, &self.mode, y),
         }
     }
 
     /// Whether a drive has an efficiency, so that the right-hand side jumps where sigma_dot changes its sign.
     pub fn reverses(&self) -> bool {
-        self.scene.is_some_and(|s| !s.lossy.is_empty())
+        self.state_loads.is_some_and(|s| !s.drives_with_efficiency.is_empty())
     }
 
     /// Direction in which a mechanism at rest sets off: 0 if its drives hold it ([CK16] 2.3: driven forward they give
@@ -117,7 +122,7 @@ impl Motion<'_> {
     /// # Errors
     /// [`Locked`].
     pub fn settle(&mut self, sigma: f64, sigma_dot: f64) -> Result<f64, Locked> {
-        self.clear_bands();
+        self.clear_regimes();
         if !self.reverses() {
             return Ok(self.effect(sigma, sigma_dot)?.acceleration);
         }
@@ -127,11 +132,11 @@ impl Motion<'_> {
         }
         self.mode.direction = -1.0;
         let back = self.effect(sigma, 0.0)?.acceleration;
-        self.work.acting.keep();
+        self.scratch.evaluator.keep();
         self.mode.direction = 1.0;
         let forward = self.effect(sigma, 0.0)?.acceleration;
         let share = if back > forward { back / (back - forward) } else { 1.0 };
-        self.work.acting.mix(share);
+        self.scratch.evaluator.mix(share);
         self.mode.direction = 0.0;
         Ok(0.0)
     }
@@ -141,66 +146,70 @@ impl Motion<'_> {
     /// # Errors
     /// [`Locked`].
     pub fn heading(&mut self, direction: f64, sigma: f64, sigma_dot: f64) -> Result<f64, Locked> {
-        self.clear_bands();
+        self.clear_regimes();
         self.mode.direction = direction;
         Ok(self.effect(sigma, sigma_dot)?.acceleration)
     }
 
     /// Slip speed of a pin [m/s]. Asked for at the ends of steps and between them, it leaves the panel as it is.
-    pub fn slip(&mut self, pin: usize, sigma: f64, sigma_dot: f64) -> f64 {
-        let Some(scene) = self.scene else { return 0.0 };
-        let component = scene.free() + pin;
+    pub fn slip(&mut self, friction_joint: usize, sigma: f64, sigma_dot: f64) -> f64 {
+        let Some(state_loads) = self.state_loads else { return 0.0 };
+        let component = state_loads.free() + friction_joint;
         let influence = if self.reduced.is_exact() {
             let x = self.place(sigma);
-            polynomial(self.work.folded.series(&scene.table, component), x)
+            polynomial(self.scratch.panel_force.series(&state_loads.table, component), x)
         } else {
-            self.work.folded.value((self.reduced, &scene.table), component, sigma)
+            self.scratch.panel_force.value((self.reduced, &state_loads.table), component, sigma)
         };
-        influence * sigma_dot * scene.pins[pin].radius
+        influence * sigma_dot * state_loads.friction_joints[friction_joint].radius
     }
 
     /// Slip speed of a pin and its rate, at (sigma, sigma_dot, sigma_ddot).
-    pub fn slip_rate(&mut self, pin: usize, [sigma, sigma_dot, sigma_ddot]: [f64; 3]) -> [f64; 2] {
-        let Some(scene) = self.scene else { return [0.0; 2] };
-        let component = scene.free() + pin;
-        let influence = self.work.folded.value((self.reduced, &scene.table), component, Dual::<1>::variable(sigma, 0));
+    pub fn slip_rate(&mut self, friction_joint: usize, [sigma, sigma_dot, sigma_ddot]: [f64; 3]) -> [f64; 2] {
+        let Some(state_loads) = self.state_loads else { return [0.0; 2] };
+        let component = state_loads.free() + friction_joint;
+        let influence = self.scratch.panel_force.value(
+            (self.reduced, &state_loads.table),
+            component,
+            Dual::<1>::variable(sigma, 0),
+        );
         let rate = influence.slope[0] * sigma_dot * sigma_dot + influence.value * sigma_ddot;
-        [influence.value * sigma_dot, rate].map(|v| v * scene.pins[pin].radius)
+        [influence.value * sigma_dot, rate].map(|v| v * state_loads.friction_joints[friction_joint].radius)
     }
 
     /// State the stretch of its law in which a pin is, until told otherwise; with none, its slip speed tells.
-    pub fn set_band(&mut self, pin: usize, band: Option<Band>) {
-        if let Some(scene) = self.scene {
-            self.work.acting.set_band(scene, pin, band);
-            self.work.tangent.set_band(scene, pin, band);
+    pub fn set_regime(&mut self, friction_joint: usize, regime: Option<Regime>) {
+        if let Some(state_loads) = self.state_loads {
+            self.scratch.evaluator.set_regime(state_loads, friction_joint, regime);
+            self.scratch.tangent.set_regime(state_loads, friction_joint, regime);
         }
     }
 
     /// State the stretches in which all pins are at this state.
-    pub fn set_bands(&mut self, sigma: f64, sigma_dot: f64) {
-        for pin in 0..self.scene.map_or(0, |s| s.pins.len()) {
-            let slip = self.slip(pin, sigma, sigma_dot);
-            let band = self.scene.map(|s| s.pins[pin].law.band(slip));
-            self.set_band(pin, band);
+    pub fn set_regimes(&mut self, sigma: f64, sigma_dot: f64) {
+        for friction_joint in 0..self.state_loads.map_or(0, |s| s.friction_joints.len()) {
+            let slip = self.slip(friction_joint, sigma, sigma_dot);
+            let regime = self.state_loads.map(|s| s.friction_joints[friction_joint].law.regime(slip));
+            self.set_regime(friction_joint, regime);
         }
     }
 
     /// Let slip speeds tell the stretches.
-    fn clear_bands(&mut self) {
-        for pin in 0..self.scene.map_or(0, |s| s.pins.len()) {
-            self.set_band(pin, None);
+    fn clear_regimes(&mut self) {
+        for friction_joint in 0..self.state_loads.map_or(0, |s| s.friction_joints.len()) {
+            self.set_regime(friction_joint, None);
         }
     }
 
     /// How far the load of a bumper is beyond its stop, and the push of the bumper if it is in contact.
     pub fn pressure(&mut self, bumper: usize, sigma: f64, sigma_dot: f64) -> (f64, f64) {
         let x = self.place(sigma);
-        let Some(scene) = self.scene else { return (0.0, 0.0) };
-        let (folded, loading) = (&self.work.folded, self.reduced.loading());
-        let at = |component: usize| polynomial(folded.series(&scene.table, component), x);
-        let stop = &loading.stops[scene.bumpers[bumper]];
-        let s = at(scene.pressed(bumper)) + folded.turns * self.reduced.load_growth(stop.load);
-        let rate = at(scene.free() - scene.bumpers.len() + bumper) * sigma_dot;
+        let Some(state_loads) = self.state_loads else { return (0.0, 0.0) };
+        let (panel_force, loading) = (&self.scratch.panel_force, self.reduced.loading());
+        let at = |component: usize| polynomial(panel_force.series(&state_loads.table, component), x);
+        let stop = &loading.stops[state_loads.bumpers[bumper]];
+        let s = at(state_loads.pressed(bumper)) + panel_force.revolutions * self.reduced.load_growth(stop.load);
+        let rate = at(state_loads.free() - state_loads.bumpers.len() + bumper) * sigma_dot;
         let beyond = stop.beyond(s);
         let outward = if stop.beyond(1.0) > stop.beyond(0.0) { rate } else { -rate };
         (beyond, stop.stiffness * beyond + stop.damping * outward)
@@ -215,27 +224,27 @@ impl Motion<'_> {
 }
 
 /// Without a scene: the given loads alone, at (t, sigma, sigma_dot).
-fn changing<T: Number>(folded: &Folded, [t, sigma, sigma_dot]: [T; 3]) -> Effect<T> {
-    let x = folded.x(sigma);
-    Effect { acceleration: folded.at(x, t), lost: -(folded.excess(0, x, t) * sigma_dot) }
+fn changing<T: Number>(panel_force: &PanelForce, [t, sigma, sigma_dot]: [T; 3]) -> Evaluation<T> {
+    let x = panel_force.x(sigma);
+    Evaluation { acceleration: panel_force.at(x, t), lost: -(panel_force.excess(0, x, t) * sigma_dot) }
 }
 
 /// No loss of power and constant inputs: (sigma, sigma_dot).
-impl System<2> for Motion<'_> {
+impl System<2> for EquationOfMotion<'_> {
     const SECOND_ORDER: bool = true;
 
     #[inline(always)]
     fn derivative(&mut self, _t: f64, y: &[f64; 2]) -> [f64; 2] {
         let x = self.place(y[0]);
-        [y[1], polynomial(&self.work.folded.force, x)]
+        [y[1], polynomial(&self.scratch.panel_force.force, x)]
     }
 
     /// From sigma to x on the panel the way enters last: what comes before it does not wait for it.
     #[inline(always)]
     fn acceleration(&mut self, _t: f64, y: &[f64; 2], way: f64) -> f64 {
         self.place(y[0] + way);
-        let x = self.work.folded.x(Dual::<1>::variable(y[0], 0));
-        polynomial(&self.work.folded.force, x.value + way * x.slope[0])
+        let x = self.scratch.panel_force.x(Dual::<1>::variable(y[0], 0));
+        polynomial(&self.scratch.panel_force.force, x.value + way * x.slope[0])
     }
 
     fn scale(&mut self, y: &[f64; 2], f: &[f64; 2]) -> [f64; 2] {
@@ -245,13 +254,13 @@ impl System<2> for Motion<'_> {
 }
 
 /// With a scene, or inputs that change with time: (sigma, sigma_dot, energy lost).
-impl System<3> for Motion<'_> {
+impl System<3> for EquationOfMotion<'_> {
     const CAN_BE_STIFF: bool = true;
 
     fn jacobian(&mut self, t: f64, y: &[f64; 3]) -> [[f64; 3]; 3] {
         self.time = t;
         match self.tangent(y[0], y[1]) {
-            Ok(Effect { acceleration: a, lost: l }) => {
+            Ok(Evaluation { acceleration: a, lost: l }) => {
                 [[0.0, 1.0, 0.0], [a.slope[0], a.slope[1], 0.0], [l.slope[0], l.slope[1], 0.0]]
             }
             Err(Locked) => {
@@ -276,8 +285,8 @@ impl System<3> for Motion<'_> {
     fn scale(&mut self, y: &[f64; 3], f: &[f64; 3]) -> [f64; 3] {
         // Where the loads balance each other, the acceleration tells nothing of the forces at work, those of given size do.
         let x = self.place(y[0]);
-        let folded = &self.work.folded;
-        let force = f[1].abs().max(folded.at(x, 0.0).abs()).max(folded.excess(0, x, self.time).abs());
+        let panel_force = &self.scratch.panel_force;
+        let force = f[1].abs().max(panel_force.at(x, 0.0).abs()).max(panel_force.excess(0, x, self.time).abs());
         let (length, speed) = self.scales(y[1], force);
         // Where friction balances the rest, it is the power lost that tells of the forces at work.
         let resisting = if f[2] == 0.0 { 0.0 } else { (f[2] / y[1]).abs() };

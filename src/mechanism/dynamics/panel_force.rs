@@ -1,6 +1,6 @@
 //! The right-hand side on the panel that was used last: the sizes of loads folded into its polynomials.
 use crate::mechanism::dynamics::input_polynomial::Change;
-use crate::mechanism::reduced::{Reduced, Scene};
+use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::chebyshev::{NODES, Series};
 use crate::numerics::dual::{Dual, Number};
 use crate::numerics::table::{Bundle, Row, Table, add_side_by_side, polynomial_at, side_by_side};
@@ -10,18 +10,18 @@ const BORDER: f64 = 8.0 * f64::EPSILON;
 
 /// Sizes of everything that the state does not decide.
 #[derive(Clone, Copy, Debug)]
-pub struct Given<'a> {
+pub struct AppliedLoads<'a> {
     /// Sizes of the sized loads.
     pub sizes: &'a [f64],
     /// Speed of the air [m/s].
     pub airspeed: f64,
     /// Whole turns before sigma = 0.
-    pub turns: f64,
+    pub revolutions: f64,
     /// How the sizes and the air change with time, if they do.
     pub change: Option<Change<'a>>,
 }
 
-impl Given<'_> {
+impl AppliedLoads<'_> {
     /// Size of a load at the time t [s] of the step.
     #[inline]
     pub fn size<T: Number>(&self, load: usize, t: T) -> T {
@@ -53,7 +53,7 @@ fn parabola<T: Number>([first, second]: [f64; 2], t: T) -> T {
 /// Forces of the sized loads and springs as polynomials on one panel: that along the curve, and where joints have friction,
 /// their reactions.
 #[derive(Clone, Debug)]
-pub struct Folded {
+pub struct PanelForce {
     /// First sigma for which it holds, and the first for which it no longer does; counted on over whole turns.
     low: f64,
     high: f64,
@@ -65,7 +65,7 @@ pub struct Folded {
     /// Place of the panel.
     panel: usize,
     /// Whole turns before this panel.
-    pub turns: f64,
+    pub revolutions: f64,
     /// Force along the curve.
     pub force: Series,
     /// Components of the pins' reactions, side by side.
@@ -77,13 +77,13 @@ pub struct Folded {
     /// Those of them that are read together, side by side.
     exact_bundle: Vec<Row>,
     /// The effects of a given load on the pins' reactions, side by side.
-    exact_given: Vec<Row>,
+    exact_applied: Vec<Row>,
 }
 
-impl Folded {
+impl PanelForce {
     /// Holds nowhere; with room for a scene.
-    pub fn new(scene: Option<&Scene>) -> Self {
-        let rows = scene.map_or(0, |s| Bundle::rows(s.rows() - 1));
+    pub fn new(state_loads: Option<&StateLoads>) -> Self {
+        let rows = state_loads.map_or(0, |s| Bundle::rows(s.rows() - 1));
         Self {
             low: f64::INFINITY,
             high: f64::NEG_INFINITY,
@@ -91,13 +91,13 @@ impl Folded {
             inverse: 0.0,
             offset: 0.0,
             panel: 0,
-            turns: 0.0,
+            revolutions: 0.0,
             force: [0.0; NODES],
             reactions: Vec::with_capacity(rows),
             rates: Vec::new(),
             exact: Vec::new(),
             exact_bundle: Vec::new(),
-            exact_given: Vec::new(),
+            exact_applied: Vec::new(),
         }
     }
 
@@ -108,9 +108,15 @@ impl Folded {
 
     /// x on the panel at sigma, which is entered if it is another one.
     #[inline(always)]
-    pub fn place(&mut self, reduced: &Reduced, scene: Option<&Scene>, given: &Given, sigma: f64) -> f64 {
+    pub fn place(
+        &mut self,
+        reduced: &Reduced,
+        state_loads: Option<&StateLoads>,
+        given: &AppliedLoads,
+        sigma: f64,
+    ) -> f64 {
         if !(self.low <= sigma && sigma < self.high) {
-            self.enter(reduced, scene, given, sigma);
+            self.enter(reduced, state_loads, given, sigma);
         }
         self.x(sigma)
     }
@@ -164,12 +170,12 @@ impl Folded {
     }
 
     #[cold]
-    fn enter(&mut self, reduced: &Reduced, scene: Option<&Scene>, given: &Given, sigma: f64) {
-        let table = scene.map_or(reduced.influence(), |s| &s.table);
+    fn enter(&mut self, reduced: &Reduced, state_loads: Option<&StateLoads>, given: &AppliedLoads, sigma: f64) {
+        let table = state_loads.map_or(reduced.influence(), |s| &s.table);
         let (first, last) = reduced.curve().range();
-        let (shift, turns, period) = around(reduced, sigma);
+        let (shift, revolutions, period) = around(reduced, sigma);
         self.panel = table.panel_near(sigma - shift, self.panel);
-        self.turns = given.turns + turns;
+        self.revolutions = given.revolutions + revolutions;
         let (a, b) = table.borders(self.panel);
         (self.low, self.high, self.center, self.inverse) = (a + shift, b + shift, 0.5 * (a + b) + shift, 2.0 / (b - a));
         if reduced.period().is_some() {
@@ -186,75 +192,87 @@ impl Folded {
         }
         self.exact.clear();
         if reduced.is_exact() && self.inverse != 0.0 {
-            self.enter_exactly(reduced, scene, table, sigma, shift);
+            self.enter_exactly(reduced, state_loads, table, sigma, shift);
         }
-        let own = [(reduced.components().springs, 1.0), (reduced.components().winding, self.turns)];
+        let own = [(reduced.components().springs, 1.0), (reduced.components().winding, self.revolutions)];
         let own = own.into_iter().filter_map(|(k, size)| Some((k?, size)));
-        self.force = self.fold(scene, table, given.sizes, 0);
+        self.force = self.fold(state_loads, table, given.sizes, 0);
         for (k, size) in own.clone() {
             let mut force = self.force;
-            add(&mut force, self.series(table, scene.map_or(k, |s| s.given(0, k))), size);
+            add(&mut force, self.series(table, state_loads.map_or(k, |s| s.given(0, k))), size);
             self.force = force;
         }
-        if let Some(scene) = scene.filter(|s| !s.pins.is_empty()) {
+        if let Some(state_loads) = state_loads.filter(|s| !s.friction_joints.is_empty()) {
             self.reactions.clear();
-            self.reactions.resize(Bundle::rows(scene.rows() - 1), Row::ZERO);
-            for (k, size) in loads(Some(scene), given.sizes).chain(own) {
-                self.add_reactions(scene, k, size);
+            self.reactions.resize(Bundle::rows(state_loads.rows() - 1), Row::ZERO);
+            for (k, size) in loads(Some(state_loads), given.sizes).chain(own) {
+                self.add_reactions(state_loads, k, size);
             }
         }
         self.rates.clear();
         if let Some(change) = &given.change {
-            for row in 0..scene.map_or(1, Scene::rows) {
-                let rates = [change.first, change.second].map(|sizes| self.fold(scene, table, sizes, row));
+            for row in 0..state_loads.map_or(1, StateLoads::rows) {
+                let rates = [change.first, change.second].map(|sizes| self.fold(state_loads, table, sizes, row));
                 self.rates.push(rates);
             }
         }
     }
 
     /// Add the effect of a given load of this size on the pins' reactions.
-    fn add_reactions(&mut self, scene: &Scene, k: usize, size: f64) {
+    fn add_reactions(&mut self, state_loads: &StateLoads, k: usize, size: f64) {
         let effects = if self.exact.is_empty() {
-            scene.caused_by_given[k].panel(self.panel)
+            state_loads.caused_by_applied[k].panel(self.panel)
         } else {
-            self.exact_given.clear();
-            side_by_side((1..scene.rows()).map(|row| &self.exact[scene.given(row, k)]), &mut self.exact_given);
-            &self.exact_given
+            self.exact_applied.clear();
+            side_by_side(
+                (1..state_loads.rows()).map(|row| &self.exact[state_loads.given(row, k)]),
+                &mut self.exact_applied,
+            );
+            &self.exact_applied
         };
         add_side_by_side(&mut self.reactions, size, effects);
     }
 
     /// Hold at sigma alone, with values from the exact evaluator. Slopes, which only Newton's method takes, are the table's.
-    fn enter_exactly(&mut self, reduced: &Reduced, scene: Option<&Scene>, table: &Table, sigma: f64, shift: f64) {
+    fn enter_exactly(
+        &mut self,
+        reduced: &Reduced,
+        state_loads: Option<&StateLoads>,
+        table: &Table,
+        sigma: f64,
+        shift: f64,
+    ) {
         let x = Dual::<1>::variable(self.x(sigma), 0);
-        let values = reduced.exact_motion(scene, sigma - shift);
+        let values = reduced.exact_motion(state_loads, sigma - shift);
         self.exact.extend(values.iter().enumerate().map(|(component, &value)| {
             let slope = polynomial_at(table.series(self.panel, component), x).slope[0];
             let mut series = [0.0; NODES];
             (series[0], series[1]) = (value, slope);
             series
         }));
-        if let Some(scene) = scene {
+        if let Some(state_loads) = state_loads {
             self.exact_bundle.clear();
-            side_by_side(&self.exact[..scene.bundled()], &mut self.exact_bundle);
+            side_by_side(&self.exact[..state_loads.bundled()], &mut self.exact_bundle);
         }
         (self.low, self.high, self.center) = (sigma, sigma.next_up(), sigma);
     }
 
     /// Sum of the effects of the first loads of these sizes.
-    fn fold(&self, scene: Option<&Scene>, table: &Table, sizes: &[f64], row: usize) -> Series {
+    fn fold(&self, state_loads: Option<&StateLoads>, table: &Table, sizes: &[f64], row: usize) -> Series {
         let mut sum = [0.0; NODES];
-        for (load, size) in loads(scene, sizes) {
-            add(&mut sum, self.series(table, scene.map_or(load, |s| s.given(row, load))), size);
+        for (load, size) in loads(state_loads, sizes) {
+            add(&mut sum, self.series(table, state_loads.map_or(load, |s| s.given(row, load))), size);
         }
         sum
     }
 }
 
 /// The loads of given sizes that act in full, with their sizes.
-fn loads<'a>(scene: Option<&'a Scene>, sizes: &'a [f64]) -> impl Iterator<Item = (usize, f64)> + 'a {
+fn loads<'a>(state_loads: Option<&'a StateLoads>, sizes: &'a [f64]) -> impl Iterator<Item = (usize, f64)> + 'a {
     let sizes = sizes.iter().copied().enumerate();
-    sizes.filter(move |(load, size)| *size != 0.0 && !scene.is_some_and(|s| s.lossy.contains(load)))
+    sizes.filter(move |(load, size)| {
+        *size != 0.0 && !state_loads.is_some_and(|s| s.drives_with_efficiency.contains(load))
+    })
 }
 
 /// Length of the whole turns before sigma, their number, and the length of one.
@@ -262,8 +280,8 @@ fn around(reduced: &Reduced, sigma: f64) -> (f64, f64, f64) {
     let first = reduced.curve().range().0;
     match reduced.period() {
         Some(period) => {
-            let turns = ((sigma - first) / period).floor();
-            (turns * period, turns, period)
+            let revolutions = ((sigma - first) / period).floor();
+            (revolutions * period, revolutions, period)
         }
         None => (0.0, 0.0, 0.0),
     }

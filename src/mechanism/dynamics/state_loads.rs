@@ -2,10 +2,10 @@
 //!
 //! In: a scene, the sizes of the given loads, the state. Out: the acceleration along the curve, the power lost, the sizes of
 //! the loads that the state decides. Written once for values and for values with derivatives.
-use crate::mechanism::dynamics::panel_force::{Folded, Given};
+use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::loads::laws::drag::Meeting;
-use crate::mechanism::loads::laws::friction::{Balance, Band, Cubic, Locked, Loop};
-use crate::mechanism::reduced::{Reduced, Scene};
+use crate::mechanism::loads::laws::friction::{Balance, Cubic, Locked, Loop, Regime};
+use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::dual::Number;
 use crate::numerics::table::{Bundle, ROW, polynomial_at, side_by_side_at};
 
@@ -21,7 +21,7 @@ pub struct Mode {
 
 /// Result of an evaluation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Effect<T> {
+pub struct Evaluation<T> {
     /// sigma_ddot.
     pub acceleration: T,
     /// Power that leaves the mechanism beyond the work of the given loads [W].
@@ -30,15 +30,15 @@ pub struct Effect<T> {
 
 /// Room for an evaluation, with what it found last.
 #[derive(Clone, Debug)]
-pub struct Acting<T> {
+pub struct StateLoadEvaluator<T> {
     /// What arrives of the drives with an efficiency, in the scene's order.
-    pub arriving: Vec<T>,
+    pub delivered: Vec<T>,
     /// Sizes of the scene's loads.
     pub loads: Vec<T>,
     /// Reactions and friction.
     pub friction: Loop<T>,
     /// Stretch of its law in which each pin is taken to be; where none is stated, that of its slip speed.
-    bands: Vec<Option<Band>>,
+    regimes: Vec<Option<Regime>>,
     /// Arm of each pin's friction on its stretch.
     arms: Vec<Cubic>,
     /// The scene's bundle.
@@ -53,112 +53,113 @@ pub struct Acting<T> {
     room: Vec<T>,
 }
 
-impl<T: Number> Acting<T> {
+impl<T: Number> StateLoadEvaluator<T> {
     /// Room for a scene.
-    pub fn new(scene: Option<&Scene>) -> Self {
+    pub fn new(state_loads: Option<&StateLoads>) -> Self {
         let zero = T::constant(0.0);
-        let (lossy, loads, pins) = scene.map_or((0, 0, 0), |s| (s.lossy.len(), s.loads.len(), s.pins.len()));
-        let groups = scene.and_then(|s| s.groups.iter().max()).map_or(0, |last| last + 1);
-        let reactions = Bundle::rows(2 * pins);
+        let (drives_with_efficiency, loads, friction_joints) =
+            state_loads.map_or((0, 0, 0), |s| (s.drives_with_efficiency.len(), s.loads.len(), s.friction_joints.len()));
+        let groups = state_loads.and_then(|s| s.groups.iter().max()).map_or(0, |last| last + 1);
+        let reactions = Bundle::rows(2 * friction_joints);
         Self {
-            arriving: vec![zero; lossy],
+            delivered: vec![zero; drives_with_efficiency],
             loads: vec![zero; loads],
-            friction: Loop::new(pins, groups),
-            bands: vec![None; pins],
-            arms: vec![Cubic::default(); pins],
-            effects: vec![[zero; ROW]; scene.map_or(0, |s| Bundle::rows(s.bundled()))],
+            friction: Loop::new(friction_joints, groups),
+            regimes: vec![None; friction_joints],
+            arms: vec![Cubic::default(); friction_joints],
+            effects: vec![[zero; ROW]; state_loads.map_or(0, |s| Bundle::rows(s.bundled()))],
             motion: zero,
             reactions: vec![[zero; ROW]; reactions],
-            kept: vec![zero; lossy + 1 + ROW * reactions],
-            room: vec![zero; 4 * pins],
+            kept: vec![zero; drives_with_efficiency + 1 + ROW * reactions],
+            room: vec![zero; 4 * friction_joints],
         }
     }
 
     /// Stretch of its law in which a pin is taken to be, if one is stated.
-    pub fn band(&self, pin: usize) -> Option<Band> {
-        self.bands[pin]
+    pub fn regime(&self, friction_joint: usize) -> Option<Regime> {
+        self.regimes[friction_joint]
     }
 
     /// State the stretch of its law in which a pin is, until told otherwise; with none, its slip speed tells.
-    pub fn set_band(&mut self, scene: &Scene, pin: usize, band: Option<Band>) {
-        self.bands[pin] = band;
-        if let Some(band) = band {
-            self.arms[pin] = scene.pins[pin].arm(band);
+    pub fn set_regime(&mut self, state_loads: &StateLoads, friction_joint: usize, regime: Option<Regime>) {
+        self.regimes[friction_joint] = regime;
+        if let Some(regime) = regime {
+            self.arms[friction_joint] = state_loads.friction_joints[friction_joint].arm(regime);
         }
     }
 
-    /// Evaluate at a time t of the step and a state; `folded` holds at sigma. Of the work of sizes that change with time, that
+    /// Evaluate at a time t of the step and a state; `panel_force` holds at sigma. Of the work of sizes that change with time, that
     /// of their excess over the sizes at t = 0 counts as gained: the energy balance has the potential of these alone.
     ///
     /// # Errors
     /// [`Locked`]: friction and reactions have no common solution.
     pub fn evaluate(
         &mut self,
-        (reduced, scene): (&Reduced, &Scene),
-        given: &Given,
-        folded: &Folded,
+        (reduced, state_loads): (&Reduced, &StateLoads),
+        given: &AppliedLoads,
+        panel_force: &PanelForce,
         mode: &Mode,
         [t, sigma, sigma_dot]: [T; 3],
-    ) -> Result<Effect<T>, Locked> {
-        let x = folded.x(sigma);
-        let at = |component: usize| polynomial_at(folded.series(&scene.table, component), x);
+    ) -> Result<Evaluation<T>, Locked> {
+        let x = panel_force.x(sigma);
+        let at = |component: usize| polynomial_at(panel_force.series(&state_loads.table, component), x);
         let damping = reduced.components().damping;
-        side_by_side_at(folded.bundle(&scene.bundle), x, &mut self.effects);
-        side_by_side_at(&folded.reactions, x, &mut self.reactions);
-        self.motion = folded.at(x, t);
-        let (free, n) = (scene.free(), scene.pins.len());
+        side_by_side_at(panel_force.bundle(&state_loads.bundle), x, &mut self.effects);
+        side_by_side_at(&panel_force.reactions, x, &mut self.reactions);
+        self.motion = panel_force.at(x, t);
+        let (free, n) = (state_loads.free(), state_loads.friction_joints.len());
         let mut lost = T::constant(0.0);
         // What the state decides, but for friction.
-        for (k, &load) in scene.lossy.iter().enumerate() {
-            let influence = at(scene.given(0, load));
+        for (k, &load) in state_loads.drives_with_efficiency.iter().enumerate() {
+            let influence = at(state_loads.given(0, load));
             let size = given.size(load, t);
             let full = influence * size;
             let efficiency = reduced.loading().drives[load].efficiency.unwrap_or(1.0);
             let part = efficient(full.value(), mode.direction, efficiency);
-            self.arriving[k] = size * T::constant(part);
-            self.motion = self.motion + influence * self.arriving[k];
+            self.delivered[k] = size * T::constant(part);
+            self.motion = self.motion + influence * self.delivered[k];
             lost = lost + (full * T::constant(1.0 - part) - influence * given.excess(load, t)) * sigma_dot;
         }
-        self.blow(reduced, scene, given.air(t), sigma_dot);
-        self.press(reduced, scene, folded, mode, sigma_dot);
+        self.blow(reduced, state_loads, given.air(t), sigma_dot);
+        self.press(reduced, state_loads, panel_force, mode, sigma_dot);
         for (&effect, &size) in self.effects.as_flattened().iter().zip(&self.loads[..free]) {
             self.motion = self.motion + effect * size;
             lost = lost - effect * size * sigma_dot;
         }
         if let Some(k) = damping {
-            let drag = at(scene.given(0, k)) * sigma_dot;
+            let drag = at(state_loads.given(0, k)) * sigma_dot;
             self.motion = self.motion - drag;
             lost = lost + drag * sigma_dot;
         }
-        if folded.changes() {
-            lost = lost - folded.excess(0, x, t) * sigma_dot;
+        if panel_force.changes() {
+            lost = lost - panel_force.excess(0, x, t) * sigma_dot;
         }
         let mut acceleration = self.motion;
         if n > 0 {
             let effects = self.effects.as_flattened();
             let reactions = &mut self.reactions.as_flattened_mut()[..2 * n];
             let square = sigma_dot * sigma_dot;
-            for (sum, effect) in reactions.iter_mut().zip(&effects[scene.square()]) {
+            for (sum, effect) in reactions.iter_mut().zip(&effects[state_loads.square()]) {
                 *sum = *sum + *effect * square;
             }
             for (load, &size) in self.loads[..free].iter().enumerate() {
-                for (sum, effect) in reactions.iter_mut().zip(&effects[scene.caused(load)]) {
+                for (sum, effect) in reactions.iter_mut().zip(&effects[state_loads.caused(load)]) {
                     *sum = *sum + *effect * size;
                 }
             }
-            if damping.is_some() || !scene.lossy.is_empty() || folded.changes() {
+            if damping.is_some() || !state_loads.drives_with_efficiency.is_empty() || panel_force.changes() {
                 for (k, sum) in reactions.iter_mut().enumerate() {
-                    *sum = *sum + folded.excess(k + 1, x, t);
+                    *sum = *sum + panel_force.excess(k + 1, x, t);
                     if let Some(damping) = damping {
-                        *sum = *sum - at(scene.given(k + 1, damping)) * sigma_dot;
+                        *sum = *sum - at(state_loads.given(k + 1, damping)) * sigma_dot;
                     }
-                    for (&load, &size) in scene.lossy.iter().zip(&self.arriving) {
-                        *sum = *sum + at(scene.given(k + 1, load)) * size;
+                    for (&load, &size) in state_loads.drives_with_efficiency.iter().zip(&self.delivered) {
+                        *sum = *sum + at(state_loads.given(k + 1, load)) * size;
                     }
                 }
             }
-            self.rub(scene, sigma_dot)?;
-            let influences = self.effects.as_flattened()[..scene.loads.len()].iter();
+            self.rub(state_loads, sigma_dot)?;
+            let influences = self.effects.as_flattened()[..state_loads.loads.len()].iter();
             for (j, (load, &influence)) in self.loads.iter_mut().zip(influences).skip(free).enumerate() {
                 *load = self.friction.friction(j);
                 let share = influence * *load;
@@ -166,19 +167,19 @@ impl<T: Number> Acting<T> {
                 lost = lost - share * sigma_dot;
             }
         }
-        Ok(Effect { acceleration, lost })
+        Ok(Evaluation { acceleration, lost })
     }
 
     /// Keep what was found last, to be mixed with what is found next.
     pub fn keep(&mut self) {
-        let found = self.arriving.iter().chain([&self.motion]).chain(self.reactions.as_flattened());
+        let found = self.delivered.iter().chain([&self.motion]).chain(self.reactions.as_flattened());
         self.kept.iter_mut().zip(found).for_each(|(kept, found)| *kept = *found);
     }
 
     /// This share of what was found last, and the rest of what was kept: for drives that hold the mechanism at rest, where all
     /// is affine in what arrives of them.
     pub fn mix(&mut self, share: T) {
-        let found = self.arriving.iter_mut().chain([&mut self.motion]).chain(self.reactions.as_flattened_mut());
+        let found = self.delivered.iter_mut().chain([&mut self.motion]).chain(self.reactions.as_flattened_mut());
         for (found, kept) in found.zip(&self.kept) {
             *found = share * *found + (T::constant(1.0) - share) * *kept;
         }
@@ -192,39 +193,41 @@ impl<T: Number> Acting<T> {
     /// [`Locked`].
     pub fn required(
         &mut self,
-        scene: &Scene,
-        folded: &Folded,
+        state_loads: &StateLoads,
+        panel_force: &PanelForce,
         sigma: T,
         (load, size): (usize, T),
         target: T,
         breakaway: Option<f64>,
     ) -> Result<T, Locked> {
-        let x = folded.x(sigma);
-        let at = |component: usize| polynomial_at(folded.series(&scene.table, component), x);
-        let influence = at(scene.given(0, load));
+        let x = panel_force.x(sigma);
+        let at = |component: usize| polynomial_at(panel_force.series(&state_loads.table, component), x);
+        let influence = at(state_loads.given(0, load));
         // What the load must give along the curve without friction, and what this share of it is.
         let bare = target - (self.motion - influence * size);
-        let (free, n) = (scene.free(), scene.pins.len());
+        let (free, n) = (state_loads.free(), state_loads.friction_joints.len());
         if n == 0 {
             return Ok(bare);
         }
         let effects = self.effects.as_flattened();
         if let Some(direction) = breakaway {
-            for (j, pin) in scene.pins.iter().enumerate() {
+            for (j, friction_joint) in state_loads.friction_joints.iter().enumerate() {
                 let slip = effects[free + j].value() * direction;
-                let arm = pin.law.static_coefficient * pin.radius;
+                let arm = friction_joint.law.static_coefficient * friction_joint.radius;
                 self.friction.arm[j] = T::constant(if slip < 0.0 { -arm } else { arm });
             }
         }
         // With this load the motion stays what it is, whatever the friction: reactions to it take the place of inertia.
         let inverse = influence.chain(1.0 / influence.value(), -1.0 / influence.value().powi(2));
         let (reactions, inertial) = self.room.split_at_mut(2 * n);
-        for (k, (effect, reaction)) in effects[scene.inertial()].iter().zip(self.reactions.as_flattened()).enumerate() {
-            let of_load = at(scene.given(k + 1, load));
+        for (k, (effect, reaction)) in
+            effects[state_loads.inertial()].iter().zip(self.reactions.as_flattened()).enumerate()
+        {
+            let of_load = at(state_loads.given(k + 1, load));
             inertial[k] = *effect - of_load * inverse;
             reactions[k] = *reaction + of_load * (bare * inverse - size);
         }
-        let balance = balance(scene, effects, reactions, inertial);
+        let balance = balance(state_loads, effects, reactions, inertial);
         self.friction.solve(&balance)?;
         let mut force = bare;
         for j in 0..n {
@@ -234,8 +237,8 @@ impl<T: Number> Acting<T> {
     }
 
     /// Drag of the air.
-    fn blow(&mut self, reduced: &Reduced, scene: &Scene, airspeed: T, sigma_dot: T) {
-        let Some(air) = reduced.loading().air.as_ref().filter(|_| scene.air) else { return };
+    fn blow(&mut self, reduced: &Reduced, state_loads: &StateLoads, airspeed: T, sigma_dot: T) {
+        let Some(air) = reduced.loading().air.as_ref().filter(|_| state_loads.air) else { return };
         for (i, surface) in air.surfaces.iter().enumerate() {
             let effects = self.effects.as_flattened();
             let rate = |k: usize| effects[3 * i + k] * sigma_dot;
@@ -245,22 +248,29 @@ impl<T: Number> Acting<T> {
                 wind = [wind[0] - rate(0), wind[1] - rate(1)];
                 omega = rate(2);
             }
-            let line = [effects[scene.line(i)], effects[scene.line(i) + 1]];
+            let line = [effects[state_loads.line(i)], effects[state_loads.line(i) + 1]];
             let drag = surface.drag(air.density, &Meeting { wind, omega, line });
             self.loads[3 * i..3 * i + 3].copy_from_slice(&drag);
         }
     }
 
     /// Bumpers in contact push back.
-    fn press(&mut self, reduced: &Reduced, scene: &Scene, folded: &Folded, mode: &Mode, sigma_dot: T) {
+    fn press(
+        &mut self,
+        reduced: &Reduced,
+        state_loads: &StateLoads,
+        panel_force: &PanelForce,
+        mode: &Mode,
+        sigma_dot: T,
+    ) {
         let effects = self.effects.as_flattened();
-        let first = scene.free() - scene.bumpers.len();
-        for (k, &stop) in scene.bumpers.iter().enumerate() {
+        let first = state_loads.free() - state_loads.bumpers.len();
+        for (k, &stop) in state_loads.bumpers.iter().enumerate() {
             let touches = mode.touching.contains(&Some(k));
             self.loads[first + k] = if touches {
                 let stop = &reduced.loading().stops[stop];
-                let wound = folded.turns * reduced.load_growth(stop.load);
-                let beyond = effects[scene.pressed(k)] + T::constant(wound - stop.value);
+                let wound = panel_force.revolutions * reduced.load_growth(stop.load);
+                let beyond = effects[state_loads.pressed(k)] + T::constant(wound - stop.value);
                 let rate = effects[first + k] * sigma_dot;
                 -(beyond * T::constant(stop.stiffness) + rate * T::constant(stop.damping))
             } else {
@@ -270,26 +280,31 @@ impl<T: Number> Acting<T> {
     }
 
     /// Friction of all pins.
-    fn rub(&mut self, scene: &Scene, sigma_dot: T) -> Result<(), Locked> {
+    fn rub(&mut self, state_loads: &StateLoads, sigma_dot: T) -> Result<(), Locked> {
         let effects = self.effects.as_flattened();
-        let slips = &effects[scene.free()..scene.loads.len()];
-        for (j, (pin, slip)) in scene.pins.iter().zip(slips).enumerate() {
-            let v = *slip * sigma_dot * T::constant(pin.radius);
-            if self.bands[j].is_none() {
-                self.arms[j] = pin.arm(pin.law.band(v.value()));
+        let slips = &effects[state_loads.free()..state_loads.loads.len()];
+        for (j, (friction_joint, slip)) in state_loads.friction_joints.iter().zip(slips).enumerate() {
+            let v = *slip * sigma_dot * T::constant(friction_joint.radius);
+            if self.regimes[j].is_none() {
+                self.arms[j] = friction_joint.arm(friction_joint.law.regime(v.value()));
             }
             self.friction.arm[j] = self.arms[j].at(v);
         }
         let reactions = self.reactions.as_flattened();
-        self.friction.solve(&balance(scene, effects, reactions, &effects[scene.inertial()]))
+        self.friction.solve(&balance(state_loads, effects, reactions, &effects[state_loads.inertial()]))
     }
 }
 
 /// The pins' reactions without friction, and what friction and sigma_ddot do to them.
 #[inline]
-fn balance<'a, T>(scene: &'a Scene, effects: &'a [T], reactions: &'a [T], inertial: &'a [T]) -> Balance<'a, T> {
-    let n = scene.pins.len();
-    let passed = &effects[scene.passed()];
+fn balance<'a, T>(
+    state_loads: &'a StateLoads,
+    effects: &'a [T],
+    reactions: &'a [T],
+    inertial: &'a [T],
+) -> Balance<'a, T> {
+    let n = state_loads.friction_joints.len();
+    let passed = &effects[state_loads.passed()];
     let half = |both: &'a [T], n: usize| {
         let (x, y) = both.split_at(n);
         [x, y]
@@ -297,9 +312,9 @@ fn balance<'a, T>(scene: &'a Scene, effects: &'a [T], reactions: &'a [T], inerti
     Balance {
         free: half(&reactions[..2 * n], n),
         inertial: half(inertial, n),
-        influence: &effects[scene.free()..scene.loads.len()],
+        influence: &effects[state_loads.free()..state_loads.loads.len()],
         passed: half(passed, passed.len() / 2),
-        groups: &scene.groups,
+        groups: &state_loads.groups,
     }
 }
 

@@ -25,7 +25,7 @@ use track::Track;
 
 /// The state of motion, with room for its steps.
 #[derive(Clone, Debug)]
-pub struct Elastic {
+pub struct RigidFemMotion {
     fem: Arc<RigidFem>,
     room: Workspace,
     /// Largest step of Newmark's method [s].
@@ -53,7 +53,7 @@ pub struct Elastic {
     steps: u64,
 }
 
-impl Elastic {
+impl RigidFemMotion {
     /// The state that the definition states, with the stretch that its own forces give.
     ///
     /// # Errors
@@ -68,7 +68,7 @@ impl Elastic {
         let linkage = reduced.linkage();
         let fem = Arc::new(finite_elements(reduced, mechanism)?);
         let c = reduced.curve().configuration(rigid.sigma);
-        let q: Vec<f64> = c.q.iter().enumerate().map(|(i, q)| q + rigid.turns * reduced.growth(i)).collect();
+        let q: Vec<f64> = c.q.iter().enumerate().map(|(i, q)| q + rigid.revolutions * reduced.growth(i)).collect();
         let q_dot: Vec<f64> = c.q_sigma.iter().map(|slope| slope * rigid.sigma_dot).collect();
         let sizes = reduced.sizes(&inputs.reals);
         let state = fem.start(linkage, &q, &q_dot, &sizes)?;
@@ -162,8 +162,8 @@ impl Elastic {
     }
 
     /// Turns of the curve so far, from its beginning.
-    pub fn turns(&self) -> f64 {
-        self.rigid.turns()
+    pub fn revolutions(&self) -> f64 {
+        self.rigid.revolutions()
     }
 
     /// Where the linkage is.

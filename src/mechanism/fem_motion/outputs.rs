@@ -1,23 +1,23 @@
 //! Outputs of the finite elements. One-element terms are the reduced model's, at the sigma that fits best.
-use super::Elastic;
+use super::RigidFemMotion;
 use crate::mechanism::dynamics::inputs::Inputs;
-use crate::mechanism::outputs::Unknown;
+use crate::mechanism::outputs::OutputError;
 use crate::mechanism::quantity::{Output, ReactionPart};
 use crate::mechanism::reduced::Reduced;
 use crate::mechanism::rigid_fem::{self, RigidFemError};
 
-impl Elastic {
+impl RigidFemMotion {
     /// Value of an output under these inputs.
     ///
     /// # Errors
-    /// [`Unknown`].
-    pub fn output(&mut self, reduced: &Reduced, inputs: &Inputs, output: Output) -> Result<f64, Unknown> {
+    /// [`OutputError`].
+    pub fn output(&mut self, reduced: &Reduced, inputs: &Inputs, output: Output) -> Result<f64, OutputError> {
         let loading = reduced.loading();
         Ok(match output {
-            Output::Turn { body, .. } if reduced.linkage().bodies[body].turn.is_none() => 0.0,
-            Output::Turn { body, order: 0 } => self.fem.angle(&self.state, body),
-            Output::Turn { body, order: 1 } => self.fem.speed(&self.state, body),
-            Output::Turn { body, .. } => {
+            Output::Angle { body, .. } if reduced.linkage().bodies[body].angle_coordinate.is_none() => 0.0,
+            Output::Angle { body, order: 0 } => self.fem.angle(&self.state, body),
+            Output::Angle { body, order: 1 } => self.fem.speed(&self.state, body),
+            Output::Angle { body, .. } => {
                 self.balance()?;
                 self.fem.acceleration(&self.present, body)
             }
@@ -44,10 +44,10 @@ impl Elastic {
                     ReactionPart::Moment => reaction.moment,
                 }
             }
-            Output::Pull { spring } => {
+            Output::SpringForce { spring } => {
                 let spring = &loading.springs[spring];
                 let [s, s_dot] = self.fem.displacement(&self.state, spring.load);
-                spring.pull(s) + spring.damping * s_dot
+                spring.force(s) + spring.damping * s_dot
             }
             Output::OneElement { .. } => self.rigid.output(reduced, inputs, output)?,
             Output::Kinetic => self.fem.kinetic(&self.state),
@@ -58,7 +58,7 @@ impl Elastic {
             }
             Output::Drift => self.fem.energy(&self.state, &self.applied) - self.reference,
             // No mesh has a prismatic joint; what would give the others is refused before it acts.
-            Output::Slide { .. }
+            Output::JointPosition { .. }
             | Output::Friction { .. }
             | Output::Drag { .. }
             | Output::Stop { .. }

@@ -8,13 +8,13 @@ const AT: f64 = 1e-10;
 /// Refuse friction that is enabled, and air that drags. Losses in drives are refused with the mesh.
 ///
 /// # Errors
-/// [`ModelError::NotElastic`].
+/// [`ModelError::NotInRigidFem`].
 pub fn refuse_losses(reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
     let refuse = |name: &str, value: String, remedy: &str| {
-        Err(ModelError::NotElastic { name: name.into(), value, remedy: remedy.into() })
+        Err(ModelError::NotInRigidFem { name: name.into(), value, remedy: remedy.into() })
     };
     let loading = reduced.loading();
-    if loading.friction.as_ref().is_some_and(|f| f.enabled && !f.pins.is_empty()) {
+    if loading.friction.as_ref().is_some_and(|f| f.enabled && !f.friction_joints.is_empty()) {
         return refuse("friction.enabled", "true".into(), "set it to false");
     }
     if let Some(air) = loading.air.as_ref().filter(|air| !air.surfaces.is_empty()) {
@@ -31,11 +31,11 @@ pub fn refuse_losses(reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelErro
 /// Refuse a lock that is engaged where it takes hold: at its stop.
 ///
 /// # Errors
-/// [`ModelError::NotElastic`].
+/// [`ModelError::NotInRigidFem`].
 pub fn refuse_locks(reduced: &Reduced, inputs: &Inputs, rigid: &State) -> Result<(), ModelError> {
     let mut locks = reduced.loading().locks.iter().zip(&inputs.locks);
     match locks.find(|(lock, engaged)| **engaged && rigid.at_stop(reduced, lock.stop)) {
-        Some((lock, _)) => Err(ModelError::NotElastic {
+        Some((lock, _)) => Err(ModelError::NotInRigidFem {
             name: format!("{}.engage", lock.name),
             value: "true".into(),
             remedy: "set it to false before the mechanism is at its stop".into(),

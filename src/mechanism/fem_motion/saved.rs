@@ -1,5 +1,5 @@
 //! What of a state by rigid finite elements decides how it goes on.
-use super::{Elastic, fem_step, finite_elements};
+use super::{RigidFemMotion, fem_step, finite_elements};
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::definition::Mechanism;
 use crate::mechanism::motion::{SavedState, state::State};
@@ -9,7 +9,7 @@ use crate::mechanism::rigid_fem::{self, RigidFem};
 use crate::mechanism::{ModelError, dynamics::inputs::Inputs};
 use std::sync::Arc;
 
-/// An [`Elastic`] without what is found anew from it.
+/// An [`RigidFemMotion`] without what is found anew from it.
 #[derive(Clone, Debug)]
 pub struct SavedElastic {
     fem: Arc<RigidFem>,
@@ -22,7 +22,7 @@ pub struct SavedElastic {
     steps: u64,
 }
 
-impl Elastic {
+impl RigidFemMotion {
     /// What decides how it goes on.
     pub fn saved(&self) -> SavedElastic {
         SavedElastic {

@@ -15,7 +15,7 @@ pub struct Track<'a> {
     table: &'a Table,
     sigma: f64,
     sigma_dot: f64,
-    turns: f64,
+    revolutions: f64,
 }
 
 /// Sums over the coordinates at a sigma.
@@ -38,9 +38,9 @@ impl<'a> Track<'a> {
     pub fn new(reduced: &'a Reduced, rigid: &State) -> Result<Self, ModelError> {
         let table = reduced.coordinates().map_err(|at| ModelError::Table {
             name: "solver.method".into(),
-            position: reduced.curve().describe(at.sigma, rigid.turns),
+            position: reduced.curve().describe(at.sigma, rigid.revolutions),
         })?;
-        Ok(Self { table, sigma: rigid.sigma, sigma_dot: rigid.sigma_dot, turns: rigid.turns })
+        Ok(Self { table, sigma: rigid.sigma, sigma_dot: rigid.sigma_dot, revolutions: rigid.revolutions })
     }
 
     /// The place for a state that is `h` [s] after the last.
@@ -67,10 +67,10 @@ impl<'a> Track<'a> {
 
     /// Hand the place over.
     pub fn give(&self, rigid: &mut State) {
-        if rigid.turns != self.turns {
+        if rigid.revolutions != self.revolutions {
             rigid.cache.recount();
         }
-        (rigid.sigma, rigid.sigma_dot, rigid.turns) = (self.sigma, self.sigma_dot, self.turns);
+        (rigid.sigma, rigid.sigma_dot, rigid.revolutions) = (self.sigma, self.sigma_dot, self.revolutions);
         rigid.cache.forget();
     }
 
@@ -78,8 +78,8 @@ impl<'a> Track<'a> {
         let spot = self.table.spot(self.sigma);
         let mut sums = Sums { gradient: 0.0, curvature: 0.0, square: 0.0, along: 0.0 };
         for (place, body) in reduced.linkage().bodies.iter().enumerate() {
-            let Some(turn) = body.turn else { continue };
-            let q = self.table.value(spot, 3 * turn) + self.turns * reduced.growth(turn);
+            let Some(turn) = body.angle_coordinate else { continue };
+            let q = self.table.value(spot, 3 * turn) + self.revolutions * reduced.growth(turn);
             let (q_sigma, q_second) = (self.table.value(spot, 3 * turn + 1), self.table.value(spot, 3 * turn + 2));
             let miss = q - (fem.angle(state, place) - body.offset);
             sums.gradient += miss * q_sigma;
@@ -100,10 +100,10 @@ impl<'a> Track<'a> {
             Some(period) if self.sigma.is_finite() => {
                 let around = ((self.sigma - first) / period).floor();
                 self.sigma -= around * period;
-                self.turns += around;
+                self.revolutions += around;
                 Ok(())
             }
-            _ => Err(ModelError::Travel { position: reduced.curve().describe(self.sigma, self.turns) }),
+            _ => Err(ModelError::Travel { position: reduced.curve().describe(self.sigma, self.revolutions) }),
         }
     }
 }

@@ -10,9 +10,9 @@ impl Builder<'_> {
     pub(super) fn add_drives(&mut self) {
         let (inputs, loads) = self.everything();
         for (place, drive) in self.loading.drives.clone().into_iter().enumerate() {
-            let Drive { name: n, turns, efficiency } = drive;
-            let slides = !turns && matches!(self.loading.loads[place], Load::Slide { .. });
-            let (units, what) = if turns {
+            let Drive { name: n, is_rotary, efficiency } = drive;
+            let slides = !is_rotary && matches!(self.loading.loads[place], Load::Slide { .. });
+            let (units, what) = if is_rotary {
                 ([Unit::Radian, Unit::RadianPerSecond, Unit::RadianPerSecondSquared], "angle")
             } else {
                 (
@@ -30,12 +30,12 @@ impl Builder<'_> {
                 let output = Output::Displacement { load: place, order };
                 self.output([&n, ".", suffix].concat(), text, units[order], output, needs[order]);
             }
-            self.add_one_element(&n, place, turns, efficiency.is_some());
+            self.add_one_element(&n, place, is_rotary, efficiency.is_some());
         }
     }
 
     /// The terms of the mechanism reduced to a drive.
-    fn add_one_element(&mut self, n: &str, drive: usize, turns: bool, lossy: bool) {
+    fn add_one_element(&mut self, n: &str, drive: usize, is_rotary: bool, lossy: bool) {
         let (inputs, loads) = self.everything();
         let own = [drive];
         let locks = self.locks();
@@ -54,8 +54,9 @@ impl Builder<'_> {
         let rubs = self.rubs();
         let loses = self.loading.drives.iter().any(|d| d.efficiency.is_some());
         let (none, others_too) = (with(&[], lossy.then_some(drive)), with(&others, (loses || rubs).then_some(drive)));
-        let pins: Vec<usize> = self.loading.friction.iter().flat_map(|f| &f.pins).map(|p| p.load).collect();
-        let frictionless: Vec<usize> = loads.iter().copied().filter(|l| !pins.contains(l)).collect();
+        let friction_joints: Vec<usize> =
+            self.loading.friction.iter().flat_map(|f| &f.friction_joints).map(|p| p.load).collect();
+        let frictionless: Vec<usize> = loads.iter().copied().filter(|l| !friction_joints.contains(l)).collect();
         let relative = self.loading.air.is_some();
         let mass = Needs { inertia: true, speed: lossy, inputs: &none, loads: &own, ..PLACED };
         let load = Needs {
@@ -70,12 +71,12 @@ impl Builder<'_> {
         let required = Needs { speed: true, inertia: true, masses: rubs, inputs: &demanded, loads: &loads, ..PLACED };
         let holding = Needs { inputs: &others, loads: &frictionless, lossless: true, ..PLACED };
         let breakaway = Needs { statics: true, lossless: false, ..holding };
-        let (mass_unit, change_unit, unit) = if turns {
+        let (mass_unit, change_unit, unit) = if is_rotary {
             (Unit::KilogramSquareMetre, Unit::KilogramSquareMetrePerRadian, Unit::NewtonMetre)
         } else {
             (Unit::Kilogram, Unit::KilogramPerMetre, Unit::Newton)
         };
-        let (inertia, force) = if turns { ("inertia", "torque") } else { ("mass", "force") };
+        let (inertia, force) = if is_rotary { ("inertia", "torque") } else { ("mass", "force") };
         use OneElement::{
             AdditionalForce, BreakawayBackward, BreakawayForward, HoldingForce, ReducedMass, ReducedMassDerivative,
             RequiredForce, StaticLoad,

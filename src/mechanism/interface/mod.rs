@@ -8,7 +8,7 @@ use crate::mechanism::loads::resolved::{Loading, markers};
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::quantity::{Output, Quantity, ReactionPart};
 use crate::variables::{Causality, Kind, Reference, Unit, Value, Variability, Variable, Variables};
-use needs::{Effect, Needs, PLACED, effects};
+use needs::{Needs, PLACED, ParameterEffect, effects};
 
 /// Collects the variables in order.
 struct Builder<'a> {
@@ -17,7 +17,7 @@ struct Builder<'a> {
     list: Vec<Variable>,
     quantities: Vec<Quantity>,
     /// What each parameter acts on, where somebody asks for the dependencies of initial values.
-    effects: Option<Vec<Effect>>,
+    effects: Option<Vec<ParameterEffect>>,
     /// Then of each variable: the inputs and the places among the parameters on which its initial value depends.
     initial: Vec<[Vec<Reference>; 2]>,
     loading: Loading,
@@ -91,7 +91,7 @@ impl<'a> Builder<'a> {
         let joint = self.linkage.joints.iter().position(|j| {
             let ends = [j.first.body, j.second.body];
             let stated = match (&start.body, &start.joint) {
-                (Some(name), _) => named(name).filter(|b| j.freedom == Freedom::Turn && ends.contains(b)),
+                (Some(name), _) => named(name).filter(|b| j.freedom == Freedom::Revolute && ends.contains(b)),
                 (None, Some(name)) => ends.into_iter().find(|b| *b != GROUND).filter(|_| j.name == *name),
                 (None, None) => None,
             };
@@ -128,7 +128,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Inputs and places among the parameters on which an output's initial value depends.
-    fn initial_of(&self, quantity: Quantity, needs: &Needs, effects: &[Effect]) -> [Vec<Reference>; 2] {
+    fn initial_of(&self, quantity: Quantity, needs: &Needs, effects: &[ParameterEffect]) -> [Vec<Reference>; 2] {
         let stretched = self.stretched(quantity);
         let loads: Vec<usize> = (0..self.loading.base()).collect();
         let all = Needs { speed: true, inertia: true, masses: true, loads: &loads, elasticity: true, ..PLACED };
@@ -150,11 +150,11 @@ impl<'a> Builder<'a> {
             && matches!(
                 quantity,
                 Quantity::Output(
-                    Output::Turn { .. }
-                        | Output::Slide { .. }
+                    Output::Angle { .. }
+                        | Output::JointPosition { .. }
                         | Output::Reaction { .. }
                         | Output::Displacement { .. }
-                        | Output::Pull { .. }
+                        | Output::SpringForce { .. }
                         | Output::Marker { .. }
                         | Output::Kinetic
                         | Output::Potential
@@ -166,7 +166,7 @@ impl<'a> Builder<'a> {
         let m = self.mechanism;
         let mut starts: Vec<(f64, Unit, String)> = Vec::new();
         for ((name, a), drive) in m.actuators.iter().zip(&self.loading.drives) {
-            starts.push(match (drive.turns, &a.joint) {
+            starts.push(match (drive.is_rotary, &a.joint) {
                 (true, _) => {
                     let text = format!("Torque of {name}, positive when it turns the second body anticlockwise");
                     (a.torque.unwrap_or(0.0), Unit::NewtonMetre, text)
@@ -194,7 +194,7 @@ impl<'a> Builder<'a> {
         }
         let mut names = self.loading.inputs.clone();
         for drive in &self.loading.drives {
-            let unit = if drive.turns { Unit::RadianPerSecondSquared } else { Unit::MetrePerSecondSquared };
+            let unit = if drive.is_rotary { Unit::RadianPerSecondSquared } else { Unit::MetrePerSecondSquared };
             names.push(format!("{}.demanded_acceleration", drive.name));
             starts.push((0.0, unit, format!("Acceleration of {} for which the required drive is told", drive.name)));
         }
@@ -250,21 +250,21 @@ impl<'a> Builder<'a> {
         let (inputs, loads) = self.everything();
         let all = (&inputs[..], &loads[..]);
         let linkage = self.linkage;
-        for (i, body) in linkage.bodies.iter().enumerate().filter(|(_, b)| b.turn.is_some()) {
+        for (i, body) in linkage.bodies.iter().enumerate().filter(|(_, b)| b.angle_coordinate.is_some()) {
             let n = &body.name;
             let stated = self.mechanism.start.body.as_ref() == Some(n);
             let units = [Unit::Radian, Unit::RadianPerSecond, Unit::RadianPerSecondSquared];
             let words = ["Angle of the x axis of", "Angular speed of", "Angular acceleration of"];
             self.add_derivatives(n, ["angle", "speed", "acceleration"], words, units, stated, all, |order| {
-                Output::Turn { body: i, order }
+                Output::Angle { body: i, order }
             });
         }
-        for (coordinate, n) in linkage.coordinates.iter().enumerate().skip(linkage.turns) {
+        for (coordinate, n) in linkage.coordinates.iter().enumerate().skip(linkage.angles) {
             let stated = self.mechanism.start.joint.as_ref() == Some(n);
             let units = [Unit::Metre, Unit::MetrePerSecond, Unit::MetrePerSecondSquared];
             let words = ["Position along the axis of", "Speed along the axis of", "Acceleration along the axis of"];
             self.add_derivatives(n, ["position", "speed", "acceleration"], words, units, stated, all, |order| {
-                Output::Slide { coordinate, order }
+                Output::JointPosition { coordinate, order }
             });
         }
     }
@@ -309,20 +309,20 @@ impl<'a> Builder<'a> {
                 ("force", ReactionPart::Magnitude, "Magnitude of the force", Unit::Newton),
                 ("torque", ReactionPart::Moment, "Moment about the second point", Unit::NewtonMetre),
             ];
-            let count = if j.freedom == Freedom::Turn { 3 } else { 4 };
+            let count = if j.freedom == Freedom::Revolute { 3 } else { 4 };
             for (suffix, part, text, unit) in parts.into_iter().take(count) {
                 let description = [text, " that ", first, " exerts on ", second, " in ", n].concat();
                 self.output([n, ".", suffix].concat(), description, unit, Output::Reaction { joint, part }, needs);
             }
-            let pins = self.loading.friction.as_ref().map_or(&[][..], |f| &f.pins);
-            if let Some(pin) = pins.iter().position(|p| p.joint == joint) {
-                let (suffix, word, unit) = if j.freedom == Freedom::Turn {
+            let friction_joints = self.loading.friction.as_ref().map_or(&[][..], |f| &f.friction_joints);
+            if let Some(friction_joint) = friction_joints.iter().position(|p| p.joint == joint) {
+                let (suffix, word, unit) = if j.freedom == Freedom::Revolute {
                     ("friction_torque", "Friction torque", Unit::NewtonMetre)
                 } else {
                     ("friction_force", "Friction force along the axis", Unit::Newton)
                 };
                 let text = [word, " that ", first, " exerts on ", second, " in ", n].concat();
-                self.output([n, ".", suffix].concat(), text, unit, Output::Friction { pin }, needs);
+                self.output([n, ".", suffix].concat(), text, unit, Output::Friction { friction_joint }, needs);
             }
         }
     }
@@ -348,7 +348,7 @@ impl<'a> Builder<'a> {
 
     /// Whether joints have friction, if it is enabled.
     fn rubs(&self) -> bool {
-        self.loading.friction.as_ref().is_some_and(|f| !f.pins.is_empty())
+        self.loading.friction.as_ref().is_some_and(|f| !f.friction_joints.is_empty())
     }
 
     /// What a load's displacement is placed by.
@@ -381,7 +381,7 @@ impl<'a> Builder<'a> {
             let damped = self.mechanism.springs.get(n).is_some_and(|s| s.damping.is_some());
             let needs = Needs { speed: damped, ..at };
             let text = format!("Pull of {n}: preload, spring and damper");
-            self.output(format!("{n}.{pull}"), text, pull_unit, Output::Pull { spring: place }, needs);
+            self.output(format!("{n}.{pull}"), text, pull_unit, Output::SpringForce { spring: place }, needs);
         }
     }
 

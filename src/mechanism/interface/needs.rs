@@ -2,7 +2,7 @@
 use crate::mechanism::definition::{DefinitionError, Mechanism, Role};
 use crate::mechanism::linkage::{Body, Freedom, GROUND, Joint, Linkage, Point, Vec2};
 use crate::mechanism::loads::laws::drag::Surface;
-use crate::mechanism::loads::resolved::{Air, Loading, Pin, Spring, Stop, markers};
+use crate::mechanism::loads::resolved::{Air, FrictionJoint, Loading, Spring, Stop, markers};
 use crate::mechanism::loads::unit_load::Load;
 
 /// What a variable's value follows from; a set of causes.
@@ -51,7 +51,7 @@ pub(super) const PLACED: Needs<'static> = Needs {
 };
 
 /// What a parameter acts on, found by changing it and comparing the resolved linkage.
-pub(super) struct Effect {
+pub(super) struct ParameterEffect {
     role: Role,
     joints: Vec<bool>,
     inertia: bool,
@@ -63,7 +63,7 @@ pub(super) struct Effect {
     statics: bool,
 }
 
-impl Effect {
+impl ParameterEffect {
     /// A number that acts on nothing here.
     fn none(role: Role, on: &Resolved) -> Self {
         Self {
@@ -103,7 +103,7 @@ pub(super) fn effects(
     linkage: &Linkage,
     loading: &Loading,
     all_markers: &[Point],
-) -> Result<Vec<Effect>, DefinitionError> {
+) -> Result<Vec<ParameterEffect>, DefinitionError> {
     let before = Resolved::new(mechanism, loading, all_markers)?;
     let mut stated = mechanism.clone();
     let (mut roles, mut flags) = (Vec::new(), 0);
@@ -112,7 +112,7 @@ pub(super) fn effects(
     let mut out = Vec::new();
     for (place, &role) in roles.iter().enumerate() {
         if matches!(role, Role::StartPosition | Role::StartSpeed | Role::Tolerance | Role::Elasticity) {
-            out.push(Effect::none(role, &before));
+            out.push(ParameterEffect::none(role, &before));
             continue;
         }
         let mut changed = mechanism.clone();
@@ -135,7 +135,7 @@ pub(super) fn effects(
         out.push(before.effect(Role::Load, &changed, linkage)?);
     }
     if mechanism.solver.method.is_some() {
-        out.push(Effect::none(Role::Elasticity, &before));
+        out.push(ParameterEffect::none(Role::Elasticity, &before));
     }
     Ok(out)
 }
@@ -156,8 +156,8 @@ impl<'a> Resolved<'a> {
 
     /// How another mechanism differs, in a number with this role: masses place nothing, and what loads are does not change
     /// the linkage.
-    fn effect(&self, role: Role, changed: &Mechanism, same: &Linkage) -> Result<Effect, DefinitionError> {
-        let mut effect = Effect::none(role, self);
+    fn effect(&self, role: Role, changed: &Mechanism, same: &Linkage) -> Result<ParameterEffect, DefinitionError> {
+        let mut effect = ParameterEffect::none(role, self);
         match role {
             Role::Geometry => {
                 let other = Linkage::loose(changed)?;
@@ -180,7 +180,7 @@ impl<'a> Resolved<'a> {
         Ok(effect)
     }
 
-    fn compare_masses(&self, joints: &[Joint], bodies: &[Body], effect: &mut Effect) {
+    fn compare_masses(&self, joints: &[Joint], bodies: &[Body], effect: &mut ParameterEffect) {
         // Rounding of the same sum in other terms is no effect.
         let same = |(a, b): (&[f64; 4], &[f64; 4])| a.iter().zip(b).all(|(x, y)| (x - y).abs() <= 1e-12 * x.abs());
         effect.inertia = !self.kinetic.iter().zip(&kinetic_constants(joints, bodies)).all(same);
@@ -189,7 +189,7 @@ impl<'a> Resolved<'a> {
     }
 
     /// The masses must have been compared.
-    fn compare_loads(&self, other: &Loading, effect: &mut Effect) {
+    fn compare_loads(&self, other: &Loading, effect: &mut ParameterEffect) {
         effect.statics = statics(self.loading) != statics(other);
         effect.efficiency = self.loading.drives != other.drives;
         for (l, differs) in effect.loads.iter_mut().enumerate() {
@@ -210,14 +210,14 @@ struct Constants<'a> {
     /// Density, flow and relative wind, and the surface.
     surface: Option<(f64, Vec2, bool, &'a Surface)>,
     /// Whether there is friction, and its pin.
-    pin: Option<(bool, &'a Pin)>,
+    friction_joint: Option<(bool, &'a FrictionJoint)>,
 }
 
 fn load_constants(loading: &Loading, load: usize) -> Constants<'_> {
     let constant = load.checked_sub(loading.inputs.len()).and_then(|i| loading.constants.get(i));
     let surface = |air: &'_ Air| air.surfaces.iter().position(|s| (s.load..s.load + 3).contains(&load));
     let air = loading.air.as_ref().and_then(|air| surface(air).map(|i| (air, &air.surfaces[i])));
-    let pins = loading.friction.as_ref();
+    let friction_joints = loading.friction.as_ref();
     Constants {
         load: &loading.loads[load],
         constant: constant.copied(),
@@ -225,20 +225,21 @@ fn load_constants(loading: &Loading, load: usize) -> Constants<'_> {
         efficiency: loading.drives.get(load).and_then(|d| d.efficiency),
         stop: loading.stops.iter().find(|s| s.load == load),
         surface: air.map(|(air, surface)| (air.density, air.flow, air.relative_wind, surface)),
-        pin: pins.and_then(|f| f.pins.iter().find(|p| p.load == load).map(|p| (f.enabled, p))),
+        friction_joint: friction_joints
+            .and_then(|f| f.friction_joints.iter().find(|p| p.load == load).map(|p| (f.enabled, p))),
     }
 }
 
 /// What static friction depends on besides positions: whether there is any, pin radii and coefficients.
 fn statics(loading: &Loading) -> Vec<(bool, f64, f64)> {
-    let pins = loading.friction.iter().flat_map(|f| f.pins.iter().map(|p| (f.enabled, p)));
-    pins.map(|(enabled, p)| (enabled, p.radius, p.law.static_coefficient)).collect()
+    let friction_joints = loading.friction.iter().flat_map(|f| f.friction_joints.iter().map(|p| (f.enabled, p)));
+    friction_joints.map(|(enabled, p)| (enabled, p.radius, p.law.static_coefficient)).collect()
 }
 
 /// What every body's kinetic energy depends on: about its pivot alone if that is fixed, else mass, centre and inertia.
 fn kinetic_constants(joints: &[Joint], bodies: &[Body]) -> Vec<[f64; 4]> {
     let mut pivots = vec![None; bodies.len()];
-    for joint in joints.iter().filter(|j| j.freedom == Freedom::Turn).rev() {
+    for joint in joints.iter().filter(|j| j.freedom == Freedom::Revolute).rev() {
         for (on_ground, other) in [(joint.first, joint.second), (joint.second, joint.first)] {
             if on_ground.body == GROUND {
                 pivots[other.body] = Some(other.local);

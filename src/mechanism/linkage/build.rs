@@ -127,7 +127,7 @@ impl Linkage {
             .zip(&moments)
             .map(|(&i, m)| Body {
                 name: named[i].0.into(),
-                turn: None,
+                angle_coordinate: None,
                 offset: 0.0,
                 mass: m.mass,
                 center: m.center(),
@@ -141,7 +141,7 @@ impl Linkage {
             cuts: Vec::new(),
             loops: Vec::new(),
             coordinates: Vec::new(),
-            turns: 0,
+            angles: 0,
             size: if size > 0.0 { size } else { 1.0 },
             placed,
         })
@@ -158,12 +158,12 @@ impl Linkage {
                 });
             }
             let freedom = match joint.kind {
-                JointKind::Revolute => Freedom::Turn,
+                JointKind::Revolute => Freedom::Revolute,
                 JointKind::Prismatic => {
                     // The axis is stated in the frame of the named body, which may be fixed to its carrier at an angle.
                     let named = joint.first.split('.').next().unwrap_or_default();
                     let angle = self.carrier(mechanism, named).map_or(0.0, |(_, angle)| angle);
-                    Freedom::Slide(turned(Vec2::x(), joint.axis_angle.unwrap_or(0.0) + angle))
+                    Freedom::Prismatic(turned(Vec2::x(), joint.axis_angle.unwrap_or(0.0) + angle))
                 }
             };
             self.joints.push(Joint { name: name.into(), freedom, first, second });
@@ -186,7 +186,7 @@ impl Linkage {
     fn slides_turn(&mut self, joint: usize, relative: f64) -> Result<(), DefinitionError> {
         let (a, b) = (self.joints[joint].first.body, self.joints[joint].second.body);
         // `turn` holds the group's leader until the coordinates are numbered.
-        let leader = |bodies: &[Body], i: usize| bodies[i].turn.unwrap_or(i);
+        let leader = |bodies: &[Body], i: usize| bodies[i].angle_coordinate.unwrap_or(i);
         let (from, to) = (leader(&self.bodies, b), leader(&self.bodies, a));
         let shift = self.bodies[a].offset + relative - self.bodies[b].offset;
         if from == to {
@@ -201,7 +201,7 @@ impl Linkage {
         }
         for i in 0..self.bodies.len() {
             if leader(&self.bodies, i) == from {
-                self.bodies[i].turn = Some(to);
+                self.bodies[i].angle_coordinate = Some(to);
                 self.bodies[i].offset += shift;
             }
         }
@@ -210,7 +210,8 @@ impl Linkage {
 
     /// Number the coordinates: one angle for each group that can turn, one position for each prismatic joint of the tree.
     fn group_turns(&mut self) {
-        let leaders: Vec<usize> = (0..self.bodies.len()).map(|i| self.bodies[i].turn.unwrap_or(i)).collect();
+        let leaders: Vec<usize> =
+            (0..self.bodies.len()).map(|i| self.bodies[i].angle_coordinate.unwrap_or(i)).collect();
         // Where the ground is in a group, its angle is 0.
         let ground = (leaders[GROUND], self.bodies[GROUND].offset);
         // The number of each leader's group; the body that names a coordinate has no offset from it.
@@ -218,7 +219,7 @@ impl Linkage {
         for (i, leader) in leaders.iter().enumerate() {
             let body = &mut self.bodies[i];
             if *leader == ground.0 {
-                body.turn = None;
+                body.angle_coordinate = None;
                 body.offset -= ground.1;
                 continue;
             }
@@ -226,12 +227,12 @@ impl Linkage {
                 self.coordinates.push(body.name.clone());
                 (self.coordinates.len() - 1, body.offset)
             });
-            body.turn = Some(number);
+            body.angle_coordinate = Some(number);
             body.offset -= shift;
         }
-        self.turns = self.coordinates.len();
+        self.angles = self.coordinates.len();
         for branch in &mut self.tree {
-            if matches!(self.joints[branch.joint].freedom, Freedom::Slide(_)) {
+            if matches!(self.joints[branch.joint].freedom, Freedom::Prismatic(_)) {
                 branch.slide = Some(self.coordinates.len());
                 self.coordinates.push(self.joints[branch.joint].name.clone());
             }
@@ -244,7 +245,7 @@ impl Linkage {
         // Kruskal: a joint belongs to the tree if it connects two parts that are not yet connected.
         let mut part: Vec<usize> = (0..n).collect();
         let mut chosen = vec![false; self.joints.len()];
-        let slides = |j: &Joint| matches!(j.freedom, Freedom::Slide(_));
+        let slides = |j: &Joint| matches!(j.freedom, Freedom::Prismatic(_));
         for pass in [true, false] {
             for (i, joint) in self.joints.iter().enumerate().filter(|(_, j)| slides(j) == pass) {
                 let (a, b) = (part[joint.first.body], part[joint.second.body]);

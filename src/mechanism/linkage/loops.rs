@@ -2,7 +2,7 @@
 //!
 //! A revolute joint gives two rows, the gap between its points [m]; a prismatic one gives one, the gap normal to its
 //! axis (its bodies already turn together). A row depends on the coordinates round its loop only.
-use super::{Freedom, Linkage, Positions, Rates, Vec2, quarter};
+use super::{Freedom, Linkage, Positions, Rates, Vec2, perp};
 use nalgebra::DMatrix;
 
 /// How a joint outside the tree hangs on it: what its Jacobian is made of.
@@ -49,7 +49,7 @@ impl Linkage {
                 *body = self.tree[branch].parent;
                 way.push((branch, if outer { 1.0 } else { -1.0 }));
             }
-            let turn = |body: usize| self.bodies[body].turn;
+            let turn = |body: usize| self.bodies[body].angle_coordinate;
             let mut columns: Vec<usize> = [turn(first), turn(second)].into_iter().flatten().collect();
             for (branch, _) in &way {
                 let b = &self.tree[*branch];
@@ -71,12 +71,12 @@ impl Linkage {
 
     /// Number of loop equations.
     pub fn rows(&self) -> usize {
-        self.cuts.iter().map(|&j| if self.joints[j].freedom == Freedom::Turn { 2 } else { 1 }).sum()
+        self.cuts.iter().map(|&j| if self.joints[j].freedom == Freedom::Revolute { 2 } else { 1 }).sum()
     }
 
     /// The joint behind each loop equation.
     pub fn row_joints(&self) -> Vec<usize> {
-        let twice = |&j: &usize| vec![j; if self.joints[j].freedom == Freedom::Turn { 2 } else { 1 }];
+        let twice = |&j: &usize| vec![j; if self.joints[j].freedom == Freedom::Revolute { 2 } else { 1 }];
         self.cuts.iter().flat_map(twice).collect()
     }
 
@@ -94,8 +94,8 @@ impl Linkage {
             let joint = &self.joints[j];
             let gap = p.point(joint.second) - p.point(joint.first);
             match joint.freedom {
-                Freedom::Turn => out.extend([gap.x, gap.y]),
-                Freedom::Slide(e) => out.push(quarter(p.vector(joint.first.body, e)).dot(&gap)),
+                Freedom::Revolute => out.extend([gap.x, gap.y]),
+                Freedom::Prismatic(e) => out.push(perp(p.vector(joint.first.body, e)).dot(&gap)),
             }
         }
     }
@@ -107,13 +107,13 @@ impl Linkage {
             let joint = &self.joints[j];
             let second = p.acceleration(r, a, joint.second) - p.acceleration(r, a, joint.first);
             match joint.freedom {
-                Freedom::Turn => out.extend([second.x, second.y]),
-                Freedom::Slide(e) => {
+                Freedom::Revolute => out.extend([second.x, second.y]),
+                Freedom::Prismatic(e) => {
                     let axis: Vec2 = p.vector(joint.first.body, e);
                     let gap = p.point(joint.second) - p.point(joint.first);
                     let rate = p.velocity(r, joint.second) - p.velocity(r, joint.first);
                     let (omega, alpha) = (r.angle[joint.first.body], a.angle[joint.first.body]);
-                    let normal = quarter(axis);
+                    let normal = perp(axis);
                     out.push(
                         normal.dot(&second)
                             - 2.0 * omega * axis.dot(&rate)
@@ -140,21 +140,21 @@ impl Linkage {
                 y[c] += change.y;
             }
         };
-        add(round.second, quarter(p.vector(joint.second.body, joint.second.local)));
-        add(round.first, -quarter(p.vector(joint.first.body, joint.first.local)));
+        add(round.second, perp(p.vector(joint.second.body, joint.second.local)));
+        add(round.first, -perp(p.vector(joint.first.body, joint.first.local)));
         for step in &round.steps {
             let arms = &p.arms[step.branch];
-            add(step.parent, step.sign * quarter(arms.from));
+            add(step.parent, step.sign * perp(arms.from));
             let mut out = arms.to;
             if let Some(s) = self.tree[step.branch].slide {
                 out -= q[s] * arms.axis;
                 add(step.slide, step.sign * arms.axis);
             }
-            add(step.child, -step.sign * quarter(out));
+            add(step.child, -step.sign * perp(out));
         }
-        if let Freedom::Slide(e) = joint.freedom {
+        if let Freedom::Prismatic(e) = joint.freedom {
             let axis = p.vector(joint.first.body, e);
-            let (normal, gap) = (quarter(axis), p.point(joint.second) - p.point(joint.first));
+            let (normal, gap) = (perp(axis), p.point(joint.second) - p.point(joint.first));
             for (x, y) in x.iter_mut().zip(y.iter()) {
                 *x = normal.x * *x + normal.y * y;
             }
@@ -171,7 +171,7 @@ impl Linkage {
         let mut at = 0;
         for (place, &j) in self.cuts.iter().enumerate() {
             self.partials(p, q, place, &mut rows);
-            let count = if self.joints[j].freedom == Freedom::Turn { 2 } else { 1 };
+            let count = if self.joints[j].freedom == Freedom::Revolute { 2 } else { 1 };
             for row in &rows[..count] {
                 for (&column, value) in self.loops[place].columns.iter().zip(row) {
                     out[(at, column)] = *value;

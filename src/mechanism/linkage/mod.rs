@@ -35,7 +35,7 @@ pub struct Body {
     /// Name, of the body to which the others are fixed.
     pub name: String,
     /// Coordinate that is its angle; none: it does not turn.
-    pub turn: Option<usize>,
+    pub angle_coordinate: Option<usize>,
     /// Its angle less that coordinate [rad].
     pub offset: f64,
     /// Mass [kg].
@@ -50,9 +50,9 @@ pub struct Body {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Freedom {
     /// Turning: the points coincide.
-    Turn,
+    Revolute,
     /// Sliding of the second point along a line through the first; the unit vector is fixed in the first body.
-    Slide(Vec2),
+    Prismatic(Vec2),
 }
 
 /// A joint between two bodies.
@@ -103,7 +103,7 @@ pub struct Linkage {
     /// Names of the coordinates: the body that gives an angle, the joint that gives a position.
     pub coordinates: Vec<String>,
     /// Number of coordinates that are angles; they come first.
-    pub turns: usize,
+    pub angles: usize,
     /// Largest distance of two named points of one body [m]: the size to which gaps are compared.
     pub size: f64,
     /// Where each named body of the definition is: the body of this list, its place and its angle in that body's frame.
@@ -116,7 +116,7 @@ pub fn cross(a: Vec2, b: Vec2) -> f64 {
 }
 
 /// A quarter turn anticlockwise.
-pub fn quarter(a: Vec2) -> Vec2 {
+pub fn perp(a: Vec2) -> Vec2 {
     Vec2::new(-a.y, a.x)
 }
 

@@ -1,5 +1,5 @@
 //! Positions, rates and accelerations of the bodies, outward along the tree.
-use super::{Freedom, Joint, Linkage, Point, Vec2, quarter};
+use super::{Freedom, Joint, Linkage, Point, Vec2, perp};
 
 /// Where every body is.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -7,7 +7,7 @@ pub struct Positions {
     /// Angle of each body [rad].
     pub angle: Vec<f64>,
     /// Cosine and sine of it.
-    turn: Vec<(f64, f64)>,
+    rotation: Vec<(f64, f64)>,
     /// Origin of each body's frame [m].
     pub origin: Vec<Vec2>,
     /// Of each branch of the tree.
@@ -42,7 +42,7 @@ fn rotated((cos, sin): (f64, f64), local: Vec2) -> Vec2 {
 impl Positions {
     /// A vector fixed in a body, in the mechanism frame.
     pub fn vector(&self, body: usize, local: Vec2) -> Vec2 {
-        rotated(self.turn[body], local)
+        rotated(self.rotation[body], local)
     }
 
     /// Position of a point [m].
@@ -55,15 +55,15 @@ impl Positions {
     pub fn motion(&self, rates: &Rates, second: &Rates, point: Point) -> [Vec2; 3] {
         let arm = self.vector(point.body, point.local);
         let (omega, alpha) = (rates.angle[point.body], second.angle[point.body]);
-        let velocity = rates.origin[point.body] + omega * quarter(arm);
-        let acceleration = second.origin[point.body] + alpha * quarter(arm) - omega * omega * arm;
+        let velocity = rates.origin[point.body] + omega * perp(arm);
+        let acceleration = second.origin[point.body] + alpha * perp(arm) - omega * omega * arm;
         [self.origin[point.body] + arm, velocity, acceleration]
     }
 
     /// Velocity of a point, given the rates.
     pub fn velocity(&self, rates: &Rates, point: Point) -> Vec2 {
         let arm = self.vector(point.body, point.local);
-        rates.origin[point.body] + rates.angle[point.body] * quarter(arm)
+        rates.origin[point.body] + rates.angle[point.body] * perp(arm)
     }
 
     /// Acceleration of a point, given the rates and second rates.
@@ -74,10 +74,10 @@ impl Positions {
 
 impl Rates {
     /// Put the angles' rates in, for rates of the coordinates. Of the origins, that of the ground stays 0.
-    fn turn(&mut self, linkage: &Linkage, of_coordinates: &[f64]) {
+    fn set_omega(&mut self, linkage: &Linkage, of_coordinates: &[f64]) {
         self.angle.resize(linkage.bodies.len(), 0.0);
         for (rate, body) in self.angle.iter_mut().zip(&linkage.bodies) {
-            *rate = body.turn.map_or(0.0, |t| of_coordinates[t]);
+            *rate = body.angle_coordinate.map_or(0.0, |t| of_coordinates[t]);
         }
         self.origin.resize(linkage.bodies.len(), Vec2::zeros());
     }
@@ -95,23 +95,23 @@ impl Linkage {
     pub fn place(&self, q: &[f64], p: &mut Positions) {
         // The ground's place stays 0, the others follow from it.
         p.angle.resize(self.bodies.len(), 0.0);
-        p.turn.resize(self.bodies.len(), (1.0, 0.0));
+        p.rotation.resize(self.bodies.len(), (1.0, 0.0));
         p.origin.resize(self.bodies.len(), Vec2::zeros());
         p.arms.resize(self.tree.len(), Arms::default());
-        let (turns, origin) = (&mut p.turn[..], &mut p.origin[..]);
-        for ((body, angle), turn) in self.bodies.iter().zip(&mut p.angle).zip(&mut *turns) {
-            *angle = body.turn.map_or(0.0, |t| q[t]) + body.offset;
+        let (rotations, origin) = (&mut p.rotation[..], &mut p.origin[..]);
+        for ((body, angle), rotation) in self.bodies.iter().zip(&mut p.angle).zip(&mut *rotations) {
+            *angle = body.angle_coordinate.map_or(0.0, |t| q[t]) + body.offset;
             // Cosines of the ground, and of what slides on it unturned, cost nothing.
-            *turn = if *angle == 0.0 { (1.0, 0.0) } else { (angle.cos(), angle.sin()) };
+            *rotation = if *angle == 0.0 { (1.0, 0.0) } else { (angle.cos(), angle.sin()) };
         }
         for (branch, arms) in self.tree.iter().zip(&mut p.arms) {
-            arms.from = rotated(turns[branch.parent], branch.from);
-            arms.to = rotated(turns[branch.child], branch.to);
+            arms.from = rotated(rotations[branch.parent], branch.from);
+            arms.to = rotated(rotations[branch.child], branch.to);
             let mut place = origin[branch.parent] + arms.from - arms.to;
-            if let (Some(s), Joint { freedom: Freedom::Slide(e), first, .. }) =
+            if let (Some(s), Joint { freedom: Freedom::Prismatic(e), first, .. }) =
                 (branch.slide, &self.joints[branch.joint])
             {
-                arms.axis = rotated(turns[first.body], *e) * if branch.reversed { -1.0 } else { 1.0 };
+                arms.axis = rotated(rotations[first.body], *e) * if branch.reversed { -1.0 } else { 1.0 };
                 place += q[s] * arms.axis;
             }
             origin[branch.child] = place;
@@ -127,12 +127,12 @@ impl Linkage {
 
     /// As [`Self::rates`], in place.
     pub fn move_at(&self, p: &Positions, q: &[f64], q_rate: &[f64], r: &mut Rates) {
-        r.turn(self, q_rate);
+        r.set_omega(self, q_rate);
         for (branch, &Arms { from, to, axis }) in self.tree.iter().zip(&p.arms) {
             let mut v =
-                r.origin[branch.parent] + r.angle[branch.parent] * quarter(from) - r.angle[branch.child] * quarter(to);
+                r.origin[branch.parent] + r.angle[branch.parent] * perp(from) - r.angle[branch.child] * perp(to);
             if let Some(s) = branch.slide {
-                v += q_rate[s] * axis + q[s] * r.angle[branch.child] * quarter(axis);
+                v += q_rate[s] * axis + q[s] * r.angle[branch.child] * perp(axis);
             }
             r.origin[branch.child] = v;
         }
@@ -147,18 +147,18 @@ impl Linkage {
 
     /// As [`Self::second_rates`], in place, for the coordinates and their two derivatives.
     pub fn accelerate(&self, p: &Positions, r: &Rates, [q, q_rate, q_second]: [&[f64]; 3], a: &mut Rates) {
-        a.turn(self, q_second);
+        a.set_omega(self, q_second);
         for (branch, &Arms { from, to, axis }) in self.tree.iter().zip(&p.arms) {
             let (parent, child) = (branch.parent, branch.child);
-            let mut v = a.origin[parent] + a.angle[parent] * quarter(from)
+            let mut v = a.origin[parent] + a.angle[parent] * perp(from)
                 - r.angle[parent].powi(2) * from
-                - a.angle[child] * quarter(to)
+                - a.angle[child] * perp(to)
                 + r.angle[child].powi(2) * to;
             if let Some(s) = branch.slide {
                 let (omega, alpha) = (r.angle[child], a.angle[child]);
                 v += q_second[s] * axis
-                    + 2.0 * q_rate[s] * omega * quarter(axis)
-                    + q[s] * (alpha * quarter(axis) - omega * omega * axis);
+                    + 2.0 * q_rate[s] * omega * perp(axis)
+                    + q[s] * (alpha * perp(axis) - omega * omega * axis);
             }
             a.origin[child] = v;
         }

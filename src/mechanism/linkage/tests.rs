@@ -8,13 +8,13 @@ const SLOT: &str = r#"{
   "bodies": {
     "ground": { "length": 1.0 },
     "arm": { "length": 1.0, "mass": 1, "shape": "uniform_rod" },
-    "block": { "mass": 0.3, "inertia": 0.1, "center": [0.1, 0.2], "points": { "pin": [0.2, -0.1] } },
+    "block": { "mass": 0.3, "inertia": 0.1, "center": [0.1, 0.2], "points": { "friction_joint": [0.2, -0.1] } },
     "rocker": { "length": 0.4, "mass": 2, "shape": "uniform_rod" }
   },
   "joints": {
     "a": { "type": "revolute", "first": "ground.origin", "second": "arm.origin" },
     "slide": { "type": "prismatic", "first": "arm.origin", "second": "block.origin", "axis_angle": 0.3, "angle": 0.2 },
-    "b": { "type": "revolute", "first": "block.pin", "second": "rocker.end" },
+    "b": { "type": "revolute", "first": "block.friction_joint", "second": "rocker.end" },
     "c": { "type": "revolute", "first": "ground.end", "second": "rocker.origin" }
   },
   "start": { "body": "rocker", "angle": 1.0 },
@@ -29,7 +29,7 @@ fn linkage(text: &str) -> Linkage {
 fn the_gear_has_three_angles_and_one_loop() {
     let gear = linkage(GEAR);
     assert_eq!(gear.coordinates, ["crank", "coupler", "follower"]);
-    assert_eq!((gear.turns, gear.rows(), gear.cuts.len()), (3, 2, 1));
+    assert_eq!((gear.angles, gear.rows(), gear.cuts.len()), (3, 2, 1));
     let crank = &gear.bodies[1];
     assert!((crank.mass - (13.689 + 36.8 + 19.5)).abs() < 1e-12);
     // About the pivot A: m2 l2^2/3 + (m5/3 + m5k) l5^2 (PHYSICS, equation of motion in the crank angle).
@@ -91,7 +91,7 @@ fn rates_are_derivatives_with_every_kind_of_joint() {
         "z": { "type": "prismatic", "first": "a.origin", "second": "b.p", "axis_angle": 0.6 } },
       "start": { "joint": "x", "position": 0 }, "guess": { "x": 0, "y": 0 } }"#;
     let wedges = linkage(wedges);
-    assert_eq!((wedges.turns, wedges.rows()), (0, 1));
+    assert_eq!((wedges.angles, wedges.rows()), (0, 1));
     rates_are_derivatives(&wedges, &[0.2, 0.4], &[0.9, -0.7], &[0.1, 0.2]);
 }
 

@@ -5,7 +5,7 @@
 use crate::mechanism::definition::{DefinitionError, Friction, Limit, Mechanism};
 use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point, Vec2, turned};
 use crate::mechanism::loads::laws::drag::Surface;
-use crate::mechanism::loads::laws::friction::{Band, Cubic, Law};
+use crate::mechanism::loads::laws::friction::{Cubic, Law, Regime};
 use crate::mechanism::loads::unit_load::Load;
 use crate::numerics::decimal::Decimal;
 use std::fmt;
@@ -33,7 +33,7 @@ pub struct Loading {
     /// Air and the surfaces in it.
     pub air: Option<Air>,
     /// Friction in the joints.
-    pub friction: Option<Pins>,
+    pub friction: Option<JointFriction>,
 }
 
 /// A stop; S is the displacement of its load.
@@ -97,16 +97,16 @@ pub struct Air {
 
 /// Friction in the joints.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pins {
+pub struct JointFriction {
     /// Whether it acts.
     pub enabled: bool,
     /// Joints with friction.
-    pub pins: Vec<Pin>,
+    pub friction_joints: Vec<FrictionJoint>,
 }
 
 /// A joint with friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pin {
+pub struct FrictionJoint {
     /// Place of the joint.
     pub joint: usize,
     /// Place of its load: a couple [N.m] in a revolute joint, a force along the axis [N] in a prismatic one.
@@ -117,10 +117,10 @@ pub struct Pin {
     pub law: Law,
 }
 
-impl Pin {
-    /// Arm of the friction, mu with the sign of v times the radius [m, or 1], over the slip speed v [m/s] as on `band`.
-    pub fn arm(&self, band: Band) -> Cubic {
-        self.law.cubic(band).times(self.radius)
+impl FrictionJoint {
+    /// Arm of the friction, mu with the sign of v times the radius [m, or 1], over the slip speed v [m/s] as on `regime`.
+    pub fn arm(&self, regime: Regime) -> Cubic {
+        self.law.cubic(regime).times(self.radius)
     }
 }
 
@@ -143,7 +143,7 @@ pub struct Spring {
 
 impl Spring {
     /// Pull at rest [N or N.m].
-    pub fn pull(&self, s: f64) -> f64 {
+    pub fn force(&self, s: f64) -> f64 {
         self.preload + self.stiffness * (s - self.free)
     }
 
@@ -160,7 +160,7 @@ pub struct Drive {
     /// Name.
     pub name: String,
     /// Whether it turns; else it moves along a line.
-    pub turns: bool,
+    pub is_rotary: bool,
     /// [CK16] eq. (5); none where it is 1 and no parameter.
     pub efficiency: Option<f64>,
 }
@@ -187,7 +187,7 @@ fn between(
         let is_at = |a: Point, b: Point| a.body == b.body && (a.local - b.local).norm() <= 1e-12 * linkage.size;
         let pinned = linkage.joints.iter().find(|j| {
             let points = [[j.first, j.second], [j.second, j.first]];
-            j.freedom == Freedom::Turn && points.iter().any(|p| is_at(p[0], ends[0]) && is_at(p[1], ends[1]))
+            j.freedom == Freedom::Revolute && points.iter().any(|p| is_at(p[0], ends[0]) && is_at(p[1], ends[1]))
         });
         if let Some(joint) = pinned {
             let message =
@@ -200,8 +200,8 @@ fn between(
     let place = linkage.joints.iter().position(|j| j.name == *name).ok_or_else(missing)?;
     let j = &linkage.joints[place];
     Ok(match j.freedom {
-        Freedom::Turn => Load::Couple { first: j.first.body, second: j.second.body },
-        Freedom::Slide(_) => Load::Slide { joint: place },
+        Freedom::Revolute => Load::Couple { first: j.first.body, second: j.second.body },
+        Freedom::Prismatic(_) => Load::Slide { joint: place },
     })
 }
 
@@ -216,9 +216,9 @@ impl Loading {
         let mut drives = Vec::new();
         for (name, a) in mechanism.actuators.iter() {
             let load = between(mechanism, linkage, format_args!("actuators.{name}"), &a.first, &a.second, &a.joint)?;
-            let turns = matches!(load, Load::Couple { .. });
-            sized.push((format!("{name}.{}", if turns { "torque" } else { "force" }), load));
-            drives.push(Drive { name: name.into(), turns, efficiency: a.efficiency });
+            let is_rotary = matches!(load, Load::Couple { .. });
+            sized.push((format!("{name}.{}", if is_rotary { "torque" } else { "force" }), load));
+            drives.push(Drive { name: name.into(), is_rotary, efficiency: a.efficiency });
         }
         let gravity = mechanism.gravity.as_ref().map(|_| sized.len());
         if let Some(g) = &mechanism.gravity {
@@ -280,7 +280,7 @@ impl Loading {
             let load = match &s.body {
                 Some(body) => {
                     let (carrier, angle) = linkage.carrier(mechanism, body).unwrap_or((GROUND, 0.0));
-                    if linkage.bodies[carrier].turn.is_none() {
+                    if linkage.bodies[carrier].angle_coordinate.is_none() {
                         let message = format!("{body} does not turn: name a turning body, a joint or two points");
                         return Err(DefinitionError::Key { key: format!("stops.{name}.body"), message });
                     }
@@ -370,13 +370,13 @@ impl Loading {
             });
         }
         let Friction { enabled, static_coefficient, kinetic_coefficient, static_speed, kinetic_speed } = *f;
-        let mut pins = Vec::new();
+        let mut friction_joints = Vec::new();
         for (joint, ((_, defined), resolved)) in mechanism.joints.iter().zip(&linkage.joints).enumerate() {
             let (first, second) = (resolved.first.body, resolved.second.body);
             let (load, radius) = match (resolved.freedom, defined.pin_radius) {
-                (Freedom::Slide(_), _) => (Load::Slide { joint }, 1.0),
-                (Freedom::Turn, Some(radius)) => (Load::Couple { first, second }, radius),
-                (Freedom::Turn, None) => continue,
+                (Freedom::Prismatic(_), _) => (Load::Slide { joint }, 1.0),
+                (Freedom::Revolute, Some(radius)) => (Load::Couple { first, second }, radius),
+                (Freedom::Revolute, None) => continue,
             };
             let law = Law {
                 static_coefficient: defined.static_coefficient.unwrap_or(static_coefficient),
@@ -384,10 +384,10 @@ impl Loading {
                 static_speed,
                 kinetic_speed,
             };
-            pins.push(Pin { joint, load: self.loads.len(), radius, law });
+            friction_joints.push(FrictionJoint { joint, load: self.loads.len(), radius, law });
             self.loads.push(load);
         }
-        self.friction = Some(Pins { enabled, pins });
+        self.friction = Some(JointFriction { enabled, friction_joints });
         Ok(())
     }
 

@@ -67,8 +67,8 @@ fn couple(body: usize, moment: f64) -> Wrench {
 fn axis(linkage: &Linkage, p: &Positions, joint: usize) -> (Point, Point, Vec2) {
     let j = &linkage.joints[joint];
     let axis = match j.freedom {
-        Freedom::Slide(e) => p.vector(j.first.body, e),
-        Freedom::Turn => Vec2::zeros(),
+        Freedom::Prismatic(e) => p.vector(j.first.body, e),
+        Freedom::Revolute => Vec2::zeros(),
     };
     (j.first, j.second, axis)
 }
@@ -76,7 +76,7 @@ fn axis(linkage: &Linkage, p: &Positions, joint: usize) -> (Point, Point, Vec2) 
 impl Load {
     /// How much S grows when the linkage's angles grow by these amounts: over one turn of a closed curve.
     pub fn growth(&self, linkage: &Linkage, of_angle: &dyn Fn(usize) -> f64) -> f64 {
-        let body = |b: usize| linkage.bodies[b].turn.map_or(0.0, of_angle);
+        let body = |b: usize| linkage.bodies[b].angle_coordinate.map_or(0.0, of_angle);
         match *self {
             Self::Torque { body: b } => body(b),
             Self::Couple { first, second } => body(second) - body(first),

@@ -1,7 +1,7 @@
 //! Derivatives as a host asks for them: of outputs by inputs, of outputs in time, and those of inputs that it sets.
 //!
 //! In: references, orders, seeds. Out: what `slopes.rs` finds, or a refusal by name. It must not know any law.
-use super::{Model, ModelError, Motion as Formulation};
+use super::{Formulation, Model, ModelError};
 use crate::mechanism::definition::Method;
 use crate::mechanism::quantity::Quantity;
 use crate::variables::{Causality, Kind, Reference};
@@ -89,7 +89,7 @@ impl Model {
             let name = format!("derivative {order} of {}", self.name_of(reference));
             return Err(ModelError::Value { name, value, allowed: "finite".into() });
         }
-        self.not_elastic("canInterpolateInputs")
+        self.not_rigid_fem("canInterpolateInputs")
     }
 
     /// Set the derivative of an input at the beginning of the next step, for that step.
@@ -163,14 +163,14 @@ impl Model {
 
     /// Put the mechanism at its start if it is nowhere yet, and refuse the finite elements.
     fn reducible(&mut self, capability: &str) -> Result<(), ModelError> {
-        self.not_elastic(capability)?;
+        self.not_rigid_fem(capability)?;
         self.state().map(|_| ())
     }
 
-    fn not_elastic(&self, capability: &str) -> Result<(), ModelError> {
+    fn not_rigid_fem(&self, capability: &str) -> Result<(), ModelError> {
         let elastic = match &self.state {
             Some(state) => matches!(state, Formulation::RigidFem(_)),
-            None => self.setting.method() == Method::RigidFem,
+            None => self.parameter_values.method() == Method::RigidFem,
         };
         if elastic {
             let reason = "solver.method = \"rigid_fem\" does not have it; choose solver.method = \"reduced\"".into();

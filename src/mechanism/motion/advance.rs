@@ -2,14 +2,14 @@
 //!
 //! In: the motion, the travel, what holds. Out: the state at the exact end. Events - impacts on stops, bumpers touched and
 //! left, reversals of drives with an efficiency, changes of friction's stretch - are found on the interpolant of a step; impacts are
-//! polished on the integration itself. A step may go on beyond the communication step (`overshoot.rs`).
+//! polished on the integration itself. A step may go on beyond the communication step (`step_ahead.rs`).
 use crate::integrator::{Dense, IntegrationError, Integrator, Step, System};
-use crate::mechanism::dynamics::equation::Motion;
-use crate::mechanism::loads::laws::friction::{Band, Locked};
+use crate::mechanism::dynamics::equation::EquationOfMotion;
+use crate::mechanism::loads::laws::friction::{Locked, Regime};
 use crate::mechanism::motion::events::{
     AT_BORDER, Contact, Event, Found, Surroundings, bumper, first_event, outward, passage,
 };
-use crate::mechanism::motion::step_ahead::{Lookahead, Overshoot};
+use crate::mechanism::motion::step_ahead::{Lookahead, StepAhead};
 
 /// Why a course ended early.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,7 +52,7 @@ struct Way<'a> {
 pub fn advance<'m, const N: usize>(
     integrator: &mut Integrator<N>,
     lookahead: &mut Lookahead<N>,
-    motion: &mut Motion<'m>,
+    motion: &mut EquationOfMotion<'m>,
     around: &Surroundings,
     contact: &mut Contact,
     z: &mut [f64; N],
@@ -60,11 +60,11 @@ pub fn advance<'m, const N: usize>(
     tolerance: f64,
 ) -> Result<f64, Stopped>
 where
-    Motion<'m>: System<N>,
+    EquationOfMotion<'m>: System<N>,
 {
     let mut way = Way { around, tolerance, lost: 0.0, stale: true, along: None };
     let mut t = 0.0;
-    if let Some(ahead) = &mut lookahead.overshoot {
+    if let Some(ahead) = &mut lookahead.step_ahead {
         if span < ahead.rest() {
             *z = ahead.read(span);
             return Ok(0.0);
@@ -73,10 +73,10 @@ where
         *z = ahead.last();
         motion.time = t;
         let middle = ahead.middle();
-        motion.set_bands(middle[0], middle[1]);
+        motion.set_regimes(middle[0], middle[1]);
         way.stale = false;
         let event = ahead.event;
-        lookahead.overshoot = None;
+        lookahead.step_ahead = None;
         if let Some(event) = event {
             happen((event, false), integrator, motion, contact, z, &mut way)?;
         }
@@ -89,7 +89,7 @@ where
                 return Ok(way.lost);
             }
             if rests(motion, around, side, z[0])? {
-                let off = |motion: &mut Motion| Ok(-motion.settle(z[0], 0.0)? * outward(side));
+                let off = |motion: &mut EquationOfMotion| Ok(-motion.settle(z[0], 0.0)? * outward(side));
                 match release(motion, t, span, &off)? {
                     Some(at) if at < span => t = at,
                     _ => return Ok(way.lost),
@@ -124,12 +124,12 @@ where
         }
         motion.mode.touching = contact.touching;
         if std::mem::take(&mut way.stale) {
-            motion.set_bands(z[0], z[1]);
+            motion.set_regimes(z[0], z[1]);
         }
         if motion.reverses() {
             motion.mode.direction = motion.direction(z[0], z[1])?;
             if motion.mode.direction == 0.0 {
-                let off = |motion: &mut Motion| {
+                let off = |motion: &mut EquationOfMotion| {
                     let mut most = f64::NEG_INFINITY;
                     for direction in [1.0, -1.0] {
                         motion.mode.direction = direction;
@@ -181,7 +181,7 @@ where
                 continue;
             }
             let event = found.map(|found| found.event).filter(|event| *event != Event::Unknown);
-            let mut ahead = Overshoot { dense, h: kept.h, end: h, there, event, now: 0.0, from: [0.0; N] };
+            let mut ahead = StepAhead { dense, h: kept.h, end: h, there, event, now: 0.0, from: [0.0; N] };
             *z = ahead.read(span - t);
             lookahead.keep(ahead);
             break;
@@ -201,9 +201,14 @@ where
 }
 
 /// Whether states may be taken from the interpolant of a step.
-fn is_exact<'m, const N: usize>(motion: &mut Motion<'m>, step: &Step<N>, dense: &Dense<N>, tolerance: f64) -> bool
+fn is_exact<'m, const N: usize>(
+    motion: &mut EquationOfMotion<'m>,
+    step: &Step<N>,
+    dense: &Dense<N>,
+    tolerance: f64,
+) -> bool
 where
-    Motion<'m>: System<N>,
+    EquationOfMotion<'m>: System<N>,
 {
     let Some([first, _]) = step.rates() else { return false };
     let scale = motion.scale(&step.start, first);
@@ -214,16 +219,16 @@ where
 /// travel to the last digit.
 fn land<'m, const N: usize>(
     integrator: &mut Integrator<N>,
-    motion: &mut Motion<'m>,
+    motion: &mut EquationOfMotion<'m>,
     around: &Surroundings,
     step: &Step<N>,
     found: &Found<N>,
     exact: bool,
 ) -> Option<Step<N>>
 where
-    Motion<'m>: System<N>,
+    EquationOfMotion<'m>: System<N>,
 {
-    let smooth = matches!(found.event, Event::Band(_) | Event::Bumper(_) | Event::Reversal);
+    let smooth = matches!(found.event, Event::Regime(_) | Event::Bumper(_) | Event::Reversal);
     if smooth && exact {
         integrator.branch_off();
         return None;
@@ -252,16 +257,16 @@ where
 fn happen<'m, const N: usize>(
     (event, at_once): (Event, bool),
     integrator: &mut Integrator<N>,
-    motion: &mut Motion<'m>,
+    motion: &mut EquationOfMotion<'m>,
     contact: &mut Contact,
     z: &mut [f64; N],
     way: &mut Way,
 ) -> Result<(), Locked>
 where
-    Motion<'m>: System<N>,
+    EquationOfMotion<'m>: System<N>,
 {
     match event {
-        Event::Band(_) | Event::Unknown => integrator.refresh(),
+        Event::Regime(_) | Event::Unknown => integrator.refresh(),
         _ => {
             integrator.restart();
             way.stale = true;
@@ -275,13 +280,16 @@ where
         }
         Event::Reversal => z[1] = 0.0,
         Event::Unknown => {}
-        Event::Band(pin) => {
-            let Some(scene) = motion.scene else { return Ok(()) };
-            let (law, band) = (scene.pins[pin].law, motion.work.acting.band(pin).unwrap_or(Band::Ramp));
-            let next = law.next(band, motion.slip(pin, z[0], z[1]));
-            motion.set_band(pin, Some(next));
+        Event::Regime(friction_joint) => {
+            let Some(state_loads) = motion.state_loads else { return Ok(()) };
+            let (law, regime) = (
+                state_loads.friction_joints[friction_joint].law,
+                motion.scratch.evaluator.regime(friction_joint).unwrap_or(Regime::Viscous),
+            );
+            let next = law.next(regime, motion.slip(friction_joint, z[0], z[1]));
+            motion.set_regime(friction_joint, Some(next));
             if at_once {
-                way.along = Some(pin);
+                way.along = Some(friction_joint);
             }
         }
     }
@@ -295,10 +303,10 @@ where
 /// # Errors
 /// [`Locked`].
 fn release(
-    motion: &mut Motion,
+    motion: &mut EquationOfMotion,
     from: f64,
     end: f64,
-    off: &dyn Fn(&mut Motion) -> Result<f64, Locked>,
+    off: &dyn Fn(&mut EquationOfMotion) -> Result<f64, Locked>,
 ) -> Result<Option<f64>, Locked> {
     const SAMPLES: usize = 64;
     const CLOSE: f64 = 1e-15;
@@ -323,16 +331,16 @@ fn release(
     Ok(None)
 }
 
-fn failure(motion: &Motion, error: IntegrationError) -> Stopped {
+fn failure(motion: &EquationOfMotion, error: IntegrationError) -> Stopped {
     if motion.locked { Stopped::Locked } else { Stopped::Integration(error) }
 }
 
-fn rigid(motion: &Motion, around: &Surroundings, side: usize) -> bool {
+fn rigid(motion: &EquationOfMotion, around: &Surroundings, side: usize) -> bool {
     around.travel[side].is_some_and(|e| motion.reduced.loading().stops[e.stop].rigid)
 }
 
 /// Whether a mechanism at rest at an end stays there: the loads press it against a rigid stop.
-pub fn rests(motion: &mut Motion, around: &Surroundings, side: usize, sigma: f64) -> Result<bool, Locked> {
+pub fn rests(motion: &mut EquationOfMotion, around: &Surroundings, side: usize, sigma: f64) -> Result<bool, Locked> {
     Ok(rigid(motion, around, side) && motion.settle(sigma, 0.0)? * outward(side) >= 0.0)
 }
 
@@ -343,7 +351,7 @@ fn at(around: &Surroundings, side: usize, sigma: f64) -> bool {
 
 /// A mechanism that sets out from the place of a bumper, outward, presses it from the start on.
 fn meet_bumpers<const N: usize>(
-    motion: &mut Motion,
+    motion: &mut EquationOfMotion,
     around: &Surroundings,
     contact: &mut Contact,
     z: &[f64; N],
@@ -360,7 +368,7 @@ fn meet_bumpers<const N: usize>(
 }
 
 /// Side on which the mechanism is at a rigid end, or at a lock that is engaged, and moves outward.
-fn pushes_out<const N: usize>(motion: &Motion, around: &Surroundings, z: &[f64; N]) -> Option<usize> {
+fn pushes_out<const N: usize>(motion: &EquationOfMotion, around: &Surroundings, z: &[f64; N]) -> Option<usize> {
     (0..2).find(|&side| {
         let moves = z[1] * outward(side) > 0.0;
         let at = around.travel[side].is_some_and(|e| (z[0] - e.position) * outward(side) >= 0.0);
@@ -371,7 +379,7 @@ fn pushes_out<const N: usize>(motion: &Motion, around: &Surroundings, z: &[f64; 
 /// The mechanism comes to an end of its travel: it is caught, bounces, comes to rest or meets a bumper. Returns the energy
 /// lost [J].
 fn strike<const N: usize>(
-    motion: &mut Motion,
+    motion: &mut EquationOfMotion,
     around: &Surroundings,
     contact: &mut Contact,
     side: usize,
@@ -407,7 +415,7 @@ fn strike<const N: usize>(
 /// A mechanism that leaves a rigid end against the loads comes to rest there if its flight is too short or too low.
 /// Returns the energy lost [J].
 fn calm<const N: usize>(
-    motion: &mut Motion,
+    motion: &mut EquationOfMotion,
     contact: &mut Contact,
     side: usize,
     z: &mut [f64; N],

@@ -4,8 +4,8 @@
 //! ruled out by bounds first, as most steps have none. It must not know what follows from an event.
 use crate::codec::record::{Damaged, Record};
 use crate::integrator::{Dense, Direction, Integrator, Step, System};
-use crate::mechanism::dynamics::equation::Motion;
-use crate::mechanism::loads::laws::friction::Band;
+use crate::mechanism::dynamics::equation::EquationOfMotion;
+use crate::mechanism::loads::laws::friction::Regime;
 use crate::mechanism::motion::travel::{End, Travel};
 
 /// What is at the ends of the travel during a step; positions in the frame of sigma.
@@ -39,7 +39,7 @@ pub enum Event {
     /// sigma_dot changes its sign.
     Reversal,
     /// A pin comes to another stretch of its law.
-    Band(usize),
+    Regime(usize),
     /// The interpolant tried a state in which friction locks: the step is taken again, shorter.
     Unknown,
 }
@@ -54,7 +54,7 @@ impl Event {
             Self::End(side) => (0, side),
             Self::Bumper(side) => (1, side),
             Self::Reversal => (2, 0),
-            Self::Band(pin) => (3, pin),
+            Self::Regime(friction_joint) => (3, friction_joint),
             Self::Unknown => return Err(Damaged("event: none that is known".to_owned())),
         };
         record.choice("event", &mut kind, 4)?;
@@ -63,7 +63,7 @@ impl Event {
             0 => Self::End(place),
             1 => Self::Bumper(place),
             2 => Self::Reversal,
-            _ => Self::Band(place),
+            _ => Self::Regime(place),
         };
         Ok(())
     }
@@ -85,15 +85,15 @@ pub fn outward(side: usize) -> f64 {
 }
 
 /// The scene's bumper at an end.
-pub fn bumper(motion: &Motion, around: &Surroundings, side: usize) -> Option<usize> {
+pub fn bumper(motion: &EquationOfMotion, around: &Surroundings, side: usize) -> Option<usize> {
     let end = around.travel[side]?;
-    motion.scene.and_then(|s| s.bumpers.iter().position(|&b| b == end.stop))
+    motion.state_loads.and_then(|s| s.bumpers.iter().position(|&b| b == end.stop))
 }
 
 /// The first event in a step, with its interpolant if that was needed.
 pub fn first_event<'m, const N: usize>(
     integrator: &mut Integrator<N>,
-    motion: &mut Motion<'m>,
+    motion: &mut EquationOfMotion<'m>,
     around: &Surroundings,
     contact: &Contact,
     step: &Step<N>,
@@ -101,7 +101,7 @@ pub fn first_event<'m, const N: usize>(
     dense: &mut Option<Dense<N>>,
 ) -> Option<Found<N>>
 where
-    Motion<'m>: System<N>,
+    EquationOfMotion<'m>: System<N>,
 {
     let reverses = motion.reverses() && step.end[1] * motion.mode.direction < 0.0;
     let bulge = step.bulge(0);
@@ -113,8 +113,9 @@ where
         })
     };
     let sides = [near(0), near(1)];
-    let pins = motion.scene.map_or(0, |s| s.pins.len());
-    let changing = (0..pins).find(|&pin| along != Some(pin) && may_change(motion, pin, step));
+    let friction_joints = motion.state_loads.map_or(0, |s| s.friction_joints.len());
+    let changing = (0..friction_joints)
+        .find(|&friction_joint| along != Some(friction_joint) && may_change(motion, friction_joint, step));
     if !(reverses || sides[0] || sides[1] || changing.is_some()) {
         return None;
     }
@@ -133,9 +134,9 @@ where
     if reverses {
         offer(dense.first_passage(1, 0.0, towards(-motion.mode.direction), false), Event::Reversal);
     }
-    for pin in (changing.unwrap_or(pins)..pins).filter(|p| along != Some(*p)) {
-        if changing == Some(pin) || may_change(motion, pin, step) {
-            offer(change_of_band(motion, dense, pin), Event::Band(pin));
+    for friction_joint in (changing.unwrap_or(friction_joints)..friction_joints).filter(|p| along != Some(*p)) {
+        if changing == Some(friction_joint) || may_change(motion, friction_joint, step) {
+            offer(change_of_regime(motion, dense, friction_joint), Event::Regime(friction_joint));
         }
     }
     for side in (0..2).filter(|&side| sides[side]) {
@@ -167,7 +168,12 @@ fn towards(sign: f64) -> Direction {
 }
 
 /// Part of a step after which a bumper that touches lets go, or one that is pressed while it does not push begins to.
-fn bumper_event<const N: usize>(motion: &mut Motion, dense: &Dense<N>, k: usize, touches: bool) -> Option<f64> {
+fn bumper_event<const N: usize>(
+    motion: &mut EquationOfMotion,
+    dense: &Dense<N>,
+    k: usize,
+    touches: bool,
+) -> Option<f64> {
     const SAMPLES: usize = 12;
     let mut passed = |s: f64| {
         let (beyond, push) = motion.pressure(k, dense.component(0, s), dense.component(1, s));
@@ -193,13 +199,13 @@ fn bumper_event<const N: usize>(motion: &mut Motion, dense: &Dense<N>, k: usize,
 
 /// Whether a pin may come to another stretch of its law within a step, judged by Bezier's points of Hermite's cubic for its slip
 /// speed, which are around the cubic, and half as much room as they are off a straight line.
-fn may_change<const N: usize>(motion: &mut Motion, pin: usize, step: &Step<N>) -> bool {
+fn may_change<const N: usize>(motion: &mut EquationOfMotion, friction_joint: usize, step: &Step<N>) -> bool {
     const ROOM: f64 = 0.5;
-    let (Some(scene), Some([first, last])) = (motion.scene, step.rates()) else { return true };
-    let law = scene.pins[pin].law;
-    let (low, high) = law.range(motion.work.acting.band(pin).unwrap_or(Band::Ramp));
-    let [a, rate_a] = motion.slip_rate(pin, [step.start[0], step.start[1], first[1]]);
-    let [b, rate_b] = motion.slip_rate(pin, [step.end[0], step.end[1], last[1]]);
+    let (Some(state_loads), Some([first, last])) = (motion.state_loads, step.rates()) else { return true };
+    let law = state_loads.friction_joints[friction_joint].law;
+    let (low, high) = law.range(motion.scratch.evaluator.regime(friction_joint).unwrap_or(Regime::Viscous));
+    let [a, rate_a] = motion.slip_rate(friction_joint, [step.start[0], step.start[1], first[1]]);
+    let [b, rate_b] = motion.slip_rate(friction_joint, [step.end[0], step.end[1], last[1]]);
     let (second, third) = (a + step.h / 3.0 * rate_a, b - step.h / 3.0 * rate_b);
     let third_of = (b - a) / 3.0;
     let room = ROOM * (second - (a + third_of)).abs().max((third - (b - third_of)).abs());
@@ -208,13 +214,17 @@ fn may_change<const N: usize>(motion: &mut Motion, pin: usize, step: &Step<N>) -
 }
 
 /// Part of a step after which a pin's slip speed leaves its stretch.
-fn change_of_band<const N: usize>(motion: &mut Motion, dense: &Dense<N>, pin: usize) -> Option<f64> {
+fn change_of_regime<const N: usize>(
+    motion: &mut EquationOfMotion,
+    dense: &Dense<N>,
+    friction_joint: usize,
+) -> Option<f64> {
     const SAMPLES: usize = 8;
-    let law = motion.scene?.pins[pin].law;
-    let (low, high) = law.range(motion.work.acting.band(pin)?);
+    let law = motion.state_loads?.friction_joints[friction_joint].law;
+    let (low, high) = law.range(motion.scratch.evaluator.regime(friction_joint)?);
     // How far beyond the stretch; negative within.
     let mut beyond = |s: f64| {
-        let v = motion.slip(pin, dense.component(0, s), dense.component(1, s));
+        let v = motion.slip(friction_joint, dense.component(0, s), dense.component(1, s));
         (low - v).max(v - high)
     };
     let (mut a, mut at_a) = (0.0, beyond(0.0).min(0.0));

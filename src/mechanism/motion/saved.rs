@@ -1,9 +1,9 @@
 //! What of a state of motion decides how it goes on.
-use super::state::{Memory, State, blows, scene, scene_in};
+use super::state::{Memory, State, blows, state_loads, state_loads_in_air};
 use crate::codec::record::{Damaged, Record};
-use crate::mechanism::dynamics::equation::Work;
+use crate::mechanism::dynamics::equation::Scratch;
 use crate::mechanism::motion::events::{Contact, Event};
-use crate::mechanism::motion::step_ahead::{Lookahead, Overshoot};
+use crate::mechanism::motion::step_ahead::{Lookahead, StepAhead};
 use crate::mechanism::motion::travel::{End, Travel};
 use crate::mechanism::outputs::Cache;
 use crate::mechanism::reduced::Reduced;
@@ -13,14 +13,14 @@ use crate::numerics::dual::{become_same, same_bits};
 /// Part of a closed curve's length by which sigma may be beyond its ends by rounding.
 const ROUNDING: f64 = 1e-12;
 /// Most turns, so that one of them still counts.
-const MOST_TURNS: f64 = 1e15;
+const MOST_REVOLUTIONS: f64 = 1e15;
 
 /// A [`State`] without what is found anew from it.
 #[derive(Clone, Debug)]
 pub struct SavedState {
     sigma: f64,
     sigma_dot: f64,
-    turns: f64,
+    revolutions: f64,
     contact: Contact,
     travel: Travel,
     applied: Vec<f64>,
@@ -35,7 +35,7 @@ impl State {
         SavedState {
             sigma: self.sigma,
             sigma_dot: self.sigma_dot,
-            turns: self.turns,
+            revolutions: self.revolutions,
             contact: self.contact,
             travel: self.travel,
             applied: self.applied.clone(),
@@ -48,7 +48,7 @@ impl State {
     /// [`Self::saved`] in the place of another one, without allocation.
     #[inline]
     pub fn save(&self, saved: &mut SavedState) {
-        (saved.sigma, saved.sigma_dot, saved.turns) = (self.sigma, self.sigma_dot, self.turns);
+        (saved.sigma, saved.sigma_dot, saved.revolutions) = (self.sigma, self.sigma_dot, self.revolutions);
         (saved.contact, saved.travel) = (self.contact, self.travel);
         become_same(&mut saved.applied, &self.applied);
         (saved.airspeed, saved.reference) = (self.airspeed, self.reference);
@@ -60,11 +60,14 @@ impl State {
     /// # Errors
     /// [`ModelError::Table`]: a reaction that causes friction is not smooth.
     pub fn from_saved(saved: &SavedState, reduced: &Reduced, inputs: &Inputs) -> Result<Self, ModelError> {
-        let (then, now) = (scene_in(reduced, saved.airspeed, saved.turns)?, scene(reduced, inputs, saved.turns)?);
+        let (then, now) = (
+            state_loads_in_air(reduced, saved.airspeed, saved.revolutions)?,
+            state_loads(reduced, inputs, saved.revolutions)?,
+        );
         Ok(Self {
             sigma: saved.sigma,
             sigma_dot: saved.sigma_dot,
-            turns: saved.turns,
+            revolutions: saved.revolutions,
             contact: saved.contact,
             travel: saved.travel,
             applied: saved.applied.clone(),
@@ -72,7 +75,7 @@ impl State {
             airspeed: saved.airspeed,
             reference: saved.reference,
             memory: saved.memory,
-            work: Work::new(then),
+            scratch: Scratch::new(then),
             cache: Cache::new(reduced, now, &inputs.reals),
         })
     }
@@ -84,18 +87,18 @@ impl State {
     /// As [`Self::from_saved`]; nothing has changed.
     #[inline]
     pub fn restore(&mut self, saved: &SavedState, reduced: &Reduced, inputs: Option<&[f64]>) -> Result<(), ModelError> {
-        if blows(reduced, saved.airspeed) != self.work.air {
+        if blows(reduced, saved.airspeed) != self.scratch.air {
             self.renew_work(saved, reduced)?;
         }
         if !same_bits(&saved.applied, &self.applied) {
             self.applied.copy_from_slice(&saved.applied);
-            self.work.folded.forget();
+            self.scratch.panel_force.forget();
         }
-        if saved.turns != self.turns {
-            self.work.folded.forget();
+        if saved.revolutions != self.revolutions {
+            self.scratch.panel_force.forget();
             self.cache.recount();
         }
-        (self.sigma, self.sigma_dot, self.turns) = (saved.sigma, saved.sigma_dot, saved.turns);
+        (self.sigma, self.sigma_dot, self.revolutions) = (saved.sigma, saved.sigma_dot, saved.revolutions);
         (self.contact, self.travel) = (saved.contact, saved.travel);
         (self.airspeed, self.reference) = (saved.airspeed, saved.reference);
         self.memory.copy_from(&saved.memory);
@@ -108,9 +111,9 @@ impl State {
 
     #[cold]
     fn renew_work(&mut self, saved: &SavedState, reduced: &Reduced) -> Result<(), ModelError> {
-        let then = scene_in(reduced, saved.airspeed, saved.turns)?;
-        if then.is_some_and(|s| s.air) != self.work.air {
-            self.work = Work::new(then);
+        let then = state_loads_in_air(reduced, saved.airspeed, saved.revolutions)?;
+        if then.is_some_and(|s| s.air) != self.scratch.air {
+            self.scratch = Scratch::new(then);
         }
         Ok(())
     }
@@ -125,7 +128,7 @@ impl SavedState {
         let mut saved = Self {
             sigma: 0.0,
             sigma_dot: 0.0,
-            turns: 0.0,
+            revolutions: 0.0,
             contact: Contact::default(),
             travel: Travel::default(),
             applied: vec![0.0; reduced.components().sized],
@@ -145,8 +148,8 @@ impl SavedState {
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.finite("sigma", &mut self.sigma)?;
         record.finite("sigma_dot", &mut self.sigma_dot)?;
-        let allowed = |turns: f64| turns.fract() == 0.0 && turns.abs() <= MOST_TURNS;
-        record.number("turns", &mut self.turns, allowed, "a whole number")?;
+        let allowed = |revolutions: f64| revolutions.fract() == 0.0 && revolutions.abs() <= MOST_REVOLUTIONS;
+        record.number("turns", &mut self.revolutions, allowed, "a whole number")?;
         record.option("resting", &mut self.contact.resting, || 0, |record, side| record.place("resting", side, 2))?;
         for touching in &mut self.contact.touching {
             record.option("touching", touching, || 0, |record, k| record.place("touching", k, usize::MAX))?;
@@ -162,14 +165,14 @@ impl SavedState {
         record.all_finite("size", &mut self.applied)?;
         record.finite("airspeed", &mut self.airspeed)?;
         record.finite("energy", &mut self.reference)?;
-        let mut lossy = matches!(self.memory, Memory::Lossy(..));
-        record.flag("lossy", &mut lossy)?;
-        if record.reads() && lossy {
+        let mut with_dissipation = matches!(self.memory, Memory::WithDissipation(..));
+        record.flag("lossy", &mut with_dissipation)?;
+        if record.reads() && with_dissipation {
             self.memory = Memory::new(true);
         }
         match &mut self.memory {
             Memory::Conservative(integrator) => integrator.record(record),
-            Memory::Lossy(integrator, lookahead) => {
+            Memory::WithDissipation(integrator, lookahead) => {
                 integrator.record(record)?;
                 lookahead.record(record)
             }
@@ -184,8 +187,8 @@ impl SavedState {
         if !(first - slack..=last + slack).contains(&self.sigma) {
             return refuse(format!("sigma = {}: must be from {first} to {last}", self.sigma));
         }
-        if reduced.period().is_none() && self.turns != 0.0 {
-            return refuse(format!("turns = {}: must be 0, as the travel is open", self.turns));
+        if reduced.period().is_none() && self.revolutions != 0.0 {
+            return refuse(format!("turns = {}: must be 0, as the travel is open", self.revolutions));
         }
         let loading = reduced.loading();
         for end in self.travel.iter().flatten() {
@@ -196,8 +199,8 @@ impl SavedState {
         if self.contact.resting.is_some_and(|side| self.travel[side].is_none()) {
             return refuse("resting where the travel has no end".into());
         }
-        let scene = scene_in(reduced, self.airspeed, self.turns)?;
-        let bumpers = scene.map_or(0, |s| s.bumpers.len());
+        let state_loads = state_loads_in_air(reduced, self.airspeed, self.revolutions)?;
+        let bumpers = state_loads.map_or(0, |s| s.bumpers.len());
         if let Some(k) = self.contact.touching.iter().flatten().find(|k| **k >= bumpers) {
             return refuse(format!("touching = {k}: must be below {bumpers}"));
         }
@@ -205,14 +208,16 @@ impl SavedState {
         if constants.iter().zip(&loading.constants).any(|(a, b)| a.to_bits() != b.to_bits()) {
             return refuse("the constant loads are not those of the parameters".into());
         }
-        if let Memory::Lossy(_, Lookahead { overshoot: Some(Overshoot { event: Some(Event::Band(pin)), .. }), .. }) =
-            self.memory
-            && pin >= scene.map_or(0, |s| s.pins.len())
+        if let Memory::WithDissipation(
+            _,
+            Lookahead { step_ahead: Some(StepAhead { event: Some(Event::Regime(friction_joint)), .. }), .. },
+        ) = self.memory
+            && friction_joint >= state_loads.map_or(0, |s| s.friction_joints.len())
         {
-            return refuse(format!("place of an event = {pin}: there is no such pin"));
+            return refuse(format!("place of an event = {friction_joint}: there is no such joint with friction"));
         }
         // The energy lost is integrated in a scene, and in steps with inputs that change.
-        if scene.is_some() && matches!(self.memory, Memory::Conservative(_)) {
+        if state_loads.is_some() && matches!(self.memory, Memory::Conservative(_)) {
             return refuse("the integration is not that of the parameters".into());
         }
         Ok(())

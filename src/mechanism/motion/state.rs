@@ -1,8 +1,8 @@
 //! The state of motion, and how it goes on.
 use crate::integrator::{Integrator, Statistics};
 use crate::mechanism::definition::{DefinitionError, Mechanism};
-use crate::mechanism::dynamics::equation::{Motion, Work};
-use crate::mechanism::dynamics::panel_force::Given;
+use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
+use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::motion::advance::{Stopped, advance};
@@ -10,7 +10,7 @@ use crate::mechanism::motion::events::{Contact, Surroundings};
 use crate::mechanism::motion::step_ahead::{Conditions, Lookahead};
 use crate::mechanism::motion::travel::{Travel, beyond_stop, can_hold, travel};
 use crate::mechanism::outputs::Cache;
-use crate::mechanism::reduced::{Reduced, ReductionError, Scene};
+use crate::mechanism::reduced::{Reduced, ReductionError, StateLoads};
 use crate::mechanism::{ModelError, dynamics::inputs::Inputs};
 use crate::numerics::table::Unresolved;
 
@@ -21,7 +21,7 @@ pub struct State {
     pub sigma: f64,
     pub sigma_dot: f64,
     /// Whole turns of a closed curve made so far.
-    pub turns: f64,
+    pub revolutions: f64,
     /// What the ends of the travel do.
     pub contact: Contact,
     /// Ends of the travel.
@@ -36,7 +36,7 @@ pub struct State {
     pub reference: f64,
     pub(super) memory: Memory,
     /// Right-hand side for the applied sizes, for the integration.
-    pub(super) work: Work,
+    pub(super) scratch: Scratch,
     pub cache: Cache,
 }
 
@@ -47,23 +47,25 @@ pub(super) enum Memory {
     /// No power is lost: the state is (sigma, sigma_dot).
     Conservative(Integrator<2>),
     /// The energy lost is integrated too, and steps may go on beyond the present.
-    Lossy(Integrator<3>, Lookahead<3>),
+    WithDissipation(Integrator<3>, Lookahead<3>),
 }
 
 impl Memory {
-    pub(super) fn new(lossy: bool) -> Self {
-        if lossy {
-            Self::Lossy(Integrator::default(), Lookahead::default())
+    pub(super) fn new(with_dissipation: bool) -> Self {
+        if with_dissipation {
+            Self::WithDissipation(Integrator::default(), Lookahead::default())
         } else {
             Self::Conservative(Integrator::default())
         }
     }
 
     /// Take up or leave off the energy lost; it is counted in steps with a scene, and in those with inputs that change.
-    pub(super) fn suit(&mut self, lossy: bool) {
+    pub(super) fn suit(&mut self, with_dissipation: bool) {
         match self {
-            Self::Conservative(i) if lossy => *self = Self::Lossy(i.with_components(), Lookahead::default()),
-            Self::Lossy(i, _) if !lossy => *self = Self::Conservative(i.with_components()),
+            Self::Conservative(i) if with_dissipation => {
+                *self = Self::WithDissipation(i.with_components(), Lookahead::default())
+            }
+            Self::WithDissipation(i, _) if !with_dissipation => *self = Self::Conservative(i.with_components()),
             _ => {}
         }
     }
@@ -71,7 +73,7 @@ impl Memory {
     pub(super) fn statistics(&self) -> Statistics {
         match self {
             Self::Conservative(i) => i.statistics(),
-            Self::Lossy(i, _) => i.statistics(),
+            Self::WithDissipation(i, _) => i.statistics(),
         }
     }
 
@@ -79,7 +81,7 @@ impl Memory {
     pub(super) fn copy_from(&mut self, other: &Self) {
         match (self, other) {
             (Self::Conservative(own), Self::Conservative(other)) => own.copy_from(other),
-            (Self::Lossy(own, own_ahead), Self::Lossy(other, other_ahead)) => {
+            (Self::WithDissipation(own, own_ahead), Self::WithDissipation(other, other_ahead)) => {
                 own.copy_from(other);
                 own_ahead.copy_from(other_ahead);
             }
@@ -91,7 +93,7 @@ impl Memory {
     pub(super) fn restart(&mut self) {
         match self {
             Self::Conservative(i) => i.restart(),
-            Self::Lossy(i, ahead) => {
+            Self::WithDissipation(i, ahead) => {
                 i.restart();
                 ahead.forget();
             }
@@ -100,8 +102,8 @@ impl Memory {
 
     /// sigma is counted anew.
     pub(super) fn recount(&mut self) {
-        if let Self::Lossy(i, ahead) = self
-            && ahead.overshoot.take().is_some()
+        if let Self::WithDissipation(i, ahead) = self
+            && ahead.step_ahead.take().is_some()
         {
             i.branch_off();
         }
@@ -111,7 +113,7 @@ impl Memory {
     pub(super) fn refresh(&mut self) {
         match self {
             Self::Conservative(i) => i.refresh(),
-            Self::Lossy(i, ahead) => {
+            Self::WithDissipation(i, ahead) => {
                 if ahead.forget() {
                     i.branch_off();
                 }
@@ -135,26 +137,34 @@ pub fn airspeed(reduced: &Reduced, inputs: &Inputs) -> f64 {
 ///
 /// # Errors
 /// [`Unresolved`]: a reaction that causes friction is not smooth.
-pub fn acting<'a>(reduced: &'a Reduced, inputs: &Inputs) -> Result<Option<&'a Scene>, &'a Unresolved> {
+pub fn state_loads_under<'a>(reduced: &'a Reduced, inputs: &Inputs) -> Result<Option<&'a StateLoads>, &'a Unresolved> {
     let changes = || inputs.change(reduced).is_some_and(|change| change.airspeed != [0.0; 2]);
-    reduced.scene(blows(reduced, airspeed(reduced, inputs)) || (reduced.loading().air.is_some() && changes()))
+    reduced.state_loads(blows(reduced, airspeed(reduced, inputs)) || (reduced.loading().air.is_some() && changes()))
 }
 
-/// [`acting`], with the error told after so many turns.
-pub(super) fn scene<'a>(reduced: &'a Reduced, inputs: &Inputs, turns: f64) -> Result<Option<&'a Scene>, ModelError> {
-    acting(reduced, inputs).map_err(|at| told(reduced, at, turns))
+/// [`evaluator`], with the error told after so many turns.
+pub(super) fn state_loads<'a>(
+    reduced: &'a Reduced,
+    inputs: &Inputs,
+    revolutions: f64,
+) -> Result<Option<&'a StateLoads>, ModelError> {
+    state_loads_under(reduced, inputs).map_err(|at| told(reduced, at, revolutions))
 }
 
 /// What acts in air of this speed.
 ///
 /// # Errors
-/// As [`scene`].
-pub(super) fn scene_in(reduced: &Reduced, speed: f64, turns: f64) -> Result<Option<&Scene>, ModelError> {
-    reduced.scene(blows(reduced, speed)).map_err(|at| told(reduced, at, turns))
+/// As [`state_loads`].
+pub(super) fn state_loads_in_air(
+    reduced: &Reduced,
+    speed: f64,
+    revolutions: f64,
+) -> Result<Option<&StateLoads>, ModelError> {
+    reduced.state_loads(blows(reduced, speed)).map_err(|at| told(reduced, at, revolutions))
 }
 
-fn told(reduced: &Reduced, at: &Unresolved, turns: f64) -> ModelError {
-    ModelError::Table { name: "friction".into(), position: reduced.curve().describe(at.sigma, turns) }
+fn told(reduced: &Reduced, at: &Unresolved, revolutions: f64) -> ModelError {
+    ModelError::Table { name: "friction".into(), position: reduced.curve().describe(at.sigma, revolutions) }
 }
 
 impl State {
@@ -165,13 +175,13 @@ impl State {
         let (coordinate, value, name, quantity) = match (&start.body, &start.joint) {
             (Some(body), _) => {
                 let (carrier, angle) = linkage.carrier(mechanism, body).unwrap_or((0, 0.0));
-                let turn = linkage.bodies[carrier].turn;
+                let turn = linkage.bodies[carrier].angle_coordinate;
                 let value = start.angle.unwrap_or(0.0) - angle - linkage.bodies[carrier].offset;
                 (turn, value, body, "angle")
             }
             (None, Some(joint)) => {
-                let place = linkage.coordinates[linkage.turns..].iter().position(|c| c == joint);
-                (place.map(|i| i + linkage.turns), start.position.unwrap_or(0.0), joint, "position")
+                let place = linkage.coordinates[linkage.angles..].iter().position(|c| c == joint);
+                (place.map(|i| i + linkage.angles), start.position.unwrap_or(0.0), joint, "position")
             }
             (None, None) => (None, 0.0, &mechanism.name, "angle"),
         };
@@ -187,7 +197,7 @@ impl State {
             not_beyond_stop(reduced, mechanism, body, angle)?;
         }
         let stated = start.angle.or(start.position).unwrap_or(0.0);
-        let (sigma, turns) = reduced.find(coordinate, value, &variable).map_err(|e| e.as_stated(stated))?;
+        let (sigma, revolutions) = reduced.find(coordinate, value, &variable).map_err(|e| e.as_stated(stated))?;
         let mut sigma_dot = 0.0;
         if start.speed != 0.0 {
             // From the table, which is as good where branches cross. Nearer to a toggle than some 1e-13 rad, where the
@@ -195,7 +205,7 @@ impl State {
             let table = reduced.coordinates();
             let table = table.map_err(|at| ModelError::Table {
                 name: variable.clone(),
-                position: reduced.curve().describe(at.sigma, turns),
+                position: reduced.curve().describe(at.sigma, revolutions),
             })?;
             let slope = table.value(table.spot(sigma), 3 * coordinate + 1);
             if slope.abs() * reduced.scale() < 1e-6 {
@@ -204,25 +214,25 @@ impl State {
             }
             sigma_dot = start.speed / slope;
         }
-        let travel = travel(reduced, sigma, turns)?;
-        let here = sigma + turns * reduced.period().unwrap_or(0.0);
+        let travel = travel(reduced, sigma, revolutions)?;
+        let here = sigma + revolutions * reduced.period().unwrap_or(0.0);
         let resting = (0..2).find(|&side| sigma_dot == 0.0 && travel[side].is_some_and(|e| e.position == here));
         can_hold(reduced, &travel)?;
-        let scene = scene(reduced, inputs, turns)?;
+        let state_loads = state_loads(reduced, inputs, revolutions)?;
         let sizes = reduced.sizes(&inputs.reals);
         let mut state = Self {
             sigma,
             sigma_dot,
-            turns,
+            revolutions,
             contact: Contact { resting, touching: [None; 2] },
             travel,
             before: sizes.clone(),
             applied: sizes,
             airspeed: airspeed(reduced, inputs),
             reference: 0.0,
-            memory: Memory::new(scene.is_some()),
-            work: Work::new(scene),
-            cache: Cache::new(reduced, scene, &inputs.reals),
+            memory: Memory::new(state_loads.is_some()),
+            scratch: Scratch::new(state_loads),
+            cache: Cache::new(reduced, state_loads, &inputs.reals),
         };
         state.reference = state.kinetic() + state.load_potential(reduced);
         Ok(state)
@@ -234,13 +244,14 @@ impl State {
     /// The integration stopped, friction locks, the travel of an open curve without stops ended.
     pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64, tolerance: f64) -> Result<(), ModelError> {
         let (airspeed, reference) = (self.airspeed, self.reference);
-        let (scene, changed) = self.apply(reduced, inputs)?;
+        let (state_loads, changed) = self.apply(reduced, inputs)?;
         let around = self.surroundings(reduced, &inputs.locks);
         let mut contact = self.contact;
         let change = inputs.change(reduced);
-        let given = Given { sizes: &self.applied, airspeed: self.airspeed, turns: self.turns, change };
-        let (work, mode) = (&mut self.work, Mode::default());
-        let mut motion = Motion { reduced, scene, given, time: 0.0, mode, work, locked: false };
+        let given =
+            AppliedLoads { sizes: &self.applied, airspeed: self.airspeed, revolutions: self.revolutions, change };
+        let (scratch, mode) = (&mut self.scratch, Mode::default());
+        let mut motion = EquationOfMotion { reduced, state_loads, given, time: 0.0, mode, scratch, locked: false };
         let (y, lost) = match &mut self.memory {
             Memory::Conservative(integrator) => {
                 let mut y = [self.sigma, self.sigma_dot];
@@ -252,7 +263,7 @@ impl State {
                 };
                 (y, lost)
             }
-            Memory::Lossy(integrator, lookahead) => {
+            Memory::WithDissipation(integrator, lookahead) => {
                 if lookahead.begin(Conditions { tolerance, locked: around.locked }) {
                     integrator.branch_off();
                 }
@@ -264,7 +275,7 @@ impl State {
         };
         if change.is_some() {
             self.memory.refresh();
-            self.work.folded.forget();
+            self.scratch.panel_force.forget();
         }
         let lost = match lost {
             Ok(lost) => lost,
@@ -282,14 +293,14 @@ impl State {
             Some(period) if !(first..last).contains(&y[0]) => {
                 let around = ((y[0] - first) / period).floor();
                 y[0] -= around * period;
-                self.turns += around;
+                self.revolutions += around;
                 // The panel in memory is counted on over whole turns, as is a step ahead; sigma no longer is.
                 self.memory.recount();
-                self.work.folded.forget();
+                self.scratch.panel_force.forget();
                 self.cache.recount();
             }
             None if !(first..=last).contains(&y[0]) => {
-                let position = reduced.curve().describe(y[0], self.turns);
+                let position = reduced.curve().describe(y[0], self.revolutions);
                 self.undo(reduced, changed, airspeed, reference);
                 return Err(ModelError::Travel { position });
             }
@@ -304,7 +315,7 @@ impl State {
 
     /// The ends of the travel in the frame of sigma, and whether a lock is engaged at each.
     pub fn surroundings(&self, reduced: &Reduced, locks: &[bool]) -> Surroundings {
-        let shift = self.turns * reduced.period().unwrap_or(0.0);
+        let shift = self.revolutions * reduced.period().unwrap_or(0.0);
         let mut travel = self.travel;
         let mut locked = [false; 2];
         for (end, locked) in travel.iter_mut().zip(&mut locked) {
@@ -319,7 +330,7 @@ impl State {
 
     /// Whether the mechanism is at a stop: in contact with it, or held there.
     pub fn at_stop(&self, reduced: &Reduced, stop: usize) -> bool {
-        let here = self.sigma + self.turns * reduced.period().unwrap_or(0.0);
+        let here = self.sigma + self.revolutions * reduced.period().unwrap_or(0.0);
         (0..2).any(|side| {
             let outward = if side == 0 { -1.0 } else { 1.0 };
             self.travel[side].is_some_and(|e| e.stop == stop && (here - e.position) * outward >= 0.0)
@@ -332,19 +343,23 @@ impl State {
     }
 
     /// Turns of the curve so far, from its beginning.
-    pub fn turns(&self) -> f64 {
-        self.turns
+    pub fn revolutions(&self) -> f64 {
+        self.revolutions
     }
 
     /// Where the linkage is.
     pub fn describe(&self, reduced: &Reduced) -> String {
-        reduced.curve().describe(self.sigma, self.turns)
+        reduced.curve().describe(self.sigma, self.revolutions)
     }
 
     /// Take up inputs that have changed since the last step: the change of the loads' potential is work from outside. Tells
     /// whether any has.
-    fn apply<'a>(&mut self, reduced: &'a Reduced, inputs: &Inputs) -> Result<(Option<&'a Scene>, bool), ModelError> {
-        let scene = scene(reduced, inputs, self.turns)?;
+    fn apply<'a>(
+        &mut self,
+        reduced: &'a Reduced,
+        inputs: &Inputs,
+    ) -> Result<(Option<&'a StateLoads>, bool), ModelError> {
+        let state_loads = state_loads(reduced, inputs, self.revolutions)?;
         let loads = reduced.loading().inputs.len();
         let mut work = 0.0;
         let mut changed = false;
@@ -355,27 +370,27 @@ impl State {
             }
         }
         let airspeed = airspeed(reduced, inputs);
-        if scene.is_some_and(|s| s.air) != self.work.air {
-            self.work = Work::new(scene);
+        if state_loads.is_some_and(|s| s.air) != self.scratch.air {
+            self.scratch = Scratch::new(state_loads);
             self.memory.restart();
         }
-        self.memory.suit(scene.is_some() || inputs.signal.ahead);
+        self.memory.suit(state_loads.is_some() || inputs.signal.ahead);
         if airspeed.to_bits() != self.airspeed.to_bits() {
             self.airspeed = airspeed;
             changed = true;
         }
         if inputs.signal.ahead {
             self.memory.refresh();
-            self.work.folded.forget();
+            self.scratch.panel_force.forget();
         }
         if changed {
             self.reference += work;
             self.before.copy_from_slice(&self.applied);
             self.applied[..loads].copy_from_slice(&inputs.reals[..loads]);
             self.memory.refresh();
-            self.work.folded.forget();
+            self.scratch.panel_force.forget();
         }
-        Ok((scene, changed))
+        Ok((state_loads, changed))
     }
 
     /// After a step that failed: what [`Self::apply`] has changed is as it was; the integration begins anew.
@@ -389,12 +404,12 @@ impl State {
         self.reference = reference;
         self.airspeed = airspeed;
         // It is at hand: it was in use before this step.
-        let scene = scene_in(reduced, airspeed, self.turns).unwrap_or_default();
-        if scene.is_some_and(|s| s.air) != self.work.air {
-            self.work = Work::new(scene);
+        let state_loads = state_loads_in_air(reduced, airspeed, self.revolutions).unwrap_or_default();
+        if state_loads.is_some_and(|s| s.air) != self.scratch.air {
+            self.scratch = Scratch::new(state_loads);
         }
-        self.memory.suit(scene.is_some());
-        self.work.folded.forget();
+        self.memory.suit(state_loads.is_some());
+        self.scratch.panel_force.forget();
     }
 }
 

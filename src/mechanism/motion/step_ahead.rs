@@ -24,7 +24,7 @@ pub struct Conditions {
 
 /// A step that goes on beyond the present.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Overshoot<const N: usize> {
+pub struct StepAhead<const N: usize> {
     /// Interpolant.
     pub dense: Dense<N>,
     /// Time that the interpolant is for [s].
@@ -41,7 +41,7 @@ pub struct Overshoot<const N: usize> {
     pub from: [f64; N],
 }
 
-impl<const N: usize> Overshoot<N> {
+impl<const N: usize> StepAhead<N> {
     /// Time from now to the end [s].
     pub fn rest(&self) -> f64 {
         self.end - self.now
@@ -69,7 +69,7 @@ impl<const N: usize> Overshoot<N> {
     }
 }
 
-impl<const N: usize> Overshoot<N> {
+impl<const N: usize> StepAhead<N> {
     /// To be read.
     fn blank() -> Self {
         let dense = Dense::blank();
@@ -103,12 +103,12 @@ pub struct Lookahead<const N: usize> {
     /// How many of them allow a step beyond.
     enough: u32,
     /// The step.
-    pub overshoot: Option<Overshoot<N>>,
+    pub step_ahead: Option<StepAhead<N>>,
 }
 
 impl<const N: usize> Default for Lookahead<N> {
     fn default() -> Self {
-        Self { conditions: Conditions::default(), calm: 0, enough: CALM, overshoot: None }
+        Self { conditions: Conditions::default(), calm: 0, enough: CALM, step_ahead: None }
     }
 }
 
@@ -125,7 +125,7 @@ impl<const N: usize> Lookahead<N> {
     /// The inputs have changed: nothing of the past holds on. Returns as [`Self::begin`].
     pub fn forget(&mut self) -> bool {
         self.calm = 0;
-        self.overshoot.take().is_some()
+        self.step_ahead.take().is_some()
     }
 
     /// A communication step has ended.
@@ -139,8 +139,8 @@ impl<const N: usize> Lookahead<N> {
     }
 
     /// A step goes on beyond the present.
-    pub fn keep(&mut self, overshoot: Overshoot<N>) {
-        (self.overshoot, self.enough) = (Some(overshoot), CALM);
+    pub fn keep(&mut self, step_ahead: StepAhead<N>) {
+        (self.step_ahead, self.enough) = (Some(step_ahead), CALM);
     }
 
     /// A step beyond was in vain: it cannot be made, or its interpolant is not exact.
@@ -152,8 +152,8 @@ impl<const N: usize> Lookahead<N> {
     #[inline]
     pub fn copy_from(&mut self, other: &Self) {
         (self.conditions, self.calm, self.enough) = (other.conditions, other.calm, other.enough);
-        if self.overshoot.is_some() || other.overshoot.is_some() {
-            self.overshoot = other.overshoot;
+        if self.step_ahead.is_some() || other.step_ahead.is_some() {
+            self.step_ahead = other.step_ahead;
         }
     }
 
@@ -167,6 +167,6 @@ impl<const N: usize> Lookahead<N> {
         locked.iter_mut().try_for_each(|locked| record.flag("lock engaged", locked))?;
         record.small("steps without a change", &mut self.calm)?;
         record.small("steps without a change that are enough", &mut self.enough)?;
-        record.option("step ahead", &mut self.overshoot, Overshoot::blank, |record, step| step.record(record))
+        record.option("step ahead", &mut self.step_ahead, StepAhead::blank, |record, step| step.record(record))
     }
 }

@@ -21,32 +21,32 @@ pub type Travel = [Option<End>; 2];
 /// A start this close beyond a stop [rad or m, relative to 1 and the value] is at the stop.
 const AT: f64 = 1e-10;
 
-/// Ends of the travel for a start at `sigma` after `turns` whole turns.
+/// Ends of the travel for a start at `sigma` after `revolutions` whole turns.
 ///
 /// # Errors
 /// The start is beyond a stop; a stop's quantity is not smooth.
-pub fn travel(reduced: &Reduced, sigma: f64, turns: f64) -> Result<Travel, ModelError> {
+pub fn travel(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<Travel, ModelError> {
     let mut out = [None; 2];
     for (place, stop) in reduced.loading().stops.iter().enumerate().filter(|(_, s)| s.enabled) {
         let name = format!("{}.{}", stop.name, stop.quantity);
         let table = reduced.displacement(stop.load).map_err(|e| ModelError::Table {
             name: name.clone(),
-            position: reduced.curve().describe(e.sigma, turns),
+            position: reduced.curve().describe(e.sigma, revolutions),
         })?;
         let growth = reduced.load_growth(stop.load);
         let spot = table.spot(sigma);
-        let (s, slope) = (table.value(spot, 0) + turns * growth, table.value(spot, 1));
+        let (s, slope) = (table.value(spot, 0) + revolutions * growth, table.value(spot, 1));
         let beyond = stop.beyond(s);
         let near = AT * (1.0 + stop.value.abs());
         beyond_stop(stop, s)?;
         let sign = stop.beyond(1.0) - stop.beyond(0.0);
         for (side, direction) in [(0, -1.0), (1, 1.0)] {
-            let here = sigma + turns * reduced.period().unwrap_or(0.0);
+            let here = sigma + revolutions * reduced.period().unwrap_or(0.0);
             let position = if beyond > -near && slope * sign * direction > 0.0 {
                 Some(here)
             } else {
                 let search = Search { reduced, table, growth, wanted: stop.value, sign };
-                search.first(sigma, turns, direction)
+                search.first(sigma, revolutions, direction)
             };
             let Some(position) = position else { continue };
             let nearer = |e: &End| (position - here).abs() < (e.position - here).abs();
@@ -79,11 +79,11 @@ pub fn can_hold(reduced: &Reduced, travel: &Travel) -> Result<(), ModelError> {
     const STILL: f64 = 1e-9;
     let loading = reduced.loading();
     for end in travel.iter().flatten() {
-        let (sigma, turns) = reduced.unwound(end.position);
+        let (sigma, revolutions) = reduced.unwound(end.position);
         for (place, lock) in loading.locks.iter().enumerate().filter(|(_, lock)| lock.stop == end.stop) {
             if reduced.lock_path(place, sigma).norm() * reduced.scale() < STILL * reduced.linkage().size {
                 let (name, stop) = (lock.name.clone(), loading.stops[end.stop].name.clone());
-                let position = reduced.curve().describe(sigma, turns);
+                let position = reduced.curve().describe(sigma, revolutions);
                 return Err(ModelError::LockStill { name, stop, position });
             }
         }
@@ -104,12 +104,12 @@ struct Search<'a> {
 
 impl Search<'_> {
     /// sigma, counted on over whole turns, where the stop is first passed in this direction.
-    fn first(&self, sigma: f64, turns: f64, direction: f64) -> Option<f64> {
+    fn first(&self, sigma: f64, revolutions: f64, direction: f64) -> Option<f64> {
         const SAMPLES: usize = 16;
         let table = self.table;
         let period = self.reduced.period();
         let start = table.panel(sigma);
-        let (mut panel, mut turn) = (start, turns);
+        let (mut panel, mut turn) = (start, revolutions);
         let mut at_start = true;
         loop {
             let (a, b) = table.borders(panel);
@@ -144,7 +144,7 @@ impl Search<'_> {
                 panel = if direction > 0.0 { panel + 1 } else { panel - 1 };
             }
             // Once round; more often only if every turn brings the stop nearer.
-            if panel == start && !self.nears(turn, direction) && (turn - turns).abs() >= 1.0 {
+            if panel == start && !self.nears(turn, direction) && (turn - revolutions).abs() >= 1.0 {
                 return None;
             }
         }

@@ -2,24 +2,24 @@
 mod reaction;
 mod slopes;
 
-use crate::mechanism::dynamics::equation::{Motion, Work};
+use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
-use crate::mechanism::dynamics::panel_force::Given;
+use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::loads::laws::friction::Locked;
 use crate::mechanism::motion::advance::rests;
-use crate::mechanism::motion::state::{State, acting, airspeed};
-use crate::mechanism::outputs::reaction::Transmitted;
+use crate::mechanism::motion::state::{State, airspeed, state_loads_under};
+use crate::mechanism::outputs::reaction::JointReaction;
 use crate::mechanism::outputs::slopes::Slopes;
 use crate::mechanism::quantity::{OneElement, Output, ReactionPart};
-use crate::mechanism::reduced::{Reduced, Scene};
+use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::mechanism::rigid_fem::RigidFemError;
 use crate::numerics::dual::same_bits;
-use crate::numerics::table::{Spot, Table, Unresolved};
+use crate::numerics::table::{Table, TablePosition, Unresolved};
 
 /// Why an output cannot be told.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Unknown {
+pub enum OutputError {
     /// Its table cannot be built.
     Table(Unresolved),
     /// Friction and reactions have no common solution.
@@ -28,19 +28,19 @@ pub enum Unknown {
     RigidFem(RigidFemError),
 }
 
-impl From<RigidFemError> for Unknown {
+impl From<RigidFemError> for OutputError {
     fn from(e: RigidFemError) -> Self {
         Self::RigidFem(e)
     }
 }
 
-impl From<Unresolved> for Unknown {
+impl From<Unresolved> for OutputError {
     fn from(at: Unresolved) -> Self {
         Self::Table(at)
     }
 }
 
-impl From<Locked> for Unknown {
+impl From<Locked> for OutputError {
     fn from(_: Locked) -> Self {
         Self::Locked
     }
@@ -50,13 +50,13 @@ impl From<Locked> for Unknown {
 #[derive(Clone, Debug)]
 pub struct Cache {
     /// What acts and follows, once evaluated.
-    pub(super) effect: Option<Effect>,
+    pub(super) effect: Option<Forces>,
     /// Place in the table of the coordinates, once found in this state.
-    spot: Option<Spot>,
+    spot: Option<TablePosition>,
     /// Panel in which it was last.
     panel: usize,
     /// What each joint transmits.
-    pub(super) transmitted: Vec<Transmitted>,
+    pub(super) reactions: Vec<JointReaction>,
     /// Whether a reaction has been computed in this state.
     pub(super) used: bool,
     /// What has been computed since the start.
@@ -64,7 +64,7 @@ pub struct Cache {
     /// Sizes of the sized loads under the present inputs.
     pub(super) sizes: Vec<f64>,
     /// Right-hand side for these sizes.
-    pub(super) work: Work,
+    pub(super) scratch: Scratch,
     /// Room for derivatives, once asked for.
     pub(super) slopes: Option<Box<Slopes>>,
 }
@@ -80,7 +80,7 @@ pub struct Computed {
 
 /// What acts in a state.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Effect {
+pub(super) struct Forces {
     /// sigma_ddot of the motion.
     pub acceleration: f64,
     /// sigma_ddot if nothing held the mechanism at an end of its travel.
@@ -94,16 +94,16 @@ pub(super) struct Effect {
 }
 
 impl Cache {
-    pub fn new(reduced: &Reduced, scene: Option<&Scene>, inputs: &[f64]) -> Self {
+    pub fn new(reduced: &Reduced, state_loads: Option<&StateLoads>, inputs: &[f64]) -> Self {
         Self {
             effect: None,
             spot: None,
             panel: 0,
-            transmitted: vec![Transmitted::new(); reduced.linkage().joints.len()],
+            reactions: vec![JointReaction::new(); reduced.linkage().joints.len()],
             used: false,
             computed: Computed::default(),
             sizes: reduced.sizes(inputs),
-            work: Work::new(scene),
+            scratch: Scratch::new(state_loads),
             slopes: None,
         }
     }
@@ -112,7 +112,7 @@ impl Cache {
     pub fn forget(&mut self) {
         (self.effect, self.spot) = (None, None);
         if self.used {
-            self.transmitted.iter_mut().for_each(|t| t.value = None);
+            self.reactions.iter_mut().for_each(|t| t.value = None);
             self.used = false;
         }
     }
@@ -136,13 +136,13 @@ impl Cache {
     }
 
     fn refold(&mut self) {
-        self.work.folded.forget();
-        self.transmitted.iter_mut().for_each(Transmitted::forget);
+        self.scratch.panel_force.forget();
+        self.reactions.iter_mut().for_each(JointReaction::forget);
     }
 
     /// The way in which sigma is counted has changed.
     pub fn recount(&mut self) {
-        self.work.folded.forget();
+        self.scratch.panel_force.forget();
     }
 }
 
@@ -150,16 +150,16 @@ impl State {
     /// Value of an output under these inputs.
     ///
     /// # Errors
-    /// [`Unknown`].
-    pub fn output(&mut self, reduced: &Reduced, inputs: &Inputs, output: Output) -> Result<f64, Unknown> {
+    /// [`OutputError`].
+    pub fn output(&mut self, reduced: &Reduced, inputs: &Inputs, output: Output) -> Result<f64, OutputError> {
         match output {
-            Output::Turn { body, order } => {
+            Output::Angle { body, order } => {
                 let body = &reduced.linkage().bodies[body];
-                let Some(turn) = body.turn else { return Ok(0.0) };
+                let Some(turn) = body.angle_coordinate else { return Ok(0.0) };
                 let value = self.coordinate(reduced, inputs, turn, order)?;
                 Ok(if order == 0 { value + body.offset } else { value })
             }
-            Output::Slide { coordinate, order } => self.coordinate(reduced, inputs, coordinate, order),
+            Output::JointPosition { coordinate, order } => self.coordinate(reduced, inputs, coordinate, order),
             Output::Reaction { joint, part } => {
                 let [x, y, moment] = self.reaction(reduced, inputs, joint)?;
                 Ok(match part {
@@ -176,15 +176,15 @@ impl State {
                 self.derivative((table, spot), 0, reduced, inputs, order)
             }
             Output::OneElement { drive, term } => self.one_element(reduced, inputs, drive, term),
-            Output::Pull { spring } => self.pull(reduced, spring),
+            Output::SpringForce { spring } => self.spring_force(reduced, spring),
             Output::Marker { marker, axis, order } => {
                 let table = checked(reduced.marker(marker))?;
                 let spot = table.spot(self.sigma);
                 self.derivative((table, spot), 3 * axis, reduced, inputs, order)
             }
-            Output::Friction { pin } => {
+            Output::Friction { friction_joint } => {
                 self.effect(reduced, inputs)?;
-                let load = reduced.loading().friction.as_ref().map(|f| f.pins[pin].load);
+                let load = reduced.loading().friction.as_ref().map(|f| f.friction_joints[friction_joint].load);
                 Ok(load.map_or(0.0, |load| self.of_state(reduced, load)))
             }
             Output::Drag { surface } => {
@@ -240,18 +240,18 @@ impl State {
 
     /// Displacement of a load, counted on over whole turns.
     pub fn displacement(&self, reduced: &Reduced, load: usize) -> f64 {
-        let growth = if self.turns == 0.0 { 0.0 } else { self.turns * reduced.load_growth(load) };
+        let growth = if self.revolutions == 0.0 { 0.0 } else { self.revolutions * reduced.load_growth(load) };
         reduced.displacement_at(load, self.sigma) + growth
     }
 
-    pub(super) fn pull(&self, reduced: &Reduced, spring: usize) -> Result<f64, Unknown> {
+    pub(super) fn spring_force(&self, reduced: &Reduced, spring: usize) -> Result<f64, OutputError> {
         let spring = &reduced.loading().springs[spring];
-        let pull = spring.pull(self.displacement(reduced, spring.load));
+        let spring_force = spring.force(self.displacement(reduced, spring.load));
         if spring.damping == 0.0 {
-            return Ok(pull);
+            return Ok(spring_force);
         }
         let table = checked(reduced.displacement(spring.load))?;
-        Ok(pull + spring.damping * table.value(table.spot(self.sigma), 1) * self.sigma_dot)
+        Ok(spring_force + spring.damping * table.value(table.spot(self.sigma), 1) * self.sigma_dot)
     }
 
     fn influence(&self, reduced: &Reduced, load: usize) -> f64 {
@@ -264,22 +264,30 @@ impl State {
         &mut self,
         reduced: &Reduced,
         inputs: &Inputs,
-        with: impl FnOnce(&mut Motion, Option<&Scene>) -> R,
-    ) -> Result<R, Unknown> {
-        let scene = acting(reduced, inputs).map_err(Clone::clone)?;
+        with: impl FnOnce(&mut EquationOfMotion, Option<&StateLoads>) -> R,
+    ) -> Result<R, OutputError> {
+        let state_loads = state_loads_under(reduced, inputs).map_err(Clone::clone)?;
         let cache = &mut self.cache;
-        if scene.is_some_and(|s| s.air) != cache.work.air {
-            cache.work = Work::new(scene);
+        if state_loads.is_some_and(|s| s.air) != cache.scratch.air {
+            cache.scratch = Scratch::new(state_loads);
         }
         let airspeed = airspeed(reduced, inputs);
-        let given = Given { sizes: &cache.sizes, airspeed, turns: self.turns, change: None };
+        let given = AppliedLoads { sizes: &cache.sizes, airspeed, revolutions: self.revolutions, change: None };
         let mode = Mode { touching: self.contact.touching, ..Mode::default() };
-        let mut motion = Motion { reduced, scene, given, time: 0.0, mode, work: &mut cache.work, locked: false };
-        Ok(with(&mut motion, scene))
+        let mut motion = EquationOfMotion {
+            reduced,
+            state_loads,
+            given,
+            time: 0.0,
+            mode,
+            scratch: &mut cache.scratch,
+            locked: false,
+        };
+        Ok(with(&mut motion, state_loads))
     }
 
     /// What acts under the present inputs; evaluated once for a state.
-    pub(super) fn effect(&mut self, reduced: &Reduced, inputs: &Inputs) -> Result<Effect, Unknown> {
+    pub(super) fn effect(&mut self, reduced: &Reduced, inputs: &Inputs) -> Result<Forces, OutputError> {
         if let Some(effect) = self.cache.effect {
             return Ok(effect);
         }
@@ -288,11 +296,11 @@ impl State {
         let effect = self.moving(reduced, inputs, |motion, _| {
             let free = motion.settle(sigma, sigma_dot)?;
             let direction = motion.mode.direction;
-            let mut effect = Effect { acceleration: free, free, direction, held: None, by_stop: false };
+            let mut effect = Forces { acceleration: free, free, direction, held: None, by_stop: false };
             if let Some((side, around)) = around {
                 let pressed = rests(motion, &around, side, sigma)?;
                 if pressed || around.locked[side] {
-                    effect = Effect { acceleration: 0.0, held: Some(side), by_stop: pressed, ..effect };
+                    effect = Forces { acceleration: 0.0, held: Some(side), by_stop: pressed, ..effect };
                 }
             }
             Ok::<_, Locked>(effect)
@@ -304,15 +312,15 @@ impl State {
 
     /// Size of a load that the state decides, as last evaluated.
     fn of_state(&self, reduced: &Reduced, load: usize) -> f64 {
-        let scene = reduced.scene(self.cache.work.air).ok().flatten();
-        let place = scene.and_then(|s| s.loads.iter().position(|l| *l == load));
-        place.map_or(0.0, |k| self.cache.work.acting.loads[k])
+        let state_loads = reduced.state_loads(self.cache.scratch.air).ok().flatten();
+        let place = state_loads.and_then(|s| s.loads.iter().position(|l| *l == load));
+        place.map_or(0.0, |k| self.cache.scratch.evaluator.loads[k])
     }
 
     /// Force or torque with which a rigid stop holds the mechanism.
     pub(super) fn of_stop(&self, reduced: &Reduced, stop: usize) -> f64 {
         match self.cache.effect {
-            Some(Effect { held: Some(side), by_stop: true, free, .. })
+            Some(Forces { held: Some(side), by_stop: true, free, .. })
                 if self.travel[side].is_some_and(|e| e.stop == stop) =>
             {
                 let load = reduced.loading().stops[stop].load;
@@ -327,7 +335,7 @@ impl State {
     pub(super) fn of_lock(&self, reduced: &Reduced, inputs: &Inputs, lock: usize) -> f64 {
         let loading = reduced.loading();
         match self.cache.effect {
-            Some(Effect { held: Some(side), by_stop: false, free, .. })
+            Some(Forces { held: Some(side), by_stop: false, free, .. })
                 if self.travel[side].is_some_and(|e| e.stop == loading.locks[lock].stop) && inputs.locks[lock] =>
             {
                 let outward = if side == 0 { -1.0 } else { 1.0 };
@@ -349,7 +357,7 @@ impl State {
         inputs: &Inputs,
         coordinate: usize,
         order: usize,
-    ) -> Result<f64, Unknown> {
+    ) -> Result<f64, OutputError> {
         let table = checked(reduced.coordinates())?;
         let spot = match self.cache.spot {
             Some(spot) => spot,
@@ -360,19 +368,19 @@ impl State {
             }
         };
         let value = self.derivative((table, spot), 3 * coordinate, reduced, inputs, order)?;
-        Ok(if order == 0 { value + self.turns * reduced.growth(coordinate) } else { value })
+        Ok(if order == 0 { value + self.revolutions * reduced.growth(coordinate) } else { value })
     }
 
     /// Time derivative of a function whose table has it and its two derivatives along sigma from component `first` on.
     #[inline]
     fn derivative(
         &mut self,
-        (table, spot): (&Table, Spot),
+        (table, spot): (&Table, TablePosition),
         first: usize,
         reduced: &Reduced,
         inputs: &Inputs,
         order: usize,
-    ) -> Result<f64, Unknown> {
+    ) -> Result<f64, OutputError> {
         Ok(match order {
             0 => table.value(spot, first),
             1 => table.value(spot, first + 1) * self.sigma_dot,
@@ -385,22 +393,22 @@ impl State {
     }
 
     /// What arrives of a sized load, after the loss of its drive if it has one; as last evaluated.
-    pub(super) fn arriving(&self, reduced: &Reduced, load: usize) -> f64 {
-        let scene = reduced.scene(self.cache.work.air).ok().flatten();
-        let place = scene.and_then(|s| s.lossy.iter().position(|l| *l == load));
-        place.map_or(self.cache.sizes[load], |k| self.cache.work.acting.arriving[k])
+    pub(super) fn delivered(&self, reduced: &Reduced, load: usize) -> f64 {
+        let state_loads = reduced.state_loads(self.cache.scratch.air).ok().flatten();
+        let place = state_loads.and_then(|s| s.drives_with_efficiency.iter().position(|l| *l == load));
+        place.map_or(self.cache.sizes[load], |k| self.cache.scratch.evaluator.delivered[k])
     }
 
     /// Force along sigma of everything but one drive: in the present motion, or at rest without friction and losses.
-    fn others(&mut self, reduced: &Reduced, inputs: &Inputs, drive: usize, moving: bool) -> Result<f64, Unknown> {
+    fn others(&mut self, reduced: &Reduced, inputs: &Inputs, drive: usize, moving: bool) -> Result<f64, OutputError> {
         let influence = self.influence(reduced, drive);
         if moving {
             let free = self.effect(reduced, inputs)?.free;
-            return Ok(free - self.arriving(reduced, drive) * influence);
+            return Ok(free - self.delivered(reduced, drive) * influence);
         }
         let sigma = self.sigma;
         let at_rest = self.moving(reduced, inputs, |motion, _| motion.heading(0.0, sigma, 0.0))??;
-        let force = at_rest - self.arriving(reduced, drive) * influence;
+        let force = at_rest - self.delivered(reduced, drive) * influence;
         // The evaluation at rest has taken the place of that in motion.
         self.cache.effect = None;
         Ok(force)
@@ -415,23 +423,23 @@ impl State {
         drive: usize,
         acceleration: f64,
         breakaway: Option<f64>,
-    ) -> Result<f64, Unknown> {
+    ) -> Result<f64, OutputError> {
         let (sigma, sigma_dot) = (self.sigma, if breakaway.is_some() { 0.0 } else { self.sigma_dot });
         let direction = breakaway.unwrap_or(toward(sigma_dot, acceleration));
         let influence = self.influence(reduced, drive);
         self.cache.effect = None;
-        self.moving(reduced, inputs, |motion, scene| {
+        self.moving(reduced, inputs, |motion, state_loads| {
             let free = motion.heading(direction, sigma, sigma_dot)?;
-            let Some(scene) = scene else {
+            let Some(state_loads) = state_loads else {
                 let size = motion.given.sizes[drive];
                 return Ok(acceleration - (free - size * influence));
             };
-            let lossy = scene.lossy.iter().position(|l| *l == drive);
-            let work = &mut *motion.work;
-            let size = lossy.map_or(motion.given.sizes[drive], |k| work.acting.arriving[k]);
-            work.acting.required(scene, &work.folded, sigma, (drive, size), acceleration, breakaway)
+            let with_efficiency = state_loads.drives_with_efficiency.iter().position(|l| *l == drive);
+            let scratch = &mut *motion.scratch;
+            let size = with_efficiency.map_or(motion.given.sizes[drive], |k| scratch.evaluator.delivered[k]);
+            scratch.evaluator.required(state_loads, &scratch.panel_force, sigma, (drive, size), acceleration, breakaway)
         })?
-        .map_err(Unknown::from)
+        .map_err(OutputError::from)
     }
 
     /// A term of the mechanism reduced to a drive. With S the drive's displacement, m_zS = 1 / S_sigma^2, because the
@@ -442,30 +450,30 @@ impl State {
         inputs: &Inputs,
         drive: usize,
         term: OneElement,
-    ) -> Result<f64, Unknown> {
+    ) -> Result<f64, OutputError> {
         let table = checked(reduced.displacement(drive))?;
         let spot = table.spot(self.sigma);
         let (slope, bend) = (table.value(spot, 1), table.value(spot, 2));
         let speed = slope * self.sigma_dot;
         let efficiency = reduced.loading().drives[drive].efficiency;
         // [CK16] 2.3: eta divides where power flows in and multiplies where it flows back; at rest it divides.
-        let lossy = |power: f64, value: f64| match efficiency {
+        let with_efficiency = |power: f64, value: f64| match efficiency {
             Some(eta) if power < 0.0 => value * eta,
             Some(eta) => value / eta,
             None => value,
         };
         let present = self.cache.sizes[drive] * speed;
         let value = match term {
-            OneElement::ReducedMass => lossy(present, 1.0 / (slope * slope)),
-            OneElement::ReducedMassDerivative => lossy(present, -2.0 * bend / slope.powi(4)),
-            OneElement::StaticLoad => lossy(present, -self.others(reduced, inputs, drive, true)? / slope),
-            OneElement::AdditionalForce => lossy(present, bend * (self.sigma_dot / slope).powi(2)),
+            OneElement::ReducedMass => with_efficiency(present, 1.0 / (slope * slope)),
+            OneElement::ReducedMassDerivative => with_efficiency(present, -2.0 * bend / slope.powi(4)),
+            OneElement::StaticLoad => with_efficiency(present, -self.others(reduced, inputs, drive, true)? / slope),
+            OneElement::AdditionalForce => with_efficiency(present, bend * (self.sigma_dot / slope).powi(2)),
             OneElement::RequiredForce => {
                 let demand = inputs.reals.get(reduced.loading().inputs.len() + drive).copied().unwrap_or(0.0);
                 let acceleration = (demand - bend * self.sigma_dot * self.sigma_dot) / slope;
                 let force = self.inverse(reduced, inputs, drive, acceleration, None)? / slope;
                 let moving = if speed == 0.0 { demand } else { speed };
-                lossy(force * moving, force)
+                with_efficiency(force * moving, force)
             }
             OneElement::HoldingForce => {
                 let others = self.others(reduced, inputs, drive, false)?;
@@ -474,7 +482,7 @@ impl State {
             OneElement::BreakawayForward | OneElement::BreakawayBackward => {
                 let forward = if term == OneElement::BreakawayForward { 1.0 } else { -1.0 };
                 let force = self.inverse(reduced, inputs, drive, 0.0, Some(forward * slope.signum()))? / slope;
-                lossy(force * forward, force)
+                with_efficiency(force * forward, force)
             }
         };
         Ok(finite(value))

@@ -5,7 +5,7 @@
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::linkage::Freedom;
 use crate::mechanism::motion::state::State;
-use crate::mechanism::outputs::{Unknown, finite};
+use crate::mechanism::outputs::{OutputError, finite};
 use crate::mechanism::reactions::Reaction;
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::chebyshev::{NODES, Series};
@@ -13,7 +13,7 @@ use crate::numerics::table::{Table, polynomial};
 
 /// A joint's reaction in the present state, and the polynomials of its panel.
 #[derive(Clone, Debug)]
-pub struct Transmitted {
+pub struct JointReaction {
     /// Force x, force y [N] and moment [N.m], once computed in this state.
     pub value: Option<[f64; 3]>,
     /// First sigma for which the polynomials hold, and the first for which they no longer do.
@@ -27,7 +27,7 @@ pub struct Transmitted {
     given: [Series; 3],
 }
 
-impl Transmitted {
+impl JointReaction {
     /// Nothing yet.
     pub fn new() -> Self {
         let (low, high) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -66,7 +66,7 @@ impl Transmitted {
 
     /// The first `parts` of the reaction to the given loads, an acceleration and a square of the speed along the curve.
     #[inline]
-    fn of_given(&self, table: &Table, sigma: f64, (parts, terms): (usize, usize), motion: [f64; 2]) -> [f64; 3] {
+    fn of_applied(&self, table: &Table, sigma: f64, (parts, terms): (usize, usize), motion: [f64; 2]) -> [f64; 3] {
         let x = (sigma - self.center) * self.inverse;
         let mut value = [0.0; 3];
         for (part, value) in value.iter_mut().enumerate().take(parts) {
@@ -81,35 +81,45 @@ impl State {
     /// Force x, force y [N] and moment [N.m] that a joint transmits.
     ///
     /// # Errors
-    /// [`Unknown`].
-    pub(super) fn reaction(&mut self, reduced: &Reduced, inputs: &Inputs, joint: usize) -> Result<[f64; 3], Unknown> {
-        if let Some(value) = self.cache.transmitted[joint].value {
+    /// [`OutputError`].
+    pub(super) fn reaction(
+        &mut self,
+        reduced: &Reduced,
+        inputs: &Inputs,
+        joint: usize,
+    ) -> Result<[f64; 3], OutputError> {
+        if let Some(value) = self.cache.reactions[joint].value {
             return Ok(value);
         }
         let effect = self.effect(reduced, inputs)?;
         let loading = reduced.loading();
-        let scene = reduced.scene(self.cache.work.air).ok().flatten();
-        let lossy = scene.map_or(&[][..], |s| &s.lossy);
+        let state_loads = reduced.state_loads(self.cache.scratch.air).ok().flatten();
+        let with_efficiency = state_loads.map_or(&[][..], |s| &s.drives_with_efficiency);
         // A revolute joint transmits no moment.
-        let parts = if reduced.linkage().joints[joint].freedom == Freedom::Turn { 2 } else { 3 };
+        let parts = if reduced.linkage().joints[joint].freedom == Freedom::Revolute { 2 } else { 3 };
         let terms = 2 + loading.base();
         let motion = [effect.acceleration, self.sigma_dot * self.sigma_dot];
         let table = reduced.reaction(joint);
         let exact = if table.is_err() { reduced.exact_reaction(joint, self.sigma) } else { Vec::new() };
         // What arrives of a drive with an efficiency is decided by the state.
-        let given = |sizes: &[f64], load: usize| if lossy.contains(&load) { 0.0 } else { sizes[load] };
+        let given = |sizes: &[f64], load: usize| if with_efficiency.contains(&load) { 0.0 } else { sizes[load] };
         let sized = reduced.components().sized;
         let mut value = [0.0; 3];
         match table {
             Ok(table) => {
                 let (sizes, sigma) = (&self.cache.sizes, self.sigma);
-                let transmitted = &mut self.cache.transmitted[joint];
-                if !(transmitted.low <= sigma && sigma < transmitted.high) {
-                    transmitted.enter(table, sigma, (parts, terms), |load| {
-                        if load < sized { given(sizes, load) } else { 0.0 }
-                    });
+                let reactions = &mut self.cache.reactions[joint];
+                if !(reactions.low <= sigma && sigma < reactions.high) {
+                    reactions.enter(
+                        table,
+                        sigma,
+                        (parts, terms),
+                        |load| {
+                            if load < sized { given(sizes, load) } else { 0.0 }
+                        },
+                    );
                 }
-                value = transmitted.of_given(table, sigma, (parts, terms), motion);
+                value = reactions.of_applied(table, sigma, (parts, terms), motion);
             }
             Err(_) => {
                 for (part, sum) in value.iter_mut().enumerate().take(parts) {
@@ -128,15 +138,15 @@ impl State {
                     };
             }
         };
-        for &load in lossy {
-            add(load, self.arriving(reduced, load));
+        for &load in with_efficiency {
+            add(load, self.delivered(reduced, load));
         }
         for (place, spring) in loading.springs.iter().enumerate() {
-            add(spring.load, -self.pull(reduced, place)?);
+            add(spring.load, -self.spring_force(reduced, place)?);
         }
-        let by_scene = scene.map_or(&[][..], |s| &s.loads);
+        let by_scene = state_loads.map_or(&[][..], |s| &s.loads);
         let states = loading.loads.len() - loading.base();
-        let mut add_state = |load: usize, size: f64| -> Result<(), Unknown> {
+        let mut add_state = |load: usize, size: f64| -> Result<(), OutputError> {
             if size == 0.0 {
                 return Ok(());
             }
@@ -146,13 +156,13 @@ impl State {
                     * match (&table, exact.get(2 + load)) {
                         (Ok(table), _) => table.value(table.spot(self.sigma), part * states + load - loading.base()),
                         (Err(_), Some(exact)) => part_of(exact, part),
-                        (Err(at), None) => return Err(Unknown::Table((*at).clone())),
+                        (Err(at), None) => return Err(OutputError::Table((*at).clone())),
                     };
             }
             Ok(())
         };
         for (k, &load) in by_scene.iter().enumerate() {
-            add_state(load, self.cache.work.acting.loads[k])?;
+            add_state(load, self.cache.scratch.evaluator.loads[k])?;
         }
         if let Some(side) = effect.held {
             if let Some(end) = self.travel[side].filter(|_| effect.by_stop) {
@@ -170,7 +180,7 @@ impl State {
             }
         }
         let value = value.map(finite);
-        self.cache.transmitted[joint].value = Some(value);
+        self.cache.reactions[joint].value = Some(value);
         self.cache.used = true;
         self.cache.computed.reactions += 1;
         Ok(value)

@@ -9,14 +9,14 @@
 //! of a drive with an efficiency that in the present direction. What is held at a stop or by a lock stays held.
 use crate::mechanism::dynamics::input_polynomial::Change;
 use crate::mechanism::dynamics::inputs::Inputs;
-use crate::mechanism::dynamics::panel_force::{Folded, Given};
-use crate::mechanism::dynamics::state_loads::{Acting, Mode};
+use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
+use crate::mechanism::dynamics::state_loads::{Mode, StateLoadEvaluator};
 use crate::mechanism::linkage::Freedom;
-use crate::mechanism::motion::state::{State, acting, airspeed};
+use crate::mechanism::motion::state::{State, airspeed, state_loads_under};
 use crate::mechanism::outputs::reaction::part_of;
-use crate::mechanism::outputs::{Unknown, checked, toward};
+use crate::mechanism::outputs::{OutputError, checked, toward};
 use crate::mechanism::quantity::{OneElement, Output, ReactionPart};
-use crate::mechanism::reduced::{Reduced, Scene};
+use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::dual::{Dual, Number};
 use crate::numerics::table::{Table, polynomial_at};
 
@@ -33,17 +33,17 @@ pub struct Slopes {
     inputs: Vec<f64>,
     /// As many zeros: the inputs' second derivatives along s.
     none: Vec<f64>,
-    folded: Folded,
-    acting: Acting<D>,
+    panel_force: PanelForce,
+    evaluator: StateLoadEvaluator<D>,
     /// Whether the room is for a scene with moving air.
     air: bool,
-    effect: Option<Effect>,
+    effect: Option<Forces>,
     reactions: Vec<Option<[D; 3]>>,
 }
 
 /// What acts.
 #[derive(Clone, Copy, Debug)]
-struct Effect {
+struct Forces {
     acceleration: D,
     free: D,
     held: Option<usize>,
@@ -51,14 +51,14 @@ struct Effect {
 }
 
 impl Slopes {
-    fn new(reduced: &Reduced, scene: Option<&Scene>, inputs: usize) -> Self {
+    fn new(reduced: &Reduced, state_loads: Option<&StateLoads>, inputs: usize) -> Self {
         Self {
             along: [0.0; 2],
             inputs: vec![0.0; inputs],
             none: vec![0.0; inputs],
-            folded: Folded::new(scene),
-            acting: Acting::new(scene),
-            air: scene.is_some_and(|s| s.air),
+            panel_force: PanelForce::new(state_loads),
+            evaluator: StateLoadEvaluator::new(state_loads),
+            air: state_loads.is_some_and(|s| s.air),
             effect: None,
             reactions: vec![None; reduced.linkage().joints.len()],
         }
@@ -68,36 +68,36 @@ impl Slopes {
 impl State {
     /// Go in a direction in which the state stays and the inputs change by `seeds`.
     pub fn head_for_inputs(&mut self, reduced: &Reduced, inputs: &Inputs, seeds: &dyn Fn(usize) -> f64) {
-        let scene = acting(reduced, inputs).ok().flatten();
-        let slopes = self.room(reduced, inputs, scene);
+        let state_loads = state_loads_under(reduced, inputs).ok().flatten();
+        let slopes = self.room(reduced, inputs, state_loads);
         slopes.along = [0.0; 2];
         slopes.inputs.iter_mut().enumerate().for_each(|(i, slope)| *slope = seeds(i));
     }
 
     /// Go in the direction of time.
-    pub fn head_for_time(&mut self, reduced: &Reduced, inputs: &Inputs) -> Result<(), Unknown> {
+    pub fn head_for_time(&mut self, reduced: &Reduced, inputs: &Inputs) -> Result<(), OutputError> {
         let along = [self.sigma_dot, self.effect(reduced, inputs)?.acceleration];
-        let scene = acting(reduced, inputs).ok().flatten();
-        let slopes = self.room(reduced, inputs, scene);
+        let state_loads = state_loads_under(reduced, inputs).ok().flatten();
+        let slopes = self.room(reduced, inputs, state_loads);
         slopes.along = along;
         slopes.inputs.copy_from_slice(&inputs.signal.first);
         Ok(())
     }
 
     /// Room in which nothing is known.
-    fn room(&mut self, reduced: &Reduced, inputs: &Inputs, scene: Option<&Scene>) -> &mut Slopes {
-        let air = scene.is_some_and(|s| s.air);
+    fn room(&mut self, reduced: &Reduced, inputs: &Inputs, state_loads: Option<&StateLoads>) -> &mut Slopes {
+        let air = state_loads.is_some_and(|s| s.air);
         let room = self.cache.slopes.take().filter(|s| s.air == air);
-        let room = room.unwrap_or_else(|| Box::new(Slopes::new(reduced, scene, inputs.reals.len())));
+        let room = room.unwrap_or_else(|| Box::new(Slopes::new(reduced, state_loads, inputs.reals.len())));
         let slopes = self.cache.slopes.insert(room);
-        slopes.folded.forget();
+        slopes.panel_force.forget();
         slopes.effect = None;
         slopes.reactions.fill(None);
         slopes
     }
 
     /// Derivative of an output in the direction last stated.
-    pub fn slope(&mut self, reduced: &Reduced, inputs: &Inputs, output: Output) -> Result<f64, Unknown> {
+    pub fn slope(&mut self, reduced: &Reduced, inputs: &Inputs, output: Output) -> Result<f64, OutputError> {
         let Some(mut slopes) = self.cache.slopes.take() else { return Ok(0.0) };
         let mut view = View { state: self, slopes: &mut slopes, reduced, inputs };
         let value = view.output(output);
@@ -116,15 +116,15 @@ struct View<'a> {
 
 impl View<'_> {
     /// An output; [`State::output`] has the laws.
-    fn output(&mut self, output: Output) -> Result<D, Unknown> {
+    fn output(&mut self, output: Output) -> Result<D, OutputError> {
         let reduced = self.reduced;
         let loading = reduced.loading();
         match output {
-            Output::Turn { body, order } => match reduced.linkage().bodies[body].turn {
+            Output::Angle { body, order } => match reduced.linkage().bodies[body].angle_coordinate {
                 Some(turn) => self.derivative(checked(reduced.coordinates())?, 3 * turn, order),
                 None => Ok(ZERO),
             },
-            Output::Slide { coordinate, order } => {
+            Output::JointPosition { coordinate, order } => {
                 self.derivative(checked(reduced.coordinates())?, 3 * coordinate, order)
             }
             Output::Reaction { joint, part } => {
@@ -144,13 +144,13 @@ impl View<'_> {
             Output::Displacement { load, order: 0 } => Ok(self.displacement(load)),
             Output::Displacement { load, order } => self.derivative(checked(reduced.displacement(load))?, 0, order),
             Output::OneElement { drive, term } => self.one_element(drive, term),
-            Output::Pull { spring } => self.pull(spring),
+            Output::SpringForce { spring } => self.spring_force(spring),
             Output::Marker { marker, axis, order } => {
                 self.derivative(checked(reduced.marker(marker))?, 3 * axis, order)
             }
-            Output::Friction { pin } => {
+            Output::Friction { friction_joint } => {
                 self.effect()?;
-                Ok(loading.friction.as_ref().map_or(ZERO, |f| self.of_state(f.pins[pin].load)))
+                Ok(loading.friction.as_ref().map_or(ZERO, |f| self.of_state(f.friction_joints[friction_joint].load)))
             }
             Output::Drag { surface } => {
                 self.effect()?;
@@ -171,7 +171,7 @@ impl View<'_> {
                 let mut sum = loading.gravity.map_or(ZERO, |load| -(self.size(load) * self.displacement(load)));
                 for spring in &loading.springs {
                     let s = self.displacement(spring.load);
-                    sum = sum + s.chain(spring.energy(s.value), spring.pull(s.value));
+                    sum = sum + s.chain(spring.energy(s.value), spring.force(s.value));
                 }
                 Ok(sum)
             }
@@ -229,7 +229,7 @@ impl View<'_> {
     }
 
     /// Time derivative of a function with its two derivatives along sigma from component `first` on.
-    fn derivative(&mut self, table: &Table, first: usize, order: usize) -> Result<D, Unknown> {
+    fn derivative(&mut self, table: &Table, first: usize, order: usize) -> Result<D, OutputError> {
         Ok(match order {
             0 => self.known(table, first),
             1 => self.known(table, first + 1) * self.speed(),
@@ -241,83 +241,84 @@ impl View<'_> {
         })
     }
 
-    fn pull(&self, spring: usize) -> Result<D, Unknown> {
+    fn spring_force(&self, spring: usize) -> Result<D, OutputError> {
         let spring = &self.reduced.loading().springs[spring];
         let s = self.displacement(spring.load);
-        let pull = s.chain(spring.pull(s.value), spring.stiffness);
+        let spring_force = s.chain(spring.force(s.value), spring.stiffness);
         if spring.damping == 0.0 {
-            return Ok(pull);
+            return Ok(spring_force);
         }
         let table = checked(self.reduced.displacement(spring.load))?;
-        Ok(pull + scaled(self.known(table, 1) * self.speed(), spring.damping))
+        Ok(spring_force + scaled(self.known(table, 1) * self.speed(), spring.damping))
     }
 
     /// sigma_ddot with this sigma_dot, with drives in this direction.
-    fn evaluate(&mut self, sigma_dot: D, direction: f64) -> Result<D, Unknown> {
+    fn evaluate(&mut self, sigma_dot: D, direction: f64) -> Result<D, OutputError> {
         let (reduced, inputs) = (self.reduced, self.inputs);
-        let scene = acting(reduced, inputs).map_err(Clone::clone)?;
+        let state_loads = state_loads_under(reduced, inputs).map_err(Clone::clone)?;
         let (loads, sigma) = (reduced.loading().inputs.len(), self.sigma());
-        let Slopes { inputs: rates, none, folded, acting, .. } = &mut *self.slopes;
+        let Slopes { inputs: rates, none, panel_force, evaluator, .. } = &mut *self.slopes;
         let air = rates.last().copied().filter(|_| reduced.loading().air.is_some()).unwrap_or(0.0);
         let change = Change { first: &rates[..loads], second: &none[..loads], airspeed: [air, 0.0] };
         let state = &*self.state;
         let (sizes, airspeed) = (&state.cache.sizes[..], airspeed(reduced, inputs));
-        let given = Given { sizes, airspeed, turns: state.turns, change: Some(change) };
+        let given = AppliedLoads { sizes, airspeed, revolutions: state.revolutions, change: Some(change) };
         let mode = Mode { direction, touching: state.contact.touching };
-        folded.place(reduced, scene, &given, sigma.value);
+        panel_force.place(reduced, state_loads, &given, sigma.value);
         // s itself: the inputs are u + s du/ds, at s = 0.
         let s = D::variable(0.0, 0);
-        match scene {
-            None => Ok(folded.at(folded.x(sigma), s)),
-            Some(scene) => {
-                let effect = acting.evaluate((reduced, scene), &given, folded, &mode, [s, sigma, sigma_dot])?;
+        match state_loads {
+            None => Ok(panel_force.at(panel_force.x(sigma), s)),
+            Some(state_loads) => {
+                let effect =
+                    evaluator.evaluate((reduced, state_loads), &given, panel_force, &mode, [s, sigma, sigma_dot])?;
                 Ok(effect.acceleration)
             }
         }
     }
 
-    /// As [`Motion::settle`], in the direction that it has found.
-    fn settle(&mut self, sigma_dot: D, direction: f64) -> Result<D, Unknown> {
-        let lossy = self.slopes.acting.arriving.len();
-        if lossy == 0 || direction != 0.0 {
+    /// As [`EquationOfMotion::settle`], in the direction that it has found.
+    fn settle(&mut self, sigma_dot: D, direction: f64) -> Result<D, OutputError> {
+        let with_efficiency = self.slopes.evaluator.delivered.len();
+        if with_efficiency == 0 || direction != 0.0 {
             return self.evaluate(sigma_dot, direction);
         }
         let back = self.evaluate(sigma_dot, -1.0)?;
-        self.slopes.acting.keep();
+        self.slopes.evaluator.keep();
         let forward = self.evaluate(sigma_dot, 1.0)?;
         let share = if back.value > forward.value { back * inverse(back - forward) } else { D::constant(1.0) };
-        self.slopes.acting.mix(share);
+        self.slopes.evaluator.mix(share);
         Ok(ZERO)
     }
 
     /// What acts; evaluated once.
-    fn effect(&mut self) -> Result<Effect, Unknown> {
+    fn effect(&mut self) -> Result<Forces, OutputError> {
         if let Some(effect) = self.slopes.effect {
             return Ok(effect);
         }
         let found = self.state.effect(self.reduced, self.inputs)?;
         let free = self.settle(self.speed(), found.direction)?;
         let acceleration = if found.held.is_some() { ZERO } else { free };
-        let effect = Effect { acceleration, free, held: found.held, by_stop: found.by_stop };
+        let effect = Forces { acceleration, free, held: found.held, by_stop: found.by_stop };
         self.slopes.effect = Some(effect);
         Ok(effect)
     }
 
     /// Size of a load that the state decides, as last evaluated.
     fn of_state(&self, load: usize) -> D {
-        let scene = self.reduced.scene(self.slopes.air).ok().flatten();
-        let place = scene.and_then(|s| s.loads.iter().position(|l| *l == load));
-        place.map_or(ZERO, |k| self.slopes.acting.loads[k])
+        let state_loads = self.reduced.state_loads(self.slopes.air).ok().flatten();
+        let place = state_loads.and_then(|s| s.loads.iter().position(|l| *l == load));
+        place.map_or(ZERO, |k| self.slopes.evaluator.loads[k])
     }
 
     /// What arrives of a sized load, as last evaluated.
-    fn arriving(&self, load: usize) -> D {
-        let scene = self.reduced.scene(self.slopes.air).ok().flatten();
-        let place = scene.and_then(|s| s.lossy.iter().position(|l| *l == load));
-        place.map_or_else(|| self.size(load), |k| self.slopes.acting.arriving[k])
+    fn delivered(&self, load: usize) -> D {
+        let state_loads = self.reduced.state_loads(self.slopes.air).ok().flatten();
+        let place = state_loads.and_then(|s| s.drives_with_efficiency.iter().position(|l| *l == load));
+        place.map_or_else(|| self.size(load), |k| self.slopes.evaluator.delivered[k])
     }
 
-    fn of_stop(&self, effect: &Effect, stop: usize) -> D {
+    fn of_stop(&self, effect: &Forces, stop: usize) -> D {
         let holds = |side: usize| self.state.travel[side].is_some_and(|e| e.stop == stop);
         if !(effect.by_stop && effect.held.is_some_and(holds)) {
             return ZERO;
@@ -328,7 +329,7 @@ impl View<'_> {
         }
     }
 
-    fn of_lock(&self, effect: &Effect, lock: usize) -> D {
+    fn of_lock(&self, effect: &Forces, lock: usize) -> D {
         let (loading, locks) = (self.reduced.loading(), &self.inputs.locks);
         let stop = loading.locks[lock].stop;
         let holds = |side: &usize| self.state.travel[*side].is_some_and(|e| e.stop == stop);
@@ -339,7 +340,7 @@ impl View<'_> {
         finite(scaled(effect.free, -outward / (path.norm() * engaged as f64)))
     }
 
-    fn others(&mut self, drive: usize, moving: bool) -> Result<D, Unknown> {
+    fn others(&mut self, drive: usize, moving: bool) -> Result<D, OutputError> {
         let influence = self.influence(drive);
         let force = if moving {
             self.effect()?.free
@@ -347,60 +348,60 @@ impl View<'_> {
             self.slopes.effect = None;
             self.evaluate(ZERO, 0.0)?
         };
-        Ok(force - self.arriving(drive) * influence)
+        Ok(force - self.delivered(drive) * influence)
     }
 
-    fn inverse(&mut self, drive: usize, acceleration: D, breakaway: Option<f64>) -> Result<D, Unknown> {
+    fn inverse(&mut self, drive: usize, acceleration: D, breakaway: Option<f64>) -> Result<D, OutputError> {
         let sigma_dot = if breakaway.is_some() { ZERO } else { self.speed() };
         let direction = breakaway.unwrap_or(toward(sigma_dot.value, acceleration.value));
         self.slopes.effect = None;
         let free = self.evaluate(sigma_dot, direction)?;
-        let (sigma, size) = (self.sigma(), self.arriving(drive));
-        match self.reduced.scene(self.slopes.air).ok().flatten() {
+        let (sigma, size) = (self.sigma(), self.delivered(drive));
+        match self.reduced.state_loads(self.slopes.air).ok().flatten() {
             None => Ok(acceleration - (free - size * self.influence(drive))),
-            Some(scene) => {
-                let Slopes { acting, folded, .. } = &mut *self.slopes;
-                Ok(acting.required(scene, folded, sigma, (drive, size), acceleration, breakaway)?)
+            Some(state_loads) => {
+                let Slopes { evaluator, panel_force, .. } = &mut *self.slopes;
+                Ok(evaluator.required(state_loads, panel_force, sigma, (drive, size), acceleration, breakaway)?)
             }
         }
     }
 
-    fn one_element(&mut self, drive: usize, term: OneElement) -> Result<D, Unknown> {
+    fn one_element(&mut self, drive: usize, term: OneElement) -> Result<D, OutputError> {
         let table = checked(self.reduced.displacement(drive))?;
         let (slope, bend) = (self.known(table, 1), self.look(table, 2));
         let per = inverse(slope);
         let speed = slope * self.speed();
         let efficiency = self.reduced.loading().drives[drive].efficiency;
-        let lossy = |power: f64, value: D| match efficiency {
+        let with_efficiency = |power: f64, value: D| match efficiency {
             Some(eta) if power < 0.0 => scaled(value, eta),
             Some(eta) => scaled(value, 1.0 / eta),
             None => value,
         };
         let present = self.size(drive).value * speed.value;
         let value = match term {
-            OneElement::ReducedMass => lossy(present, per * per),
-            OneElement::ReducedMassDerivative => lossy(present, scaled(bend * per * per * per * per, -2.0)),
-            OneElement::StaticLoad => lossy(present, -(self.others(drive, true)? * per)),
-            OneElement::AdditionalForce => lossy(present, bend * self.speed() * per * self.speed() * per),
+            OneElement::ReducedMass => with_efficiency(present, per * per),
+            OneElement::ReducedMassDerivative => with_efficiency(present, scaled(bend * per * per * per * per, -2.0)),
+            OneElement::StaticLoad => with_efficiency(present, -(self.others(drive, true)? * per)),
+            OneElement::AdditionalForce => with_efficiency(present, bend * self.speed() * per * self.speed() * per),
             OneElement::RequiredForce => {
                 let input = self.reduced.loading().inputs.len() + drive;
                 let demand = Dual { value: self.inputs.reals[input], slope: [self.slopes.inputs[input]] };
                 let acceleration = (demand - bend * self.speed() * self.speed()) * per;
                 let force = self.inverse(drive, acceleration, None)? * per;
                 let moving = if speed.value == 0.0 { demand.value } else { speed.value };
-                lossy(force.value * moving, force)
+                with_efficiency(force.value * moving, force)
             }
             OneElement::HoldingForce => -(self.others(drive, false)? * per),
             OneElement::BreakawayForward | OneElement::BreakawayBackward => {
                 let forward = if term == OneElement::BreakawayForward { 1.0 } else { -1.0 };
                 let force = self.inverse(drive, ZERO, Some(forward * slope.value.signum()))? * per;
-                lossy(force.value * forward, force)
+                with_efficiency(force.value * forward, force)
             }
         };
         Ok(finite(value))
     }
 
-    fn reaction(&mut self, joint: usize) -> Result<[D; 3], Unknown> {
+    fn reaction(&mut self, joint: usize) -> Result<[D; 3], OutputError> {
         if let Some(value) = self.slopes.reactions[joint] {
             return Ok(value);
         }
@@ -408,11 +409,11 @@ impl View<'_> {
         let reduced = self.reduced;
         let loading = reduced.loading();
         let terms = 2 + loading.base();
-        let parts = if reduced.linkage().joints[joint].freedom == Freedom::Turn { 2 } else { 3 };
+        let parts = if reduced.linkage().joints[joint].freedom == Freedom::Revolute { 2 } else { 3 };
         let table = reduced.reaction(joint);
         // The exact evaluator tells no derivative along sigma.
         let exact = match &table {
-            Err(at) if self.slopes.along[0] != 0.0 => return Err(Unknown::Table((*at).clone())),
+            Err(at) if self.slopes.along[0] != 0.0 => return Err(OutputError::Table((*at).clone())),
             Err(_) => reduced.exact_reaction(joint, self.state.sigma),
             Ok(_) => Vec::new(),
         };
@@ -432,13 +433,13 @@ impl View<'_> {
         add(self, 0, effect.acceleration);
         add(self, 1, self.speed() * self.speed());
         for load in 0..reduced.components().sized {
-            add(self, 2 + load, self.arriving(load));
+            add(self, 2 + load, self.delivered(load));
         }
         for (place, spring) in loading.springs.iter().enumerate() {
-            add(self, 2 + spring.load, -self.pull(place)?);
+            add(self, 2 + spring.load, -self.spring_force(place)?);
         }
         let states = loading.loads.len() - loading.base();
-        let mut add_state = |view: &Self, load: usize, size: D| -> Result<(), Unknown> {
+        let mut add_state = |view: &Self, load: usize, size: D| -> Result<(), OutputError> {
             if size == ZERO {
                 return Ok(());
             }
@@ -447,15 +448,15 @@ impl View<'_> {
                 let unit = match (&table, exact.get(2 + load)) {
                     (Ok(table), _) => view.look(table, part * states + load - loading.base()),
                     (Err(_), Some(exact)) => D::constant(part_of(exact, part)),
-                    (Err(at), None) => return Err(Unknown::Table((*at).clone())),
+                    (Err(at), None) => return Err(OutputError::Table((*at).clone())),
                 };
                 *sum = *sum + size * unit;
             }
             Ok(())
         };
-        let scene = reduced.scene(self.slopes.air).ok().flatten();
-        for (k, &load) in scene.map_or(&[][..], |s| &s.loads).iter().enumerate() {
-            add_state(self, load, self.slopes.acting.loads[k])?;
+        let state_loads = reduced.state_loads(self.slopes.air).ok().flatten();
+        for (k, &load) in state_loads.map_or(&[][..], |s| &s.loads).iter().enumerate() {
+            add_state(self, load, self.slopes.evaluator.loads[k])?;
         }
         if let Some(side) = effect.held {
             if let Some(end) = self.state.travel[side].filter(|_| effect.by_stop) {

@@ -38,7 +38,7 @@ impl Natural {
 
     /// Of every coordinate and its two derivatives along sigma.
     pub(super) fn coordinates(&self, linkage: &Linkage) -> Vec<f64> {
-        let size = |i: usize| if i < linkage.turns { 1.0 } else { linkage.size };
+        let size = |i: usize| if i < linkage.angles { 1.0 } else { linkage.size };
         (0..linkage.coordinates.len()).flat_map(|i| self.derivatives(size(i))).collect()
     }
 
@@ -108,7 +108,7 @@ impl Components {
             let [s, s_sigma, _] = loading.loads[spring.load].displacement(curve.linkage(), c);
             Pull {
                 load: spring.load,
-                at_rest: -spring.pull(s),
+                at_rest: -spring.force(s),
                 damping: spring.damping * s_sigma,
                 winding: self.winding.map_or(0.0, |_| -spring.stiffness * winding(loading, curve, spring)),
             }

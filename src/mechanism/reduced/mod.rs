@@ -6,12 +6,12 @@
 mod components;
 mod error;
 mod resolved;
-mod scene;
 mod start;
+mod state_loads;
 
 pub use components::Components;
 pub use error::ReductionError;
-pub use scene::Scene;
+pub use state_loads::StateLoads;
 
 use crate::mechanism::curve::{Configuration, Curve, CurveError, Ends, NEAR_CROSSING, Workspace};
 use crate::mechanism::definition::Mechanism;
@@ -42,7 +42,7 @@ pub struct Reduced {
     /// Whether the motion is to be evaluated without them.
     exact: bool,
     /// Without and with air that moves.
-    scenes: [OnceLock<Result<Option<Scene>, Unresolved>>; 2],
+    scenes: [OnceLock<Result<Option<StateLoads>, Unresolved>>; 2],
 }
 
 /// Tables that follow from the curve, the markers, the loads of unit size and the laws of the springs.
@@ -343,8 +343,8 @@ impl Reduced {
     ///
     /// # Errors
     /// [`Unresolved`].
-    pub fn scene(&self, air: bool) -> Result<Option<&Scene>, &Unresolved> {
-        self.scenes[usize::from(air)].get_or_init(|| Scene::build(self, air)).as_ref().map(Option::as_ref)
+    pub fn state_loads(&self, air: bool) -> Result<Option<&StateLoads>, &Unresolved> {
+        self.scenes[usize::from(air)].get_or_init(|| StateLoads::build(self, air)).as_ref().map(Option::as_ref)
     }
 
     /// Which tables have been built so far, besides those of the influences and coordinates.
@@ -365,9 +365,9 @@ impl Reduced {
     }
 
     /// What the table of the motion holds, that of the scene or else [`Self::influence`], at sigma from the exact evaluator.
-    pub fn exact_motion(&self, scene: Option<&Scene>, sigma: f64) -> Vec<f64> {
+    pub fn exact_motion(&self, state_loads: Option<&StateLoads>, sigma: f64) -> Vec<f64> {
         let c = self.curve.configuration(sigma);
-        match scene {
+        match state_loads {
             None => {
                 let mut values = vec![0.0; self.components.count];
                 let influence = |load: usize| self.loading.loads[load].influence(self.linkage(), &c);
@@ -376,9 +376,9 @@ impl Reduced {
                 self.components.fill_effects(&pulls, influence, &mut values);
                 values
             }
-            Some(scene) => {
-                let mut values = vec![0.0; scene.table.components()];
-                scene.fill(self, &c, &mut scene.room(self), &mut values);
+            Some(state_loads) => {
+                let mut values = vec![0.0; state_loads.table.components()];
+                state_loads.fill(self, &c, &mut state_loads.room(self), &mut values);
                 values
             }
         }

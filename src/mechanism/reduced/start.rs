@@ -18,7 +18,7 @@ impl Reduced {
             |panel: usize, order: usize| x.map(|x| polynomial(table.series(panel, 3 * coordinate + order), x));
         let samples: Vec<_> = (0..table.panels()).map(|panel| [0, 1].map(|order| sampled(panel, order))).collect();
         // On a curve that turns fully round the value may lie some turns away.
-        let turns = if growth == 0.0 {
+        let revolutions = if growth == 0.0 {
             vec![0.0]
         } else {
             let all = || samples.iter().flat_map(|[values, _]| values.iter().copied());
@@ -31,7 +31,7 @@ impl Reduced {
             Some(period) => sigma.abs().min((period - sigma).abs()),
             None => sigma.abs(),
         };
-        for turn in turns {
+        for turn in revolutions {
             let wanted = value - turn * growth;
             for (panel, [values, slopes]) in samples.iter().enumerate() {
                 let (a, b) = table.borders(panel);
@@ -69,7 +69,7 @@ impl Reduced {
         let (sigma, turn) = best.ok_or_else(|| {
             let (low, high) = self.reach(table, coordinate);
             let same = value + TAU * ((0.5 * (low + high) - value) / TAU).round();
-            let turned = (coordinate < self.linkage().turns && (low..=high).contains(&same)).then_some(same);
+            let turned = (coordinate < self.linkage().angles && (low..=high).contains(&same)).then_some(same);
             ReductionError::Start { name: name.into(), value, range: (low, high), turned }
         })?;
         if growth != 0.0 {
@@ -115,18 +115,18 @@ impl Reduced {
 
     /// sigma within the curve, and the number of turns before it, for a sigma counted on over whole turns.
     pub fn unwound(&self, sigma: f64) -> (f64, f64) {
-        let turns = self.period().map_or(0.0, |period| ((sigma - self.curve.range().0) / period).floor());
-        (sigma - turns * self.period().unwrap_or(0.0), turns)
+        let revolutions = self.period().map_or(0.0, |period| ((sigma - self.curve.range().0) / period).floor());
+        (sigma - revolutions * self.period().unwrap_or(0.0), revolutions)
     }
 
     /// sigma within the curve, and the number of turns before it, for a sigma just outside.
-    fn within_a_turn(&self, sigma: f64, turns: f64) -> (f64, f64) {
+    fn within_a_turn(&self, sigma: f64, revolutions: f64) -> (f64, f64) {
         let (first, last) = self.curve.range();
         match self.period() {
-            Some(period) if sigma < first => (sigma + period, turns - 1.0),
-            Some(period) if sigma >= last => (sigma - period, turns + 1.0),
-            Some(_) => (sigma, turns),
-            None => (sigma.clamp(first, last), turns),
+            Some(period) if sigma < first => (sigma + period, revolutions - 1.0),
+            Some(period) if sigma >= last => (sigma - period, revolutions + 1.0),
+            Some(_) => (sigma, revolutions),
+            None => (sigma.clamp(first, last), revolutions),
         }
     }
 }

@@ -3,7 +3,7 @@
 //! In: positions, velocities and accelerations of the two nodes. Out: forces at them, matrices, energies. It must not know
 //! joints, loads or time steps. d = x2 - x1 [m] is the vector between the nodes, l its length, e = d / l, n = J e with J
 //! the quarter turn; L is the length without force. Four components stand for (x1, x2).
-use crate::mechanism::linkage::{Vec2, cross, quarter};
+use crate::mechanism::linkage::{Vec2, cross, perp};
 use nalgebra::{Matrix4, Vector4};
 
 /// A point of the body in the nodes' terms: x = (1 - xi) x1 + xi x2 + eta J (x2 - x1).
@@ -27,12 +27,12 @@ impl Place {
 
     /// N s: the value at this point of what has the values `s` at the nodes (the rate of a position is a velocity).
     pub fn interpolate(self, s: [Vec2; 2]) -> Vec2 {
-        s[0] + self.xi * (s[1] - s[0]) + self.eta * quarter(s[1] - s[0])
+        s[0] + self.xi * (s[1] - s[0]) + self.eta * perp(s[1] - s[0])
     }
 
     /// N^T force: the forces at the nodes with the same virtual work [N].
     pub fn spread(self, force: Vec2) -> [Vec2; 2] {
-        let second = self.xi * force - self.eta * quarter(force);
+        let second = self.xi * force - self.eta * perp(force);
         [force - second, second]
     }
 }
@@ -65,7 +65,7 @@ impl Span {
         let d = x[1] - x[0];
         let length = d.norm();
         let along = d / length;
-        Self { length, along, across: quarter(along) }
+        Self { length, along, across: perp(along) }
     }
 
     /// Angular speed n . (v2 - v1) / l [rad/s].
@@ -206,11 +206,10 @@ mod tests {
     fn the_inertia_is_that_of_newton_and_euler() {
         // A rigid motion with a pivot's acceleration, omega and alpha; centre of mass at r from node 1.
         let (omega, alpha, angle) = (-7.0, 31.0, 1.1);
-        let at = |r: Vec2| Vec2::new(3.0, -4.0) + alpha * quarter(r) - omega * omega * r;
+        let at = |r: Vec2| Vec2::new(3.0, -4.0) + alpha * perp(r) - omega * omega * r;
         let d = turned(Vec2::new(BODY.length, 0.0), angle);
-        let r = BODY.center.xi * d + BODY.center.eta * quarter(d);
-        let ends =
-            Ends { x: [Vec2::zeros(), d], v: [Vec2::zeros(), omega * quarter(d)], a: [at(Vec2::zeros()), at(d)] };
+        let r = BODY.center.xi * d + BODY.center.eta * perp(d);
+        let ends = Ends { x: [Vec2::zeros(), d], v: [Vec2::zeros(), omega * perp(d)], a: [at(Vec2::zeros()), at(d)] };
         let [first, second] = BODY.demand(&ends);
         let force = BODY.mass * at(r);
         assert!((first + second - force).norm() < 1e-12 * force.norm());

@@ -12,7 +12,7 @@ const COINCIDE: f64 = 1e-12;
 
 /// A point of a body or of the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Spot {
+pub enum TablePosition {
     /// On the ground, at this position [m].
     Fixed(Vec2),
     /// In an element.
@@ -62,7 +62,7 @@ impl Mesh {
     /// # Errors
     /// A prismatic joint, a body that is no binary link, an E A out of range.
     pub fn new(linkage: &Linkage, axial_stiffness: &dyn Fn(usize) -> f64) -> Result<Self, RigidFemError> {
-        if let Some(joint) = linkage.joints.iter().find(|j| j.freedom != Freedom::Turn) {
+        if let Some(joint) = linkage.joints.iter().find(|j| j.freedom != Freedom::Revolute) {
             return Err(RigidFemError::Prismatic { joint: joint.name.clone() });
         }
         let (groups, of_joint) = group(linkage);
@@ -117,12 +117,12 @@ impl Mesh {
     }
 
     /// A point of the linkage in elements' terms.
-    pub fn spot(&self, point: Point) -> Spot {
+    pub fn spot(&self, point: Point) -> TablePosition {
         match point.body.checked_sub(1) {
-            None => Spot::Fixed(point.local),
+            None => TablePosition::Fixed(point.local),
             Some(element) => {
                 let (near, d) = self.arms[element];
-                Spot::Moving { element, place: Place::new(point.local - near, d) }
+                TablePosition::Moving { element, place: Place::new(point.local - near, d) }
             }
         }
     }

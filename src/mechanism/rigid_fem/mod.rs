@@ -135,7 +135,7 @@ impl RigidFem {
         }
         for spring in &self.springs {
             let load = &self.loads[spring.load];
-            let mut pull = spring.pull(load.displacement(&self.mesh, at));
+            let mut pull = spring.force(load.displacement(&self.mesh, at));
             if spring.damping != 0.0 {
                 pull += spring.damping * load.rate(&self.mesh, at);
             }

@@ -3,7 +3,7 @@
 //! In: a load of [`crate::mechanism::loads::unit_load`]. Out: its displacement S and, by virtual work, the forces dS/dx at the nodes of every
 //! element. It must not know how large the load is, nor time.
 use super::element::{Ends, Span};
-use super::mesh::{Mesh, Spot};
+use super::mesh::{Mesh, TablePosition};
 use crate::mechanism::linkage::{GROUND, Linkage, Vec2};
 use crate::mechanism::loads::unit_load::Load;
 
@@ -13,9 +13,9 @@ pub enum NodalLoad {
     /// The acceleration [m/s2] on every mass. S is the sum of m acceleration . r [J].
     Weight(Vec2),
     /// 1 N at a point. S is its position in this direction [m].
-    Force(Spot, Vec2),
+    Force(TablePosition, Vec2),
     /// 1 N that pushes two points apart. S is their distance [m].
-    Pair(Spot, Spot),
+    Pair(TablePosition, TablePosition),
     /// 1 N.m on the second body and -1 N.m on the first; none is the ground. S is the angle between them [rad].
     Couple(Option<usize>, Option<usize>),
 }
@@ -98,9 +98,9 @@ impl NodalLoad {
 
     /// S_dot [m/s, rad/s or W].
     pub fn rate(&self, mesh: &Mesh, at: &Present) -> f64 {
-        let velocity = |spot: Spot| match spot {
-            Spot::Fixed(_) => Vec2::zeros(),
-            Spot::Moving { element, place } => place.interpolate(mesh.rate(element, at.v)),
+        let velocity = |spot: TablePosition| match spot {
+            TablePosition::Fixed(_) => Vec2::zeros(),
+            TablePosition::Moving { element, place } => place.interpolate(mesh.rate(element, at.v)),
         };
         match *self {
             Self::Weight(acceleration) => mesh
@@ -126,9 +126,9 @@ impl NodalLoad {
     pub fn acceleration(&self, mesh: &Mesh, at: &Present, a: &[Vec2]) -> f64 {
         let still = Ends { x: [Vec2::zeros(); 2], v: [Vec2::zeros(); 2], a: [Vec2::zeros(); 2] };
         // Position, velocity and acceleration.
-        let point = |spot: Spot| match spot {
-            Spot::Fixed(position) => Ends { x: [position; 2], ..still },
-            Spot::Moving { element, place } => {
+        let point = |spot: TablePosition| match spot {
+            TablePosition::Fixed(position) => Ends { x: [position; 2], ..still },
+            TablePosition::Moving { element, place } => {
                 let ends = mesh.ends(element, at.x, at.v, a);
                 Ends {
                     x: [place.interpolate(ends.x); 2],
@@ -164,15 +164,15 @@ impl NodalLoad {
     }
 }
 
-fn position(mesh: &Mesh, at: &Present, spot: Spot) -> Vec2 {
+fn position(mesh: &Mesh, at: &Present, spot: TablePosition) -> Vec2 {
     match spot {
-        Spot::Fixed(position) => position,
-        Spot::Moving { element, place } => place.interpolate(mesh.place(element, at.x)),
+        TablePosition::Fixed(position) => position,
+        TablePosition::Moving { element, place } => place.interpolate(mesh.place(element, at.x)),
     }
 }
 
-fn push_at(spot: Spot, force: Vec2, forces: &mut NodalForces) {
-    if let Spot::Moving { element, place } = spot {
+fn push_at(spot: TablePosition, force: Vec2, forces: &mut NodalForces) {
+    if let TablePosition::Moving { element, place } = spot {
         add(&mut forces[element], place.spread(force));
     }
 }

@@ -1,6 +1,6 @@
 //! Outputs of a state: angles, forces in joints, energies. None allocates.
 use super::element::Span;
-use super::mesh::Spot;
+use super::mesh::TablePosition;
 use super::{RigidFem, State, Workspace};
 use crate::mechanism::linkage::{Point, Vec2};
 use crate::mechanism::reactions::Reaction;
@@ -30,8 +30,8 @@ impl RigidFem {
     /// Position [m], velocity [m/s] and acceleration [m/s2] of a point of a body.
     pub fn point(&self, state: &State, point: Point) -> [Vec2; 3] {
         match self.mesh.spot(point) {
-            Spot::Fixed(position) => [position, Vec2::zeros(), Vec2::zeros()],
-            Spot::Moving { element, place } => {
+            TablePosition::Fixed(position) => [position, Vec2::zeros(), Vec2::zeros()],
+            TablePosition::Moving { element, place } => {
                 let ends = self.mesh.ends(element, &state.positions, &state.velocities, &state.accelerations);
                 [ends.x, ends.v, ends.a].map(|s| place.interpolate(s))
             }

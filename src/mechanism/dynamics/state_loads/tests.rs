@@ -3,8 +3,8 @@
 use super::Mode;
 use crate::mechanism::GEAR;
 use crate::mechanism::definition::Mechanism;
-use crate::mechanism::dynamics::equation::{Motion, Work};
-use crate::mechanism::dynamics::panel_force::Given;
+use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
+use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::reduced::Reduced;
 use proptest::prelude::*;
 use std::sync::OnceLock;
@@ -29,21 +29,21 @@ proptest! {
         factor in -3.0..6.0f64,
     ) {
         let reduced = gear();
-        let scene = reduced.scene(false).unwrap().unwrap();
+        let state_loads = reduced.state_loads(false).unwrap().unwrap();
         let (first, last) = reduced.curve().range();
         // Off the last 0.02 rad beyond the stops.
         let sigma = first + (0.05 + 0.9 * part) * (last - first);
         let mut sizes = vec![0.0; reduced.components().sized];
         (sizes[0], sizes[1]) = (force, factor);
-        let mut work = Work::new(Some(scene));
-        let given = Given { sizes: &sizes, airspeed: 0.0, turns: 0.0, change: None };
-        let mut motion = Motion { reduced, scene: Some(scene), given, time: 0.0, mode: Mode::default(), work: &mut work, locked: false };
+        let mut scratch = Scratch::new(Some(state_loads));
+        let given = AppliedLoads { sizes: &sizes, airspeed: 0.0, revolutions: 0.0, change: None };
+        let mut motion = EquationOfMotion { reduced, state_loads: Some(state_loads), given, time: 0.0, mode: Mode::default(), scratch: &mut scratch, locked: false };
         motion.effect(sigma, sigma_dot).unwrap();
-        let acting = &motion.work.acting;
-        let (friction, n) = (&acting.friction, scene.pins.len());
+        let evaluator = &motion.scratch.evaluator;
+        let (friction, n) = (&evaluator.friction, state_loads.friction_joints.len());
         prop_assert!(friction.iterations <= 8, "{} iterations", friction.iterations);
-        let (effects, reactions) = (acting.effects.as_flattened(), acting.reactions.as_flattened());
-        let balance = super::balance(scene, effects, reactions, &effects[scene.inertial()]);
+        let (effects, reactions) = (evaluator.effects.as_flattened(), evaluator.reactions.as_flattened());
+        let balance = super::balance(state_loads, effects, reactions, &effects[state_loads.inertial()]);
         let largest = friction.size.iter().fold(0.0, |a: f64, s| a.max(*s));
         for i in 0..n {
             let r = [0, 1].map(|axis| {

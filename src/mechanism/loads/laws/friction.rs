@@ -21,64 +21,64 @@ pub struct Law {
 
 /// A stretch of slip speeds in which the law is smooth.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Band {
+pub enum Regime {
     /// |v| up to V_S: in proportion.
-    Ramp,
+    Viscous,
     /// Between V_S and V_d: the cubic step; with the sign of v.
-    Step(f64),
+    Transition(f64),
     /// Above V_d: constant; with the sign of v.
-    Level(f64),
+    Kinetic(f64),
 }
 
 impl Law {
     /// The stretch in which v [m/s] lies.
-    pub fn band(&self, v: f64) -> Band {
+    pub fn regime(&self, v: f64) -> Regime {
         let sign = if v < 0.0 { -1.0 } else { 1.0 };
         if v.abs() <= self.static_speed {
-            Band::Ramp
+            Regime::Viscous
         } else if v.abs() < self.kinetic_speed {
-            Band::Step(sign)
+            Regime::Transition(sign)
         } else {
-            Band::Level(sign)
+            Regime::Kinetic(sign)
         }
     }
 
     /// First and last v of a stretch [m/s].
-    pub fn range(&self, band: Band) -> (f64, f64) {
+    pub fn range(&self, regime: Regime) -> (f64, f64) {
         let (low, high) = (self.static_speed, self.kinetic_speed);
-        match band {
-            Band::Ramp => (-low, low),
-            Band::Step(sign) if sign > 0.0 => (low, high),
-            Band::Step(_) => (-high, -low),
-            Band::Level(sign) if sign > 0.0 => (high, f64::INFINITY),
-            Band::Level(_) => (f64::NEG_INFINITY, -high),
+        match regime {
+            Regime::Viscous => (-low, low),
+            Regime::Transition(sign) if sign > 0.0 => (low, high),
+            Regime::Transition(_) => (-high, -low),
+            Regime::Kinetic(sign) if sign > 0.0 => (high, f64::INFINITY),
+            Regime::Kinetic(_) => (f64::NEG_INFINITY, -high),
         }
     }
 
-    /// The stretch next to `band` towards v.
-    pub fn next(&self, band: Band, v: f64) -> Band {
-        let (low, high) = self.range(band);
+    /// The stretch next to `regime` towards v.
+    pub fn next(&self, regime: Regime, v: f64) -> Regime {
+        let (low, high) = self.range(regime);
         let upward = v > 0.5 * (low.max(-f64::MAX) + high.min(f64::MAX));
-        match band {
-            Band::Ramp => Band::Step(if upward { 1.0 } else { -1.0 }),
-            Band::Step(sign) if upward == (sign > 0.0) => Band::Level(sign),
-            Band::Step(_) => Band::Ramp,
-            Band::Level(sign) => Band::Step(sign),
+        match regime {
+            Regime::Viscous => Regime::Transition(if upward { 1.0 } else { -1.0 }),
+            Regime::Transition(sign) if upward == (sign > 0.0) => Regime::Kinetic(sign),
+            Regime::Transition(_) => Regime::Viscous,
+            Regime::Kinetic(sign) => Regime::Transition(sign),
         }
     }
 
-    /// mu with the sign of v [1] over the slip speed v [m/s] of any sign, as on `band`; it goes on beyond its ends, for steps that
+    /// mu with the sign of v [1] over the slip speed v [m/s] of any sign, as on `regime`; it goes on beyond its ends, for steps that
     /// try to go there before the end is found.
-    pub fn cubic(&self, band: Band) -> Cubic {
+    pub fn cubic(&self, regime: Regime) -> Cubic {
         let (low, high) = (self.static_coefficient, self.kinetic_coefficient);
-        match band {
-            Band::Ramp => Cubic { from: 0.0, rate: 1.0 / self.static_speed, terms: [0.0, low, 0.0, 0.0] },
-            Band::Step(sign) => Cubic {
+        match regime {
+            Regime::Viscous => Cubic { from: 0.0, rate: 1.0 / self.static_speed, terms: [0.0, low, 0.0, 0.0] },
+            Regime::Transition(sign) => Cubic {
                 from: sign * self.static_speed,
                 rate: sign / (self.kinetic_speed - self.static_speed),
                 terms: [low, 0.0, 3.0 * (high - low), -2.0 * (high - low)].map(|term| sign * term),
             },
-            Band::Level(sign) => Cubic { from: 0.0, rate: 0.0, terms: [sign * high, 0.0, 0.0, 0.0] },
+            Regime::Kinetic(sign) => Cubic { from: 0.0, rate: 0.0, terms: [sign * high, 0.0, 0.0, 0.0] },
         }
     }
 }

@@ -1,12 +1,12 @@
 //! Inputs that change in every step, and huge ones.
-use crate::stress::Scene;
+use crate::stress::StateLoads;
 use crate::stress::case::{Case, GEAR, MECHANISMS};
 use crate::stress::plan::{Cut, Force, Plan};
 use crate::stress::scene::Expected;
 use linkage_fmu::variables::Value;
 
 /// Every mechanism with an input that switches its sign in every step, or jumps at random; the gear without its stops.
-pub fn changing() -> Vec<Scene> {
+pub fn changing() -> Vec<StateLoads> {
     let mut scenes = Vec::new();
     for m in &MECHANISMS {
         let inputs = [
@@ -19,7 +19,7 @@ pub fn changing() -> Vec<Scene> {
                 let case = if m.name == GEAR.name { Case::of(m).free() } else { Case::of(m) };
                 // The gear's crank says where it is between its toggles only.
                 let wild = m.name == GEAR.name && force == Force::Noise(1e3);
-                scenes.push(Scene {
+                scenes.push(StateLoads {
                     group: "Changing inputs",
                     what: format!("{} {what} in each of {steps} steps", m.input),
                     case,
@@ -35,7 +35,7 @@ pub fn changing() -> Vec<Scene> {
 
 /// Every mechanism under 1e9 N or N.m: as long as it takes to move about as far as under the stated input, and a hundred
 /// times as long; and numbers beyond reason.
-pub fn huge() -> Vec<Scene> {
+pub fn huge() -> Vec<StateLoads> {
     const GROUP: &str = "Huge inputs";
     let mut scenes = Vec::new();
     for m in &MECHANISMS {
@@ -49,7 +49,7 @@ pub fn huge() -> Vec<Scene> {
         let span = m.span * (stated.abs() / 1e9).sqrt();
         let mut add = |what: String, case: Case, span: f64, steps: u64, expected: Expected| {
             let plan = Plan::new(span, Cut::Equal(steps), Force::Stated);
-            scenes.push(Scene { group: GROUP, what, case, plan, tolerance: 1e-9, expected });
+            scenes.push(StateLoads { group: GROUP, what, case, plan, tolerance: 1e-9, expected });
         };
         for steps in [1, 100] {
             add(
@@ -80,6 +80,6 @@ pub fn huge() -> Vec<Scene> {
     let plan = Plan::new(2e-3, Cut::Equal(200), Force::Stated);
     let case = Case::of(GEAR).with(GEAR.input, 1e9);
     let what = "actuator.force = 1e9 against the upstop".into();
-    scenes.push(Scene { group: GROUP, what, case, plan, tolerance: 1e-9, expected: held });
+    scenes.push(StateLoads { group: GROUP, what, case, plan, tolerance: 1e-9, expected: held });
     scenes
 }

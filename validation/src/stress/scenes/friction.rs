@@ -1,17 +1,17 @@
 //! Friction: a border to rest that is almost a jump, and coefficients next to self-locking.
-use crate::stress::Scene;
+use crate::stress::StateLoads;
 use crate::stress::case::{Case, GEAR, JIB};
 use crate::stress::plan::{Cut, Force, Plan};
 use crate::stress::reference::TABLE;
 use crate::stress::scene::Expected;
 
 /// The gear's retraction with friction; V_S from 1e-6 m/s.
-pub fn slow_border() -> Vec<Scene> {
+pub fn slow_border() -> Vec<StateLoads> {
     let mut scenes = Vec::new();
     for border in [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1] {
         for (steps, tolerance) in [(1, 1e-6), (130, 1e-6), (1, 1e-9), (130, 1e-9), (13_000, 1e-9)] {
             let case = Case::of(GEAR).turned("friction.enabled", true).with("friction.static_speed", border);
-            scenes.push(Scene {
+            scenes.push(StateLoads {
                 group: "Friction",
                 what: format!("V_S = {border:e} m/s, 0.13 s in {}", super::count(steps)),
                 case,
@@ -27,7 +27,7 @@ pub fn slow_border() -> Vec<Scene> {
 /// The jib in a plane without gravity, its mass m at the distance c, on a pin of radius r with constant mu. The pin bears
 /// m c sqrt(w^4 + a^2), so m c^2 a = -mu r m c sqrt(w^4 + a^2): with k = mu r / c < 1 a = -q w^2, q = k / sqrt(1 - k^2), and
 /// theta = ln(1 + q w0 t) / q. With k >= 1 a body that moves has no acceleration at all: friction locks.
-pub fn self_locking() -> Vec<Scene> {
+pub fn self_locking() -> Vec<StateLoads> {
     const ARM: f64 = 5.0;
     const MU: f64 = 0.5;
     const SPEED: f64 = 10.0;
@@ -59,7 +59,7 @@ pub fn self_locking() -> Vec<Scene> {
             } else {
                 Expected::refusal(&["friction locks the mechanism near jib", "pin radii", "reduce them"])
             };
-            scenes.push(Scene {
+            scenes.push(StateLoads {
                 group: "Self-locking",
                 what: format!("k = mu r / c = {k}"),
                 case,

@@ -1,6 +1,6 @@
 //! Long runs: slow motion, toggles passed ten thousand times, ten million short steps.
 use super::starts::toggle;
-use crate::stress::Scene;
+use crate::stress::StateLoads;
 use crate::stress::case::{Case, GEAR, MECHANISMS, Scaling};
 use crate::stress::plan::{Cut, Force, Plan};
 use crate::stress::reference::TABLE;
@@ -8,12 +8,12 @@ use crate::stress::scene::Expected;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Every mechanism so slow that its scene takes 1e6 s, in one step and in steps of 1 s.
-pub fn slow() -> Vec<Scene> {
+pub fn slow() -> Vec<StateLoads> {
     let mut scenes = Vec::new();
     for m in &MECHANISMS {
         for steps in [1, 1_000_000] {
             let time = 1e6 / m.span;
-            scenes.push(Scene {
+            scenes.push(StateLoads {
                 group: "Slow motion",
                 what: format!("1e6 s in {}", super::count(steps)),
                 case: Case::of(m).scaled(Scaling { mass: 1.0, length: 1.0, time }),
@@ -57,12 +57,12 @@ fn round_trip(theta2: f64, omega: f64) -> f64 {
 }
 
 /// 1e4 passages of toggles and dead centres.
-pub fn toggles() -> Vec<Scene> {
+pub fn toggles() -> Vec<StateLoads> {
     const GROUP: &str = "Ten thousand toggles";
     const TURNS: f64 = 5000.0;
     let mut scenes = Vec::new();
     let mut add = |what: String, case: Case, plan: Plan, tolerance: f64, expected: Expected| {
-        scenes.push(Scene { group: GROUP, what, case, plan, tolerance, expected });
+        scenes.push(StateLoads { group: GROUP, what, case, plan, tolerance, expected });
     };
     for (omega, cut) in [(-20.0, Cut::Equal(1)), (-20.0, Cut::Irregular(20_000)), (2e-3, Cut::Equal(7919))] {
         let still = [("actuator.force", 0.0), ("load_factor", 0.0), ("crank.start_speed", omega)];
@@ -102,8 +102,8 @@ pub fn toggles() -> Vec<Scene> {
 }
 
 /// Ten million steps: neither the motion nor its time drifts.
-pub fn short_steps() -> Vec<Scene> {
-    let scene = |(span, tolerance): (f64, f64)| Scene {
+pub fn short_steps() -> Vec<StateLoads> {
+    let scene = |(span, tolerance): (f64, f64)| StateLoads {
         group: "Ten million steps",
         what: format!("{span} s in 10000000 steps"),
         case: Case::of(GEAR),

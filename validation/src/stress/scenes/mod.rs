@@ -7,10 +7,10 @@ mod starts;
 mod steps;
 mod together;
 
-use super::Scene;
+use super::StateLoads;
 
 /// All, group by group.
-pub fn all() -> Vec<Scene> {
+pub fn all() -> Vec<StateLoads> {
     let groups = [
         steps::tolerances(),
         steps::communication(),

@@ -1,12 +1,12 @@
 //! Masses, lengths and forces from a millionth to a million times their size, and bodies of very unlike masses.
-use crate::stress::Scene;
+use crate::stress::StateLoads;
 use crate::stress::case::{Case, MECHANISMS, Scaling};
 use crate::stress::plan::{Cut, Force, Plan};
 use crate::stress::scene::Expected;
 use linkage_fmu::variables::{Unit, Value};
 
 /// Every mechanism in other units: the same angles must come out at times that are multiplied alike.
-pub fn units() -> Vec<Scene> {
+pub fn units() -> Vec<StateLoads> {
     let mut scenes = Vec::new();
     for m in &MECHANISMS {
         for s in [1e-6_f64, 1e-3, 1e3, 1e6] {
@@ -21,7 +21,7 @@ pub fn units() -> Vec<Scene> {
                 ("times", Scaling { mass: 1.0, length: 1.0, time: s }),
             ];
             for (what, scaling) in scalings {
-                scenes.push(Scene {
+                scenes.push(StateLoads {
                     group: "Sizes",
                     what: format!("{what} x {s:e}"),
                     case: Case::of(m).scaled(scaling),
@@ -58,7 +58,7 @@ const STILL: [(&str, &str, f64); 17] = [
 ];
 
 /// One body of every mechanism a million and a billion times as heavy, or light, as stated.
-pub fn mass_ratios() -> Vec<Scene> {
+pub fn mass_ratios() -> Vec<StateLoads> {
     let mut scenes = Vec::new();
     for m in &MECHANISMS {
         let Ok(model) = Case::of(m).model(1e-9) else { continue };
@@ -73,7 +73,7 @@ pub fn mass_ratios() -> Vec<Scene> {
                 let alone =
                     matches!(m.name, "CraneJib" | "FourBar") && parameter.name.ends_with("mass") && factor == 1e-9;
                 let still = alone || STILL.contains(&(m.name, &parameter.name, factor));
-                scenes.push(Scene {
+                scenes.push(StateLoads {
                     group: "Mass ratios",
                     what: format!("{} x {factor:e}", parameter.name),
                     case: Case::of(m).with(parameter.name.clone(), factor * stated),

@@ -1,15 +1,15 @@
 //! Tolerances and communication steps.
-use crate::stress::Scene;
+use crate::stress::StateLoads;
 use crate::stress::case::{Case, MECHANISMS};
 use crate::stress::plan::{Cut, Force, Plan};
 use crate::stress::scene::Expected;
 
 /// Every mechanism at every power of ten, in one step and in those of its default experiment.
-pub fn tolerances() -> Vec<Scene> {
+pub fn tolerances() -> Vec<StateLoads> {
     let mut scenes = Vec::new();
     for m in &MECHANISMS {
         for (exponent, steps) in (2..=13).flat_map(|exponent| [(exponent, 1), (exponent, m.steps)]) {
-            scenes.push(Scene {
+            scenes.push(StateLoads {
                 group: "Tolerances",
                 what: format!("{} s in {}", m.span, super::count(steps)),
                 case: Case::of(m),
@@ -23,11 +23,11 @@ pub fn tolerances() -> Vec<Scene> {
 }
 
 /// Every mechanism in steps of 1 us to 1 s, irregular ones, and steps one unit in the last place of the time.
-pub fn communication() -> Vec<Scene> {
+pub fn communication() -> Vec<StateLoads> {
     let mut scenes = Vec::new();
     for m in &MECHANISMS {
         let mut add = |what: String, span: f64, cut: Cut| {
-            scenes.push(Scene {
+            scenes.push(StateLoads {
                 group: "Communication steps",
                 what,
                 case: Case::of(m),

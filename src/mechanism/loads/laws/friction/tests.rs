@@ -6,7 +6,7 @@ use proptest::prelude::*;
 const LAW: Law = Law { static_coefficient: 0.19, kinetic_coefficient: 0.026, static_speed: 0.01, kinetic_speed: 1.0 };
 
 fn mu(v: f64) -> f64 {
-    LAW.cubic(LAW.band(v)).at(v)
+    LAW.cubic(LAW.regime(v)).at(v)
 }
 
 #[test]
@@ -33,10 +33,10 @@ proptest! {
         let kink = [0.0, LAW.static_speed, LAW.kinetic_speed].iter().any(|k| (v.abs() - k).abs() < 1e-6);
         if !kink {
             let h = 1e-7;
-            let slope = LAW.cubic(LAW.band(v)).at(Dual::<1>::variable(v, 0)).slope[0];
+            let slope = LAW.cubic(LAW.regime(v)).at(Dual::<1>::variable(v, 0)).slope[0];
             let difference = (mu(v + h) - mu(v - h)) / (2.0 * h);
             // Third derivative of the cubic step, and rounding of the quotient.
-            let (low, high) = LAW.range(LAW.band(v));
+            let (low, high) = LAW.range(LAW.regime(v));
             prop_assert!(low <= v && v <= high);
             prop_assert!((slope - difference).abs() < 1e-8 * (1.0 + slope.abs()));
         }
@@ -149,7 +149,7 @@ fn friction_that_feeds_itself_is_an_error() {
 fn bands_follow_one_another() {
     for (v, beyond) in [(0.005, 0.02), (0.02, 0.005), (0.5, 1.5), (1.5, 0.5)] {
         for sign in [1.0, -1.0] {
-            assert_eq!(LAW.next(LAW.band(sign * v), sign * beyond), LAW.band(sign * beyond), "{v} to {beyond}");
+            assert_eq!(LAW.next(LAW.regime(sign * v), sign * beyond), LAW.regime(sign * beyond), "{v} to {beyond}");
         }
     }
 }

@@ -6,8 +6,8 @@
 use super::Reduced;
 use super::components::Pull;
 use crate::mechanism::curve::Configuration;
-use crate::mechanism::linkage::{Freedom, quarter};
-use crate::mechanism::loads::resolved::Pin;
+use crate::mechanism::linkage::{Freedom, perp};
+use crate::mechanism::loads::resolved::FrictionJoint;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::reactions::{Columns, Reaction, groups};
 use crate::numerics::table::{Bundle, Table, Unresolved};
@@ -19,15 +19,15 @@ use std::ops::Range;
 /// that normal to its axis and 0. The components of n pins are told with all x first, then all y. The pins of a group
 /// transmit the same force under friction, but for its sign; as signs don't matter, they are told with that of the first.
 #[derive(Clone, Debug)]
-pub struct Scene {
+pub struct StateLoads {
     /// Drives with an efficiency, by their loads.
-    pub lossy: Vec<usize>,
+    pub drives_with_efficiency: Vec<usize>,
     /// Whether the drag of the air acts.
     pub air: bool,
     /// Bumpers, by their stops.
     pub bumpers: Vec<usize>,
     /// Joints with friction.
-    pub pins: Vec<Pin>,
+    pub friction_joints: Vec<FrictionJoint>,
     /// Group of each pin, numbered from 0.
     pub groups: Vec<usize>,
     /// First pin of each group.
@@ -42,7 +42,7 @@ pub struct Scene {
     /// of the other `loads`; then directions of surfaces and displacements of bumpers.
     pub bundle: Bundle,
     /// Effects of each given load on all components of the pins' reactions.
-    pub caused_by_given: Vec<Bundle>,
+    pub caused_by_applied: Vec<Bundle>,
     /// Components of the table for the effects of given loads on the motion or on one component of a pin's reaction.
     given: usize,
 }
@@ -63,26 +63,26 @@ pub(super) struct Room {
     parts: Vec<f64>,
 }
 
-impl Scene {
+impl StateLoads {
     /// Rows of effects: the motion, then the components of the pins' reactions.
     pub fn rows(&self) -> usize {
-        1 + 2 * self.pins.len()
+        1 + 2 * self.friction_joints.len()
     }
 
     /// Number of `loads` that are not friction.
     pub fn free(&self) -> usize {
-        self.loads.len() - self.pins.len()
+        self.loads.len() - self.friction_joints.len()
     }
 
     /// In the bundle: reactions to sigma_dot^2 = 1.
     pub fn square(&self) -> Range<usize> {
-        let (first, n) = (self.loads.len(), self.pins.len());
+        let (first, n) = (self.loads.len(), self.friction_joints.len());
         first..first + 2 * n
     }
 
     /// In the bundle: reactions to sigma_ddot = 1.
     pub fn inertial(&self) -> Range<usize> {
-        let (first, n) = (self.square().end, self.pins.len());
+        let (first, n) = (self.square().end, self.friction_joints.len());
         first..first + 2 * n
     }
 
@@ -90,12 +90,12 @@ impl Scene {
     /// group, for all pins.
     pub fn passed(&self) -> Range<usize> {
         let first = self.inertial().end;
-        first..first + 2 * self.leaders.len() * self.pins.len()
+        first..first + 2 * self.leaders.len() * self.friction_joints.len()
     }
 
     /// In the bundle: reactions to one of the `loads` that are not friction, with the motion that it causes.
     pub fn caused(&self, load: usize) -> Range<usize> {
-        let (first, n) = (self.passed().end, self.pins.len());
+        let (first, n) = (self.passed().end, self.friction_joints.len());
         first + 2 * n * load..first + 2 * n * (load + 1)
     }
 
@@ -124,58 +124,64 @@ impl Scene {
     pub(super) fn build(reduced: &Reduced, air: bool) -> Result<Option<Self>, Unresolved> {
         let (loading, linkage) = (&reduced.loading, reduced.linkage());
         let drives = loading.drives.iter().enumerate();
-        let lossy: Vec<usize> = drives.filter(|(_, d)| d.efficiency.is_some()).map(|(i, _)| i).collect();
+        let drives_with_efficiency: Vec<usize> =
+            drives.filter(|(_, d)| d.efficiency.is_some()).map(|(i, _)| i).collect();
         let stops = loading.stops.iter().enumerate();
         let bumpers: Vec<usize> = stops.filter(|(_, s)| s.enabled && !s.rigid).map(|(i, _)| i).collect();
-        let pins = match &loading.friction {
-            Some(friction) if friction.enabled => friction.pins.clone(),
+        let friction_joints = match &loading.friction {
+            Some(friction) if friction.enabled => friction.friction_joints.clone(),
             _ => Vec::new(),
         };
         let surfaces = loading.air.as_ref().filter(|_| air).map_or(&[][..], |air| &air.surfaces);
         let damped = reduced.components.damping.is_some();
-        if lossy.is_empty() && bumpers.is_empty() && pins.is_empty() && surfaces.is_empty() && !damped {
+        if drives_with_efficiency.is_empty()
+            && bumpers.is_empty()
+            && friction_joints.is_empty()
+            && surfaces.is_empty()
+            && !damped
+        {
             return Ok(None);
         }
         let mut loads: Vec<usize> = surfaces.iter().flat_map(|s| s.load..s.load + 3).collect();
         loads.extend(bumpers.iter().map(|&b| loading.stops[b].load));
-        loads.extend(pins.iter().map(|p| p.load));
+        loads.extend(friction_joints.iter().map(|p| p.load));
         let of_joints = groups(linkage);
         let mut leaders: Vec<usize> = Vec::new();
         let (mut of_pins, mut signs) = (Vec::new(), Vec::new());
-        for (i, pin) in pins.iter().enumerate() {
-            let (own, sign) = of_joints[pin.joint];
-            let found = leaders.iter().position(|&leader| of_joints[pins[leader].joint].0 == own);
+        for (i, friction_joint) in friction_joints.iter().enumerate() {
+            let (own, sign) = of_joints[friction_joint.joint];
+            let found = leaders.iter().position(|&leader| of_joints[friction_joints[leader].joint].0 == own);
             let group = found.unwrap_or(leaders.len());
             if found.is_none() {
                 leaders.push(i);
             }
             of_pins.push(group);
-            signs.push(sign * of_joints[pins[leaders[group]].joint].1);
+            signs.push(sign * of_joints[friction_joints[leaders[group]].joint].1);
         }
         let air = !surfaces.is_empty();
-        let mut scene = Self {
-            lossy,
+        let mut state_loads = Self {
+            drives_with_efficiency,
             air,
             bumpers,
-            pins,
+            friction_joints,
             groups: of_pins,
             leaders,
             signs,
             loads,
             table: Table::empty(),
             bundle: Bundle::default(),
-            caused_by_given: Vec::new(),
+            caused_by_applied: Vec::new(),
             given: reduced.components.count,
         };
-        let sizes = scene.sizes(reduced);
-        let mut room = scene.room(reduced);
-        let mut fill = |c: &Configuration, values: &mut [f64]| scene.fill(reduced, c, &mut room, values);
-        scene.table = reduced.tabulate(&reduced.fine, &[sizes], &mut fill).swap_remove(0)?;
-        scene.bundle = scene.table.bundle(0..scene.bundled());
-        let own = &scene;
-        let of_given = |k: usize| own.table.bundle((1..own.rows()).map(move |row| own.given(row, k)));
-        scene.caused_by_given = (0..scene.given).map(of_given).collect();
-        Ok(Some(scene))
+        let sizes = state_loads.sizes(reduced);
+        let mut room = state_loads.room(reduced);
+        let mut fill = |c: &Configuration, values: &mut [f64]| state_loads.fill(reduced, c, &mut room, values);
+        state_loads.table = reduced.tabulate(&reduced.fine, &[sizes], &mut fill).swap_remove(0)?;
+        state_loads.bundle = state_loads.table.bundle(0..state_loads.bundled());
+        let own = &state_loads;
+        let of_applied = |k: usize| own.table.bundle((1..own.rows()).map(move |row| own.given(row, k)));
+        state_loads.caused_by_applied = (0..state_loads.given).map(of_applied).collect();
+        Ok(Some(state_loads))
     }
 
     /// Natural sizes of all components.
@@ -190,7 +196,7 @@ impl Scene {
         sizes[self.square()].fill(1.0 / linkage.size);
         sizes[self.inertial()].fill(factor);
         for (k, size) in sizes[self.passed()].iter_mut().enumerate() {
-            *size = displacement(self.pins[k % self.pins.len()].load) / linkage.size;
+            *size = displacement(self.friction_joints[k % self.friction_joints.len()].load) / linkage.size;
         }
         for load in 0..self.free() {
             sizes[self.caused(load)].fill(influences[load] * factor);
@@ -221,7 +227,7 @@ impl Scene {
 
     /// All components at a configuration.
     pub(super) fn fill(&self, reduced: &Reduced, c: &Configuration, room: &mut Room, values: &mut [f64]) {
-        let (loading, linkage, n) = (&reduced.loading, reduced.linkage(), self.pins.len());
+        let (loading, linkage, n) = (&reduced.loading, reduced.linkage(), self.friction_joints.len());
         let Room { columns, loads, places, pulls, influence, parts } = room;
         influence.clear();
         let acts = |(load, place): (&Load, &usize)| if *place == NOWHERE { 0.0 } else { load.influence(linkage, c) };
@@ -240,11 +246,11 @@ impl Scene {
         values[self.square()].copy_from_slice(&parts[2 * n..4 * n]);
         values[self.inertial()].copy_from_slice(&parts[..2 * n]);
         let passed = &mut values[self.passed()];
-        for (pin, of_pin) in self.pins.iter().enumerate() {
+        for (friction_joint, of_pin) in self.friction_joints.iter().enumerate() {
             let part = &parts[of_load(of_pin.load)];
             for (group, &leader) in self.leaders.iter().enumerate() {
                 for axis in 0..2 {
-                    passed[(axis * self.leaders.len() + group) * n + pin] = part[axis * n + leader];
+                    passed[(axis * self.leaders.len() + group) * n + friction_joint] = part[axis * n + leader];
                 }
             }
         }
@@ -277,15 +283,15 @@ impl Scene {
 
     /// The components of the pins' reactions in all columns.
     fn part(&self, reduced: &Reduced, c: &Configuration, columns: &[Reaction], parts: &mut [f64]) {
-        let (joints, n) = (&reduced.linkage().joints, self.pins.len());
-        for (i, (pin, &sign)) in self.pins.iter().zip(&self.signs).enumerate() {
-            let joint = &joints[pin.joint];
+        let (joints, n) = (&reduced.linkage().joints, self.friction_joints.len());
+        for (i, (friction_joint, &sign)) in self.friction_joints.iter().zip(&self.signs).enumerate() {
+            let joint = &joints[friction_joint.joint];
             let normal = match joint.freedom {
-                Freedom::Turn => None,
-                Freedom::Slide(line) => Some(quarter(c.positions.vector(joint.first.body, line))),
+                Freedom::Revolute => None,
+                Freedom::Prismatic(line) => Some(perp(c.positions.vector(joint.first.body, line))),
             };
             for (column, parts) in columns.chunks_exact(joints.len()).zip(parts.chunks_exact_mut(2 * n)) {
-                let force = sign * column[pin.joint].force;
+                let force = sign * column[friction_joint.joint].force;
                 match normal {
                     None => (parts[i], parts[n + i]) = (force.x, force.y),
                     Some(normal) => parts[i] = force.dot(&normal),
