@@ -8,13 +8,13 @@ const SLOT: &str = r#"{
   "bodies": {
     "ground": { "length": 1.0 },
     "arm": { "length": 1.0, "mass": 1, "shape": "uniform_rod" },
-    "block": { "mass": 0.3, "inertia": 0.1, "center": [0.1, 0.2], "points": { "friction_joint": [0.2, -0.1] } },
+    "block": { "mass": 0.3, "inertia": 0.1, "center": [0.1, 0.2], "points": { "pin": [0.2, -0.1] } },
     "rocker": { "length": 0.4, "mass": 2, "shape": "uniform_rod" }
   },
   "joints": {
     "a": { "type": "revolute", "first": "ground.origin", "second": "arm.origin" },
     "slide": { "type": "prismatic", "first": "arm.origin", "second": "block.origin", "axis_angle": 0.3, "angle": 0.2 },
-    "b": { "type": "revolute", "first": "block.friction_joint", "second": "rocker.end" },
+    "b": { "type": "revolute", "first": "block.pin", "second": "rocker.end" },
     "c": { "type": "revolute", "first": "ground.end", "second": "rocker.origin" }
   },
   "start": { "body": "rocker", "angle": 1.0 },
