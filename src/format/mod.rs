@@ -1,8 +1,8 @@
-//! What every kind of definition file needs: JSON read to the letter, ordered names, errors with the path of the key, and
-//! the texts and ranges of parameters.
+//! What every kind of definition file needs: JSON read to the letter, ordered names, errors with the path of the key,
+//! and the texts and ranges of parameters.
 //!
-//! In: the text of a file. Out: a value of the definition's type, or an error for whoever writes the file. It must not know
-//! what any definition says.
+//! In: the text of a file. Out: a value of the definition's type, or an error for whoever writes the file. It must not
+//! know what any definition says.
 mod error;
 mod named;
 mod parameter;

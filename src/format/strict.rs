@@ -1,7 +1,7 @@
 //! JSON read to the letter: an object is an object, and every key has a value.
 //!
-//! serde's derived types also take an array for an object (values in the order of the fields), null for an optional key, and
-//! an object for a word; in a definition all three are faults.
+//! serde's derived types also take an array for an object (values in the order of the fields), null for an optional
+//! key, and an object for a word; in a definition all three are faults.
 use serde::de::value::StrDeserializer;
 use serde::de::{DeserializeSeed, Deserializer, Error, IntoDeserializer, MapAccess, Visitor};
 use serde::forward_to_deserialize_any;

@@ -4,8 +4,8 @@ use crate::format::{Flag, Owner, Range};
 use crate::variables::Unit;
 use serde::{Deserialize, Serialize};
 
-/// A stop: an end of the travel, stated by the angle of a turning body, the position of a prismatic joint, the angle of a
-/// revolute joint, or the distance of two points.
+/// A stop: an end of the travel, stated by the angle of a turning body, the position of a prismatic joint, the angle of
+/// a revolute joint, or the distance of two points.
 #[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Stop {
@@ -66,8 +66,8 @@ pub enum Limit {
     Upper,
 }
 
-/// A lock, which holds the mechanism at a stop while its input `<name>.engage` is true, by a force at a point along the path of
-/// the point.
+/// A lock, which holds the mechanism at a stop while its input `<name>.engage` is true, by a force at a point along the
+/// path of the point.
 #[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Lock {

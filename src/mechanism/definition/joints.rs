@@ -53,7 +53,8 @@ pub struct Friction {
     pub static_coefficient: f64,
     /// Coefficient of kinetic friction mu_d [1], >= 0.
     pub kinetic_coefficient: f64,
-    /// Slip speed V_S at which friction is static [m/s], > 0; at lower slip speeds friction is proportional to the slip speed.
+    /// Slip speed V_S at which friction is static [m/s], > 0; at lower slip speeds friction is proportional to the slip
+    /// speed.
     #[serde(default = "static_speed")]
     pub static_speed: f64,
     /// Slip speed V_d above which friction is kinetic [m/s], > V_S.

@@ -21,8 +21,8 @@ fn load_factor() -> f64 {
     1.0
 }
 
-/// A drive along the line between two points or in a joint. A positive force pushes the points apart; in a joint a positive
-/// force or torque moves the second body along the axis or anticlockwise.
+/// A drive along the line between two points or in a joint. A positive force pushes the points apart; in a joint a
+/// positive force or torque moves the second body along the axis or anticlockwise.
 #[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Actuator {
@@ -74,9 +74,10 @@ pub struct Torque {
     pub constant: bool,
 }
 
-/// A spring and damper. Between two points the force preload + stiffness (length - free_length) + damping d(length)/dt pulls
-/// the points together; in a revolute joint the torque preload + stiffness (angle - free_angle) + damping d(angle)/dt turns
-/// the second body clockwise, where angle is the angle of the second body less the angle of the first.
+/// A spring and damper. Between two points the force preload + stiffness (length - free_length) + damping d(length)/dt
+/// pulls the points together; in a revolute joint the torque preload + stiffness (angle - free_angle) + damping
+/// d(angle)/dt turns the second body clockwise, where angle is the angle of the second body less the angle of the
+/// first.
 #[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Spring {
@@ -114,8 +115,8 @@ pub struct Air {
     pub density: f64,
     /// Direction in which the air flows, angle from the X axis [rad].
     pub flow_angle: f64,
-    /// Whether drag follows from the velocity of the air relative to the moving surface; from the velocity of the air alone
-    /// where absent.
+    /// Whether drag follows from the velocity of the air relative to the moving surface; from the velocity of the air
+    /// alone where absent.
     #[serde(default)]
     pub relative_wind: bool,
     /// Start value of the input `airspeed` [m/s].
@@ -124,7 +125,8 @@ pub struct Air {
 }
 
 /// A surface with drag: a strip along the line between two points of one body, or an area at a point. The drag [N] is
-/// 1/2 density |u| u c S, with the air's velocity u [m/s] relative to the surface and the area S [m2] across u ([HF08] (1)).
+/// 1/2 density |u| u c S, with the air's velocity u [m/s] relative to the surface and the area S [m2] across u ([HF08]
+/// (1)).
 #[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Surface {

@@ -1,7 +1,8 @@
 //! The definition of a mechanism: the content of `mechanism.json`, with all checks that need no geometry.
 //!
-//! In: the text of the file. Out: a [`Mechanism`] whose names resolve and whose numbers are finite and in range; the list of
-//! its parameters. It must not know how loops are closed, nor FMI. SI units throughout, angles in rad, anticlockwise positive.
+//! In: the text of the file. Out: a [`Mechanism`] whose names resolve and whose numbers are finite and in range; the
+//! list of its parameters. It must not know how loops are closed, nor FMI. SI units throughout, angles in rad,
+//! anticlockwise positive.
 mod bodies;
 mod contact;
 mod joints;

@@ -19,7 +19,8 @@ pub struct Solver {
     /// Only with `method`: largest step of Newmark's method [s], > 0; 1e-5 where absent.
     #[serde(default)]
     pub fem_step: Option<f64>,
-    /// Whether the right-hand side is read from tables; else each evaluation closes the loops, at some hundred times the cost.
+    /// Whether the right-hand side is read from tables; else each evaluation closes the loops, at some hundred times
+    /// the cost.
     #[serde(default = "tables")]
     pub tables: bool,
 }
