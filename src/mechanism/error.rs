@@ -1,4 +1,4 @@
-//! What a model refuses.
+//! Errors of a model.
 use crate::codec::record::Damaged;
 use crate::integrator::IntegrationError;
 use crate::mechanism::definition::DefinitionError;
@@ -8,7 +8,7 @@ use crate::numerics::decimal::Decimal;
 use crate::variables::Reference;
 use std::fmt;
 
-/// A refused call; the model is what it was. The text names the quantity, the value, the limit and the remedy.
+/// A refused call, which leaves the model unchanged. The text names the quantity, the value, the limit and the remedy.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ModelError {
     /// The file is not a definition.
@@ -19,7 +19,7 @@ pub enum ModelError {
     Reference {
         /// The reference.
         reference: Reference,
-        /// Kind that was asked for.
+        /// Kind of variable that was expected.
         kind: &'static str,
         /// Number of variables.
         count: usize,
@@ -33,7 +33,7 @@ pub enum ModelError {
         /// What is allowed.
         allowed: String,
     },
-    /// A text that is none of the words allowed.
+    /// A text other than the allowed words.
     Text {
         /// Variable.
         name: String,
@@ -44,32 +44,32 @@ pub enum ModelError {
     },
     /// The rigid finite elements refused the mechanism or a step.
     RigidFem(RigidFemError),
-    /// Something that the reduced model has and the rigid finite elements have not.
+    /// A feature of the reduced model that the rigid finite elements do not have.
     NotInRigidFem {
         /// Variable.
         name: String,
-        /// Its value.
+        /// Value of the variable.
         value: String,
-        /// What can be done besides choosing the reduced model.
+        /// Remedy other than the choice of the reduced model.
         remedy: String,
     },
-    /// The rigid finite elements came to a stop.
+    /// A stop was reached in the formulation with rigid finite elements, which has no stops.
     StopPassed {
-        /// The stop's quantity.
+        /// Quantity that states the stop.
         name: String,
-        /// Its value.
+        /// Value at the stop.
         value: f64,
-        /// When, from the beginning of the step [s].
+        /// Time from the beginning of the step [s].
         time: f64,
     },
-    /// A derivative that cannot be told or set.
+    /// A derivative that cannot be read or set.
     Derivative {
-        /// Of what, or what else.
+        /// Variable or request.
         what: String,
-        /// Why, and what to do.
+        /// Reason and remedy.
         reason: String,
     },
-    /// An output cannot be set.
+    /// An output was to be set.
     Output {
         /// Variable.
         name: String,
@@ -78,7 +78,7 @@ pub enum ModelError {
     Table {
         /// Variable.
         name: String,
-        /// Where the linkage then is.
+        /// Position of the linkage there.
         position: String,
     },
     /// An output overflows.
@@ -88,7 +88,7 @@ pub enum ModelError {
     },
     /// A step before initialisation.
     NotInitialised,
-    /// A step that is no step.
+    /// A step size that is not finite and positive.
     StepSize {
         /// The step [s].
         h: f64,
@@ -97,35 +97,35 @@ pub enum ModelError {
     Integration(IntegrationError),
     /// Friction and reactions have no common solution.
     Locked {
-        /// Where the linkage then is.
+        /// Position of the linkage there.
         position: String,
     },
     /// The start is beyond a stop.
     BeyondStop {
-        /// The stop's quantity.
+        /// Quantity that states the stop.
         name: String,
-        /// Its value.
+        /// Value at the stop.
         value: f64,
-        /// The value at the start.
+        /// Value at the start.
         start: f64,
     },
-    /// A lock whose point stands still where its stop is.
+    /// The point of a lock stands still at the position of the stop, so that no force there holds the mechanism.
     LockStill {
-        /// The lock.
+        /// Lock.
         name: String,
-        /// Its stop.
+        /// Stop of the lock.
         stop: String,
-        /// Where the stop is.
+        /// Position of the linkage at the stop.
         position: String,
     },
-    /// A snapshot that cannot be one of this mechanism.
+    /// A record that is no snapshot of this mechanism.
     Saved {
-        /// What is wrong with it.
+        /// Fault of the record.
         what: String,
     },
-    /// The motion leaves the stretch that was traced.
+    /// The motion leaves the traced part of the curve.
     Travel {
-        /// Where the linkage is then.
+        /// Position of the linkage at the end of the traced part.
         position: String,
     },
 }
@@ -137,7 +137,8 @@ impl fmt::Display for ModelError {
             Self::Reduction(e) => e.fmt(f),
             Self::Reference { reference, kind, count } => write!(
                 f,
-                "value reference {reference} is no {kind} variable: references run from 0 to {}, kinds are in modelDescription.xml",
+                "value reference {reference} is no {kind} variable: references run from 0 to {}, \
+                 kinds are in modelDescription.xml",
                 count.saturating_sub(1)
             ),
             Self::Value { name, value, allowed } => write!(f, "{name} = {}: must be {allowed}", Decimal(*value)),
@@ -149,7 +150,8 @@ impl fmt::Display for ModelError {
             Self::RigidFem(e) => write!(f, "solver.method = \"rigid_fem\": {e}"),
             Self::NotInRigidFem { name, value, remedy } => write!(
                 f,
-                "{name} = {value}: solver.method = \"rigid_fem\" does not have it; {remedy}, or choose solver.method = \"reduced\""
+                "{name} = {value}: solver.method = \"rigid_fem\" does not have it; {remedy}, \
+                 or choose solver.method = \"reduced\""
             ),
             Self::StopPassed { name, value, time } => write!(
                 f,
@@ -160,32 +162,32 @@ impl fmt::Display for ModelError {
             ),
             Self::Derivative { what, reason } => write!(f, "{what}: {reason}"),
             Self::Output { name } => write!(f, "{name} is an output and cannot be set"),
-            Self::Table { name, position } => {
-                write!(
-                    f,
-                    "{name} is not smooth near {position}, so that it cannot be told; change the lengths, or do not read it"
-                )
-            }
-            Self::Overflow { name } => {
-                write!(
-                    f,
-                    "{name} is beyond the largest number under the present inputs and parameters: check their sizes"
-                )
-            }
+            Self::Table { name, position } => write!(
+                f,
+                "{name} is not smooth near {position}, so that it cannot be told; \
+                 change the lengths, or do not read it"
+            ),
+            Self::Overflow { name } => write!(
+                f,
+                "{name} is beyond the largest number under the present inputs and parameters: check their sizes"
+            ),
             Self::NotInitialised => f.write_str("a step was asked for before initialisation"),
             Self::StepSize { h } => write!(f, "step size h = {} s: must be finite and > 0", Decimal(*h)),
             Self::Integration(IntegrationError::StepTooSmall { t, step }) => write!(
                 f,
-                "the integration stopped {} s into the step: no step above {step:.1e} s meets solver.tolerance; check the sizes of the inputs",
+                "the integration stopped {} s into the step: no step above {step:.1e} s meets solver.tolerance; \
+                 check the sizes of the inputs",
                 Decimal(*t)
             ),
             Self::Locked { position } => write!(
                 f,
-                "friction locks the mechanism near {position}: the coefficients or pin radii ask for more friction than the reactions can cause; reduce them"
+                "friction locks the mechanism near {position}: the coefficients or pin radii ask for more friction than \
+                 the reactions can cause; reduce them"
             ),
             Self::BeyondStop { name, value, start } => write!(
                 f,
-                "{name} = {}: the start, at {}, is beyond this stop; move the start or the stop, or set the stop's enabled to false",
+                "{name} = {}: the start, at {}, is beyond this stop; \
+                 move the start or the stop, or set the stop's enabled to false",
                 Decimal(*value),
                 Decimal(*start)
             ),

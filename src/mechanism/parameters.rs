@@ -1,14 +1,16 @@
-//! The present parameters of a mechanism, and what of it no parameter can change.
+//! The present parameters of a mechanism, and a hash of what no parameter changes.
 use crate::codec::record::fnv1a;
 use crate::mechanism::definition::{Experiment, Mechanism, Method};
 use crate::numerics::dual::same_bits;
 
-/// A mechanism with its parameters.
+/// A mechanism with the values of its parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParameterValues {
-    /// With these parameters.
+    /// The definition with the values below.
     pub mechanism: Mechanism,
+    /// Numeric parameters, in the order of [`Mechanism::parameters`].
     pub parameters: Vec<f64>,
+    /// Boolean parameters, in the order of [`Mechanism::flags`].
     pub flags: Vec<bool>,
 }
 
@@ -20,27 +22,27 @@ impl ParameterValues {
         Self { mechanism, parameters, flags }
     }
 
-    pub fn set_parameter(&mut self, place: usize, value: f64) {
-        self.parameters[place] = value;
-        self.apply();
+    pub fn set_parameter(&mut self, index: usize, value: f64) {
+        self.parameters[index] = value;
+        self.update_mechanism();
     }
 
-    pub fn set_flag(&mut self, place: usize, value: bool) {
-        self.flags[place] = value;
-        self.apply();
+    pub fn set_flag(&mut self, index: usize, value: bool) {
+        self.flags[index] = value;
+        self.update_mechanism();
     }
 
     pub fn method(&self) -> Method {
         self.mechanism.solver.method.unwrap_or_default()
     }
 
-    /// Whether every bit is the same.
-    pub fn is(&self, other: &Self) -> bool {
+    /// Whether all parameters are the same to the bit.
+    pub fn has_same_bits(&self, other: &Self) -> bool {
         same_bits(&self.parameters, &other.parameters) && self.flags == other.flags && self.method() == other.method()
     }
 
-    /// Hand the parameters on to the mechanism.
-    pub fn apply(&mut self) {
+    /// Write the values into the mechanism.
+    pub fn update_mechanism(&mut self) {
         let (mut parameters, mut flags) = (self.parameters.iter(), self.flags.iter());
         self.mechanism.parameters(&mut |_, value| *value = parameters.next().copied().unwrap_or(*value));
         self.mechanism.flags(&mut |_, value| *value = flags.next().copied().unwrap_or(*value));

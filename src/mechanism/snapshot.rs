@@ -1,8 +1,8 @@
-//! Snapshots: all that decides how a model goes on, and its record.
+//! Snapshots of a model, and their records.
 //!
-//! In: a model. Out: a copy of some hundred bytes, with the parameters and the reduced model shared; a model that goes on
-//! from one, bit for bit. What is found anew from these - caches of outputs, the panel in memory, room for a step - is left
-//! out.
+//! In: a model. Out: a copy of some hundred bytes, which shares the parameters and the reduced model; a model restored
+//! from a snapshot, which continues to the bit. Caches of outputs, the panel in memory and scratch are left out. It
+//! must not know FMI.
 use super::dynamics::inputs::Inputs;
 use super::error::ModelError;
 use super::model::{Formulation, Model, is_reduced};
@@ -16,12 +16,12 @@ use crate::mechanism::reduced::Reduced;
 use crate::numerics::dual::same_bits;
 use std::sync::Arc;
 
-/// All that decides how a model goes on.
+/// All values that decide how a model continues.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
     parameter_values: Arc<ParameterValues>,
     inputs: Inputs,
-    /// For these parameters, if it was known.
+    /// The reduced model for these parameters, if the model had built it.
     reduced: Option<Arc<Reduced>>,
     motion: Option<SavedFormulation>,
 }
@@ -33,7 +33,7 @@ enum SavedFormulation {
 }
 
 impl Snapshot {
-    /// Whether the model was at a state of motion.
+    /// Whether the model was initialised, so that the snapshot has a state of motion.
     pub fn has_motion(&self) -> bool {
         self.motion.is_some()
     }
@@ -41,11 +41,15 @@ impl Snapshot {
     /// Write all fields.
     ///
     /// # Errors
-    /// A count of work done is near overflow.
+    /// The number of bookings of work is near overflow.
     pub fn write(&self, out: &mut Vec<u8>) -> Result<(), ModelError> {
         let mut copy = self.clone();
         let record = &mut Record::Write(out);
-        settings(record, &mut copy.parameter_values.parameters.clone(), &mut copy.parameter_values.flags.clone())?;
+        record_parameters(
+            record,
+            &mut copy.parameter_values.parameters.clone(),
+            &mut copy.parameter_values.flags.clone(),
+        )?;
         record.choice("solver.method", &mut (copy.parameter_values.method() as u8), Method::ALL.len())?;
         copy.inputs.record(record)?;
         record.flag("in motion", &mut copy.has_motion())?;
@@ -58,17 +62,17 @@ impl Snapshot {
     }
 }
 
-/// Parameters, as they stand in the record.
-fn settings(record: &mut Record, parameters: &mut [f64], flags: &mut [bool]) -> Result<(), Damaged> {
+/// Parameters in the record. Their ranges are checked by the reader.
+fn record_parameters(record: &mut Record, parameters: &mut [f64], flags: &mut [bool]) -> Result<(), Damaged> {
     record.length("parameters", parameters.len())?;
-    // Their own ranges come after.
     parameters.iter_mut().try_for_each(|value| record.number("parameter", value, |_| true, ""))?;
     record.length("Boolean parameters", flags.len())?;
     flags.iter_mut().try_for_each(|flag| record.flag("Boolean parameter", flag))
 }
 
 impl Model {
-    /// What a snapshot must have been taken of: hashes of the interface, and of what of the definition no parameter changes.
+    /// Hashes of the interface and of what no parameter changes in the definition: equal for all models between which
+    /// snapshots can be exchanged.
     #[inline]
     pub fn identity(&self) -> [u64; 2] {
         *self.original.identity.get_or_init(|| {
@@ -77,7 +81,7 @@ impl Model {
         })
     }
 
-    /// All that decides how the model goes on.
+    /// Snapshot of the present state.
     pub fn snapshot(&self) -> Snapshot {
         let motion = self.state.as_ref().map(saved);
         Snapshot {
@@ -88,8 +92,8 @@ impl Model {
         }
     }
 
-    /// [`Self::snapshot`] in the place of another one of this mechanism; without allocation if that was in motion by the
-    /// same method.
+    /// [`Self::snapshot`] into an existing snapshot of this mechanism; without allocation if the existing snapshot has
+    /// a state of motion in the same formulation.
     #[inline]
     pub fn snapshot_into(&self, snapshot: &mut Snapshot) {
         share(&mut snapshot.parameter_values, &self.parameter_values);
@@ -105,11 +109,11 @@ impl Model {
         }
     }
 
-    /// Go on from a snapshot of this mechanism, be it of another instance. Without allocation if the parameters are the
-    /// present ones and the model is in motion.
+    /// Return to a snapshot of this mechanism, taken of this or of another instance; without allocation if the
+    /// parameters are the present ones and the model is initialised.
     ///
     /// # Errors
-    /// Friction's reactions are not smooth under the snapshot's parameters; nothing has changed.
+    /// Reactions that cause friction are not smooth under the snapshot's parameters. The model is unchanged.
     #[inline]
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), ModelError> {
         let inputs = &snapshot.inputs;
@@ -132,7 +136,7 @@ impl Model {
         Ok(())
     }
 
-    /// The motion of a snapshot that is not of the reduced model under the present parameters, or not in motion.
+    /// Restore the state of motion in all cases but one: the reduced formulation under the present parameters.
     #[cold]
     fn restore_otherwise(&mut self, snapshot: &Snapshot, same: bool) -> Result<(), ModelError> {
         let inputs = &snapshot.inputs;
@@ -163,16 +167,16 @@ impl Model {
         Ok(())
     }
 
-    /// Read a snapshot that [`Snapshot::write`] has written for this mechanism, be it in another process. The model stays as
-    /// it is.
+    /// Read a snapshot that [`Snapshot::write`] has written for this mechanism, in this or in another process. The
+    /// model is unchanged.
     ///
     /// # Errors
-    /// What is written is no snapshot, a value is out of range, or the parameters give no mechanism.
+    /// The bytes are no snapshot, a value is out of range, or the parameters give no mechanism.
     pub fn read_snapshot(&self, bytes: &[u8]) -> Result<Snapshot, ModelError> {
         let mut parameter_values = ParameterValues::clone(&self.parameter_values);
         let mut inputs = self.inputs.clone();
         let record = &mut Record::Read(bytes);
-        settings(record, &mut parameter_values.parameters, &mut parameter_values.flags)?;
+        record_parameters(record, &mut parameter_values.parameters, &mut parameter_values.flags)?;
         let mut method = 0;
         record.choice("solver.method", &mut method, Method::ALL.len())?;
         let method = Method::ALL[usize::from(method)];
@@ -181,16 +185,17 @@ impl Model {
             None if method == Method::default() => {}
             None => return Err(Damaged(format!("solver.method = \"{}\": not a choice here", method.word())).into()),
         }
-        for (place, value) in parameter_values.parameters.iter().enumerate() {
-            let (range, _) = self.original.ranges[place];
+        for (index, value) in parameter_values.parameters.iter().enumerate() {
+            let (range, _) = self.original.ranges[index];
             if !range.contains(*value) {
-                return Err(ModelError::Value { name: self.parameter(place), value: *value, allowed: range.text() });
+                let name = self.parameter_name(index);
+                return Err(ModelError::Value { name, value: *value, allowed: range.text() });
             }
         }
-        parameter_values.apply();
+        parameter_values.update_mechanism();
         let parameter_values = [&self.parameter_values, &self.original.parameter_values]
             .into_iter()
-            .find(|known| known.is(&parameter_values))
+            .find(|known| known.has_same_bits(&parameter_values))
             .map_or_else(|| Arc::new(parameter_values.clone()), Arc::clone);
         inputs.record(record)?;
         let mut reduced = self.known_reduced(&parameter_values);
@@ -216,7 +221,7 @@ impl Model {
         }
     }
 
-    /// The reduced model for these parameters, if it is at hand.
+    /// The reduced model for these parameters, if the model has it.
     fn known_reduced(&self, parameter_values: &ParameterValues) -> Option<Arc<Reduced>> {
         if let Some(reduced) =
             self.reduced.as_ref().filter(|_| self.shares_reduced(&self.parameter_values, parameter_values))
@@ -227,7 +232,7 @@ impl Model {
         original.then(|| Arc::clone(&self.original.reduced))
     }
 
-    /// Whether one reduced model is that of both.
+    /// Whether both sets of parameters have the same reduced model.
     #[inline]
     fn shares_reduced(&self, a: &ParameterValues, b: &ParameterValues) -> bool {
         std::ptr::eq(a, b) || self.agree_in_reduced(a, b)
@@ -240,14 +245,14 @@ impl Model {
             && self.original.ranges.iter().enumerate().all(|(i, (_, role))| !is_reduced(*role) || same(i))
     }
 
-    fn parameter(&self, place: usize) -> String {
+    fn parameter_name(&self, index: usize) -> String {
         let list = self.original.variables.list().iter().enumerate();
-        let is = |i: usize| self.original.variables.quantity(i as u32) == Some(Quantity::Parameter(place));
+        let is = |i: usize| self.original.variables.quantity(i as u32) == Some(Quantity::Parameter(index));
         list.filter(|(i, _)| is(*i)).map(|(_, variable)| variable.name.clone()).collect()
     }
 }
 
-/// Make one the other: without touching their counts if they are.
+/// Make one the other; without touching the reference counts if both are the same already.
 fn share<T>(one: &mut Arc<T>, other: &Arc<T>) {
     if !Arc::ptr_eq(one, other) {
         one.clone_from(other);

@@ -1,21 +1,32 @@
-//! How the motion is found.
-use serde::Deserialize;
+//! Settings of the integration, and the choice of the formulation.
+use super::role::{Role, Visit};
+use crate::format::{Flag, Owner, Range};
+use crate::variables::Unit;
+use serde::{Deserialize, Serialize};
+
+/// Limits of solver.tolerance: below, rounding takes over; above, the error estimate means nothing.
+const TOLERANCE: Range = Range::Between(1e-14, 1e-1);
 
 /// Integration settings.
-#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Solver {
     /// Relative tolerance of the integration [1].
     pub tolerance: f64,
-    /// Formulation of the motion; the reduced model, not to be changed in a run, where absent.
+    /// Formulation of the motion, a parameter; the reduced model, without a parameter, where absent.
     #[serde(default)]
     pub method: Option<Method>,
-    /// Largest step of Newmark's method [s], > 0; 1e-5 where absent. There only with `method`.
+    /// Only with `method`: largest step of Newmark's method [s], > 0; 1e-5 where absent.
     #[serde(default)]
     pub fem_step: Option<f64>,
-    /// Whether the right-hand side is read from tables; else each evaluation closes the loops anew, some hundred times as dear.
-    #[serde(default = "super::yes")]
+    /// Whether the right-hand side is read from tables; else each evaluation closes the loops, at some hundred times
+    /// the cost.
+    #[serde(default = "tables")]
     pub tables: bool,
+}
+
+fn tables() -> bool {
+    true
 }
 
 impl Default for Solver {
@@ -27,10 +38,24 @@ impl Default for Solver {
 impl Solver {
     /// Largest step of Newmark's method where none is stated [s].
     pub const FEM_STEP: f64 = 1e-5;
+
+    pub(super) fn parameters(&mut self, visit: &mut Visit) {
+        let mut list = Owner::section("solver", Role::Tolerance, visit);
+        list.add("tolerance", "Relative tolerance of the integration", Unit::One, TOLERANCE, &mut self.tolerance);
+        if self.method.is_some() {
+            let words = "Largest step of the rigid finite elements";
+            list.add("fem_step", words, Unit::Second, Range::Positive, &mut self.fem_step);
+        }
+    }
+
+    pub(super) fn flags(&mut self, visit: &mut dyn FnMut(Flag, &mut bool)) {
+        let text = "Whether the right-hand side is read from tables; else it is computed anew each time";
+        visit(Flag::new("solver", "tables", [text]), &mut self.tables);
+    }
 }
 
 /// Formulation of the motion.
-#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, PartialEq, Eq)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
     /// Rigid bodies as one element along the curve.
@@ -41,10 +66,10 @@ pub enum Method {
 }
 
 impl Method {
-    /// All of them.
+    /// All formulations.
     pub const ALL: [Self; 2] = [Self::Reduced, Self::RigidFem];
 
-    /// Its word in the file and in the variable `solver.method`.
+    /// Word of the formulation in the file and in the variable `solver.method`.
     pub fn word(self) -> &'static str {
         match self {
             Self::Reduced => "reduced",
@@ -52,7 +77,7 @@ impl Method {
         }
     }
 
-    /// The method of this word.
+    /// The formulation with this word.
     pub fn of_word(word: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|method| method.word() == word)
     }

@@ -44,3 +44,27 @@ fn a_name_may_stand_once_only() {
     let text = refused("\"joint2\":", "\"joint1\":");
     assert!(text.contains("`joint1` stands twice"), "{text}");
 }
+
+#[test]
+fn the_path_leads_to_the_fault() {
+    for (text, path) in [
+        (r#"{"name": 1}"#, "name"),
+        (r#"{"description": "{[\"", "name": 1}"#, "name"),
+        (r#"{"bodies": {"a": {}, "b": {"mass": true}}}"#, "bodies.b.mass"),
+        (r#"{"bodies": {"b": {"center": [0, "y"]}}}"#, "bodies.b.center[1]"),
+        (r#"{"bodies": {"b": {"points": {"tip": [0]}}}}"#, "bodies.b.points.tip"),
+        (r#"{"bodies": {"b": {"lenght": 1}}}"#, "bodies.b.lenght"),
+        (r#"{"joints": {"j": {"type": "hinge"}}}"#, "joints.j.type"),
+        (
+            r#"{"joints": {"i": {"type": "revolute", "first": "a", "second": "b"}, "j": {"type": "revolute"}}}"#,
+            "joints.j",
+        ),
+        ("{\"start\":\n  {\"angle\":\n  \"a\"}}", "start.angle"),
+        ("[", "no mechanism"),
+        ("{", "no mechanism"),
+    ] {
+        let message = Mechanism::from_json(text).unwrap_err().to_string();
+        let (found, _) = message.split_once(": ").unwrap();
+        assert!(found == path, "{text}: {found} where {path} was expected");
+    }
+}

@@ -1,133 +1,109 @@
-//! Variables of drives: of their motion, and of the mechanism as one element.
+//! Variables of drives: inputs, motion, and the terms of the mechanism reduced to one element.
 use super::Builder;
 use super::needs::{Needs, PLACED};
-use crate::mechanism::loads::resolved::Drive;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::quantity::{OneElement, Output};
-use crate::variables::Unit;
+use crate::variables::Unit::{
+    self, Kilogram, KilogramPerMetre, KilogramSquareMetre, KilogramSquareMetrePerRadian, Metre, MetrePerSecond,
+    MetrePerSecondSquared, Newton, NewtonMetre, Radian, RadianPerSecond, RadianPerSecondSquared,
+};
 
-impl Builder<'_> {
-    pub(super) fn add_drives(&mut self) {
-        let (inputs, loads) = self.everything();
-        for (place, drive) in self.loading.drives.clone().into_iter().enumerate() {
-            let Drive { name: n, is_rotary, efficiency } = drive;
-            let slides = !is_rotary && matches!(self.loading.loads[place], Load::Slide { .. });
-            let (units, what) = if is_rotary {
-                ([Unit::Radian, Unit::RadianPerSecond, Unit::RadianPerSecondSquared], "angle")
-            } else {
-                (
-                    [Unit::Metre, Unit::MetrePerSecond, Unit::MetrePerSecondSquared],
-                    if slides { "position" } else { "length" },
-                )
-            };
-            let own = [place];
-            let at = Needs { loads: &own, ..self.placing_load(place) };
-            let all = Needs { speed: true, inertia: true, inputs: &inputs, loads: &loads, ..PLACED };
-            let needs = [at, Needs { speed: true, ..at }, all];
-            let words = ["Present", "First derivative of the", "Second derivative of the"];
-            for (order, suffix) in [what, "speed", "acceleration"].into_iter().enumerate() {
-                let text = [words[order], " ", what, " of ", &n].concat();
-                let output = Output::Displacement { load: place, order };
-                self.output([&n, ".", suffix].concat(), text, units[order], output, needs[order]);
-            }
-            self.add_one_element(&n, place, is_rotary, efficiency.is_some());
-        }
+pub(super) fn add_inputs(b: &mut Builder) {
+    let s = b.source;
+    for ((name, a), drive) in s.mechanism.actuators.iter().zip(&s.loading.drives) {
+        let (what, unit, start) = match drive.is_rotary {
+            true => ("Torque of ", NewtonMetre, a.torque),
+            false => ("Force of ", Newton, a.force),
+        };
+        let (sense, joint) = match (drive.is_rotary, &a.joint) {
+            (true, _) => (", positive when it turns the second body anticlockwise", ""),
+            (false, Some(joint)) => (", positive along the axis of ", joint.as_str()),
+            (false, None) => (", positive when it pushes its ends apart", ""),
+        };
+        b.load_input(&[what, name, sense, joint], unit, start.unwrap_or(0.0));
     }
+}
 
-    /// The terms of the mechanism reduced to a drive.
-    fn add_one_element(&mut self, n: &str, drive: usize, is_rotary: bool, lossy: bool) {
-        let (inputs, loads) = self.everything();
-        let own = [drive];
-        let locks = self.locks();
-        // What is held by a lock or not makes no difference to what a drive would have to do.
-        let free: Vec<usize> = inputs.iter().copied().filter(|i| !locks.contains(i)).collect();
-        let others: Vec<usize> = free.iter().copied().filter(|i| *i != drive).collect();
-        let with = |inputs: &[usize], more: Option<usize>| -> Vec<usize> {
-            let mut all: Vec<usize> = inputs.iter().copied().chain(more).collect();
-            all.sort_unstable();
-            all.dedup();
-            all
+pub(super) fn add_demands(b: &mut Builder) {
+    for drive in &b.source.loading.drives {
+        let (n, unit) = (&drive.name, if drive.is_rotary { RadianPerSecondSquared } else { MetrePerSecondSquared });
+        let text = ["Acceleration of ", n, " for which the required drive is told"];
+        b.input([n, ".demanded_acceleration"].concat(), &text, unit, 0.0);
+    }
+}
+
+pub(super) fn add(b: &mut Builder) {
+    let s = b.source;
+    for (load, drive) in s.loading.drives.iter().enumerate() {
+        let n = drive.name.as_str();
+        let (what, units) = match (drive.is_rotary, &s.loading.loads[load]) {
+            (true, _) => ("angle", [Radian, RadianPerSecond, RadianPerSecondSquared]),
+            (false, Load::Slide { .. }) => ("position", [Metre, MetrePerSecond, MetrePerSecondSquared]),
+            (false, _) => ("length", [Metre, MetrePerSecond, MetrePerSecondSquared]),
         };
-        let demanded = with(&others, Some(self.loading.inputs.len() + drive));
-        // With an efficiency the sign of the drive's power counts: its own force and the speed. Friction depends on all; what
-        // arrives of a drive with losses depends on where the motion goes, and if it holds, on what there is to hold.
-        let rubs = self.rubs();
-        let loses = self.loading.drives.iter().any(|d| d.efficiency.is_some());
-        let (none, others_too) = (with(&[], lossy.then_some(drive)), with(&others, (loses || rubs).then_some(drive)));
-        let friction_joints: Vec<usize> =
-            self.loading.friction.iter().flat_map(|f| &f.friction_joints).map(|p| p.load).collect();
-        let frictionless: Vec<usize> = loads.iter().copied().filter(|l| !friction_joints.contains(l)).collect();
-        let relative = self.loading.air.is_some();
-        let mass = Needs { inertia: true, speed: lossy, inputs: &none, loads: &own, ..PLACED };
-        let load = Needs {
-            speed: loses || rubs || relative || self.damped(),
-            inertia: rubs,
-            masses: rubs,
-            inputs: &others_too,
-            loads: &loads,
-            ..PLACED
-        };
-        let additional = Needs { speed: true, inertia: true, inputs: &none, loads: &own, ..PLACED };
-        let required = Needs { speed: true, inertia: true, masses: rubs, inputs: &demanded, loads: &loads, ..PLACED };
-        let holding = Needs { inputs: &others, loads: &frictionless, lossless: true, ..PLACED };
-        let breakaway = Needs { statics: true, lossless: false, ..holding };
-        let (mass_unit, change_unit, unit) = if is_rotary {
-            (Unit::KilogramSquareMetre, Unit::KilogramSquareMetrePerRadian, Unit::NewtonMetre)
-        } else {
-            (Unit::Kilogram, Unit::KilogramPerMetre, Unit::Newton)
-        };
-        let (inertia, force) = if is_rotary { ("inertia", "torque") } else { ("mass", "force") };
-        use OneElement::{
-            AdditionalForce, BreakawayBackward, BreakawayForward, HoldingForce, ReducedMass, ReducedMassDerivative,
-            RequiredForce, StaticLoad,
-        };
-        for (suffix, text, unit, term, needs) in [
-            (format!("reduced_{inertia}"), "Reduced inertia: of the mechanism, at", mass_unit, ReducedMass, mass),
-            (
-                format!("reduced_{inertia}_derivative"),
-                "Derivative of the reduced inertia along",
-                change_unit,
-                ReducedMassDerivative,
-                mass,
-            ),
-            ("static_load".into(), "Present loads reduced to", unit, StaticLoad, load),
-            (
-                format!("additional_{force}"),
-                "-1/2 speed^2 times the derivative of the reduced inertia of",
-                unit,
-                AdditionalForce,
-                additional,
-            ),
-            (
-                "required_force".into(),
-                "Force or torque that the demanded acceleration takes of",
-                unit,
-                RequiredForce,
-                required,
-            ),
-            (
-                format!("holding_{force}"),
-                "What holds the mechanism still here, under the present loads, of",
-                unit,
-                HoldingForce,
-                holding,
-            ),
+        let position = Needs { loads: &[load], ..s.displacement(load) };
+        for (order, suffix, word, needs) in [
+            (0, what, "Present ", position),
+            (1, "speed", "First derivative of the ", Needs { speed: true, ..position }),
+            (2, "acceleration", "Second derivative of the ", s.acceleration()),
         ] {
-            let output = Output::OneElement { drive, term };
-            self.output([n, ".", &suffix].concat(), [text, " ", n].concat(), unit, output, needs);
+            let output = Output::Displacement { load, order };
+            b.output(n, suffix, &[word, what, " of ", n], units[order], output, needs);
         }
-        if rubs {
-            for (suffix, text, term) in [
-                (
-                    "forward",
-                    "What begins to move the mechanism forward from rest against static friction, of",
-                    BreakawayForward,
-                ),
-                ("backward", "What begins to move it backward, of", BreakawayBackward),
-            ] {
-                let output = Output::OneElement { drive, term };
-                self.output(format!("{n}.breakaway_{force}_{suffix}"), format!("{text} {n}"), unit, output, breakaway);
-            }
-        }
+        add_one_element(b, load);
+    }
+}
+
+/// The terms of the mechanism reduced to a drive.
+fn add_one_element(b: &mut Builder, drive: usize) {
+    use OneElement::{
+        AdditionalForce, BreakawayBackward, BreakawayForward, HoldingForce, ReducedMass, ReducedMassDerivative,
+        RequiredForce, StaticLoad,
+    };
+    let (s, l) = (b.source, &b.source.loading);
+    let (n, is_rotary, loses) = (l.drives[drive].name.as_str(), l.drives[drive].is_rotary, l.drives[drive].efficiency);
+    let (rubs, any_loses) = (s.has_friction(), l.drives.iter().any(|d| d.efficiency.is_some()));
+    let damped = s.mechanism.springs.iter().any(|(_, s)| s.damping.is_some());
+    // No term depends on whether a lock holds.
+    let free: Vec<usize> = s.inputs.iter().copied().filter(|i| !s.locks().contains(i)).collect();
+    let others: Vec<usize> = free.iter().copied().filter(|i| *i != drive).collect();
+    let demand = l.inputs.len() + drive;
+    let demanded: Vec<usize> = (0..s.locks().start).filter(|i| *i == demand || others.contains(i)).collect();
+    // With an efficiency the sign of the drive's power counts, so the drive's own force and the speed. Friction depends
+    // on all inputs; what a drive with losses delivers depends on the direction in which the mechanism moves or would
+    // move.
+    let own = if loses.is_some() { &[drive][..] } else { &[] };
+    let present = if any_loses || rubs { &free } else { &others };
+    let friction_joint = |load: &usize| l.friction.iter().flat_map(|f| &f.friction_joints).any(|p| p.load == *load);
+    let frictionless: Vec<usize> = s.loads.iter().copied().filter(|load| !friction_joint(load)).collect();
+    let additional = Needs { speed: true, inertia: true, inputs: own, loads: &[drive], ..PLACED };
+    let mass = Needs { speed: loses.is_some(), ..additional };
+    let required = Needs { masses: rubs, inputs: &demanded, ..s.acceleration() };
+    let speed = any_loses || rubs || damped || l.air.is_some();
+    let load = Needs { speed, inertia: rubs, inputs: present, ..required };
+    let holding = Needs { inputs: &others, loads: &frictionless, lossless: true, ..PLACED };
+    let breakaway = Needs { statics: true, lossless: false, ..holding };
+    let mut add = |linear, rotary, text, units: [Unit; 2], term, needs| {
+        let (suffix, unit) = if is_rotary { (rotary, units[1]) } else { (linear, units[0]) };
+        b.output(n, suffix, &[text, " ", n], unit, Output::OneElement { drive, term }, needs);
+    };
+    let (inertia, force) = ([Kilogram, KilogramSquareMetre], [Newton, NewtonMetre]);
+    let change = [KilogramPerMetre, KilogramSquareMetrePerRadian];
+    let text = "Reduced inertia: of the mechanism, at";
+    add("reduced_mass", "reduced_inertia", text, inertia, ReducedMass, mass);
+    let text = "Derivative of the reduced inertia along";
+    add("reduced_mass_derivative", "reduced_inertia_derivative", text, change, ReducedMassDerivative, mass);
+    add("static_load", "static_load", "Present loads reduced to", force, StaticLoad, load);
+    let text = "-1/2 speed^2 times the derivative of the reduced inertia of";
+    add("additional_force", "additional_torque", text, force, AdditionalForce, additional);
+    let text = "Force or torque that the demanded acceleration takes of";
+    add("required_force", "required_force", text, force, RequiredForce, required);
+    let text = "What holds the mechanism still here, under the present loads, of";
+    add("holding_force", "holding_torque", text, force, HoldingForce, holding);
+    if rubs {
+        let text = "What begins to move the mechanism forward from rest against static friction, of";
+        add("breakaway_force_forward", "breakaway_torque_forward", text, force, BreakawayForward, breakaway);
+        let text = "What begins to move it backward, of";
+        add("breakaway_force_backward", "breakaway_torque_backward", text, force, BreakawayBackward, breakaway);
     }
 }

@@ -59,25 +59,6 @@ impl Linkage {
         Ok(linkage)
     }
 
-    /// Bodies and joints alone, with nothing that says how they hang together: enough to see what a number acts on.
-    ///
-    /// # Errors
-    /// As [`Self::new`], but for bodies that nothing holds.
-    pub(crate) fn loose(mechanism: &Mechanism) -> Result<Self, DefinitionError> {
-        let mut linkage = Self::bodies_of(mechanism)?;
-        linkage.add_joints(mechanism)?;
-        linkage.group_turns();
-        Ok(linkage)
-    }
-
-    /// The bodies alone, unturned: enough to see what a mass acts on.
-    ///
-    /// # Errors
-    /// As [`Self::loose`].
-    pub(crate) fn masses(mechanism: &Mechanism) -> Result<Vec<Body>, DefinitionError> {
-        Ok(Self::bodies_of(mechanism)?.bodies)
-    }
-
     /// Place of a point of the definition in this linkage.
     ///
     /// # Errors

@@ -6,7 +6,7 @@ use std::fmt::{self, Write};
 pub enum DefinitionError {
     /// Not JSON, or not the JSON of this format.
     Malformed {
-        /// Path of the key at which the parser stopped; empty at the top.
+        /// Path of the key at which the parser stopped; at the top `no mechanism`, with the kind of definition.
         key: String,
         /// The parser's message, with line and column.
         message: String,
@@ -20,16 +20,16 @@ pub enum DefinitionError {
         /// What is allowed.
         allowed: String,
     },
-    /// A name that nothing carries.
+    /// A name that no element has.
     Unknown {
         /// Path of the key.
         key: String,
         /// The name as it stands.
         name: String,
-        /// What it should name, and which there are.
+        /// The names that there are.
         allowed: String,
     },
-    /// A key that is missing or that does not go with another.
+    /// A missing key, or a key that excludes another.
     Key {
         /// Path of the key.
         key: String,
@@ -38,14 +38,29 @@ pub enum DefinitionError {
     },
 }
 
+impl DefinitionError {
+    /// [`Self::Key`].
+    pub fn key(key: impl fmt::Display, message: impl Into<String>) -> Self {
+        Self::Key { key: key.to_string(), message: message.into() }
+    }
+
+    /// [`Self::Value`].
+    pub fn value(key: impl fmt::Display, value: impl fmt::Display, allowed: impl Into<String>) -> Self {
+        Self::Value { key: key.to_string(), value: value.to_string(), allowed: allowed.into() }
+    }
+
+    /// [`Self::Unknown`].
+    pub fn unknown(key: impl fmt::Display, name: &str, allowed: impl Into<String>) -> Self {
+        Self::Unknown { key: key.to_string(), name: name.into(), allowed: allowed.into() }
+    }
+}
+
 impl fmt::Display for DefinitionError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let line = match self {
-            Self::Malformed { key, message } if key.is_empty() => format!("no mechanism: {message}"),
-            Self::Malformed { key, message } => format!("{key}: {message}"),
             Self::Value { key, value, allowed } => format!("{key} = {value}: must be {allowed}"),
             Self::Unknown { key, name, allowed } => format!("{key} = \"{name}\": there is none; {allowed}"),
-            Self::Key { key, message } => format!("{key}: {message}"),
+            Self::Malformed { key, message } | Self::Key { key, message } => format!("{key}: {message}"),
         };
         // A key in the file may hold any character, and a message is one line.
         line.chars()

@@ -1,5 +1,6 @@
 //! A JSON object as an ordered list of named entries.
-use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
+use serde::de::{Deserialize, DeserializeSeed, Deserializer, Error, MapAccess, Visitor};
+use serde::ser::{Serialize, Serializer};
 use std::fmt;
 use std::marker::PhantomData;
 
@@ -24,10 +25,9 @@ impl<T> Named<T> {
         self.0.iter_mut().map(|(name, value)| (name.as_str(), value))
     }
 
-    /// Place of the entry with this name, and the entry.
+    /// Index of the entry with this name, and the entry.
     pub fn find(&self, name: &str) -> Option<(usize, &T)> {
-        let mut places = self.0.iter().enumerate();
-        places.find(|(_, (n, _))| n == name).map(|(place, (_, value))| (place, value))
+        self.iter().enumerate().find(|(_, (n, _))| *n == name).map(|(index, (_, value))| (index, value))
     }
 
     /// Entry with this name.
@@ -35,9 +35,9 @@ impl<T> Named<T> {
         self.find(name).map(|(_, value)| value)
     }
 
-    /// Place of the entry with this name.
+    /// Index of the entry with this name.
     pub fn position(&self, name: &str) -> Option<usize> {
-        self.find(name).map(|(place, _)| place)
+        self.find(name).map(|(index, _)| index)
     }
 
     /// All names, in order.
@@ -68,16 +68,33 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Named<T> {
 
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
                 let mut list: Vec<(String, T)> = Vec::new();
-                while let Some(name) = map.next_key::<String>()? {
-                    if list.iter().any(|(n, _)| *n == name) {
-                        return Err(A::Error::custom(format!("the name `{name}` stands twice")));
-                    }
-                    let value = map.next_value()?;
-                    list.push((name, value));
+                while let Some(name) = map.next_key_seed(NewName(&list))? {
+                    list.push((name, map.next_value()?));
                 }
                 Ok(Named(list))
             }
         }
         deserializer.deserialize_map(Entries(PhantomData))
+    }
+}
+
+impl<T: Serialize> Serialize for Named<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.iter())
+    }
+}
+
+/// The name of one more entry; refused as part of the key, so that the error's path has the name.
+struct NewName<'l, T>(&'l [(String, T)]);
+
+impl<'de, T> DeserializeSeed<'de> for NewName<'_, T> {
+    type Value = String;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<String, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        match self.0.iter().any(|(n, _)| *n == name) {
+            true => Err(D::Error::custom(format!("the name `{name}` stands twice"))),
+            false => Ok(name),
+        }
     }
 }

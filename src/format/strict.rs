@@ -1,19 +1,19 @@
-//! JSON read to the letter: an object is an object, and a key that is there has a value.
+//! JSON read to the letter: an object is an object, and every key has a value.
 //!
-//! serde's derived types also take an array for an object, its values in the order of the fields, null for an optional key,
-//! and an object for a word; to a reader of the file these are faults.
+//! serde's derived types also take an array for an object (values in the order of the fields), null for an optional
+//! key, and an object for a word; in a definition all three are faults.
 use serde::de::value::StrDeserializer;
 use serde::de::{DeserializeSeed, Deserializer, Error, IntoDeserializer, MapAccess, Visitor};
 use serde::forward_to_deserialize_any;
 use std::fmt;
 
-/// A deserializer, visitor, list of entries or seed that is strict, with all inside.
-pub(super) struct Strict<T>(pub(super) T);
+/// Deserializer, visitor, map or seed that reads to the letter, and so does all inside it.
+pub struct Strict<T>(pub T);
 
 impl<'de, D: Deserializer<'de>> Deserializer<'de> for Strict<D> {
     type Error = D::Error;
 
-    /// Numbers, texts, lists of numbers: nothing in these to be strict about.
+    /// For numbers, texts and lists of numbers, which are read to the letter already.
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, D::Error> {
         self.0.deserialize_any(visitor)
     }

@@ -1,0 +1,55 @@
+//! What every kind of definition file needs: JSON read to the letter, ordered names, errors with the path of the key,
+//! and the texts and ranges of parameters.
+//!
+//! In: the text of a file. Out: a value of the definition's type, or an error for whoever writes the file. It must not
+//! know what any definition says.
+mod error;
+mod named;
+mod parameter;
+mod strict;
+
+pub use error::DefinitionError;
+pub use named::Named;
+pub use parameter::{Flag, Owner, Parameter, Range};
+
+use serde::de::DeserializeOwned;
+use serde_path_to_error::{Path, Segment};
+use strict::Strict;
+
+/// Read a definition of a `kind`, a word of the message where the text as a whole is at fault.
+///
+/// # Errors
+/// The path of the key at which the parser stopped, with its message.
+pub fn read<T: DeserializeOwned>(kind: &str, text: &str) -> Result<T, DefinitionError> {
+    // Some editors begin a file with a byte order mark.
+    let mut json = serde_json::Deserializer::from_str(text.strip_prefix('\u{feff}').unwrap_or(text));
+    let malformed = |key: String, error: &serde_json::Error| DefinitionError::Malformed {
+        key: if key.is_empty() { format!("no {kind}") } else { key },
+        message: message(error),
+    };
+    let read = serde_path_to_error::deserialize(Strict(&mut json))
+        .map_err(|error| malformed(key(error.path()), error.inner()))?;
+    json.end().map(|()| read).map_err(|error| malformed(String::new(), &error))
+}
+
+/// Path of a key, such as `bodies.crank.points.tip[1]`; empty at the top.
+fn key(path: &Path) -> String {
+    let mut key = String::new();
+    for segment in path {
+        match segment {
+            Segment::Map { key: name } if key.is_empty() => key.push_str(name),
+            Segment::Map { key: name } => key.extend([".", name]),
+            Segment::Seq { index } => key.push_str(&format!("[{index}]")),
+            // The word of an enum is a value; a key that cannot be read has no name.
+            Segment::Enum { .. } | Segment::Unknown => {}
+        }
+    }
+    key
+}
+
+/// The parser's message, for whoever writes the file.
+fn message(error: &serde_json::Error) -> String {
+    let message = error.to_string().replace("expected f64", "expected a number");
+    let remedy = if message.contains("invalid type: null") { "; leave the key out if it has no value" } else { "" };
+    message + remedy
+}

@@ -1,0 +1,229 @@
+//! Loads: gravity, drives, forces, torques, springs and drag.
+use super::role::{Role, Visit};
+use crate::format::{Flag, Owner, Parameter, Range};
+use crate::variables::Unit;
+use serde::{Deserialize, Serialize};
+
+/// Uniform gravity: the acceleration load_factor * acceleration along -(cos up_angle, sin up_angle).
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Gravity {
+    /// Acceleration of free fall [m/s2], >= 0.
+    pub acceleration: f64,
+    /// Angle of the upward direction from the X axis [rad].
+    pub up_angle: f64,
+    /// Start value of the input `load_factor` [1].
+    #[serde(default = "load_factor")]
+    pub load_factor: f64,
+}
+
+fn load_factor() -> f64 {
+    1.0
+}
+
+/// A drive along the line between two points or in a joint. A positive force pushes the points apart; in a joint a
+/// positive force or torque moves the second body along the axis or anticlockwise.
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Actuator {
+    /// One end (`body.point`).
+    #[serde(default)]
+    pub first: Option<String>,
+    /// The other end (`body.point`).
+    #[serde(default)]
+    pub second: Option<String>,
+    /// Joint, in place of the two ends.
+    #[serde(default)]
+    pub joint: Option<String>,
+    /// Not in a revolute joint: start value of the input `<name>.force` [N].
+    #[serde(default)]
+    pub force: Option<f64>,
+    /// In a revolute joint only: start value of the input `<name>.torque` [N.m].
+    #[serde(default)]
+    pub torque: Option<f64>,
+    /// Efficiency eta [1], 0 < eta <= 1, of the drive in both directions of the power ([CK16] eq. (5)); 1 where absent.
+    #[serde(default)]
+    pub efficiency: Option<f64>,
+}
+
+/// A force at a point, in the mechanism frame.
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Force {
+    /// Point of application (`body.point`).
+    pub at: String,
+    /// Start values of `<name>.force_x` and `<name>.force_y` [N].
+    #[serde(default)]
+    pub force: [f64; 2],
+    /// Whether the components are parameters; inputs where absent.
+    #[serde(default)]
+    pub constant: bool,
+}
+
+/// A torque on a body.
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Torque {
+    /// Body on which the torque acts.
+    pub on: String,
+    /// Start value of `<name>.torque` [N.m].
+    #[serde(default)]
+    pub torque: f64,
+    /// Whether the torque is a parameter; an input where absent.
+    #[serde(default)]
+    pub constant: bool,
+}
+
+/// A spring and damper. Between two points the force preload + stiffness (length - free_length) + damping d(length)/dt
+/// pulls the points together; in a revolute joint the torque preload + stiffness (angle - free_angle) + damping
+/// d(angle)/dt turns the second body clockwise, where angle is the angle of the second body less the angle of the
+/// first.
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Spring {
+    /// One end (`body.point`).
+    #[serde(default)]
+    pub first: Option<String>,
+    /// The other end (`body.point`).
+    #[serde(default)]
+    pub second: Option<String>,
+    /// Joint, in place of the two ends.
+    #[serde(default)]
+    pub joint: Option<String>,
+    /// Stiffness [N/m or N.m/rad], >= 0.
+    #[serde(default)]
+    pub stiffness: f64,
+    /// Damping [N.s/m or N.m.s/rad], >= 0; none where absent.
+    #[serde(default)]
+    pub damping: Option<f64>,
+    /// Length at which the static force is the preload [m], >= 0; between two points, or along a prismatic joint.
+    #[serde(default)]
+    pub free_length: Option<f64>,
+    /// Angle at which the static torque is the preload [rad]; in a revolute joint.
+    #[serde(default)]
+    pub free_angle: Option<f64>,
+    /// Force or torque at the free length or angle [N or N.m]; 0 where absent.
+    #[serde(default)]
+    pub preload: Option<f64>,
+}
+
+/// Air in uniform flow, with the input `airspeed`.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Air {
+    /// Mass density [kg/m3], >= 0.
+    pub density: f64,
+    /// Direction in which the air flows, angle from the X axis [rad].
+    pub flow_angle: f64,
+    /// Whether drag follows from the velocity of the air relative to the moving surface; from the velocity of the air
+    /// alone where absent.
+    #[serde(default)]
+    pub relative_wind: bool,
+    /// Start value of the input `airspeed` [m/s].
+    #[serde(default)]
+    pub airspeed: f64,
+}
+
+/// A surface with drag: a strip along the line between two points of one body, or an area at a point. The drag [N] is
+/// 1/2 density |u| u c S, with the air's velocity u [m/s] relative to the surface and the area S [m2] across u ([HF08]
+/// (1)).
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Surface {
+    /// One end of a strip (`body.point`).
+    #[serde(default)]
+    pub from: Option<String>,
+    /// The other end, on the same body.
+    #[serde(default)]
+    pub to: Option<String>,
+    /// Width of a strip [m], >= 0.
+    #[serde(default)]
+    pub width: Option<f64>,
+    /// Point of an area (`body.point`).
+    #[serde(default)]
+    pub at: Option<String>,
+    /// Area [m2], >= 0.
+    #[serde(default)]
+    pub area: Option<f64>,
+    /// Angle of a flat area's plane in the body's frame [rad]; where absent, the area is the same from all sides.
+    #[serde(default)]
+    pub surface_angle: Option<f64>,
+    /// Drag coefficient c [1], >= 0.
+    pub drag_coefficient: f64,
+}
+
+impl Gravity {
+    pub(super) fn parameters(&mut self, visit: &mut Visit) {
+        let mut list = Owner::section("gravity", Role::Load, visit);
+        let (unit, words) = (Unit::MetrePerSecondSquared, "Upward direction, angle from the X axis");
+        list.add("acceleration", "Acceleration of free fall", unit, Range::NonNegative, &mut self.acceleration);
+        list.add("up_angle", words, Unit::Radian, Range::Finite, &mut self.up_angle);
+    }
+}
+
+impl Actuator {
+    pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
+        let mut list = Owner::element("actuators", name, Role::Load, visit);
+        list.add("efficiency", "Efficiency", Unit::One, Range::Fraction, &mut self.efficiency);
+    }
+}
+
+impl Force {
+    pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
+        for ((axis, index), value) in [("x", "[0]"), ("y", "[1]")].into_iter().zip(&mut self.force) {
+            let (key, kind) = (["forces.", name, ".force", index], (Unit::Newton, Range::Finite, Role::Load));
+            let description = ["Constant force at ", name, ", ", axis, ", mechanism frame"];
+            visit(Parameter::new([name, ".force_", axis], key, description, kind), value);
+        }
+    }
+}
+
+impl Torque {
+    pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
+        let (key, kind) = (["torques.", name, ".torque"], (Unit::NewtonMetre, Range::Finite, Role::Load));
+        visit(Parameter::new([name, ".torque"], key, ["Constant torque on ", &self.on], kind), &mut self.torque);
+    }
+}
+
+impl Spring {
+    pub(super) fn parameters(&mut self, name: &str, is_rotary: bool, visit: &mut Visit) {
+        let [stiffness, damping, force] = if is_rotary {
+            [Unit::NewtonMetrePerRadian, Unit::NewtonMetreSecondPerRadian, Unit::NewtonMetre]
+        } else {
+            [Unit::NewtonPerMetre, Unit::NewtonSecondPerMetre, Unit::Newton]
+        };
+        // A distance is not negative, a position along an axis may be.
+        let length = if self.joint.is_none() { Range::NonNegative } else { Range::Finite };
+        let mut list = Owner::element("springs", name, Role::Load, visit);
+        list.add("stiffness", "Stiffness", stiffness, Range::NonNegative, &mut self.stiffness);
+        list.add("damping", "Damping", damping, Range::NonNegative, &mut self.damping);
+        list.add("free_length", "Free length", Unit::Metre, length, &mut self.free_length);
+        list.add("free_angle", "Free angle", Unit::Radian, Range::Finite, &mut self.free_angle);
+        list.add("preload", "Preload", force, Range::Finite, &mut self.preload);
+    }
+}
+
+impl Air {
+    pub(super) fn parameters(&mut self, visit: &mut Visit) {
+        let mut list = Owner::section("air", Role::Load, visit);
+        let (unit, words) = (Unit::KilogramPerCubicMetre, "Direction in which the air flows, angle from the X axis");
+        list.add("density", "Mass density of the air", unit, Range::NonNegative, &mut self.density);
+        list.add("flow_angle", words, Unit::Radian, Range::Finite, &mut self.flow_angle);
+    }
+
+    pub(super) fn flags(&mut self, visit: &mut dyn FnMut(Flag, &mut bool)) {
+        let text = "Whether the motion of the surfaces counts for the speed of the air that meets them";
+        visit(Flag::new("air", "relative_wind", [text]), &mut self.relative_wind);
+    }
+}
+
+impl Surface {
+    pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
+        let mut list = Owner::element("surfaces", name, Role::Load, visit);
+        list.add("width", "Width of the surface", Unit::Metre, Range::NonNegative, &mut self.width);
+        list.add("area", "Area", Unit::SquareMetre, Range::NonNegative, &mut self.area);
+        list.add("surface_angle", "Angle of the flat area", Unit::Radian, Range::Finite, &mut self.surface_angle);
+        let coefficient = &mut self.drag_coefficient;
+        list.add("drag_coefficient", "Drag coefficient", Unit::One, Range::NonNegative, coefficient);
+    }
+}

@@ -1,0 +1,58 @@
+//! Variables of loads: gravity, forces, torques, springs, drag.
+use super::Builder;
+use super::needs::Needs;
+use crate::mechanism::loads::unit_load::Load;
+use crate::mechanism::quantity::Output;
+use crate::variables::Unit::{Metre, MetrePerSecond, Newton, NewtonMetre, One, Radian};
+
+pub(super) fn add_inputs(b: &mut Builder) {
+    let m = b.source.mechanism;
+    if let Some(gravity) = &m.gravity {
+        b.load_input(&["Load factor: gravity as a multiple of free fall"], One, gravity.load_factor);
+    }
+    for (name, force) in m.forces.iter().filter(|(_, f)| !f.constant) {
+        for (value, axis) in force.force.into_iter().zip(["x", "y"]) {
+            b.load_input(&["External force at ", name, ", ", axis, ", mechanism frame"], Newton, value);
+        }
+    }
+    for (_, t) in m.torques.iter().filter(|(_, t)| !t.constant) {
+        b.load_input(&["External torque on ", &t.on, ", anticlockwise"], NewtonMetre, t.torque);
+    }
+}
+
+pub(super) fn add_airspeed(b: &mut Builder) {
+    if let Some(air) = &b.source.mechanism.air {
+        let text = "Speed at which the air flows past the mechanism's frame";
+        b.input("airspeed".into(), &[text], MetrePerSecond, air.airspeed);
+    }
+}
+
+pub(super) fn add_springs(b: &mut Builder) {
+    let s = b.source;
+    for (i, spring) in s.loading.springs.iter().enumerate() {
+        let (n, load) = (spring.name.as_str(), spring.load);
+        let (what, unit, force, force_unit) = match s.loading.loads[load] {
+            Load::Couple { .. } => ("angle", Radian, "torque", NewtonMetre),
+            Load::Slide { .. } => ("position", Metre, "force", Newton),
+            _ => ("length", Metre, "force", Newton),
+        };
+        let position = Needs { loads: &[load], ..s.displacement(load) };
+        let damped = s.mechanism.springs.get(n).is_some_and(|s| s.damping.is_some());
+        let needs = Needs { speed: damped, ..position };
+        b.output(n, what, &["Present ", what, " of ", n], unit, Output::Displacement { load, order: 0 }, position);
+        let text = ["Pull of ", n, ": preload, spring and damper"];
+        b.output(n, force, &text, force_unit, Output::SpringForce { spring: i }, needs);
+    }
+}
+
+pub(super) fn add_surfaces(b: &mut Builder) {
+    let s = b.source;
+    let (Some(air), airspeed) = (&s.loading.air, s.airspeed()) else { return };
+    for (i, surface) in air.surfaces.iter().enumerate() {
+        let (n, loads) = (surface.name.as_str(), [surface.load, surface.load + 1, surface.load + 2]);
+        let position = s.position(&[surface.start.body]);
+        let needs = Needs { speed: true, inputs: airspeed.as_slice(), loads: &loads, ..position };
+        let text = ["Drag on the surface ", n, ", along the flow"];
+        b.output(n, "drag", &text, Newton, Output::Drag { surface: i }, needs);
+    }
+}

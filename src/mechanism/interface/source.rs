@@ -1,0 +1,86 @@
+//! What the declarations of variables read: the definition, resolved.
+use super::needs::{NONE, Needs, PLACED};
+use crate::mechanism::definition::{DefinitionError, Mechanism};
+use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point};
+use crate::mechanism::loads::resolved::{Loading, markers};
+use crate::mechanism::loads::unit_load::Load;
+use std::ops::Range;
+
+/// A definition with its linkage and loads.
+pub(super) struct Source<'a> {
+    pub mechanism: &'a Mechanism,
+    pub linkage: Linkage,
+    pub loading: Loading,
+    pub markers: Vec<Point>,
+    /// Inputs that act on the motion, by index.
+    pub inputs: Vec<usize>,
+    /// All loads, by index.
+    pub loads: Vec<usize>,
+}
+
+impl<'a> Source<'a> {
+    /// # Errors
+    /// The definition does not resolve.
+    pub fn new(mechanism: &'a Mechanism) -> Result<Self, DefinitionError> {
+        let linkage = Linkage::new(mechanism)?;
+        let (loading, markers) = (Loading::new(mechanism, &linkage)?, markers(mechanism, &linkage)?);
+        let loads = (0..loading.loads.len()).collect();
+        let mut source = Self { mechanism, linkage, loading, markers, inputs: Vec::new(), loads };
+        source.inputs = (0..source.loading.inputs.len()).chain(source.airspeed()).chain(source.locks()).collect();
+        Ok(source)
+    }
+
+    /// Index of the airspeed among the inputs: after those that size loads and the demanded accelerations.
+    pub fn airspeed(&self) -> Option<usize> {
+        self.loading.air.as_ref().map(|_| self.loading.inputs.len() + self.loading.drives.len())
+    }
+
+    /// Indices of the locks among the inputs.
+    pub fn locks(&self) -> Range<usize> {
+        let first = self.loading.inputs.len() + self.loading.drives.len() + usize::from(self.loading.air.is_some());
+        first..first + self.loading.locks.len()
+    }
+
+    /// Whether joints have friction when `friction.enabled` is true.
+    pub fn has_friction(&self) -> bool {
+        self.loading.friction.as_ref().is_some_and(|f| !f.friction_joints.is_empty())
+    }
+
+    /// What the acceleration follows from.
+    pub fn acceleration(&self) -> Needs<'_> {
+        Needs { speed: true, inertia: true, inputs: &self.inputs, loads: &self.loads, ..PLACED }
+    }
+
+    /// What the positions of bodies follow from: the stated start alone if one joint holds the body that states it to
+    /// the ground and no other body is named, else everything.
+    pub fn position(&self, bodies: &[usize]) -> Needs<'static> {
+        let start = &self.mechanism.start;
+        let joint = self.linkage.joints.iter().position(|j| {
+            let ends = [j.first.body, j.second.body];
+            let stated = match (&start.body, &start.joint) {
+                (Some(name), _) => self
+                    .linkage
+                    .carrier(self.mechanism, name)
+                    .map(|(body, _)| body)
+                    .filter(|body| j.freedom == Freedom::Revolute && ends.contains(body)),
+                (None, Some(name)) => ends.into_iter().find(|b| *b != GROUND).filter(|_| j.name == *name),
+                (None, None) => None,
+            };
+            ends.contains(&GROUND) && stated.is_some_and(|s| bodies.iter().all(|b| *b == s || *b == GROUND))
+        });
+        if joint.is_some() { Needs { joint, position: true, ..NONE } } else { PLACED }
+    }
+
+    /// What the displacement of a load follows from, apart from its own constants.
+    pub fn displacement(&self, load: usize) -> Needs<'static> {
+        match self.loading.loads[load] {
+            Load::Pair { first, second } => self.position(&[first.body, second.body]),
+            Load::Couple { first, second } => self.position(&[first, second]),
+            Load::Slide { joint } => {
+                let joint = &self.linkage.joints[joint];
+                self.position(&[joint.first.body, joint.second.body])
+            }
+            _ => PLACED,
+        }
+    }
+}
