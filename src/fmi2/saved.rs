@@ -18,7 +18,8 @@
 use super::clock::Clock;
 use super::phase::Phase;
 use super::refusal::Refusal;
-use crate::codec::record::{Damaged, Record, crc32};
+use crate::codec::checksum::crc32;
+use crate::codec::record::{Damaged, Record};
 use crate::mechanism::{Model, Snapshot};
 
 const MAGIC: [u8; 8] = *b"linkFMUs";

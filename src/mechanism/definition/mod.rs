@@ -16,14 +16,14 @@ pub use named::Named;
 pub use parameter::{Flag, Parameter, Range, Role};
 pub use solver::{Method, Solver};
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use strict::Strict;
 
 /// Name of the body that does not move.
 pub const GROUND: &str = "ground";
 
 /// A whole mechanism.
-#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Mechanism {
     /// Where an editor finds the schema of this format; not read.
@@ -84,7 +84,7 @@ pub struct Mechanism {
 }
 
 /// Uniform gravity: the acceleration load_factor * acceleration along -(cos up_angle, sin up_angle).
-#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Gravity {
     /// Acceleration of free fall [m/s2], >= 0.
@@ -101,7 +101,7 @@ fn one() -> f64 {
 }
 
 /// A rigid body, with a frame: the origin and the x axis, along which `length` leads to the point `end`.
-#[derive(Clone, Debug, Default, Deserialize, PartialEq)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Body {
     /// Rigidly fixed with its origin at this point (`body.point`) of another body.
@@ -134,7 +134,7 @@ pub struct Body {
 }
 
 /// How a body's mass is spread.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
 #[serde(rename_all = "snake_case")]
 pub enum Shape {
     /// Evenly between `origin` and `end`: centre at half the length, moment of inertia m l2 / 12.
@@ -142,7 +142,7 @@ pub enum Shape {
 }
 
 /// Connection of two bodies.
-#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Joint {
     /// Kind of joint.
@@ -170,7 +170,7 @@ pub struct Joint {
 }
 
 /// Kind of a joint.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
 #[serde(rename_all = "snake_case")]
 pub enum JointKind {
     /// The two points coincide.
@@ -181,7 +181,7 @@ pub enum JointKind {
 
 /// A drive: along the line between two points (positive pushes them apart), or in a joint (positive moves the second body
 /// forward: anticlockwise, or along the axis).
-#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Actuator {
     /// One end (`body.point`).
@@ -206,7 +206,7 @@ pub struct Actuator {
 }
 
 /// A force at a point, in the mechanism frame.
-#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Force {
     /// Point of application (`body.point`).
@@ -220,7 +220,7 @@ pub struct Force {
 }
 
 /// A torque on a body.
-#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Torque {
     /// Body on which it acts.
@@ -236,7 +236,7 @@ pub struct Torque {
 /// A spring and damper: between two points it pulls them together with preload + stiffness (length - free_length) +
 /// damping d(length)/dt; in a joint it turns the second body back with preload + stiffness (angle - free_angle) +
 /// damping d(angle)/dt, angle being the second body's less the first's.
-#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Spring {
     /// One end (`body.point`).
@@ -266,7 +266,7 @@ pub struct Spring {
 }
 
 /// A point whose position, velocity and acceleration are outputs.
-#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Marker {
     /// The point (`body.point`).
@@ -274,7 +274,7 @@ pub struct Marker {
 }
 
 /// Friction in the joints ([HF08] section 4): in every revolute joint with a pin radius, and in every prismatic joint.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Friction {
     /// Whether it acts.
@@ -297,7 +297,7 @@ fn static_speed() -> f64 {
 }
 
 /// Air in uniform flow. Its speed is the input `airspeed`.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Air {
     /// Mass density [kg/m3], >= 0.
@@ -314,7 +314,7 @@ pub struct Air {
 
 /// A surface on which air drags: a strip along the line between two points of one body, or an area at a point. The drag is
 /// 1/2 density |u| u c S, where u is the air's velocity relative to the surface and S the area that faces it ([HF08] (1)).
-#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Surface {
     /// One end of a strip (`body.point`).
@@ -342,7 +342,7 @@ pub struct Surface {
 
 /// A stop: an end of the travel, stated by the angle of a turning body, the position of a prismatic joint, the angle of a
 /// revolute one, or the distance of two points.
-#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Stop {
     /// Turning body.
@@ -393,7 +393,7 @@ fn yes() -> bool {
 }
 
 /// Which end of the travel a stop is.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
 #[serde(rename_all = "snake_case")]
 pub enum Limit {
     /// The value may not fall below.
@@ -404,7 +404,7 @@ pub enum Limit {
 
 /// A lock: while its input `<name>.engage` is true it takes hold of the mechanism when that comes to a stop's position, and
 /// holds it there by a force at a point, along the path of that point.
-#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Lock {
     /// The stop at which it holds.
@@ -417,7 +417,7 @@ pub struct Lock {
 }
 
 /// Position and speed at the start, of a turning body or of a prismatic joint.
-#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Start {
     /// Turning body that states the start.
@@ -438,7 +438,7 @@ pub struct Start {
 }
 
 /// Default experiment of the FMU.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Experiment {
     /// Stop time [s], > 0; the start time is 0.

@@ -1,8 +1,8 @@
 //! How the motion is found.
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// Integration settings.
-#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Solver {
     /// Relative tolerance of the integration [1].
@@ -30,7 +30,7 @@ impl Solver {
 }
 
 /// Formulation of the motion.
-#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, PartialEq, Eq)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
     /// Rigid bodies as one element along the curve.
