@@ -1,15 +1,16 @@
 //! What an FMI layer asks of any model, and the kinds of model there are.
 //!
-//! In: the text of a definition file, values by reference, steps. Out: values, saved states, or the reason of a refusal.
-//! It must not know any law of a model, nor anything of FMI but value references.
+//! In: the text of a definition file, values by reference, steps. Out: values, saved states, or the reason of a
+//! refusal. It must not know any law of a model, nor anything of FMI but value references.
 //!
-//! A further kind of model takes one arm in [`Component`], in [`Snapshot`], in `each`, and one row in `KINDS`. Its model has
-//! methods of the same names, whose errors convert to [`Refused`]. No call is dispatched at run time while there is one
-//! kind only.
+//! A further kind of model takes one arm in [`Component`], in [`Snapshot`], in `each`, and one row in `KINDS`. Its
+//! model has methods of the same names, whose errors convert to [`Refused`]. No call is dispatched at run time while
+//! there is one kind only.
 use crate::mechanism::{self, ModelError};
 use crate::variables::{Interface, Reference};
 
-/// Why a model refuses a call; the model is unchanged. The text names the quantity, the value, the limit and the remedy.
+/// Why a model refuses a call; the model is unchanged. The text names the quantity, the value, the limit and the
+/// remedy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refused(pub String);
 
@@ -21,8 +22,6 @@ impl From<ModelError> for Refused {
 }
 
 /// A model of any kind.
-// One kind is no waste of memory; of several, a component is one for each instance.
-#[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug)]
 pub enum Component {
     /// A planar linkage with one degree of freedom.
@@ -161,8 +160,8 @@ impl Component {
         each!(self, model => Ok(model.set_text(reference, value)?))
     }
 
-    /// Directional derivatives at the present state: `report` is called once for each unknown, with its index and the sum
-    /// over the knowns of the partial derivative times the seed.
+    /// Directional derivatives at the present state: `report` is called once for each unknown, with its index and the
+    /// sum over the knowns of the partial derivative times the seed.
     ///
     /// # Errors
     /// An unknown that is no continuous output, a known that is no continuous input, a model without derivatives.
@@ -234,7 +233,8 @@ impl Component {
     pub fn cost(&self) -> String {
         let cost = each!(self, model => model.statistics());
         format!(
-            "{} evaluations in {} accepted steps ({} by RKN8(6), {} by DOP853, {} shorter ones by DOPRI5, {} short ones by RK4, {} stiff ones by Radau IIA) and {} rejected",
+            "{} evaluations in {} accepted steps ({} by RKN8(6), {} by DOP853, {} shorter ones by DOPRI5, \
+             {} short ones by RK4, {} stiff ones by Radau IIA) and {} rejected",
             cost.evaluations,
             cost.accepted,
             cost.nystroem,
@@ -253,8 +253,8 @@ impl Component {
         }
     }
 
-    /// [`Self::snapshot`] into an existing snapshot of this identity, without allocation if both are in motion by the same
-    /// method.
+    /// [`Self::snapshot`] into an existing snapshot of this identity, without allocation if both are in motion by the
+    /// same method.
     #[inline]
     pub fn snapshot_into(&self, snapshot: &mut Snapshot) {
         match (self, snapshot) {

@@ -1,7 +1,7 @@
 //! Records: numbers one after the other, each in little-endian bytes. One list of fields serves writing and reading.
 //!
-//! In: fields in a fixed order. Out: bytes; or the fields again, each checked against its range. The bytes do not depend
-//! on the machine. It must not know what the fields mean.
+//! In: fields in a fixed order. Out: bytes; or the fields again, each checked against its range. The bytes do not
+//! depend on the machine. It must not know what the fields mean.
 use std::fmt;
 
 /// Largest small count in a record. Half of the type's range, so that counting on from it does not overflow.
@@ -17,7 +17,8 @@ impl fmt::Display for Damaged {
     }
 }
 
-/// A record being written or read. A field is written unchecked; a field that is read is checked and replaces the value.
+/// A record being written or read. A field is written unchecked; a field that is read is checked and replaces the
+/// value.
 #[derive(Debug)]
 pub enum Record<'a> {
     /// Appends to these bytes.
@@ -175,7 +176,8 @@ impl Record<'_> {
         values.iter_mut().try_for_each(|value| self.finite(name, value))
     }
 
-    /// An optional value: a flag, then the `fields` of the value if it is present. Reading fills the fields of `blank()`.
+    /// An optional value: a flag, then the `fields` of the value if it is present. Reading fills the fields of
+    /// `blank()`.
     ///
     /// # Errors
     /// As [`Self::flag`] and `fields`.

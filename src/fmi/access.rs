@@ -1,7 +1,7 @@
 //! Which variable may be read or set in which phase (FMI 2.0.5, 4.2.4, with the causalities of 2.2.7).
 //!
-//! In: the table of variables, the phase, a value reference and the kind that the called function handles. Out: permission,
-//! or a refusal that names the variable. It must not know how a value is found.
+//! In: the table of variables, the phase, a value reference and the kind that the called function handles. Out:
+//! permission, or a refusal that names the variable. It must not know how a value is found.
 
 use super::phase::Phase;
 use super::refusal::Refusal;

@@ -6,18 +6,18 @@ use super::refusal::Refusal;
 use crate::codec::record::{Damaged, Record};
 use crate::numerics::decimal::Decimal;
 
-/// Part of a step by which a communication point may be off. A lost or repeated step is off by a whole step. A host that
-/// counts time in other units (ticks, single-precision steps) is off by far less than this part.
+/// Part of a step by which a communication point may be off. A lost or repeated step is off by a whole step. A host
+/// that counts time in other units (ticks, single-precision steps) is off by far less than this part.
 const STEP_SLACK: f64 = 1e-6;
 
 /// Rounding of a communication point, in units of [`f64::EPSILON`] of the largest time in play. The host may form
 /// `start + n h`, a running sum, or `stop - k h`: a product and two sums, half an epsilon each; the clock's own sum
-/// adds one more half. Errors of a long running sum do not accumulate, as the clock takes over the host's point at every
-/// step.
+/// adds one more half. Errors of a long running sum do not accumulate, as the clock takes over the host's point at
+/// every step.
 const ROUNDING: f64 = 8.0;
 
-/// Largest part of a step by which the last step may end past the stop time. Against the stop time the errors of a running
-/// sum do accumulate: half an epsilon of the time per step. More than this part of a step is not rounding.
+/// Largest part of a step by which the last step may end past the stop time. Against the stop time the errors of a
+/// running sum do accumulate: half an epsilon of the time per step. More than this part of a step is not rounding.
 const STOP_SLACK: f64 = 0.25;
 
 /// Time of one instance.

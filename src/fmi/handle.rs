@@ -1,4 +1,5 @@
-//! How an instance lives behind its pointer, and the way from the pointer to a verdict, with nothing unwinding across C.
+//! How an instance lives behind its pointer, and the way from the pointer to a verdict, with nothing unwinding across
+//! C.
 //!
 //! In: a pointer of the host's and the work to do on the instance. Out: a verdict; the reason of a refusal goes to the
 //! logger. It must not know which function of which version is called, but for its name and legal phases.

@@ -286,8 +286,8 @@ impl Instance {
 
     /// Advance by exactly `h` [s] from the present communication point.
     ///
-    /// The time after the step is the host's `point` plus `h`, so that the rounding of the host's sums is never counted as
-    /// its error. After a step that cannot be computed, the state is that of the last communication point.
+    /// The time after the step is the host's `point` plus `h`, so that the rounding of the host's sums is never counted
+    /// as its error. After a step that cannot be computed, the state is that of the last communication point.
     pub fn do_step(&mut self, point: f64, h: f64) -> Result<(), Refusal> {
         let end = self.clock.end_of_step(point, h)?;
         if let Err(refused) = self.component.step(h) {

@@ -70,8 +70,8 @@ impl Logger {
         }
     }
 
-    /// Switch the given categories: `on` leaves exactly these on; off leaves the others as they were. Without a category,
-    /// everything is on, or only failures, as after instantiation.
+    /// Switch the given categories: `on` leaves exactly these on; off leaves the others as they were. Without a
+    /// category, everything is on, or only failures, as after instantiation.
     ///
     /// # Errors
     /// A name that [`LOG_CATEGORIES`] does not hold; nothing is changed then.

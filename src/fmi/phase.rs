@@ -1,7 +1,7 @@
 //! The phases of an instance, and what a version's table of functions is made of.
 //!
-//! In: nothing. Out: [`Phase`], sets of phases as bits, and [`Function`]. Each version has a table of its functions; the
-//! rules for single variables are in `access`.
+//! In: nothing. Out: [`Phase`], sets of phases as bits, and [`Function`]. Each version has a table of its functions;
+//! the rules for single variables are in `access`.
 
 /// Phase of an instance; each is one bit, so that a set of phases is a number. The numbers stand in serialised states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,7 @@
 //! A refused call: the verdict that the host gets and the line that the logger gets.
 //!
-//! The message names the quantity, the value, the limit and what to do; `handle` puts the function's name in front of it.
+//! The message names the quantity, the value, the limit and what to do; `handle` puts the function's name in front of
+//! it.
 
 use crate::component::Refused;
 

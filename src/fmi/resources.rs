@@ -1,7 +1,9 @@
-//! The FMU's resources: the folder that the host names or that lies beside this library, and the component defined there.
+//! The FMU's resources: the folder that the host names or that lies beside this library, and the component defined
+//! there.
 //!
 //! In: the resource location and the GUID, as the host passes them. Out: a component. Hosts write a location as
-//! `file:///p`, `file:/p`, `file://localhost/p` or as a plain path, with and without percent-encoding and a trailing slash.
+//! `file:///p`, `file:/p`, `file://localhost/p` or as a plain path, with and without percent-encoding and a trailing
+//! slash.
 #![allow(unsafe_code)]
 
 use super::refusal::Refusal;
@@ -14,10 +16,11 @@ use std::path::{Path, PathBuf};
 /// Largest number of bytes of a definition file; a mechanism of 100 bodies has about 30 thousand.
 const LARGEST: u64 = 16 << 20;
 
-/// Component of a new instance. Its definition is read at each instantiation, so that a user may edit the numbers in it.
+/// Component of a new instance. Its definition is read at each instantiation, so that a user may edit the numbers in
+/// it.
 ///
-/// The folder is that of `location`; where that is NULL or empty, the folder `resources` of the FMU in which this library
-/// lies. `guid` is the host's, in its argument of the name `guid_argument`.
+/// The folder is that of `location`; where that is NULL or empty, the folder `resources` of the FMU in which this
+/// library lies. `guid` is the host's, in its argument of the name `guid_argument`.
 ///
 /// # Errors
 /// No or an unreadable definition file, a faulty definition, another interface than that of the GUID.
@@ -38,7 +41,8 @@ pub fn load(guid_argument: &str, guid: Option<&CStr>, location: Option<&CStr>) -
     let own = component.interface().guid();
     if guid.to_bytes() != own.as_bytes() {
         return Err(Refusal::error(format!(
-            "{guid_argument} is '{}', but '{}' has the interface '{own}'; import the FMU again, or restore the names in the file",
+            "{guid_argument} is '{}', but '{}' has the interface '{own}'; \
+             import the FMU again, or restore the names in the file",
             guid.to_bytes().escape_ascii(),
             file.display(),
         )));
@@ -46,8 +50,8 @@ pub fn load(guid_argument: &str, guid: Option<&CStr>, location: Option<&CStr>) -
     Ok(component)
 }
 
-/// Text of a file. Only a regular file is opened, as reading a pipe could wait for ever; a file that is too large is not
-/// read.
+/// Text of a file. Only a regular file is opened, as reading a pipe could wait for ever; a file that is too large is
+/// not read.
 fn read(file: &Path) -> Result<String, Refusal> {
     let refused = |reason: String| Refusal::error(format!("cannot read '{}': {reason}", file.display()));
     let metadata = std::fs::metadata(file).map_err(|error| refused(error.to_string()))?;

@@ -1,13 +1,13 @@
 //! How a saved state lives behind its pointer.
 //!
-//! In: an instance and pointers of the host's. Out: states, or a refusal. A state belongs to no instance: every instance of
-//! the same identity takes it, and it outlives the instance that was saved. The words at its head distinguish it from other
-//! memory, from a state of another identity, and mostly from a freed state. What they cannot show: memory that was given
-//! back to the system, or that holds another state by now.
+//! In: an instance and pointers of the host's. Out: states, or a refusal. A state belongs to no instance: every
+//! instance of the same identity takes it, and it outlives the instance that was saved. The words at its head
+//! distinguish it from other memory, from a state of another identity, and mostly from a freed state. What they cannot
+//! show: memory that was given back to the system, or that holds another state by now.
 //!
 //! # Safety
-//! All functions share the contract of FMI 2.0.5, 2.1.8: a state is NULL or leads to readable memory of a state's size, and a
-//! pointer to a state is NULL or leads to a pointer. Nobody else uses either during the call.
+//! All functions share the contract of FMI 2.0.5, 2.1.8: a state is NULL or leads to readable memory of a state's size,
+//! and a pointer to a state is NULL or leads to a pointer. Nobody else uses either during the call.
 #![allow(unsafe_code, clippy::missing_safety_doc)]
 
 use super::array::output;
@@ -53,8 +53,8 @@ unsafe fn kept<'a>(state: State, instance: &Instance) -> Result<&'a mut Kept, Re
     if !kept.is_aligned() {
         return Err(Refusal::error(foreign));
     }
-    // SAFETY: not NULL and aligned is checked; the caller promises that the memory can be read. The word is read apart, as
-    // the rest of what is no state need not be valid.
+    // SAFETY: not NULL and aligned is checked; the caller promises that the memory can be read. The word is read apart,
+    // as the rest of what is no state need not be valid.
     if unsafe { (*kept).word.load(Ordering::Relaxed) } != ALIVE {
         return Err(Refusal::error(foreign));
     }

@@ -3,8 +3,8 @@
 //! In: the host's calls. Out: statuses and values. `phase` is the table of what is legal when, `types` has the C types.
 //! It must not know any kind of model.
 //!
-//! Co-simulation is complete but for what the XML does not declare. Functions of model exchange are exported because hosts
-//! look them up; they log why they cannot serve, and return `fmi2Error`.
+//! Co-simulation is complete but for what the XML does not declare. Functions of model exchange are exported because
+//! hosts look them up; they log why they cannot serve, and return `fmi2Error`.
 //!
 //! # Safety
 //! All functions share one contract, the standard's own. A component is NULL or comes from [`fmi2Instantiate`], has not
@@ -47,8 +47,8 @@ unsafe fn call(c: Component, function: &Function, work: impl FnOnce(&mut Instanc
     unsafe { handle::call(c, function, work) }.into()
 }
 
-/// The host's printf-style logger for an instance of this name. The callback is copied, as the host's struct may live on
-/// its stack.
+/// The host's printf-style logger for an instance of this name. The callback is copied, as the host's struct may live
+/// on its stack.
 fn sink(functions: &CallbackFunctions, instance_name: &CStr) -> Option<Sink> {
     let (callback, environment, name) = (functions.logger?, functions.environment, instance_name.to_owned());
     Some(Box::new(move |verdict, category, message| {
@@ -91,8 +91,8 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
 
 /// New instance, from the definition file in the resources folder; NULL, with a message, if anything is amiss.
 ///
-/// A NULL or empty location means the folder `resources` of the FMU that this library lies in. The callbacks are copied;
-/// each may be NULL. `visible` has no meaning here.
+/// A NULL or empty location means the folder `resources` of the FMU that this library lies in. The callbacks are
+/// copied; each may be NULL. `visible` has no meaning here.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2Instantiate(
     name: Text,
@@ -230,8 +230,8 @@ pub unsafe extern "C" fn fmi2GetBoolean(
     unsafe { call(c, &phase::GET_BOOLEAN, |i| i.get_boolean(input("vr", vr, count)?, output("value", value, count)?)) }
 }
 
-/// Read Strings; they live until the next call of this function or the end of the instance. On an error the array may be
-/// filled in part.
+/// Read Strings; they live until the next call of this function or the end of the instance. On an error the array may
+/// be filled in part.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetString(
     c: Component,

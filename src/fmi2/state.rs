@@ -40,7 +40,8 @@ pub unsafe extern "C" fn fmi2SerializedFMUstateSize(c: Component, state: FmuStat
     }
 }
 
-/// Write the state as bytes that any process can read, on any machine. `size` is that of [`fmi2SerializedFMUstateSize`].
+/// Write the state as bytes that any process can read, on any machine. `size` is that of
+/// [`fmi2SerializedFMUstateSize`].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SerializeFMUstate(c: Component, state: FmuState, bytes: *mut Byte, size: usize) -> Status {
     // SAFETY: `state` is NULL or leads to a state, `bytes` leads to memory for `size` bytes (2.1.8).

@@ -47,8 +47,8 @@ impl ParameterValues {
     }
 }
 
-/// Hash of the mechanism apart from its parameters, inputs and texts: of its structure and of the assembly that the guess
-/// names.
+/// Hash of the mechanism apart from its parameters, inputs and texts: of its structure and of the assembly that the
+/// guess names.
 ///
 /// The hashed text is the definition as compact JSON, with keys in the order of the types and names in the order of the
 /// file, which decides the value references. Parameters and start values of inputs are 0 in it, texts are empty.
