@@ -65,6 +65,17 @@ fn the_guid_follows_the_interface_not_the_numbers() {
     assert_ne!(guid(GEAR), guid(&GEAR.replace("\"wheel\": { \"at\"", "\"tyre\": { \"at\"")));
 }
 
+/// The GUID is what an importer compares, the second number what a saved state is held against: it hashes the
+/// definition's structure as JSON. Another GUID here means that FMUs of the same `mechanism.json` are no longer
+/// exchangeable; another number means that states saved by earlier versions are refused, as after a new key of the
+/// format. Both are to be changed on purpose only.
+#[test]
+fn the_identity_of_the_gear_is_pinned() {
+    let gear = Model::from_json(GEAR).unwrap();
+    assert_eq!(gear.variables().guid(), "{e26bdc59-41d0-708e-1085-12bd948d65e9}");
+    assert_eq!(gear.identity(), [0xB55D_8FD1_F6FE_3939, 0x7ACF_7DBC_B24C_A1F3]);
+}
+
 /// The gear in one formulation only.
 fn without_method() -> String {
     let text = GEAR.replace(r#", "method": "reduced", "fem_step": 1e-5"#, "");

@@ -4,7 +4,7 @@
 //! it holds no time stamp. It must not know which variables a mechanism has.
 
 use anyhow::{Context, Result, bail};
-use linkage_fmu::fmi2::logger::LOG_CATEGORIES;
+use linkage_fmu::fmi::logger::LOG_CATEGORIES;
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::mechanism::OUTPUT_ORDER;
 use linkage_fmu::variables::{BaseUnit, Causality, Kind, Reference, Unit, Value, Variability, Variable};

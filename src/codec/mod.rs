@@ -1,2 +1,3 @@
 //! Records in bytes, and check sums. It must not know what the fields mean.
+pub mod checksum;
 pub mod record;

@@ -1,13 +1,13 @@
-//! Records: numbers one after the other, each in little-endian bytes, by one list of fields for writing and for reading.
+//! Records: numbers one after the other, each in little-endian bytes. One list of fields serves writing and reading.
 //!
-//! In: fields in a fixed order. Out: bytes; or the fields again, each held against what it may be. Nothing depends on the
-//! machine. It must not know what the fields mean.
+//! In: fields in a fixed order. Out: bytes; or the fields again, each checked against its range. The bytes do not
+//! depend on the machine. It must not know what the fields mean.
 use std::fmt;
 
-/// Largest count in a record: whoever goes on counting from it does not overflow.
-const MOST: u64 = u32::MAX as u64 / 2;
+/// Largest small count in a record. Half of the type's range, so that counting on from it does not overflow.
+const LARGEST: u64 = u32::MAX as u64 / 2;
 
-/// A field that cannot be what was written.
+/// A field whose value is outside its range, with the reason.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Damaged(pub String);
 
@@ -17,12 +17,13 @@ impl fmt::Display for Damaged {
     }
 }
 
-/// A record at work. A field is written as it is; one that is read is checked and replaces the value.
+/// A record being written or read. A field is written unchecked; a field that is read is checked and replaces the
+/// value.
 #[derive(Debug)]
 pub enum Record<'a> {
-    /// Appends.
+    /// Appends to these bytes.
     Write(&'a mut Vec<u8>),
-    /// What is left to be read.
+    /// The bytes that remain to be read.
     Read(&'a [u8]),
 }
 
@@ -46,7 +47,7 @@ impl Record<'_> {
         }
     }
 
-    /// A whole number of 64 bits, any.
+    /// Any whole number of 64 bits.
     ///
     /// # Errors
     /// The record has ended.
@@ -71,17 +72,17 @@ impl Record<'_> {
     /// The record has ended, or the count is near overflow.
     pub fn small(&mut self, name: &str, value: &mut u32) -> Result<(), Damaged> {
         *value = u32::from_le_bytes(self.bytes(value.to_le_bytes())?);
-        if u64::from(*value) <= MOST {
+        if u64::from(*value) <= LARGEST {
             Ok(())
         } else {
-            Err(Damaged(format!("{name} = {value}: must be at most {MOST}")))
+            Err(Damaged(format!("{name} = {value}: must be at most {LARGEST}")))
         }
     }
 
-    /// One of `choices` values, told by its place: a byte.
+    /// Index of one of `choices` alternatives, as one byte.
     ///
     /// # Errors
-    /// The record has ended, or there is no such place.
+    /// The record has ended, or the index is not below `choices`.
     pub fn choice(&mut self, name: &str, value: &mut u8, choices: usize) -> Result<(), Damaged> {
         [*value] = self.bytes([*value])?;
         if usize::from(*value) < choices {
@@ -102,23 +103,23 @@ impl Record<'_> {
         Ok(())
     }
 
-    /// A place among `count` things.
+    /// An index below `count`, as 64 bits.
     ///
     /// # Errors
-    /// The record has ended, or there is no such place.
+    /// The record has ended, or the index is not below `count`.
     pub fn place(&mut self, name: &str, value: &mut usize, count: usize) -> Result<(), Damaged> {
         let mut word = *value as u64;
         self.word(&mut word)?;
         match usize::try_from(word) {
-            Ok(place) if place < count || !self.reads() => {
-                *value = place;
+            Ok(index) if index < count || !self.reads() => {
+                *value = index;
                 Ok(())
             }
             _ => Err(Damaged(format!("{name} = {word}: must be below {count}"))),
         }
     }
 
-    /// The length of a list that reader and writer know.
+    /// Length of a list, which the reader knows beforehand.
     ///
     /// # Errors
     /// The record has ended, or another length.
@@ -132,7 +133,7 @@ impl Record<'_> {
         }
     }
 
-    /// A number for which `allowed` holds, as `text` says.
+    /// A number for which `allowed` holds; `text` states the condition in a message.
     ///
     /// # Errors
     /// The record has ended, or the number read is not allowed.
@@ -167,7 +168,7 @@ impl Record<'_> {
         self.number(name, value, |v| v > 0.0 && v.is_finite(), "a finite number > 0")
     }
 
-    /// Finite numbers, as many as there are.
+    /// The finite numbers of a slice, without its length.
     ///
     /// # Errors
     /// As [`Self::number`].
@@ -175,7 +176,8 @@ impl Record<'_> {
         values.iter_mut().try_for_each(|value| self.finite(name, value))
     }
 
-    /// Something that may be absent: a byte, then what `fields` lists, from `blank` on when reading.
+    /// An optional value: a flag, then the `fields` of the value if it is present. Reading fills the fields of
+    /// `blank()`.
     ///
     /// # Errors
     /// As [`Self::flag`] and `fields`.
@@ -198,41 +200,9 @@ impl Record<'_> {
     }
 }
 
-/// CRC-32 of IEEE 802.3, as in zip and PNG: it tells every change of up to 32 bits in a row.
-pub fn crc32(bytes: &[u8]) -> u32 {
-    const TABLE: [u32; 256] = {
-        let mut table = [0; 256];
-        let mut i = 0;
-        while i < 256 {
-            let (mut crc, mut bit) = (i as u32, 0);
-            while bit < 8 {
-                crc = if crc & 1 == 1 { crc >> 1 ^ 0xEDB8_8320 } else { crc >> 1 };
-                bit += 1;
-            }
-            table[i] = crc;
-            i += 1;
-        }
-        table
-    };
-    !bytes.iter().fold(!0, |crc: u32, byte| crc >> 8 ^ TABLE[usize::from(crc as u8 ^ byte)])
-}
-
-/// FNV-1a, 64 bits: <http://www.isthe.com/chongo/tech/comp/fnv/>.
-pub fn fnv1a(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xCBF2_9CE4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01B3))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn sums_are_those_of_their_definitions() {
-        assert_eq!(crc32(b"123456789"), 0xCBF4_3926);
-        assert_eq!(crc32(b""), 0);
-        assert_eq!(fnv1a(b""), 0xCBF2_9CE4_8422_2325);
-        assert_eq!(fnv1a(b"a"), 0xAF63_DC4C_8601_EC8C);
-    }
 
     fn list(record: &mut Record, x: &mut f64, n: &mut u64, some: &mut Option<f64>) -> Result<(), Damaged> {
         record.finite("x", x)?;
@@ -242,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_written_is_read_again_in_fixed_bytes() {
+    fn a_written_record_is_read_again_from_fixed_bytes() {
         let (mut x, mut n, mut some) = (-1.5, 258, Some(0.1));
         let mut bytes = Vec::new();
         list(&mut Record::Write(&mut bytes), &mut x, &mut n, &mut some).unwrap();
@@ -258,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_field_cannot_be_is_refused_by_name() {
+    fn a_value_out_of_range_is_refused_by_name() {
         let mut bytes = Vec::new();
         let mut record = Record::Write(&mut bytes);
         for value in [f64::NAN, f64::INFINITY, -1.0] {

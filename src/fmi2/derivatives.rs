@@ -1,14 +1,14 @@
-//! Derivatives of outputs and inputs (FMI 2.0.5, 2.1.9, 4.2.1). The contract of the pointers is that of the module `fmi2`.
+//! Derivatives of outputs and inputs (FMI 2.0.5, 2.1.9, 4.2.1). The contract of the pointers is that of the module
+//! `fmi2`.
 
-use super::array::{input, output};
-use super::guard::call;
-use super::phase;
 use super::types::{Component, Integer, Real, Status, ValueReference};
+use super::{call, phase};
+use crate::fmi::array::{input, output};
 
 /// For each unknown the sum over the knowns of the partial derivative times `known_rates`, at the present state, exact.
 ///
-/// An unknown is a continuous output, a known is a continuous input. Refused with `solver.method` = "rigid_fem". On an error
-/// the array may be filled in part.
+/// An unknown is a continuous output, a known is a continuous input. Refused with `solver.method` = "rigid_fem". On an
+/// error the array may be filled in part.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     c: Component,
@@ -30,12 +30,12 @@ pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     }
 }
 
-/// Set derivatives of order 1 and 2 of continuous inputs, all or none: u(t) = u_0 + u_1 t + u_2 t^2 / 2 from the present
-/// communication point on.
+/// Set derivatives of order 1 and 2 of continuous inputs, all or none: u(t) = u_0 + u_1 t + u_2 t^2 / 2 from the
+/// present communication point on.
 ///
-/// They are 0 until set and, as they are set with respect to the beginning of a step (4.2.1), hold for one step. It ends with
-/// the inputs at u(h), which is also what `fmi2GetReal` then tells of them, and there they stay. `fmi2SetReal` sets u_0,
-/// before or after this function. Refused with `solver.method` = "rigid_fem".
+/// The derivatives are 0 until set. They refer to the beginning of a step (4.2.1) and hold for one step. At its end the
+/// inputs are u(h), which `fmi2GetReal` then reads, and stay constant. `fmi2SetReal` sets u_0, before or after this
+/// function. Refused with `solver.method` = "rigid_fem".
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
     c: Component,
@@ -53,8 +53,9 @@ pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
     }
 }
 
-/// First time derivatives of continuous outputs at the present communication point, exact, under inputs that change with
-/// the derivatives set for the next step; after a step and before an input is set, with those that it ended with.
+/// First time derivatives of continuous outputs at the present communication point, exact, under inputs that change
+/// with the derivatives set for the next step. After a step and before an input is set: with the derivatives at the
+/// step's end.
 ///
 /// Refused with `solver.method` = "rigid_fem". On an error the array may be filled in part.
 #[unsafe(no_mangle)]

@@ -1,11 +1,10 @@
-//! The C interface of FMI 2.0.5: every exported function, 1 to 4 lines over a safe core.
+//! The C interface of FMI 2.0.5: every exported function, 1 to 4 lines over the version-free half in `fmi`.
 //!
-//! In: the host's calls. Out: statuses and values. The core is `instance`; `phase` and `access` say what is legal when,
-//! `guard` turns pointers into instances and panics into `fmi2Fatal`, `array` turns pointers into slices. This is the
-//! only room with `unsafe` in it, and the only one that knows the words of the standard. It knows nothing of mechanics.
+//! In: the host's calls. Out: statuses and values. `phase` is the table of what is legal when, `types` has the C types.
+//! It must not know any kind of model.
 //!
-//! Co-simulation is complete but for what the XML does not declare; functions of model exchange are there because hosts
-//! load them, log why they cannot serve, and return `fmi2Error`.
+//! Co-simulation is complete but for what the XML does not declare. Functions of model exchange are exported because
+//! hosts look them up; they log why they cannot serve, and return `fmi2Error`.
 //!
 //! # Safety
 //! All functions share one contract, the standard's own. A component is NULL or comes from [`fmi2Instantiate`], has not
@@ -14,19 +13,10 @@
 //! as an empty array.
 #![allow(unsafe_code, non_snake_case, clippy::missing_safety_doc)]
 
-mod access;
-mod array;
-mod clock;
 mod cosimulation;
 mod derivatives;
 mod exchange;
-mod guard;
-mod instance;
-mod location;
-pub mod logger;
 mod phase;
-mod refusal;
-mod saved;
 mod state;
 pub mod types;
 
@@ -35,11 +25,40 @@ pub use derivatives::*;
 pub use exchange::*;
 pub use state::*;
 
+use crate::fmi::array::{input, output, text};
+use crate::fmi::handle;
+use crate::fmi::instance::Instance;
+use crate::fmi::logger::{Logger, Sink};
+use crate::fmi::phase::Function;
+use crate::fmi::refusal::{Refusal, Verdict};
+use crate::fmi::resources;
 use crate::variables::Kind;
-use array::{input, output, text};
-use guard::call;
-use std::ffi::c_int;
-use types::{Boolean, CallbackFunctions, Component, FALSE, Integer, Real, Status, Text, ValueReference};
+use std::ffi::{CStr, c_int};
+use types::{Boolean, CO_SIMULATION, CallbackFunctions, Component, FALSE, Integer, MODEL_EXCHANGE, Real};
+use types::{Status, Text, ValueReference};
+
+/// Do `work` on the instance if the function is legal in its phase.
+///
+/// # Safety
+/// As for [`handle::call`].
+#[inline]
+unsafe fn call(c: Component, function: &Function, work: impl FnOnce(&mut Instance) -> Result<(), Refusal>) -> Status {
+    // SAFETY: the caller's promise.
+    unsafe { handle::call(c, function, work) }.into()
+}
+
+/// The host's printf-style logger for an instance of this name. The callback is copied, as the host's struct may live
+/// on its stack.
+fn sink(functions: &CallbackFunctions, instance_name: &CStr) -> Option<Sink> {
+    let (callback, environment, name) = (functions.logger?, functions.environment, instance_name.to_owned());
+    Some(Box::new(move |verdict, category, message| {
+        // SAFETY: FMI 2.0.5, 2.1.5: the host's logger may be called from within any FMI function, with its own
+        // environment and printf-style arguments; "%s" takes one string. All strings outlive the call.
+        unsafe {
+            callback(environment, name.as_ptr(), verdict.into(), category.as_ptr(), c"%s".as_ptr(), message.as_ptr());
+        }
+    }))
+}
 
 /// Always `"default"`: the types of `fmi2TypesPlatform.h`.
 #[unsafe(no_mangle)]
@@ -70,10 +89,10 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
     }
 }
 
-/// New instance, from `mechanism.json` in the resources folder; NULL, with a message, if anything is amiss.
+/// New instance, from the definition file in the resources folder; NULL, with a message, if anything is amiss.
 ///
-/// A NULL or empty location means the folder `resources` of the FMU that this library lies in. The callbacks are copied;
-/// each may be NULL. `visible` has no meaning here.
+/// A NULL or empty location means the folder `resources` of the FMU that this library lies in. The callbacks are
+/// copied; each may be NULL. `visible` has no meaning here.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2Instantiate(
     name: Text,
@@ -86,8 +105,16 @@ pub unsafe extern "C" fn fmi2Instantiate(
 ) -> Component {
     // SAFETY: strings and callbacks are the host's, for the duration of the call (2.1.5).
     unsafe {
-        let (guid, location) = (text(guid), text(location));
-        guard::instantiate(functions, name, logging_on != FALSE, || instance::load(fmu_type, guid, location))
+        if functions.is_null() || !functions.is_aligned() {
+            return std::ptr::null_mut();
+        }
+        let (name, guid, location) = (text(name).unwrap_or_default(), text(guid), text(location));
+        let logger = Logger::new(sink(&functions.read(), name), logging_on != FALSE);
+        handle::instantiate("fmi2Instantiate", name, logger, || match fmu_type {
+            CO_SIMULATION => resources::load("fmuGUID", guid, location),
+            MODEL_EXCHANGE => Err(Refusal::error("fmuType is fmi2ModelExchange; this FMU is for co-simulation only")),
+            other => Err(Refusal::error(format!("fmuType is {other}; it must be 1 (fmi2CoSimulation)"))),
+        })
     }
 }
 
@@ -95,7 +122,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeInstance(c: Component) {
     // SAFETY: the component is not used again (2.1.5).
-    unsafe { guard::free(c) }
+    unsafe { handle::free(c) }
 }
 
 /// Start time, stop time and tolerance. Without it the start time is 0 and there is no stop time; that is accepted, as
@@ -119,7 +146,16 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2EnterInitializationMode(c: Component) -> Status {
     // SAFETY: the component is valid (2.1.5).
-    unsafe { call(c, &phase::ENTER_INITIALIZATION_MODE, |i| i.enter_initialization_mode()) }
+    unsafe {
+        call(c, &phase::ENTER_INITIALIZATION_MODE, |i| {
+            if !i.is_set_up() {
+                let message = "fmi2EnterInitializationMode: no fmi2SetupExperiment before; startTime is 0, no stopTime";
+                i.logger.log(Verdict::Warning, message);
+            }
+            i.enter_initialization_mode();
+            Ok(())
+        })
+    }
 }
 
 /// Close the loops and start. Refused, initialization mode goes on.
@@ -133,14 +169,24 @@ pub unsafe extern "C" fn fmi2ExitInitializationMode(c: Component) -> Status {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2Terminate(c: Component) -> Status {
     // SAFETY: the component is valid (2.1.5).
-    unsafe { call(c, &phase::TERMINATE, |i| i.terminate()) }
+    unsafe {
+        call(c, &phase::TERMINATE, |i| {
+            i.terminate();
+            Ok(())
+        })
+    }
 }
 
 /// Back to a fresh instance; the log categories stay.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2Reset(c: Component) -> Status {
     // SAFETY: the component is valid (2.1.5).
-    unsafe { call(c, &phase::RESET, |i| i.reset()) }
+    unsafe {
+        call(c, &phase::RESET, |i| {
+            i.reset();
+            Ok(())
+        })
+    }
 }
 
 /// Read Reals. On an error the array may be filled in part.
@@ -184,8 +230,8 @@ pub unsafe extern "C" fn fmi2GetBoolean(
     unsafe { call(c, &phase::GET_BOOLEAN, |i| i.get_boolean(input("vr", vr, count)?, output("value", value, count)?)) }
 }
 
-/// Read Strings; they live until the next call of this function or the end of the instance. On an error the array may be
-/// filled in part.
+/// Read Strings; they live until the next call of this function or the end of the instance. On an error the array may
+/// be filled in part.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetString(
     c: Component,
@@ -235,7 +281,12 @@ pub unsafe extern "C" fn fmi2SetBoolean(
     value: *const Boolean,
 ) -> Status {
     // SAFETY: both arrays have `count` elements (2.1.7).
-    unsafe { call(c, &phase::SET_BOOLEAN, |i| i.set_boolean(input("vr", vr, count)?, input("value", value, count)?)) }
+    unsafe {
+        call(c, &phase::SET_BOOLEAN, |i| {
+            let values = input("value", value, count)?.iter().map(|&value| value != FALSE);
+            i.set_boolean(input("vr", vr, count)?, values)
+        })
+    }
 }
 
 /// Set String parameters, all or none; the texts are copied.

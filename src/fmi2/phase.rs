@@ -1,80 +1,8 @@
-//! Which function may be called when: the state machine of FMI 2.0.5, 4.2.4, as one table.
+//! Which function of FMI 2.0 may be called when: the state machine of FMI 2.0.5, 4.2.4, as one table.
 //!
-//! In: nothing. Out: [`Phase`] and one [`Function`] per exported function that takes an instance, with its name for
-//! messages and the phases in which it is legal. The rules for single variables are in `access`.
+//! In: nothing. Out: one [`Function`] per exported function that takes an instance, but those of model exchange.
 
-/// Phase of an instance; each is one bit, so that a set of phases is a number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Phase {
-    /// After `fmi2Instantiate` or `fmi2Reset`.
-    Instantiated = 1,
-    /// Between `fmi2EnterInitializationMode` and `fmi2ExitInitializationMode`.
-    Initialization = 2,
-    /// Between two steps.
-    Step = 4,
-    /// After `fmi2Terminate`.
-    Terminated = 8,
-    /// A step could not be computed; the state is that of the last communication point.
-    Failed = 16,
-    /// A fault inside this library; only `fmi2FreeInstance` is left.
-    Fatal = 32,
-}
-
-const INSTANTIATED: u8 = Phase::Instantiated as u8;
-const INITIALIZATION: u8 = Phase::Initialization as u8;
-const STEP: u8 = Phase::Step as u8;
-const TERMINATED: u8 = Phase::Terminated as u8;
-const FAILED: u8 = Phase::Failed as u8;
-const ALIVE: u8 = INSTANTIATED | INITIALIZATION | STEP | TERMINATED | FAILED;
-const STEPPED: u8 = STEP | TERMINATED | FAILED;
-
-const PHASES: [Phase; 6] =
-    [Phase::Instantiated, Phase::Initialization, Phase::Step, Phase::Terminated, Phase::Failed, Phase::Fatal];
-
-impl Phase {
-    /// The phase of this number, if there is one that a state can be saved in.
-    pub fn of_bit(bit: u8) -> Option<Self> {
-        PHASES.into_iter().find(|phase| *phase as u8 == bit && *phase != Phase::Fatal)
-    }
-
-    /// Name in messages.
-    pub fn name(self) -> &'static str {
-        match self {
-            Phase::Instantiated => "instantiated",
-            Phase::Initialization => "initialization mode",
-            Phase::Step => "step mode",
-            Phase::Terminated => "terminated",
-            Phase::Failed => "step failed",
-            Phase::Fatal => "fatal",
-        }
-    }
-}
-
-/// One exported function.
-#[derive(Clone, Copy, Debug)]
-pub struct Function {
-    /// Name as exported.
-    pub name: &'static str,
-    legal: u8,
-}
-
-impl Function {
-    const fn new(name: &'static str, legal: u8) -> Self {
-        Function { name, legal }
-    }
-
-    /// Whether the function may be called in this phase.
-    pub fn is_legal_in(&self, phase: Phase) -> bool {
-        self.legal & phase as u8 != 0
-    }
-
-    /// The legal phases, for messages.
-    pub fn legal_phases(&self) -> String {
-        let names: Vec<_> = PHASES.into_iter().filter(|p| self.is_legal_in(*p)).map(Phase::name).collect();
-        names.join(", ")
-    }
-}
+use crate::fmi::phase::{ALIVE, FAILED, Function, INITIALIZATION, INSTANTIATED, STEP, STEPPED};
 
 macro_rules! functions {
     ($($constant:ident = $name:literal: $legal:expr;)*) => {
@@ -118,28 +46,12 @@ functions! {
     SERIALIZE_FMU_STATE = "fmi2SerializeFMUstate": ALIVE;
     DE_SERIALIZE_FMU_STATE = "fmi2DeSerializeFMUstate": ALIVE;
     GET_DIRECTIONAL_DERIVATIVE = "fmi2GetDirectionalDerivative": INITIALIZATION | STEPPED;
-
-    ENTER_EVENT_MODE = "fmi2EnterEventMode": ALIVE;
-    NEW_DISCRETE_STATES = "fmi2NewDiscreteStates": ALIVE;
-    ENTER_CONTINUOUS_TIME_MODE = "fmi2EnterContinuousTimeMode": ALIVE;
-    COMPLETED_INTEGRATOR_STEP = "fmi2CompletedIntegratorStep": ALIVE;
-    SET_TIME = "fmi2SetTime": ALIVE;
-    SET_CONTINUOUS_STATES = "fmi2SetContinuousStates": ALIVE;
-    GET_DERIVATIVES = "fmi2GetDerivatives": ALIVE;
-    GET_EVENT_INDICATORS = "fmi2GetEventIndicators": ALIVE;
-    GET_CONTINUOUS_STATES = "fmi2GetContinuousStates": ALIVE;
-    GET_NOMINALS_OF_CONTINUOUS_STATES = "fmi2GetNominalsOfContinuousStates": ALIVE;
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn phases_are_distinct_bits() {
-        let union = PHASES.iter().fold(0, |bits, phase| bits | *phase as u8);
-        assert_eq!(union.count_ones() as usize, PHASES.len());
-    }
+    use crate::fmi::phase::Phase;
 
     #[test]
     fn nothing_is_legal_after_a_fatal_fault() {

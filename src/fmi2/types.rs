@@ -3,6 +3,7 @@
 //! In: nothing. Out: the layout that both sides of the boundary share. An enumeration that the host passes in arrives
 //! as a plain integer and is checked where it is used: an unknown number in a Rust enum would be undefined behaviour.
 
+use crate::fmi::refusal::Verdict;
 use std::ffi::{c_char, c_int, c_uint, c_void};
 
 /// `fmi2Component`: an instance, opaque to the host.
@@ -59,6 +60,19 @@ pub enum Status {
     Fatal,
     /// An asynchronous step is running; never answered here.
     Pending,
+}
+
+impl From<Verdict> for Status {
+    #[inline]
+    fn from(verdict: Verdict) -> Self {
+        match verdict {
+            Verdict::Ok => Status::Ok,
+            Verdict::Warning => Status::Warning,
+            Verdict::Discard => Status::Discard,
+            Verdict::Error => Status::Error,
+            Verdict::Fatal => Status::Fatal,
+        }
+    }
 }
 
 /// `fmi2CallbackLogger`: printf-style, hence variadic.

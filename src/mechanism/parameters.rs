@@ -1,5 +1,5 @@
 //! The present parameters of a mechanism, and a hash of what no parameter changes.
-use crate::codec::record::fnv1a;
+use crate::codec::checksum::fnv1a;
 use crate::mechanism::definition::{Experiment, Mechanism, Method};
 use crate::numerics::dual::same_bits;
 
@@ -49,7 +49,11 @@ impl ParameterValues {
     }
 }
 
-/// Hash of what neither parameters nor inputs nor texts say: the structure, which assembly the guess means.
+/// Hash of the mechanism apart from its parameters, inputs and texts: of its structure and of the assembly that the
+/// guess names.
+///
+/// The hashed text is the definition as compact JSON, with keys in the order of the types and names in the order of the
+/// file, which decides the value references. Parameters and start values of inputs are 0 in it, texts are empty.
 pub fn fingerprint(mechanism: &Mechanism) -> u64 {
     let mut bare = mechanism.clone();
     bare.parameters(&mut |_, value| *value = 0.0);
@@ -69,5 +73,6 @@ pub fn fingerprint(mechanism: &Mechanism) -> u64 {
     bare.forces.iter_mut().for_each(|(_, force)| force.force = [0.0; 2]);
     bare.torques.iter_mut().for_each(|(_, torque)| torque.torque = 0.0);
     bare.locks.iter_mut().for_each(|(_, lock)| lock.engage = false);
-    fnv1a(format!("{bare:?}").as_bytes())
+    let json = serde_json::to_string(&bare).unwrap_or_else(|error| unreachable!("a definition is JSON: {error}"));
+    fnv1a(json.as_bytes())
 }

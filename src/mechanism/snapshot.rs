@@ -6,7 +6,8 @@
 use super::dynamics::inputs::Inputs;
 use super::error::ModelError;
 use super::model::{Formulation, Model, is_reduced};
-use crate::codec::record::{Damaged, Record, fnv1a};
+use crate::codec::checksum::fnv1a;
+use crate::codec::record::{Damaged, Record};
 use crate::mechanism::definition::Method;
 use crate::mechanism::fem_motion::{RigidFemMotion, SavedElastic};
 use crate::mechanism::motion::{SavedState, state::State};

@@ -1,26 +1,14 @@
 //! The GUID of an interface.
 use super::{Unit, Variable};
-use std::collections::HashMap;
+use crate::codec::checksum::fnv1a_128;
 
-/// FNV-1a with 128 bits over everything that a host can see but start values, in the form of a GUID.
+/// Hash of the model's name and of each variable's name, kind, causality, variability and unit, in the form of a GUID.
+/// Start values and descriptions do not enter it.
 pub(super) fn guid(name: &str, list: &[Variable]) -> String {
-    const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013B;
-    let mut hash: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
-    let mut feed = |text: &str| {
-        for byte in text.bytes().chain([0]) {
-            hash = (hash ^ u128::from(byte)).wrapping_mul(PRIME);
-        }
-    };
-    feed(name);
-    // Few sorts of variables, many variables.
-    let mut texts = HashMap::new();
-    for v in list {
-        feed(&v.name);
-        let sort = (v.kind, v.causality, v.variability, v.unit);
-        feed(texts.entry(sort).or_insert_with(|| {
-            format!("{:?} {:?} {:?} {}", v.kind, v.causality, v.variability, v.unit.map_or("", Unit::name))
-        }));
-    }
-    let hex = format!("{hash:032x}");
+    let fields = list.iter().flat_map(|v| {
+        let unit = v.unit.map_or("", Unit::name);
+        [&v.name, "\0", v.kind.word(), " ", v.causality.word(), " ", v.variability.word(), " ", unit, "\0"]
+    });
+    let hex = format!("{:032x}", fnv1a_128([name, "\0"].into_iter().chain(fields)));
     format!("{{{}-{}-{}-{}-{}}}", &hex[..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..])
 }

@@ -1,18 +1,19 @@
-//! The table of variables: what a host can see and set.
+//! The table of variables: what a host can read and set.
 //!
-//! In: the definition's names, quantities and start values. Out: one list that drives get and set, the generated
-//! `modelDescription.xml`, its units and its ModelStructure. A variable's value reference is its place in the list.
-//! This room knows nothing of the FMI functions; the words causality, variability and initial are the standard's own.
+//! In: the names, quantities and start values of a definition. Out: one list that drives get and set, the generated
+//! `modelDescription.xml`, its units and its ModelStructure. A variable's value reference is its index in the list.
+//! It must not know the FMI functions, nor any mechanics; causality, variability and initial are the standard's words.
 
 mod guid;
 mod unit;
 
 use guid::guid;
 use std::collections::HashSet;
+use std::ops::Deref;
 
 pub use unit::{BaseUnit, DisplayUnit, Unit};
 
-/// Place of a variable in the table; the FMI value reference.
+/// Index of a variable in the table; the FMI value reference.
 pub type Reference = u32;
 
 /// Type of a variable's value.
@@ -28,7 +29,19 @@ pub enum Kind {
     String,
 }
 
-/// FMI 2.0.5, 2.2.7: who determines the value.
+impl Kind {
+    /// Word that enters the GUID and messages.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Real => "Real",
+            Self::Integer => "Integer",
+            Self::Boolean => "Boolean",
+            Self::String => "String",
+        }
+    }
+}
+
+/// FMI 2.0.5, 2.2.7: who determines a variable's value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Causality {
     /// Fixed by the host before the simulation; `initial` is exact.
@@ -39,7 +52,18 @@ pub enum Causality {
     Output,
 }
 
-/// FMI 2.0.5, 2.2.7: when the value may change.
+impl Causality {
+    /// Word that enters the GUID and messages.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Parameter => "Parameter",
+            Self::Input => "Input",
+            Self::Output => "Output",
+        }
+    }
+}
+
+/// FMI 2.0.5, 2.2.7: when a variable's value may change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Variability {
     /// Constant once initialised.
@@ -48,6 +72,17 @@ pub enum Variability {
     Discrete,
     /// Changes with time.
     Continuous,
+}
+
+impl Variability {
+    /// Word that enters the GUID and messages.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Fixed => "Fixed",
+            Self::Discrete => "Discrete",
+            Self::Continuous => "Continuous",
+        }
+    }
 }
 
 /// A start value, of the variable's kind.
@@ -70,26 +105,55 @@ pub struct Variable {
     pub name: String,
     /// One line of text.
     pub description: String,
-    /// Type of its value.
+    /// Type of the value.
     pub kind: Kind,
-    /// Who determines it.
+    /// Who determines the value.
     pub causality: Causality,
-    /// When it may change.
+    /// When the value may change.
     pub variability: Variability,
     /// Unit; only a Real has one.
     pub unit: Option<Unit>,
     /// Start value: of every parameter and input, of no output.
     pub start: Option<Value>,
-    /// Outputs only: the inputs on which its present value depends, ascending.
+    /// Of an output: the inputs on which its present value depends, ascending. Else empty.
     pub dependencies: Vec<Reference>,
 }
 
-/// The table of variables of one model, with what the model looks up or computes for each: a quantity Q.
+/// The variables of a model: what a host can read and set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Interface {
+    list: Vec<Variable>,
+    guid: String,
+}
+
+impl Interface {
+    /// All variables; the index is the value reference.
+    pub fn list(&self) -> &[Variable] {
+        &self.list
+    }
+
+    /// The variable with this reference, if there is one.
+    #[inline]
+    pub fn get(&self, reference: Reference) -> Option<&Variable> {
+        self.list.get(reference as usize)
+    }
+
+    /// Reference of the variable with this name.
+    pub fn find(&self, name: &str) -> Option<Reference> {
+        self.list.iter().position(|v| v.name == name).map(|i| i as Reference)
+    }
+
+    /// GUID of the interface: a hash of names, kinds, causalities, variabilities and units, not of start values.
+    pub fn guid(&self) -> &str {
+        &self.guid
+    }
+}
+
+/// An interface with the quantity Q that the model looks up or computes for each variable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variables<Q> {
-    list: Vec<Variable>,
+    interface: Interface,
     quantities: Vec<Q>,
-    guid: String,
 }
 
 /// Name that two variables have.
@@ -107,31 +171,21 @@ impl<Q: Copy> Variables<Q> {
             return Err(NamedTwice(twice.name.clone()));
         }
         let guid = guid(name, &list);
-        Ok(Self { list, quantities, guid })
+        Ok(Self { interface: Interface { list, guid }, quantities })
     }
 
-    /// All variables; the index is the value reference.
-    pub fn list(&self) -> &[Variable] {
-        &self.list
-    }
-
-    /// The variable with this reference, if there is one.
-    pub fn get(&self, reference: Reference) -> Option<&Variable> {
-        self.list.get(reference as usize)
-    }
-
-    /// What the model looks up or computes for it.
+    /// Quantity of the variable with this reference.
+    #[inline]
     pub fn quantity(&self, reference: Reference) -> Option<Q> {
         self.quantities.get(reference as usize).copied()
     }
+}
 
-    /// Reference of the variable with this name.
-    pub fn find(&self, name: &str) -> Option<Reference> {
-        self.list.iter().position(|v| v.name == name).map(|i| i as Reference)
-    }
+impl<Q> Deref for Variables<Q> {
+    type Target = Interface;
 
-    /// GUID of the interface: a hash over names, kinds, causalities, variabilities and units, not over start values.
-    pub fn guid(&self) -> &str {
-        &self.guid
+    #[inline]
+    fn deref(&self) -> &Interface {
+        &self.interface
     }
 }

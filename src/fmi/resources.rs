@@ -1,22 +1,89 @@
-//! Where the FMU's resources are: the URI that the host passes, or the place of this library.
+//! The FMU's resources: the folder that the host names or that lies beside this library, and the component defined
+//! there.
 //!
-//! In: `fmuResourceLocation`. Out: a path. Hosts differ: `file:///p`, `file:/p`, `file://localhost/p` and a plain path
-//! all occur, with and without percent-encoding and a trailing slash.
+//! In: the resource location and the GUID, as the host passes them. Out: a component. Hosts write a location as
+//! `file:///p`, `file:/p`, `file://localhost/p` or as a plain path, with and without percent-encoding and a trailing
+//! slash.
+#![allow(unsafe_code)]
 
 use super::refusal::Refusal;
-use std::path::PathBuf;
+use crate::component::Component;
+use std::ffi::CStr;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
 
-/// Folder that the host names.
+/// Largest number of bytes of a definition file; a mechanism of 100 bodies has about 30 thousand.
+const LARGEST: u64 = 16 << 20;
+
+/// Component of a new instance. Its definition is read at each instantiation, so that a user may edit the numbers in
+/// it.
 ///
-/// A URI is percent-decoded; an escape that is none (`%zz`) stands for itself. A plain path is taken as it is.
+/// The folder is that of `location`; where that is NULL or empty, the folder `resources` of the FMU in which this
+/// library lies. `guid` is the host's, in its argument of the name `guid_argument`.
+///
+/// # Errors
+/// No or an unreadable definition file, a faulty definition, another interface than that of the GUID.
+pub fn load(guid_argument: &str, guid: Option<&CStr>, location: Option<&CStr>) -> Result<Component, Refusal> {
+    let guid = guid.filter(|guid| !guid.is_empty()).ok_or_else(|| {
+        Refusal::error(format!("{guid_argument} is NULL or empty; pass the one of modelDescription.xml"))
+    })?;
+    let folder = match location.filter(|location| !location.is_empty()) {
+        Some(location) => from_uri(location.to_bytes())?,
+        None => beside_library()?,
+    };
+    let names = Component::definition_files();
+    let name = names.into_iter().find(|name| folder.join(name).exists()).unwrap_or(names[0]);
+    let file = folder.join(name);
+    let text = read(&file)?;
+    let component = Component::from_definition(name, &text)
+        .map_err(|refused| Refusal::error(format!("'{}': {}", file.display(), refused.0)))?;
+    let own = component.interface().guid();
+    if guid.to_bytes() != own.as_bytes() {
+        return Err(Refusal::error(format!(
+            "{guid_argument} is '{}', but '{}' has the interface '{own}'; \
+             import the FMU again, or restore the names in the file",
+            guid.to_bytes().escape_ascii(),
+            file.display(),
+        )));
+    }
+    Ok(component)
+}
+
+/// Text of a file. Only a regular file is opened, as reading a pipe could wait for ever; a file that is too large is
+/// not read.
+fn read(file: &Path) -> Result<String, Refusal> {
+    let refused = |reason: String| Refusal::error(format!("cannot read '{}': {reason}", file.display()));
+    let metadata = std::fs::metadata(file).map_err(|error| refused(error.to_string()))?;
+    if !metadata.is_file() {
+        return Err(refused("it is no file; put the model's definition there".to_owned()));
+    }
+    let too_large =
+        |size: u64| refused(format!("it has {size} bytes, and a definition at most {LARGEST}; is it the right file?"));
+    if metadata.len() > LARGEST {
+        return Err(too_large(metadata.len()));
+    }
+    let mut text = String::new();
+    let read = File::open(file).and_then(|file| file.take(LARGEST + 1).read_to_string(&mut text));
+    match read {
+        // The size in the metadata need not be the true one.
+        Ok(size) if size as u64 > LARGEST => Err(too_large(size as u64)),
+        Ok(_) => Ok(text),
+        Err(error) => Err(refused(error.to_string())),
+    }
+}
+
+/// Folder that the host names by a URI or a plain path.
+///
+/// A URI is percent-decoded; an invalid escape (`%zz`) is kept as it is. So is a plain path.
 ///
 /// # Errors
 /// A scheme other than `file`, another machine, or a path that this platform cannot express.
-pub fn from_uri(uri: &[u8]) -> Result<PathBuf, Refusal> {
+fn from_uri(uri: &[u8]) -> Result<PathBuf, Refusal> {
     let Some(rest) = strip_prefix_ignoring_case(uri, b"file:") else {
         return match scheme(uri) {
             Some(scheme) => Err(Refusal::error(format!(
-                "fmuResourceLocation '{}' has the scheme '{}'; only 'file:' URIs and plain paths can be read",
+                "the resource location '{}' has the scheme '{}'; only 'file:' URIs and plain paths can be read",
                 uri.escape_ascii(),
                 scheme.escape_ascii()
             ))),
@@ -30,7 +97,7 @@ pub fn from_uri(uri: &[u8]) -> Result<PathBuf, Refusal> {
             Some(path) if path.starts_with(b"/") => path,
             _ => {
                 return Err(Refusal::error(format!(
-                    "fmuResourceLocation '{}' names another machine; write 'file:///' and an absolute path",
+                    "the resource location '{}' names another machine; write 'file:///' and an absolute path",
                     uri.escape_ascii()
                 )));
             }
@@ -43,9 +110,11 @@ pub fn from_uri(uri: &[u8]) -> Result<PathBuf, Refusal> {
 ///
 /// # Errors
 /// The system does not know where the library is.
-pub fn beside_library() -> Result<PathBuf, Refusal> {
+fn beside_library() -> Result<PathBuf, Refusal> {
     let library = library_path().ok_or_else(|| {
-        Refusal::error("fmuResourceLocation is empty and the library's own place is unknown; pass the resources folder")
+        Refusal::error(
+            "the resource location is empty and the library's own place is unknown; pass the resources folder",
+        )
     })?;
     let folder = library.parent().map(PathBuf::from).unwrap_or_default();
     Ok(folder.join("..").join("..").join("resources"))
@@ -55,7 +124,7 @@ pub fn beside_library() -> Result<PathBuf, Refusal> {
 fn library_path() -> Option<PathBuf> {
     use std::os::unix::ffi::OsStrExt;
     let mut info = std::mem::MaybeUninit::<libc::Dl_info>::zeroed();
-    let address = super::fmi2GetVersion as *const std::ffi::c_void;
+    let address = library_path as *const std::ffi::c_void;
     // SAFETY: dladdr(3) takes any address and fills `info` if it returns non-zero; `dli_fname` is then NULL or a string
     // that lives as long as the library, which is longer than this call.
     unsafe {
@@ -63,7 +132,7 @@ fn library_path() -> Option<PathBuf> {
             return None;
         }
         let name = info.assume_init().dli_fname;
-        let name = (!name.is_null()).then(|| std::ffi::CStr::from_ptr(name))?;
+        let name = (!name.is_null()).then(|| CStr::from_ptr(name))?;
         Some(PathBuf::from(std::ffi::OsStr::from_bytes(name.to_bytes())))
     }
 }
@@ -81,7 +150,7 @@ fn path(bytes: Vec<u8>) -> Result<PathBuf, Refusal> {
 
 #[cfg(not(unix))]
 fn path(bytes: Vec<u8>) -> Result<PathBuf, Refusal> {
-    String::from_utf8(bytes).map(PathBuf::from).map_err(|_| Refusal::error("fmuResourceLocation is not UTF-8"))
+    String::from_utf8(bytes).map(PathBuf::from).map_err(|_| Refusal::error("the resource location is not UTF-8"))
 }
 
 /// Scheme of a URI: two letters or more, as one letter is a drive.
@@ -126,7 +195,6 @@ fn without_slash_before_drive(mut path: Vec<u8>) -> Vec<u8> {
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;
-    use std::path::Path;
 
     fn accepts(uri: &str, expected: &str) {
         assert_eq!(from_uri(uri.as_bytes()).as_deref(), Ok(Path::new(expected)), "{uri}");

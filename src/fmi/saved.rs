@@ -1,45 +1,48 @@
-//! A saved state: what it holds besides the model's snapshot, and its serialised form. Safe code.
+//! A saved state of an instance, and its serialised form.
 //!
-//! In: an instance, or bytes. Out: bytes, or a state that can be restored. The serialised form, little-endian throughout:
+//! In: an instance, or bytes. Out: bytes, or a state that can be restored. It must not know what a component saves. The
+//! serialised form, little-endian throughout:
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! |---|---|
 //! | 8 | `linkFMUs` |
-//! | 4 | version of the form, 3 |
-//! | 8 | number of bytes, all of them |
-//! | 8 | hash of the GUID: the interface |
-//! | 8 | hash of what of mechanism.json is neither parameter nor input nor text |
+//! | 4 | version of the form: [`VERSION`] |
+//! | 8 | number of all bytes |
+//! | 8 | hash of the GUID |
+//! | 8 | hash of what no parameter, input or text of the definition changes |
 //! | 1, 1 | phase, whether the experiment was set up |
 //! | 1 or 9 | whether the experiment has a tolerance, the tolerance |
 //! | 17 or 25 | start time, time, whether there is a stop time, stop time |
-//! | n | the model: parameters, inputs, the state of motion with the memory of its integration |
-//! | 4 | CRC-32 of all before |
+//! | n | the component: parameters, inputs, the state with the memory of its integration |
+//! | 4 | CRC-32 of all bytes before |
 
 use super::clock::Clock;
 use super::phase::Phase;
 use super::refusal::Refusal;
-use crate::codec::record::{Damaged, Record, crc32};
-use crate::mechanism::{Model, Snapshot};
+use crate::codec::checksum::crc32;
+use crate::codec::record::{Damaged, Record};
+use crate::component::{Component, Snapshot};
 
 const MAGIC: [u8; 8] = *b"linkFMUs";
-const VERSION: u32 = 4;
+/// Version of the form. It changes with every change of the bytes or of what is hashed.
+const VERSION: u32 = 5;
 /// Bytes of magic, version, length and the two hashes.
 const HEADER: usize = 36;
 /// Bytes of the check sum.
 const CHECK: usize = 4;
 
-/// Everything that decides what an instance does from here on.
+/// All that decides how an instance goes on.
 #[derive(Clone, Debug)]
 pub struct Saved {
     pub phase: Phase,
     pub set_up: bool,
     pub tolerance: Option<f64>,
     pub clock: Clock,
-    pub model: Snapshot,
+    pub component: Snapshot,
 }
 
 impl Saved {
-    /// Serialised, for a mechanism of this identity.
+    /// The serialised form, for a component of this identity.
     ///
     /// # Errors
     /// A count of work done is near overflow.
@@ -53,7 +56,7 @@ impl Saved {
         let mut record = Record::Write(&mut bytes);
         record_tolerance(&mut self.tolerance.clone(), &mut record).map_err(damaged)?;
         self.clock.clone().record(&mut record).map_err(damaged)?;
-        self.model.write(&mut bytes)?;
+        self.component.write(&mut bytes)?;
         let length = (bytes.len() + CHECK) as u64;
         bytes[12..20].copy_from_slice(&length.to_le_bytes());
         let check = crc32(&bytes);
@@ -61,16 +64,14 @@ impl Saved {
         Ok(bytes)
     }
 
-    /// The state that these bytes tell, for an instance with this model.
+    /// Read a serialised state, for an instance with this component.
     ///
     /// # Errors
-    /// Another form or version, bytes that are missing, too many or changed, another mechanism, a value that cannot be.
-    pub fn from_bytes(bytes: &[u8], model: &Model) -> Result<Self, Refusal> {
+    /// Another form or version, bytes that are missing, too many or changed, another identity, a value out of range.
+    pub fn from_bytes(bytes: &[u8], component: &Component) -> Result<Self, Refusal> {
         let refuse = |what: String| Err(Refusal::error(what));
         if bytes.get(..8) != Some(&MAGIC) {
-            return refuse(
-                "the bytes are no state of this kind of FMU; pass what fmi2SerializeFMUstate gave".to_owned(),
-            );
+            return refuse("the bytes are no state of this kind of FMU; pass those of a serialized state".to_owned());
         }
         let number = |range: std::ops::Range<usize>| {
             let field = bytes.get(range).unwrap_or_default();
@@ -92,30 +93,33 @@ impl Saved {
         if check != crc32(all).to_le_bytes() {
             return refuse("the state is damaged: its check sum is wrong".to_owned());
         }
-        let identity = [number(20..28), number(28..36)];
-        if identity[0] != model.identity()[0] {
+        let ([guid, structure], own) = ([number(20..28), number(28..36)], component.identity());
+        if guid != own[0] {
             return refuse("the state was saved by another FMU: its GUID is not that of this one".to_owned());
         }
-        if identity[1] != model.identity()[1] {
-            let what =
-                "the state was saved with another mechanism.json, that differs in more than parameters and inputs";
-            return refuse(what.to_owned());
+        if structure != own[1] {
+            let file = component.definition_file();
+            return refuse(format!(
+                "the state was saved with another {file}, that differs in more than parameters and inputs"
+            ));
         }
         let mut record = Record::Read(&all[HEADER..]);
         let (mut phase, mut set_up, mut tolerance, mut clock) = (0, false, None, Clock::default());
         record.choice("phase", &mut phase, 256).map_err(damaged)?;
-        let Some(phase) = Phase::of_bit(phase) else { return refuse(format!("phase = {phase}: there is none such")) };
+        let Some(phase) = Phase::of_bit(phase) else {
+            return refuse(format!("phase = {phase}: there is no such phase"));
+        };
         record.flag("set up", &mut set_up).map_err(damaged)?;
         record_tolerance(&mut tolerance, &mut record).map_err(damaged)?;
         clock.record(&mut record).map_err(damaged)?;
         let Record::Read(rest) = record else {
             return refuse("a state that is read became one that is written".into());
         };
-        let model = model.read_snapshot(rest)?;
-        if !model.has_motion() && !matches!(phase, Phase::Instantiated | Phase::Initialization) {
+        let component = component.read_snapshot(rest)?;
+        if !component.is_initialized() && !matches!(phase, Phase::Instantiated | Phase::Initialization) {
             return refuse(format!("phase = '{}', but the state is not initialised", phase.name()));
         }
-        Ok(Saved { phase, set_up, tolerance, clock, model })
+        Ok(Saved { phase, set_up, tolerance, clock, component })
     }
 }
 

@@ -1,22 +1,23 @@
-//! The instance's own time, held against the communication points that the host names.
+//! The time of an instance, against which the host's communication points are checked.
 //!
-//! In: the experiment and the steps. Out: the end of an accepted step, or a refusal.
+//! In: the experiment and the steps. Out: the end of an accepted step, or a refusal. It must not know any model.
 
 use super::refusal::Refusal;
 use crate::codec::record::{Damaged, Record};
 use crate::numerics::decimal::Decimal;
 
-/// Part of a step by which a communication point may be off. A lost or repeated step is off by a whole one, a host that
-/// keeps its time in other units (ticks, single-precision steps) by far less than this part.
+/// Part of a step by which a communication point may be off. A lost or repeated step is off by a whole step. A host
+/// that counts time in other units (ticks, single-precision steps) is off by far less than this part.
 const STEP_SLACK: f64 = 1e-6;
 
 /// Rounding of a communication point, in units of [`f64::EPSILON`] of the largest time in play. The host may form
 /// `start + n h`, a running sum, or `stop - k h`: a product and two sums, half an epsilon each; the clock's own sum
-/// adds another. Errors of a long running sum do not pile up, as the clock takes over the host's point at every step.
+/// adds one more half. Errors of a long running sum do not accumulate, as the clock takes over the host's point at
+/// every step.
 const ROUNDING: f64 = 8.0;
 
-/// Most of a step by which a host may end past the stop time. There the errors of a running sum do show: half an epsilon
-/// of the time per step. More than this part of a step is more than rounding.
+/// Largest part of a step by which the last step may end past the stop time. Against the stop time the errors of a
+/// running sum do accumulate: half an epsilon of the time per step. More than this part of a step is not rounding.
 const STOP_SLACK: f64 = 0.25;
 
 /// Time of one instance.
@@ -28,14 +29,14 @@ pub struct Clock {
 }
 
 impl Default for Clock {
-    /// Starts at 0 and never stops: what holds if the host does not call `fmi2SetupExperiment`.
+    /// Starts at 0 and has no stop time, as for a host that sets up no experiment.
     fn default() -> Self {
         Clock { start: 0.0, time: 0.0, stop: None }
     }
 }
 
 impl Clock {
-    /// Clock of an experiment from `start` [s], of any sign, until `stop` [s], if that is defined.
+    /// Clock of an experiment from `start` [s], of any sign, to `stop` [s], if the stop time is defined.
     ///
     /// # Errors
     /// `start` or `stop` is not finite, or `stop` is not after `start`.
@@ -53,10 +54,10 @@ impl Clock {
         }
     }
 
-    /// All fields, written or read.
+    /// Write or read all fields.
     ///
     /// # Errors
-    /// A field is read that no experiment leaves.
+    /// A field that is read is out of range.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.finite("startTime", &mut self.start)?;
         record.finite("time", &mut self.time)?;
@@ -102,14 +103,14 @@ impl Clock {
                 let [point, h, end, stop] = [point, h, end, stop].map(Decimal);
                 Err(Refusal::error(format!(
                     "the step from {point} s by {h} s ends at {end} s, past stopTime = {stop} s; \
-                     take a shorter step or a later stopTime in fmi2SetupExperiment"
+                     take a shorter step or a later stopTime"
                 )))
             }
             _ => Ok(end),
         }
     }
 
-    /// Take over the end of a step that was computed.
+    /// Take over the end [s] of a computed step.
     pub fn advance_to(&mut self, end: f64) {
         self.time = end;
     }

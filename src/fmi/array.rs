@@ -1,6 +1,8 @@
-//! The host's arrays and strings as Rust sees them.
+//! The host's arrays and strings as slices.
 //!
 //! In: raw pointers with a length. Out: slices, or a refusal that names the argument. An empty array may be NULL.
+//! It must not know what the elements mean.
+#![allow(unsafe_code)]
 
 use super::refusal::Refusal;
 use std::ffi::{CStr, c_char};
@@ -28,7 +30,7 @@ pub unsafe fn input<'a, T>(name: &str, pointer: *const T, count: usize) -> Resul
 /// NULL or misaligned although `count > 0`, or larger than memory.
 ///
 /// # Safety
-/// A valid `pointer` leads to room for `count` elements that nobody else uses during the call (FMI 2.0.5, 2.1.7).
+/// A valid `pointer` leads to memory for `count` elements that nobody else uses during the call (FMI 2.0.5, 2.1.7).
 pub unsafe fn output<'a, T>(name: &str, pointer: *mut T, count: usize) -> Result<&'a mut [MaybeUninit<T>], Refusal> {
     if count == 0 {
         return Ok(&mut []);

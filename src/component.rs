@@ -1,0 +1,317 @@
+//! What an FMI layer asks of any model, and the kinds of model there are.
+//!
+//! In: the text of a definition file, values by reference, steps. Out: values, saved states, or the reason of a
+//! refusal. It must not know any law of a model, nor anything of FMI but value references.
+//!
+//! A further kind of model takes one arm in [`Component`], in [`Snapshot`], in `each`, and one row in `KINDS`. Its
+//! model has methods of the same names, whose errors convert to [`Refused`]. No call is dispatched at run time while
+//! there is one kind only.
+use crate::mechanism::{self, ModelError};
+use crate::variables::{Interface, Reference};
+
+/// Why a model refuses a call; the model is unchanged. The text names the quantity, the value, the limit and the
+/// remedy.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refused(pub String);
+
+impl From<ModelError> for Refused {
+    #[cold]
+    fn from(error: ModelError) -> Self {
+        Self(error.to_string())
+    }
+}
+
+/// A model of any kind.
+#[derive(Clone, Debug)]
+pub enum Component {
+    /// A planar linkage with one degree of freedom.
+    Mechanism(mechanism::Model),
+}
+
+/// All that decides how a component goes on.
+#[derive(Clone, Debug)]
+pub enum Snapshot {
+    /// Of a mechanism.
+    Mechanism(mechanism::Snapshot),
+}
+
+type Constructor = fn(&str) -> Result<Component, Refused>;
+
+/// Definition file of each kind of model, and how a component is made from its text.
+const KINDS: [(&str, Constructor); 1] =
+    [("mechanism.json", |text| Ok(Component::Mechanism(mechanism::Model::from_json(text)?)))];
+
+/// The same expression for the model of each kind.
+macro_rules! each {
+    ($component:expr, $model:ident => $answer:expr) => {
+        match $component {
+            Component::Mechanism($model) => $answer,
+        }
+    };
+}
+
+impl Component {
+    /// Names of the definition files, one for each kind of model.
+    pub fn definition_files() -> [&'static str; KINDS.len()] {
+        KINDS.map(|(file, _)| file)
+    }
+
+    /// The component that the definition file of this name and text describes.
+    ///
+    /// # Errors
+    /// No kind of model has such a file; what is wrong with the text.
+    pub fn from_definition(file: &str, text: &str) -> Result<Self, Refused> {
+        match KINDS.iter().find(|(name, _)| *name == file) {
+            Some((_, construct)) => construct(text),
+            None => Err(Refused(format!("'{file}' is the definition file of no kind of model"))),
+        }
+    }
+
+    /// Name of the definition file of this kind of model.
+    pub fn definition_file(&self) -> &'static str {
+        match self {
+            Self::Mechanism(_) => KINDS[0].0,
+        }
+    }
+
+    /// What a host can read and set.
+    #[inline]
+    pub fn interface(&self) -> &Interface {
+        each!(self, model => model.variables())
+    }
+
+    /// Hashes of the interface, and of what no parameter, input or text of the definition changes. A snapshot is for
+    /// components of the same identity.
+    #[inline]
+    pub fn identity(&self) -> [u64; 2] {
+        each!(self, model => model.identity())
+    }
+
+    /// Present value of a Real.
+    ///
+    /// # Errors
+    /// No Real has this reference, or the present parameters give no value.
+    #[inline]
+    pub fn real(&mut self, reference: Reference) -> Result<f64, Refused> {
+        each!(self, model => Ok(model.real(reference)?))
+    }
+
+    /// Present value of a Boolean.
+    ///
+    /// # Errors
+    /// No Boolean has this reference, or the present parameters give no value.
+    pub fn boolean(&mut self, reference: Reference) -> Result<bool, Refused> {
+        each!(self, model => Ok(model.boolean(reference)?))
+    }
+
+    /// Present value of a String.
+    ///
+    /// # Errors
+    /// No String has this reference.
+    pub fn text(&self, reference: Reference) -> Result<&str, Refused> {
+        each!(self, model => Ok(model.text(reference)?))
+    }
+
+    /// Whether [`Self::set_real`] would accept this value; changes nothing.
+    ///
+    /// # Errors
+    /// No Real has this reference, it is an output, or the value is out of range.
+    pub fn check_real(&self, reference: Reference, value: f64) -> Result<(), Refused> {
+        each!(self, model => Ok(model.check_real(reference, value)?))
+    }
+
+    /// Set a Real input or parameter. After a step, a parameter takes effect with the next initialisation only.
+    ///
+    /// # Errors
+    /// As [`Self::check_real`].
+    pub fn set_real(&mut self, reference: Reference, value: f64) -> Result<(), Refused> {
+        each!(self, model => Ok(model.set_real(reference, value)?))
+    }
+
+    /// Whether [`Self::set_boolean`] would accept this value; changes nothing.
+    ///
+    /// # Errors
+    /// No Boolean has this reference, or it is an output.
+    pub fn check_boolean(&self, reference: Reference, value: bool) -> Result<(), Refused> {
+        each!(self, model => Ok(model.check_boolean(reference, value)?))
+    }
+
+    /// Set a Boolean input or parameter. After a step, a parameter takes effect with the next initialisation only.
+    ///
+    /// # Errors
+    /// As [`Self::check_boolean`].
+    pub fn set_boolean(&mut self, reference: Reference, value: bool) -> Result<(), Refused> {
+        each!(self, model => Ok(model.set_boolean(reference, value)?))
+    }
+
+    /// Whether [`Self::set_text`] would accept this value; changes nothing.
+    ///
+    /// # Errors
+    /// No String has this reference, or the text is none of the allowed words.
+    pub fn check_text(&self, reference: Reference, value: &str) -> Result<(), Refused> {
+        each!(self, model => Ok(model.check_text(reference, value)?))
+    }
+
+    /// Set a String parameter. After a step, it takes effect with the next initialisation only.
+    ///
+    /// # Errors
+    /// As [`Self::check_text`].
+    pub fn set_text(&mut self, reference: Reference, value: &str) -> Result<(), Refused> {
+        each!(self, model => Ok(model.set_text(reference, value)?))
+    }
+
+    /// Directional derivatives at the present state: `report` is called once for each unknown, with its index and the
+    /// sum over the knowns of the partial derivative times the seed.
+    ///
+    /// # Errors
+    /// An unknown that is no continuous output, a known that is no continuous input, a model without derivatives.
+    pub fn directional_derivative(
+        &mut self,
+        unknowns: &[Reference],
+        knowns: &[Reference],
+        seeds: &[f64],
+        report: &mut dyn FnMut(usize, f64),
+    ) -> Result<(), Refused> {
+        each!(self, model => Ok(model.directional_derivative(unknowns, knowns, seeds, report)?))
+    }
+
+    /// Time derivative of this order of a continuous output.
+    ///
+    /// # Errors
+    /// No continuous output has this reference, or the order is too high.
+    pub fn output_derivative(&mut self, reference: Reference, order: i32) -> Result<f64, Refused> {
+        each!(self, model => Ok(model.output_derivative(reference, order)?))
+    }
+
+    /// Whether [`Self::set_input_derivative`] would accept this value; changes nothing.
+    ///
+    /// # Errors
+    /// No continuous input has this reference, the order is too high, or the value is not finite.
+    pub fn check_input_derivative(&self, reference: Reference, order: i32, value: f64) -> Result<(), Refused> {
+        each!(self, model => Ok(model.check_input_derivative(reference, order, value)?))
+    }
+
+    /// Set the derivative of an input at the beginning of the next step, for that step.
+    ///
+    /// # Errors
+    /// As [`Self::check_input_derivative`].
+    pub fn set_input_derivative(&mut self, reference: Reference, order: i32, value: f64) -> Result<(), Refused> {
+        each!(self, model => Ok(model.set_input_derivative(reference, order, value)?))
+    }
+
+    /// Override the relative tolerance of the integration.
+    ///
+    /// # Errors
+    /// The tolerance is out of range.
+    pub fn set_tolerance(&mut self, tolerance: f64) -> Result<(), Refused> {
+        each!(self, model => Ok(model.set_tolerance(tolerance)?))
+    }
+
+    /// Take the start state under the present parameters and inputs.
+    ///
+    /// # Errors
+    /// The present parameters give no model, or the start cannot be reached.
+    pub fn initialize(&mut self) -> Result<(), Refused> {
+        each!(self, model => Ok(model.initialize()?))
+    }
+
+    /// Advance by exactly `h` [s], > 0. On an error the state is the one before the step.
+    ///
+    /// # Errors
+    /// Not initialised, `h` out of range, or a step that cannot be computed.
+    #[inline]
+    pub fn step(&mut self, h: f64) -> Result<(), Refused> {
+        each!(self, model => Ok(model.step(h)?))
+    }
+
+    /// Back to the parameters and inputs of the definition, not initialised.
+    pub fn reset(&mut self) {
+        each!(self, model => model.reset());
+    }
+
+    /// What the integration has cost since initialisation, for the log.
+    pub fn cost(&self) -> String {
+        let cost = each!(self, model => model.statistics());
+        format!(
+            "{} evaluations in {} accepted steps ({} by RKN8(6), {} by DOP853, {} shorter ones by DOPRI5, \
+             {} short ones by RK4, {} stiff ones by Radau IIA) and {} rejected",
+            cost.evaluations,
+            cost.accepted,
+            cost.nystroem,
+            cost.accepted - cost.nystroem - cost.fifth - cost.short - cost.implicit,
+            cost.fifth,
+            cost.short,
+            cost.implicit,
+            cost.rejected
+        )
+    }
+
+    /// All that decides how the component goes on.
+    pub fn snapshot(&self) -> Snapshot {
+        match self {
+            Self::Mechanism(model) => Snapshot::Mechanism(model.snapshot()),
+        }
+    }
+
+    /// [`Self::snapshot`] into an existing snapshot of this identity, without allocation if both are in motion by the
+    /// same method.
+    #[inline]
+    pub fn snapshot_into(&self, snapshot: &mut Snapshot) {
+        match (self, snapshot) {
+            (Self::Mechanism(model), Snapshot::Mechanism(snapshot)) => model.snapshot_into(snapshot),
+        }
+    }
+
+    /// Go on from a snapshot of a component of this identity.
+    ///
+    /// # Errors
+    /// The state cannot be taken; nothing has changed.
+    #[inline]
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Refused> {
+        match (self, snapshot) {
+            (Self::Mechanism(model), Snapshot::Mechanism(snapshot)) => Ok(model.restore(snapshot)?),
+        }
+    }
+
+    /// Read a snapshot that [`Snapshot::write`] has written for this identity. The component is unchanged.
+    ///
+    /// # Errors
+    /// The bytes are no snapshot, or a value is out of range.
+    pub fn read_snapshot(&self, bytes: &[u8]) -> Result<Snapshot, Refused> {
+        match self {
+            Self::Mechanism(model) => Ok(Snapshot::Mechanism(model.read_snapshot(bytes)?)),
+        }
+    }
+}
+
+impl Snapshot {
+    /// Whether the component was initialised.
+    pub fn is_initialized(&self) -> bool {
+        match self {
+            Self::Mechanism(snapshot) => snapshot.has_motion(),
+        }
+    }
+
+    /// Write all fields.
+    ///
+    /// # Errors
+    /// A count of work done is near overflow.
+    pub fn write(&self, out: &mut Vec<u8>) -> Result<(), Refused> {
+        match self {
+            Self::Mechanism(snapshot) => Ok(snapshot.write(out)?),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_kind_has_a_definition_file_of_its_own() {
+        let gear = Component::from_definition("mechanism.json", mechanism::GEAR).unwrap();
+        assert_eq!(gear.definition_file(), "mechanism.json");
+        assert!(Component::from_definition("mechanism.json", "{}").is_err());
+        assert!(Component::from_definition("other.json", mechanism::GEAR).unwrap_err().0.contains("other.json"));
+    }
+}

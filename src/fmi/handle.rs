@@ -1,0 +1,233 @@
+//! How an instance lives behind its pointer, and the way from the pointer to a verdict, with nothing unwinding across
+//! C.
+//!
+//! In: a pointer of the host's and the work to do on the instance. Out: a verdict; the reason of a refusal goes to the
+//! logger. It must not know which function of which version is called, but for its name and legal phases.
+#![allow(unsafe_code)]
+
+use super::instance::Instance;
+use super::logger::Logger;
+use super::phase::{Function, Phase};
+use super::refusal::{Refusal, Verdict};
+use crate::component::Component;
+use std::any::Any;
+use std::cell::UnsafeCell;
+use std::ffi::{CStr, c_void};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// First word of an instance between calls. A pointer to something else is recognised by another word.
+const IDLE: u64 = u64::from_be_bytes(*b"linkage\0");
+/// First word of an instance while a function works on it: its logger must not call back into it.
+const BUSY: u64 = !IDLE;
+/// First word of an instance that was freed.
+const FREED: u64 = 0;
+
+/// What the host's pointer leads to.
+struct Handle {
+    word: AtomicU64,
+    instance: UnsafeCell<Instance>,
+}
+
+/// Make an instance of what `load` gives; NULL, with a message, if that fails. `function` is the name of the exported
+/// function, `name` that of the instance.
+pub fn instantiate(
+    function: &str,
+    name: &CStr,
+    logger: Logger,
+    load: impl FnOnce() -> Result<Component, Refusal>,
+) -> *mut c_void {
+    let load = || match name.is_empty() {
+        true => Err(Refusal::error("instanceName is NULL or empty; pass a name")),
+        false => load(),
+    };
+    let refusal = match catch_unwind(AssertUnwindSafe(load)) {
+        Ok(Ok(component)) => {
+            let instance = UnsafeCell::new(Instance::new(logger, component));
+            return Box::into_raw(Box::new(Handle { word: AtomicU64::new(IDLE), instance })).cast();
+        }
+        Ok(Err(refusal)) => refusal,
+        Err(payload) => fault(&*payload),
+    };
+    logger.log(refusal.verdict, &format!("{function}: {}", refusal.message));
+    std::ptr::null_mut()
+}
+
+/// Do `work` on the instance if the function is legal in its phase. The answer to a panic, and to every later call, is
+/// `Fatal`.
+///
+/// # Safety
+/// `pointer` is NULL or comes from [`instantiate`], was not freed, and no other thread uses it during the call
+/// (FMI 2.0.5, 2.1.5).
+#[inline]
+pub unsafe fn call(
+    pointer: *mut c_void,
+    function: &Function,
+    work: impl FnOnce(&mut Instance) -> Result<(), Refusal>,
+) -> Verdict {
+    // SAFETY: the caller's promise.
+    let Some(handle) = (unsafe { handle(pointer) }) else { return Verdict::Error };
+    // A load and a store, as the standard forbids the race that an exchange would decide.
+    if handle.word.load(Ordering::Relaxed) != IDLE {
+        return Verdict::Error;
+    }
+    handle.word.store(BUSY, Ordering::Relaxed);
+    // SAFETY: the word was IDLE, so that no call is at work on the instance further up this stack; the caller promises
+    // that none is on another thread.
+    let verdict = guarded(unsafe { &mut *handle.instance.get() }, function, work);
+    handle.word.store(IDLE, Ordering::Relaxed);
+    verdict
+}
+
+/// End of an instance. NULL, and an instance whose logger is being called right now, are left alone.
+///
+/// # Safety
+/// As for [`call`]; the pointer is not used again (FMI 2.0.5, 2.1.5).
+pub unsafe fn free(pointer: *mut c_void) {
+    // SAFETY: the caller's promise.
+    let Some(handle) = (unsafe { handle(pointer) }) else { return };
+    if handle.word.load(Ordering::Relaxed) != IDLE {
+        return;
+    }
+    handle.word.store(FREED, Ordering::Relaxed);
+    // SAFETY: the handle was boxed by `instantiate`, and this is its only way out.
+    let handle = unsafe { Box::from_raw(pointer.cast::<Handle>()) };
+    // There is nobody left to hear of a panic in a destructor.
+    let _ = catch_unwind(AssertUnwindSafe(move || drop(handle)));
+}
+
+/// # Safety
+/// As for [`call`].
+unsafe fn handle<'a>(pointer: *mut c_void) -> Option<&'a Handle> {
+    let handle = pointer.cast::<Handle>();
+    if !handle.is_aligned() {
+        return None;
+    }
+    // SAFETY: aligned and not NULL is checked, the rest is the caller's promise.
+    unsafe { handle.as_ref() }
+}
+
+#[inline]
+fn guarded(
+    instance: &mut Instance,
+    function: &Function,
+    work: impl FnOnce(&mut Instance) -> Result<(), Refusal>,
+) -> Verdict {
+    if !function.is_legal_in(instance.phase) {
+        return refuse_phase(instance, function);
+    }
+    let refusal = match catch_unwind(AssertUnwindSafe(|| work(instance))) {
+        Ok(Ok(())) => return Verdict::Ok,
+        Ok(Err(refusal)) => refusal,
+        Err(payload) => {
+            instance.phase = Phase::Fatal;
+            fault(&*payload)
+        }
+    };
+    report(instance, function, &refusal)
+}
+
+#[cold]
+fn refuse_phase(instance: &Instance, function: &Function) -> Verdict {
+    let message = match instance.phase {
+        Phase::Fatal => "the instance is lost; it can only be freed".to_owned(),
+        phase => format!("not allowed in the phase '{}'; allowed in: {}", phase.name(), function.legal_phases()),
+    };
+    let verdict = if instance.phase == Phase::Fatal { Verdict::Fatal } else { Verdict::Error };
+    report(instance, function, &Refusal { verdict, message })
+}
+
+#[cold]
+fn report(instance: &Instance, function: &Function, refusal: &Refusal) -> Verdict {
+    instance.logger.log(refusal.verdict, &format!("{}: {}", function.name, refusal.message));
+    refusal.verdict
+}
+
+/// A panic as a refusal.
+fn fault(payload: &(dyn Any + Send)) -> Refusal {
+    let text = payload.downcast_ref::<&str>().copied();
+    let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
+    let message = format!("fault in the FMU, please report: {}", text.unwrap_or("no message"));
+    Refusal { verdict: Verdict::Fatal, message }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fmi::phase::{ALIVE, STEP};
+    use crate::mechanism::GEAR;
+
+    const READ: Function = Function::new("read", ALIVE);
+    const ADVANCE: Function = Function::new("advance", STEP);
+
+    fn gear() -> *mut c_void {
+        let load = || Ok(Component::from_definition("mechanism.json", GEAR)?);
+        instantiate("instantiate", c"gear", Logger::new(None, false), load)
+    }
+
+    #[test]
+    fn a_panic_is_fatal_and_stays_so() {
+        let c = gear();
+        // SAFETY: the pointer is valid until `free`.
+        unsafe {
+            assert_eq!(call(c, &READ, |_| panic!("on purpose")), Verdict::Fatal);
+            assert_eq!(call(c, &READ, |_| Ok(())), Verdict::Fatal);
+            free(c);
+        }
+    }
+
+    #[test]
+    fn a_panic_in_instantiate_gives_null() {
+        assert!(instantiate("instantiate", c"gear", Logger::new(None, false), || panic!("on purpose")).is_null());
+    }
+
+    #[test]
+    fn a_call_from_within_a_call_is_refused() {
+        let c = gear();
+        // SAFETY: the pointer is valid until the last `free`.
+        unsafe {
+            let verdict = call(c, &READ, |_| {
+                assert_eq!(call(c, &READ, |_| Ok(())), Verdict::Error);
+                free(c);
+                Ok(())
+            });
+            assert_eq!(verdict, Verdict::Ok);
+            assert_eq!(call(c, &READ, |_| Ok(())), Verdict::Ok);
+            free(c);
+        }
+    }
+
+    #[test]
+    fn a_pointer_to_something_else_is_refused() {
+        let mut foreign = [1_u64; 8];
+        let c = foreign.as_mut_ptr().cast::<c_void>();
+        // SAFETY: the pointers lead to a word that is not an instance's, and to no aligned word.
+        unsafe {
+            assert_eq!(call(c, &READ, |_| Ok(())), Verdict::Error);
+            assert_eq!(call(c.wrapping_byte_add(1), &READ, |_| Ok(())), Verdict::Error);
+            free(c);
+        }
+    }
+
+    #[test]
+    fn after_a_failed_step_values_can_be_read_and_the_instance_reset() {
+        let c = gear();
+        // SAFETY: the pointer is valid until `free`.
+        unsafe {
+            let fail = |instance: &mut Instance| {
+                instance.phase = Phase::Failed;
+                Ok(())
+            };
+            assert_eq!(call(c, &READ, fail), Verdict::Ok);
+            assert_eq!(call(c, &ADVANCE, |_| Ok(())), Verdict::Error);
+            assert_eq!(call(c, &READ, |_| Ok(())), Verdict::Ok);
+            let reset = |instance: &mut Instance| {
+                instance.reset();
+                Ok(())
+            };
+            assert_eq!(call(c, &READ, reset), Verdict::Ok);
+            assert_eq!(call(c, &ADVANCE, |_| Ok(())), Verdict::Error);
+            free(c);
+        }
+    }
+}

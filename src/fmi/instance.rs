@@ -1,0 +1,300 @@
+//! One instance: a component, its phase, its clock and its logger.
+//!
+//! In: checked slices and plain numbers. Out: values, or a refusal that leaves the instance unchanged. It must not know
+//! pointers to instances, nor the names and C types of a version.
+
+use super::access;
+use super::clock::Clock;
+use super::logger::Logger;
+use super::phase::Phase;
+use super::refusal::Refusal;
+use super::saved::Saved;
+use crate::component::{Component, Refused};
+use crate::numerics::decimal::Decimal;
+use crate::variables::{Kind, Reference};
+use std::borrow::Cow;
+use std::ffi::{CStr, CString, c_char};
+use std::mem::MaybeUninit;
+
+/// One instance of the FMU.
+pub struct Instance {
+    /// Present phase; `handle` checks it before each call.
+    pub phase: Phase,
+    /// Where messages go.
+    pub logger: Logger,
+    /// Whether the experiment was set up.
+    set_up: bool,
+    /// Tolerance of the experiment, if it has one. It takes precedence over solver.tolerance.
+    tolerance: Option<f64>,
+    clock: Clock,
+    component: Component,
+    /// Texts of the last [`Self::get_string`], whose pointers lead here.
+    texts: Vec<CString>,
+}
+
+impl Instance {
+    /// New instance of a component.
+    pub fn new(logger: Logger, component: Component) -> Self {
+        Instance {
+            phase: Phase::Instantiated,
+            logger,
+            set_up: false,
+            tolerance: None,
+            clock: Clock::default(),
+            component,
+            texts: Vec::new(),
+        }
+    }
+
+    /// Set up the experiment. Without it, the start time is 0 and there is no stop time.
+    pub fn setup_experiment(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
+        let clock = Clock::new(start, stop)?;
+        if let Some(tolerance) = tolerance {
+            if !(tolerance > 0.0 && tolerance.is_finite()) {
+                let tolerance = Decimal(tolerance);
+                return Err(Refusal::error(format!("tolerance is {tolerance}; it must be finite and greater than 0")));
+            }
+            self.component.set_tolerance(tolerance)?;
+        }
+        self.tolerance = tolerance;
+        self.clock = clock;
+        self.set_up = true;
+        Ok(())
+    }
+
+    /// Whether the experiment was set up.
+    pub fn is_set_up(&self) -> bool {
+        self.set_up
+    }
+
+    /// Time [s] at the end of the last successful step.
+    pub fn time(&self) -> f64 {
+        self.clock.time()
+    }
+
+    /// Begin initialization mode. Nothing is computed until an output is read or the mode ends.
+    pub fn enter_initialization_mode(&mut self) {
+        self.phase = Phase::Initialization;
+    }
+
+    /// End initialization mode. After a refusal the mode goes on: parameters can be corrected.
+    pub fn exit_initialization_mode(&mut self) -> Result<(), Refusal> {
+        if let Some(tolerance) = self.tolerance {
+            self.component.set_tolerance(tolerance)?;
+        }
+        self.component.initialize()?;
+        self.phase = Phase::Step;
+        self.logger.event(|| format!("initialized at t = {} s", self.clock.time()));
+        Ok(())
+    }
+
+    /// End of the simulation.
+    pub fn terminate(&mut self) {
+        self.phase = Phase::Terminated;
+        self.logger.event(|| format!("terminated at t = {} s after {}", self.clock.time(), self.component.cost()));
+    }
+
+    /// As after instantiation, but for the log categories, which stay as the host chose them.
+    pub fn reset(&mut self) {
+        self.component.reset();
+        self.clock = Clock::default();
+        self.set_up = false;
+        self.tolerance = None;
+        self.phase = Phase::Instantiated;
+    }
+
+    /// All that decides how the instance goes on; the log categories are no part of it.
+    pub fn save(&self) -> Saved {
+        let Self { phase, set_up, tolerance, clock, .. } = *self;
+        Saved { phase, set_up, tolerance, clock, component: self.component.snapshot() }
+    }
+
+    /// [`Self::save`] into an existing state of this identity, without allocation if both are of the same kind.
+    pub fn save_into(&self, saved: &mut Saved) {
+        (saved.phase, saved.set_up) = (self.phase, self.set_up);
+        (saved.tolerance, saved.clock) = (self.tolerance, self.clock);
+        self.component.snapshot_into(&mut saved.component);
+    }
+
+    /// Go on as the instance that was saved, in its phase.
+    pub fn restore(&mut self, saved: &Saved) -> Result<(), Refusal> {
+        self.component.restore(&saved.component)?;
+        (self.phase, self.set_up) = (saved.phase, saved.set_up);
+        (self.tolerance, self.clock) = (saved.tolerance, saved.clock);
+        Ok(())
+    }
+
+    /// Read a serialised state. The instance is unchanged.
+    pub fn deserialize(&self, bytes: &[u8]) -> Result<Saved, Refusal> {
+        Saved::from_bytes(bytes, &self.component)
+    }
+
+    /// Identity of the component: a state must have been saved by one of the same identity.
+    pub fn identity(&self) -> [u64; 2] {
+        self.component.identity()
+    }
+
+    /// Name of the component's definition file.
+    pub fn definition_file(&self) -> &'static str {
+        self.component.definition_file()
+    }
+
+    /// Read Reals. On an error the array may be filled in part.
+    pub fn get_real(&mut self, references: &[Reference], values: &mut [MaybeUninit<f64>]) -> Result<(), Refusal> {
+        for (&reference, value) in references.iter().zip(values) {
+            access::may_get(self.component.interface(), self.phase, reference, Kind::Real)?;
+            value.write(self.component.real(reference)?);
+        }
+        Ok(())
+    }
+
+    /// Read Booleans, as 0 and 1 of the type `B`. On an error the array may be filled in part.
+    pub fn get_boolean<B: From<bool>>(
+        &mut self,
+        references: &[Reference],
+        values: &mut [MaybeUninit<B>],
+    ) -> Result<(), Refusal> {
+        for (&reference, value) in references.iter().zip(values) {
+            access::may_get(self.component.interface(), self.phase, reference, Kind::Boolean)?;
+            value.write(self.component.boolean(reference)?.into());
+        }
+        Ok(())
+    }
+
+    /// Read Strings. The pointers are valid until the next call of this function, or the end of the instance.
+    pub fn get_string(
+        &mut self,
+        references: &[Reference],
+        values: &mut [MaybeUninit<*const c_char>],
+    ) -> Result<(), Refusal> {
+        self.texts.clear();
+        for (&reference, value) in references.iter().zip(values) {
+            access::may_get(self.component.interface(), self.phase, reference, Kind::String)?;
+            let text = CString::new(self.component.text(reference)?)
+                .map_err(|_| Refusal::error(format!("value reference {reference}: the text holds a zero byte")))?;
+            value.write(text.as_ptr());
+            self.texts.push(text);
+        }
+        Ok(())
+    }
+
+    /// Read variables of a kind that no component has: only the empty list can be read.
+    pub fn get_none(&self, references: &[Reference], kind: Kind) -> Result<(), Refusal> {
+        references.iter().try_for_each(|&reference| {
+            access::may_get(self.component.interface(), self.phase, reference, kind)?;
+            Err(Refusal::error(format!("value reference {reference} is a {}, which cannot be read", kind.word())))
+        })
+    }
+
+    /// Set Reals, all or none.
+    pub fn set_real(&mut self, references: &[Reference], values: &[f64]) -> Result<(), Refusal> {
+        self.set(references, values.iter().copied(), Kind::Real, Component::check_real, Component::set_real)
+    }
+
+    /// Set Booleans, all or none.
+    pub fn set_boolean(
+        &mut self,
+        references: &[Reference],
+        values: impl Iterator<Item = bool> + Clone,
+    ) -> Result<(), Refusal> {
+        self.set(references, values, Kind::Boolean, Component::check_boolean, Component::set_boolean)
+    }
+
+    /// Set Strings, all or none; the texts are copied. A text that is None is NULL.
+    pub fn set_string(&mut self, references: &[Reference], values: &[Option<&CStr>]) -> Result<(), Refusal> {
+        let texts: Vec<Option<Cow<str>>> = values.iter().map(|value| value.map(CStr::to_string_lossy)).collect();
+        let null = |reference| Refused(format!("value reference {reference}: the text is NULL"));
+        let check = |component: &Component, reference, text: Option<&str>| {
+            component.check_text(reference, text.ok_or_else(|| null(reference))?)
+        };
+        let set = |component: &mut Component, reference, text: Option<&str>| {
+            component.set_text(reference, text.ok_or_else(|| null(reference))?)
+        };
+        self.set(references, texts.iter().map(Option::as_deref), Kind::String, check, set)
+    }
+
+    /// Set variables of a kind that no component has: only the empty list can be set.
+    pub fn set_none(&self, references: &[Reference], kind: Kind) -> Result<(), Refusal> {
+        references.iter().try_for_each(|&reference| {
+            access::may_set(self.component.interface(), self.phase, reference, kind)?;
+            Err(Refusal::error(format!("value reference {reference} is a {}, which cannot be set", kind.word())))
+        })
+    }
+
+    /// Check all values, then set all.
+    #[inline]
+    fn set<V>(
+        &mut self,
+        references: &[Reference],
+        values: impl Iterator<Item = V> + Clone,
+        kind: Kind,
+        check: impl Fn(&Component, Reference, V) -> Result<(), Refused>,
+        set: impl Fn(&mut Component, Reference, V) -> Result<(), Refused>,
+    ) -> Result<(), Refusal> {
+        for (&reference, value) in references.iter().zip(values.clone()) {
+            access::may_set(self.component.interface(), self.phase, reference, kind)?;
+            check(&self.component, reference, value)?;
+        }
+        for (&reference, value) in references.iter().zip(values) {
+            set(&mut self.component, reference, value)?;
+        }
+        Ok(())
+    }
+
+    /// For each unknown the sum over the knowns of the partial derivative times the seed.
+    pub fn directional_derivative(
+        &mut self,
+        unknowns: &[Reference],
+        knowns: &[Reference],
+        seeds: &[f64],
+        values: &mut [MaybeUninit<f64>],
+    ) -> Result<(), Refusal> {
+        let mut report = |index: usize, value: f64| {
+            values[index].write(value);
+        };
+        Ok(self.component.directional_derivative(unknowns, knowns, seeds, &mut report)?)
+    }
+
+    /// Time derivatives of outputs, each of its order. On an error the array may be filled in part.
+    pub fn output_derivatives(
+        &mut self,
+        references: &[Reference],
+        orders: &[i32],
+        values: &mut [MaybeUninit<f64>],
+    ) -> Result<(), Refusal> {
+        for ((&reference, &order), value) in references.iter().zip(orders).zip(values) {
+            value.write(self.component.output_derivative(reference, order)?);
+        }
+        Ok(())
+    }
+
+    /// Set time derivatives of inputs, each of its order, all or none.
+    pub fn set_input_derivatives(
+        &mut self,
+        references: &[Reference],
+        orders: &[i32],
+        values: &[f64],
+    ) -> Result<(), Refusal> {
+        for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
+            self.component.check_input_derivative(reference, order, value)?;
+        }
+        for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
+            self.component.set_input_derivative(reference, order, value)?;
+        }
+        Ok(())
+    }
+
+    /// Advance by exactly `h` [s] from the present communication point.
+    ///
+    /// The time after the step is the host's `point` plus `h`, so that the rounding of the host's sums is never counted
+    /// as its error. After a step that cannot be computed, the state is that of the last communication point.
+    pub fn do_step(&mut self, point: f64, h: f64) -> Result<(), Refusal> {
+        let end = self.clock.end_of_step(point, h)?;
+        if let Err(refused) = self.component.step(h) {
+            self.phase = Phase::Failed;
+            return Err(refused.into());
+        }
+        self.clock.advance_to(end);
+        Ok(())
+    }
+}

@@ -1,0 +1,49 @@
+//! A refused call: the verdict that the host gets and the line that the logger gets.
+//!
+//! The message names the quantity, the value, the limit and what to do; `handle` puts the function's name in front of
+//! it.
+
+use crate::component::Refused;
+
+/// Answer to a call, in the words that all versions of FMI share.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Done.
+    Ok,
+    /// Done, although something about the call is unusual.
+    Warning,
+    /// A question without an answer; the instance goes on.
+    Discard,
+    /// Refused or failed; a message says why.
+    Error,
+    /// A fault inside this library; the instance is lost.
+    Fatal,
+}
+
+/// Why a call was refused. The instance is unchanged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refusal {
+    /// Answer to the host: `Discard` or `Error`.
+    pub verdict: Verdict,
+    /// One line for the logger.
+    pub message: String,
+}
+
+impl Refusal {
+    /// A call that is wrong, or that failed.
+    pub fn error(message: impl Into<String>) -> Self {
+        Refusal { verdict: Verdict::Error, message: message.into() }
+    }
+
+    /// A question without an answer; the instance goes on.
+    pub fn discard(message: impl Into<String>) -> Self {
+        Refusal { verdict: Verdict::Discard, message: message.into() }
+    }
+}
+
+impl From<Refused> for Refusal {
+    #[cold]
+    fn from(refused: Refused) -> Self {
+        Refusal::error(refused.0)
+    }
+}

@@ -1,0 +1,151 @@
+//! How a saved state lives behind its pointer.
+//!
+//! In: an instance and pointers of the host's. Out: states, or a refusal. A state belongs to no instance: every
+//! instance of the same identity takes it, and it outlives the instance that was saved. The words at its head
+//! distinguish it from other memory, from a state of another identity, and mostly from a freed state. What they cannot
+//! show: memory that was given back to the system, or that holds another state by now.
+//!
+//! # Safety
+//! All functions share the contract of FMI 2.0.5, 2.1.8: a state is NULL or leads to readable memory of a state's size,
+//! and a pointer to a state is NULL or leads to a pointer. Nobody else uses either during the call.
+#![allow(unsafe_code, clippy::missing_safety_doc)]
+
+use super::array::output;
+use super::instance::Instance;
+use super::refusal::Refusal;
+use super::saved::Saved;
+use std::ffi::c_void;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// A saved state, opaque to the host.
+pub type State = *mut c_void;
+
+/// First word of a state.
+const ALIVE: u64 = u64::from_be_bytes(*b"linkstat");
+/// First word of a state that was freed.
+const FREED: u64 = 0;
+
+/// What a state leads to.
+struct Kept {
+    word: AtomicU64,
+    /// Identity of the component that was saved.
+    identity: [u64; 2],
+    saved: Saved,
+}
+
+/// A new state for the host to keep.
+fn keep(saved: Saved, instance: &Instance) -> State {
+    let kept = Kept { word: AtomicU64::new(ALIVE), identity: instance.identity(), saved };
+    Box::into_raw(Box::new(kept)).cast()
+}
+
+/// The state behind a pointer, for this instance.
+///
+/// # Errors
+/// NULL, no state, a freed state, or a state of another identity.
+#[inline(always)]
+unsafe fn kept<'a>(state: State, instance: &Instance) -> Result<&'a mut Kept, Refusal> {
+    let kept = state.cast::<Kept>();
+    if kept.is_null() {
+        return Err(Refusal::error("the state is NULL; pass one that was saved or deserialized"));
+    }
+    let foreign = "the pointer leads to no state of this FMU, or to one that was freed";
+    if !kept.is_aligned() {
+        return Err(Refusal::error(foreign));
+    }
+    // SAFETY: not NULL and aligned is checked; the caller promises that the memory can be read. The word is read apart,
+    // as the rest of what is no state need not be valid.
+    if unsafe { (*kept).word.load(Ordering::Relaxed) } != ALIVE {
+        return Err(Refusal::error(foreign));
+    }
+    // SAFETY: only `keep` writes this word, in front of a whole state; the caller promises that nobody else uses it.
+    let kept = unsafe { &mut *kept };
+    if kept.identity != instance.identity() {
+        return Err(Refusal::error(format!(
+            "the state was saved by another FMU, or with another {}",
+            instance.definition_file()
+        )));
+    }
+    Ok(kept)
+}
+
+/// The host's pointer to a state.
+///
+/// # Errors
+/// The pointer to it is NULL or misaligned.
+#[inline(always)]
+unsafe fn pointer<'a>(state: *mut State) -> Result<&'a mut State, Refusal> {
+    // SAFETY: the caller's promise.
+    let pointer = unsafe { output("FMUstate", state, 1) }?;
+    // SAFETY: the host has written the pointer, as it is the standard's "in and out" (2.1.8).
+    Ok(unsafe { pointer[0].assume_init_mut() })
+}
+
+/// Save the instance. A state that `*state` already leads to is overwritten.
+#[inline]
+pub unsafe fn save(instance: &Instance, state: *mut State) -> Result<(), Refusal> {
+    // SAFETY: the caller's promise.
+    let state = unsafe { pointer(state) }?;
+    if state.is_null() {
+        *state = keep(instance.save(), instance);
+    } else {
+        // SAFETY: the caller's promise.
+        instance.save_into(&mut unsafe { kept(*state, instance) }?.saved);
+    }
+    Ok(())
+}
+
+/// Go on from a saved state, in the phase in which it was saved.
+#[inline]
+pub unsafe fn restore(instance: &mut Instance, state: State) -> Result<(), Refusal> {
+    // SAFETY: the caller's promise.
+    let kept = unsafe { kept(state, instance) }?;
+    instance.restore(&kept.saved)
+}
+
+/// End of a state; `*state` becomes NULL. Does nothing for NULL and for a pointer to NULL.
+pub unsafe fn free(instance: &Instance, state: *mut State) -> Result<(), Refusal> {
+    if state.is_null() {
+        return Ok(());
+    }
+    // SAFETY: the caller's promise.
+    let state = unsafe { pointer(state) }?;
+    if !state.is_null() {
+        // SAFETY: the caller's promise; a state was boxed by `keep`, and this is its only way out.
+        unsafe {
+            kept(*state, instance)?.word.store(FREED, Ordering::Relaxed);
+            drop(Box::from_raw(state.cast::<Kept>()));
+        }
+        *state = std::ptr::null_mut();
+    }
+    Ok(())
+}
+
+/// The bytes of a state, which any process can read, on any machine.
+pub unsafe fn serialize(instance: &Instance, state: State) -> Result<Vec<u8>, Refusal> {
+    // SAFETY: the caller's promise.
+    let kept = unsafe { kept(state, instance) }?;
+    kept.saved.to_bytes(kept.identity)
+}
+
+/// Write the bytes of a state to `size` bytes at `bytes`.
+pub unsafe fn serialize_to(instance: &Instance, state: State, bytes: *mut u8, size: usize) -> Result<(), Refusal> {
+    // SAFETY: the caller's promise.
+    let serialized = unsafe { serialize(instance, state) }?;
+    let needed = serialized.len();
+    if size != needed {
+        return Err(Refusal::error(format!("size is {size}; the state has {needed} bytes, pass memory for these")));
+    }
+    // SAFETY: the caller's promise.
+    let bytes = unsafe { output("serializedState", bytes, size) }?;
+    bytes.iter_mut().zip(serialized).for_each(|(to, byte)| _ = to.write(byte));
+    Ok(())
+}
+
+/// New state of bytes that [`serialize`] gave. The previous value of `*state` is not read.
+pub unsafe fn deserialize(instance: &Instance, bytes: &[u8], state: *mut State) -> Result<(), Refusal> {
+    // SAFETY: the caller's promise.
+    let state = unsafe { output("FMUstate", state, 1) }?;
+    state[0].write(keep(instance.deserialize(bytes)?, instance));
+    Ok(())
+}

@@ -1,0 +1,150 @@
+//! The table of modules in ARCHITECTURE.md against the imports in `src`.
+//!
+//! A module imports only from rows above its own, and nothing that its row forbids: no layer imports upwards, and there are no
+//! circles between modules. Paths are resolved with `crate::`, `super::` and brackets; tests are left out.
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A row of the table: path of the module such as `mechanism::curve`, and the modules that it must not know.
+struct Row {
+    module: String,
+    forbidden: Vec<String>,
+}
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Text in backticks.
+fn quoted(text: &str) -> impl Iterator<Item = &str> {
+    text.split('`').skip(1).step_by(2)
+}
+
+/// `src/mechanism/curve` as a path of modules.
+fn module_of(path: &str) -> String {
+    let path = path.trim_start_matches("src/").trim_end_matches(".rs").trim_end_matches('/');
+    path.replace('/', "::")
+}
+
+fn table() -> Vec<Row> {
+    let text = fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
+    let rows = text.lines().filter(|line| line.starts_with("| `src/"));
+    let row = |line: &str| {
+        let columns: Vec<&str> = line.split('|').collect();
+        let forbidden = quoted(columns[3]).map(module_of).collect();
+        (module_of(quoted(columns[1]).next().unwrap()), forbidden)
+    };
+    rows.map(row).map(|(module, forbidden)| Row { module, forbidden }).collect()
+}
+
+/// Source files below a folder, without those of tests.
+fn files(folder: &Path, out: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        let name = entry.file_name().unwrap().to_str().unwrap();
+        if entry.is_dir() && name != "tests" {
+            files(&entry, out);
+        } else if name.ends_with(".rs") && name != "tests.rs" {
+            out.push(entry);
+        }
+    }
+}
+
+/// Code of a file: without comments, and up to its tests.
+fn code(file: &Path) -> String {
+    let text = fs::read_to_string(file).unwrap();
+    let own = text.split("#[cfg(test)]\nmod tests").next().unwrap();
+    own.lines().map(|line| line.split("//").next().unwrap()).collect::<Vec<_>>().join("\n")
+}
+
+/// Paths that a tree such as `a::{b, c::{d, e}}` names.
+fn expand(prefix: &str, tree: &str, out: &mut BTreeSet<String>) {
+    let tree = tree.trim();
+    let Some((head, rest)) = tree.split_once('{') else {
+        out.insert(format!("{prefix}{tree}"));
+        return;
+    };
+    let inner = rest.strip_suffix('}').unwrap_or(rest);
+    let (mut depth, mut from) = (0, 0);
+    for (at, c) in inner.char_indices().chain([(inner.len(), ',')]) {
+        match c {
+            '{' => depth += 1,
+            '}' => depth -= 1,
+            ',' if depth == 0 => {
+                if !inner[from..at].trim().is_empty() {
+                    expand(&format!("{prefix}{head}"), &inner[from..at], out);
+                }
+                from = at + 1;
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Absolute paths that the code of a module names.
+fn imports(module: &str, code: &str) -> BTreeSet<String> {
+    let mut out = BTreeSet::new();
+    for start in ["crate::", "super::"] {
+        for (at, _) in code.match_indices(start) {
+            if code[..at].ends_with("super::") || code[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_') {
+                continue;
+            }
+            let mut depth = 0;
+            let end = code[at..].find(|c: char| {
+                depth += i32::from(c == '{') - i32::from(c == '}');
+                depth < 0 || depth == 0 && !(c.is_alphanumeric() || "_:{}".contains(c))
+            });
+            let mut tree = &code[at..end.map_or(code.len(), |end| at + end)];
+            let mut base: Vec<&str> = module.split("::").collect();
+            while let Some(rest) = tree.strip_prefix("super::") {
+                (tree, _) = (rest, base.pop());
+            }
+            let base = if start == "crate::" { String::new() } else { format!("{}::", base.join("::")) };
+            expand(&base, tree.strip_prefix("crate::").unwrap_or(tree), &mut out);
+        }
+    }
+    out.into_iter().map(|path| path.trim_start_matches("::").to_owned()).collect()
+}
+
+fn is_within(path: &str, module: &str) -> bool {
+    path == module || path.strip_prefix(module).is_some_and(|rest| rest.starts_with("::"))
+}
+
+#[test]
+fn no_module_imports_upwards() {
+    let (rows, mut sources, mut wrong) = (table(), Vec::new(), Vec::new());
+    assert!(rows.len() > 15, "ARCHITECTURE.md has a table of modules");
+    files(&root().join("src"), &mut sources);
+    let row_of = |path: &str| {
+        let rows = rows.iter().enumerate().filter(|(_, row)| is_within(path, &row.module));
+        rows.max_by_key(|(_, row)| row.module.len()).map(|(index, _)| index)
+    };
+    for file in &sources {
+        let shown = file.strip_prefix(root()).unwrap().display().to_string();
+        let module = module_of(shown.trim_end_matches("/mod.rs"));
+        let Some(own) = row_of(&module) else {
+            // Only modules of modules stand in no row: they declare, and hold nothing that imports.
+            assert!(shown.ends_with("/mod.rs") || shown == "src/lib.rs", "{shown}: no row of ARCHITECTURE.md has it");
+            continue;
+        };
+        for path in imports(&module, &code(file)) {
+            let Some(other) = row_of(&path) else {
+                if !is_within(&module, &path) {
+                    wrong.push(format!("{shown}: {path} is in no row: import from the module that has it"));
+                }
+                continue;
+            };
+            if other > own || rows[own].forbidden.iter().any(|forbidden| is_within(&path, forbidden)) {
+                wrong.push(format!("{shown} ({}): must not import {path}", rows[own].module));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{} imports:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+#[test]
+fn trees_of_imports_are_expanded() {
+    let code = "use crate::a::{B, c::{d, E}};\nuse super::super::f::G;\nfn h() { crate::i::j() }";
+    let all: Vec<_> = imports("x::y::z", code).into_iter().collect();
+    assert_eq!(all, ["a::B", "a::c::E", "a::c::d", "i::j", "x::f::G"]);
+}
