@@ -11,6 +11,7 @@ use super::refusal::Refusal;
 use super::saved::Saved;
 use super::types::{Boolean, CO_SIMULATION, FALSE, Integer, MODEL_EXCHANGE, Real, Status, TRUE, Text};
 use super::types::{DO_STEP_STATUS, LAST_SUCCESSFUL_TIME, PENDING_STATUS, TERMINATED};
+use crate::integrator::Method;
 use crate::mechanism::Model;
 use crate::numerics::decimal::Decimal;
 use crate::variables::{Kind, Reference};
@@ -161,16 +162,13 @@ impl Instance {
         self.phase = Phase::Terminated;
         self.logger.event(|| {
             let cost = self.model.statistics();
+            let methods = Method::ALL.map(|method| format!("{} by {}", cost.accepted_by(method), method.name()));
             format!(
-                "terminated at t = {} s after {} evaluations in {} accepted steps ({} by RKN8(6), {} by DOP853, {} shorter ones by DOPRI5, {} short ones by RK4, {} stiff ones by Radau IIA) and {} rejected",
+                "terminated at t = {} s after {} evaluations in {} accepted steps ({}) and {} rejected",
                 self.clock.time(),
                 cost.evaluations,
                 cost.accepted,
-                cost.nystroem,
-                cost.accepted - cost.nystroem - cost.fifth - cost.short - cost.implicit,
-                cost.fifth,
-                cost.short,
-                cost.implicit,
+                methods.join(", "),
                 cost.rejected
             )
         });
