@@ -6,6 +6,7 @@
 //! A further kind of model takes one arm in [`Component`], in [`Snapshot`], in `each`, and one row in `KINDS`. Its
 //! model has methods of the same names, whose errors convert to [`Refused`]. No call is dispatched at run time while
 //! there is one kind only.
+use crate::integrator::Method;
 use crate::mechanism::{self, ModelError};
 use crate::variables::{Interface, Reference};
 
@@ -232,16 +233,12 @@ impl Component {
     /// What the integration has cost since initialisation, for the log.
     pub fn cost(&self) -> String {
         let cost = each!(self, model => model.statistics());
+        let methods = Method::ALL.map(|method| format!("{} by {}", cost.accepted_by(method), method.name()));
         format!(
-            "{} evaluations in {} accepted steps ({} by RKN8(6), {} by DOP853, {} shorter ones by DOPRI5, \
-             {} short ones by RK4, {} stiff ones by Radau IIA) and {} rejected",
+            "{} evaluations in {} accepted steps ({}) and {} rejected",
             cost.evaluations,
             cost.accepted,
-            cost.nystroem,
-            cost.accepted - cost.nystroem - cost.fifth - cost.short - cost.implicit,
-            cost.fifth,
-            cost.short,
-            cost.implicit,
+            methods.join(", "),
             cost.rejected
         )
     }

@@ -1,6 +1,7 @@
 //! A scene pays for what is in it: which tables are built, and how often each quantity is computed.
 #![allow(clippy::unwrap_used)]
 
+use linkage_fmu::integrator::Method;
 use linkage_fmu::mechanism::reduced::Built;
 use linkage_fmu::mechanism::{Computed, Model, Statistics};
 
@@ -53,8 +54,12 @@ const NOTHING: Built =
 fn a_bare_scene_builds_and_computes_nothing_but_its_motion() {
     let (built, computed, work) = cost(&BARE);
     assert_eq!((built, computed), (NOTHING, Computed::default()));
-    assert_eq!((work.jacobians, work.newton_iterations, work.implicit), (0, 0, 0));
-    assert_eq!(work.accepted, work.nystroem + work.short, "no step by a method that is dearer");
+    assert_eq!((work.jacobians, work.newton_iterations, work.accepted_by(Method::Radau)), (0, 0, 0));
+    assert_eq!(
+        work.accepted,
+        work.accepted_by(Method::Rkn86) + work.accepted_by(Method::Rk4),
+        "no step by a method that is dearer"
+    );
     // Eight a step, the start's two, and four for each trial of a short step.
     assert!(work.evaluations <= 8 * (work.accepted + work.rejected) + 2 + 40, "{work:?}");
 }
@@ -89,12 +94,12 @@ fn friction_drag_and_bumpers_cost_their_scene_alone() {
     let friction = StateLoads { name: "friction", flags: &[("friction.enabled", true)], ..BARE };
     let (built, computed, work) = cost(&friction);
     assert_eq!((built, computed), (Built { scenes: [true, false], ..NOTHING }, Computed::default()));
-    assert_eq!(work.nystroem, 0);
+    assert_eq!(work.accepted_by(Method::Rkn86), 0);
     assert!(work.jacobians <= 1, "only to see at the start whether it is stiff: {work:?}");
     let drag = StateLoads { name: "drag", values: &[("airspeed", 70.0)], ..BARE };
     let (built, computed, work) = cost(&drag);
     assert_eq!((built, computed), (Built { scenes: [false, true], ..NOTHING }, Computed::default()));
-    assert!(work.jacobians <= 1 && work.nystroem == 0);
+    assert!(work.jacobians <= 1 && work.accepted_by(Method::Rkn86) == 0);
     let bumper = StateLoads { name: "bumper", flags: &[("upstop.rigid", false)], ..BARE };
     let (built, computed, _) = cost(&bumper);
     assert_eq!((built, computed), (Built { scenes: [true, false], ..NOTHING }, Computed::default()));
@@ -108,7 +113,11 @@ fn a_change_of_stretch_costs_no_second_step() {
     let mut model = gear(&StateLoads { name: "friction", flags: &[("friction.enabled", true)], ..BARE });
     model.step(0.13).unwrap();
     let work = model.statistics();
-    assert_eq!((work.short, work.fifth, work.implicit), (0, 0, 0), "steps of DOP853 alone");
+    assert_eq!(
+        (work.accepted_by(Method::Rk4), work.accepted_by(Method::Dopri5), work.accepted_by(Method::Radau)),
+        (0, 0, 0),
+        "steps of DOP853 alone"
+    );
     // The start, and interpolants over steps that come near to a border.
     let besides = 12;
     assert!(work.evaluations <= 12 * (work.accepted + work.rejected) + 4 * 8 + besides, "{work:?}");

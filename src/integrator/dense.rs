@@ -61,3 +61,11 @@ impl<const N: usize> Dense<N> {
         self.start[n] + sum
     }
 }
+
+/// The first three terms of one component's interpolant, Hermite's cubic, from its values and rates at both ends: II.6, eq.
+/// (6.7).
+#[inline]
+pub(super) fn hermite(h: f64, [start, end]: [f64; 2], [first, last]: [f64; 2]) -> [f64; 3] {
+    let delta = end - start;
+    [delta, h * first - delta, 2.0 * delta - h * (first + last)]
+}

@@ -1,113 +1,111 @@
-//! The explicit pairs, as the step-size control sees them.
-use super::step::Stages;
-use super::{Method, System, dop853, rkn86};
+//! One step of any method: what the control of step sizes asks of a method, and what the events ask of a step.
+use super::{Dense, Method, System};
 
-/// What an attempt at a step gives.
-pub(super) struct Outcome<K, const N: usize> {
-    /// f at the stages and at the end, as the pair keeps it.
-    pub stages: K,
-    pub end: [f64; N],
-    /// f at the end.
-    pub last: [f64; N],
-    /// What the sums up to the end have lost to rounding.
+/// Start of a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Start<const N: usize> {
+    /// Time since the start of the span [s].
+    pub t: f64,
+    /// State.
+    pub y: [f64; N],
+    /// f(t, y).
+    pub first: [f64; N],
+    /// Rounding that the sums up to here have lost.
     pub carry: [f64; N],
 }
 
-/// An explicit pair with an error estimate; f at the end of a step is the first stage of the next.
-pub(super) trait Pair<const N: usize> {
-    /// What it keeps of the stages.
-    type Stages;
+/// Attempt at a step, not yet accepted.
+pub struct Outcome<K, const N: usize> {
+    /// Stages of the method.
+    pub stages: K,
+    /// State at the end.
+    pub end: [f64; N],
+    /// f at the end.
+    pub last: [f64; N],
+    /// Rounding that the sums up to the end have lost.
+    pub carry: [f64; N],
+}
+
+/// Stages of a step: what they say about the path between its start and its end.
+pub trait Path<const N: usize> {
+    /// Method that made the step.
     const METHOD: Method;
+
+    /// [`Self::METHOD`].
+    fn method(&self) -> Method {
+        Self::METHOD
+    }
+
+    /// Evaluations of [`Self::dense`].
+    fn dense_evaluations(&self) -> u64 {
+        0
+    }
+
+    /// Whether the error of the interpolant is within the tolerance of the step.
+    fn interpolates(&self) -> bool {
+        false
+    }
+
+    /// f at the start y of the step.
+    fn first(&self, y: &[f64; N]) -> [f64; N];
+
+    /// f at the start and at the end of an explicit step of a system of first order.
+    fn rates(&self) -> Option<[&[f64; N]; 2]> {
+        None
+    }
+
+    /// Largest distance of component n, within a step of size h, from the range of its start and its end; infinite if
+    /// unknown, as for a method whose interpolant costs nothing.
+    fn bulge(&self, _n: usize, _h: f64, _ends: [&[f64; N]; 2]) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Interpolant over the step of size h from time t, between the states `ends`.
+    fn dense<S: System<N>>(&self, system: &mut S, t: f64, h: f64, ends: [&[f64; N]; 2]) -> Dense<N>;
+}
+
+/// An explicit method with an error estimate, as the stages of one step; f at its end is the first stage of the next.
+pub trait Pair<const N: usize>: Path<N> + Sized {
     /// Evaluations of a step.
     const EVALUATIONS: u64;
-    /// [`Self::error`] falls as this power of the step size.
+    /// Power of the step size in which [`Self::error`] falls.
     const ERROR_POWER: f64;
 
-    /// The step of size h from (t, y), where f(t, y) = `first` and the sums so far have lost `carry`.
-    fn attempt<S: System<N>>(
-        system: &mut S,
-        t: f64,
-        y: &[f64; N],
-        first: &[f64; N],
-        h: f64,
-        carry: &[f64; N],
-    ) -> Outcome<Self::Stages, N>;
+    /// The step of size h.
+    fn attempt<S: System<N>>(system: &mut S, start: &Start<N>, h: f64) -> Outcome<Self, N>;
 
-    /// A power of the error estimate over the tolerance: below 1 the step is good.
-    fn error(stages: &Self::Stages, h: f64, scale: &[f64; N], tolerance: f64) -> f64;
+    /// A power of the ratio of the error estimate to the tolerance: up to 1 the step is good.
+    fn error(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64;
 
-    /// h |lambda| as the step has felt it; 0 for a pair that no stiff system is given to.
-    fn stiffness(y: &[f64; N], outcome: &Outcome<Self::Stages, N>, h: f64, scale: &[f64; N]) -> f64;
-
-    /// As a step keeps them.
-    fn stages(stages: Self::Stages) -> Stages<N>;
-}
-
-/// For systems of first order.
-pub(super) struct Dop853;
-
-/// For systems of second order.
-pub(super) struct Rkn86;
-
-impl<const N: usize> Pair<N> for Dop853 {
-    type Stages = dop853::Slopes<N>;
-    const METHOD: Method = Method::Dop853;
-    const EVALUATIONS: u64 = dop853::tableau::STAGES as u64;
-    const ERROR_POWER: f64 = dop853::ERROR_POWER;
-
-    fn attempt<S: System<N>>(
-        system: &mut S,
-        t: f64,
-        y: &[f64; N],
-        first: &[f64; N],
-        h: f64,
-        carry: &[f64; N],
-    ) -> Outcome<Self::Stages, N> {
-        dop853::attempt(system, t, y, first, h, carry)
-    }
-
-    fn error(stages: &Self::Stages, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
-        dop853::error(stages, h, scale, tolerance)
-    }
-
-    fn stiffness(y: &[f64; N], outcome: &Outcome<Self::Stages, N>, h: f64, scale: &[f64; N]) -> f64 {
-        dop853::stiffness(y, &outcome.end, &outcome.stages, h, scale)
-    }
-
-    fn stages(stages: Self::Stages) -> Stages<N> {
-        Stages::Dop853(stages)
-    }
-}
-
-impl<const N: usize> Pair<N> for Rkn86 {
-    type Stages = rkn86::Accelerations;
-    const METHOD: Method = Method::Rkn86;
-    const EVALUATIONS: u64 = rkn86::EVALUATIONS;
-    const ERROR_POWER: f64 = rkn86::ERROR_POWER;
-
-    #[inline]
-    fn attempt<S: System<N>>(
-        system: &mut S,
-        t: f64,
-        y: &[f64; N],
-        first: &[f64; N],
-        h: f64,
-        carry: &[f64; N],
-    ) -> Outcome<Self::Stages, N> {
-        rkn86::attempt(system, t, y, first, h, carry)
-    }
-
-    #[inline]
-    fn error(stages: &Self::Stages, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
-        rkn86::error(stages, h, scale, tolerance)
-    }
-
-    fn stiffness(_y: &[f64; N], _outcome: &Outcome<Self::Stages, N>, _h: f64, _scale: &[f64; N]) -> f64 {
+    /// h |lambda| of the stiffest component in a step between the states `ends`; 0 for a pair that no stiff system is given to.
+    fn stiffness(&self, _h: f64, _ends: [&[f64; N]; 2], _scale: &[f64; N]) -> f64 {
         0.0
     }
+}
 
-    #[inline]
-    fn stages(stages: Self::Stages) -> Stages<N> {
-        Stages::Rkn86(stages)
+/// Mean square of the components of an error, each over its scale.
+#[inline]
+pub fn mean_square<const N: usize>(scale: &[f64; N], error: impl Fn(usize) -> f64) -> f64 {
+    (0..N).map(|n| (error(n) / scale[n]).powi(2)).sum::<f64>() / N as f64
+}
+
+/// Factor on [`bulge`], as the rates between the stages are not known.
+pub const BULGE_MARGIN: f64 = 1.5;
+
+/// [`Path::bulge`] from the least and the largest rate: a path whose rate is between f_1 and f_2 is at most h (f_2 - f_1) / 4
+/// off the straight line between its ends.
+#[inline]
+pub fn bulge(h: f64, [least, most]: [f64; 2]) -> f64 {
+    BULGE_MARGIN * 0.25 * h * (most - least)
+}
+
+/// The least and the largest of some numbers.
+#[inline]
+pub fn extremes(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
+    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+    for value in values {
+        least = if value < least { value } else { least };
+        most = if value > most { value } else { most };
     }
+    [least, most]
 }

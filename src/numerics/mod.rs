@@ -2,4 +2,5 @@
 pub mod chebyshev;
 pub mod decimal;
 pub mod dual;
+pub mod gauss;
 pub mod table;

@@ -4,6 +4,7 @@ use crate::asked::{self, Asked, digits};
 use crate::host::Host;
 use crate::measure::{self, Pages};
 use crate::scene::{After, SCENES, SPAN};
+use linkage_fmu::integrator::Method;
 use linkage_fmu::mechanism::Statistics;
 use std::fmt::Write;
 use std::path::Path;
@@ -82,10 +83,15 @@ pub fn table(folder: &Path) -> Result<Pages, String> {
 
 /// Accepted steps of each method that took any.
 fn methods(work: Statistics) -> String {
-    let Statistics { accepted, implicit, short, nystroem, fifth, .. } = work;
-    let rest = accepted - implicit - short - nystroem - fifth;
-    let taken = [("RKN", nystroem), ("DOP853", rest), ("DOPRI5", fifth), ("RK4", short), ("Radau", implicit)];
-    taken
+    let names = [
+        ("RKN", Method::Rkn86),
+        ("DOP853", Method::Dop853),
+        ("DOPRI5", Method::Dopri5),
+        ("RK4", Method::Rk4),
+        ("Radau", Method::Radau),
+    ];
+    names
+        .map(|(name, method)| (name, work.accepted_by(method)))
         .iter()
         .filter(|(_, count)| *count > 0)
         .map(|(name, count)| format!("{name} {count}"))

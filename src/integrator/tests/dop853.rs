@@ -1,13 +1,11 @@
 //! DOP853: coefficients, orders, step-size control.
-use super::{Oscillator, Power};
-use crate::integrator::dop853::tableau::{A, C, D, E3, E5, EXTENDED, STAGES};
-use crate::integrator::pair::Dop853;
-use crate::integrator::step::Trial;
-use crate::integrator::{IntegrationError, Integrator, Step, System, dop853};
+use super::{Oscillator, Power, explicitly};
+use crate::integrator::methods::dop853::Dop853;
+use crate::integrator::methods::dop853::tableau::{A, C, D, E3, E5, EXTENDED, STAGES};
+use crate::integrator::{IntegrationError, Integrator, Step, System};
 
 fn attempt<S: System<N>, const N: usize>(system: &mut S, t: f64, y: &[f64; N], h: f64) -> Step<N> {
-    let (none, first) = ([0.0; N], system.derivative(t, y));
-    Trial::explicit::<Dop853>(t, y, h, &none, dop853::attempt(system, t, y, &first, h, &none)).step
+    explicitly::<Dop853<N>, S, N>(system, t, y, h)
 }
 
 fn fixed_step<S: System<N>, const N: usize>(system: &mut S, y: [f64; N], span: f64, steps: u32) -> [f64; N] {

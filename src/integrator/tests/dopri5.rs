@@ -1,8 +1,7 @@
 //! DOPRI5: order conditions, its choice, long runs of steps that are short for DOP853.
-use super::Oscillator;
-use crate::integrator::dopri5::{A, C, E, STAGES, attempt};
-use crate::integrator::step::Stages;
-use crate::integrator::{Integrator, Method, Step, System};
+use super::{Oscillator, explicitly};
+use crate::integrator::methods::dopri5::{A, C, Dopri5, E, STAGES};
+use crate::integrator::{Integrator, Method, System};
 
 /// y'' = -sin y - y'/10 as (y, y').
 struct Damped;
@@ -79,25 +78,15 @@ fn observed_orders_are_five_and_four() {
     let error = |steps: u32| {
         let (h, mut y) = (6.0 / f64::from(steps), [1.0, 0.0]);
         for _ in 0..steps {
-            let first = Oscillator.derivative(0.0, &y);
-            y = attempt(&mut Oscillator, 0.0, &y, &first, h, &[0.0; 2]).end;
+            y = explicitly::<Dopri5<2>, _, 2>(&mut Oscillator, 0.0, &y, h).end;
         }
         (y[0] - 6f64.cos()).hypot(y[1] + 6f64.sin())
     };
     let slope = (error(100) / error(200)).log2();
     assert!((4.9..5.1).contains(&slope), "slope {slope}");
     let worst = |h: f64| {
-        let (y, first, none) = ([1.0, 0.0], [0.0, -1.0], [0.0; 2]);
-        let outcome = attempt(&mut Oscillator, 0.0, &y, &first, h, &none);
-        let step = Step {
-            t: 0.0,
-            h,
-            reached: true,
-            start: y,
-            end: outcome.end,
-            carry: none,
-            stages: Stages::Dopri5(outcome.stages),
-        };
+        let y = [1.0, 0.0];
+        let step = explicitly::<Dopri5<2>, _, 2>(&mut Oscillator, 0.0, &y, h);
         let dense = step.dense(&mut Oscillator);
         assert_eq!(dense.at(0.0), y);
         assert!((dense.at(1.0)[0] - step.end[0]).abs() < 1e-15);
@@ -128,7 +117,7 @@ fn many_steps_keep_the_tolerance_for_half_the_evaluations() {
         println!("{tolerance:e}, h {h:e}: errors {error:e} {worst:e}, {work:?}");
         // 1e-13: the reference, and the rounding of h over the steps.
         assert!(error < tolerance + 1e-13 && worst < tolerance + 1e-13, "{tolerance}, h {h}: {error} {worst}");
-        assert!(work.fifth > u64::from(steps) * 98 / 100, "{work:?}");
+        assert!(work.accepted_by(Method::Dopri5) > u64::from(steps) * 98 / 100, "{work:?}");
         assert!(work.evaluations < u64::from(steps) * 13 / 2 + 200, "{work:?}");
     }
 }

@@ -1,16 +1,18 @@
 //! Systems that the tests integrate.
-use super::radau::{self, Start};
+use super::methods::radau::{Newton, Radau};
+use super::pair::{Pair, Start};
+use super::step::Stages;
 use super::{Statistics, Step, System};
 
 mod choice;
 mod dop853;
 mod dopri5;
-mod linear;
 mod radau_iia;
 mod retake;
 mod rk4;
 mod rkn86;
 mod root;
+mod stiffness;
 
 /// y'' = -y as (y, y').
 pub struct Oscillator;
@@ -39,19 +41,27 @@ impl System<1> for Power {
 
 /// One step of Radau of size h, without error control.
 pub fn implicitly<S: System<N>, const N: usize>(system: &mut S, t: f64, y: &[f64; N], h: f64) -> Step<N> {
-    let (first, jacobian) = (system.derivative(t, y), system.jacobian(t, y));
-    let (carry, scale) = ([0.0; N], [1.0; N]);
-    let start = Start {
-        t,
-        y,
-        first: &first,
-        jacobian: &jacobian,
-        carry: &carry,
-        before: None,
-        scale: &scale,
-        tolerance: 1e-14,
-    };
-    radau::attempt(system, &start, h, &mut Statistics::default()).unwrap().0.step
+    let (start, jacobian) = (start(system, t, y), system.jacobian(t, y));
+    let newton = Newton { jacobian: &jacobian, scale: &[1.0; N], tolerance: 1e-14, before: None };
+    let outcome = Radau::attempt(system, &start, &newton, h, &mut Statistics::default()).unwrap().0;
+    Step::new(&start, h, outcome.end, outcome.stages)
+}
+
+/// One step of an explicit pair of size h, without error control.
+pub fn explicitly<P: Pair<N> + Into<Stages<N>>, S: System<N>, const N: usize>(
+    system: &mut S,
+    t: f64,
+    y: &[f64; N],
+    h: f64,
+) -> Step<N> {
+    let start = start(system, t, y);
+    let outcome = P::attempt(system, &start, h);
+    Step::new(&start, h, outcome.end, outcome.stages)
+}
+
+/// A start whose sums have lost nothing.
+fn start<S: System<N>, const N: usize>(system: &mut S, t: f64, y: &[f64; N]) -> Start<N> {
+    Start { t, y: *y, first: system.derivative(t, y), carry: [0.0; N] }
 }
 
 /// A system without its Jacobian.

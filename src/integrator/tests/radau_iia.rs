@@ -1,6 +1,6 @@
 //! Radau IIA: coefficients, orders, damping, stiff problems.
 use super::{Oscillator, Power, WithoutJacobian, implicitly};
-use crate::integrator::radau::coefficients::{A, ALPHA, BETA, C, E, GAMMA, STAGES, T, T_INVERSE};
+use crate::integrator::methods::radau::coefficients::{A, ALPHA, BETA, C, E, GAMMA, STAGES, T, T_INVERSE};
 use crate::integrator::{Integrator, Method, System};
 
 type Matrix = [[f64; 3]; 3];

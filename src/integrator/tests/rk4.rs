@@ -1,8 +1,7 @@
 //! RK4: order conditions, its choice, long runs of short steps.
-use super::Oscillator;
-use crate::integrator::rk4::{B, C, E, Slopes, attempt};
-use crate::integrator::step::Stages;
-use crate::integrator::{Integrator, Method, Step, System};
+use super::{Oscillator, explicitly};
+use crate::integrator::methods::rk4::{B, C, E, Rk4};
+use crate::integrator::{Integrator, Method, System};
 
 /// y'' = -sin y as (y, y').
 struct Pendulum;
@@ -55,18 +54,15 @@ fn observed_orders_are_four_and_three() {
     let error = |steps: u32| {
         let (h, mut y) = (6.0 / f64::from(steps), [1.0, 0.0]);
         for _ in 0..steps {
-            let first = Oscillator.derivative(0.0, &y);
-            y = attempt(&mut Oscillator, 0.0, &y, &first, h, &[0.0; 2]).end;
+            y = explicitly::<Rk4<2>, _, 2>(&mut Oscillator, 0.0, &y, h).end;
         }
         (y[0] - 6f64.cos()).hypot(y[1] + 6f64.sin())
     };
     let slope = (error(100) / error(200)).log2();
     assert!((3.9..4.1).contains(&slope), "slope {slope}");
     let worst = |h: f64| {
-        let (y, first, none) = ([1.0, 0.0], [0.0, -1.0], [0.0; 2]);
-        let outcome = attempt(&mut Oscillator, 0.0, &y, &first, h, &none);
-        let stages = Stages::Rk4(Slopes { first, last: outcome.last });
-        let step = Step { t: 0.0, h, reached: true, start: y, end: outcome.end, carry: none, stages };
+        let y = [1.0, 0.0];
+        let step = explicitly::<Rk4<2>, _, 2>(&mut Oscillator, 0.0, &y, h);
         let dense = step.dense(&mut Oscillator);
         assert_eq!(dense.at(0.0), y);
         assert!((dense.at(1.0)[0] - step.end[0]).abs() < 1e-15);
@@ -93,7 +89,7 @@ fn a_hundred_thousand_short_steps_keep_the_tolerance() {
         println!("{tolerance:e}, h {h:e}: errors {errors:?}, {work:?}");
         // 1e-13: the reference, and the rounding of h over the steps.
         assert!(errors.iter().all(|e| *e < tolerance + 1e-13), "{tolerance}, h {h}: {errors:?}");
-        assert!(work.short > 99_000, "{work:?}");
+        assert!(work.accepted_by(Method::Rk4) > 99_000, "{work:?}");
         assert!(work.evaluations < 4 * u64::from(STEPS) + 2000, "{work:?}");
     }
 }
@@ -107,7 +103,7 @@ fn longer_spans_are_left_to_the_method_of_order_eight() {
         }
         let work = integrator.statistics();
         println!("h {h}: {work:?}");
-        assert!(work.short == 0 && work.rejected < 30, "trials are few: {work:?}");
+        assert!(work.accepted_by(Method::Rk4) == 0 && work.rejected < 30, "trials are few: {work:?}");
         let end = 1000.0 * h;
         assert!((y[0] - end.cos()).hypot(y[1] + end.sin()) < 1e-8);
     }

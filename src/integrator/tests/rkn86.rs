@@ -1,9 +1,8 @@
 //! RKN8(6): coefficients, orders, step-size control.
-use super::Oscillator;
-use crate::integrator::pair::Rkn86;
-use crate::integrator::rkn86::tableau::{A, C, E, E_RATE, STAGES, WEIGHTS};
-use crate::integrator::step::Trial;
-use crate::integrator::{Integrator, Method, Step, System, rkn86};
+use super::{Oscillator, explicitly};
+use crate::integrator::methods::rkn86::Rkn86;
+use crate::integrator::methods::rkn86::tableau::{A, C, E, E_RATE, STAGES, WEIGHTS};
+use crate::integrator::{Integrator, Method, Step, System};
 
 /// y'' = -y as a system of second order.
 struct Spring;
@@ -30,9 +29,7 @@ impl System<2> for Fall {
 }
 
 fn attempt<S: System<2>>(system: &mut S, t: f64, y: &[f64; 2], h: f64) -> Step<2> {
-    let first = system.derivative(t, y);
-    let none = [0.0; 2];
-    Trial::explicit::<Rkn86>(t, y, h, &none, rkn86::attempt(system, t, y, &first, h, &none)).step
+    explicitly::<Rkn86, S, 2>(system, t, y, h)
 }
 
 #[test]

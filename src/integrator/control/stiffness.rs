@@ -1,4 +1,4 @@
-//! When to leave one method for the other.
+//! When DOP853 gives way to Radau, and Radau to DOP853.
 //!
 //! DOP853 held back by stiffness cannot lengthen its steps though h |lambda| is about 1 or more: near 6 at the end of its
 //! interval of stability, less at tight tolerances, where the stiff components spoil its stages first. Once it has been so
@@ -22,7 +22,7 @@ const SHORT_STEPS: u32 = 3;
 
 /// Counts of the choice between the methods.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Stiffness {
+pub struct Stiffness {
     /// Whether Radau is at work.
     pub implicit: bool,
     /// Explicit: steps held back. Implicit: short steps in a row.
@@ -84,4 +84,16 @@ impl Stiffness {
     fn patience(&self) -> u32 {
         (PATIENCE << self.failures.min(16)).min(MOST_PATIENCE)
     }
+}
+
+/// The largest |eigenvalue| of a real matrix, from the trace of its eighth power: at most the factor N^(1/8) too large.
+/// It needs no scaling of the components, as a trace does not depend on their units. Too small where the largest are a
+/// complex pair whose eighth powers are nearly imaginary: oscillation, which is not stiffness.
+pub fn largest_eigenvalue<const N: usize>(a: &[[f64; N]; N]) -> f64 {
+    let square = |m: &[[f64; N]; N]| -> [[f64; N]; N] {
+        std::array::from_fn(|i| std::array::from_fn(|j| (0..N).map(|k| m[i][k] * m[k][j]).sum()))
+    };
+    let fourth = square(&square(a));
+    let trace: f64 = (0..N).map(|i| (0..N).map(|j| fourth[i][j] * fourth[j][i]).sum::<f64>()).sum();
+    trace.abs().sqrt().sqrt().sqrt()
 }

@@ -1,10 +1,8 @@
-//! Linear algebra of a few rows: the systems of an implicit step, real and complex, and the largest eigenvalue.
+//! Gauss elimination for linear systems of a few rows, real or complex.
 use std::ops::{Add, Div, Mul, Sub};
 
 /// A number that a linear system can be solved in.
-pub(super) trait Scalar:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
-{
+pub trait Scalar: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> {
     /// A size to choose pivots by: |re| + |im|.
     fn size(self) -> f64;
 }
@@ -17,8 +15,10 @@ impl Scalar for f64 {
 
 /// re + i im.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Complex {
+pub struct Complex {
+    /// Real part.
     pub re: f64,
+    /// Imaginary part.
     pub im: f64,
 }
 
@@ -60,7 +60,7 @@ impl Scalar for Complex {
 
 /// A = P^T L U with row interchanges.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Factors<T, const N: usize> {
+pub struct Factors<T, const N: usize> {
     lu: [[T; N]; N],
     pivots: [usize; N],
 }
@@ -114,14 +114,47 @@ impl<T: Scalar, const N: usize> Factors<T, N> {
     }
 }
 
-/// The largest |eigenvalue| of a real matrix, from the trace of its eighth power: at most the factor N^(1/8) too large.
-/// It needs no scaling of the components, as a trace does not depend on their units. Too small where the largest are a
-/// complex pair whose eighth powers are nearly imaginary: oscillation, which is not stiffness.
-pub(super) fn largest_eigenvalue<const N: usize>(a: &[[f64; N]; N]) -> f64 {
-    let square = |m: &[[f64; N]; N]| -> [[f64; N]; N] {
-        std::array::from_fn(|i| std::array::from_fn(|j| (0..N).map(|k| m[i][k] * m[k][j]).sum()))
-    };
-    let fourth = square(&square(a));
-    let trace: f64 = (0..N).map(|i| (0..N).map(|j| fourth[i][j] * fourth[j][i]).sum::<f64>()).sum();
-    trace.abs().sqrt().sqrt().sqrt()
+#[cfg(test)]
+mod tests {
+    use super::{Complex, Factors};
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn solutions_satisfy_their_systems(
+            a in prop::array::uniform3(prop::array::uniform3(-1.0..1.0_f64)),
+            im in prop::array::uniform3(prop::array::uniform3(-1.0..1.0_f64)),
+            x in prop::array::uniform3(-1.0..1.0_f64),
+        ) {
+            if let Some(factors) = Factors::new(a) {
+                let b: [f64; 3] = std::array::from_fn(|i| (0..3).map(|j| a[i][j] * x[j]).sum());
+                let y = factors.solve(b);
+                // Backward stable: the residual is small whatever the condition.
+                let size = y.iter().fold(1.0_f64, |m, y| m.max(y.abs()));
+                for i in 0..3 {
+                    let residual = b[i] - (0..3).map(|j| a[i][j] * y[j]).sum::<f64>();
+                    prop_assert!(residual.abs() < 1e-14 * size, "{residual}");
+                }
+            }
+            let c: [[Complex; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| Complex { re: a[i][j], im: im[i][j] }));
+            if let Some(factors) = Factors::new(c) {
+                let z = x.map(|x| Complex { re: x, im: 1.0 - x });
+                let b: [Complex; 3] = std::array::from_fn(|i| {
+                    (0..3).fold(Complex { re: 0.0, im: 0.0 }, |sum, j| sum + c[i][j] * z[j])
+                });
+                let y = factors.solve(b);
+                let size = y.iter().fold(1.0_f64, |m, y| m.max(y.re.abs() + y.im.abs()));
+                for i in 0..3 {
+                    let residual = (0..3).fold(b[i], |sum, j| sum - c[i][j] * y[j]);
+                    prop_assert!(residual.re.abs() + residual.im.abs() < 1e-13 * size, "{residual:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_singular_system_has_no_factors() {
+        assert!(Factors::new([[1.0, 2.0], [2.0, 4.0]]).is_none());
+        assert!(Factors::new([[f64::NAN, 2.0], [2.0, 4.0]]).is_none());
+    }
 }

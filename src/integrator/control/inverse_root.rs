@@ -1,7 +1,7 @@
-//! By which factor a step could have been larger.
+//! Factor by which a step could have been larger: an inverse root of its error.
 use std::f64::consts::LN_2;
 
-/// Binary digits of the mantissa, and what is added to the exponent.
+/// Binary digits of the mantissa, and the offset of the stored exponent.
 const DIGITS: u32 = 52;
 const BIAS: f64 = 1023.0;
 const MANTISSA: u64 = (1 << DIGITS) - 1;
@@ -13,7 +13,7 @@ const MANTISSA: u64 = (1 << DIGITS) - 1;
 /// log2(1 + m) is m + 0.3463 m (1 - m) within 0.007; 2^m, |m| <= 1/2, is its series up to m^3 within 0.0008. Unlike the power
 /// of a mathematical library it is the same number on every platform.
 #[inline]
-pub(super) fn reach(x: f64, n: f64) -> f64 {
+pub fn inverse_root(x: f64, n: f64) -> f64 {
     const LOGARITHM: f64 = 0.3463;
     const POWER: [f64; 3] = [LN_2, LN_2 * LN_2 / 2.0, LN_2 * LN_2 * LN_2 / 6.0];
     /// A sum with it is rounded to an integer, which is the last digits of the sum's mantissa.
@@ -30,19 +30,19 @@ pub(super) fn reach(x: f64, n: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::reach;
+    use super::inverse_root;
 
     #[test]
     fn it_is_the_power_within_a_part_in_200() {
         for n in [4.0, 8.0, 126.0] {
             for k in -60_000..=60_000 {
                 let x = 10f64.powf(f64::from(k) * 0.005);
-                let ratio = reach(x, n) / x.powf(-1.0 / n);
+                let ratio = inverse_root(x, n) / x.powf(-1.0 / n);
                 assert!((ratio - 1.0).abs() < 5e-3, "{x}^(-1/{n}): ratio {ratio}");
             }
-            assert_eq!(reach(1.0, n), 1.0);
-            assert!(reach(0.0, n) > reach(f64::MIN_POSITIVE, n) && reach(0.0, n).is_finite());
-            assert!(reach(f64::MAX, n) > 0.0);
+            assert_eq!(inverse_root(1.0, n), 1.0);
+            assert!(inverse_root(0.0, n) > inverse_root(f64::MIN_POSITIVE, n) && inverse_root(0.0, n).is_finite());
+            assert!(inverse_root(f64::MAX, n) > 0.0);
         }
     }
 }

@@ -1,0 +1,123 @@
+//! Steps of an integration: by the method that suits, and once more from the same start.
+use super::memory::{Begin, Integrator};
+use super::starting::starting_step;
+use crate::integrator::methods::{dop853::Dop853, dopri5::Dopri5, rk4::Rk4, rkn86::Rkn86};
+use crate::integrator::pair::{Pair, Start};
+use crate::integrator::step::{Stages, Step};
+use crate::integrator::{Dense, IntegrationError, Method, System};
+
+impl<const N: usize> Integrator<N> {
+    /// Advance `y` by exactly `span` > 0 [s].
+    ///
+    /// # Errors
+    /// [`IntegrationError::StepTooSmall`]; `y` and the memory are then those of the last accepted step.
+    pub fn advance<S: System<N>>(
+        &mut self,
+        system: &mut S,
+        y: &mut [f64; N],
+        span: f64,
+        tolerance: f64,
+    ) -> Result<(), IntegrationError> {
+        let mut t = 0.0;
+        while t < span {
+            let step = self.step(system, t, y, span, tolerance)?;
+            *y = step.end;
+            t += step.h;
+            if step.reached {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// One accepted step from (t, y) towards `end`, not past it; the step that reaches it ends there exactly.
+    ///
+    /// # Errors
+    /// [`IntegrationError::StepTooSmall`].
+    #[inline]
+    pub fn step<S: System<N>>(
+        &mut self,
+        system: &mut S,
+        t: f64,
+        y: &[f64; N],
+        end: f64,
+        tolerance: f64,
+    ) -> Result<Step<N>, IntegrationError> {
+        let begin = self.begin(system, t, y, end, tolerance)?;
+        loop {
+            let taken = match self.choose::<S>(begin.rest, begin.proposed) {
+                Method::Rk4 => self.whole_span::<Rk4<N>, S>(system, &begin, tolerance),
+                Method::Dopri5 => self.whole_span::<Dopri5<N>, S>(system, &begin, tolerance),
+                Method::Dop853 => return self.explicit_step::<Dop853<N>, S>(system, &begin, end, tolerance),
+                Method::Rkn86 => return self.explicit_step::<Rkn86, S>(system, &begin, end, tolerance),
+                Method::Radau => return self.implicit_step(system, &begin, end, tolerance),
+            };
+            if let Some(step) = taken {
+                return Ok(step);
+            }
+        }
+    }
+
+    /// What a step from (t, y) towards `end` starts with.
+    #[inline(always)]
+    fn begin<S: System<N>>(
+        &mut self,
+        system: &mut S,
+        t: f64,
+        y: &[f64; N],
+        end: f64,
+        tolerance: f64,
+    ) -> Result<Begin<N>, IntegrationError> {
+        let first = match self.derivative {
+            Some(f) => f,
+            None => {
+                self.statistics.evaluations += 1;
+                system.derivative(t, y)
+            }
+        };
+        let (rest, scale) = (end - t, system.scale(y, &first));
+        let start = Start { t, y: *y, first, carry: self.carry };
+        let proposed = match self.proposal {
+            Some(h) => h,
+            None => starting_step(system, &start, &scale, rest, tolerance, &mut self.statistics)?,
+        };
+        Ok(Begin { start, rest, scale, proposed })
+    }
+
+    /// The step of exactly size h [s], 0 < h <= step.h, from the start of `step`, by its method and without error control;
+    /// `step` is the last one made. The integration goes on from its end: as it is, or after [`Self::refresh`] or
+    /// [`Self::restart`].
+    pub fn retake<S: System<N>>(&mut self, system: &mut S, step: &Step<N>, h: f64) -> Step<N> {
+        match &step.stages {
+            Stages::Rk4(_) => self.repeat::<Rk4<N>, S>(system, step, h),
+            Stages::Dopri5(_) => self.repeat::<Dopri5<N>, S>(system, step, h),
+            Stages::Dop853(_) => self.repeat::<Dop853<N>, S>(system, step, h),
+            Stages::Rkn86(_) => self.repeat::<Rkn86, S>(system, step, h),
+            Stages::Radau(stages) => {
+                let (start, whole) = (step.begin(), stages.collocation(step.h, [&step.start, &step.end]));
+                let outcome = stages.shorten(system, &start, &whole, h, &mut self.statistics);
+                self.before = Some(outcome.stages.collocation(h, [&start.y, &outcome.end]));
+                self.arrive(&start, h, outcome)
+            }
+        }
+    }
+
+    /// [`Self::retake`] by an explicit pair.
+    fn repeat<P: Pair<N> + Into<Stages<N>>, S: System<N>>(
+        &mut self,
+        system: &mut S,
+        step: &Step<N>,
+        h: f64,
+    ) -> Step<N> {
+        self.statistics.evaluations += P::EVALUATIONS;
+        let start = step.begin();
+        let outcome = P::attempt(system, &start, h);
+        self.arrive(&start, h, outcome)
+    }
+
+    /// [`Step::dense`], its evaluations counted.
+    pub fn dense<S: System<N>>(&mut self, system: &mut S, step: &Step<N>) -> Dense<N> {
+        self.statistics.evaluations += step.dense_evaluations();
+        step.dense(system)
+    }
+}

@@ -1,0 +1,172 @@
+//! Memory of an integration from step to step.
+use super::stiffness::Stiffness;
+use crate::codec::record::{Damaged, Record};
+use crate::integrator::methods::radau::Collocation;
+use crate::integrator::pair::{Outcome, Pair, Path, Start};
+use crate::integrator::step::{Stages, Step};
+use crate::integrator::{Method, Statistics, System};
+
+/// Number of methods that are tried over a whole span, the first ones of [`Method`].
+const WHOLE_SPAN: usize = 2;
+/// Factor by which a step of a dearer method lengthens the spans up to which a cheaper one is tried again.
+const TRY_AGAIN: f64 = 1.01;
+
+/// What the first attempt at a step starts with.
+pub struct Begin<const N: usize> {
+    pub start: Start<N>,
+    /// Time to the end of the span [s].
+    pub rest: f64,
+    /// Sizes of the components.
+    pub scale: [f64; N],
+    /// Step size that the error control proposes [s].
+    pub proposed: f64,
+}
+
+/// Memory of the integration between spans: proposed step size, last derivative, compensation of the sums, and the history
+/// that the choice of the method needs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Integrator<const N: usize> {
+    /// Step size that the error control proposes next [s]; none before the first step.
+    pub(super) proposal: Option<f64>,
+    /// Derivative at the present point, while it is valid.
+    pub(super) derivative: Option<[f64; N]>,
+    /// Rounding that the last sums have lost, component by component.
+    pub(super) carry: [f64; N],
+    pub(super) stiffness: Stiffness,
+    /// Span up to which one step of RK4, and one of DOPRI5, has met its share of the tolerance, as far as is known [s].
+    pub(super) longest_span: [f64; WHOLE_SPAN],
+    /// Size [s] of the last step, and the factor by which it could have been larger; none if that is unknown, as after Radau.
+    pub(super) last: Option<(f64, f64)>,
+    /// The last step, if it was one of Radau.
+    pub(super) before: Option<Collocation<N>>,
+    pub(super) method: Method,
+    pub(super) statistics: Statistics,
+}
+
+impl<const N: usize> Default for Integrator<N> {
+    fn default() -> Self {
+        Self {
+            proposal: None,
+            derivative: None,
+            carry: [0.0; N],
+            stiffness: Stiffness::default(),
+            longest_span: [f64::INFINITY; WHOLE_SPAN],
+            last: None,
+            before: None,
+            method: Method::default(),
+            statistics: Statistics::default(),
+        }
+    }
+}
+
+impl<const N: usize> Integrator<N> {
+    /// Work done so far.
+    pub fn statistics(&self) -> Statistics {
+        self.statistics
+    }
+
+    /// All fields, written or read.
+    ///
+    /// # Errors
+    /// A field is read that no integration leaves.
+    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        record.option("proposed step", &mut self.proposal, || 0.0, |record, h| record.positive("proposed step", h))?;
+        let blank = || [0.0; N];
+        record.option("derivative", &mut self.derivative, blank, |record, f| record.all_finite("derivative", f))?;
+        record.all_finite("compensation", &mut self.carry)?;
+        self.stiffness.record(record)?;
+        for span in &mut self.longest_span {
+            record.number("longest span of one step", span, |h| h > 0.0, "a number > 0")?;
+        }
+        record.option(
+            "last explicit step",
+            &mut self.last,
+            || (0.0, 0.0),
+            |record, (h, error)| {
+                record.positive("size of the last step", h)?;
+                record.positive("error of the last step", error)
+            },
+        )?;
+        record.option("last implicit step", &mut self.before, Collocation::blank, |record, before| {
+            before.record(record)
+        })?;
+        self.method.record(record)?;
+        self.statistics.record(record)
+    }
+
+    /// Become the same as another one: as by assignment, but the stages of an implicit step, more than all the rest, are
+    /// copied only if there are some.
+    #[inline]
+    pub fn copy_from(&mut self, other: &Self) {
+        let Self { proposal, derivative, carry, stiffness, longest_span, last, before, method, statistics } = self;
+        (*proposal, *derivative, *carry, *stiffness) = (other.proposal, other.derivative, other.carry, other.stiffness);
+        (*longest_span, *last, *method, *statistics) = (other.longest_span, other.last, other.method, other.statistics);
+        if before.is_some() || other.before.is_some() {
+            *before = other.before;
+        }
+    }
+
+    /// The method of the last step.
+    pub fn method(&self) -> Method {
+        self.method
+    }
+
+    /// The right-hand side has changed (new inputs): forget the last derivative, keep the step size.
+    pub fn refresh(&mut self) {
+        self.derivative = None;
+        self.last = None;
+    }
+
+    /// Go on from a state on the interpolant of the last step.
+    pub fn branch_off(&mut self) {
+        self.refresh();
+        self.carry = [0.0; N];
+    }
+
+    /// The state or the right-hand side has jumped: forget everything but the statistics.
+    pub fn restart(&mut self) {
+        *self = Self { statistics: self.statistics, method: self.method, ..Self::default() };
+    }
+
+    /// The same memory for a system with another number of components: step sizes and statistics are kept.
+    pub fn with_components<const M: usize>(&self) -> Integrator<M> {
+        Integrator {
+            proposal: self.proposal,
+            longest_span: self.longest_span,
+            method: self.method,
+            statistics: self.statistics,
+            ..Integrator::default()
+        }
+    }
+
+    /// Go on from the end of a step.
+    #[inline]
+    pub(super) fn arrive<P: Into<Stages<N>>>(&mut self, start: &Start<N>, h: f64, outcome: Outcome<P, N>) -> Step<N> {
+        (self.derivative, self.carry) = (Some(outcome.last), outcome.carry);
+        Step::new(start, h, outcome.end, outcome.stages)
+    }
+
+    /// [`Self::arrive`] at the end of an accepted step.
+    #[inline]
+    pub(super) fn accept<P: Path<N> + Into<Stages<N>>>(
+        &mut self,
+        begin: &Begin<N>,
+        h: f64,
+        outcome: Outcome<P, N>,
+    ) -> Step<N> {
+        self.method = P::METHOD;
+        self.statistics.accept(P::METHOD);
+        Step { reached: h == begin.rest, ..self.arrive(&begin.start, h, outcome) }
+    }
+
+    /// An explicit step has been accepted: no step of Radau precedes the next, and cheaper methods are tried again sooner.
+    #[inline]
+    pub(super) fn after_explicit<P: Pair<N>, S: System<N>>(&mut self) {
+        if S::CAN_BE_STIFF {
+            self.before = None;
+        }
+        for span in self.longest_span.iter_mut().take(P::METHOD as usize) {
+            *span *= TRY_AGAIN;
+        }
+    }
+}

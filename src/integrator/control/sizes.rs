@@ -1,0 +1,139 @@
+//! Step sizes under error control.
+//!
+//! Source: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.4 (step-size control); Hairer, Wanner, Solving ODEs II (1996),
+//! IV.2 (detecting stiffness), IV.8 (Radau, step sizes).
+use super::inverse_root::inverse_root;
+use super::memory::{Begin, Integrator};
+use super::stiffness::largest_eigenvalue;
+use crate::integrator::methods::radau::{self, Newton, Radau};
+use crate::integrator::pair::Pair;
+use crate::integrator::step::{Stages, Step};
+use crate::integrator::{IntegrationError, System};
+
+/// Limits of the step-size control as in DOP853; its safety factor is 0.9, at which the retraction at tolerance 1e-12 takes
+/// a quarter more evaluations, in rejected steps.
+const SAFETY: f64 = 0.8;
+const SHRINK_MOST: f64 = 1.0 / 3.0;
+pub const GROW_MOST: f64 = 6.0;
+/// Shrinking where the error is not finite, and the most of Radau.
+pub const SHRINK_INFINITE: f64 = 0.1;
+/// Shrinking where Newton's method does not converge.
+const SHRINK_UNSOLVED: f64 = 0.25;
+/// Largest factor by which a step could have been larger that still shows how the error grows.
+const LARGEST_GROWTH: f64 = 10.0;
+/// Least part of a span that a step may be: less is round-off in time. Of a span longer than [`LONG`], the part of that: spans
+/// so long are asked for at rest.
+const SMALLEST: f64 = 1e-14;
+const LONG: f64 = 1e3;
+
+impl<const N: usize> Integrator<N> {
+    /// One accepted step of an explicit pair.
+    #[inline]
+    pub(super) fn explicit_step<P: Pair<N> + Into<Stages<N>>, S: System<N>>(
+        &mut self,
+        system: &mut S,
+        begin: &Begin<N>,
+        end: f64,
+        tolerance: f64,
+    ) -> Result<Step<N>, IntegrationError> {
+        let &Begin { ref start, rest, ref scale, proposed: mut wish } = begin;
+        let mut grow_most = GROW_MOST;
+        loop {
+            let h = fitted(wish, rest);
+            self.statistics.evaluations += P::EVALUATIONS;
+            let outcome = P::attempt(system, start, h);
+            let error = outcome.stages.error(h, scale, tolerance);
+            if error <= 1.0 {
+                let mut grow = grow_most;
+                self.after_explicit::<P, S>();
+                // A step cut short by the end of the span is often so much shorter that no growth comes to the wish.
+                if S::CAN_BE_STIFF || h >= wish || h * grow_most > wish {
+                    let growth = inverse_root(error, P::ERROR_POWER);
+                    if S::CAN_BE_STIFF {
+                        let h_lambda = outcome.stages.stiffness(h, [&start.y, &outcome.end], scale);
+                        self.stiffness.explicit_step(h, h_lambda, SAFETY * growth);
+                    }
+                    grow = (SAFETY * self.foreseen(h, growth)).clamp(SHRINK_MOST, grow_most);
+                } else {
+                    self.last = None;
+                }
+                self.propose(h, wish, grow);
+                return Ok(self.accept(begin, h, outcome));
+            }
+            grow_most = 1.0;
+            wish = self.reject(start.t, h, shrink(error, P::ERROR_POWER, SHRINK_MOST), end)?;
+        }
+    }
+
+    /// Growth at which the next step would just be good, after one of size h that could have grown by `growth`. Where the
+    /// error per step has been growing, it is taken to go on so: Solving ODEs II (1996), IV.8, eq. (8.25).
+    fn foreseen(&mut self, h: f64, growth: f64) -> f64 {
+        let growth = growth.min(LARGEST_GROWTH);
+        let last = self.last.replace((h, growth));
+        last.map_or(growth, |(h_before, before)| growth.min(growth * (growth * (h / (h_before * before)))))
+    }
+
+    /// One accepted step of Radau.
+    pub(super) fn implicit_step<S: System<N>>(
+        &mut self,
+        system: &mut S,
+        begin: &Begin<N>,
+        end: f64,
+        tolerance: f64,
+    ) -> Result<Step<N>, IntegrationError> {
+        let &Begin { ref start, rest, ref scale, proposed: mut wish } = begin;
+        let jacobian = system.jacobian(start.t, &start.y);
+        self.statistics.jacobians += 1;
+        self.last = None;
+        let before = self.before;
+        let newton = Newton { jacobian: &jacobian, scale, tolerance, before: before.as_ref() };
+        let mut grow_most = GROW_MOST;
+        loop {
+            let h = fitted(wish, rest);
+            let shrink = match Radau::attempt(system, start, &newton, h, &mut self.statistics) {
+                Some((outcome, error)) if error <= 1.0 => {
+                    self.stiffness.implicit_step(h, largest_eigenvalue(&jacobian));
+                    self.before = Some(outcome.stages.collocation(h, [&start.y, &outcome.end]));
+                    let grow = SAFETY * inverse_root(error, radau::ERROR_POWER);
+                    self.propose(h, wish, grow.clamp(SHRINK_MOST, grow_most));
+                    return Ok(self.accept(begin, h, outcome));
+                }
+                Some((_, error)) => shrink(error, radau::ERROR_POWER, SHRINK_INFINITE),
+                None => SHRINK_UNSOLVED,
+            };
+            grow_most = 1.0;
+            wish = self.reject(start.t, h, shrink, end)?;
+        }
+    }
+
+    /// Propose the next step size after an accepted step of size h that was to have the size `wish` and could grow by `grow`.
+    #[inline]
+    fn propose(&mut self, h: f64, wish: f64, grow: f64) {
+        // A step cut short by the end of the span says little about the size that is possible.
+        self.proposal = Some(if h < wish { (h * grow).max(wish) } else { h * grow });
+    }
+
+    /// The next size to try after one that was too large.
+    fn reject(&mut self, t: f64, h: f64, shrink: f64, end: f64) -> Result<f64, IntegrationError> {
+        self.statistics.rejected += 1;
+        let wish = h * shrink;
+        let smallest = SMALLEST * end.abs().min(LONG);
+        if wish < smallest { Err(IntegrationError::StepTooSmall { t, step: wish }) } else { Ok(wish) }
+    }
+}
+
+/// Factor on the size of a step with this error, more than the tolerance, for the next attempt; at least `least`.
+fn shrink(error: f64, power: f64, least: f64) -> f64 {
+    if error.is_finite() { (SAFETY * inverse_root(error, power)).max(least) } else { SHRINK_INFINITE }
+}
+
+/// Fit the rest of the span: one step if it nearly reaches, two equal ones rather than a long and a tiny one.
+fn fitted(wish: f64, rest: f64) -> f64 {
+    if wish * 1.01 >= rest {
+        rest
+    } else if wish * 2.0 > rest {
+        0.5 * rest
+    } else {
+        wish
+    }
+}

@@ -1,0 +1,140 @@
+//! One step of the explicit Runge-Kutta-Nystroem pair of order 8(6) for q'' = f(t, q), with an interpolant.
+//!
+//! A force that does not depend on the speed needs eight evaluations for order 8 where DOP853 needs twelve, and half the sums
+//! of stages. In: a system of that kind, a point, a step size. Out: the step with its error estimate and its interpolant.
+pub mod tableau;
+
+use crate::integrator::dense::{TERMS, hermite};
+use crate::integrator::pair::{BULGE_MARGIN, Outcome, Pair, Path, Start, bulge, extremes};
+use crate::integrator::sum::add_compensated;
+use crate::integrator::{Dense, Method, System};
+use tableau::{A, C, E, E_RATE, STAGES, WEIGHTS};
+
+/// Accelerations at the stages and at the end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rkn86([f64; STAGES]);
+
+impl<const N: usize> Path<N> for Rkn86 {
+    const METHOD: Method = Method::Rkn86;
+
+    fn first(&self, y: &[f64; N]) -> [f64; N] {
+        let mut first = *y;
+        (first[0], first[1]) = (y[1], self.0[0]);
+        first
+    }
+
+    #[inline]
+    fn bulge(&self, n: usize, h: f64, [start, end]: [&[f64; N]; 2]) -> f64 {
+        if n != 0 {
+            return f64::INFINITY;
+        }
+        let [least, most] = extremes(self.0);
+        let margin = 0.5 * (BULGE_MARGIN - 1.0) * (most - least);
+        if (least - margin >= 0.0 || most + margin <= 0.0) && start[1] * end[1] >= 0.0 {
+            // The rate goes from its start straight to its end, without a change of sign: so does the path.
+            return 0.0;
+        }
+        // The rate itself changes by no more than h times the largest acceleration.
+        bulge(h, [0.0, h * most.max(-least)])
+    }
+
+    /// q has the values, rates and accelerations of both ends and the accelerations of the stages at 0.3 h and 0.5 h, which
+    /// are good to h^5 (row sums with c^2 hold there): of degree 7, good to h^7. q' has the values and rates of both ends and
+    /// the same two accelerations: of degree 5. No evaluation.
+    fn dense<S: System<N>>(&self, _system: &mut S, _t: f64, h: f64, [start, end]: [&[f64; N]; 2]) -> Dense<N> {
+        let (k, last) = (&self.0, self.0[STAGES - 1]);
+        let mut terms = [[0.0; N]; TERMS];
+        // q: the terms after Hermite's cubic have the factor w = s^2 (1 - s)^2, w'' = 2 at both ends.
+        let [t0, t1, t2] = hermite(h, [start[0], end[0]], [start[1], end[1]]);
+        let square = h * h;
+        let t3 = 0.5 * square * k[0] + t1 - t2;
+        let t4 = 0.5 * square * last + t1 + 2.0 * t2 - t3;
+        // What is left of the acceleration at s: h^2 k less that of all terms so far; the second derivatives of s^i (1 - s)^j.
+        let left = |k: f64, s: f64| {
+            let third = 2.0 + s * (12.0 * s - 12.0);
+            let fourth = s * (6.0 + s * (20.0 * s - 24.0));
+            square * k - (t2 * (2.0 - 6.0 * s) - 2.0 * t1 + t3 * third + t4 * fourth)
+        };
+        let fifth = |s: f64| s * (6.0 + s * (s * (60.0 - 30.0 * s) - 36.0));
+        let sixth = |s: f64| s * s * (12.0 + s * (s * (90.0 - 42.0 * s) - 60.0));
+        let (a, b) = (C[3], C[4]);
+        let (at_a, at_b) = (left(k[3], a), left(k[4], b));
+        let determinant = fifth(a) * sixth(b) - fifth(b) * sixth(a);
+        let t5 = (at_a * sixth(b) - at_b * sixth(a)) / determinant;
+        let t6 = (at_b * fifth(a) - at_a * fifth(b)) / determinant;
+        for (term, t) in terms.iter_mut().zip([t0, t1, t2, t3, t4, t5, t6]) {
+            term[0] = t;
+        }
+        // q': the same with first derivatives.
+        let [t0, t1, t2] = hermite(h, [start[1], end[1]], [k[0], last]);
+        let left = |k: f64, s: f64| h * k - (t0 + t1 * (1.0 - 2.0 * s) + t2 * s * (2.0 - 3.0 * s));
+        let third = |s: f64| s * (2.0 + s * (4.0 * s - 6.0));
+        let fourth = |s: f64| s * s * (3.0 + s * (5.0 * s - 8.0));
+        let (at_a, at_b) = (left(k[3], a), left(k[4], b));
+        let determinant = third(a) * fourth(b) - third(b) * fourth(a);
+        let t3 = (at_a * fourth(b) - at_b * fourth(a)) / determinant;
+        let t4 = (at_b * third(a) - at_a * third(b)) / determinant;
+        for (term, t) in terms.iter_mut().zip([t0, t1, t2, t3, t4]) {
+            term[1] = t;
+        }
+        Dense::new(*start, *end, terms)
+    }
+}
+
+impl<const N: usize> Pair<N> for Rkn86 {
+    const EVALUATIONS: u64 = STAGES as u64 - 1;
+    /// Power of the error estimate, 9, times 14.
+    const ERROR_POWER: f64 = 126.0;
+
+    #[inline]
+    fn attempt<S: System<N>>(system: &mut S, start: &Start<N>, h: f64) -> Outcome<Self, N> {
+        let &Start { t, ref y, ref first, ref carry } = start;
+        let mut k = [0.0; STAGES];
+        k[0] = first[1];
+        let (way, square) = (h * y[1], h * h);
+        // From one acceleration to the next is what a step takes: so the one before enters each stage last.
+        macro_rules! stage {
+            ($i:literal; $($j:literal)*; $before:literal) => {{
+                let known = C[$i] * way + square * (0.0 $(+ A[$i][$j] * k[$j])*);
+                k[$i] = system.acceleration(t + C[$i] * h, y, known + (square * A[$i][$before]) * k[$before]);
+            }};
+        }
+        stage!(1; ; 0);
+        stage!(2; 0; 1);
+        stage!(3; 0 1; 2);
+        stage!(4; 0 1 2; 3);
+        stage!(5; 0 1 2 3; 4);
+        stage!(6; 0 1 2 3 4; 5);
+        stage!(7; 0 1 2 3 4 5; 6);
+        let mut increment = [0.0; N];
+        // The last stage has no part in q: the acceleration at the end need not wait for it.
+        increment[0] = way + square * sum(&A[STAGES - 1][..STAGES - 2], &k);
+        increment[1] = h * sum(&WEIGHTS, &k);
+        let (end, lost) = add_compensated(y, &increment, carry);
+        let last = system.derivative(t + h, &end);
+        k[STAGES - 1] = last[1];
+        Outcome { stages: Self(k), end, last, carry: lost }
+    }
+
+    /// Error estimate over the tolerance, to the power of 14. The difference e of the pair, relative to the scales, is the error
+    /// of order 6, which falls as h^7. So relative to the scales the motion changes within h / e^(1/7), and the step of order 8
+    /// errs by about e^(9/7). To the power of 14 that needs no root, and of e its square.
+    #[inline]
+    fn error(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
+        // Quotients that do not wait for the accelerations.
+        let (weight, weight_rate) = (h * h / scale[0], h / scale[1]);
+        let (e, e_rate) = (weight * sum(&E, &self.0), weight_rate * sum(&E_RATE, &self.0));
+        let square = 0.5 * (e * e + e_rate * e_rate);
+        square.powi(9) * tolerance.powi(-14)
+    }
+}
+
+/// Weighted sum of the first accelerations, in two sums that overlap.
+#[inline]
+fn sum(weights: &[f64], k: &[f64; STAGES]) -> f64 {
+    let mut sums = [0.0; 2];
+    for (i, (w, k)) in weights.iter().zip(k).enumerate() {
+        sums[i % 2] += w * k;
+    }
+    sums[0] + sums[1]
+}

@@ -1,0 +1,81 @@
+//! Work of an integration, by method.
+
+use crate::codec::record::{Damaged, Record};
+
+/// A method of integration; those that try to reach the end of a span in one cheap step come first, the cheapest of all before.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Explicit Runge-Kutta of order 4, the classical one.
+    Rk4,
+    /// Explicit Runge-Kutta of order 5, Dormand and Prince.
+    Dopri5,
+    /// Explicit Runge-Kutta of order 8, Dormand and Prince.
+    #[default]
+    Dop853,
+    /// Explicit Runge-Kutta-Nystroem of order 8, Dormand, El-Mikkawy and Prince.
+    Rkn86,
+    /// Implicit Runge-Kutta of order 5, Radau IIA.
+    Radau,
+}
+
+impl Method {
+    /// All methods, in the order of the arrays by method.
+    pub const ALL: [Self; 5] = [Self::Rk4, Self::Dopri5, Self::Dop853, Self::Rkn86, Self::Radau];
+
+    /// Name in the literature.
+    pub fn name(self) -> &'static str {
+        ["RK4", "DOPRI5", "DOP853", "RKN8(6)", "Radau IIA"][self as usize]
+    }
+
+    /// Written or read.
+    ///
+    /// # Errors
+    /// There is no such method.
+    pub(super) fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        let mut index = *self as u8;
+        record.choice("method", &mut index, Self::ALL.len())?;
+        *self = Self::ALL[usize::from(index)];
+        Ok(())
+    }
+}
+
+/// Work done so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// Evaluations of the right-hand side.
+    pub evaluations: u64,
+    /// Accepted steps, by whatever method; the rigid-link formulation counts those of Newmark's method here.
+    pub accepted: u64,
+    /// Rejected steps.
+    pub rejected: u64,
+    /// Jacobians.
+    pub jacobians: u64,
+    /// Iterations of Newton's method.
+    pub newton_iterations: u64,
+    /// Accepted steps by method, as [`Method::ALL`].
+    pub by_method: [u64; Method::ALL.len()],
+}
+
+impl Statistics {
+    /// Accepted steps by this method.
+    pub fn accepted_by(&self, method: Method) -> u64 {
+        self.by_method[method as usize]
+    }
+
+    /// Count an accepted step.
+    #[inline]
+    pub(super) fn accept(&mut self, method: Method) {
+        self.accepted += 1;
+        self.by_method[method as usize] += 1;
+    }
+
+    /// All fields, written or read.
+    ///
+    /// # Errors
+    /// A count near overflow is read.
+    pub(super) fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        let Self { evaluations, accepted, rejected, jacobians, newton_iterations, by_method } = self;
+        let counts = [evaluations, accepted, rejected, jacobians, newton_iterations];
+        counts.into_iter().chain(by_method).try_for_each(|count| record.count("statistics", count))
+    }
+}
