@@ -9,7 +9,8 @@ use super::model::{Formulation, Model, is_reduced};
 use crate::codec::record::{Damaged, Record, fnv1a};
 use crate::mechanism::definition::Method;
 use crate::mechanism::fem_motion::{RigidFemMotion, SavedElastic};
-use crate::mechanism::motion::{SavedState, state::State};
+use crate::mechanism::motion::SavedState;
+use crate::mechanism::outputs::ReducedMotion;
 use crate::mechanism::parameters::{ParameterValues, fingerprint};
 use crate::mechanism::quantity::Quantity;
 use crate::mechanism::reduced::Reduced;
@@ -99,7 +100,7 @@ impl Model {
             (theirs, own) => theirs.clone_from(own),
         }
         match (&self.state, &mut snapshot.motion) {
-            (Some(Formulation::Reduced(state)), Some(SavedFormulation::Reduced(saved))) => state.save(saved),
+            (Some(Formulation::Reduced(motion)), Some(SavedFormulation::Reduced(saved))) => motion.state.save(saved),
             (Some(Formulation::RigidFem(state)), Some(SavedFormulation::RigidFem(saved))) => state.save(saved),
             (state, motion) => *motion = state.as_ref().map(saved),
         }
@@ -152,7 +153,7 @@ impl Model {
         };
         self.state = match (&snapshot.motion, &reduced) {
             (Some(SavedFormulation::Reduced(saved)), Some(reduced)) => {
-                Some(Formulation::Reduced(State::from_saved(saved, reduced, inputs)?))
+                Some(Formulation::Reduced(ReducedMotion::from_saved(saved, reduced, inputs)?))
             }
             (Some(SavedFormulation::RigidFem(saved)), Some(reduced)) => {
                 Some(Formulation::RigidFem(Box::new(RigidFemMotion::from_saved(saved, reduced, inputs)?)))
@@ -257,7 +258,7 @@ fn share<T>(one: &mut Arc<T>, other: &Arc<T>) {
 #[cold]
 fn saved(motion: &Formulation) -> SavedFormulation {
     match motion {
-        Formulation::Reduced(state) => SavedFormulation::Reduced(state.saved()),
+        Formulation::Reduced(motion) => SavedFormulation::Reduced(motion.state.saved()),
         Formulation::RigidFem(state) => SavedFormulation::RigidFem(state.saved()),
     }
 }

@@ -1,5 +1,6 @@
 //! The motion in time: the state, its steps, the events in them.
 pub mod advance;
+mod energy;
 pub mod events;
 mod saved;
 pub mod state;

@@ -5,7 +5,6 @@ use crate::mechanism::dynamics::equation::Scratch;
 use crate::mechanism::motion::events::{Contact, Event};
 use crate::mechanism::motion::step_ahead::{Lookahead, StepAhead};
 use crate::mechanism::motion::travel::{End, Travel};
-use crate::mechanism::outputs::Cache;
 use crate::mechanism::reduced::Reduced;
 use crate::mechanism::{ModelError, dynamics::inputs::Inputs};
 use crate::numerics::dual::{become_same, same_bits};
@@ -60,10 +59,8 @@ impl State {
     /// # Errors
     /// [`ModelError::Table`]: a reaction that causes friction is not smooth.
     pub fn from_saved(saved: &SavedState, reduced: &Reduced, inputs: &Inputs) -> Result<Self, ModelError> {
-        let (then, now) = (
-            state_loads_in_air(reduced, saved.airspeed, saved.revolutions)?,
-            state_loads(reduced, inputs, saved.revolutions)?,
-        );
+        state_loads(reduced, inputs, saved.revolutions)?;
+        let then = state_loads_in_air(reduced, saved.airspeed, saved.revolutions)?;
         Ok(Self {
             sigma: saved.sigma,
             sigma_dot: saved.sigma_dot,
@@ -76,17 +73,15 @@ impl State {
             reference: saved.reference,
             memory: saved.memory,
             scratch: Scratch::new(then),
-            cache: Cache::new(reduced, now, &inputs.reals),
         })
     }
 
-    /// [`Self::from_saved`] in place, with the same reduced model, and with the inputs if they are not the present ones; without
-    /// allocation unless air has begun or ceased to act.
+    /// [`Self::from_saved`] in place, with the same reduced model; without allocation unless air has begun or ceased to act.
     ///
     /// # Errors
     /// As [`Self::from_saved`]; nothing has changed.
     #[inline]
-    pub fn restore(&mut self, saved: &SavedState, reduced: &Reduced, inputs: Option<&[f64]>) -> Result<(), ModelError> {
+    pub fn restore(&mut self, saved: &SavedState, reduced: &Reduced) -> Result<(), ModelError> {
         if blows(reduced, saved.airspeed) != self.scratch.air {
             self.renew_work(saved, reduced)?;
         }
@@ -96,16 +91,11 @@ impl State {
         }
         if saved.revolutions != self.revolutions {
             self.scratch.panel_force.forget();
-            self.cache.recount();
         }
         (self.sigma, self.sigma_dot, self.revolutions) = (saved.sigma, saved.sigma_dot, saved.revolutions);
         (self.contact, self.travel) = (saved.contact, saved.travel);
         (self.airspeed, self.reference) = (saved.airspeed, saved.reference);
         self.memory.copy_from(&saved.memory);
-        match inputs {
-            Some(inputs) => self.cache.renew(&inputs[..reduced.loading().inputs.len()]),
-            None => self.cache.forget(),
-        }
         Ok(())
     }
 

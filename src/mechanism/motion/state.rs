@@ -9,7 +9,6 @@ use crate::mechanism::motion::advance::{Stopped, advance};
 use crate::mechanism::motion::events::{Contact, Surroundings};
 use crate::mechanism::motion::step_ahead::{Conditions, Lookahead};
 use crate::mechanism::motion::travel::{Travel, beyond_stop, can_hold, travel};
-use crate::mechanism::outputs::Cache;
 use crate::mechanism::reduced::{Reduced, ReductionError, StateLoads};
 use crate::mechanism::{ModelError, dynamics::inputs::Inputs};
 use crate::numerics::table::Unresolved;
@@ -37,7 +36,6 @@ pub struct State {
     pub(super) memory: Memory,
     /// Right-hand side for the applied sizes, for the integration.
     pub(super) scratch: Scratch,
-    pub cache: Cache,
 }
 
 /// Memory of the integration.
@@ -232,7 +230,6 @@ impl State {
             reference: 0.0,
             memory: Memory::new(state_loads.is_some()),
             scratch: Scratch::new(state_loads),
-            cache: Cache::new(reduced, state_loads, &inputs.reals),
         };
         state.reference = state.kinetic() + state.load_potential(reduced);
         Ok(state)
@@ -297,7 +294,6 @@ impl State {
                 // The panel in memory is counted on over whole turns, as is a step ahead; sigma no longer is.
                 self.memory.recount();
                 self.scratch.panel_force.forget();
-                self.cache.recount();
             }
             None if !(first..=last).contains(&y[0]) => {
                 let position = reduced.curve().describe(y[0], self.revolutions);
@@ -309,7 +305,6 @@ impl State {
         [self.sigma, self.sigma_dot] = y;
         self.contact = contact;
         self.reference -= lost;
-        self.cache.forget();
         Ok(())
     }
 
