@@ -13,7 +13,7 @@ pub use saved::SavedElastic;
 use crate::integrator::Statistics;
 use crate::mechanism::definition::{DefinitionError, Mechanism, Solver};
 use crate::mechanism::linkage::Vec2;
-use crate::mechanism::motion::events::Contact;
+use crate::mechanism::motion::contact::Contact;
 use crate::mechanism::outputs::ReducedMotion;
 use crate::mechanism::reactions::Reaction;
 use crate::mechanism::reduced::Reduced;

@@ -82,7 +82,7 @@ impl OutputCache {
     }
 
     fn invalidate_sizes(&mut self) {
-        self.scratch.panel_force.forget();
+        self.scratch.panel_force.invalidate();
         self.reactions.iter_mut().for_each(JointReaction::forget);
     }
 
@@ -90,7 +90,7 @@ impl OutputCache {
     #[inline]
     pub fn invalidate_revolutions(&mut self, before: f64, now: f64) {
         if before != now {
-            self.scratch.panel_force.forget();
+            self.scratch.panel_force.invalidate();
         }
     }
 }

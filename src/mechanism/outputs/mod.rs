@@ -12,7 +12,7 @@ use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::loads::laws::friction::Locked;
-use crate::mechanism::motion::advance::rests;
+use crate::mechanism::motion::contact::Holder;
 use crate::mechanism::motion::state::{airspeed, state_loads_under};
 use crate::mechanism::quantity::{OneElement, Output, ReactionPart};
 use crate::mechanism::reduced::{Reduced, StateLoads};
@@ -167,12 +167,12 @@ impl ReducedMotion {
             cache.scratch = Scratch::new(state_loads);
         }
         let airspeed = airspeed(reduced, inputs);
-        let given = AppliedLoads { sizes: &cache.sizes, airspeed, revolutions: self.state.revolutions, change: None };
-        let mode = Mode { touching: self.state.contact.touching, ..Mode::default() };
+        let applied = AppliedLoads { sizes: &cache.sizes, airspeed, revolutions: self.state.revolutions, change: None };
+        let mode = Mode { touching: self.state.contact.touching(), ..Mode::default() };
         let mut motion = EquationOfMotion {
             reduced,
             state_loads,
-            given,
+            applied,
             time: 0.0,
             mode,
             scratch: &mut cache.scratch,
@@ -186,17 +186,14 @@ impl ReducedMotion {
         if let Some(effect) = self.cache.effect {
             return Ok(effect);
         }
-        let (sigma, sigma_dot, resting) = (self.state.sigma, self.state.sigma_dot, self.state.contact.resting);
-        let around = resting.map(|side| (side, self.state.surroundings(reduced, &inputs.locks)));
+        let (sigma, sigma_dot, contact) = (self.state.sigma, self.state.sigma_dot, self.state.contact);
+        let ends = contact.at_rest().map(|_| self.state.ends(reduced, &inputs.locks));
         let effect = self.moving(reduced, inputs, |motion, _| {
             let free = motion.settle(sigma, sigma_dot)?;
             let direction = motion.mode.direction;
             let mut effect = Forces { acceleration: free, free, direction, held: None, by_stop: false };
-            if let Some((side, around)) = around {
-                let pressed = rests(motion, &around, side, sigma)?;
-                if pressed || around.locked[side] {
-                    effect = Forces { acceleration: 0.0, held: Some(side), by_stop: pressed, ..effect };
-                }
+            if let Some((side, holder)) = ends.and_then(|ends| contact.holder(&ends, free)) {
+                effect = Forces { acceleration: 0.0, held: Some(side), by_stop: holder == Holder::Stop, ..effect };
             }
             Ok::<_, Locked>(effect)
         })??;
@@ -327,12 +324,12 @@ impl ReducedMotion {
         self.moving(reduced, inputs, |motion, state_loads| {
             let free = motion.heading(direction, sigma, sigma_dot)?;
             let Some(state_loads) = state_loads else {
-                let size = motion.given.sizes[drive];
+                let size = motion.applied.sizes[drive];
                 return Ok(acceleration - (free - size * influence));
             };
             let with_efficiency = state_loads.drives_with_efficiency.iter().position(|l| *l == drive);
             let scratch = &mut *motion.scratch;
-            let size = with_efficiency.map_or(motion.given.sizes[drive], |k| scratch.evaluator.delivered[k]);
+            let size = with_efficiency.map_or(motion.applied.sizes[drive], |k| scratch.evaluator.delivered[k]);
             scratch.evaluator.required(state_loads, &scratch.panel_force, sigma, (drive, size), acceleration, breakaway)
         })?
         .map_err(OutputError::from)

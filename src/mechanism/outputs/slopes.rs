@@ -90,7 +90,7 @@ impl ReducedMotion {
         let room = self.cache.slopes.take().filter(|s| s.air == air);
         let room = room.unwrap_or_else(|| Box::new(Slopes::new(reduced, state_loads, inputs.reals.len())));
         let slopes = self.cache.slopes.insert(room);
-        slopes.panel_force.forget();
+        slopes.panel_force.invalidate();
         slopes.effect = None;
         slopes.reactions.fill(None);
         slopes
@@ -263,8 +263,8 @@ impl View<'_> {
         let state = &self.motion.state;
         let (sizes, airspeed) = (&self.motion.cache.sizes[..], airspeed(reduced, inputs));
         let given = AppliedLoads { sizes, airspeed, revolutions: state.revolutions, change: Some(change) };
-        let mode = Mode { direction, touching: state.contact.touching };
-        panel_force.place(reduced, state_loads, &given, sigma.value);
+        let mode = Mode { direction, touching: state.contact.touching() };
+        panel_force.locate(reduced, state_loads, &given, sigma.value);
         // s itself: the inputs are u + s du/ds, at s = 0.
         let s = D::variable(0.0, 0);
         match state_loads {
