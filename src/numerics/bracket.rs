@@ -1,7 +1,7 @@
 //! Searches for the point where a function of one number passes a border, between two points on either side of it.
 //!
-//! In: a function, a bracket or a sampled interval. Out: the border within rounding or a given distance. It must not know
-//! what the function means.
+//! In: a function, a bracket or a sampled interval. Out: the border within rounding or a given distance. It must not
+//! know what the function means.
 
 /// Halvings after which a bracket of width 1 is below rounding.
 const HALVINGS: usize = 60;
@@ -16,11 +16,11 @@ pub fn bisect(mut is_beyond: impl FnMut(f64) -> bool, mut a: f64, mut b: f64) ->
     [a, b]
 }
 
-/// The point where f passes from <= 0 at a to > 0 at b, on the far side of its root and within `close` of it. `a` and `b` are
-/// points with the values of f there.
+/// The point where f passes from <= 0 at a to > 0 at b, on the far side of its root and within `close` of it. `a` and
+/// `b` are points with the values of f there.
 ///
-/// Method: false position after Anderson and Bjoerck (BIT 13 (1973), 253). Trial points keep half of `close` off either end, so
-/// that the other side of the root is met too; the bracket is halved where false position is slow.
+/// Method: false position after Anderson and Bjoerck (BIT 13 (1973), 253). Trial points keep half of `close` off either
+/// end, so that the other side of the root is met too; the bracket is halved where false position is slow.
 pub fn false_position(
     mut f: impl FnMut(f64) -> f64,
     (mut a, mut f_a): (f64, f64),
@@ -50,8 +50,8 @@ pub fn false_position(
     b
 }
 
-/// The first point of (0, 1] where f passes from <= 0 to > 0, within `close` beyond its root. f is sampled at so many equal
-/// parts: a passage there and back between two samples is not seen. A value > 0 at 0 counts as rounding.
+/// The first point of (0, 1] where f passes from <= 0 to > 0, within `close` beyond its root. f is sampled at so many
+/// equal parts: a passage there and back between two samples is not seen. A value > 0 at 0 counts as rounding.
 ///
 /// # Errors
 /// f has no value at a sample. Between two samples, a point without a value counts as one that is not beyond.

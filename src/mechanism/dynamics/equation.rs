@@ -1,10 +1,11 @@
 //! The equation of motion along the curve, under inputs that are constant or change with time.
 //!
-//! sigma_ddot = sum of sizes times influences, because the reduced inertia is 1 and its derivative 0. On one panel this sum is
-//! one polynomial, computed when the panel is entered. Loads that the state decides - friction, drag, bumpers, dampers, drives
-//! with an efficiency - are the state loads; a mechanism without them does not pay for them.
+//! sigma_ddot = sum of sizes times influences, because the reduced inertia is 1 and its derivative 0. On one panel this
+//! sum is one polynomial, computed when the panel is entered. Loads that the state decides - friction, drag, bumpers,
+//! dampers, drives with an efficiency - are the state loads; a mechanism without them does not pay for them.
 //!
-//! In: a reduced model, its state loads, sizes of loads, a state. Out: acceleration and power lost. It must not know steps.
+//! In: a reduced model, its state loads, sizes of loads, a state. Out: acceleration and power lost. It must not know
+//! steps.
 use crate::integrator::System;
 use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::dynamics::state_loads::{Evaluation, Mode, StateLoadEvaluator};
@@ -101,8 +102,8 @@ impl EquationOfMotion<'_> {
         self.state_loads.is_some_and(|s| !s.drives_with_efficiency.is_empty())
     }
 
-    /// Direction of the motion; at rest the direction in which the mechanism sets off, 0 if its drives hold it ([CK16] 2.3:
-    /// driven forward they give less, driven back they hold more).
+    /// Direction of the motion; at rest the direction in which the mechanism sets off, 0 if its drives hold it ([CK16]
+    /// 2.3: driven forward they give less, driven back they hold more).
     ///
     /// # Errors
     /// [`Locked`].
@@ -119,9 +120,9 @@ impl EquationOfMotion<'_> {
         Ok(0.0)
     }
 
-    /// Acceleration at any state, with the delivered force of every drive. Where drives hold the mechanism at rest, each delivers
-    /// a force between its forward and its backward one: the common share at which all forces are in balance. The mode's
-    /// direction becomes that of the drives, 0 where they hold.
+    /// Acceleration at any state, with the delivered force of every drive. Where drives hold the mechanism at rest,
+    /// each delivers a force between its forward and its backward one: the common share at which all forces are in
+    /// balance. The mode's direction becomes that of the drives, 0 where they hold.
     ///
     /// # Errors
     /// [`Locked`].
@@ -145,7 +146,8 @@ impl EquationOfMotion<'_> {
         Ok(0.0)
     }
 
-    /// Acceleration at any state, were the drives with an efficiency to work in this direction; 0: without their losses.
+    /// Acceleration at any state, were the drives with an efficiency to work in this direction; 0: without their
+    /// losses.
     ///
     /// # Errors
     /// [`Locked`].
@@ -155,7 +157,8 @@ impl EquationOfMotion<'_> {
         Ok(self.effect(sigma, sigma_dot)?.acceleration)
     }
 
-    /// Slip speed of a friction joint [m/s]. Needed at the ends of steps and between them, it leaves the present panel as it is.
+    /// Slip speed of a friction joint [m/s]. Needed at the ends of steps and between them, it leaves the present panel
+    /// as it is.
     pub fn slip(&mut self, friction_joint: usize, sigma: f64, sigma_dot: f64) -> f64 {
         let Some(state_loads) = self.state_loads else { return 0.0 };
         let component = state_loads.free() + friction_joint;
@@ -288,7 +291,8 @@ impl System<3> for EquationOfMotion<'_> {
     }
 
     fn scale(&mut self, y: &[f64; 3], f: &[f64; 3]) -> [f64; 3] {
-        // Where the loads balance each other, the acceleration does not show how large the forces are, but applied loads do.
+        // Where the loads balance each other, the acceleration does not show how large the forces are, but applied
+        // loads do.
         let x = self.locate(y[0]);
         let panel_force = &self.scratch.panel_force;
         let force = f[1].abs().max(panel_force.at(x, 0.0).abs()).max(panel_force.excess(0, x, self.time).abs());

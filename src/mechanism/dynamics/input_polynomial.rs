@@ -1,14 +1,15 @@
 //! Change of the inputs within a step.
 //!
-//! In: derivatives set by the host. Out: for each Real input u(t) = u_0 + u_1 t + u_2 t^2 / 2, with t [s] counted from the
-//! communication point. It must not know what the inputs act on.
+//! In: derivatives set by the host. Out: for each Real input u(t) = u_0 + u_1 t + u_2 t^2 / 2, with t [s] counted from
+//! the communication point. It must not know what the inputs act on.
 use crate::codec::record::{Damaged, Record};
 
 /// Derivatives of the Real inputs.
 ///
-/// FMI 2.0.5, 4.2.1: they are set with respect to the beginning of a communication step, and are 0 until set. The standard
-/// does not say how long they hold. Here they hold for one step, at the end of which the input is u(h) and stays so unless it
-/// is set. The rates at the end of the step are kept for the derivatives of outputs there, until an input is set.
+/// FMI 2.0.5, 4.2.1: they are set with respect to the beginning of a communication step, and are 0 until set. The
+/// standard does not say how long they hold. Here they hold for one step, at the end of which the input is u(h) and
+/// stays so unless it is set. The rates at the end of the step are kept for the derivatives of outputs there, until an
+/// input is set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InputPolynomial {
     /// u_1 [unit/s].
@@ -66,8 +67,8 @@ impl InputPolynomial {
         (self.ahead, self.any) = (false, false);
     }
 
-    /// Input derivatives for the next step; None if all inputs are constant. `loads`: number of inputs that scale loads, which come
-    /// first; `air`: whether the last input is the airspeed.
+    /// Input derivatives for the next step; None if all inputs are constant. `loads`: number of inputs that scale
+    /// loads, which come first; `air`: whether the last input is the airspeed.
     pub fn change(&self, loads: usize, air: bool) -> Option<Change<'_>> {
         let last = self.first.len().wrapping_sub(1);
         let airspeed = if air { [self.first[last], self.second[last]] } else { [0.0; 2] };

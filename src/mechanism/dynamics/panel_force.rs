@@ -1,7 +1,8 @@
-//! The right-hand side on the panel that was used last: one polynomial, the sum of the loads' influences times their sizes.
+//! The right-hand side on the panel that was used last: one polynomial, the sum of the loads' influences times their
+//! sizes.
 //!
-//! In: tables of the reduced model and its state loads, sizes of loads. Out: the force along the curve and the reactions of
-//! friction joints on one panel. It must not know the loads that the state decides.
+//! In: tables of the reduced model and its state loads, sizes of loads. Out: the force along the curve and the
+//! reactions of friction joints on one panel. It must not know the loads that the state decides.
 use crate::mechanism::dynamics::input_polynomial::Change;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::chebyshev::{NODES, Series};
@@ -53,8 +54,8 @@ fn parabola<T: Number>([first, second]: [f64; 2], t: T) -> T {
     t * (T::constant(first) + t * T::constant(0.5 * second))
 }
 
-/// Forces of the applied loads and springs as polynomials on one panel: the force along the curve, and the reactions of the
-/// friction joints.
+/// Forces of the applied loads and springs as polynomials on one panel: the force along the curve, and the reactions of
+/// the friction joints.
 #[derive(Clone, Debug)]
 pub struct PanelForce {
     /// It holds for low <= sigma < high; both counted on over whole revolutions.
@@ -155,8 +156,8 @@ impl PanelForce {
         if self.rates.is_empty() { sum } else { sum + self.excess(0, x, t) }
     }
 
-    /// Effect of all applied loads at the time t [s], less that at t = 0: row 0 is the force along the curve, the others are
-    /// components of the friction joints' reactions.
+    /// Effect of all applied loads at the time t [s], less that at t = 0: row 0 is the force along the curve, the
+    /// others are components of the friction joints' reactions.
     pub fn excess<T: Number>(&self, row: usize, x: T, t: T) -> T {
         match self.rates.get(row) {
             Some([first, second]) => t * (polynomial_at(first, x) + t * T::constant(0.5) * polynomial_at(second, x)),
@@ -183,8 +184,8 @@ impl PanelForce {
         let (a, b) = table.borders(self.panel);
         (self.low, self.high, self.center, self.inverse) = (a + shift, b + shift, 0.5 * (a + b) + shift, 2.0 / (b - a));
         if reduced.period().is_some() {
-            // Within rounding of a border, the panel depends on how whole revolutions are counted. There it is always looked
-            // up, so that the result does not depend on the panel before.
+            // Within rounding of a border, the panel depends on how whole revolutions are counted. There it is always
+            // looked up, so that the result does not depend on the panel before.
             let margin = BORDER * (first.abs().max(last.abs()) + shift.abs() + period);
             (self.low, self.high) = (self.low + margin, self.high - margin);
         }
@@ -237,7 +238,8 @@ impl PanelForce {
         add_side_by_side(&mut self.reactions, size, effects);
     }
 
-    /// Hold at sigma alone, with values from the exact evaluator. Slopes, which only Newton's method needs, come from the table.
+    /// Hold at sigma alone, with values from the exact evaluator. Slopes, which only Newton's method needs, come from
+    /// the table.
     fn enter_exactly(
         &mut self,
         reduced: &Reduced,

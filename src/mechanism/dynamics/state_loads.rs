@@ -1,7 +1,7 @@
 //! Loads that the state decides: dampers, drives with an efficiency, drag, bumpers, friction.
 //!
-//! In: the state loads, the sizes of the applied loads, the state. Out: the acceleration along the curve, the power lost, the
-//! sizes of the state loads. Written once for values and for values with derivatives. It must not know steps.
+//! In: the state loads, the sizes of the applied loads, the state. Out: the acceleration along the curve, the power
+//! lost, the sizes of the state loads. Written once for values and for values with derivatives. It must not know steps.
 use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::loads::laws::drag::Meeting;
 use crate::mechanism::loads::laws::friction::{Balance, Cubic, Locked, Loop, Regime};
@@ -12,8 +12,8 @@ use crate::numerics::table::{Bundle, ROW, polynomial_at, side_by_side_at};
 /// What is constant within a step and may change between steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Mode {
-    /// Direction in which drives with an efficiency work: the sign of sigma_dot until that passes through 0. 0: no losses; the
-    /// full commanded force acts.
+    /// Direction in which drives with an efficiency work: the sign of sigma_dot until that passes through 0. 0: no
+    /// losses; the full commanded force acts.
     pub direction: f64,
     /// Index of the bumper that pushes at the low and at the high end of the travel.
     pub touching: [Option<usize>; 2],
@@ -88,8 +88,8 @@ impl<T: Number> StateLoadEvaluator<T> {
         }
     }
 
-    /// Evaluate at a time t of the step and a state; `panel_force` holds at sigma. The energy balance has the potential of the sizes
-    /// at t = 0, so the work of the excess over these sizes counts as gained.
+    /// Evaluate at a time t of the step and a state; `panel_force` holds at sigma. The energy balance has the potential
+    /// of the sizes at t = 0, so the work of the excess over these sizes counts as gained.
     ///
     /// # Errors
     /// [`Locked`]: friction and reactions have no common solution.
@@ -146,7 +146,8 @@ impl<T: Number> StateLoadEvaluator<T> {
         Ok(Evaluation { acceleration, lost })
     }
 
-    /// Add to the reactions to the applied loads those to the motion, to drag, bumpers, dampers and drives with an efficiency.
+    /// Add to the reactions to the applied loads those to the motion, to drag, bumpers, dampers and drives with an
+    /// efficiency.
     #[inline]
     fn reactions_without_friction(
         &mut self,
@@ -186,9 +187,9 @@ impl<T: Number> StateLoadEvaluator<T> {
         self.kept.iter_mut().zip(found).for_each(|(kept, found)| *kept = *found);
     }
 
-    /// Replace the delivered forces, sigma_ddot without friction and the reactions by share * last + (1 - share) * kept evaluation.
-    /// At rest these are affine in the delivered forces, so the mean of two evaluations, driven forward and backward, is the
-    /// evaluation for the mean of the delivered forces.
+    /// Replace the delivered forces, sigma_ddot without friction and the reactions by share * last + (1 - share) * kept
+    /// evaluation. At rest these are affine in the delivered forces, so the mean of two evaluations, driven forward and
+    /// backward, is the evaluation for the mean of the delivered forces.
     pub fn mix(&mut self, share: T) {
         let found = self.delivered.iter_mut().chain([&mut self.motion]).chain(self.reactions.as_flattened_mut());
         for (found, kept) in found.zip(&self.kept) {
@@ -196,9 +197,9 @@ impl<T: Number> StateLoadEvaluator<T> {
         }
     }
 
-    /// Inverse dynamics with friction: the force along the curve of an applied load with which sigma_ddot is `target` in the state of
-    /// the last evaluation. `size` is the load's present size. With `breakaway`, every friction joint has its static friction
-    /// against a motion in that direction.
+    /// Inverse dynamics with friction: the force along the curve of an applied load with which sigma_ddot is `target`
+    /// in the state of the last evaluation. `size` is the load's present size. With `breakaway`, every friction joint
+    /// has its static friction against a motion in that direction.
     ///
     /// # Errors
     /// [`Locked`].
@@ -228,8 +229,8 @@ impl<T: Number> StateLoadEvaluator<T> {
                 self.friction.arm[j] = T::constant(if slip < 0.0 { -arm } else { arm });
             }
         }
-        // This load balances the friction, so sigma_ddot does not depend on friction: the reactions to the load replace the
-        // inertial ones.
+        // This load balances the friction, so sigma_ddot does not depend on friction: the reactions to the load replace
+        // the inertial ones.
         let inverse = influence.chain(1.0 / influence.value(), -1.0 / influence.value().powi(2));
         let (reactions, inertial) = self.scratch.split_at_mut(2 * n);
         for (k, (effect, reaction)) in
@@ -330,8 +331,8 @@ fn balance<'a, T>(
     }
 }
 
-/// Delivered part of a drive's force ([CK16] eqs. (5), (29)), where `full` is the force times its influence: eta where power flows
-/// into the mechanism, 1/eta where it flows back; 1 without a direction, as no power flows.
+/// Delivered part of a drive's force ([CK16] eqs. (5), (29)), where `full` is the force times its influence: eta where
+/// power flows into the mechanism, 1/eta where it flows back; 1 without a direction, as no power flows.
 fn efficient(full: f64, direction: f64, efficiency: f64) -> f64 {
     if direction == 0.0 {
         1.0

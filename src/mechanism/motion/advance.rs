@@ -1,9 +1,9 @@
 //! The advance over one communication step: a hybrid system, integrated from event to event.
 //!
-//! In: the dynamics, the ends of the travel, the contact there, a state. Out: the state at the exact end of the span, the
-//! contact there, the energy lost in impacts. Events - impacts on stops, bumpers touched and left, reversals of drives with an
-//! efficiency, changes of friction's regime - are found on the interpolant of a step; impacts are polished on the integration
-//! itself. A step may go on beyond the span (`step_ahead.rs`). It must not know what moves.
+//! In: the dynamics, the ends of the travel, the contact there, a state. Out: the state at the exact end of the span,
+//! the contact there, the energy lost in impacts. Events - impacts on stops, bumpers touched and left, reversals of
+//! drives with an efficiency, changes of friction's regime - are found on the interpolant of a step; impacts are
+//! polished on the integration itself. A step may go on beyond the span (`step_ahead.rs`). It must not know what moves.
 use crate::integrator::{Dense, IntegrationError, Integrator, Step};
 use crate::mechanism::loads::laws::friction::Locked;
 use crate::mechanism::motion::contact::Contact;
@@ -30,8 +30,8 @@ impl From<Locked> for Stopped {
 
 /// Time of flight between two impacts below which they are one contact [s].
 const SHORTEST_FLIGHT: f64 = 1e-10;
-/// Height of a flight below which its positions are rounding, in units of the last place of sigma: four times what the search
-/// for the impact takes for rounding.
+/// Height of a flight below which its positions are rounding, in units of the last place of sigma: four times what the
+/// search for the impact takes for rounding.
 const LOWEST_FLIGHT: f64 = 64.0 * f64::EPSILON;
 
 /// The advance of a motion over one span.
@@ -59,10 +59,11 @@ pub struct Progress {
     t: f64,
     /// Energy lost in impacts [J].
     lost: f64,
-    /// Whether bumpers in contact and regimes of friction are those of the state: not at the start, nor after it has jumped.
+    /// Whether bumpers in contact and regimes of friction are those of the state: not at the start, nor after it has
+    /// jumped.
     is_settled: bool,
-    /// Friction joint that changed regime at the very start of a step. It keeps its regime for the next step, to prevent
-    /// chattering.
+    /// Friction joint that changed regime at the very start of a step. It keeps its regime for the next step, to
+    /// prevent chattering.
     held_regime: Option<usize>,
     /// Whether a step may go on beyond the end of the span.
     may_pass: bool,
@@ -79,7 +80,8 @@ enum Instant {
 }
 
 impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
-    /// Advance z = (sigma, sigma_dot, energy lost if N = 3) by exactly `span` [s]; returns the energy lost in impacts [J].
+    /// Advance z = (sigma, sigma_dot, energy lost if N = 3) by exactly `span` [s]; returns the energy lost in impacts
+    /// [J].
     ///
     /// # Errors
     /// [`Stopped`].
@@ -147,8 +149,8 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         Ok(self.progress.lost)
     }
 
-    /// Go on from a step that went beyond the last span: read the state at the end of this span from it and return true, or go to
-    /// the end of that step.
+    /// Go on from a step that went beyond the last span: read the state at the end of this span from it and return
+    /// true, or go to the end of that step.
     fn resume(&mut self, z: &mut [f64; N], span: f64) -> Result<bool, Locked> {
         let Some(ahead) = &mut self.lookahead.step_ahead else { return Ok(false) };
         if span < ahead.rest() {
@@ -253,9 +255,9 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         Ok(Instant::Changed)
     }
 
-    /// Go on in time, at rest, to where `excess`, <= 0 while the mechanism is held, becomes positive under inputs that change with
-    /// time; false if it does not before the end of the span. At rest the excess is a parabola in time for every direction of the
-    /// drives and without air; a passage there and back within a 64th of the time is not seen.
+    /// Go on in time, at rest, to where `excess`, <= 0 while the mechanism is held, becomes positive under inputs that
+    /// change with time; false if it does not before the end of the span. At rest the excess is a parabola in time for
+    /// every direction of the drives and without air; a passage there and back within a 64th of the time is not seen.
     fn wait_until(&mut self, span: f64, mut excess: impl FnMut(&mut D) -> Result<f64, Locked>) -> Result<bool, Locked> {
         const SAMPLES: usize = 64;
         const CLOSE: f64 = 1e-15;
@@ -310,8 +312,8 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         step.interpolates() && dense.is_within(self.tolerance, &scale)
     }
 
-    /// Locate an event: on the interpolant if that is exact, or by a step that ends there, which is returned; an end of the travel
-    /// to the last digit.
+    /// Locate an event: on the interpolant if that is exact, or by a step that ends there, which is returned; an end of
+    /// the travel to the last digit.
     fn locate(&mut self, step: &Step<N>, found: &Found<N>, dense: Option<&Dense<N>>) -> Option<Step<N>> {
         let is_smooth = matches!(found.event, Event::Regime(_) | Event::Bumper(_) | Event::Reversal);
         if is_smooth && dense.is_some_and(|dense| self.is_exact(step, dense)) {
@@ -393,8 +395,8 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         Ok(())
     }
 
-    /// A mechanism that leaves a rigid stop against the loads comes to rest there if its flight would be too short or too low.
-    /// Returns the energy lost by that [J].
+    /// A mechanism that leaves a rigid stop against the loads comes to rest there if its flight would be too short or
+    /// too low. Returns the energy lost by that [J].
     ///
     /// # Errors
     /// [`Locked`].

@@ -1,14 +1,14 @@
 //! Contact at the ends of the travel: one small state machine for each end.
 //!
-//! ```text
-//!           rests: impact or bouncing over         lock engaged
-//!      Free ------------------------------> Resting -----------> Latched
-//!      |  ^ <------------------------------         <-----------   ^
-//!      |  |              released                 lock disengaged  |
-//!      |  +-- left -- Touching <-- touched --+                     |
-//!      |  |              |                   |                     |
-//!      +--+--------------+-------------------+--- rests: caught ---+
-//! ```
+//! | from | to | transition |
+//! |---|---|---|
+//! | Free, Touching | Resting | [`Contact::rests`]: an impact or the end of bouncing, without a lock engaged |
+//! | Free, Touching | Latched | [`Contact::rests`]: the same with a lock engaged, which catches the mechanism |
+//! | Resting | Latched | [`Contact::locks_set`]: a lock is engaged |
+//! | Latched | Resting | [`Contact::locks_set`]: the last lock is disengaged |
+//! | Resting | Free | [`Contact::released`]: the loads no longer press the mechanism against a rigid stop |
+//! | Free | Touching | [`Contact::touched`]: a bumper begins to push |
+//! | Touching | Free | [`Contact::left`]: the bumper would pull |
 //!
 //! In: what happens at an end. Out: the state of contact there. It must not know what causes a transition.
 use crate::codec::record::{Damaged, Record};
@@ -112,8 +112,8 @@ impl Contact {
         self.ends[side] = ContactState::Free;
     }
 
-    /// What holds the mechanism at rest, and at which end, with locks as they are in `ends`. `acceleration` is sigma_ddot
-    /// without stop and locks. A stop comes first: a lock carries what the stop cannot.
+    /// What holds the mechanism at rest, and at which end, with locks as they are in `ends`. `acceleration` is
+    /// sigma_ddot without stop and locks. A stop comes first: a lock carries what the stop cannot.
     pub fn holder(mut self, ends: &Ends, acceleration: f64) -> Option<(usize, Holder)> {
         self.locks_set(ends.locked);
         let side = self.at_rest()?;

@@ -1,11 +1,14 @@
 //! What the advance asks of the thing that moves, and the answers of a mechanism.
+//!
+//! In: states, directions, regimes, contacts. Out: accelerations, and the quantities whose signs change at events. It must
+//! not know steps.
 use crate::integrator::System;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::loads::laws::friction::{Locked, Regime};
 
-/// A motion along sigma whose right-hand side is smooth between events. The state is (sigma, sigma_dot), or (sigma, sigma_dot,
-/// energy lost). Bumpers, drives with an efficiency and friction joints are the three kinds of parts that switch their laws; by
-/// default there are none.
+/// A motion along sigma whose right-hand side is smooth between events. The state is (sigma, sigma_dot), or (sigma,
+/// sigma_dot, energy lost). Bumpers, drives with an efficiency and friction joints are the three kinds of parts that
+/// switch their laws; by default there are none.
 pub trait Dynamics<const N: usize>: System<N> {
     /// State the time since the start of the span [s] at which inputs are evaluated.
     fn set_time(&mut self, t: f64);
@@ -15,8 +18,8 @@ pub trait Dynamics<const N: usize>: System<N> {
         false
     }
 
-    /// sigma_ddot at any state, as nothing but the loads determine it: without rigid stops and locks, with the regimes of
-    /// friction and the directions of drives that follow from the state itself.
+    /// sigma_ddot at any state, as nothing but the loads determine it: without rigid stops and locks, with the regimes
+    /// of friction and the directions of drives that follow from the state itself.
     ///
     /// # Errors
     /// [`Locked`]: friction has no solution.
@@ -48,8 +51,8 @@ pub trait Dynamics<const N: usize>: System<N> {
         0.0
     }
 
-    /// Find and state that direction: that of sigma_dot, or from rest the one in which the mechanism sets off, 0 if its drives
-    /// hold it. Returns it.
+    /// Find and state that direction: that of sigma_dot, or from rest the one in which the mechanism sets off, 0 if its
+    /// drives hold it. Returns it.
     ///
     /// # Errors
     /// [`Locked`].

@@ -1,7 +1,8 @@
-//! The two ends of the travel during a step, and what stands at each: a rigid stop or a bumper, and perhaps an engaged lock.
+//! The two ends of the travel during a step, and what stands at each: a rigid stop or a bumper, and perhaps an engaged
+//! lock.
 //!
-//! In: positions and stops found at the start (`travel.rs`), locks. Out: distances, what an end does to a motion that comes to
-//! it. It must not know time or forces.
+//! In: positions and stops found at the start (`travel.rs`), locks. Out: distances, what an end does to a motion that
+//! comes to it. It must not know time or forces.
 
 /// An end of the travel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,8 +76,8 @@ impl Ends {
         }
     }
 
-    /// Whether a mechanism at rest at an end stays there without a lock: the stop is rigid, and `acceleration`, sigma_ddot
-    /// without the stop, does not point away from it.
+    /// Whether a mechanism at rest at an end stays there without a lock: the stop is rigid, and `acceleration`,
+    /// sigma_ddot without the stop, does not point away from it.
     #[inline]
     pub fn is_pressed(&self, side: usize, acceleration: f64) -> bool {
         self.is_rigid(side) && acceleration * outward(side) >= 0.0

@@ -1,7 +1,8 @@
 //! Events: where within a step a contact, a regime of friction or the direction of the drives changes.
 //!
-//! In: a step, the ends of the travel and the contact there. Out: the earliest event in the step, a root on its interpolant.
-//! Bounds rule out first what cannot be, as most steps have no event. It must not know what follows from an event.
+//! In: a step, the ends of the travel and the contact there. Out: the earliest event in the step, a root on its
+//! interpolant. Bounds rule out first what cannot be, as most steps have no event. It must not know what follows from
+//! an event.
 use crate::codec::record::{Damaged, Record};
 use crate::integrator::{Dense, Direction, Integrator, Step};
 use crate::mechanism::motion::contact::Contact;
@@ -24,7 +25,8 @@ pub enum Event {
     Reversal,
     /// The slip speed of a friction joint leaves the range of its regime.
     Regime(usize),
-    /// The interpolant has no finite value, as friction locks in a state that it tried: the step is taken again, shorter.
+    /// The interpolant has no finite value, as friction locks in a state that it tried: the step is taken again,
+    /// shorter.
     Undefined,
 }
 
@@ -156,8 +158,8 @@ fn towards(sign: f64) -> Direction {
     if sign > 0.0 { Direction::Rising } else { Direction::Falling }
 }
 
-/// Part of a step after which a bumper that touches would pull, so that it lets go; or one that does not touch, but is pressed,
-/// would push, so that it begins to.
+/// Part of a step after which a bumper that touches would pull, so that it lets go; or one that does not touch, but is
+/// pressed, would push, so that it begins to.
 fn bumper_event<D: Dynamics<N>, const N: usize>(
     dynamics: &mut D,
     dense: &Dense<N>,
@@ -182,8 +184,9 @@ fn bumper_event<D: Dynamics<N>, const N: usize>(
     None
 }
 
-/// Whether the slip speed of a friction joint may leave the range of its regime within a step. Bounds are the Bezier points of
-/// Hermite's cubic for the slip speed, which enclose the cubic, widened by half of their distance from a straight line.
+/// Whether the slip speed of a friction joint may leave the range of its regime within a step. Bounds are the Bezier
+/// points of Hermite's cubic for the slip speed, which enclose the cubic, widened by half of their distance from a
+/// straight line.
 fn may_change_regime<D: Dynamics<N>, const N: usize>(dynamics: &mut D, joint: usize, step: &Step<N>) -> bool {
     const MARGIN: f64 = 0.5;
     let Some([first, last]) = step.rates() else { return true };

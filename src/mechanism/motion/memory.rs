@@ -1,4 +1,6 @@
-//! Memory of the integration between communication steps.
+//! Memory of the integration between communication steps, with or without the energy lost as a component of the state.
+//!
+//! In: changes of the right-hand side. Out: the integrator and the step ahead for the next step. It must not know a mechanism.
 use crate::integrator::{Integrator, Statistics};
 use crate::mechanism::motion::step_ahead::Lookahead;
 
@@ -21,7 +23,8 @@ impl Memory {
         }
     }
 
-    /// Integrate the energy lost or not: it counts in steps with loads that the state decides or with inputs that change.
+    /// Integrate the energy lost or not: it counts in steps with loads that the state decides or with inputs that
+    /// change.
     pub fn set_dissipation(&mut self, with_dissipation: bool) {
         match self {
             Self::Conservative(i) if with_dissipation => {

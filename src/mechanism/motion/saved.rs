@@ -1,6 +1,7 @@
 //! Saved states: the part of a state of motion that decides how it continues.
 //!
-//! In: a state, or a record. Out: a state that continues bit for bit as the saved one would have. It must not know outputs.
+//! In: a state, or a record. Out: a state that continues bit for bit as the saved one would have. It must not know
+//! outputs.
 use super::memory::Memory;
 use super::state::{State, blows, state_loads, state_loads_in_air};
 use crate::codec::record::{Damaged, Record};
@@ -81,7 +82,8 @@ impl State {
         })
     }
 
-    /// [`Self::from_saved`] in place, with the same reduced model; without allocation unless air has begun or ceased to act.
+    /// [`Self::from_saved`] in place, with the same reduced model; without allocation unless air has begun or ceased to
+    /// act.
     ///
     /// # Errors
     /// As [`Self::from_saved`]; nothing has changed.

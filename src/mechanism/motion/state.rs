@@ -1,7 +1,7 @@
 //! The state of motion and its steps.
 //!
-//! In: a start, inputs, a reduced model. Out: the state after each step, on an error the state before it. It must not know
-//! outputs.
+//! In: a start, inputs, a reduced model. Out: the state after each step, on an error the state before it. It must not
+//! know outputs.
 use crate::integrator::Statistics;
 use crate::mechanism::definition::{DefinitionError, Mechanism};
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
@@ -315,8 +315,8 @@ impl State {
         reduced.curve().describe(self.sigma, self.revolutions)
     }
 
-    /// Apply inputs that have changed since the last step, and return whether any has. The change of the loads' potential is
-    /// work from outside.
+    /// Apply inputs that have changed since the last step, and return whether any has. The change of the loads'
+    /// potential is work from outside.
     fn apply<'a>(
         &mut self,
         reduced: &'a Reduced,
@@ -373,8 +373,8 @@ impl State {
     }
 }
 
-/// Refuse a start beyond a stop of the body whose angle states the start; before the search for the start, as the curve may end
-/// at that stop.
+/// Refuse a start beyond a stop of the body whose angle states the start; before the search for the start, as the curve
+/// may end at that stop.
 fn not_beyond_stop(reduced: &Reduced, mechanism: &Mechanism, body: &str, angle: f64) -> Result<(), ModelError> {
     let Some((carrier, own)) = reduced.linkage().carrier(mechanism, body) else { return Ok(()) };
     let loading = reduced.loading();

@@ -1,14 +1,14 @@
 //! Steps beyond the end of a communication step, from whose interpolant later communication steps read their states.
 //!
-//! In: inputs that have not changed for some communication steps, a step that goes on beyond the last of them. Out: the states
-//! up to the end of that step, each for the cost of a polynomial, as long as nothing changes. An event at its end takes place
-//! when that time has come. It must not know how steps are made.
+//! In: inputs that have not changed for some communication steps, a step that goes on beyond the last of them. Out: the
+//! states up to the end of that step, each for the cost of a polynomial, as long as nothing changes. An event at its
+//! end takes place when that time has come. It must not know how steps are made.
 use crate::codec::record::{Damaged, Record};
 use crate::integrator::Dense;
 use crate::mechanism::motion::events::Event;
 
-/// Communication steps with unchanged inputs after which an internal step may run past the communication point. Two, because a
-/// wasted step costs about as much as two short ones.
+/// Communication steps with unchanged inputs after which an internal step may run past the communication point. Two,
+/// because a wasted step costs about as much as two short ones.
 const FEWEST_UNCHANGED: u32 = 2;
 /// Each wasted step doubles that number, up to this one.
 const MOST_UNCHANGED: u32 = 128;
@@ -37,7 +37,8 @@ pub struct StepAhead<const N: usize> {
     pub event: Option<Event>,
     /// Time from the start of the interpolant to the present, at most `end` [s].
     pub now: f64,
-    /// Subtracted from every state. The energy lost counts from the present communication step, so its value at present.
+    /// Subtracted from every state. The energy lost counts from the present communication step, so its value at
+    /// present.
     pub origin: [f64; N],
 }
 

@@ -1,4 +1,5 @@
-//! The advance of a particle of 1 kg on a line, against closed forms: impacts, bumpers, locks, friction, drives, release.
+//! The advance of a particle of 1 kg on a line, against closed forms: impacts, bumpers, locks, friction, drives,
+//! release.
 #![allow(clippy::unwrap_used)]
 use super::*;
 use crate::integrator::System;
@@ -9,7 +10,8 @@ use crate::mechanism::motion::step_ahead::Conditions;
 const G: f64 = 9.81;
 const TOLERANCE: f64 = 1e-10;
 
-/// A particle of 1 kg under a force that grows with time; each end of its travel may have a bumper with the index of its side.
+/// A particle of 1 kg under a force that grows with time; each end of its travel may have a bumper with the index of
+/// its side.
 #[derive(Default)]
 struct Particle {
     t: f64,
@@ -225,7 +227,8 @@ fn a_falling_ball_rests_on_the_floor() {
     }
 }
 
-/// The n-th impact is at t_n = v_0/g (1 + 2 (e + ... + e^(n-1))). Rest is at the limit of t_n, v_0/g (1 + e)/(1 - e) (Zeno).
+/// The n-th impact is at t_n = v_0/g (1 + 2 (e + ... + e^(n-1))). Rest is at the limit of t_n, v_0/g (1 + e)/(1 - e)
+/// (Zeno).
 #[test]
 fn a_bouncing_ball_makes_zenos_series_of_impacts() {
     let height = 1.0;
