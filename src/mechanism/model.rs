@@ -8,8 +8,7 @@ use super::dynamics::inputs::Inputs;
 use super::error::ModelError;
 use super::fem_motion::RigidFemMotion;
 use super::interface;
-use super::motion::state::State;
-use super::outputs::{Computed, OutputError};
+use super::outputs::{Computed, OutputError, ReducedMotion};
 use super::parameters::ParameterValues;
 use super::quantity::Quantity;
 use crate::integrator::Statistics;
@@ -40,7 +39,7 @@ pub struct Model {
 #[derive(Clone, Debug)]
 pub(super) enum Formulation {
     /// Along the curve.
-    Reduced(State),
+    Reduced(ReducedMotion),
     /// By rigid finite elements.
     RigidFem(Box<RigidFemMotion>),
 }
@@ -218,8 +217,8 @@ impl Model {
                 if let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) {
                     let loads = reduced.loading().inputs.len();
                     match state {
-                        Formulation::Reduced(state) => state.cache.set(i, loads, value),
-                        Formulation::RigidFem(state) => state.set(i, loads, value),
+                        Formulation::Reduced(state) => state.set_input(i, loads, value),
+                        Formulation::RigidFem(state) => state.set_input(i, loads, value),
                     }
                 }
             }
@@ -275,8 +274,8 @@ impl Model {
             Some(Quantity::Lock(i)) if self.inputs.locks[i] != value => {
                 self.inputs.locks[i] = value;
                 match &mut self.state {
-                    Some(Formulation::Reduced(state)) => state.cache.forget(),
-                    Some(Formulation::RigidFem(state)) => state.forget(),
+                    Some(Formulation::Reduced(state)) => state.set_lock(),
+                    Some(Formulation::RigidFem(state)) => state.set_lock(),
                     None => {}
                 }
             }
@@ -395,7 +394,7 @@ impl Model {
     /// What reading outputs has made be computed since initialisation; the finite elements do not count it.
     pub fn computed(&self) -> Computed {
         match &self.state {
-            Some(Formulation::Reduced(state)) => state.cache.computed,
+            Some(Formulation::Reduced(state)) => state.computed(),
             _ => Computed::default(),
         }
     }
@@ -406,7 +405,7 @@ impl Model {
             let reduced = Arc::clone(self.reduced()?);
             let (mechanism, inputs) = (&self.parameter_values.mechanism, &self.inputs);
             self.state = Some(match self.parameter_values.method() {
-                Method::Reduced => Formulation::Reduced(State::at_start(&reduced, mechanism, inputs)?),
+                Method::Reduced => Formulation::Reduced(ReducedMotion::at_start(&reduced, mechanism, inputs)?),
                 Method::RigidFem => {
                     Formulation::RigidFem(Box::new(RigidFemMotion::at_start(&reduced, mechanism, inputs)?))
                 }
@@ -428,7 +427,7 @@ pub(super) fn is_reduced(role: Role) -> bool {
 impl Formulation {
     fn statistics(&self) -> Statistics {
         match self {
-            Self::Reduced(state) => state.statistics(),
+            Self::Reduced(motion) => motion.state.statistics(),
             Self::RigidFem(state) => state.statistics(),
         }
     }
@@ -436,21 +435,21 @@ impl Formulation {
     /// Turns of the curve so far, from its beginning.
     fn revolutions(&self) -> f64 {
         match self {
-            Self::Reduced(state) => state.revolutions(),
+            Self::Reduced(motion) => motion.state.revolutions(),
             Self::RigidFem(state) => state.revolutions(),
         }
     }
 
     fn describe(&self, reduced: &Reduced) -> String {
         match self {
-            Self::Reduced(state) => state.describe(reduced),
+            Self::Reduced(motion) => motion.state.describe(reduced),
             Self::RigidFem(state) => state.describe(reduced),
         }
     }
 
     fn at_stop(&self, reduced: &Reduced, stop: usize) -> bool {
         match self {
-            Self::Reduced(state) => state.at_stop(reduced, stop),
+            Self::Reduced(motion) => motion.state.at_stop(reduced, stop),
             Self::RigidFem(state) => state.at_stop(reduced, stop),
         }
     }

@@ -10,7 +10,8 @@ use crate::codec::checksum::fnv1a;
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::definition::Method;
 use crate::mechanism::fem_motion::{RigidFemMotion, SavedElastic};
-use crate::mechanism::motion::{SavedState, state::State};
+use crate::mechanism::motion::SavedState;
+use crate::mechanism::outputs::ReducedMotion;
 use crate::mechanism::parameters::{ParameterValues, fingerprint};
 use crate::mechanism::quantity::Quantity;
 use crate::mechanism::reduced::Reduced;
@@ -104,7 +105,7 @@ impl Model {
             (theirs, own) => theirs.clone_from(own),
         }
         match (&self.state, &mut snapshot.motion) {
-            (Some(Formulation::Reduced(state)), Some(SavedFormulation::Reduced(saved))) => state.save(saved),
+            (Some(Formulation::Reduced(motion)), Some(SavedFormulation::Reduced(saved))) => motion.state.save(saved),
             (Some(Formulation::RigidFem(state)), Some(SavedFormulation::RigidFem(saved))) => state.save(saved),
             (state, motion) => *motion = state.as_ref().map(saved),
         }
@@ -157,7 +158,7 @@ impl Model {
         };
         self.state = match (&snapshot.motion, &reduced) {
             (Some(SavedFormulation::Reduced(saved)), Some(reduced)) => {
-                Some(Formulation::Reduced(State::from_saved(saved, reduced, inputs)?))
+                Some(Formulation::Reduced(ReducedMotion::from_saved(saved, reduced, inputs)?))
             }
             (Some(SavedFormulation::RigidFem(saved)), Some(reduced)) => {
                 Some(Formulation::RigidFem(Box::new(RigidFemMotion::from_saved(saved, reduced, inputs)?)))
@@ -263,7 +264,7 @@ fn share<T>(one: &mut Arc<T>, other: &Arc<T>) {
 #[cold]
 fn saved(motion: &Formulation) -> SavedFormulation {
     match motion {
-        Formulation::Reduced(state) => SavedFormulation::Reduced(state.saved()),
+        Formulation::Reduced(motion) => SavedFormulation::Reduced(motion.state.saved()),
         Formulation::RigidFem(state) => SavedFormulation::RigidFem(state.saved()),
     }
 }

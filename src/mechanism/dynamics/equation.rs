@@ -1,8 +1,11 @@
-//! The motion along the curve: the right-hand side of the reduced model under inputs that are constant or change with time.
+//! The equation of motion along the curve, under inputs that are constant or change with time.
 //!
 //! sigma_ddot = sum of sizes times influences, because the reduced inertia is 1 and its derivative 0. On one panel this
-//! is one polynomial: the sizes are folded into its coefficients when the panel is entered. What a state decides - friction,
-//! drag, bumpers, dampers, efficiencies - is in the scene; a mechanism without them does not pay for them.
+//! sum is one polynomial, computed when the panel is entered. Loads that the state decides - friction, drag, bumpers,
+//! dampers, drives with an efficiency - are the state loads; a mechanism without them does not pay for them.
+//!
+//! In: a reduced model, its state loads, sizes of loads, a state. Out: acceleration and power lost. It must not know
+//! steps.
 use crate::integrator::System;
 use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::dynamics::state_loads::{Evaluation, Mode, StateLoadEvaluator};
@@ -11,21 +14,21 @@ use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::dual::{Dual, Number};
 use crate::numerics::table::polynomial;
 
-/// Room for the evaluation of one motion, with what it found last.
+/// Scratch for evaluations, with the results of the last one.
 #[derive(Clone, Debug)]
 pub struct Scratch {
-    /// Right-hand side where it was used last.
+    /// Applied loads on the panel that was used last.
     pub panel_force: PanelForce,
-    /// What acts.
+    /// Evaluation of the state loads.
     pub evaluator: StateLoadEvaluator<f64>,
-    /// What acts, with derivatives along sigma and sigma_dot.
+    /// Evaluation of the state loads with derivatives along sigma and sigma_dot.
     tangent: StateLoadEvaluator<Dual<2>>,
-    /// Whether the scene is one with moving air.
+    /// Whether the state loads are those with moving air.
     pub air: bool,
 }
 
 impl Scratch {
-    /// For a scene, or none.
+    /// For these state loads, or none.
     pub fn new(state_loads: Option<&StateLoads>) -> Self {
         let air = state_loads.is_some_and(|s| s.air);
         Self {
@@ -37,19 +40,19 @@ impl Scratch {
     }
 }
 
-/// The motion for one span of inputs.
+/// The equation of motion over one communication step.
 pub struct EquationOfMotion<'a> {
     /// Tables.
     pub reduced: &'a Reduced,
-    /// What acts besides the loads of given sizes.
+    /// The loads that the state decides.
     pub state_loads: Option<&'a StateLoads>,
-    /// Their sizes.
-    pub given: AppliedLoads<'a>,
+    /// Sizes of the other loads.
+    pub applied: AppliedLoads<'a>,
     /// Time since the start of the span [s].
     pub time: f64,
-    /// What is decided between steps.
+    /// Constant within a step.
     pub mode: Mode,
-    /// Room.
+    /// Scratch.
     pub scratch: &'a mut Scratch,
     /// Whether friction had no solution somewhere.
     pub locked: bool,
@@ -57,8 +60,8 @@ pub struct EquationOfMotion<'a> {
 
 impl EquationOfMotion<'_> {
     #[inline(always)]
-    fn place(&mut self, sigma: f64) -> f64 {
-        self.scratch.panel_force.place(self.reduced, self.state_loads, &self.given, sigma)
+    fn locate(&mut self, sigma: f64) -> f64 {
+        self.scratch.panel_force.locate(self.reduced, self.state_loads, &self.applied, sigma)
     }
 
     /// Acceleration and power lost, for a motion in the mode's direction.
@@ -66,14 +69,14 @@ impl EquationOfMotion<'_> {
     /// # Errors
     /// [`Locked`].
     pub fn effect(&mut self, sigma: f64, sigma_dot: f64) -> Result<Evaluation<f64>, Locked> {
-        let x = self.place(sigma);
+        let x = self.locate(sigma);
         let Scratch { panel_force, evaluator, .. } = &mut *self.scratch;
         match self.state_loads {
             None if panel_force.changes() => Ok(changing(panel_force, [self.time, sigma, sigma_dot])),
             None => Ok(Evaluation { acceleration: polynomial(&panel_force.force, x), lost: 0.0 }),
             Some(state_loads) => {
                 let at = [self.time, sigma, sigma_dot];
-                evaluator.evaluate((self.reduced, state_loads), &self.given, panel_force, &self.mode, at)
+                evaluator.evaluate((self.reduced, state_loads), &self.applied, panel_force, &self.mode, at)
             }
         }
     }
@@ -83,12 +86,14 @@ impl EquationOfMotion<'_> {
     /// # Errors
     /// [`Locked`].
     pub fn tangent(&mut self, sigma: f64, sigma_dot: f64) -> Result<Evaluation<Dual<2>>, Locked> {
-        self.place(sigma);
+        self.locate(sigma);
         let y = [Dual::constant(self.time), Dual::variable(sigma, 0), Dual::variable(sigma_dot, 1)];
         let Scratch { panel_force, tangent, .. } = &mut *self.scratch;
         match self.state_loads {
             None => Ok(changing(panel_force, y)),
-            Some(state_loads) => tangent.evaluate((self.reduced, state_loads), &self.given, panel_force, &self.mode, y),
+            Some(state_loads) => {
+                tangent.evaluate((self.reduced, state_loads), &self.applied, panel_force, &self.mode, y)
+            }
         }
     }
 
@@ -97,12 +102,12 @@ impl EquationOfMotion<'_> {
         self.state_loads.is_some_and(|s| !s.drives_with_efficiency.is_empty())
     }
 
-    /// Direction in which a mechanism at rest sets off: 0 if its drives hold it ([CK16] 2.3: driven forward they give
-    /// less, driven back they hold more). Of a mechanism that moves, its direction.
+    /// Direction of the motion; at rest the direction in which the mechanism sets off, 0 if its drives hold it ([CK16]
+    /// 2.3: driven forward they give less, driven back they hold more).
     ///
     /// # Errors
     /// [`Locked`].
-    pub fn direction(&mut self, sigma: f64, sigma_dot: f64) -> Result<f64, Locked> {
+    pub fn start_direction(&mut self, sigma: f64, sigma_dot: f64) -> Result<f64, Locked> {
         if sigma_dot != 0.0 {
             return Ok(sigma_dot.signum());
         }
@@ -115,9 +120,9 @@ impl EquationOfMotion<'_> {
         Ok(0.0)
     }
 
-    /// Acceleration at any state, with what arrives of every load. Where drives hold the mechanism at rest, each lets arrive
-    /// something between its forward and its backward value: the common share at which all is in balance. The mode's direction
-    /// is then that of the drives, 0 where they hold.
+    /// Acceleration at any state, with the delivered force of every drive. Where drives hold the mechanism at rest,
+    /// each delivers a force between its forward and its backward one: the common share at which all forces are in
+    /// balance. The mode's direction becomes that of the drives, 0 where they hold.
     ///
     /// # Errors
     /// [`Locked`].
@@ -126,7 +131,7 @@ impl EquationOfMotion<'_> {
         if !self.reverses() {
             return Ok(self.effect(sigma, sigma_dot)?.acceleration);
         }
-        self.mode.direction = self.direction(sigma, sigma_dot)?;
+        self.mode.direction = self.start_direction(sigma, sigma_dot)?;
         if self.mode.direction != 0.0 {
             return Ok(self.effect(sigma, sigma_dot)?.acceleration);
         }
@@ -141,7 +146,8 @@ impl EquationOfMotion<'_> {
         Ok(0.0)
     }
 
-    /// Acceleration at any state, were the drives with an efficiency to work in this direction; with 0, without their losses.
+    /// Acceleration at any state, were the drives with an efficiency to work in this direction; 0: without their
+    /// losses.
     ///
     /// # Errors
     /// [`Locked`].
@@ -151,12 +157,13 @@ impl EquationOfMotion<'_> {
         Ok(self.effect(sigma, sigma_dot)?.acceleration)
     }
 
-    /// Slip speed of a pin [m/s]. Asked for at the ends of steps and between them, it leaves the panel as it is.
+    /// Slip speed of a friction joint [m/s]. Needed at the ends of steps and between them, it leaves the present panel
+    /// as it is.
     pub fn slip(&mut self, friction_joint: usize, sigma: f64, sigma_dot: f64) -> f64 {
         let Some(state_loads) = self.state_loads else { return 0.0 };
         let component = state_loads.free() + friction_joint;
         let influence = if self.reduced.is_exact() {
-            let x = self.place(sigma);
+            let x = self.locate(sigma);
             polynomial(self.scratch.panel_force.series(&state_loads.table, component), x)
         } else {
             self.scratch.panel_force.value((self.reduced, &state_loads.table), component, sigma)
@@ -164,7 +171,7 @@ impl EquationOfMotion<'_> {
         influence * sigma_dot * state_loads.friction_joints[friction_joint].radius
     }
 
-    /// Slip speed of a pin and its rate, at (sigma, sigma_dot, sigma_ddot).
+    /// Slip speed of a friction joint [m/s] and its rate [m/s2], at (sigma, sigma_dot, sigma_ddot).
     pub fn slip_rate(&mut self, friction_joint: usize, [sigma, sigma_dot, sigma_ddot]: [f64; 3]) -> [f64; 2] {
         let Some(state_loads) = self.state_loads else { return [0.0; 2] };
         let component = state_loads.free() + friction_joint;
@@ -177,7 +184,7 @@ impl EquationOfMotion<'_> {
         [influence.value * sigma_dot, rate].map(|v| v * state_loads.friction_joints[friction_joint].radius)
     }
 
-    /// State the stretch of its law in which a pin is, until told otherwise; with none, its slip speed tells.
+    /// State the regime of a friction joint; with none, it follows from the slip speed in each evaluation.
     pub fn set_regime(&mut self, friction_joint: usize, regime: Option<Regime>) {
         if let Some(state_loads) = self.state_loads {
             self.scratch.evaluator.set_regime(state_loads, friction_joint, regime);
@@ -185,7 +192,7 @@ impl EquationOfMotion<'_> {
         }
     }
 
-    /// State the stretches in which all pins are at this state.
+    /// State the regimes of all friction joints at this state.
     pub fn set_regimes(&mut self, sigma: f64, sigma_dot: f64) {
         for friction_joint in 0..self.state_loads.map_or(0, |s| s.friction_joints.len()) {
             let slip = self.slip(friction_joint, sigma, sigma_dot);
@@ -194,7 +201,7 @@ impl EquationOfMotion<'_> {
         }
     }
 
-    /// Let slip speeds tell the stretches.
+    /// Let the regimes follow from the slip speeds.
     fn clear_regimes(&mut self) {
         for friction_joint in 0..self.state_loads.map_or(0, |s| s.friction_joints.len()) {
             self.set_regime(friction_joint, None);
@@ -202,8 +209,8 @@ impl EquationOfMotion<'_> {
     }
 
     /// How far the load of a bumper is beyond its stop, and the push of the bumper if it is in contact.
-    pub fn pressure(&mut self, bumper: usize, sigma: f64, sigma_dot: f64) -> (f64, f64) {
-        let x = self.place(sigma);
+    pub fn bumper_push(&mut self, bumper: usize, sigma: f64, sigma_dot: f64) -> (f64, f64) {
+        let x = self.locate(sigma);
         let Some(state_loads) = self.state_loads else { return (0.0, 0.0) };
         let (panel_force, loading) = (&self.scratch.panel_force, self.reduced.loading());
         let at = |component: usize| polynomial(panel_force.series(&state_loads.table, component), x);
@@ -215,7 +222,8 @@ impl EquationOfMotion<'_> {
         (beyond, stop.stiffness * beyond + stop.damping * outward)
     }
 
-    /// sigma to its length; sigma_dot to itself, or to the speed that the present force gives over that length.
+    /// Scales of sigma and sigma_dot: the length of a motion of the size of one radian; sigma_dot itself, or the speed
+    /// that the present force gives over that length.
     fn scales(&self, sigma_dot: f64, acceleration: f64) -> (f64, f64) {
         let length = self.reduced.scale();
         let fallen = (acceleration.abs() * length).sqrt();
@@ -223,7 +231,7 @@ impl EquationOfMotion<'_> {
     }
 }
 
-/// Without a scene: the given loads alone, at (t, sigma, sigma_dot).
+/// The applied loads alone, at (t, sigma, sigma_dot).
 fn changing<T: Number>(panel_force: &PanelForce, [t, sigma, sigma_dot]: [T; 3]) -> Evaluation<T> {
     let x = panel_force.x(sigma);
     Evaluation { acceleration: panel_force.at(x, t), lost: -(panel_force.excess(0, x, t) * sigma_dot) }
@@ -235,14 +243,14 @@ impl System<2> for EquationOfMotion<'_> {
 
     #[inline(always)]
     fn derivative(&mut self, _t: f64, y: &[f64; 2]) -> [f64; 2] {
-        let x = self.place(y[0]);
+        let x = self.locate(y[0]);
         [y[1], polynomial(&self.scratch.panel_force.force, x)]
     }
 
-    /// From sigma to x on the panel the way enters last: what comes before it does not wait for it.
+    /// x is computed from y before `way` is added, so that the processor need not wait for `way`.
     #[inline(always)]
     fn acceleration(&mut self, _t: f64, y: &[f64; 2], way: f64) -> f64 {
-        self.place(y[0] + way);
+        self.locate(y[0] + way);
         let x = self.scratch.panel_force.x(Dual::<1>::variable(y[0], 0));
         polynomial(&self.scratch.panel_force.force, x.value + way * x.slope[0])
     }
@@ -253,7 +261,7 @@ impl System<2> for EquationOfMotion<'_> {
     }
 }
 
-/// With a scene, or inputs that change with time: (sigma, sigma_dot, energy lost).
+/// With state loads, or inputs that change with time: (sigma, sigma_dot, energy lost).
 impl System<3> for EquationOfMotion<'_> {
     const CAN_BE_STIFF: bool = true;
 
@@ -274,7 +282,7 @@ impl System<3> for EquationOfMotion<'_> {
         self.time = t;
         match self.effect(y[0], y[1]) {
             Ok(effect) => [y[1], effect.acceleration, effect.lost],
-            // The step is refused and tried again shorter; if none is short enough, this is told as the reason.
+            // The step is rejected and tried again, shorter. If none is short enough, this is reported as the reason.
             Err(Locked) => {
                 self.locked = true;
                 [f64::NAN; 3]
@@ -283,12 +291,13 @@ impl System<3> for EquationOfMotion<'_> {
     }
 
     fn scale(&mut self, y: &[f64; 3], f: &[f64; 3]) -> [f64; 3] {
-        // Where the loads balance each other, the acceleration tells nothing of the forces at work, those of given size do.
-        let x = self.place(y[0]);
+        // Where the loads balance each other, the acceleration does not show how large the forces are, but applied
+        // loads do.
+        let x = self.locate(y[0]);
         let panel_force = &self.scratch.panel_force;
         let force = f[1].abs().max(panel_force.at(x, 0.0).abs()).max(panel_force.excess(0, x, self.time).abs());
         let (length, speed) = self.scales(y[1], force);
-        // Where friction balances the rest, it is the power lost that tells of the forces at work.
+        // Where friction balances the rest, the power lost shows how large the forces are.
         let resisting = if f[2] == 0.0 { 0.0 } else { (f[2] / y[1]).abs() };
         [length, speed, (speed * speed).max(resisting * length)]
     }

@@ -1,34 +1,35 @@
-//! How the inputs change within a step.
+//! Change of the inputs within a step.
 //!
-//! In: derivatives set by the host. Out: for each Real input u(t) = u_0 + u_1 t + u_2 t^2 / 2, with t [s] counted from the
-//! communication point. It must not know what the inputs act on.
+//! In: derivatives set by the host. Out: for each Real input u(t) = u_0 + u_1 t + u_2 t^2 / 2, with t [s] counted from
+//! the communication point. It must not know what the inputs act on.
 use crate::codec::record::{Damaged, Record};
 
 /// Derivatives of the Real inputs.
 ///
-/// FMI 2.0.5, 4.2.1: they are set with respect to the beginning of a communication step, and are 0 until set. The standard
-/// does not say how long they hold. Here they hold for one step: it ends with the input at u(h), where it stays unless it is
-/// set. What the rate was at the end is kept to tell the derivatives of outputs there, until an input is set anew.
+/// FMI 2.0.5, 4.2.1: they are set with respect to the beginning of a communication step, and are 0 until set. The
+/// standard does not say how long they hold. Here they hold for one step, at the end of which the input is u(h) and
+/// stays so unless it is set. The rates at the end of the step are kept for the derivatives of outputs there, until an
+/// input is set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InputPolynomial {
     /// u_1 [unit/s].
     pub first: Vec<f64>,
     /// u_2 [unit/s2].
     pub second: Vec<f64>,
-    /// Whether they are those of the next step; else those with which the last one ended.
+    /// Whether they apply to the next step; else they are the rates at the end of the last one.
     pub ahead: bool,
     /// Whether any may be other than 0.
     any: bool,
 }
 
-/// The change of what acts, in one step or in one direction.
+/// Derivatives of the sizes of loads and of the airspeed, with respect to time or along one direction of the inputs.
 #[derive(Clone, Copy, Debug)]
 pub struct Change<'a> {
-    /// u_1 of the loads that inputs size.
+    /// u_1 of the applied loads.
     pub first: &'a [f64],
-    /// u_2 of them.
+    /// u_2 of the applied loads.
     pub second: &'a [f64],
-    /// Both of the speed of the air.
+    /// u_1 and u_2 of the airspeed.
     pub airspeed: [f64; 2],
 }
 
@@ -52,7 +53,7 @@ impl InputPolynomial {
         self.any = self.ahead;
     }
 
-    /// An input was set: if its derivatives are those of the last step, they are over.
+    /// An input was set: its derivatives become 0 unless they apply to the next step.
     pub fn value_set(&mut self, input: usize) {
         if self.any && !self.ahead {
             (self.first[input], self.second[input]) = (0.0, 0.0);
@@ -66,8 +67,8 @@ impl InputPolynomial {
         (self.ahead, self.any) = (false, false);
     }
 
-    /// What changes in the next step, if anything does; the first inputs size `loads`, the last is the speed of the air if
-    /// there is air.
+    /// Input derivatives for the next step; None if all inputs are constant. `loads`: number of inputs that scale
+    /// loads, which come first; `air`: whether the last input is the airspeed.
     pub fn change(&self, loads: usize, air: bool) -> Option<Change<'_>> {
         let last = self.first.len().wrapping_sub(1);
         let airspeed = if air { [self.first[last], self.second[last]] } else { [0.0; 2] };
@@ -135,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_last_step_ended_with_is_over_when_one_input_gets_a_derivative() {
+    fn rates_at_the_end_of_a_step_become_0_when_one_input_gets_a_derivative() {
         let mut signal = InputPolynomial::new(2);
         signal.set(0, 2, 4.0);
         signal.end(1.0);

@@ -1,22 +1,24 @@
-//! What the host sets between steps.
+//! Inputs: what the host sets between steps.
+//!
+//! In: values from the host. Out: sizes of loads, their derivatives, engaged locks. It must not know what they act on.
 use super::input_polynomial::{Change, InputPolynomial};
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::dual::become_same;
 
-/// What the host sets between steps.
+/// Inputs of a mechanism.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inputs {
-    /// Sizes of loads, then demanded accelerations of the drives, then the speed of the air if there is air.
+    /// Sizes of loads, then demanded accelerations of the drives, then the airspeed if there is air.
     pub reals: Vec<f64>,
     /// Whether each lock is engaged.
     pub locks: Vec<bool>,
-    /// How the Reals change with time.
+    /// Time derivatives of the Reals.
     pub signal: InputPolynomial,
 }
 
 impl Inputs {
-    /// What changes in the next step, if anything does.
+    /// Input derivatives for the next step; None if all inputs are constant.
     pub fn change(&self, reduced: &Reduced) -> Option<Change<'_>> {
         let loading = reduced.loading();
         self.signal.change(loading.inputs.len(), loading.air.is_some())
@@ -34,14 +36,14 @@ impl Inputs {
         self.locks.iter_mut().try_for_each(|lock| record.flag("lock", lock))
     }
 
-    /// Take over other inputs of the same mechanism, without allocation.
+    /// Become the same as other inputs of the same mechanism, without allocation.
     #[inline]
     pub fn copy_from(&mut self, other: &Self) {
         become_same(&mut self.reals, &other.reals);
         self.copy_rest(other);
     }
 
-    /// Take over all but the numbers.
+    /// [`Self::copy_from`] without the values of the Reals.
     #[inline]
     pub fn copy_rest(&mut self, other: &Self) {
         for (own, other) in self.locks.iter_mut().zip(&other.locks) {

@@ -1,23 +1,27 @@
-//! The right-hand side on the panel that was used last: the sizes of loads folded into its polynomials.
+//! The right-hand side on the panel that was used last: one polynomial, the sum of the loads' influences times their
+//! sizes.
+//!
+//! In: tables of the reduced model and its state loads, sizes of loads. Out: the force along the curve and the
+//! reactions of friction joints on one panel. It must not know the loads that the state decides.
 use crate::mechanism::dynamics::input_polynomial::Change;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::chebyshev::{NODES, Series};
 use crate::numerics::dual::{Dual, Number};
 use crate::numerics::table::{Bundle, Row, Table, add_side_by_side, polynomial_at, side_by_side};
 
-/// Rounding of a panel's border that is counted on over whole turns, relative to the numbers that are added up.
+/// Rounding of a panel's border that is counted on over whole revolutions, relative to the numbers that are added up.
 const BORDER: f64 = 8.0 * f64::EPSILON;
 
-/// Sizes of everything that the state does not decide.
+/// Sizes of all that the state does not decide.
 #[derive(Clone, Copy, Debug)]
 pub struct AppliedLoads<'a> {
     /// Sizes of the sized loads.
     pub sizes: &'a [f64],
-    /// Speed of the air [m/s].
+    /// Airspeed [m/s].
     pub airspeed: f64,
-    /// Whole turns before sigma = 0.
+    /// Whole revolutions before sigma = 0.
     pub revolutions: f64,
-    /// How the sizes and the air change with time, if they do.
+    /// Time derivatives of the sizes and of the airspeed, unless all are 0.
     pub change: Option<Change<'a>>,
 }
 
@@ -28,7 +32,7 @@ impl AppliedLoads<'_> {
         T::constant(self.sizes[load]) + self.excess(load, t)
     }
 
-    /// Its size less that at t = 0.
+    /// Size of a load at the time t [s] of the step, less that at t = 0.
     #[inline]
     pub fn excess<T: Number>(&self, load: usize, t: T) -> T {
         match &self.change {
@@ -37,7 +41,7 @@ impl AppliedLoads<'_> {
         }
     }
 
-    /// Speed of the air at the time t [s] of the step [m/s].
+    /// Airspeed at the time t [s] of the step [m/s].
     #[inline]
     pub fn air<T: Number>(&self, t: T) -> T {
         let excess = self.change.map_or(T::constant(0.0), |change| parabola(change.airspeed, t));
@@ -50,38 +54,38 @@ fn parabola<T: Number>([first, second]: [f64; 2], t: T) -> T {
     t * (T::constant(first) + t * T::constant(0.5 * second))
 }
 
-/// Forces of the sized loads and springs as polynomials on one panel: that along the curve, and where joints have friction,
-/// their reactions.
+/// Forces of the applied loads and springs as polynomials on one panel: the force along the curve, and the reactions of
+/// the friction joints.
 #[derive(Clone, Debug)]
 pub struct PanelForce {
-    /// First sigma for which it holds, and the first for which it no longer does; counted on over whole turns.
+    /// It holds for low <= sigma < high; both counted on over whole revolutions.
     low: f64,
     high: f64,
     center: f64,
-    /// 2 / width of the panel; 0 beyond an open end, where all stays what it is at the end.
+    /// 2 / width of the panel; 0 beyond an open end, where the force is constant.
     inverse: f64,
     /// x at the center.
     offset: f64,
-    /// Place of the panel.
+    /// Index of the panel.
     panel: usize,
-    /// Whole turns before this panel.
+    /// Whole revolutions before this panel.
     pub revolutions: f64,
     /// Force along the curve.
     pub force: Series,
-    /// Components of the pins' reactions, side by side.
+    /// Components of the friction joints' reactions, side by side.
     pub reactions: Vec<Row>,
     /// First and second time derivative of all rows, the force first; none under constant inputs.
     rates: Vec<[Series; 2]>,
-    /// Without tables: all components at the one sigma for which it holds, by value and slope.
+    /// Without tables: value and slope of all components at the one sigma for which it holds.
     exact: Vec<Series>,
-    /// Those of them that are read together, side by side.
+    /// Without tables: the components that are read together, side by side.
     exact_bundle: Vec<Row>,
-    /// The effects of a given load on the pins' reactions, side by side.
+    /// Without tables: the effects of an applied load on the friction joints' reactions, side by side.
     exact_applied: Vec<Row>,
 }
 
 impl PanelForce {
-    /// Holds nowhere; with room for a scene.
+    /// Holds for no sigma; with scratch for these state loads.
     pub fn new(state_loads: Option<&StateLoads>) -> Self {
         let rows = state_loads.map_or(0, |s| Bundle::rows(s.rows() - 1));
         Self {
@@ -101,27 +105,27 @@ impl PanelForce {
         }
     }
 
-    /// Hold nowhere.
-    pub fn forget(&mut self) {
+    /// Hold for no sigma: sizes or revolutions are others.
+    pub fn invalidate(&mut self) {
         (self.low, self.high) = (f64::INFINITY, f64::NEG_INFINITY);
     }
 
-    /// x on the panel at sigma, which is entered if it is another one.
+    /// x at sigma on its panel, which is entered if it is not the present one.
     #[inline(always)]
-    pub fn place(
+    pub fn locate(
         &mut self,
         reduced: &Reduced,
         state_loads: Option<&StateLoads>,
-        given: &AppliedLoads,
+        applied: &AppliedLoads,
         sigma: f64,
     ) -> f64 {
         if !(self.low <= sigma && sigma < self.high) {
-            self.enter(reduced, state_loads, given, sigma);
+            self.enter(reduced, state_loads, applied, sigma);
         }
         self.x(sigma)
     }
 
-    /// x on the present panel at sigma, with derivatives if sigma has some.
+    /// x at sigma on the present panel, with derivatives if sigma has some.
     #[inline(always)]
     pub fn x<T: Number>(&self, sigma: T) -> T {
         sigma.chain(self.offset + (sigma.value() - self.center) * self.inverse, self.inverse)
@@ -139,20 +143,21 @@ impl PanelForce {
         if self.exact.is_empty() { table.series(self.panel, component) } else { &self.exact[component] }
     }
 
-    /// Coefficients of what is read together, on the panel.
+    /// Coefficients of the components that are read together, on the panel.
     #[inline]
     pub fn bundle<'a>(&'a self, bundle: &'a Bundle) -> &'a [Row] {
         if self.exact.is_empty() { bundle.panel(self.panel) } else { &self.exact_bundle }
     }
 
-    /// Effect of all given loads on the motion, at the time t [s].
+    /// Force of all applied loads along the curve, at the time t [s].
     #[inline]
     pub fn at<T: Number>(&self, x: T, t: T) -> T {
         let sum = polynomial_at(&self.force, x);
         if self.rates.is_empty() { sum } else { sum + self.excess(0, x, t) }
     }
 
-    /// Effect of all given loads in a row of the scene, less what it is at t = 0; row 0 is the motion.
+    /// Effect of all applied loads at the time t [s], less that at t = 0: row 0 is the force along the curve, the
+    /// others are components of the friction joints' reactions.
     pub fn excess<T: Number>(&self, row: usize, x: T, t: T) -> T {
         match self.rates.get(row) {
             Some([first, second]) => t * (polynomial_at(first, x) + t * T::constant(0.5) * polynomial_at(second, x)),
@@ -160,7 +165,7 @@ impl PanelForce {
         }
     }
 
-    /// One component of the table at any sigma, without entering its panel.
+    /// One component of the table at any sigma, without leaving the present panel.
     pub fn value<T: Number>(&self, (reduced, table): (&Reduced, &Table), component: usize, sigma: T) -> T {
         let (shift, ..) = around(reduced, sigma.value());
         let (first, last) = reduced.curve().range();
@@ -170,17 +175,17 @@ impl PanelForce {
     }
 
     #[cold]
-    fn enter(&mut self, reduced: &Reduced, state_loads: Option<&StateLoads>, given: &AppliedLoads, sigma: f64) {
+    fn enter(&mut self, reduced: &Reduced, state_loads: Option<&StateLoads>, applied: &AppliedLoads, sigma: f64) {
         let table = state_loads.map_or(reduced.influence(), |s| &s.table);
         let (first, last) = reduced.curve().range();
         let (shift, revolutions, period) = around(reduced, sigma);
         self.panel = table.panel_near(sigma - shift, self.panel);
-        self.revolutions = given.revolutions + revolutions;
+        self.revolutions = applied.revolutions + revolutions;
         let (a, b) = table.borders(self.panel);
         (self.low, self.high, self.center, self.inverse) = (a + shift, b + shift, 0.5 * (a + b) + shift, 2.0 / (b - a));
         if reduced.period().is_some() {
-            // Within rounding of its borders, which panel it is depends on how whole turns are counted: there it is asked
-            // anew, so that the answer never depends on the panel before.
+            // Within rounding of a border, the panel depends on how whole revolutions are counted. There it is always
+            // looked up, so that the result does not depend on the panel before.
             let margin = BORDER * (first.abs().max(last.abs()) + shift.abs() + period);
             (self.low, self.high) = (self.low + margin, self.high - margin);
         }
@@ -196,7 +201,7 @@ impl PanelForce {
         }
         let own = [(reduced.components().springs, 1.0), (reduced.components().winding, self.revolutions)];
         let own = own.into_iter().filter_map(|(k, size)| Some((k?, size)));
-        self.force = self.fold(state_loads, table, given.sizes, 0);
+        self.force = self.sum(state_loads, table, applied.sizes, 0);
         for (k, size) in own.clone() {
             let mut force = self.force;
             add(&mut force, self.series(table, state_loads.map_or(k, |s| s.given(0, k))), size);
@@ -205,20 +210,20 @@ impl PanelForce {
         if let Some(state_loads) = state_loads.filter(|s| !s.friction_joints.is_empty()) {
             self.reactions.clear();
             self.reactions.resize(Bundle::rows(state_loads.rows() - 1), Row::ZERO);
-            for (k, size) in loads(Some(state_loads), given.sizes).chain(own) {
+            for (k, size) in loads(Some(state_loads), applied.sizes).chain(own) {
                 self.add_reactions(state_loads, k, size);
             }
         }
         self.rates.clear();
-        if let Some(change) = &given.change {
+        if let Some(change) = &applied.change {
             for row in 0..state_loads.map_or(1, StateLoads::rows) {
-                let rates = [change.first, change.second].map(|sizes| self.fold(state_loads, table, sizes, row));
+                let rates = [change.first, change.second].map(|sizes| self.sum(state_loads, table, sizes, row));
                 self.rates.push(rates);
             }
         }
     }
 
-    /// Add the effect of a given load of this size on the pins' reactions.
+    /// Add the effect of an applied load of this size on the friction joints' reactions.
     fn add_reactions(&mut self, state_loads: &StateLoads, k: usize, size: f64) {
         let effects = if self.exact.is_empty() {
             state_loads.caused_by_applied[k].panel(self.panel)
@@ -233,7 +238,8 @@ impl PanelForce {
         add_side_by_side(&mut self.reactions, size, effects);
     }
 
-    /// Hold at sigma alone, with values from the exact evaluator. Slopes, which only Newton's method takes, are the table's.
+    /// Hold at sigma alone, with values from the exact evaluator. Slopes, which only Newton's method needs, come from
+    /// the table.
     fn enter_exactly(
         &mut self,
         reduced: &Reduced,
@@ -257,8 +263,8 @@ impl PanelForce {
         (self.low, self.high, self.center) = (sigma, sigma.next_up(), sigma);
     }
 
-    /// Sum of the effects of the first loads of these sizes.
-    fn fold(&self, state_loads: Option<&StateLoads>, table: &Table, sizes: &[f64], row: usize) -> Series {
+    /// Sum of the effects of the applied loads of these sizes in a row.
+    fn sum(&self, state_loads: Option<&StateLoads>, table: &Table, sizes: &[f64], row: usize) -> Series {
         let mut sum = [0.0; NODES];
         for (load, size) in loads(state_loads, sizes) {
             add(&mut sum, self.series(table, state_loads.map_or(load, |s| s.given(row, load))), size);
@@ -267,7 +273,7 @@ impl PanelForce {
     }
 }
 
-/// The loads of given sizes that act in full, with their sizes.
+/// The applied loads that act in full, with their sizes: drives with an efficiency do not.
 fn loads<'a>(state_loads: Option<&'a StateLoads>, sizes: &'a [f64]) -> impl Iterator<Item = (usize, f64)> + 'a {
     let sizes = sizes.iter().copied().enumerate();
     sizes.filter(move |(load, size)| {
@@ -275,7 +281,7 @@ fn loads<'a>(state_loads: Option<&'a StateLoads>, sizes: &'a [f64]) -> impl Iter
     })
 }
 
-/// Length of the whole turns before sigma, their number, and the length of one.
+/// Length of the whole revolutions before sigma, their number, and the length of one.
 fn around(reduced: &Reduced, sigma: f64) -> (f64, f64, f64) {
     let first = reduced.curve().range().0;
     match reduced.period() {

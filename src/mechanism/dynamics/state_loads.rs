@@ -1,7 +1,7 @@
-//! What acts in a scene at one state: dampers, drives with an efficiency, drag, bumpers, friction.
+//! Loads that the state decides: dampers, drives with an efficiency, drag, bumpers, friction.
 //!
-//! In: a scene, the sizes of the given loads, the state. Out: the acceleration along the curve, the power lost, the sizes of
-//! the loads that the state decides. Written once for values and for values with derivatives.
+//! In: the state loads, the sizes of the applied loads, the state. Out: the acceleration along the curve, the power
+//! lost, the sizes of the state loads. Written once for values and for values with derivatives. It must not know steps.
 use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::loads::laws::drag::Meeting;
 use crate::mechanism::loads::laws::friction::{Balance, Cubic, Locked, Loop, Regime};
@@ -9,13 +9,13 @@ use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::dual::Number;
 use crate::numerics::table::{Bundle, ROW, polynomial_at, side_by_side_at};
 
-/// What is decided between steps, not within one.
+/// What is constant within a step and may change between steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Mode {
-    /// Sign of sigma_dot for the drives with an efficiency; it holds until sigma_dot passes through 0. With 0 all that
-    /// they are told arrives.
+    /// Direction in which drives with an efficiency work: the sign of sigma_dot until that passes through 0. 0: no
+    /// losses; the full commanded force acts.
     pub direction: f64,
-    /// Bumper, by its place in the scene, that is in contact at the low and at the high end of the travel.
+    /// Index of the bumper that pushes at the low and at the high end of the travel.
     pub touching: [Option<usize>; 2],
 }
 
@@ -24,37 +24,37 @@ pub struct Mode {
 pub struct Evaluation<T> {
     /// sigma_ddot.
     pub acceleration: T,
-    /// Power that leaves the mechanism beyond the work of the given loads [W].
+    /// Power that leaves the mechanism beyond the work of the applied loads at t = 0 [W].
     pub lost: T,
 }
 
-/// Room for an evaluation, with what it found last.
+/// Scratch for an evaluation, with the results of the last one.
 #[derive(Clone, Debug)]
 pub struct StateLoadEvaluator<T> {
-    /// What arrives of the drives with an efficiency, in the scene's order.
+    /// Delivered forces of the drives with an efficiency.
     pub delivered: Vec<T>,
-    /// Sizes of the scene's loads.
+    /// Sizes of the state loads.
     pub loads: Vec<T>,
-    /// Reactions and friction.
+    /// Loop between friction and the reactions that cause it.
     pub friction: Loop<T>,
-    /// Stretch of its law in which each pin is taken to be; where none is stated, that of its slip speed.
+    /// Stated regime of each friction joint; where none is stated, it follows from the slip speed.
     regimes: Vec<Option<Regime>>,
-    /// Arm of each pin's friction on its stretch.
+    /// Arm of each joint's friction in its regime.
     arms: Vec<Cubic>,
-    /// The scene's bundle.
+    /// Values of [`StateLoads::bundle`].
     effects: Vec<[T; ROW]>,
-    /// Effect of all but friction on the motion.
+    /// sigma_ddot without friction.
     motion: T,
-    /// The same on the components of the pins' reactions.
+    /// Components of the friction joints' reactions without friction.
     reactions: Vec<[T; ROW]>,
-    /// What arrived, then the effects on the motion and on the reactions, of the evaluation that was kept.
+    /// `delivered`, `motion` and `reactions` of the evaluation before, for [`Self::mix`].
     kept: Vec<T>,
-    /// Room for the pins' reactions without friction, then those to sigma_ddot.
-    room: Vec<T>,
+    /// Reactions without friction, then those to sigma_ddot, for [`Self::required`].
+    scratch: Vec<T>,
 }
 
 impl<T: Number> StateLoadEvaluator<T> {
-    /// Room for a scene.
+    /// For these state loads, or none.
     pub fn new(state_loads: Option<&StateLoads>) -> Self {
         let zero = T::constant(0.0);
         let (drives_with_efficiency, loads, friction_joints) =
@@ -71,16 +71,16 @@ impl<T: Number> StateLoadEvaluator<T> {
             motion: zero,
             reactions: vec![[zero; ROW]; reactions],
             kept: vec![zero; drives_with_efficiency + 1 + ROW * reactions],
-            room: vec![zero; 4 * friction_joints],
+            scratch: vec![zero; 4 * friction_joints],
         }
     }
 
-    /// Stretch of its law in which a pin is taken to be, if one is stated.
+    /// Stated regime of a friction joint, if there is one.
     pub fn regime(&self, friction_joint: usize) -> Option<Regime> {
         self.regimes[friction_joint]
     }
 
-    /// State the stretch of its law in which a pin is, until told otherwise; with none, its slip speed tells.
+    /// State the regime of a friction joint; with none, it follows from the slip speed in each evaluation.
     pub fn set_regime(&mut self, state_loads: &StateLoads, friction_joint: usize, regime: Option<Regime>) {
         self.regimes[friction_joint] = regime;
         if let Some(regime) = regime {
@@ -88,79 +88,55 @@ impl<T: Number> StateLoadEvaluator<T> {
         }
     }
 
-    /// Evaluate at a time t of the step and a state; `panel_force` holds at sigma. Of the work of sizes that change with time, that
-    /// of their excess over the sizes at t = 0 counts as gained: the energy balance has the potential of these alone.
+    /// Evaluate at a time t of the step and a state; `panel_force` holds at sigma. The energy balance has the potential
+    /// of the sizes at t = 0, so the work of the excess over these sizes counts as gained.
     ///
     /// # Errors
     /// [`Locked`]: friction and reactions have no common solution.
     pub fn evaluate(
         &mut self,
         (reduced, state_loads): (&Reduced, &StateLoads),
-        given: &AppliedLoads,
+        applied: &AppliedLoads,
         panel_force: &PanelForce,
         mode: &Mode,
         [t, sigma, sigma_dot]: [T; 3],
     ) -> Result<Evaluation<T>, Locked> {
         let x = panel_force.x(sigma);
         let at = |component: usize| polynomial_at(panel_force.series(&state_loads.table, component), x);
-        let damping = reduced.components().damping;
         side_by_side_at(panel_force.bundle(&state_loads.bundle), x, &mut self.effects);
         side_by_side_at(&panel_force.reactions, x, &mut self.reactions);
         self.motion = panel_force.at(x, t);
-        let (free, n) = (state_loads.free(), state_loads.friction_joints.len());
         let mut lost = T::constant(0.0);
-        // What the state decides, but for friction.
         for (k, &load) in state_loads.drives_with_efficiency.iter().enumerate() {
             let influence = at(state_loads.given(0, load));
-            let size = given.size(load, t);
+            let size = applied.size(load, t);
             let full = influence * size;
             let efficiency = reduced.loading().drives[load].efficiency.unwrap_or(1.0);
             let part = efficient(full.value(), mode.direction, efficiency);
             self.delivered[k] = size * T::constant(part);
             self.motion = self.motion + influence * self.delivered[k];
-            lost = lost + (full * T::constant(1.0 - part) - influence * given.excess(load, t)) * sigma_dot;
+            lost = lost + (full * T::constant(1.0 - part) - influence * applied.excess(load, t)) * sigma_dot;
         }
-        self.blow(reduced, state_loads, given.air(t), sigma_dot);
-        self.press(reduced, state_loads, panel_force, mode, sigma_dot);
-        for (&effect, &size) in self.effects.as_flattened().iter().zip(&self.loads[..free]) {
+        self.drag(reduced, state_loads, applied.air(t), sigma_dot);
+        self.bumpers(reduced, state_loads, panel_force, mode, sigma_dot);
+        for (&effect, &size) in self.effects.as_flattened().iter().zip(&self.loads[..state_loads.free()]) {
             self.motion = self.motion + effect * size;
             lost = lost - effect * size * sigma_dot;
         }
-        if let Some(k) = damping {
-            let drag = at(state_loads.given(0, k)) * sigma_dot;
-            self.motion = self.motion - drag;
-            lost = lost + drag * sigma_dot;
+        if let Some(k) = reduced.components().damping {
+            let damping = at(state_loads.given(0, k)) * sigma_dot;
+            self.motion = self.motion - damping;
+            lost = lost + damping * sigma_dot;
         }
         if panel_force.changes() {
             lost = lost - panel_force.excess(0, x, t) * sigma_dot;
         }
         let mut acceleration = self.motion;
-        if n > 0 {
-            let effects = self.effects.as_flattened();
-            let reactions = &mut self.reactions.as_flattened_mut()[..2 * n];
-            let square = sigma_dot * sigma_dot;
-            for (sum, effect) in reactions.iter_mut().zip(&effects[state_loads.square()]) {
-                *sum = *sum + *effect * square;
-            }
-            for (load, &size) in self.loads[..free].iter().enumerate() {
-                for (sum, effect) in reactions.iter_mut().zip(&effects[state_loads.caused(load)]) {
-                    *sum = *sum + *effect * size;
-                }
-            }
-            if damping.is_some() || !state_loads.drives_with_efficiency.is_empty() || panel_force.changes() {
-                for (k, sum) in reactions.iter_mut().enumerate() {
-                    *sum = *sum + panel_force.excess(k + 1, x, t);
-                    if let Some(damping) = damping {
-                        *sum = *sum - at(state_loads.given(k + 1, damping)) * sigma_dot;
-                    }
-                    for (&load, &size) in state_loads.drives_with_efficiency.iter().zip(&self.delivered) {
-                        *sum = *sum + at(state_loads.given(k + 1, load)) * size;
-                    }
-                }
-            }
-            self.rub(state_loads, sigma_dot)?;
+        if !state_loads.friction_joints.is_empty() {
+            self.reactions_without_friction((reduced, state_loads), panel_force, [t, x, sigma_dot]);
+            self.friction(state_loads, sigma_dot)?;
             let influences = self.effects.as_flattened()[..state_loads.loads.len()].iter();
-            for (j, (load, &influence)) in self.loads.iter_mut().zip(influences).skip(free).enumerate() {
+            for (j, (load, &influence)) in self.loads.iter_mut().zip(influences).skip(state_loads.free()).enumerate() {
                 *load = self.friction.friction(j);
                 let share = influence * *load;
                 acceleration = acceleration + share;
@@ -170,14 +146,50 @@ impl<T: Number> StateLoadEvaluator<T> {
         Ok(Evaluation { acceleration, lost })
     }
 
-    /// Keep what was found last, to be mixed with what is found next.
+    /// Add to the reactions to the applied loads those to the motion, to drag, bumpers, dampers and drives with an
+    /// efficiency.
+    #[inline]
+    fn reactions_without_friction(
+        &mut self,
+        (reduced, state_loads): (&Reduced, &StateLoads),
+        panel_force: &PanelForce,
+        [t, x, sigma_dot]: [T; 3],
+    ) {
+        let at = |component: usize| polynomial_at(panel_force.series(&state_loads.table, component), x);
+        let damping = reduced.components().damping;
+        let effects = self.effects.as_flattened();
+        let reactions = &mut self.reactions.as_flattened_mut()[..2 * state_loads.friction_joints.len()];
+        let square = sigma_dot * sigma_dot;
+        for (sum, effect) in reactions.iter_mut().zip(&effects[state_loads.square()]) {
+            *sum = *sum + *effect * square;
+        }
+        for (load, &size) in self.loads[..state_loads.free()].iter().enumerate() {
+            for (sum, effect) in reactions.iter_mut().zip(&effects[state_loads.caused(load)]) {
+                *sum = *sum + *effect * size;
+            }
+        }
+        if damping.is_some() || !state_loads.drives_with_efficiency.is_empty() || panel_force.changes() {
+            for (k, sum) in reactions.iter_mut().enumerate() {
+                *sum = *sum + panel_force.excess(k + 1, x, t);
+                if let Some(damping) = damping {
+                    *sum = *sum - at(state_loads.given(k + 1, damping)) * sigma_dot;
+                }
+                for (&load, &size) in state_loads.drives_with_efficiency.iter().zip(&self.delivered) {
+                    *sum = *sum + at(state_loads.given(k + 1, load)) * size;
+                }
+            }
+        }
+    }
+
+    /// Keep the delivered forces, sigma_ddot and the reactions of the last evaluation for [`Self::mix`].
     pub fn keep(&mut self) {
         let found = self.delivered.iter().chain([&self.motion]).chain(self.reactions.as_flattened());
         self.kept.iter_mut().zip(found).for_each(|(kept, found)| *kept = *found);
     }
 
-    /// This share of what was found last, and the rest of what was kept: for drives that hold the mechanism at rest, where all
-    /// is affine in what arrives of them.
+    /// Replace the delivered forces, sigma_ddot without friction and the reactions by share * last + (1 - share) * kept
+    /// evaluation. At rest these are affine in the delivered forces, so the mean of two evaluations, driven forward and
+    /// backward, is the evaluation for the mean of the delivered forces.
     pub fn mix(&mut self, share: T) {
         let found = self.delivered.iter_mut().chain([&mut self.motion]).chain(self.reactions.as_flattened_mut());
         for (found, kept) in found.zip(&self.kept) {
@@ -185,9 +197,9 @@ impl<T: Number> StateLoadEvaluator<T> {
         }
     }
 
-    /// Force along the curve of a sized load, not subject to friction itself, with which sigma_ddot is `target` in the state
-    /// of the last evaluation: inverse dynamics with friction as the loop of its own. `size` is the load's present size.
-    /// With `breakaway`, every pin has its static friction against a motion in that direction.
+    /// Inverse dynamics with friction: the force along the curve of an applied load with which sigma_ddot is `target`
+    /// in the state of the last evaluation. `size` is the load's present size. With `breakaway`, every friction joint
+    /// has its static friction against a motion in that direction.
     ///
     /// # Errors
     /// [`Locked`].
@@ -203,7 +215,7 @@ impl<T: Number> StateLoadEvaluator<T> {
         let x = panel_force.x(sigma);
         let at = |component: usize| polynomial_at(panel_force.series(&state_loads.table, component), x);
         let influence = at(state_loads.given(0, load));
-        // What the load must give along the curve without friction, and what this share of it is.
+        // The force along the curve that the load must give without friction.
         let bare = target - (self.motion - influence * size);
         let (free, n) = (state_loads.free(), state_loads.friction_joints.len());
         if n == 0 {
@@ -217,9 +229,10 @@ impl<T: Number> StateLoadEvaluator<T> {
                 self.friction.arm[j] = T::constant(if slip < 0.0 { -arm } else { arm });
             }
         }
-        // With this load the motion stays what it is, whatever the friction: reactions to it take the place of inertia.
+        // This load balances the friction, so sigma_ddot does not depend on friction: the reactions to the load replace
+        // the inertial ones.
         let inverse = influence.chain(1.0 / influence.value(), -1.0 / influence.value().powi(2));
-        let (reactions, inertial) = self.room.split_at_mut(2 * n);
+        let (reactions, inertial) = self.scratch.split_at_mut(2 * n);
         for (k, (effect, reaction)) in
             effects[state_loads.inertial()].iter().zip(self.reactions.as_flattened()).enumerate()
         {
@@ -236,8 +249,8 @@ impl<T: Number> StateLoadEvaluator<T> {
         Ok(force)
     }
 
-    /// Drag of the air.
-    fn blow(&mut self, reduced: &Reduced, state_loads: &StateLoads, airspeed: T, sigma_dot: T) {
+    /// Sizes of the drag loads.
+    fn drag(&mut self, reduced: &Reduced, state_loads: &StateLoads, airspeed: T, sigma_dot: T) {
         let Some(air) = reduced.loading().air.as_ref().filter(|_| state_loads.air) else { return };
         for (i, surface) in air.surfaces.iter().enumerate() {
             let effects = self.effects.as_flattened();
@@ -254,8 +267,8 @@ impl<T: Number> StateLoadEvaluator<T> {
         }
     }
 
-    /// Bumpers in contact push back.
-    fn press(
+    /// Sizes of the bumper loads: a spring and a damper for each bumper in contact.
+    fn bumpers(
         &mut self,
         reduced: &Reduced,
         state_loads: &StateLoads,
@@ -279,8 +292,8 @@ impl<T: Number> StateLoadEvaluator<T> {
         }
     }
 
-    /// Friction of all pins.
-    fn rub(&mut self, state_loads: &StateLoads, sigma_dot: T) -> Result<(), Locked> {
+    /// Friction of all friction joints.
+    fn friction(&mut self, state_loads: &StateLoads, sigma_dot: T) -> Result<(), Locked> {
         let effects = self.effects.as_flattened();
         let slips = &effects[state_loads.free()..state_loads.loads.len()];
         for (j, (friction_joint, slip)) in state_loads.friction_joints.iter().zip(slips).enumerate() {
@@ -295,7 +308,7 @@ impl<T: Number> StateLoadEvaluator<T> {
     }
 }
 
-/// The pins' reactions without friction, and what friction and sigma_ddot do to them.
+/// The friction joints' reactions without friction, and the effects of friction and sigma_ddot on them.
 #[inline]
 fn balance<'a, T>(
     state_loads: &'a StateLoads,
@@ -318,8 +331,8 @@ fn balance<'a, T>(
     }
 }
 
-/// [CK16] eqs. (5), (29): what part of a drive's force `full` (times its influence) arrives when the motion has this
-/// direction: eta where power flows in, 1/eta where it flows back; all of it without a direction, as no power flows.
+/// Delivered part of a drive's force ([CK16] eqs. (5), (29)), where `full` is the force times its influence: eta where
+/// power flows into the mechanism, 1/eta where it flows back; 1 without a direction, as no power flows.
 fn efficient(full: f64, direction: f64, efficiency: f64) -> f64 {
     if direction == 0.0 {
         1.0

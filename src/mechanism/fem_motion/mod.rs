@@ -13,8 +13,8 @@ pub use saved::SavedElastic;
 use crate::integrator::Statistics;
 use crate::mechanism::definition::{DefinitionError, Mechanism, Solver};
 use crate::mechanism::linkage::Vec2;
-use crate::mechanism::motion::events::Contact;
-use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::contact::Contact;
+use crate::mechanism::outputs::ReducedMotion;
 use crate::mechanism::reactions::Reaction;
 use crate::mechanism::reduced::Reduced;
 use crate::mechanism::rigid_fem::{self, RigidFem, RigidFemError, Workspace};
@@ -49,7 +49,7 @@ pub struct RigidFemMotion {
     /// How far each stop may be passed: where the mechanism starts at it, by the stretch there [rad or m].
     slack: Vec<f64>,
     /// The reduced model at the sigma and sigma_dot that fit best.
-    rigid: State,
+    rigid: ReducedMotion,
     steps: u64,
 }
 
@@ -58,18 +58,19 @@ impl RigidFemMotion {
     ///
     /// # Errors
     /// What the finite elements do not have, a linkage that they cannot do, a body without axial stiffness; as
-    /// [`State::at_start`].
+    /// [`ReducedMotion::at_start`].
     pub fn at_start(reduced: &Reduced, mechanism: &Mechanism, inputs: &Inputs) -> Result<Self, ModelError> {
         refuse_losses(reduced, inputs)?;
-        let mut rigid = State::at_start(reduced, mechanism, inputs)?;
+        let mut rigid = ReducedMotion::at_start(reduced, mechanism, inputs)?;
         // No stop holds it.
-        rigid.contact = Contact::default();
-        refuse_locks(reduced, inputs, &rigid)?;
+        rigid.state.contact = Contact::default();
+        refuse_locks(reduced, inputs, &rigid.state)?;
         let linkage = reduced.linkage();
         let fem = Arc::new(finite_elements(reduced, mechanism)?);
-        let c = reduced.curve().configuration(rigid.sigma);
-        let q: Vec<f64> = c.q.iter().enumerate().map(|(i, q)| q + rigid.revolutions * reduced.growth(i)).collect();
-        let q_dot: Vec<f64> = c.q_sigma.iter().map(|slope| slope * rigid.sigma_dot).collect();
+        let c = reduced.curve().configuration(rigid.state.sigma);
+        let q: Vec<f64> =
+            c.q.iter().enumerate().map(|(i, q)| q + rigid.state.revolutions * reduced.growth(i)).collect();
+        let q_dot: Vec<f64> = c.q_sigma.iter().map(|slope| slope * rigid.state.sigma_dot).collect();
         let sizes = reduced.sizes(&inputs.reals);
         let state = fem.start(linkage, &q, &q_dot, &sizes)?;
         let beyond = |stop: &crate::mechanism::loads::resolved::Stop| {
@@ -99,7 +100,7 @@ impl RigidFemMotion {
     /// No equilibrium or too large a strain; a stop is reached; what the finite elements do not have has been switched on.
     pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64) -> Result<(), ModelError> {
         refuse_losses(reduced, inputs)?;
-        refuse_locks(reduced, inputs, &self.rigid)?;
+        refuse_locks(reduced, inputs, &self.rigid.state)?;
         let reference = self.reference;
         let changed = self.apply(reduced)?;
         self.advance(reduced, h).inspect_err(|_| {
@@ -113,7 +114,7 @@ impl RigidFemMotion {
 
     /// [`Self::step`] under the applied sizes.
     fn advance(&mut self, reduced: &Reduced, h: f64) -> Result<(), ModelError> {
-        let mut track = Track::new(reduced, &self.rigid)?;
+        let mut track = Track::new(reduced, &self.rigid.state)?;
         let (fem, slack) = (&self.fem, &self.slack);
         let (mut time, mut steps) = (0.0, 0);
         let lost = fem.advance_watched(
@@ -130,30 +131,31 @@ impl RigidFemMotion {
         )?;
         self.reference -= lost;
         self.steps += steps;
-        track.give(&mut self.rigid);
+        let (sigma, sigma_dot, revolutions) = track.place();
+        self.rigid.move_to(sigma, sigma_dot, revolutions);
         self.balanced = false;
         self.reactions.0 = false;
         Ok(())
     }
 
     /// An input has changed; those beyond the sized loads size nothing.
-    pub fn set(&mut self, input: usize, loads: usize, value: f64) {
+    pub fn set_input(&mut self, input: usize, loads: usize, value: f64) {
         if input < loads {
             self.sizes[input] = value;
             self.balanced = false;
             self.reactions.0 = false;
         }
-        self.rigid.cache.set(input, loads, value);
+        self.rigid.set_input(input, loads, value);
     }
 
     /// A Boolean input has changed.
-    pub fn forget(&mut self) {
-        self.rigid.cache.forget();
+    pub fn set_lock(&mut self) {
+        self.rigid.set_lock();
     }
 
     /// Whether the sigma that fits best is at a stop.
     pub fn at_stop(&self, reduced: &Reduced, stop: usize) -> bool {
-        self.rigid.at_stop(reduced, stop)
+        self.rigid.state.at_stop(reduced, stop)
     }
 
     /// Steps of Newmark's method so far.
@@ -163,12 +165,12 @@ impl RigidFemMotion {
 
     /// Turns of the curve so far, from its beginning.
     pub fn revolutions(&self) -> f64 {
-        self.rigid.revolutions()
+        self.rigid.state.revolutions()
     }
 
     /// Where the linkage is.
     pub fn describe(&self, reduced: &Reduced) -> String {
-        self.rigid.describe(reduced)
+        self.rigid.state.describe(reduced)
     }
 
     /// Take up sizes that have changed since the last step: the change of the loads' potential is work from outside. Tells

@@ -2,11 +2,11 @@
 use super::{RigidFemMotion, fem_step, finite_elements};
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::definition::Mechanism;
-use crate::mechanism::motion::{SavedState, state::State};
 use crate::mechanism::reactions::Reaction;
 use crate::mechanism::reduced::Reduced;
 use crate::mechanism::rigid_fem::{self, RigidFem};
 use crate::mechanism::{ModelError, dynamics::inputs::Inputs};
+use crate::mechanism::{motion::SavedState, outputs::ReducedMotion};
 use std::sync::Arc;
 
 /// An [`RigidFemMotion`] without what is found anew from it.
@@ -32,7 +32,7 @@ impl RigidFemMotion {
             applied: self.applied.clone(),
             reference: self.reference,
             slack: self.slack.clone(),
-            rigid: self.rigid.saved(),
+            rigid: self.rigid.state.saved(),
             steps: self.steps,
         }
     }
@@ -44,13 +44,13 @@ impl RigidFemMotion {
         saved.applied.clone_from(&self.applied);
         saved.slack.clone_from(&self.slack);
         (saved.fem_step, saved.reference, saved.steps) = (self.fem_step, self.reference, self.steps);
-        self.rigid.save(&mut saved.rigid);
+        self.rigid.state.save(&mut saved.rigid);
     }
 
     /// A state that goes on as the saved one did, under these inputs.
     ///
     /// # Errors
-    /// As [`State::from_saved`].
+    /// As [`ReducedMotion::from_saved`].
     pub fn from_saved(saved: &SavedElastic, reduced: &Reduced, inputs: &Inputs) -> Result<Self, ModelError> {
         Ok(Self {
             room: saved.fem.workspace(),
@@ -64,7 +64,7 @@ impl RigidFemMotion {
             reactions: (false, vec![Reaction::default(); reduced.linkage().joints.len()]),
             reference: saved.reference,
             slack: saved.slack.clone(),
-            rigid: State::from_saved(&saved.rigid, reduced, inputs)?,
+            rigid: ReducedMotion::from_saved(&saved.rigid, reduced, inputs)?,
             steps: saved.steps,
             state: saved.state.clone(),
         })

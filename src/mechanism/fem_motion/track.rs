@@ -65,13 +65,9 @@ impl<'a> Track<'a> {
         self.wrap(reduced)
     }
 
-    /// Hand the place over.
-    pub fn give(&self, rigid: &mut State) {
-        if rigid.revolutions != self.revolutions {
-            rigid.cache.recount();
-        }
-        (rigid.sigma, rigid.sigma_dot, rigid.revolutions) = (self.sigma, self.sigma_dot, self.revolutions);
-        rigid.cache.forget();
+    /// Sigma, sigma_dot and whole revolutions of the place reached.
+    pub fn place(&self) -> (f64, f64, f64) {
+        (self.sigma, self.sigma_dot, self.revolutions)
     }
 
     fn sums(&self, reduced: &Reduced, fem: &RigidFem, state: &rigid_fem::State) -> Sums {

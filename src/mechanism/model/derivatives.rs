@@ -127,7 +127,7 @@ impl Model {
             if end.to_bits() != value.to_bits() {
                 *value = end;
                 if let Some(Formulation::Reduced(state)) = &mut self.state {
-                    state.cache.set(i, loads, end);
+                    state.set_input(i, loads, end);
                 }
             }
         }

@@ -1,17 +1,19 @@
-//! The course of a motion over one communication step: integration from event to event.
+//! The advance over one communication step: a hybrid system, integrated from event to event.
 //!
-//! In: the motion, the travel, what holds. Out: the state at the exact end. Events - impacts on stops, bumpers touched and
-//! left, reversals of drives with an efficiency, changes of friction's stretch - are found on the interpolant of a step; impacts are
-//! polished on the integration itself. A step may go on beyond the communication step (`step_ahead.rs`).
-use crate::integrator::{Dense, IntegrationError, Integrator, Step, System};
-use crate::mechanism::dynamics::equation::EquationOfMotion;
-use crate::mechanism::loads::laws::friction::{Locked, Regime};
-use crate::mechanism::motion::events::{
-    AT_BORDER, Contact, Event, Found, Surroundings, bumper, first_event, outward, passage,
-};
+//! In: the dynamics, the ends of the travel, the contact there, a state. Out: the state at the exact end of the span,
+//! the contact there, the energy lost in impacts. Events - impacts on stops, bumpers touched and left, reversals of
+//! drives with an efficiency, changes of friction's regime - are found on the interpolant of a step; impacts are
+//! polished on the integration itself. A step may go on beyond the span (`step_ahead.rs`). It must not know what moves.
+use crate::integrator::{Dense, IntegrationError, Integrator, Step};
+use crate::mechanism::loads::laws::friction::Locked;
+use crate::mechanism::motion::contact::Contact;
+use crate::mechanism::motion::dynamics::Dynamics;
+use crate::mechanism::motion::ends::{Ends, outward};
+use crate::mechanism::motion::events::{Event, Found, REGIME_TOLERANCE, earliest_event};
 use crate::mechanism::motion::step_ahead::{Lookahead, StepAhead};
+use crate::numerics::bracket::first_rise;
 
-/// Why a course ended early.
+/// Why an advance ended early.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stopped {
     /// The integration stopped.
@@ -26,415 +28,398 @@ impl From<Locked> for Stopped {
     }
 }
 
-/// Flight between two impacts below which they are one contact [s].
-const FLIGHT: f64 = 1e-10;
-/// Height of a flight, in units of the last place of sigma, below which positions do not tell it from rest: four times
-/// what the search for the impact takes for rounding.
-const HEIGHT: f64 = 64.0 * f64::EPSILON;
+/// Time of flight between two impacts below which they are one contact [s].
+const SHORTEST_FLIGHT: f64 = 1e-10;
+/// Height of a flight below which its positions are rounding, in units of the last place of sigma: four times what the
+/// search for the impact takes for rounding.
+const LOWEST_FLIGHT: f64 = 64.0 * f64::EPSILON;
 
-/// What an advance goes by from one step to the next.
-struct Way<'a> {
-    around: &'a Surroundings,
-    tolerance: f64,
+/// The advance of a motion over one span.
+pub struct Advance<'a, D, const N: usize> {
+    /// What moves.
+    pub dynamics: &'a mut D,
+    /// What integrates it.
+    pub integrator: &'a mut Integrator<N>,
+    /// The step that goes on beyond the present, if one does.
+    pub lookahead: &'a mut Lookahead<N>,
+    /// The ends of the travel.
+    pub ends: &'a Ends,
+    /// Contact there.
+    pub contact: &'a mut Contact,
+    /// Relative tolerance.
+    pub tolerance: f64,
+    /// How far it has come: [`Progress::default`] at the start.
+    pub progress: Progress,
+}
+
+/// How far an advance has come.
+#[derive(Default)]
+pub struct Progress {
+    /// Time since the start of the span [s].
+    t: f64,
     /// Energy lost in impacts [J].
     lost: f64,
-    /// Whether the state has jumped: what is in touch and where pins are on their laws is to be looked at anew.
-    stale: bool,
-    /// A pin whose last change of stretch took no time: it goes along the border and stays where it is for one step.
-    along: Option<usize>,
+    /// Whether bumpers in contact and regimes of friction are those of the state: not at the start, nor after it has
+    /// jumped.
+    is_settled: bool,
+    /// Friction joint that changed regime at the very start of a step. It keeps its regime for the next step, to
+    /// prevent chattering.
+    held_regime: Option<usize>,
+    /// Whether a step may go on beyond the end of the span.
+    may_pass: bool,
 }
 
-/// Advance z = (sigma, sigma_dot, energy lost if N = 3) by exactly `span`; returns the energy lost in impacts [J].
-///
-/// # Errors
-/// [`Stopped`].
-#[expect(clippy::too_many_arguments, reason = "what is integrated, by whom, from where to where")]
-pub fn advance<'m, const N: usize>(
-    integrator: &mut Integrator<N>,
-    lookahead: &mut Lookahead<N>,
-    motion: &mut EquationOfMotion<'m>,
-    around: &Surroundings,
-    contact: &mut Contact,
-    z: &mut [f64; N],
-    span: f64,
-    tolerance: f64,
-) -> Result<f64, Stopped>
-where
-    EquationOfMotion<'m>: System<N>,
-{
-    let mut way = Way { around, tolerance, lost: 0.0, stale: true, along: None };
-    let mut t = 0.0;
-    if let Some(ahead) = &mut lookahead.step_ahead {
-        if span < ahead.rest() {
-            *z = ahead.read(span);
+/// What follows from the state at one instant.
+enum Instant {
+    /// The mechanism is held at rest to the end of the span.
+    Held,
+    /// A transition that took no time, or a release: what follows is to be found anew.
+    Changed,
+    /// The mechanism moves.
+    Moves,
+}
+
+impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
+    /// Advance z = (sigma, sigma_dot, energy lost if N = 3) by exactly `span` [s]; returns the energy lost in impacts
+    /// [J].
+    ///
+    /// # Errors
+    /// [`Stopped`].
+    pub fn run(mut self, z: &mut [f64; N], span: f64) -> Result<f64, Stopped> {
+        if self.resume(z, span)? {
             return Ok(0.0);
         }
-        t = ahead.rest();
-        *z = ahead.last();
-        motion.time = t;
-        let middle = ahead.middle();
-        motion.set_regimes(middle[0], middle[1]);
-        way.stale = false;
-        let event = ahead.event;
-        lookahead.step_ahead = None;
-        if let Some(event) = event {
-            happen((event, false), integrator, motion, contact, z, &mut way)?;
-        }
-    }
-    let mut may_pass = lookahead.is_calm();
-    while t < span {
-        motion.time = t;
-        if let Some(side) = contact.resting {
-            if around.locked[side] {
-                return Ok(way.lost);
+        self.progress.may_pass = self.lookahead.may_pass();
+        while self.progress.t < span {
+            match self.instant(z, span)? {
+                Instant::Held => break,
+                Instant::Changed => continue,
+                Instant::Moves => {}
             }
-            if rests(motion, around, side, z[0])? {
-                let off = |motion: &mut EquationOfMotion| Ok(-motion.settle(z[0], 0.0)? * outward(side));
-                match release(motion, t, span, &off)? {
-                    Some(at) if at < span => t = at,
-                    _ => return Ok(way.lost),
-                }
-            }
-            motion.time = t;
-            contact.resting = None;
-            integrator.restart();
-            way.stale = true;
-            // Between two stops at one place, what one lets go the other may hold.
-            let other = 1 - side;
-            if at(around, other, z[0]) && (around.locked[other] || rests(motion, around, other, z[0])?) {
-                contact.resting = Some(other);
-                continue;
-            }
-        }
-        if let Some(side) = pushes_out(motion, around, z) {
-            way.lost += strike(motion, around, contact, side, z, tolerance)?;
-            integrator.restart();
-            way.stale = true;
-            continue;
-        }
-        if way.stale {
-            meet_bumpers(motion, around, contact, z)?;
-            let leaves = |side: usize| z[1] * outward(side) < 0.0 && at(around, side, z[0]);
-            if let Some(side) = (0..2).find(|&side| leaves(side) && rigid(motion, around, side)) {
-                way.lost += calm(motion, contact, side, z, tolerance)?;
-                if contact.resting.is_some() {
+            // Continuous step.
+            let t = self.progress.t;
+            let beyond = self.progress.may_pass && self.integrator.outlasts(span - t);
+            let end = if beyond { f64::INFINITY } else { span };
+            let step = self.integrator.step(self.dynamics, t, z, end, self.tolerance);
+            let step = match &step {
+                Ok(step) => step,
+                Err(_) if beyond => {
+                    // What is beyond the span is of no concern yet.
+                    self.stay_within();
+                    self.dynamics.take_locked();
                     continue;
                 }
-            }
-        }
-        motion.mode.touching = contact.touching;
-        if std::mem::take(&mut way.stale) {
-            motion.set_regimes(z[0], z[1]);
-        }
-        if motion.reverses() {
-            motion.mode.direction = motion.direction(z[0], z[1])?;
-            if motion.mode.direction == 0.0 {
-                let off = |motion: &mut EquationOfMotion| {
-                    let mut most = f64::NEG_INFINITY;
-                    for direction in [1.0, -1.0] {
-                        motion.mode.direction = direction;
-                        most = most.max(motion.effect(z[0], 0.0)?.acceleration * direction);
-                    }
-                    Ok(most)
-                };
-                match release(motion, t, span, &off)? {
-                    Some(at) if at < span => t = at,
-                    _ => return Ok(way.lost),
+                Err(_) if self.dynamics.take_locked() => return Err(Stopped::Locked),
+                Err(error) => return Err(Stopped::Integration(*error)),
+            };
+            // Earliest event in it.
+            let (mut dense, held_regime) = (None, self.progress.held_regime.take());
+            let around = (self.ends, &*self.contact);
+            let found = earliest_event(self.dynamics, self.integrator, around, step, held_regime, &mut dense);
+            let shorter = found.as_ref().and_then(|found| self.locate(step, found, dense.as_ref()));
+            let (h, state) = match (&found, &shorter) {
+                (_, Some(shorter)) => (shorter.h, shorter.end),
+                (Some(found), None) => (found.part * step.h, found.state),
+                (None, None) => (step.h, step.end),
+            };
+            if beyond && t + h > span {
+                let kept = shorter.as_ref().unwrap_or(step);
+                let dense = dense.filter(|_| shorter.is_none());
+                let dense = dense.unwrap_or_else(|| self.integrator.dense(self.dynamics, kept));
+                if !self.is_exact(kept, &dense) {
+                    // To be made again, to the end of the span.
+                    self.stay_within();
+                    self.integrator.branch_off();
+                    self.progress.held_regime = held_regime;
+                    continue;
                 }
-                integrator.restart();
-                way.stale = true;
-                continue;
-            }
-        }
-        let beyond = may_pass && integrator.outlasts(span - t);
-        let step = integrator.step(motion, t, z, if beyond { f64::INFINITY } else { span }, tolerance);
-        let step = match &step {
-            Ok(step) => step,
-            Err(_) if beyond => {
-                // What is beyond the span is of no concern yet.
-                lookahead.failed();
-                (may_pass, motion.locked) = (false, false);
-                continue;
-            }
-            Err(error) => return Err(failure(motion, *error)),
-        };
-        let mut dense = None;
-        let along = way.along.take();
-        let found = first_event(integrator, motion, around, contact, step, along, &mut dense);
-        let retaken = found.as_ref().and_then(|found| {
-            let exact = dense.as_ref().is_some_and(|dense| is_exact(motion, step, dense, tolerance));
-            land(integrator, motion, around, step, found, exact)
-        });
-        let (h, there) = match (&found, &retaken) {
-            (_, Some(retaken)) => (retaken.h, retaken.end),
-            (Some(found), None) => (found.part * step.h, found.state),
-            (None, None) => (step.h, step.end),
-        };
-        if beyond && t + h > span {
-            let kept = retaken.as_ref().unwrap_or(step);
-            let dense = dense.filter(|_| retaken.is_none()).unwrap_or_else(|| integrator.dense(motion, kept));
-            if !is_exact(motion, kept, &dense, tolerance) {
-                // To be made again, to the end of the span.
-                lookahead.failed();
-                integrator.branch_off();
-                (may_pass, way.along) = (false, along);
-                continue;
-            }
-            let event = found.map(|found| found.event).filter(|event| *event != Event::Unknown);
-            let mut ahead = StepAhead { dense, h: kept.h, end: h, there, event, now: 0.0, from: [0.0; N] };
-            *z = ahead.read(span - t);
-            lookahead.keep(ahead);
-            break;
-        }
-        *z = there;
-        t += h;
-        motion.time = t;
-        match found {
-            Some(Found { event, part, .. }) => {
-                happen((event, part <= AT_BORDER), integrator, motion, contact, z, &mut way)?;
-            }
-            None if step.reached => break,
-            None => {}
-        }
-    }
-    Ok(way.lost)
-}
-
-/// Whether states may be taken from the interpolant of a step.
-fn is_exact<'m, const N: usize>(
-    motion: &mut EquationOfMotion<'m>,
-    step: &Step<N>,
-    dense: &Dense<N>,
-    tolerance: f64,
-) -> bool
-where
-    EquationOfMotion<'m>: System<N>,
-{
-    let Some([first, _]) = step.rates() else { return false };
-    let scale = motion.scale(&step.start, first);
-    step.interpolates() && dense.is_within(tolerance, &scale)
-}
-
-/// Land on an event: on the interpolant if that is exact, or by a step that ends there, which is returned; on an end of the
-/// travel to the last digit.
-fn land<'m, const N: usize>(
-    integrator: &mut Integrator<N>,
-    motion: &mut EquationOfMotion<'m>,
-    around: &Surroundings,
-    step: &Step<N>,
-    found: &Found<N>,
-    exact: bool,
-) -> Option<Step<N>>
-where
-    EquationOfMotion<'m>: System<N>,
-{
-    let smooth = matches!(found.event, Event::Regime(_) | Event::Bumper(_) | Event::Reversal);
-    if smooth && exact {
-        integrator.branch_off();
-        return None;
-    }
-    let mut retaken = integrator.retake(motion, step, found.part * step.h);
-    if let Event::End(side) = found.event {
-        for _ in 1..6 {
-            let miss = around.travel[side].map_or(0.0, |e| e.position - retaken.end[0]);
-            let correction = miss / retaken.end[1];
-            let small = correction.abs() <= 1e-15 * (step.t + step.h)
-                || miss.abs() <= 4.0 * f64::EPSILON * retaken.end[0].abs();
-            let next = retaken.h + correction;
-            if small || !(next > 0.0 && next <= step.h && correction.abs() < 0.1 * step.h) {
+                let event = found.map(|found| found.event).filter(|event| *event != Event::Undefined);
+                *z = self.lookahead.keep(StepAhead::new(dense, kept.h, (h, state), event), span - t);
                 break;
             }
-            retaken = integrator.retake(motion, step, next);
-        }
-    }
-    Some(retaken)
-}
-
-/// What an event does that has come, at the state z.
-///
-/// # Errors
-/// [`Locked`].
-fn happen<'m, const N: usize>(
-    (event, at_once): (Event, bool),
-    integrator: &mut Integrator<N>,
-    motion: &mut EquationOfMotion<'m>,
-    contact: &mut Contact,
-    z: &mut [f64; N],
-    way: &mut Way,
-) -> Result<(), Locked>
-where
-    EquationOfMotion<'m>: System<N>,
-{
-    match event {
-        Event::Regime(_) | Event::Unknown => integrator.refresh(),
-        _ => {
-            integrator.restart();
-            way.stale = true;
-        }
-    }
-    match event {
-        Event::End(side) => way.lost += strike(motion, way.around, contact, side, z, way.tolerance)?,
-        Event::Bumper(side) => {
-            contact.touching[side] =
-                if contact.touching[side].is_some() { None } else { bumper(motion, way.around, side) };
-        }
-        Event::Reversal => z[1] = 0.0,
-        Event::Unknown => {}
-        Event::Regime(friction_joint) => {
-            let Some(state_loads) = motion.state_loads else { return Ok(()) };
-            let (law, regime) = (
-                state_loads.friction_joints[friction_joint].law,
-                motion.scratch.evaluator.regime(friction_joint).unwrap_or(Regime::Viscous),
-            );
-            let next = law.next(regime, motion.slip(friction_joint, z[0], z[1]));
-            motion.set_regime(friction_joint, Some(next));
-            if at_once {
-                way.along = Some(friction_joint);
+            // Transition.
+            *z = state;
+            self.progress.t += h;
+            match found {
+                Some(Found { event, part, .. }) => self.apply_event(event, part <= REGIME_TOLERANCE, z)?,
+                None if step.reached => break,
+                None => {}
             }
         }
+        Ok(self.progress.lost)
     }
-    Ok(())
-}
 
-/// When what holds the mechanism at rest lets it go, under inputs that change with time: where `off`, <= 0 at t = `from`
-/// while it is held, becomes positive before `end`. At rest it is a parabola in time for every direction of the drives and
-/// without air; a passage there and back within a 64th of the time is not seen.
-///
-/// # Errors
-/// [`Locked`].
-fn release(
-    motion: &mut EquationOfMotion,
-    from: f64,
-    end: f64,
-    off: &dyn Fn(&mut EquationOfMotion) -> Result<f64, Locked>,
-) -> Result<Option<f64>, Locked> {
-    const SAMPLES: usize = 64;
-    const CLOSE: f64 = 1e-15;
-    if motion.given.change.is_none() {
-        return Ok(None);
-    }
-    let time = |s: f64| from + (end - from) * s;
-    let (mut a, mut at_a) = (0.0, off(motion)?.min(0.0));
-    for i in 1..=SAMPLES {
-        let b = i as f64 / SAMPLES as f64;
-        motion.time = time(b);
-        let at_b = off(motion)?;
-        if at_b > 0.0 {
-            let mut beyond = |s: f64| {
-                motion.time = time(s);
-                off(motion).unwrap_or(-1.0)
-            };
-            return Ok(Some(time(passage(&mut beyond, (a, at_a), (b, at_b), CLOSE))));
+    /// Go on from a step that went beyond the last span: read the state at the end of this span from it and return
+    /// true, or go to the end of that step.
+    fn resume(&mut self, z: &mut [f64; N], span: f64) -> Result<bool, Locked> {
+        let Some(ahead) = &mut self.lookahead.step_ahead else { return Ok(false) };
+        if span < ahead.rest() {
+            *z = ahead.read(span);
+            return Ok(true);
         }
-        (a, at_a) = (b, at_b);
+        *z = ahead.end_state();
+        self.progress.t = ahead.rest();
+        self.progress.is_settled = true;
+        self.dynamics.set_time(self.progress.t);
+        let middle = ahead.middle();
+        self.dynamics.set_regimes(middle[0], middle[1]);
+        let event = ahead.event;
+        self.lookahead.step_ahead = None;
+        if let Some(event) = event {
+            self.apply_event(event, false, z)?;
+        }
+        Ok(false)
     }
-    Ok(None)
-}
 
-fn failure(motion: &EquationOfMotion, error: IntegrationError) -> Stopped {
-    if motion.locked { Stopped::Locked } else { Stopped::Integration(error) }
-}
+    /// A step beyond the span was in vain: the next ones end with it.
+    fn stay_within(&mut self) {
+        self.lookahead.failed();
+        self.progress.may_pass = false;
+    }
 
-fn rigid(motion: &EquationOfMotion, around: &Surroundings, side: usize) -> bool {
-    around.travel[side].is_some_and(|e| motion.reduced.loading().stops[e.stop].rigid)
-}
+    /// The state has jumped.
+    fn jumped(&mut self) {
+        self.integrator.restart();
+        self.progress.is_settled = false;
+    }
 
-/// Whether a mechanism at rest at an end stays there: the loads press it against a rigid stop.
-pub fn rests(motion: &mut EquationOfMotion, around: &Surroundings, side: usize, sigma: f64) -> Result<bool, Locked> {
-    Ok(rigid(motion, around, side) && motion.settle(sigma, 0.0)? * outward(side) >= 0.0)
-}
-
-/// Whether the mechanism is exactly at an end.
-fn at(around: &Surroundings, side: usize, sigma: f64) -> bool {
-    around.travel[side].is_some_and(|e| sigma == e.position)
-}
-
-/// A mechanism that sets out from the place of a bumper, outward, presses it from the start on.
-fn meet_bumpers<const N: usize>(
-    motion: &mut EquationOfMotion,
-    around: &Surroundings,
-    contact: &mut Contact,
-    z: &[f64; N],
-) -> Result<(), Locked> {
-    for side in 0..2 {
-        if let (true, None, Some(k)) = (at(around, side, z[0]), contact.touching[side], bumper(motion, around, side)) {
-            let outward = outward(side);
-            if z[1] * outward > 0.0 || (z[1] == 0.0 && motion.settle(z[0], 0.0)? * outward > 0.0) {
-                contact.touching[side] = Some(k);
+    /// What follows from the state before a step: rest, impacts, bumpers touched, the mode of friction and drives.
+    ///
+    /// # Errors
+    /// [`Locked`].
+    fn instant(&mut self, z: &mut [f64; N], span: f64) -> Result<Instant, Locked> {
+        self.dynamics.set_time(self.progress.t);
+        if let Some(side) = self.contact.at_rest() {
+            return self.rest(side, z[0], span);
+        }
+        if let Some(side) = self.pushed_end(z) {
+            self.impact(side, z)?;
+            self.jumped();
+            return Ok(Instant::Changed);
+        }
+        if !self.progress.is_settled {
+            self.touch_bumpers(z)?;
+            let leaves = |side: usize| z[1] * outward(side) < 0.0 && self.ends.is_at(side, z[0]);
+            if let Some(side) = (0..2).find(|&side| leaves(side) && self.ends.is_rigid(side)) {
+                self.progress.lost += self.end_bouncing(side, z)?;
+                if self.contact.at_rest().is_some() {
+                    return Ok(Instant::Changed);
+                }
             }
         }
-    }
-    Ok(())
-}
-
-/// Side on which the mechanism is at a rigid end, or at a lock that is engaged, and moves outward.
-fn pushes_out<const N: usize>(motion: &EquationOfMotion, around: &Surroundings, z: &[f64; N]) -> Option<usize> {
-    (0..2).find(|&side| {
-        let moves = z[1] * outward(side) > 0.0;
-        let at = around.travel[side].is_some_and(|e| (z[0] - e.position) * outward(side) >= 0.0);
-        moves && at && rigid(motion, around, side)
-    })
-}
-
-/// The mechanism comes to an end of its travel: it is caught, bounces, comes to rest or meets a bumper. Returns the energy
-/// lost [J].
-fn strike<const N: usize>(
-    motion: &mut EquationOfMotion,
-    around: &Surroundings,
-    contact: &mut Contact,
-    side: usize,
-    z: &mut [f64; N],
-    tolerance: f64,
-) -> Result<f64, Locked> {
-    let Some(end) = around.travel[side] else { return Ok(0.0) };
-    let before = 0.5 * z[1] * z[1];
-    z[0] = end.position;
-    if around.locked[side] {
-        z[1] = 0.0;
-        contact.resting = Some(side);
-        return Ok(before);
-    }
-    if !rigid(motion, around, side) {
-        if z[1] * outward(side) > 0.0 {
-            contact.touching[side] = bumper(motion, around, side);
+        self.dynamics.set_touching(self.contact.touching());
+        if !self.progress.is_settled {
+            self.dynamics.set_regimes(z[0], z[1]);
+            self.progress.is_settled = true;
         }
-        return Ok(0.0);
+        if self.dynamics.has_reversals() && self.dynamics.find_direction(z[0], z[1])? == 0.0 {
+            return self.wait_for_drives(z[0], span);
+        }
+        Ok(Instant::Moves)
     }
-    if at(around, 1 - side, end.position) && rigid(motion, around, 1 - side) {
-        // No room between two stops: there is no motion.
+
+    /// At rest at an end: held by a lock, or by a stop until the loads no longer press the mechanism against it.
+    fn rest(&mut self, side: usize, sigma: f64, span: f64) -> Result<Instant, Locked> {
+        if self.contact.is_latched(side) {
+            return Ok(Instant::Held);
+        }
+        if self.is_pressed(side, sigma)? {
+            let pull = |dynamics: &mut D| Ok(-dynamics.free_acceleration(sigma, 0.0)? * outward(side));
+            if !self.wait_until(span, pull)? {
+                return Ok(Instant::Held);
+            }
+        }
+        self.contact.released(side);
+        self.jumped();
+        // Between two stops at one place, what one lets go the other may hold.
+        let other = 1 - side;
+        if self.ends.is_at(other, sigma) && (self.ends.locked[other] || self.is_pressed(other, sigma)?) {
+            self.contact.rests(other, self.ends.locked[other]);
+        }
+        Ok(Instant::Changed)
+    }
+
+    /// Held at rest by drives with an efficiency, until the loads overcome them in one direction.
+    fn wait_for_drives(&mut self, sigma: f64, span: f64) -> Result<Instant, Locked> {
+        let excess = |dynamics: &mut D| {
+            let mut most = f64::NEG_INFINITY;
+            for direction in [1.0, -1.0] {
+                most = most.max(dynamics.acceleration_from_rest(sigma, direction)? * direction);
+            }
+            Ok(most)
+        };
+        if !self.wait_until(span, excess)? {
+            return Ok(Instant::Held);
+        }
+        self.jumped();
+        Ok(Instant::Changed)
+    }
+
+    /// Go on in time, at rest, to where `excess`, <= 0 while the mechanism is held, becomes positive under inputs that
+    /// change with time; false if it does not before the end of the span. At rest the excess is a parabola in time for
+    /// every direction of the drives and without air; a passage there and back within a 64th of the time is not seen.
+    fn wait_until(&mut self, span: f64, mut excess: impl FnMut(&mut D) -> Result<f64, Locked>) -> Result<bool, Locked> {
+        const SAMPLES: usize = 64;
+        const CLOSE: f64 = 1e-15;
+        if !self.dynamics.inputs_change() {
+            return Ok(false);
+        }
+        let from = self.progress.t;
+        let time = |s: f64| from + (span - from) * s;
+        let excess_at = |s: f64| {
+            self.dynamics.set_time(time(s));
+            excess(self.dynamics)
+        };
+        let Some(t) = first_rise(excess_at, SAMPLES, CLOSE)?.map(time).filter(|&t| t < span) else { return Ok(false) };
+        self.progress.t = t;
+        self.dynamics.set_time(t);
+        Ok(true)
+    }
+
+    /// Whether the loads press a mechanism at rest at an end against a rigid stop.
+    fn is_pressed(&mut self, side: usize, sigma: f64) -> Result<bool, Locked> {
+        Ok(self.ends.is_rigid(side) && self.ends.is_pressed(side, self.dynamics.free_acceleration(sigma, 0.0)?))
+    }
+
+    /// Side on which the mechanism is at a rigid stop and moves outward.
+    fn pushed_end(&self, z: &[f64; N]) -> Option<usize> {
+        (0..2).find(|&side| {
+            let moves = z[1] * outward(side) > 0.0;
+            let is_at = |position: f64| (z[0] - position) * outward(side) >= 0.0;
+            moves && self.ends.travel[side].is_some_and(|end| is_at(end.position)) && self.ends.is_rigid(side)
+        })
+    }
+
+    /// A mechanism that sets out outward from the end where a bumper begins presses that bumper from the start.
+    fn touch_bumpers(&mut self, z: &[f64; N]) -> Result<(), Locked> {
+        for side in 0..2 {
+            let touches = self.contact.touching()[side].is_some();
+            if let (true, false, Some(bumper)) = (self.ends.is_at(side, z[0]), touches, self.ends.bumper(side)) {
+                let outward = outward(side);
+                let sets_out = |dynamics: &mut D| Ok(dynamics.free_acceleration(z[0], 0.0)? * outward > 0.0);
+                if z[1] * outward > 0.0 || (z[1] == 0.0 && sets_out(self.dynamics)?) {
+                    self.contact.touched(side, bumper);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether states may be taken from the interpolant of a step.
+    fn is_exact(&mut self, step: &Step<N>, dense: &Dense<N>) -> bool {
+        let Some([first, _]) = step.rates() else { return false };
+        let scale = self.dynamics.scale(&step.start, first);
+        step.interpolates() && dense.is_within(self.tolerance, &scale)
+    }
+
+    /// Locate an event: on the interpolant if that is exact, or by a step that ends there, which is returned; an end of
+    /// the travel to the last digit.
+    fn locate(&mut self, step: &Step<N>, found: &Found<N>, dense: Option<&Dense<N>>) -> Option<Step<N>> {
+        let is_smooth = matches!(found.event, Event::Regime(_) | Event::Bumper(_) | Event::Reversal);
+        if is_smooth && dense.is_some_and(|dense| self.is_exact(step, dense)) {
+            self.integrator.branch_off();
+            return None;
+        }
+        let mut shorter = self.integrator.retake(self.dynamics, step, found.part * step.h);
+        if let Event::End(side) = found.event {
+            for _ in 1..6 {
+                let miss = self.ends.travel[side].map_or(0.0, |end| end.position - shorter.end[0]);
+                let correction = miss / shorter.end[1];
+                let is_small = correction.abs() <= 1e-15 * (step.t + step.h)
+                    || miss.abs() <= 4.0 * f64::EPSILON * shorter.end[0].abs();
+                let next = shorter.h + correction;
+                if is_small || !(next > 0.0 && next <= step.h && correction.abs() < 0.1 * step.h) {
+                    break;
+                }
+                shorter = self.integrator.retake(self.dynamics, step, next);
+            }
+        }
+        Some(shorter)
+    }
+
+    /// The transition that an event at the state z causes. `at_once`: it came at the very start of its step.
+    ///
+    /// # Errors
+    /// [`Locked`].
+    fn apply_event(&mut self, event: Event, at_once: bool, z: &mut [f64; N]) -> Result<(), Locked> {
+        match event {
+            Event::Undefined => self.integrator.refresh(),
+            Event::Regime(joint) => {
+                self.integrator.refresh();
+                self.dynamics.change_regime(joint, z[0], z[1]);
+                self.progress.held_regime = at_once.then_some(joint);
+            }
+            Event::Reversal => {
+                self.jumped();
+                z[1] = 0.0;
+            }
+            Event::Bumper(side) => {
+                self.jumped();
+                match (self.contact.touching()[side], self.ends.bumper(side)) {
+                    (None, Some(bumper)) => self.contact.touched(side, bumper),
+                    _ => self.contact.left(side),
+                }
+            }
+            Event::End(side) => {
+                self.jumped();
+                self.impact(side, z)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The mechanism comes to an end of its travel: a lock catches it, it touches a bumper, bounces, or comes to rest.
+    ///
+    /// # Errors
+    /// [`Locked`].
+    fn impact(&mut self, side: usize, z: &mut [f64; N]) -> Result<(), Locked> {
+        let Some(end) = self.ends.travel[side] else { return Ok(()) };
+        z[0] = end.position;
+        let before = 0.5 * z[1] * z[1];
+        let other = 1 - side;
+        let restitution = self.ends.restitution(side);
+        // Between two stops at one place there is no motion.
+        let is_caught = restitution.is_some() && self.ends.is_at(other, end.position) && self.ends.is_rigid(other);
+        if self.ends.locked[side] || is_caught {
+            z[1] = 0.0;
+            self.contact.rests(side, self.ends.locked[side]);
+            self.progress.lost += before;
+        } else if let Some(restitution) = restitution {
+            // Newton's law of impact.
+            z[1] *= -restitution;
+            let after = 0.5 * z[1] * z[1];
+            self.progress.lost += before - after + self.end_bouncing(side, z)?;
+        } else if let (true, Some(bumper)) = (z[1] * outward(side) > 0.0, self.ends.bumper(side)) {
+            self.contact.touched(side, bumper);
+        }
+        Ok(())
+    }
+
+    /// A mechanism that leaves a rigid stop against the loads comes to rest there if its flight would be too short or
+    /// too low. Returns the energy lost by that [J].
+    ///
+    /// # Errors
+    /// [`Locked`].
+    fn end_bouncing(&mut self, side: usize, z: &mut [f64; N]) -> Result<f64, Locked> {
+        let speed = -z[1] * outward(side);
+        if speed < 0.0 {
+            return Ok(0.0);
+        }
+        let rests = speed == 0.0 || {
+            let press = self.dynamics.free_acceleration(z[0], 0.0)? * outward(side);
+            let fall = (self.dynamics.length() / press.abs()).sqrt();
+            let shortest = SHORTEST_FLIGHT.max(0.1 * self.tolerance * fall);
+            let (duration, height) = (2.0 * speed / press, 0.5 * speed * speed / press);
+            press > 0.0 && (duration < shortest || height < LOWEST_FLIGHT * z[0].abs())
+        };
+        if !rests {
+            return Ok(0.0);
+        }
         z[1] = 0.0;
-        contact.resting = Some(side);
-        return Ok(before);
+        self.contact.rests(side, self.ends.locked[side]);
+        Ok(0.5 * speed * speed)
     }
-    // Newton's law of impact.
-    z[1] *= -motion.reduced.loading().stops[end.stop].restitution;
-    let after = 0.5 * z[1] * z[1];
-    Ok(before - after + calm(motion, contact, side, z, tolerance)?)
 }
 
-/// A mechanism that leaves a rigid end against the loads comes to rest there if its flight is too short or too low.
-/// Returns the energy lost [J].
-fn calm<const N: usize>(
-    motion: &mut EquationOfMotion,
-    contact: &mut Contact,
-    side: usize,
-    z: &mut [f64; N],
-    tolerance: f64,
-) -> Result<f64, Locked> {
-    let speed = -z[1] * outward(side);
-    if speed < 0.0 {
-        return Ok(0.0);
-    }
-    let rests = speed == 0.0 || {
-        let press = motion.settle(z[0], 0.0)? * outward(side);
-        let shortest = FLIGHT.max(0.1 * tolerance * (motion.reduced.scale() / press.abs()).sqrt());
-        let (duration, height) = (2.0 * speed / press, 0.5 * speed * speed / press);
-        press > 0.0 && (duration < shortest || height < HEIGHT * z[0].abs())
-    };
-    if !rests {
-        return Ok(0.0);
-    }
-    z[1] = 0.0;
-    contact.resting = Some(side);
-    Ok(0.5 * speed * speed)
-}
+#[cfg(test)]
+mod tests;

@@ -1,6 +1,11 @@
 //! The motion in time: the state, its steps, the events in them.
 pub mod advance;
+pub mod contact;
+pub mod dynamics;
+pub mod ends;
+mod energy;
 pub mod events;
+mod memory;
 mod saved;
 pub mod state;
 pub mod step_ahead;

@@ -1,21 +1,26 @@
-//! What of a state of motion decides how it goes on.
-use super::state::{Memory, State, blows, state_loads, state_loads_in_air};
+//! Saved states: the part of a state of motion that decides how it continues.
+//!
+//! In: a state, or a record. Out: a state that continues bit for bit as the saved one would have. It must not know
+//! outputs.
+use super::memory::Memory;
+use super::state::{State, blows, state_loads, state_loads_in_air};
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::dynamics::equation::Scratch;
-use crate::mechanism::motion::events::{Contact, Event};
+use crate::mechanism::motion::contact::Contact;
+use crate::mechanism::motion::ends::{End, StopKind, Travel};
+use crate::mechanism::motion::events::Event;
 use crate::mechanism::motion::step_ahead::{Lookahead, StepAhead};
-use crate::mechanism::motion::travel::{End, Travel};
-use crate::mechanism::outputs::Cache;
+use crate::mechanism::motion::travel::stop_kind;
 use crate::mechanism::reduced::Reduced;
 use crate::mechanism::{ModelError, dynamics::inputs::Inputs};
 use crate::numerics::dual::{become_same, same_bits};
 
 /// Part of a closed curve's length by which sigma may be beyond its ends by rounding.
 const ROUNDING: f64 = 1e-12;
-/// Most turns, so that one of them still counts.
+/// Most revolutions, so that one more of them still counts.
 const MOST_REVOLUTIONS: f64 = 1e15;
 
-/// A [`State`] without what is found anew from it.
+/// A [`State`] without what is derived from it.
 #[derive(Clone, Debug)]
 pub struct SavedState {
     sigma: f64,
@@ -30,7 +35,7 @@ pub struct SavedState {
 }
 
 impl State {
-    /// What decides how it goes on.
+    /// The part that decides how the state continues.
     pub fn saved(&self) -> SavedState {
         SavedState {
             sigma: self.sigma,
@@ -45,7 +50,7 @@ impl State {
         }
     }
 
-    /// [`Self::saved`] in the place of another one, without allocation.
+    /// [`Self::saved`] written over another one, without allocation.
     #[inline]
     pub fn save(&self, saved: &mut SavedState) {
         (saved.sigma, saved.sigma_dot, saved.revolutions) = (self.sigma, self.sigma_dot, self.revolutions);
@@ -55,15 +60,13 @@ impl State {
         saved.memory.copy_from(&self.memory);
     }
 
-    /// A state that goes on as the saved one did, under these inputs.
+    /// A state that continues as the saved one did, under these inputs.
     ///
     /// # Errors
     /// [`ModelError::Table`]: a reaction that causes friction is not smooth.
     pub fn from_saved(saved: &SavedState, reduced: &Reduced, inputs: &Inputs) -> Result<Self, ModelError> {
-        let (then, now) = (
-            state_loads_in_air(reduced, saved.airspeed, saved.revolutions)?,
-            state_loads(reduced, inputs, saved.revolutions)?,
-        );
+        state_loads(reduced, inputs, saved.revolutions)?;
+        let then = state_loads_in_air(reduced, saved.airspeed, saved.revolutions)?;
         Ok(Self {
             sigma: saved.sigma,
             sigma_dot: saved.sigma_dot,
@@ -76,41 +79,35 @@ impl State {
             reference: saved.reference,
             memory: saved.memory,
             scratch: Scratch::new(then),
-            cache: Cache::new(reduced, now, &inputs.reals),
         })
     }
 
-    /// [`Self::from_saved`] in place, with the same reduced model, and with the inputs if they are not the present ones; without
-    /// allocation unless air has begun or ceased to act.
+    /// [`Self::from_saved`] in place, with the same reduced model; without allocation unless air has begun or ceased to
+    /// act.
     ///
     /// # Errors
     /// As [`Self::from_saved`]; nothing has changed.
     #[inline]
-    pub fn restore(&mut self, saved: &SavedState, reduced: &Reduced, inputs: Option<&[f64]>) -> Result<(), ModelError> {
+    pub fn restore(&mut self, saved: &SavedState, reduced: &Reduced) -> Result<(), ModelError> {
         if blows(reduced, saved.airspeed) != self.scratch.air {
-            self.renew_work(saved, reduced)?;
+            self.renew_scratch(saved, reduced)?;
         }
         if !same_bits(&saved.applied, &self.applied) {
             self.applied.copy_from_slice(&saved.applied);
-            self.scratch.panel_force.forget();
+            self.scratch.panel_force.invalidate();
         }
         if saved.revolutions != self.revolutions {
-            self.scratch.panel_force.forget();
-            self.cache.recount();
+            self.scratch.panel_force.invalidate();
         }
         (self.sigma, self.sigma_dot, self.revolutions) = (saved.sigma, saved.sigma_dot, saved.revolutions);
         (self.contact, self.travel) = (saved.contact, saved.travel);
         (self.airspeed, self.reference) = (saved.airspeed, saved.reference);
         self.memory.copy_from(&saved.memory);
-        match inputs {
-            Some(inputs) => self.cache.renew(&inputs[..reduced.loading().inputs.len()]),
-            None => self.cache.forget(),
-        }
         Ok(())
     }
 
     #[cold]
-    fn renew_work(&mut self, saved: &SavedState, reduced: &Reduced) -> Result<(), ModelError> {
+    fn renew_scratch(&mut self, saved: &SavedState, reduced: &Reduced) -> Result<(), ModelError> {
         let then = state_loads_in_air(reduced, saved.airspeed, saved.revolutions)?;
         if then.is_some_and(|s| s.air) != self.scratch.air {
             self.scratch = Scratch::new(then);
@@ -138,6 +135,9 @@ impl SavedState {
         };
         saved.record(record)?;
         saved.check(reduced)?;
+        for end in saved.travel.iter_mut().flatten() {
+            end.kind = stop_kind(reduced.loading(), end.stop);
+        }
         Ok(saved)
     }
 
@@ -150,12 +150,10 @@ impl SavedState {
         record.finite("sigma_dot", &mut self.sigma_dot)?;
         let allowed = |revolutions: f64| revolutions.fract() == 0.0 && revolutions.abs() <= MOST_REVOLUTIONS;
         record.number("turns", &mut self.revolutions, allowed, "a whole number")?;
-        record.option("resting", &mut self.contact.resting, || 0, |record, side| record.place("resting", side, 2))?;
-        for touching in &mut self.contact.touching {
-            record.option("touching", touching, || 0, |record, k| record.place("touching", k, usize::MAX))?;
-        }
+        self.contact.record(record)?;
         for end in &mut self.travel {
-            let blank = || End { position: 0.0, stop: 0 };
+            // The kind of the stop follows from the parameters.
+            let blank = || End { position: 0.0, stop: 0, kind: StopKind::Rigid { restitution: 0.0 } };
             record.option("end of the travel", end, blank, |record, end| {
                 record.finite("end of the travel", &mut end.position)?;
                 record.place("stop", &mut end.stop, usize::MAX)
@@ -193,15 +191,15 @@ impl SavedState {
         let loading = reduced.loading();
         for end in self.travel.iter().flatten() {
             if loading.stops.get(end.stop).is_none_or(|stop| !stop.enabled) {
-                return refuse(format!("stop = {}: there is none enabled at this place", end.stop));
+                return refuse(format!("stop = {}: there is none enabled with this index", end.stop));
             }
         }
-        if self.contact.resting.is_some_and(|side| self.travel[side].is_none()) {
+        if self.contact.at_rest().is_some_and(|side| self.travel[side].is_none()) {
             return refuse("resting where the travel has no end".into());
         }
         let state_loads = state_loads_in_air(reduced, self.airspeed, self.revolutions)?;
         let bumpers = state_loads.map_or(0, |s| s.bumpers.len());
-        if let Some(k) = self.contact.touching.iter().flatten().find(|k| **k >= bumpers) {
+        if let Some(k) = self.contact.touching().into_iter().flatten().find(|k| *k >= bumpers) {
             return refuse(format!("touching = {k}: must be below {bumpers}"));
         }
         let constants = &self.applied[loading.inputs.len()..];
@@ -214,9 +212,9 @@ impl SavedState {
         ) = self.memory
             && friction_joint >= state_loads.map_or(0, |s| s.friction_joints.len())
         {
-            return refuse(format!("place of an event = {friction_joint}: there is no such joint with friction"));
+            return refuse(format!("index of an event = {friction_joint}: there is no such joint with friction"));
         }
-        // The energy lost is integrated in a scene, and in steps with inputs that change.
+        // The energy lost is integrated if there are state loads, and in steps with inputs that change.
         if state_loads.is_some() && matches!(self.memory, Memory::Conservative(_)) {
             return refuse("the integration is not that of the parameters".into());
         }

@@ -1,15 +1,19 @@
-//! The state of motion, and how it goes on.
-use crate::integrator::{Integrator, Statistics};
+//! The state of motion and its steps.
+//!
+//! In: a start, inputs, a reduced model. Out: the state after each step, on an error the state before it. It must not
+//! know outputs.
+use crate::integrator::Statistics;
 use crate::mechanism::definition::{DefinitionError, Mechanism};
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::loads::unit_load::Load;
-use crate::mechanism::motion::advance::{Stopped, advance};
-use crate::mechanism::motion::events::{Contact, Surroundings};
+use crate::mechanism::motion::advance::{Advance, Progress, Stopped};
+use crate::mechanism::motion::contact::Contact;
+use crate::mechanism::motion::ends::{Ends, Travel, outward};
+use crate::mechanism::motion::memory::Memory;
 use crate::mechanism::motion::step_ahead::{Conditions, Lookahead};
-use crate::mechanism::motion::travel::{Travel, beyond_stop, can_hold, travel};
-use crate::mechanism::outputs::Cache;
+use crate::mechanism::motion::travel::{beyond_stop, can_hold, travel};
 use crate::mechanism::reduced::{Reduced, ReductionError, StateLoads};
 use crate::mechanism::{ModelError, dynamics::inputs::Inputs};
 use crate::numerics::table::Unresolved;
@@ -17,123 +21,64 @@ use crate::numerics::table::Unresolved;
 /// The state of motion, with the memory of the integration.
 #[derive(Clone, Debug)]
 pub struct State {
-    /// Length along the curve; on a closed one within its first turn.
+    /// Length along the curve; on a closed curve within its first revolution.
     pub sigma: f64,
+    /// Its rate.
     pub sigma_dot: f64,
-    /// Whole turns of a closed curve made so far.
+    /// Whole revolutions of a closed curve made so far.
     pub revolutions: f64,
-    /// What the ends of the travel do.
+    /// Contact at the ends of the travel.
     pub contact: Contact,
     /// Ends of the travel.
     pub travel: Travel,
-    /// Sizes of the loads in the last step: those that the integration and the energy balance know.
+    /// Sizes of the loads in the last step, which the integration and the energy balance refer to.
     pub applied: Vec<f64>,
-    /// Sizes before the last change of them: what a step that fails returns to.
+    /// Sizes before their last change, for a step that fails.
     pub(super) before: Vec<f64>,
-    /// Speed of the air in the last step [m/s].
+    /// Airspeed in the last step [m/s].
     pub(super) airspeed: f64,
     /// Energy at the start, plus the work of changing sizes, less the energy lost since.
     pub reference: f64,
     pub(super) memory: Memory,
     /// Right-hand side for the applied sizes, for the integration.
     pub(super) scratch: Scratch,
-    pub cache: Cache,
 }
 
-/// Memory of the integration.
-#[expect(clippy::large_enum_variant, reason = "a step allocates nothing, so there is no box")]
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Memory {
-    /// No power is lost: the state is (sigma, sigma_dot).
-    Conservative(Integrator<2>),
-    /// The energy lost is integrated too, and steps may go on beyond the present.
-    WithDissipation(Integrator<3>, Lookahead<3>),
+/// The state at the end of a step.
+struct Arrival {
+    /// sigma, perhaps beyond the ends of a closed curve, and sigma_dot.
+    y: [f64; 2],
+    /// Energy lost in the step [J].
+    lost: f64,
+    contact: Contact,
 }
 
-impl Memory {
-    pub(super) fn new(with_dissipation: bool) -> Self {
-        if with_dissipation {
-            Self::WithDissipation(Integrator::default(), Lookahead::default())
-        } else {
-            Self::Conservative(Integrator::default())
-        }
-    }
+/// Why a step failed.
+enum Failure {
+    Stopped(Stopped),
+    /// The step would end beyond an open end of the curve.
+    Travel {
+        sigma: f64,
+    },
+}
 
-    /// Take up or leave off the energy lost; it is counted in steps with a scene, and in those with inputs that change.
-    pub(super) fn suit(&mut self, with_dissipation: bool) {
-        match self {
-            Self::Conservative(i) if with_dissipation => {
-                *self = Self::WithDissipation(i.with_components(), Lookahead::default())
-            }
-            Self::WithDissipation(i, _) if !with_dissipation => *self = Self::Conservative(i.with_components()),
-            _ => {}
-        }
-    }
-
-    pub(super) fn statistics(&self) -> Statistics {
-        match self {
-            Self::Conservative(i) => i.statistics(),
-            Self::WithDissipation(i, _) => i.statistics(),
-        }
-    }
-
-    /// Become the same as another one; copies no more than that one is.
-    pub(super) fn copy_from(&mut self, other: &Self) {
-        match (self, other) {
-            (Self::Conservative(own), Self::Conservative(other)) => own.copy_from(other),
-            (Self::WithDissipation(own, own_ahead), Self::WithDissipation(other, other_ahead)) => {
-                own.copy_from(other);
-                own_ahead.copy_from(other_ahead);
-            }
-            (own, other) => *own = *other,
-        }
-    }
-
-    /// Forget all but the statistics.
-    pub(super) fn restart(&mut self) {
-        match self {
-            Self::Conservative(i) => i.restart(),
-            Self::WithDissipation(i, ahead) => {
-                i.restart();
-                ahead.forget();
-            }
-        }
-    }
-
-    /// sigma is counted anew.
-    pub(super) fn recount(&mut self) {
-        if let Self::WithDissipation(i, ahead) = self
-            && ahead.step_ahead.take().is_some()
-        {
-            i.branch_off();
-        }
-    }
-
-    /// The right-hand side has changed.
-    pub(super) fn refresh(&mut self) {
-        match self {
-            Self::Conservative(i) => i.refresh(),
-            Self::WithDissipation(i, ahead) => {
-                if ahead.forget() {
-                    i.branch_off();
-                }
-                i.refresh();
-            }
-        }
+impl From<Stopped> for Failure {
+    fn from(stopped: Stopped) -> Self {
+        Self::Stopped(stopped)
     }
 }
 
-/// Whether air that flows at this speed acts on the surfaces.
+/// Whether air of this speed [m/s] acts on the surfaces.
 pub(super) fn blows(reduced: &Reduced, speed: f64) -> bool {
     reduced.loading().air.as_ref().is_some_and(|air| air.relative_wind || speed != 0.0)
 }
 
-/// Speed of the air under these inputs.
+/// Airspeed under these inputs [m/s]; 0 without air.
 pub fn airspeed(reduced: &Reduced, inputs: &Inputs) -> f64 {
     reduced.loading().air.as_ref().and(inputs.reals.last().copied()).unwrap_or(0.0)
 }
 
-/// What acts under these inputs besides loads of given sizes.
+/// The loads that the state decides, under these inputs.
 ///
 /// # Errors
 /// [`Unresolved`]: a reaction that causes friction is not smooth.
@@ -142,16 +87,16 @@ pub fn state_loads_under<'a>(reduced: &'a Reduced, inputs: &Inputs) -> Result<Op
     reduced.state_loads(blows(reduced, airspeed(reduced, inputs)) || (reduced.loading().air.is_some() && changes()))
 }
 
-/// [`evaluator`], with the error told after so many turns.
+/// [`state_loads_under`], with the error located after so many revolutions.
 pub(super) fn state_loads<'a>(
     reduced: &'a Reduced,
     inputs: &Inputs,
     revolutions: f64,
 ) -> Result<Option<&'a StateLoads>, ModelError> {
-    state_loads_under(reduced, inputs).map_err(|at| told(reduced, at, revolutions))
+    state_loads_under(reduced, inputs).map_err(|at| friction_error(reduced, at, revolutions))
 }
 
-/// What acts in air of this speed.
+/// The loads that the state decides, in air of this speed [m/s].
 ///
 /// # Errors
 /// As [`state_loads`].
@@ -160,10 +105,10 @@ pub(super) fn state_loads_in_air(
     speed: f64,
     revolutions: f64,
 ) -> Result<Option<&StateLoads>, ModelError> {
-    reduced.state_loads(blows(reduced, speed)).map_err(|at| told(reduced, at, revolutions))
+    reduced.state_loads(blows(reduced, speed)).map_err(|at| friction_error(reduced, at, revolutions))
 }
 
-fn told(reduced: &Reduced, at: &Unresolved, revolutions: f64) -> ModelError {
+fn friction_error(reduced: &Reduced, at: &Unresolved, revolutions: f64) -> ModelError {
     ModelError::Table { name: "friction".into(), position: reduced.curve().describe(at.sigma, revolutions) }
 }
 
@@ -175,13 +120,13 @@ impl State {
         let (coordinate, value, name, quantity) = match (&start.body, &start.joint) {
             (Some(body), _) => {
                 let (carrier, angle) = linkage.carrier(mechanism, body).unwrap_or((0, 0.0));
-                let turn = linkage.bodies[carrier].angle_coordinate;
+                let coordinate = linkage.bodies[carrier].angle_coordinate;
                 let value = start.angle.unwrap_or(0.0) - angle - linkage.bodies[carrier].offset;
-                (turn, value, body, "angle")
+                (coordinate, value, body, "angle")
             }
             (None, Some(joint)) => {
-                let place = linkage.coordinates[linkage.angles..].iter().position(|c| c == joint);
-                (place.map(|i| i + linkage.angles), start.position.unwrap_or(0.0), joint, "position")
+                let index = linkage.coordinates[linkage.angles..].iter().position(|c| c == joint);
+                (index.map(|i| i + linkage.angles), start.position.unwrap_or(0.0), joint, "position")
             }
             (None, None) => (None, 0.0, &mechanism.name, "angle"),
         };
@@ -200,8 +145,8 @@ impl State {
         let (sigma, revolutions) = reduced.find(coordinate, value, &variable).map_err(|e| e.as_stated(stated))?;
         let mut sigma_dot = 0.0;
         if start.speed != 0.0 {
-            // From the table, which is as good where branches cross. Nearer to a toggle than some 1e-13 rad, where the
-            // slope is below 1e-6, rounding decides what it is.
+            // The table is exact where branches cross, too. Within some 1e-13 rad of a toggle, where the slope is below
+            // 1e-6, the slope is rounding.
             let table = reduced.coordinates();
             let table = table.map_err(|at| ModelError::Table {
                 name: variable.clone(),
@@ -224,7 +169,7 @@ impl State {
             sigma,
             sigma_dot,
             revolutions,
-            contact: Contact { resting, touching: [None; 2] },
+            contact: Contact::at_start(resting),
             travel,
             before: sizes.clone(),
             applied: sizes,
@@ -232,7 +177,6 @@ impl State {
             reference: 0.0,
             memory: Memory::new(state_loads.is_some()),
             scratch: Scratch::new(state_loads),
-            cache: Cache::new(reduced, state_loads, &inputs.reals),
         };
         state.reference = state.kinetic() + state.load_potential(reduced);
         Ok(state)
@@ -245,76 +189,97 @@ impl State {
     pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64, tolerance: f64) -> Result<(), ModelError> {
         let (airspeed, reference) = (self.airspeed, self.reference);
         let (state_loads, changed) = self.apply(reduced, inputs)?;
-        let around = self.surroundings(reduced, &inputs.locks);
+        let advanced = self.advance((reduced, state_loads), inputs, h, tolerance);
+        if inputs.signal.ahead {
+            self.right_hand_side_changed();
+        }
+        let arrived = advanced.and_then(|arrival| self.arrive(reduced, arrival));
+        arrived.map_err(|failure| {
+            self.undo(reduced, changed, airspeed, reference);
+            match failure {
+                Failure::Stopped(Stopped::Integration(error)) => ModelError::Integration(error),
+                Failure::Stopped(Stopped::Locked) => ModelError::Locked { position: self.describe(reduced) },
+                Failure::Travel { sigma } => {
+                    ModelError::Travel { position: reduced.curve().describe(sigma, self.revolutions) }
+                }
+            }
+        })
+    }
+
+    /// The state at the end of a step of `h` [s], with the loads and the airspeed applied.
+    #[inline]
+    fn advance(
+        &mut self,
+        (reduced, state_loads): (&Reduced, Option<&StateLoads>),
+        inputs: &Inputs,
+        h: f64,
+        tolerance: f64,
+    ) -> Result<Arrival, Failure> {
+        let ends = &self.ends(reduced, &inputs.locks);
         let mut contact = self.contact;
+        contact.locks_set(ends.locked);
         let change = inputs.change(reduced);
-        let given =
+        let applied =
             AppliedLoads { sizes: &self.applied, airspeed: self.airspeed, revolutions: self.revolutions, change };
         let (scratch, mode) = (&mut self.scratch, Mode::default());
-        let mut motion = EquationOfMotion { reduced, state_loads, given, time: 0.0, mode, scratch, locked: false };
+        let dynamics = &mut EquationOfMotion { reduced, state_loads, applied, time: 0.0, mode, scratch, locked: false };
+        let progress = Progress::default();
         let (y, lost) = match &mut self.memory {
             Memory::Conservative(integrator) => {
                 let mut y = [self.sigma, self.sigma_dot];
-                let lost = if around.travel == [None; 2] {
-                    integrator.advance(&mut motion, &mut y, h, tolerance).map(|()| 0.0).map_err(Stopped::Integration)
+                let lost = if ends.travel.iter().all(Option::is_none) {
+                    integrator.advance(dynamics, &mut y, h, tolerance).map(|()| 0.0).map_err(Stopped::Integration)
                 } else {
-                    let never = &mut Lookahead::default();
-                    advance(integrator, never, &mut motion, &around, &mut contact, &mut y, h, tolerance)
+                    let (lookahead, contact) = (&mut Lookahead::default(), &mut contact);
+                    Advance { dynamics, integrator, lookahead, ends, contact, tolerance, progress }.run(&mut y, h)
                 };
-                (y, lost)
+                (y, lost?)
             }
             Memory::WithDissipation(integrator, lookahead) => {
-                if lookahead.begin(Conditions { tolerance, locked: around.locked }) {
+                if lookahead.begin(Conditions { tolerance, locked: ends.locked }) {
                     integrator.branch_off();
                 }
                 let mut z = [self.sigma, self.sigma_dot, 0.0];
-                let lost = advance(integrator, lookahead, &mut motion, &around, &mut contact, &mut z, h, tolerance);
+                let (ahead, contact) = (&mut *lookahead, &mut contact);
+                let advance = Advance { dynamics, integrator, lookahead: ahead, ends, contact, tolerance, progress };
+                let lost = advance.run(&mut z, h);
                 lookahead.end();
-                ([z[0], z[1]], lost.map(|lost| lost + z[2]))
+                ([z[0], z[1]], lost? + z[2])
             }
         };
-        if change.is_some() {
-            self.memory.refresh();
-            self.scratch.panel_force.forget();
-        }
-        let lost = match lost {
-            Ok(lost) => lost,
-            Err(stopped) => {
-                self.undo(reduced, changed, airspeed, reference);
-                return Err(match stopped {
-                    Stopped::Integration(error) => ModelError::Integration(error),
-                    Stopped::Locked => ModelError::Locked { position: self.describe(reduced) },
-                });
-            }
-        };
-        let mut y = y;
+        Ok(Arrival { y, lost, contact })
+    }
+
+    /// Take over the state at the end of a step, with sigma within the curve.
+    #[inline]
+    fn arrive(&mut self, reduced: &Reduced, Arrival { mut y, lost, contact }: Arrival) -> Result<(), Failure> {
         let (first, last) = reduced.curve().range();
         match reduced.period() {
             Some(period) if !(first..last).contains(&y[0]) => {
-                let around = ((y[0] - first) / period).floor();
-                y[0] -= around * period;
-                self.revolutions += around;
-                // The panel in memory is counted on over whole turns, as is a step ahead; sigma no longer is.
+                let revolutions = ((y[0] - first) / period).floor();
+                y[0] -= revolutions * period;
+                self.revolutions += revolutions;
+                // The panel in use and a step ahead are counted on over whole revolutions, but sigma is not any more.
                 self.memory.recount();
-                self.scratch.panel_force.forget();
-                self.cache.recount();
+                self.scratch.panel_force.invalidate();
             }
-            None if !(first..=last).contains(&y[0]) => {
-                let position = reduced.curve().describe(y[0], self.revolutions);
-                self.undo(reduced, changed, airspeed, reference);
-                return Err(ModelError::Travel { position });
-            }
+            None if !(first..=last).contains(&y[0]) => return Err(Failure::Travel { sigma: y[0] }),
             _ => {}
         }
         [self.sigma, self.sigma_dot] = y;
         self.contact = contact;
         self.reference -= lost;
-        self.cache.forget();
         Ok(())
     }
 
+    /// Sizes or rates of loads are others than those of the last evaluation.
+    fn right_hand_side_changed(&mut self) {
+        self.memory.refresh();
+        self.scratch.panel_force.invalidate();
+    }
+
     /// The ends of the travel in the frame of sigma, and whether a lock is engaged at each.
-    pub fn surroundings(&self, reduced: &Reduced, locks: &[bool]) -> Surroundings {
+    pub fn ends(&self, reduced: &Reduced, locks: &[bool]) -> Ends {
         let shift = self.revolutions * reduced.period().unwrap_or(0.0);
         let mut travel = self.travel;
         let mut locked = [false; 2];
@@ -325,35 +290,33 @@ impl State {
                 *locked = all.any(|(lock, engaged)| *engaged && lock.stop == end.stop);
             }
         }
-        Surroundings { travel, locked }
+        Ends { travel, locked }
     }
 
     /// Whether the mechanism is at a stop: in contact with it, or held there.
     pub fn at_stop(&self, reduced: &Reduced, stop: usize) -> bool {
         let here = self.sigma + self.revolutions * reduced.period().unwrap_or(0.0);
-        (0..2).any(|side| {
-            let outward = if side == 0 { -1.0 } else { 1.0 };
-            self.travel[side].is_some_and(|e| e.stop == stop && (here - e.position) * outward >= 0.0)
-        })
+        (0..2)
+            .any(|side| self.travel[side].is_some_and(|e| e.stop == stop && (here - e.position) * outward(side) >= 0.0))
     }
 
-    /// Work done so far.
+    /// Counts of the integration's work since the start.
     pub fn statistics(&self) -> Statistics {
         self.memory.statistics()
     }
 
-    /// Turns of the curve so far, from its beginning.
+    /// Whole revolutions of a closed curve made so far.
     pub fn revolutions(&self) -> f64 {
         self.revolutions
     }
 
-    /// Where the linkage is.
+    /// Description of the present position, for messages.
     pub fn describe(&self, reduced: &Reduced) -> String {
         reduced.curve().describe(self.sigma, self.revolutions)
     }
 
-    /// Take up inputs that have changed since the last step: the change of the loads' potential is work from outside. Tells
-    /// whether any has.
+    /// Apply inputs that have changed since the last step, and return whether any has. The change of the loads'
+    /// potential is work from outside.
     fn apply<'a>(
         &mut self,
         reduced: &'a Reduced,
@@ -374,26 +337,23 @@ impl State {
             self.scratch = Scratch::new(state_loads);
             self.memory.restart();
         }
-        self.memory.suit(state_loads.is_some() || inputs.signal.ahead);
+        self.memory.set_dissipation(state_loads.is_some() || inputs.signal.ahead);
         if airspeed.to_bits() != self.airspeed.to_bits() {
             self.airspeed = airspeed;
             changed = true;
-        }
-        if inputs.signal.ahead {
-            self.memory.refresh();
-            self.scratch.panel_force.forget();
         }
         if changed {
             self.reference += work;
             self.before.copy_from_slice(&self.applied);
             self.applied[..loads].copy_from_slice(&inputs.reals[..loads]);
-            self.memory.refresh();
-            self.scratch.panel_force.forget();
+        }
+        if changed || inputs.signal.ahead {
+            self.right_hand_side_changed();
         }
         Ok((state_loads, changed))
     }
 
-    /// After a step that failed: what [`Self::apply`] has changed is as it was; the integration begins anew.
+    /// After a step that failed: reverse [`Self::apply`]; the integration starts anew.
     #[cold]
     fn undo(&mut self, reduced: &Reduced, changed: bool, airspeed: f64, reference: f64) {
         self.memory.restart();
@@ -403,17 +363,18 @@ impl State {
         self.applied.copy_from_slice(&self.before);
         self.reference = reference;
         self.airspeed = airspeed;
-        // It is at hand: it was in use before this step.
+        // These state loads exist: they were in use before this step.
         let state_loads = state_loads_in_air(reduced, airspeed, self.revolutions).unwrap_or_default();
         if state_loads.is_some_and(|s| s.air) != self.scratch.air {
             self.scratch = Scratch::new(state_loads);
         }
-        self.memory.suit(state_loads.is_some());
-        self.scratch.panel_force.forget();
+        self.memory.set_dissipation(state_loads.is_some());
+        self.scratch.panel_force.invalidate();
     }
 }
 
-/// A stop for the body that states the start is told of before the start is looked for: the curve may end there.
+/// Refuse a start beyond a stop of the body whose angle states the start; before the search for the start, as the curve
+/// may end at that stop.
 fn not_beyond_stop(reduced: &Reduced, mechanism: &Mechanism, body: &str, angle: f64) -> Result<(), ModelError> {
     let Some((carrier, own)) = reduced.linkage().carrier(mechanism, body) else { return Ok(()) };
     let loading = reduced.loading();

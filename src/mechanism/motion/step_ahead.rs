@@ -1,19 +1,19 @@
-//! Steps beyond the end of a communication step, for states that are read from an interpolant later on.
+//! Steps beyond the end of a communication step, from whose interpolant later communication steps read their states.
 //!
-//! In: inputs that have not changed for some communication steps, a step that goes on beyond the last of them. Out: the states
-//! up to its end, at the cost of a polynomial each, for as long as nothing changes. What is decided at its end is decided when
-//! the time has come. It must not know how steps are made.
+//! In: inputs that have not changed for some communication steps, a step that goes on beyond the last of them. Out: the
+//! states up to the end of that step, each for the cost of a polynomial, as long as nothing changes. An event at its
+//! end takes place when that time has come. It must not know how steps are made.
 use crate::codec::record::{Damaged, Record};
 use crate::integrator::Dense;
 use crate::mechanism::motion::events::Event;
 
-/// Communication steps under unchanged inputs before a step may go on beyond one: as many as cost what is lost in vain if the
-/// inputs change at once.
-const CALM: u32 = 2;
-/// Each step beyond that was in vain doubles this, up to so many.
-const MOST_CALM: u32 = 128;
+/// Communication steps with unchanged inputs after which an internal step may run past the communication point. Two,
+/// because a wasted step costs about as much as two short ones.
+const FEWEST_UNCHANGED: u32 = 2;
+/// Each wasted step doubles that number, up to this one.
+const MOST_UNCHANGED: u32 = 128;
 
-/// What must not change while an overshoot is read, besides the inputs.
+/// What must not change while states are read from a step ahead, besides the inputs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Conditions {
     /// Relative tolerance.
@@ -27,21 +27,27 @@ pub struct Conditions {
 pub struct StepAhead<const N: usize> {
     /// Interpolant.
     pub dense: Dense<N>,
-    /// Time that the interpolant is for [s].
+    /// Time from the start to the end of the interpolant [s].
     pub h: f64,
-    /// Time from its start to the state `there`, at most h [s].
+    /// Time from the start of the interpolant to `end_state`, at most h [s].
     pub end: f64,
     /// State at the end.
-    pub there: [f64; N],
-    /// What begins or ceases at the end.
+    pub end_state: [f64; N],
+    /// Event at the end.
     pub event: Option<Event>,
-    /// Time from its start to the present, at most `end` [s].
+    /// Time from the start of the interpolant to the present, at most `end` [s].
     pub now: f64,
-    /// What each component counts from: of those that start anew with a communication step, the value at present.
-    pub from: [f64; N],
+    /// Subtracted from every state. The energy lost counts from the present communication step, so its value at
+    /// present.
+    pub origin: [f64; N],
 }
 
 impl<const N: usize> StepAhead<N> {
+    /// A step with this interpolant over the time `h`, that ends with an event or none.
+    pub fn new(dense: Dense<N>, h: f64, (end, end_state): (f64, [f64; N]), event: Option<Event>) -> Self {
+        Self { dense, h, end, end_state, event, now: 0.0, origin: [0.0; N] }
+    }
+
     /// Time from now to the end [s].
     pub fn rest(&self) -> f64 {
         self.end - self.now
@@ -51,29 +57,26 @@ impl<const N: usize> StepAhead<N> {
     pub fn read(&mut self, after: f64) -> [f64; N] {
         self.now += after;
         let state = self.dense.at(self.now / self.h);
-        let counted = less(&state, &self.from);
-        if let (Some(from), Some(now)) = (self.from.get_mut(2), state.get(2)) {
-            *from = *now;
+        let counted = difference(&state, &self.origin);
+        if let (Some(origin), Some(lost)) = (self.origin.get_mut(2), state.get(2)) {
+            *origin = *lost;
         }
         counted
     }
 
     /// State at the end.
-    pub fn last(&self) -> [f64; N] {
-        less(&self.there, &self.from)
+    pub fn end_state(&self) -> [f64; N] {
+        difference(&self.end_state, &self.origin)
     }
 
     /// State halfway from the start to the end.
     pub fn middle(&self) -> [f64; N] {
         self.dense.at(0.5 * self.end / self.h)
     }
-}
 
-impl<const N: usize> StepAhead<N> {
     /// To be read.
     fn blank() -> Self {
-        let dense = Dense::blank();
-        Self { dense, h: 1.0, end: 1.0, there: [0.0; N], event: None, now: 0.0, from: [0.0; N] }
+        Self::new(Dense::blank(), 1.0, (1.0, [0.0; N]), None)
     }
 
     /// All fields, written or read.
@@ -82,76 +85,83 @@ impl<const N: usize> StepAhead<N> {
         record.positive("size of the step ahead", &mut self.h)?;
         let h = self.h;
         record.number("end of the step ahead", &mut self.end, |end| 0.0 < end && end <= h, "within the step")?;
-        record.all_finite("end of the step ahead", &mut self.there)?;
+        record.all_finite("end of the step ahead", &mut self.end_state)?;
         record.option("event ahead", &mut self.event, || Event::Reversal, |record, event| event.record(record))?;
         let end = self.end;
         record.number("present", &mut self.now, |now| 0.0 <= now && now <= end, "within the step ahead")?;
-        record.all_finite("count", &mut self.from)
+        record.all_finite("origin", &mut self.origin)
     }
 }
 
-fn less<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
+fn difference<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
     std::array::from_fn(|n| a[n] - b[n])
 }
 
-/// How long nothing has changed, and the step that goes on beyond the present, if one does.
+/// How long conditions and inputs have not changed, and the step that goes on beyond the present, if one does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lookahead<const N: usize> {
     conditions: Conditions,
-    /// Communication steps under these conditions and inputs, up to `enough`.
-    calm: u32,
-    /// How many of them allow a step beyond.
-    enough: u32,
+    /// Communication steps under these conditions and inputs, up to `required_steps`.
+    unchanged_steps: u32,
+    /// How many of them allow a step beyond the communication point.
+    required_steps: u32,
     /// The step.
     pub step_ahead: Option<StepAhead<N>>,
 }
 
 impl<const N: usize> Default for Lookahead<N> {
     fn default() -> Self {
-        Self { conditions: Conditions::default(), calm: 0, enough: CALM, step_ahead: None }
+        Self {
+            conditions: Conditions::default(),
+            unchanged_steps: 0,
+            required_steps: FEWEST_UNCHANGED,
+            step_ahead: None,
+        }
     }
 }
 
 impl<const N: usize> Lookahead<N> {
-    /// A communication step begins. Returns whether it begins at a state that was read, of a step that no longer holds.
+    /// A communication step begins. Returns whether the present state was read from a step ahead that no longer holds.
     pub fn begin(&mut self, conditions: Conditions) -> bool {
         if conditions == self.conditions {
             return false;
         }
         self.conditions = conditions;
-        self.forget()
+        self.invalidate()
     }
 
-    /// The inputs have changed: nothing of the past holds on. Returns as [`Self::begin`].
-    pub fn forget(&mut self) -> bool {
-        self.calm = 0;
+    /// The inputs have changed: a step ahead no longer holds. Returns as [`Self::begin`].
+    pub fn invalidate(&mut self) -> bool {
+        self.unchanged_steps = 0;
         self.step_ahead.take().is_some()
     }
 
     /// A communication step has ended.
     pub fn end(&mut self) {
-        self.calm = self.enough.min(self.calm + 1);
+        self.unchanged_steps = self.required_steps.min(self.unchanged_steps + 1);
     }
 
     /// Whether a step may go on beyond the end of a communication step.
-    pub fn is_calm(&self) -> bool {
-        self.calm >= self.enough
+    pub fn may_pass(&self) -> bool {
+        self.unchanged_steps >= self.required_steps
     }
 
-    /// A step goes on beyond the present.
-    pub fn keep(&mut self, step_ahead: StepAhead<N>) {
-        (self.step_ahead, self.enough) = (Some(step_ahead), CALM);
+    /// A step goes on beyond the present; returns the state at the time `after` from its start.
+    pub fn keep(&mut self, step_ahead: StepAhead<N>, after: f64) -> [f64; N] {
+        self.required_steps = FEWEST_UNCHANGED;
+        self.step_ahead.insert(step_ahead).read(after)
     }
 
-    /// A step beyond was in vain: it cannot be made, or its interpolant is not exact.
+    /// A step beyond was wasted: it cannot be made, or its interpolant is not exact.
     pub fn failed(&mut self) {
-        (self.calm, self.enough) = (0, MOST_CALM.min(2 * self.enough));
+        (self.unchanged_steps, self.required_steps) = (0, MOST_UNCHANGED.min(2 * self.required_steps));
     }
 
     /// Become the same as another one; copies no more than that one has.
     #[inline]
     pub fn copy_from(&mut self, other: &Self) {
-        (self.conditions, self.calm, self.enough) = (other.conditions, other.calm, other.enough);
+        (self.conditions, self.unchanged_steps) = (other.conditions, other.unchanged_steps);
+        self.required_steps = other.required_steps;
         if self.step_ahead.is_some() || other.step_ahead.is_some() {
             self.step_ahead = other.step_ahead;
         }
@@ -165,8 +175,8 @@ impl<const N: usize> Lookahead<N> {
         let Conditions { tolerance, locked } = &mut self.conditions;
         record.finite("tolerance of the last step", tolerance)?;
         locked.iter_mut().try_for_each(|locked| record.flag("lock engaged", locked))?;
-        record.small("steps without a change", &mut self.calm)?;
-        record.small("steps without a change that are enough", &mut self.enough)?;
+        record.small("unchanged steps", &mut self.unchanged_steps)?;
+        record.small("required unchanged steps", &mut self.required_steps)?;
         record.option("step ahead", &mut self.step_ahead, StepAhead::blank, |record, step| step.record(record))
     }
 }

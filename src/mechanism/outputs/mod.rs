@@ -1,20 +1,22 @@
 //! Outputs on demand: each from its table, at the present state, under the present inputs.
+mod cache;
 mod reaction;
+mod reduced_motion;
 mod slopes;
+
+pub use cache::Computed;
+pub use reduced_motion::ReducedMotion;
 
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::loads::laws::friction::Locked;
-use crate::mechanism::motion::advance::rests;
-use crate::mechanism::motion::state::{State, airspeed, state_loads_under};
-use crate::mechanism::outputs::reaction::JointReaction;
-use crate::mechanism::outputs::slopes::Slopes;
+use crate::mechanism::motion::contact::Holder;
+use crate::mechanism::motion::state::{airspeed, state_loads_under};
 use crate::mechanism::quantity::{OneElement, Output, ReactionPart};
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::mechanism::rigid_fem::RigidFemError;
-use crate::numerics::dual::same_bits;
 use crate::numerics::table::{Table, TablePosition, Unresolved};
 
 /// Why an output cannot be told.
@@ -46,38 +48,6 @@ impl From<Locked> for OutputError {
     }
 }
 
-/// What several outputs of one state share.
-#[derive(Clone, Debug)]
-pub struct Cache {
-    /// What acts and follows, once evaluated.
-    pub(super) effect: Option<Forces>,
-    /// Place in the table of the coordinates, once found in this state.
-    spot: Option<TablePosition>,
-    /// Panel in which it was last.
-    panel: usize,
-    /// What each joint transmits.
-    pub(super) reactions: Vec<JointReaction>,
-    /// Whether a reaction has been computed in this state.
-    pub(super) used: bool,
-    /// What has been computed since the start.
-    pub(super) computed: Computed,
-    /// Sizes of the sized loads under the present inputs.
-    pub(super) sizes: Vec<f64>,
-    /// Right-hand side for these sizes.
-    pub(super) scratch: Scratch,
-    /// Room for derivatives, once asked for.
-    pub(super) slopes: Option<Box<Slopes>>,
-}
-
-/// How often outputs have made something be computed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Computed {
-    /// What acts in a state: the acceleration, and what friction, drag and stops do.
-    pub effects: u64,
-    /// Reactions of a joint.
-    pub reactions: u64,
-}
-
 /// What acts in a state.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Forces {
@@ -93,60 +63,7 @@ pub(super) struct Forces {
     pub by_stop: bool,
 }
 
-impl Cache {
-    pub fn new(reduced: &Reduced, state_loads: Option<&StateLoads>, inputs: &[f64]) -> Self {
-        Self {
-            effect: None,
-            spot: None,
-            panel: 0,
-            reactions: vec![JointReaction::new(); reduced.linkage().joints.len()],
-            used: false,
-            computed: Computed::default(),
-            sizes: reduced.sizes(inputs),
-            scratch: Scratch::new(state_loads),
-            slopes: None,
-        }
-    }
-
-    /// The state has changed.
-    pub fn forget(&mut self) {
-        (self.effect, self.spot) = (None, None);
-        if self.used {
-            self.reactions.iter_mut().for_each(|t| t.value = None);
-            self.used = false;
-        }
-    }
-
-    /// An input has changed; those beyond the sized loads size nothing.
-    pub fn set(&mut self, input: usize, loads: usize, value: f64) {
-        if input < loads {
-            self.sizes[input] = value;
-            self.refold();
-        }
-        self.forget();
-    }
-
-    /// State and inputs are others; these size loads.
-    pub fn renew(&mut self, sizes: &[f64]) {
-        if !same_bits(sizes, &self.sizes[..sizes.len()]) {
-            self.sizes[..sizes.len()].copy_from_slice(sizes);
-            self.refold();
-        }
-        self.forget();
-    }
-
-    fn refold(&mut self) {
-        self.scratch.panel_force.forget();
-        self.reactions.iter_mut().for_each(JointReaction::forget);
-    }
-
-    /// The way in which sigma is counted has changed.
-    pub fn recount(&mut self) {
-        self.scratch.panel_force.forget();
-    }
-}
-
-impl State {
+impl ReducedMotion {
     /// Value of an output under these inputs.
     ///
     /// # Errors
@@ -169,17 +86,17 @@ impl State {
                     ReactionPart::Moment => moment,
                 })
             }
-            Output::Displacement { load, order: 0 } => Ok(self.displacement(reduced, load)),
+            Output::Displacement { load, order: 0 } => Ok(self.state.displacement(reduced, load)),
             Output::Displacement { load, order } => {
                 let table = checked(reduced.displacement(load))?;
-                let spot = table.spot(self.sigma);
+                let spot = table.spot(self.state.sigma);
                 self.derivative((table, spot), 0, reduced, inputs, order)
             }
             Output::OneElement { drive, term } => self.one_element(reduced, inputs, drive, term),
             Output::SpringForce { spring } => self.spring_force(reduced, spring),
             Output::Marker { marker, axis, order } => {
                 let table = checked(reduced.marker(marker))?;
-                let spot = table.spot(self.sigma);
+                let spot = table.spot(self.state.sigma);
                 self.derivative((table, spot), 3 * axis, reduced, inputs, order)
             }
             Output::Friction { friction_joint } => {
@@ -202,61 +119,39 @@ impl State {
                 self.effect(reduced, inputs)?;
                 Ok(self.of_lock(reduced, inputs, lock))
             }
-            Output::Kinetic => Ok(self.kinetic()),
+            Output::Kinetic => Ok(self.state.kinetic()),
             Output::Potential => {
                 let gravity = match reduced.loading().gravity {
-                    Some(load) => -inputs.reals[load] * self.displacement(reduced, load),
+                    Some(load) => -inputs.reals[load] * self.state.displacement(reduced, load),
                     None => 0.0,
                 };
                 Ok(gravity + self.spring_energy(reduced))
             }
-            Output::Drift => Ok(self.kinetic() + self.load_potential(reduced) - self.reference),
+            Output::Drift => Ok(self.state.kinetic() + self.state.load_potential(reduced) - self.state.reference),
         }
-    }
-
-    /// T = sigma_dot^2 / 2 [J]: sigma is the length in the kinetic metric.
-    pub fn kinetic(&self) -> f64 {
-        0.5 * self.sigma_dot * self.sigma_dot
-    }
-
-    /// Potential of all loads at the applied sizes: less the sum of size times displacement, and the springs' energy [J].
-    pub fn load_potential(&self, reduced: &Reduced) -> f64 {
-        let mut sum = self.spring_energy(reduced);
-        for (load, size) in self.applied.iter().enumerate() {
-            if *size != 0.0 {
-                sum -= size * self.displacement(reduced, load);
-            }
-        }
-        sum
     }
 
     fn spring_energy(&self, reduced: &Reduced) -> f64 {
         let mut sum = 0.0;
         for spring in &reduced.loading().springs {
-            sum += spring.energy(self.displacement(reduced, spring.load));
+            sum += spring.energy(self.state.displacement(reduced, spring.load));
         }
         sum
     }
 
-    /// Displacement of a load, counted on over whole turns.
-    pub fn displacement(&self, reduced: &Reduced, load: usize) -> f64 {
-        let growth = if self.revolutions == 0.0 { 0.0 } else { self.revolutions * reduced.load_growth(load) };
-        reduced.displacement_at(load, self.sigma) + growth
-    }
-
     pub(super) fn spring_force(&self, reduced: &Reduced, spring: usize) -> Result<f64, OutputError> {
         let spring = &reduced.loading().springs[spring];
-        let spring_force = spring.force(self.displacement(reduced, spring.load));
+        let spring_force = spring.force(self.state.displacement(reduced, spring.load));
         if spring.damping == 0.0 {
             return Ok(spring_force);
         }
         let table = checked(reduced.displacement(spring.load))?;
-        Ok(spring_force + spring.damping * table.value(table.spot(self.sigma), 1) * self.sigma_dot)
+        Ok(spring_force + spring.damping * table.value(table.spot(self.state.sigma), 1) * self.state.sigma_dot)
     }
 
     fn influence(&self, reduced: &Reduced, load: usize) -> f64 {
         let table = reduced.influence();
-        table.value(table.spot(self.sigma), load)
+        table.value(table.spot(self.state.sigma), load)
     }
 
     /// Call `with` with the motion under the present inputs and the scene it is in.
@@ -272,12 +167,12 @@ impl State {
             cache.scratch = Scratch::new(state_loads);
         }
         let airspeed = airspeed(reduced, inputs);
-        let given = AppliedLoads { sizes: &cache.sizes, airspeed, revolutions: self.revolutions, change: None };
-        let mode = Mode { touching: self.contact.touching, ..Mode::default() };
+        let applied = AppliedLoads { sizes: &cache.sizes, airspeed, revolutions: self.state.revolutions, change: None };
+        let mode = Mode { touching: self.state.contact.touching(), ..Mode::default() };
         let mut motion = EquationOfMotion {
             reduced,
             state_loads,
-            given,
+            applied,
             time: 0.0,
             mode,
             scratch: &mut cache.scratch,
@@ -291,17 +186,14 @@ impl State {
         if let Some(effect) = self.cache.effect {
             return Ok(effect);
         }
-        let (sigma, sigma_dot, resting) = (self.sigma, self.sigma_dot, self.contact.resting);
-        let around = resting.map(|side| (side, self.surroundings(reduced, &inputs.locks)));
+        let (sigma, sigma_dot, contact) = (self.state.sigma, self.state.sigma_dot, self.state.contact);
+        let ends = contact.at_rest().map(|_| self.state.ends(reduced, &inputs.locks));
         let effect = self.moving(reduced, inputs, |motion, _| {
             let free = motion.settle(sigma, sigma_dot)?;
             let direction = motion.mode.direction;
             let mut effect = Forces { acceleration: free, free, direction, held: None, by_stop: false };
-            if let Some((side, around)) = around {
-                let pressed = rests(motion, &around, side, sigma)?;
-                if pressed || around.locked[side] {
-                    effect = Forces { acceleration: 0.0, held: Some(side), by_stop: pressed, ..effect };
-                }
+            if let Some((side, holder)) = ends.and_then(|ends| contact.holder(&ends, free)) {
+                effect = Forces { acceleration: 0.0, held: Some(side), by_stop: holder == Holder::Stop, ..effect };
             }
             Ok::<_, Locked>(effect)
         })??;
@@ -321,10 +213,10 @@ impl State {
     pub(super) fn of_stop(&self, reduced: &Reduced, stop: usize) -> f64 {
         match self.cache.effect {
             Some(Forces { held: Some(side), by_stop: true, free, .. })
-                if self.travel[side].is_some_and(|e| e.stop == stop) =>
+                if self.state.travel[side].is_some_and(|e| e.stop == stop) =>
             {
                 let load = reduced.loading().stops[stop].load;
-                let slope = reduced.displacement(load).map_or(f64::NAN, |t| t.value(t.spot(self.sigma), 1));
+                let slope = reduced.displacement(load).map_or(f64::NAN, |t| t.value(t.spot(self.state.sigma), 1));
                 finite(-free / slope)
             }
             _ => 0.0,
@@ -336,13 +228,14 @@ impl State {
         let loading = reduced.loading();
         match self.cache.effect {
             Some(Forces { held: Some(side), by_stop: false, free, .. })
-                if self.travel[side].is_some_and(|e| e.stop == loading.locks[lock].stop) && inputs.locks[lock] =>
+                if self.state.travel[side].is_some_and(|e| e.stop == loading.locks[lock].stop)
+                    && inputs.locks[lock] =>
             {
                 let outward = if side == 0 { -1.0 } else { 1.0 };
                 // Several locks at one stop share the load evenly along the curve.
                 let stop = loading.locks[lock].stop;
                 let engaged = loading.locks.iter().zip(&inputs.locks).filter(|(l, on)| **on && l.stop == stop).count();
-                let path = reduced.lock_path(lock, self.sigma);
+                let path = reduced.lock_path(lock, self.state.sigma);
                 finite(-free * outward / (path.norm() * engaged as f64))
             }
             _ => 0.0,
@@ -362,13 +255,13 @@ impl State {
         let spot = match self.cache.spot {
             Some(spot) => spot,
             None => {
-                let spot = table.spot_near(self.sigma, self.cache.panel);
+                let spot = table.spot_near(self.state.sigma, self.cache.panel);
                 (self.cache.spot, self.cache.panel) = (Some(spot), spot.panel);
                 spot
             }
         };
         let value = self.derivative((table, spot), 3 * coordinate, reduced, inputs, order)?;
-        Ok(if order == 0 { value + self.revolutions * reduced.growth(coordinate) } else { value })
+        Ok(if order == 0 { value + self.state.revolutions * reduced.growth(coordinate) } else { value })
     }
 
     /// Time derivative of a function whose table has it and its two derivatives along sigma from component `first` on.
@@ -383,11 +276,11 @@ impl State {
     ) -> Result<f64, OutputError> {
         Ok(match order {
             0 => table.value(spot, first),
-            1 => table.value(spot, first + 1) * self.sigma_dot,
+            1 => table.value(spot, first + 1) * self.state.sigma_dot,
             _ => {
                 let acceleration = self.effect(reduced, inputs)?.acceleration;
                 let bend = table.value(spot, first + 2);
-                table.value(spot, first + 1) * acceleration + bend * self.sigma_dot * self.sigma_dot
+                table.value(spot, first + 1) * acceleration + bend * self.state.sigma_dot * self.state.sigma_dot
             }
         })
     }
@@ -406,7 +299,7 @@ impl State {
             let free = self.effect(reduced, inputs)?.free;
             return Ok(free - self.delivered(reduced, drive) * influence);
         }
-        let sigma = self.sigma;
+        let sigma = self.state.sigma;
         let at_rest = self.moving(reduced, inputs, |motion, _| motion.heading(0.0, sigma, 0.0))??;
         let force = at_rest - self.delivered(reduced, drive) * influence;
         // The evaluation at rest has taken the place of that in motion.
@@ -424,19 +317,19 @@ impl State {
         acceleration: f64,
         breakaway: Option<f64>,
     ) -> Result<f64, OutputError> {
-        let (sigma, sigma_dot) = (self.sigma, if breakaway.is_some() { 0.0 } else { self.sigma_dot });
+        let (sigma, sigma_dot) = (self.state.sigma, if breakaway.is_some() { 0.0 } else { self.state.sigma_dot });
         let direction = breakaway.unwrap_or(toward(sigma_dot, acceleration));
         let influence = self.influence(reduced, drive);
         self.cache.effect = None;
         self.moving(reduced, inputs, |motion, state_loads| {
             let free = motion.heading(direction, sigma, sigma_dot)?;
             let Some(state_loads) = state_loads else {
-                let size = motion.given.sizes[drive];
+                let size = motion.applied.sizes[drive];
                 return Ok(acceleration - (free - size * influence));
             };
             let with_efficiency = state_loads.drives_with_efficiency.iter().position(|l| *l == drive);
             let scratch = &mut *motion.scratch;
-            let size = with_efficiency.map_or(motion.given.sizes[drive], |k| scratch.evaluator.delivered[k]);
+            let size = with_efficiency.map_or(motion.applied.sizes[drive], |k| scratch.evaluator.delivered[k]);
             scratch.evaluator.required(state_loads, &scratch.panel_force, sigma, (drive, size), acceleration, breakaway)
         })?
         .map_err(OutputError::from)
@@ -452,9 +345,9 @@ impl State {
         term: OneElement,
     ) -> Result<f64, OutputError> {
         let table = checked(reduced.displacement(drive))?;
-        let spot = table.spot(self.sigma);
+        let spot = table.spot(self.state.sigma);
         let (slope, bend) = (table.value(spot, 1), table.value(spot, 2));
-        let speed = slope * self.sigma_dot;
+        let speed = slope * self.state.sigma_dot;
         let efficiency = reduced.loading().drives[drive].efficiency;
         // [CK16] 2.3: eta divides where power flows in and multiplies where it flows back; at rest it divides.
         let with_efficiency = |power: f64, value: f64| match efficiency {
@@ -467,10 +360,10 @@ impl State {
             OneElement::ReducedMass => with_efficiency(present, 1.0 / (slope * slope)),
             OneElement::ReducedMassDerivative => with_efficiency(present, -2.0 * bend / slope.powi(4)),
             OneElement::StaticLoad => with_efficiency(present, -self.others(reduced, inputs, drive, true)? / slope),
-            OneElement::AdditionalForce => with_efficiency(present, bend * (self.sigma_dot / slope).powi(2)),
+            OneElement::AdditionalForce => with_efficiency(present, bend * (self.state.sigma_dot / slope).powi(2)),
             OneElement::RequiredForce => {
                 let demand = inputs.reals.get(reduced.loading().inputs.len() + drive).copied().unwrap_or(0.0);
-                let acceleration = (demand - bend * self.sigma_dot * self.sigma_dot) / slope;
+                let acceleration = (demand - bend * self.state.sigma_dot * self.state.sigma_dot) / slope;
                 let force = self.inverse(reduced, inputs, drive, acceleration, None)? / slope;
                 let moving = if speed == 0.0 { demand } else { speed };
                 with_efficiency(force * moving, force)

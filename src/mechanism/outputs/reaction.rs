@@ -4,7 +4,7 @@
 //! sizes are folded into one polynomial for each part when a panel of the table is entered, as in the right-hand side.
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::linkage::Freedom;
-use crate::mechanism::motion::state::State;
+use crate::mechanism::outputs::ReducedMotion;
 use crate::mechanism::outputs::{OutputError, finite};
 use crate::mechanism::reactions::Reaction;
 use crate::mechanism::reduced::Reduced;
@@ -77,7 +77,7 @@ impl JointReaction {
     }
 }
 
-impl State {
+impl ReducedMotion {
     /// Force x, force y [N] and moment [N.m] that a joint transmits.
     ///
     /// # Errors
@@ -98,16 +98,16 @@ impl State {
         // A revolute joint transmits no moment.
         let parts = if reduced.linkage().joints[joint].freedom == Freedom::Revolute { 2 } else { 3 };
         let terms = 2 + loading.base();
-        let motion = [effect.acceleration, self.sigma_dot * self.sigma_dot];
+        let motion = [effect.acceleration, self.state.sigma_dot * self.state.sigma_dot];
         let table = reduced.reaction(joint);
-        let exact = if table.is_err() { reduced.exact_reaction(joint, self.sigma) } else { Vec::new() };
+        let exact = if table.is_err() { reduced.exact_reaction(joint, self.state.sigma) } else { Vec::new() };
         // What arrives of a drive with an efficiency is decided by the state.
         let given = |sizes: &[f64], load: usize| if with_efficiency.contains(&load) { 0.0 } else { sizes[load] };
         let sized = reduced.components().sized;
         let mut value = [0.0; 3];
         match table {
             Ok(table) => {
-                let (sizes, sigma) = (&self.cache.sizes, self.sigma);
+                let (sizes, sigma) = (&self.cache.sizes, self.state.sigma);
                 let reactions = &mut self.cache.reactions[joint];
                 if !(reactions.low <= sigma && sigma < reactions.high) {
                     reactions.enter(
@@ -133,7 +133,7 @@ impl State {
             for (part, sum) in value.iter_mut().enumerate().take(parts) {
                 *sum += size
                     * match &table {
-                        Ok(table) => table.value(table.spot(self.sigma), part * terms + 2 + load),
+                        Ok(table) => table.value(table.spot(self.state.sigma), part * terms + 2 + load),
                         Err(_) => part_of(&exact[2 + load], part),
                     };
             }
@@ -154,7 +154,9 @@ impl State {
             for (part, sum) in value.iter_mut().enumerate().take(parts) {
                 *sum += size
                     * match (&table, exact.get(2 + load)) {
-                        (Ok(table), _) => table.value(table.spot(self.sigma), part * states + load - loading.base()),
+                        (Ok(table), _) => {
+                            table.value(table.spot(self.state.sigma), part * states + load - loading.base())
+                        }
                         (Err(_), Some(exact)) => part_of(exact, part),
                         (Err(at), None) => return Err(OutputError::Table((*at).clone())),
                     };
@@ -165,14 +167,14 @@ impl State {
             add_state(load, self.cache.scratch.evaluator.loads[k])?;
         }
         if let Some(side) = effect.held {
-            if let Some(end) = self.travel[side].filter(|_| effect.by_stop) {
+            if let Some(end) = self.state.travel[side].filter(|_| effect.by_stop) {
                 add_state(loading.stops[end.stop].load, self.of_stop(reduced, end.stop))?;
             }
             for lock in 0..loading.locks.len() {
                 let force = self.of_lock(reduced, inputs, lock);
                 if force != 0.0 {
                     let outward = if side == 0 { -1.0 } else { 1.0 };
-                    let held = reduced.lock_reaction(lock, self.sigma, joint);
+                    let held = reduced.lock_reaction(lock, self.state.sigma, joint);
                     for (part, sum) in value.iter_mut().enumerate().take(parts) {
                         *sum += outward * force * part_of(&held, part);
                     }

@@ -12,9 +12,9 @@ use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::dynamics::state_loads::{Mode, StateLoadEvaluator};
 use crate::mechanism::linkage::Freedom;
-use crate::mechanism::motion::state::{State, airspeed, state_loads_under};
+use crate::mechanism::motion::state::{airspeed, state_loads_under};
 use crate::mechanism::outputs::reaction::part_of;
-use crate::mechanism::outputs::{OutputError, checked, toward};
+use crate::mechanism::outputs::{OutputError, ReducedMotion, checked, toward};
 use crate::mechanism::quantity::{OneElement, Output, ReactionPart};
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::dual::{Dual, Number};
@@ -65,7 +65,7 @@ impl Slopes {
     }
 }
 
-impl State {
+impl ReducedMotion {
     /// Go in a direction in which the state stays and the inputs change by `seeds`.
     pub fn head_for_inputs(&mut self, reduced: &Reduced, inputs: &Inputs, seeds: &dyn Fn(usize) -> f64) {
         let state_loads = state_loads_under(reduced, inputs).ok().flatten();
@@ -76,7 +76,7 @@ impl State {
 
     /// Go in the direction of time.
     pub fn head_for_time(&mut self, reduced: &Reduced, inputs: &Inputs) -> Result<(), OutputError> {
-        let along = [self.sigma_dot, self.effect(reduced, inputs)?.acceleration];
+        let along = [self.state.sigma_dot, self.effect(reduced, inputs)?.acceleration];
         let state_loads = state_loads_under(reduced, inputs).ok().flatten();
         let slopes = self.room(reduced, inputs, state_loads);
         slopes.along = along;
@@ -90,7 +90,7 @@ impl State {
         let room = self.cache.slopes.take().filter(|s| s.air == air);
         let room = room.unwrap_or_else(|| Box::new(Slopes::new(reduced, state_loads, inputs.reals.len())));
         let slopes = self.cache.slopes.insert(room);
-        slopes.panel_force.forget();
+        slopes.panel_force.invalidate();
         slopes.effect = None;
         slopes.reactions.fill(None);
         slopes
@@ -99,7 +99,7 @@ impl State {
     /// Derivative of an output in the direction last stated.
     pub fn slope(&mut self, reduced: &Reduced, inputs: &Inputs, output: Output) -> Result<f64, OutputError> {
         let Some(mut slopes) = self.cache.slopes.take() else { return Ok(0.0) };
-        let mut view = View { state: self, slopes: &mut slopes, reduced, inputs };
+        let mut view = View { motion: self, slopes: &mut slopes, reduced, inputs };
         let value = view.output(output);
         self.cache.slopes = Some(slopes);
         Ok(value?.slope[0])
@@ -108,7 +108,7 @@ impl State {
 
 /// A state seen along a direction.
 struct View<'a> {
-    state: &'a mut State,
+    motion: &'a mut ReducedMotion,
     slopes: &'a mut Slopes,
     reduced: &'a Reduced,
     inputs: &'a Inputs,
@@ -181,24 +181,24 @@ impl View<'_> {
     }
 
     fn sigma(&self) -> D {
-        Dual { value: self.state.sigma, slope: [self.slopes.along[0]] }
+        Dual { value: self.motion.state.sigma, slope: [self.slopes.along[0]] }
     }
 
     /// sigma_dot.
     fn speed(&self) -> D {
-        Dual { value: self.state.sigma_dot, slope: [self.slopes.along[1]] }
+        Dual { value: self.motion.state.sigma_dot, slope: [self.slopes.along[1]] }
     }
 
     /// Size of a sized load.
     fn size(&self, load: usize) -> D {
         let inputs = self.reduced.loading().inputs.len();
         let slope = if load < inputs { self.slopes.inputs[load] } else { 0.0 };
-        Dual { value: self.state.cache.sizes[load], slope: [slope] }
+        Dual { value: self.motion.cache.sizes[load], slope: [slope] }
     }
 
     /// A component of a table.
     fn look(&self, table: &Table, component: usize) -> D {
-        let spot = table.spot(self.state.sigma);
+        let spot = table.spot(self.motion.state.sigma);
         if self.slopes.along[0] == 0.0 {
             return D::constant(table.value(spot, component));
         }
@@ -208,12 +208,12 @@ impl View<'_> {
 
     /// A component whose derivative along sigma is the next one.
     fn known(&self, table: &Table, component: usize) -> D {
-        let spot = table.spot(self.state.sigma);
+        let spot = table.spot(self.motion.state.sigma);
         self.sigma().chain(table.value(spot, component), table.value(spot, component + 1))
     }
 
     fn displacement(&self, load: usize) -> D {
-        let (reduced, sigma) = (self.reduced, self.state.sigma);
+        let (reduced, sigma) = (self.reduced, self.motion.state.sigma);
         let slope = match reduced.displacement(load) {
             Ok(table) => table.value(table.spot(sigma), 1),
             Err(_) => {
@@ -221,7 +221,7 @@ impl View<'_> {
                 reduced.loading().loads[load].displacement(reduced.linkage(), &c)[1]
             }
         };
-        self.sigma().chain(self.state.displacement(reduced, load), slope)
+        self.sigma().chain(self.motion.state.displacement(reduced, load), slope)
     }
 
     fn influence(&self, load: usize) -> D {
@@ -260,11 +260,11 @@ impl View<'_> {
         let Slopes { inputs: rates, none, panel_force, evaluator, .. } = &mut *self.slopes;
         let air = rates.last().copied().filter(|_| reduced.loading().air.is_some()).unwrap_or(0.0);
         let change = Change { first: &rates[..loads], second: &none[..loads], airspeed: [air, 0.0] };
-        let state = &*self.state;
-        let (sizes, airspeed) = (&state.cache.sizes[..], airspeed(reduced, inputs));
+        let state = &self.motion.state;
+        let (sizes, airspeed) = (&self.motion.cache.sizes[..], airspeed(reduced, inputs));
         let given = AppliedLoads { sizes, airspeed, revolutions: state.revolutions, change: Some(change) };
-        let mode = Mode { direction, touching: state.contact.touching };
-        panel_force.place(reduced, state_loads, &given, sigma.value);
+        let mode = Mode { direction, touching: state.contact.touching() };
+        panel_force.locate(reduced, state_loads, &given, sigma.value);
         // s itself: the inputs are u + s du/ds, at s = 0.
         let s = D::variable(0.0, 0);
         match state_loads {
@@ -296,7 +296,7 @@ impl View<'_> {
         if let Some(effect) = self.slopes.effect {
             return Ok(effect);
         }
-        let found = self.state.effect(self.reduced, self.inputs)?;
+        let found = self.motion.effect(self.reduced, self.inputs)?;
         let free = self.settle(self.speed(), found.direction)?;
         let acceleration = if found.held.is_some() { ZERO } else { free };
         let effect = Forces { acceleration, free, held: found.held, by_stop: found.by_stop };
@@ -319,7 +319,7 @@ impl View<'_> {
     }
 
     fn of_stop(&self, effect: &Forces, stop: usize) -> D {
-        let holds = |side: usize| self.state.travel[side].is_some_and(|e| e.stop == stop);
+        let holds = |side: usize| self.motion.state.travel[side].is_some_and(|e| e.stop == stop);
         if !(effect.by_stop && effect.held.is_some_and(holds)) {
             return ZERO;
         }
@@ -332,11 +332,11 @@ impl View<'_> {
     fn of_lock(&self, effect: &Forces, lock: usize) -> D {
         let (loading, locks) = (self.reduced.loading(), &self.inputs.locks);
         let stop = loading.locks[lock].stop;
-        let holds = |side: &usize| self.state.travel[*side].is_some_and(|e| e.stop == stop);
+        let holds = |side: &usize| self.motion.state.travel[*side].is_some_and(|e| e.stop == stop);
         let Some(side) = effect.held.filter(holds).filter(|_| !effect.by_stop && locks[lock]) else { return ZERO };
         let outward = if side == 0 { -1.0 } else { 1.0 };
         let engaged = loading.locks.iter().zip(locks).filter(|(l, on)| **on && l.stop == stop).count();
-        let path = self.reduced.lock_path(lock, self.state.sigma);
+        let path = self.reduced.lock_path(lock, self.motion.state.sigma);
         finite(scaled(effect.free, -outward / (path.norm() * engaged as f64)))
     }
 
@@ -414,7 +414,7 @@ impl View<'_> {
         // The exact evaluator tells no derivative along sigma.
         let exact = match &table {
             Err(at) if self.slopes.along[0] != 0.0 => return Err(OutputError::Table((*at).clone())),
-            Err(_) => reduced.exact_reaction(joint, self.state.sigma),
+            Err(_) => reduced.exact_reaction(joint, self.motion.state.sigma),
             Ok(_) => Vec::new(),
         };
         let mut value = [ZERO; 3];
@@ -459,14 +459,14 @@ impl View<'_> {
             add_state(self, load, self.slopes.evaluator.loads[k])?;
         }
         if let Some(side) = effect.held {
-            if let Some(end) = self.state.travel[side].filter(|_| effect.by_stop) {
+            if let Some(end) = self.motion.state.travel[side].filter(|_| effect.by_stop) {
                 add_state(self, loading.stops[end.stop].load, self.of_stop(&effect, end.stop))?;
             }
             for lock in 0..loading.locks.len() {
                 let force = self.of_lock(&effect, lock);
                 if force != ZERO {
                     let outward = if side == 0 { -1.0 } else { 1.0 };
-                    let held = reduced.lock_reaction(lock, self.state.sigma, joint);
+                    let held = reduced.lock_reaction(lock, self.motion.state.sigma, joint);
                     for (part, sum) in value.iter_mut().enumerate().take(parts) {
                         *sum = *sum + scaled(force, outward * part_of(&held, part));
                     }

@@ -1,6 +1,7 @@
 //! The start on the curve: where a coordinate has a stated value.
 use super::{Reduced, ReductionError, rough};
 use crate::mechanism::loads::resolved::Stop;
+use crate::numerics::bracket::bisect;
 use crate::numerics::table::{Table, polynomial};
 use std::f64::consts::TAU;
 
@@ -52,13 +53,13 @@ impl Reduced {
                 for k in 0..SAMPLES {
                     let (x0, x1) = (x[k], x[k + 1]);
                     if (values[k] - wanted) * (values[k + 1] - wanted) <= 0.0 {
-                        offer(bisect(&miss, x0, x1));
+                        offer(root(&miss, x0, x1));
                     } else if slopes[k] * slopes[k + 1] <= 0.0 {
                         // The coordinate turns back here: a start exactly at the toggle.
-                        let x = bisect(&slope, x0, x1);
+                        let x = root(&slope, x0, x1);
                         if miss(x) * miss(x0) <= 0.0 {
-                            offer(bisect(&miss, x0, x));
-                            offer(bisect(&miss, x, x1));
+                            offer(root(&miss, x0, x));
+                            offer(root(&miss, x, x1));
                         } else if miss(x).abs() < TOGGLE {
                             offer(x);
                         }
@@ -100,11 +101,11 @@ impl Reduced {
                 let (mut s0, mut s1) = (sigma(k), sigma(k + 1));
                 match (beyond(s0) > 0.0, beyond(s1) > 0.0) {
                     (true, true) => continue,
-                    (true, false) => s0 = bisect(&beyond, s0, s1),
-                    (false, true) => s1 = bisect(&beyond, s0, s1),
+                    (true, false) => s0 = root(&beyond, s0, s1),
+                    (false, true) => s1 = root(&beyond, s0, s1),
                     (false, false) => {}
                 }
-                let turns_back = (q(s0, 1) * q(s1, 1) < 0.0).then(|| bisect(&|s| q(s, 1), s0, s1));
+                let turns_back = (q(s0, 1) * q(s1, 1) < 0.0).then(|| root(&|s| q(s, 1), s0, s1));
                 for s in [s0, s1].into_iter().chain(turns_back) {
                     (low, high) = (low.min(q(s, 0)), high.max(q(s, 0)));
                 }
@@ -138,13 +139,9 @@ const OVERLAP: f64 = 1.0 + 1e-9;
 /// A stated start this close beyond a toggle is at the toggle [rad or m].
 const TOGGLE: f64 = 1e-9;
 
-/// Root of a function that changes sign: bisection to the last bit.
-fn bisect(f: &dyn Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
+/// Root of a function that changes sign, within rounding.
+fn root(f: &dyn Fn(f64) -> f64, a: f64, b: f64) -> f64 {
     let rising = f(b) > 0.0 || f(a) < 0.0;
-    for _ in 0..60 {
-        let middle = 0.5 * (a + b);
-        let above = f(middle) > 0.0;
-        if above == rising { b = middle } else { a = middle }
-    }
+    let [a, b] = bisect(|x| (f(x) > 0.0) == rising, a, b);
     0.5 * (a + b)
 }

@@ -1,0 +1,183 @@
+//! What the advance asks of the thing that moves, and the answers of a mechanism.
+//!
+//! In: states, directions, regimes, contacts. Out: accelerations, and the quantities whose signs change at events. It must
+//! not know steps.
+use crate::integrator::System;
+use crate::mechanism::dynamics::equation::EquationOfMotion;
+use crate::mechanism::loads::laws::friction::{Locked, Regime};
+
+/// A motion along sigma whose right-hand side is smooth between events. The state is (sigma, sigma_dot), or (sigma,
+/// sigma_dot, energy lost). Bumpers, drives with an efficiency and friction joints are the three kinds of parts that
+/// switch their laws; by default there are none.
+pub trait Dynamics<const N: usize>: System<N> {
+    /// State the time since the start of the span [s] at which inputs are evaluated.
+    fn set_time(&mut self, t: f64);
+
+    /// Whether inputs change with time within the span.
+    fn inputs_change(&self) -> bool {
+        false
+    }
+
+    /// sigma_ddot at any state, as nothing but the loads determine it: without rigid stops and locks, with the regimes
+    /// of friction and the directions of drives that follow from the state itself.
+    ///
+    /// # Errors
+    /// [`Locked`]: friction has no solution.
+    fn free_acceleration(&mut self, sigma: f64, sigma_dot: f64) -> Result<f64, Locked>;
+
+    /// Characteristic length of sigma.
+    fn length(&self) -> f64;
+
+    /// Whether the right-hand side had no value somewhere because friction has no solution; clears that mark.
+    fn take_locked(&mut self) -> bool {
+        false
+    }
+
+    /// State the bumpers that push, one at most at each end.
+    fn set_touching(&mut self, _touching: [Option<usize>; 2]) {}
+
+    /// How far the load of a bumper is beyond its stop, and the push of the bumper if it is in contact.
+    fn bumper_push(&mut self, _bumper: usize, _sigma: f64, _sigma_dot: f64) -> (f64, f64) {
+        (0.0, 0.0)
+    }
+
+    /// Whether a drive has an efficiency, so that the right-hand side jumps where sigma_dot changes its sign.
+    fn has_reversals(&self) -> bool {
+        false
+    }
+
+    /// Direction in which the drives with an efficiency are taken to work: 1, -1, or 0 if they hold.
+    fn direction(&self) -> f64 {
+        0.0
+    }
+
+    /// Find and state that direction: that of sigma_dot, or from rest the one in which the mechanism sets off, 0 if its
+    /// drives hold it. Returns it.
+    ///
+    /// # Errors
+    /// [`Locked`].
+    fn find_direction(&mut self, _sigma: f64, _sigma_dot: f64) -> Result<f64, Locked> {
+        Ok(0.0)
+    }
+
+    /// sigma_ddot from rest, were the drives with an efficiency to work in this direction.
+    ///
+    /// # Errors
+    /// [`Locked`].
+    fn acceleration_from_rest(&mut self, sigma: f64, _direction: f64) -> Result<f64, Locked> {
+        self.free_acceleration(sigma, 0.0)
+    }
+
+    /// Number of joints with friction.
+    fn friction_joints(&self) -> usize {
+        0
+    }
+
+    /// Slip speed of a joint [m/s].
+    fn slip(&mut self, _joint: usize, _sigma: f64, _sigma_dot: f64) -> f64 {
+        0.0
+    }
+
+    /// Slip speed of a joint [m/s] and its rate [m/s2], at (sigma, sigma_dot, sigma_ddot).
+    fn slip_rate(&mut self, _joint: usize, _state: [f64; 3]) -> [f64; 2] {
+        [0.0; 2]
+    }
+
+    /// Least and largest slip speed of the regime in which a joint is [m/s].
+    fn slip_range(&self, _joint: usize) -> (f64, f64) {
+        (f64::NEG_INFINITY, f64::INFINITY)
+    }
+
+    /// State the regimes in which all joints are at this state.
+    fn set_regimes(&mut self, _sigma: f64, _sigma_dot: f64) {}
+
+    /// Take a joint to the neighbour of its regime towards its slip speed at this state.
+    fn change_regime(&mut self, _joint: usize, _sigma: f64, _sigma_dot: f64) {}
+}
+
+impl<const N: usize> Dynamics<N> for EquationOfMotion<'_>
+where
+    Self: System<N>,
+{
+    #[inline]
+    fn set_time(&mut self, t: f64) {
+        self.time = t;
+    }
+
+    #[inline]
+    fn inputs_change(&self) -> bool {
+        self.applied.change.is_some()
+    }
+
+    fn free_acceleration(&mut self, sigma: f64, sigma_dot: f64) -> Result<f64, Locked> {
+        self.settle(sigma, sigma_dot)
+    }
+
+    fn length(&self) -> f64 {
+        self.reduced.scale()
+    }
+
+    fn take_locked(&mut self) -> bool {
+        std::mem::take(&mut self.locked)
+    }
+
+    #[inline]
+    fn set_touching(&mut self, touching: [Option<usize>; 2]) {
+        self.mode.touching = touching;
+    }
+
+    fn bumper_push(&mut self, bumper: usize, sigma: f64, sigma_dot: f64) -> (f64, f64) {
+        Self::bumper_push(self, bumper, sigma, sigma_dot)
+    }
+
+    #[inline]
+    fn has_reversals(&self) -> bool {
+        self.reverses()
+    }
+
+    #[inline]
+    fn direction(&self) -> f64 {
+        self.mode.direction
+    }
+
+    fn find_direction(&mut self, sigma: f64, sigma_dot: f64) -> Result<f64, Locked> {
+        self.mode.direction = self.start_direction(sigma, sigma_dot)?;
+        Ok(self.mode.direction)
+    }
+
+    fn acceleration_from_rest(&mut self, sigma: f64, direction: f64) -> Result<f64, Locked> {
+        self.mode.direction = direction;
+        Ok(self.effect(sigma, 0.0)?.acceleration)
+    }
+
+    #[inline]
+    fn friction_joints(&self) -> usize {
+        self.state_loads.map_or(0, |s| s.friction_joints.len())
+    }
+
+    fn slip(&mut self, joint: usize, sigma: f64, sigma_dot: f64) -> f64 {
+        Self::slip(self, joint, sigma, sigma_dot)
+    }
+
+    fn slip_rate(&mut self, joint: usize, state: [f64; 3]) -> [f64; 2] {
+        Self::slip_rate(self, joint, state)
+    }
+
+    fn slip_range(&self, joint: usize) -> (f64, f64) {
+        let regime = self.scratch.evaluator.regime(joint).unwrap_or(Regime::Viscous);
+        self.state_loads.map_or((f64::NEG_INFINITY, f64::INFINITY), |s| s.friction_joints[joint].law.range(regime))
+    }
+
+    #[inline]
+    fn set_regimes(&mut self, sigma: f64, sigma_dot: f64) {
+        Self::set_regimes(self, sigma, sigma_dot);
+    }
+
+    fn change_regime(&mut self, joint: usize, sigma: f64, sigma_dot: f64) {
+        let Some(state_loads) = self.state_loads else { return };
+        let regime = self.scratch.evaluator.regime(joint).unwrap_or(Regime::Viscous);
+        let slip = Self::slip(self, joint, sigma, sigma_dot);
+        let next = state_loads.friction_joints[joint].law.next(regime, slip);
+        self.set_regime(joint, Some(next));
+    }
+}
