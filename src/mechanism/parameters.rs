@@ -1,7 +1,7 @@
 //! The present parameters of a mechanism, and what of it no parameter can change.
 use crate::codec::record::fnv1a;
 use crate::mechanism::definition::{Experiment, Mechanism, Method};
-use crate::numerics::dual::same_bits;
+use crate::numerics::bits::same_bits;
 
 /// A mechanism with its parameters.
 #[derive(Clone, Debug, PartialEq)]

@@ -13,7 +13,7 @@ use crate::mechanism::motion::{SavedState, state::State};
 use crate::mechanism::parameters::{ParameterValues, fingerprint};
 use crate::mechanism::quantity::Quantity;
 use crate::mechanism::reduced::Reduced;
-use crate::numerics::dual::same_bits;
+use crate::numerics::bits::same_bits;
 use std::sync::Arc;
 
 /// All that decides how a model goes on.

@@ -2,7 +2,7 @@
 use super::input_polynomial::{Change, InputPolynomial};
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::reduced::Reduced;
-use crate::numerics::dual::become_same;
+use crate::numerics::bits::become_same;
 
 /// What the host sets between steps.
 #[derive(Clone, Debug, PartialEq)]

@@ -53,7 +53,7 @@ impl RigidFemMotion {
     /// As [`State::from_saved`].
     pub fn from_saved(saved: &SavedElastic, reduced: &Reduced, inputs: &Inputs) -> Result<Self, ModelError> {
         Ok(Self {
-            room: saved.fem.workspace(),
+            room: saved.fem.scratch(),
             fem: Arc::clone(&saved.fem),
             fem_step: saved.fem_step,
             present: saved.state.clone(),

@@ -1,9 +1,11 @@
 //! Dependencies: what a variable follows from, and what each parameter acts on.
 use crate::mechanism::definition::{DefinitionError, Mechanism, Role};
-use crate::mechanism::linkage::{Body, Freedom, GROUND, Joint, Linkage, Point, Vec2};
-use crate::mechanism::loads::laws::drag::Surface;
-use crate::mechanism::loads::resolved::{Air, FrictionJoint, Loading, Spring, Stop, markers};
+use crate::mechanism::linkage::{Body, Freedom, GROUND, Joint, Linkage, Point};
+use crate::mechanism::loads::laws::spring::Spring;
+use crate::mechanism::loads::laws::stop::Stop;
+use crate::mechanism::loads::resolved::{Air, FrictionJoint, Loading, Surface, markers};
 use crate::mechanism::loads::unit_load::Load;
+use crate::numerics::plane::Vec2;
 
 /// What a variable's value follows from; a set of causes.
 #[derive(Clone, Copy, Default)]

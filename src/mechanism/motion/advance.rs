@@ -5,7 +5,8 @@
 //! polished on the integration itself. A step may go on beyond the communication step (`step_ahead.rs`).
 use crate::integrator::{Dense, IntegrationError, Integrator, Step, System};
 use crate::mechanism::dynamics::equation::EquationOfMotion;
-use crate::mechanism::loads::laws::friction::{Locked, Regime};
+use crate::mechanism::loads::friction_loop::Locked;
+use crate::mechanism::loads::laws::friction::Regime;
 use crate::mechanism::motion::events::{
     AT_BORDER, Contact, Event, Found, Surroundings, bumper, first_event, outward, passage,
 };

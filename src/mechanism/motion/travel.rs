@@ -2,7 +2,7 @@
 //!
 //! In: the reduced model, its stops, the start. Out: the place of each end on the curve. It must not know time.
 use crate::mechanism::ModelError;
-use crate::mechanism::loads::resolved::Stop;
+use crate::mechanism::loads::laws::stop::Stop;
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::table::{Table, polynomial};
 
@@ -34,7 +34,7 @@ pub fn travel(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<Travel,
             position: reduced.curve().describe(e.sigma, revolutions),
         })?;
         let growth = reduced.load_growth(stop.load);
-        let spot = table.spot(sigma);
+        let spot = table.position(sigma);
         let (s, slope) = (table.value(spot, 0) + revolutions * growth, table.value(spot, 1));
         let beyond = stop.beyond(s);
         let near = AT * (1.0 + stop.value.abs());

@@ -6,7 +6,7 @@ use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::dynamics::state_loads::Mode;
-use crate::mechanism::loads::laws::friction::Locked;
+use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::motion::advance::rests;
 use crate::mechanism::motion::state::{State, airspeed, state_loads_under};
 use crate::mechanism::outputs::reaction::JointReaction;
@@ -14,7 +14,7 @@ use crate::mechanism::outputs::slopes::Slopes;
 use crate::mechanism::quantity::{OneElement, Output, ReactionPart};
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::mechanism::rigid_fem::RigidFemError;
-use crate::numerics::dual::same_bits;
+use crate::numerics::bits::same_bits;
 use crate::numerics::table::{Table, TablePosition, Unresolved};
 
 /// Why an output cannot be told.
@@ -172,14 +172,14 @@ impl State {
             Output::Displacement { load, order: 0 } => Ok(self.displacement(reduced, load)),
             Output::Displacement { load, order } => {
                 let table = checked(reduced.displacement(load))?;
-                let spot = table.spot(self.sigma);
+                let spot = table.position(self.sigma);
                 self.derivative((table, spot), 0, reduced, inputs, order)
             }
             Output::OneElement { drive, term } => self.one_element(reduced, inputs, drive, term),
             Output::SpringForce { spring } => self.spring_force(reduced, spring),
             Output::Marker { marker, axis, order } => {
                 let table = checked(reduced.marker(marker))?;
-                let spot = table.spot(self.sigma);
+                let spot = table.position(self.sigma);
                 self.derivative((table, spot), 3 * axis, reduced, inputs, order)
             }
             Output::Friction { friction_joint } => {
@@ -251,12 +251,12 @@ impl State {
             return Ok(spring_force);
         }
         let table = checked(reduced.displacement(spring.load))?;
-        Ok(spring_force + spring.damping * table.value(table.spot(self.sigma), 1) * self.sigma_dot)
+        Ok(spring_force + spring.damping * table.value(table.position(self.sigma), 1) * self.sigma_dot)
     }
 
     fn influence(&self, reduced: &Reduced, load: usize) -> f64 {
         let table = reduced.influence();
-        table.value(table.spot(self.sigma), load)
+        table.value(table.position(self.sigma), load)
     }
 
     /// Call `with` with the motion under the present inputs and the scene it is in.
@@ -324,7 +324,7 @@ impl State {
                 if self.travel[side].is_some_and(|e| e.stop == stop) =>
             {
                 let load = reduced.loading().stops[stop].load;
-                let slope = reduced.displacement(load).map_or(f64::NAN, |t| t.value(t.spot(self.sigma), 1));
+                let slope = reduced.displacement(load).map_or(f64::NAN, |t| t.value(t.position(self.sigma), 1));
                 finite(-free / slope)
             }
             _ => 0.0,
@@ -362,7 +362,7 @@ impl State {
         let spot = match self.cache.spot {
             Some(spot) => spot,
             None => {
-                let spot = table.spot_near(self.sigma, self.cache.panel);
+                let spot = table.position_near(self.sigma, self.cache.panel);
                 (self.cache.spot, self.cache.panel) = (Some(spot), spot.panel);
                 spot
             }
@@ -452,7 +452,7 @@ impl State {
         term: OneElement,
     ) -> Result<f64, OutputError> {
         let table = checked(reduced.displacement(drive))?;
-        let spot = table.spot(self.sigma);
+        let spot = table.position(self.sigma);
         let (slope, bend) = (table.value(spot, 1), table.value(spot, 2));
         let speed = slope * self.sigma_dot;
         let efficiency = reduced.loading().drives[drive].efficiency;

@@ -133,7 +133,7 @@ impl State {
             for (part, sum) in value.iter_mut().enumerate().take(parts) {
                 *sum += size
                     * match &table {
-                        Ok(table) => table.value(table.spot(self.sigma), part * terms + 2 + load),
+                        Ok(table) => table.value(table.position(self.sigma), part * terms + 2 + load),
                         Err(_) => part_of(&exact[2 + load], part),
                     };
             }
@@ -154,7 +154,9 @@ impl State {
             for (part, sum) in value.iter_mut().enumerate().take(parts) {
                 *sum += size
                     * match (&table, exact.get(2 + load)) {
-                        (Ok(table), _) => table.value(table.spot(self.sigma), part * states + load - loading.base()),
+                        (Ok(table), _) => {
+                            table.value(table.position(self.sigma), part * states + load - loading.base())
+                        }
                         (Err(_), Some(exact)) => part_of(exact, part),
                         (Err(at), None) => return Err(OutputError::Table((*at).clone())),
                     };

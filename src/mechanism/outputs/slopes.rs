@@ -198,7 +198,7 @@ impl View<'_> {
 
     /// A component of a table.
     fn look(&self, table: &Table, component: usize) -> D {
-        let spot = table.spot(self.state.sigma);
+        let spot = table.position(self.state.sigma);
         if self.slopes.along[0] == 0.0 {
             return D::constant(table.value(spot, component));
         }
@@ -208,14 +208,14 @@ impl View<'_> {
 
     /// A component whose derivative along sigma is the next one.
     fn known(&self, table: &Table, component: usize) -> D {
-        let spot = table.spot(self.state.sigma);
+        let spot = table.position(self.state.sigma);
         self.sigma().chain(table.value(spot, component), table.value(spot, component + 1))
     }
 
     fn displacement(&self, load: usize) -> D {
         let (reduced, sigma) = (self.reduced, self.state.sigma);
         let slope = match reduced.displacement(load) {
-            Ok(table) => table.value(table.spot(sigma), 1),
+            Ok(table) => table.value(table.position(sigma), 1),
             Err(_) => {
                 let c = reduced.curve().configuration(sigma);
                 reduced.loading().loads[load].displacement(reduced.linkage(), &c)[1]
