@@ -107,8 +107,7 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// Reactions of all joints, term by term: for sigma_ddot = 1, for sigma_dot^2 = 1, then for each load = 1; without
-    /// the first `skipped` terms.
+    /// Reactions of all joints, term by term from the term `skipped`: sigma_ddot = 1, sigma_dot^2 = 1, each load = 1.
     pub fn fill(&mut self, closure: &Closure, c: &Configuration, loads: &[Load], skipped: usize) -> &[Reaction] {
         let linkage = &*closure.linkage;
         let joints = linkage.joints.len();
@@ -258,8 +257,7 @@ impl<const N: usize> Terms<N> {
                     *work += arms.axis.x * x[i] + arms.axis.y * y[i];
                 }
             }
-            // The pivot moves with the parent. Only the force acts on the parent's coordinates: the child's angle is a
-            // coordinate.
+            // The pivot moves with the parent. The moment does no work on the parent's coordinates.
             let pivot = p.origin[child] + arms.to;
             self.summed[parent].add(1.0, pivot - p.origin[parent], &force);
         }
@@ -278,8 +276,8 @@ impl<const N: usize> Terms<N> {
     }
 
     /// Call `give` with the force and moment of every joint that satisfy the demands of all bodies, for the multipliers
-    /// of all loop equations and a unit moment in `twisted`, a prismatic joint outside the tree. The demands are
-    /// overwritten.
+    /// of all loop equations and a unit moment in the prismatic joint `twisted` outside the tree. Overwrites the
+    /// demands.
     fn inward(
         &mut self,
         closure: &Closure,

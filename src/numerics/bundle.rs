@@ -1,7 +1,7 @@
 //! Polynomials side by side, in rows of [`ROW`] that a processor evaluates at once.
 //!
-//! In: monomial coefficients on a panel. Out: rows of coefficients, their sums and values. It must not know what the
-//! functions mean.
+//! In: monomial coefficients. Out: rows of coefficients, their sums and values. It must not know what the functions
+//! mean.
 use super::chebyshev::{NODES, Series};
 use super::dual::Number;
 use super::table::Table;

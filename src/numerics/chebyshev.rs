@@ -90,8 +90,7 @@ const PAIRS: [[f64; NODES]; NODES / 2] = {
     rows
 };
 
-/// Monomial coefficients, of 1, x, x^2, ... Accurate where the series decays faster than (1 + sqrt 2)^-k, as on a
-/// resolved panel.
+/// Coefficients of 1, x, x^2, ... Accurate if the series decays faster than (1 + sqrt 2)^-k, as on a resolved panel.
 pub fn monomials(series: &Series) -> Series {
     let mut out = [0.0; NODES];
     for (c, row) in series.chunks_exact(2).zip(&PAIRS) {
@@ -103,8 +102,8 @@ pub fn monomials(series: &Series) -> Series {
     out
 }
 
-/// Value of a polynomial with monomial coefficients, by Estrin's scheme for even and odd powers apart: coefficients are
-/// loaded in pairs.
+/// Value of a polynomial with monomial coefficients, by Estrin's scheme for even and odd powers, which are loaded in
+/// pairs.
 #[inline]
 pub fn polynomial(c: &Series, x: f64) -> f64 {
     let y = x * x;
@@ -132,8 +131,8 @@ pub fn tail(series: &Series) -> f64 {
     series[NODES - 3..].iter().fold(0.0, |a: f64, c| a.max(c.abs()))
 }
 
-/// The series with its last coefficients set to 0 as far as all are of the size of the tail. They are rounding, which
-/// differentiation would amplify.
+/// The series without its last coefficients of the size of the tail: they are rounding, which differentiation
+/// amplifies.
 pub fn chopped(series: &Series) -> Series {
     const PLATEAU: f64 = 4.0;
     let level = PLATEAU * tail(series);

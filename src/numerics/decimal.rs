@@ -1,8 +1,7 @@
 //! Numbers in messages.
 use std::fmt;
 
-/// A number in a message: the shortest decimal that reads back as the same number, with an exponent where there would
-/// be many leading or trailing zeros.
+/// A number in a message: the shortest decimal that reads back as the number, with an exponent instead of many zeros.
 #[derive(Clone, Copy, Debug)]
 pub struct Decimal(pub f64);
 

@@ -1,7 +1,7 @@
 //! Numbers with or without derivatives.
 //!
-//! In: a formula that is generic over [`Number`]. Out: its values, or its values with exact derivatives. It must not
-//! know what the numbers mean.
+//! In: a formula generic over [`Number`]. Out: its values, with exact derivatives or without. It must not know the
+//! formula.
 use std::fmt::Debug;
 use std::ops::{Add, Mul, Neg, Sub};
 

@@ -32,8 +32,7 @@ impl fmt::Display for Unresolved {
 pub struct Grid {
     /// First sigma of each panel, then the last sigma of all.
     pub borders: Vec<f64>,
-    /// Values of sigma where the exact function amplifies rounding. Each is the middle of a panel, and stays the middle
-    /// of one when the panel is divided.
+    /// Values of sigma where the exact function amplifies rounding; each stays the middle of a panel.
     pub centers: Vec<f64>,
 }
 
@@ -91,8 +90,8 @@ impl Table {
     ///
     /// A panel is divided until the Chebyshev coefficients of every component have decayed to [`ACCURACY`] times the
     /// larger of the component's natural size and its largest value on the grid. Coefficients of the size of rounding
-    /// are accepted: rounding in `exact` (amplified twice in second derivatives) or in sigma. A set is [`Unresolved`]
-    /// where division does not help.
+    /// are accepted: rounding in `exact` (amplified twice in second derivatives) or in sigma. Else a set is
+    /// [`Unresolved`].
     pub fn build_all(
         grid: &Grid,
         sizes: &[Vec<f64>],
@@ -258,8 +257,8 @@ enum Verdict {
 }
 
 impl Set {
-    /// Take the interval as a panel if the set is resolved on it. `parent_tail`: largest tail on the interval of which
-    /// this one is a piece.
+    /// Take the interval as a panel if the set is resolved on it. `parent_tail`: largest tail on the undivided
+    /// interval.
     fn judge(&mut self, interval: &Interval, parent_tail: f64) -> Verdict {
         /// Length of the shortest piece as a part of a panel of the grid.
         const SHORTEST: f64 = 1.0 / 20_000.0;

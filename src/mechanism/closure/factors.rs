@@ -150,8 +150,8 @@ impl Factors {
         out.extend(self.null.iter().map(|z| scale * z));
     }
 
-    /// Changes x of coordinates for N right-hand sides at once: J x = `rows`, normal . x = `along`. `out` has an entry
-    /// for each coordinate.
+    /// Changes x of coordinates for N right-hand sides: J x = `rows`, normal . x = `along`. `out`: one entry for each
+    /// coordinate.
     pub fn solve<const N: usize>(
         &self,
         rows: impl Iterator<Item = [f64; N]>,
@@ -185,8 +185,7 @@ impl Factors {
         }
     }
 
-    /// Multipliers m with J^T m + c normal = `right` for some c, for N right-hand sides at once. `right` is
-    /// overwritten.
+    /// Multipliers m with J^T m + c normal = `right` for some c, for N right-hand sides; `right` is overwritten.
     pub fn solve_transposed<const N: usize>(&self, normal: &[f64], right: &mut [[f64; N]], out: &mut Vec<[f64; N]>) {
         let mut along = [0.0; N];
         for (z, values) in self.null.iter().zip(&*right) {

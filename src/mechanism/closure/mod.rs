@@ -47,13 +47,11 @@ pub struct Scratch {
 /// Convergence of Newton's method to a closed position on a plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Convergence {
-    /// Amplification of rounding in a gap: largest entry of a rough inverse of the loop equations at the closed
-    /// position.
+    /// Amplification of rounding in a gap: largest entry of a rough inverse of the loop equations.
     pub amplification: f64,
     /// Weighted size of the first correction.
     pub first: f64,
-    /// Whether the last linearisation is at the closed position itself; else it is one correction of the size of
-    /// rounding away.
+    /// Whether the last linearisation is at the closed position; else it is a rounding error away.
     exact: bool,
 }
 
@@ -147,11 +145,6 @@ impl Closure {
     /// Whether some loop equations depend on others.
     pub fn redundant(&self) -> bool {
         self.rows.len() < self.linkage.rows()
-    }
-
-    /// Values of the independent loop equations, of the values of all.
-    pub fn pick(&self, gaps: &[f64]) -> Vec<f64> {
-        self.rows.iter().map(|&r| gaps[r]).collect()
     }
 
     /// Indices of the independent loop equations.

@@ -1,7 +1,6 @@
 //! One configuration with its derivatives along the curve.
 //!
-//! In: closed coordinates and the loop equations linearised there. Out: first and second derivatives along sigma. It
-//! must not know panels.
+//! In: closed coordinates, linearised loop equations. Out: two derivatives along sigma. It must not know panels.
 use super::kinetic::{kinetic_product, twice_kinetic};
 use crate::mechanism::closure::{self, Closure, Factors};
 use crate::mechanism::linkage::{Linkage, Positions, Rates};
@@ -46,8 +45,8 @@ impl Configuration {
         self.regular.then_some(&self.factors)
     }
 
-    /// First derivatives for a direction along the curve in `q_sigma`, scaled to T = 1/2. Returns the speed d sigma / d
-    /// u before scaling.
+    /// First derivatives for a direction `q_sigma` along the curve, scaled to T = 1/2. Returns the speed before
+    /// scaling.
     pub(super) fn scale_rates(&mut self, linkage: &Linkage) -> f64 {
         linkage.rates_into(&self.positions, &self.q, &self.q_sigma, &mut self.rates);
         let speed = twice_kinetic(linkage, &self.positions, &self.rates).sqrt();
@@ -73,9 +72,8 @@ impl Configuration {
         }
     }
 
-    /// Derivatives along the curve at the coordinates `q` and their positions, with the loop equations linearised in
-    /// `scratch`. sigma grows along `normal`. Returns the speed d sigma / d u of motion across the planes with this
-    /// normal.
+    /// Derivatives along the curve at the coordinates `q`, with the loop equations linearised in `scratch`. sigma grows
+    /// along `normal`. Returns the speed d sigma / d u of motion across the planes with this normal.
     pub(super) fn derive(&mut self, closure: &Closure, normal: &[f64], scratch: &mut Scratch) -> f64 {
         let linkage = &*closure.linkage;
         let factors = &scratch.loops.factors;

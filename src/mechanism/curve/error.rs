@@ -49,7 +49,7 @@ impl fmt::Display for CurveError {
             ),
             Self::NearCrossing { position } => write!(
                 f,
-                "two branches of motion almost cross at {position}: the lengths miss a crossing by so little that rounding tells; \
+                "two branches of motion almost cross at {position}: the lengths miss a crossing by so little that rounding decides; \
                  change a length by a part in 1e5 or more, or make them cross to the last digit"
             ),
             Self::Stuck { position } => {

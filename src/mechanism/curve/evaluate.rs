@@ -7,8 +7,7 @@ use crate::mechanism::closure::{self, Closure};
 use crate::mechanism::linkage::Linkage;
 use crate::numerics::chebyshev::{Transform, polynomial};
 
-/// Amplification relative to the least one of a panel, above which the panel's series are more accurate than the loop
-/// equations.
+/// Amplification, relative to the least of a panel, above which the series are more accurate than the loop equations.
 const NEAR: f64 = 8.0;
 /// Amplification below which the loop equations are accurate enough.
 const HARMLESS: f64 = 30.0;
@@ -94,8 +93,7 @@ impl Curve {
         &self.closure
     }
 
-    /// Amplification of a rounding error in the loop equations at sigma; infinite where branches cross to the last
-    /// digit.
+    /// Amplification of rounding in the loop equations at sigma; infinite where branches cross to the last digit.
     pub fn amplification(&self, sigma: f64) -> f64 {
         let c = self.configuration(sigma);
         let (mut tangent, mut scratch) = (c.q_sigma, closure::Scratch::default());
@@ -132,9 +130,10 @@ impl Curve {
         let (closure, linkage) = (&self.closure, &*self.closure.linkage);
         let x = panel.x_at(c.sigma);
         panel.coordinates_into(x, &mut c.q);
-        // Near a crossing the loop equations amplify rounding; the panel's series, whose nodes lie farther from the
-        // crossing, are then more accurate.
-        let converged = closure.on_plane(&mut scratch.loops, &mut c.q, &panel.base, &panel.normal, panel.u_at(x));
+        // Near a crossing the loop equations amplify rounding: the panel's series, from farther nodes, are more
+        // accurate.
+        let u = 0.5 * panel.width * (1.0 + x);
+        let converged = closure.on_plane(&mut scratch.loops, &mut c.q, &panel.base, &panel.normal, u);
         let most = HARMLESS.max(NEAR * panel.amplification);
         if let Some(converged) = converged.filter(|l| l.amplification < most) {
             closure.update_positions(converged, &c.q, &mut scratch.loops, &mut c.positions);
@@ -147,9 +146,8 @@ impl Curve {
         panel.coordinates_into(x, &mut c.q);
         linkage.update_positions(&c.q, &mut c.positions);
         if panel.derivatives.is_empty() {
-            c.q_sigma = panel.slopes_at(x);
+            (c.q_sigma, c.q_second) = panel.derivatives_at(x);
             let speed = c.scale_rates(linkage);
-            c.q_second = panel.curvatures_at(x);
             c.q_second.iter_mut().for_each(|v| *v /= speed * speed);
         } else {
             // These are derivatives along sigma already, but for rounding.

@@ -1,7 +1,7 @@
 //! The curve of closed positions, traced once and parametrised by its length in the kinetic metric.
 //!
-//! In: an assembled linkage. Out: for every sigma the configuration with its first and second derivatives. It must not
-//! know loads, inputs or time.
+//! In: an assembled linkage. Out: for every sigma the configuration with two derivatives. It must not know loads or
+//! time.
 //!
 //! sigma [kg^(1/2) m] is the arc length for which the kinetic energy is T = sigma_dot^2 / 2: the reduced inertia of
 //! [CK16] is 1 everywhere, its derivative 0, and a motion without loads is sigma = sigma_0 + sigma_dot t exactly. A

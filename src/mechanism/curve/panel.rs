@@ -192,8 +192,7 @@ impl Samples {
         // Differentiation amplifies the rounding of a series by about its number of terms.
         let mut slope = 20.0;
         if amplification > HARMLESS {
-            // A rounding error of a position turns the tangent by the curvature, which is large where branches almost
-            // meet.
+            // Rounding of a position turns the tangent by the curvature, which is large where branches almost meet.
             let seconds = self.seconds.iter().zip(weights);
             let curvature = seconds.flat_map(|(s, w)| s.map(|v| (v * w).abs())).fold(0.0, f64::max);
             slope += curvature * fastest * fastest;
@@ -283,9 +282,8 @@ impl Panel {
         self
     }
 
-    /// The same part of the curve in the opposite direction, with its base, the present tip, at the sigma `start`: x
-    /// becomes
-    /// -x.
+    /// The same part of the curve in the opposite direction, x -> -x, with its base, the present tip, at the sigma
+    /// `start`.
     pub fn mirrored(mut self, start: f64) -> Self {
         let odd = |series: &mut [f64]| series.iter_mut().skip(1).step_by(2).for_each(|c| *c = -*c);
         std::mem::swap(&mut self.base, &mut self.tip);
@@ -316,14 +314,10 @@ impl Panel {
         q.extend(self.coordinates.iter().map(|s| polynomial(s, x)));
     }
 
-    /// Derivatives of the coordinates with respect to x.
-    pub fn slopes_at(&self, x: f64) -> Vec<f64> {
-        self.coordinates.iter().map(|s| polynomial(&slopes_of(s), x)).collect()
-    }
-
-    /// Second derivatives of the coordinates with respect to x.
-    pub fn curvatures_at(&self, x: f64) -> Vec<f64> {
-        self.coordinates.iter().map(|s| polynomial(&slopes_of(&slopes_of(s)), x)).collect()
+    /// First and second derivatives of the coordinates with respect to x.
+    pub fn derivatives_at(&self, x: f64) -> (Vec<f64>, Vec<f64>) {
+        let slopes = self.coordinates.iter().map(slopes_of);
+        slopes.map(|s| (polynomial(&s, x), polynomial(&slopes_of(&s), x))).unzip()
     }
 
     /// sigma at x.
@@ -349,11 +343,6 @@ impl Panel {
             }
         }
         x
-    }
-
-    /// u at x.
-    pub fn u_at(&self, x: f64) -> f64 {
-        0.5 * self.width * (1.0 + x)
     }
 }
 

@@ -231,8 +231,7 @@ fn twice_kinetic_part(closure: &Closure, q: &[f64], tangent: &[f64]) -> f64 {
     if whole > 0.0 { twice_kinetic(linkage, &p, &linkage.rates(&p, q, tangent)) / whole } else { 0.0 }
 }
 
-/// For a panel that passes through the start again: the growth of the coordinates, and the part of the panel up to the
-/// start.
+/// For a panel through the start: the growth of the coordinates, and the part of the panel up to the start.
 fn returned(
     closure: &Closure,
     transform: &Transform,

@@ -1,7 +1,7 @@
 //! Travel: the end of the permitted positions on a panel.
 //!
-//! In: panels in the order in which they are traced. Out: the first sigma outside the permitted travel. It must not
-//! know what limits the travel.
+//! In: panels in the order of tracing. Out: the first sigma outside the travel. It must not know what limits the
+//! travel.
 use super::panel::Panel;
 use crate::mechanism::linkage::{Linkage, Positions};
 use crate::numerics::chebyshev::NODES;

@@ -46,8 +46,7 @@ impl Linkage {
     /// Resolve a definition.
     ///
     /// # Errors
-    /// A joint within one body, a body that no joint connects to the ground, prismatic joints that contradict one
-    /// another.
+    /// A joint within one body, a body without joints to the ground, prismatic joints that contradict one another.
     pub fn new(mechanism: &Mechanism) -> Result<Self, DefinitionError> {
         let mut linkage = Self::bodies_of(mechanism)?;
         linkage.add_joints(mechanism)?;
@@ -92,8 +91,8 @@ impl Linkage {
         Ok(Point { body, local: origin + turned(Vec2::new(x, y), angle) })
     }
 
-    /// Index of the body that carries a body of the definition, and the angle of the carried body's x axis in the
-    /// carrier's frame [rad].
+    /// Index of the body that carries a body of the definition, and the carried body's angle in the carrier's frame
+    /// [rad].
     pub fn carrier(&self, mechanism: &Mechanism, name: &str) -> Option<(usize, f64)> {
         mechanism.bodies.position(name).map(|i| (self.frames[i].body, self.frames[i].angle))
     }
@@ -139,17 +138,7 @@ impl Linkage {
                 inertia: m.inertia(),
             })
             .collect();
-        Ok(Self {
-            bodies,
-            joints: Vec::new(),
-            tree: Vec::new(),
-            cuts: Vec::new(),
-            loops: Vec::new(),
-            coordinates: Vec::new(),
-            angles: 0,
-            size: if size > 0.0 { size } else { 1.0 },
-            frames,
-        })
+        Ok(Self { bodies, size: if size > 0.0 { size } else { 1.0 }, frames, ..Self::default() })
     }
 
     fn add_joints(&mut self, mechanism: &Mechanism) -> Result<(), DefinitionError> {
@@ -212,8 +201,8 @@ impl Linkage {
         Ok(())
     }
 
-    /// Number the coordinates: the angle of each group without the ground, then the position of each prismatic joint of
-    /// the tree.
+    /// Number the coordinates: the angles of groups without the ground, then the positions of the tree's prismatic
+    /// joints.
     fn number_coordinates(&mut self) {
         let leaders: Vec<usize> =
             (0..self.bodies.len()).map(|i| self.bodies[i].angle_coordinate.unwrap_or(i)).collect();
@@ -244,8 +233,7 @@ impl Linkage {
         }
     }
 
-    /// Grow the spanning tree from the ground, prismatic joints first; the other joints become cuts. Returns which
-    /// bodies the tree reaches.
+    /// Grow the spanning tree, prismatic joints first; the other joints become cuts. Returns which bodies it reaches.
     fn grow_tree(&mut self) -> Vec<bool> {
         let n = self.bodies.len();
         // Kruskal's algorithm: a joint belongs to the tree if it connects two parts.

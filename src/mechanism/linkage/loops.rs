@@ -2,8 +2,8 @@
 //!
 //! In: positions and rates of the bodies. Out: gaps [m], their second derivatives and their Jacobian. A revolute joint
 //! gives two rows, the components of the gap between its points; a prismatic joint gives one, the gap normal to its
-//! axis (its bodies share one angle). A row depends on the coordinates round its loop only. It must not know how the
-//! loops are closed.
+//! axis (its bodies share one angle). A row depends on the coordinates round its loop only. It must not know Newton's
+//! method.
 use super::motion::{Positions, Rates};
 use super::structure::{Freedom, Linkage, Loop, Step};
 use crate::numerics::plane::{Vec2, perp};

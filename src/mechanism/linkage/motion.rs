@@ -136,14 +136,7 @@ impl Linkage {
         }
     }
 
-    /// Second derivatives of angles and origins when the coordinates have the derivatives `q_rate` and `q_second`.
-    pub fn second_rates(&self, p: &Positions, r: &Rates, q: &[f64], q_rate: &[f64], q_second: &[f64]) -> Rates {
-        let mut a = Rates::default();
-        self.second_rates_into(p, r, [q, q_rate, q_second], &mut a);
-        a
-    }
-
-    /// [`Self::second_rates`], in place, for the coordinates and their two derivatives.
+    /// Second derivatives of angles and origins for the coordinates and their two derivatives.
     pub fn second_rates_into(&self, p: &Positions, r: &Rates, [q, q_rate, q_second]: [&[f64]; 3], a: &mut Rates) {
         a.set_angles(self, q_second);
         for (branch, &Arms { from, to, axis }) in self.tree.iter().zip(&p.arms) {

@@ -114,7 +114,7 @@ pub(super) struct Frame {
 }
 
 /// A planar linkage.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Linkage {
     /// Bodies; the ground first.
     pub bodies: Vec<Body>,

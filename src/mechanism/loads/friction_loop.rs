@@ -109,8 +109,8 @@ impl<T: Number> FrictionLoop<T> {
         if solved { Ok(()) } else { self.solve_any(balance) }
     }
 
-    /// [`Self::solve`] for one group of N joints. False if Newton's method does not converge in a few iterations with
-    /// positive determinants.
+    /// [`Self::solve`] for one group of N joints. False if it takes too many iterations or a determinant is not
+    /// positive.
     #[inline]
     fn solve_one<const N: usize>(&mut self, balance: &Balance<T>) -> bool {
         let most = FEW + u32::from(T::CARRIES);

@@ -1,8 +1,7 @@
 //! The loads of a mechanism, resolved: loads of unit size, and the laws that size them.
 //!
 //! In: a definition and its linkage. Out: loads in a fixed order - those sized by inputs, those of constant size,
-//! springs, then those sized by a state: stops, surfaces in the air, friction - with the laws of all. It must not know
-//! the state.
+//! springs, those sized by a state: stops, surfaces, friction - with their laws. It must not know the state.
 use super::laws::drag::Drag;
 use super::laws::friction::{Cubic, Law, Regime};
 use super::laws::spring::Spring;
@@ -15,7 +14,7 @@ use crate::numerics::plane::{Vec2, turned};
 use std::fmt;
 
 /// All loads of a mechanism.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Loading {
     /// Loads of unit size: one for each input that sizes a load, one for each constant, one for each spring; then one
     /// for each stop, three for each surface, one for each joint with friction.
@@ -215,18 +214,7 @@ impl Loading {
             });
             loads.push(load);
         }
-        let mut loading = Self {
-            loads,
-            inputs,
-            constants,
-            springs,
-            drives,
-            gravity,
-            stops: Vec::new(),
-            locks: Vec::new(),
-            air: None,
-            friction: None,
-        };
+        let mut loading = Self { loads, inputs, constants, springs, drives, gravity, ..Self::default() };
         loading.add_stops(mechanism, linkage)?;
         loading.add_air(mechanism, linkage)?;
         loading.add_friction(mechanism, linkage)?;

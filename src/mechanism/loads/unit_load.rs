@@ -75,8 +75,7 @@ fn axis(linkage: &Linkage, p: &Positions, joint: usize) -> (Point, Point, Vec2) 
 }
 
 impl Load {
-    /// Growth of S for a growth `of_angle` of the linkage's angle coordinates, such as over one revolution of a closed
-    /// curve.
+    /// Growth of S for a growth `of_angle` of the angle coordinates, such as over one revolution of a closed curve.
     pub fn growth(&self, linkage: &Linkage, of_angle: &dyn Fn(usize) -> f64) -> f64 {
         let body = |b: usize| linkage.bodies[b].angle_coordinate.map_or(0.0, of_angle);
         match *self {

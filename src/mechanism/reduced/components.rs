@@ -22,8 +22,7 @@ pub struct Components {
     pub count: usize,
 }
 
-/// Natural sizes of functions along the curve: the accuracy of a table is relative to them where the values are
-/// smaller.
+/// Natural sizes of functions along the curve. The accuracy of a table is relative to them if all values are smaller.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scale {
     /// Length along the curve for a motion of 1 rad.

@@ -1,8 +1,8 @@
 //! The reduced model: the linkage as one element that moves along sigma, in tables.
 //!
 //! In: a definition. Out: the influence of every load, and on request the coordinates, displacements, markers and
-//! reactions as tables of sigma. A table is built at its first use; all are immutable and shared. It must not know the
-//! state, the inputs or FMI.
+//! reactions as tables of sigma. A table is built at its first use; all are immutable and shared. It must not know
+//! states or inputs.
 mod components;
 mod error;
 mod model;

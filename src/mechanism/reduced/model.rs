@@ -1,7 +1,6 @@
 //! The reduced model: curve, loads and tables.
 //!
-//! In: a definition. Out: the reduced model, with the tables that every start needs. It must not know the state or the
-//! inputs.
+//! In: a definition. Out: the reduced model, with the tables that every start needs. It must not know states or inputs.
 use super::components::Components;
 use super::error::ReductionError;
 use super::resolved::Resolved;
@@ -106,8 +105,8 @@ impl Reduced {
         let source = Source::new(curve, loading);
         let Source { curve, loading, components, scale } = &source;
         let linkage = curve.linkage();
-        // Every start needs the coordinates, the displacements of applied loads and springs, and those of the stops;
-        // all share their evaluations.
+        // Every start needs coordinates and displacements of applied loads, springs and stops; all share their
+        // evaluations.
         let needed: Vec<usize> = (0..loading.base()).chain(loading.stops.iter().map(|s| s.load)).collect();
         let mut sizes = vec![components.sizes(loading, curve, scale), scale.coordinates(linkage)];
         sizes.extend(needed.iter().map(|&l| scale.derivatives(source.displacement_size(l)).to_vec()));
@@ -178,13 +177,7 @@ impl Reduced {
         self.loading().loads[load].growth(self.linkage(), &|angle| self.growth(angle))
     }
 
-    /// Whether a drive has an efficiency.
-    pub fn has_efficiency(&self) -> bool {
-        self.loading().drives.iter().any(|d| d.efficiency.is_some())
-    }
-
-    /// S_sigma of every applied load, then the other [`Components`]. The sum of all, each times its size, is
-    /// sigma_ddot.
+    /// S_sigma of every applied load, then the other [`Components`]. Their sum, each times its size, is sigma_ddot.
     pub fn influence(&self) -> &Table {
         &self.tables.influence
     }
@@ -208,8 +201,7 @@ impl Reduced {
         self.source.scale.length
     }
 
-    /// Loads sized by a state: dampers, drives with an efficiency, bumpers, friction, and drag if `air` moves. None if
-    /// there are none.
+    /// Loads sized by a state, if any: dampers, drives with an efficiency, bumpers, friction, and drag if `air` moves.
     ///
     /// # Errors
     /// [`Unresolved`].

@@ -33,8 +33,7 @@ impl Source {
         self.scale.displacement(&self.loading.loads[load], self.linkage())
     }
 
-    /// Tables of sets of functions of the configuration that share their evaluations; `sizes`: natural sizes of each
-    /// set.
+    /// Tables of sets of functions of the configuration with common evaluations; `sizes`: natural sizes of each set.
     pub(super) fn tabulate(
         &self,
         grid: &Grid,

@@ -1,8 +1,8 @@
 //! State loads: loads sized by the state, and their effects in one table that the integration reads.
 //!
 //! In: the curve and the loads. Out: effects of all loads on the motion and on the reactions of the joints with
-//! friction. A mechanism without dampers, efficiencies, bumpers, friction and moving air has no such table. It must not
-//! know the state.
+//! friction. Without dampers, efficiencies, bumpers, friction and moving air there is no such table. It must not know
+//! states.
 use super::components::SpringLoad;
 use super::source::Source;
 use crate::mechanism::curve::Configuration;
@@ -89,15 +89,13 @@ impl StateLoads {
         first..first + 2 * n
     }
 
-    /// In the bundle: forces of the groups for friction = 1 of each joint without motion: all x, then all y, group by
-    /// group, for all joints.
+    /// In the bundle: forces for friction = 1 of each joint without motion: all x, then all y, group by group.
     pub fn passed(&self) -> Range<usize> {
         let first = self.inertial().end;
         first..first + 2 * self.leaders.len() * self.friction_joints.len()
     }
 
-    /// In the bundle: reactions to one of the `loads` that are not friction, including the reactions to the motion that
-    /// the load causes.
+    /// In the bundle: reactions to one of the `loads` that are not friction and to the motion that the load causes.
     pub fn caused(&self, load: usize) -> Range<usize> {
         let (first, n) = (self.passed().end, self.friction_joints.len());
         first + 2 * n * load..first + 2 * n * (load + 1)
@@ -237,8 +235,7 @@ impl StateLoads {
         let acts = |(load, index): (&Load, &usize)| if *index == ABSENT { 0.0 } else { load.influence(linkage, c) };
         influence.extend(loading.loads.iter().zip(&*indices).map(acts));
         components.spring_loads(loading, curve, c, springs);
-        // Reactions of the joints with friction to sigma_ddot = 1, to sigma_dot^2 = 1, then to each load = 1 without
-        // motion.
+        // Reactions of the joints with friction to sigma_ddot = 1, sigma_dot^2 = 1, each load = 1 without motion.
         parts.clear();
         parts.resize(2 * n * (2 + loads.len()), 0.0);
         if n > 0 {

@@ -1,7 +1,6 @@
 //! Tables of the reduced model that are built at their first use, and exact values where no table resolves a function.
 //!
-//! In: the reduced model. Out: coordinates, displacements, markers, reactions. It must not know the state or the
-//! inputs.
+//! In: the reduced model. Out: coordinates, displacements, markers, reactions. It must not know states or inputs.
 use super::components::Scale;
 use super::model::Reduced;
 use crate::mechanism::curve::Configuration;
@@ -65,8 +64,8 @@ impl Reduced {
         self.markers[i]
     }
 
-    /// A joint's reaction: force x, force y, moment; each for sigma_ddot = 1, sigma_dot^2 = 1, then each applied load
-    /// or spring = 1.
+    /// A joint's reaction: force x, force y, moment; each for sigma_ddot, sigma_dot^2, each applied load, each spring =
+    /// 1.
     ///
     /// # Errors
     /// [`Unresolved`].
@@ -125,8 +124,7 @@ impl Reduced {
         c.positions.velocity(&c.rates, self.loading().locks[lock].at)
     }
 
-    /// A joint's reaction to a force of 1 N at a lock's point, along the point's path at sigma; from the exact
-    /// evaluator.
+    /// A joint's reaction to 1 N at a lock's point, along the point's path at sigma; from the exact evaluator.
     pub fn lock_reaction(&self, lock: usize, sigma: f64, joint: usize) -> Reaction {
         let c = self.curve().configuration(sigma);
         let at = self.loading().locks[lock].at;

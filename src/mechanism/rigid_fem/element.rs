@@ -117,8 +117,7 @@ impl Element {
         (self.axial_stiffness / self.length) * s * s.transpose()
     }
 
-    /// Derivative of the rod's forces at the nodes with respect to the nodes' positions [N/m]: K_e and the geometric
-    /// part (N / l) (-n, n)(-n, n)^T.
+    /// Derivative of the rod's forces with respect to the nodes' positions [N/m]: K_e + (N / l) (-n, n)(-n, n)^T.
     pub fn stiffness_matrix(&self, span: &Span) -> Matrix4<f64> {
         let t = difference(span.across);
         self.material_matrix(span) + (self.axial_force(span) / span.length) * t * t.transpose()

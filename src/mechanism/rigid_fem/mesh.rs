@@ -1,7 +1,6 @@
 //! The mesh: nodes, elements between two nodes, and the weights that give joint forces from forces at nodes.
 //!
-//! In: a linkage of binary links with revolute joints. Out: nodes, elements, points relative to elements. It must not
-//! know loads, states or time.
+//! In: a linkage of binary links. Out: nodes, elements, points relative to elements. It must not know loads or states.
 use super::element::{Element, Ends, LocalCoordinates};
 use super::error::RigidFemError;
 use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point, Positions};
@@ -37,7 +36,7 @@ pub struct Share {
 }
 
 /// Nodes and elements. Element `i` is body `i + 1` of the linkage.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     /// Number of moving nodes; they come before the fixed ones.
     pub moving: usize,
@@ -77,11 +76,7 @@ impl Mesh {
             moving,
             fixed: order.iter().filter_map(on_ground).collect(),
             points: order.iter().map(|&g| groups[g][0]).collect(),
-            elements: Vec::new(),
-            nodes: Vec::new(),
-            axis: Vec::new(),
-            arms: Vec::new(),
-            joints: Vec::new(),
+            ..Self::default()
         };
         for (i, body) in linkage.bodies.iter().enumerate().skip(1) {
             let held: Vec<(usize, Vec2)> = order

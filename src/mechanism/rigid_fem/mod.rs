@@ -2,7 +2,7 @@
 //!
 //! In: a linkage of binary links with revolute joints, its loads, and an axial stiffness of each body. Out: the motion
 //! of the nodes by Newmark's method, with the bodies' angles, the joints' forces and energies. It must not know the
-//! curve, the reduced model or FMI.
+//! curve.
 //!
 //! The unknowns are the positions x of the joints' points. Each body is one element ([`element`]): its exact inertia in
 //! terms of its two nodes, and a rod whose stiffness E A / L resists a change of length. The equations of motion are

@@ -67,11 +67,10 @@ impl State {
 
 impl RigidFem {
     /// Finite elements for a linkage and its loads. `axial_stiffness` gives E A [N], > 0, of each moving body by its
-    /// index in [`Linkage::bodies`].
+    /// index.
     ///
     /// # Errors
-    /// A prismatic joint, a body with joints at other than two points, an E A out of range, a drive with an efficiency
-    /// other than 1.
+    /// A prismatic joint, a body with joints not at two points, an E A out of range, a drive with an efficiency not 1.
     pub fn new(
         linkage: &Linkage,
         loading: &Loading,
@@ -121,8 +120,8 @@ impl RigidFem {
         }
     }
 
-    /// Forces of the joints on every element at its nodes for the accelerations `a` [N]: inertia and force in the rod,
-    /// less the loads on the element.
+    /// Forces of the joints on every element at its nodes for the accelerations `a` [N]: inertia, rod's force, less
+    /// loads.
     pub(super) fn pin_forces(&self, at: &Present, a: &[Vec2], sizes: &[f64], forces: &mut NodalForces) {
         forces.fill([Vec2::zeros(); 2]);
         self.push_loads(at, sizes, forces);

@@ -120,9 +120,9 @@ impl RigidFem {
         Ok(lost)
     }
 
-    /// Balance the accelerations with changed sizes of the loads: a + da with (M + h^2 K_e / 4) da = residual. In the
-    /// motion of the rigid links this is Newton's law; for vibrations that h resolves it is Newton's law to O(h^2);
-    /// faster vibrations are not excited.
+    /// Balance the accelerations with changed sizes of the loads: a + da with (M + h^2 K_e / 4) da = residual. This is
+    /// Newton's law for the motion of the rigid links, and to O(h^2) for vibrations that h resolves; faster ones are
+    /// not excited.
     ///
     /// # Errors
     /// `h` is not finite and > 0; the forces are not finite.
@@ -228,8 +228,8 @@ impl RigidFem {
         }
     }
 
-    /// Add springs and dampers to the tangent: (h^2 k / 4 + h c / 2) g g^T with g = dS/dx. Without them the iterations
-    /// would diverge with a stiff spring.
+    /// Add springs and dampers to the tangent: (h^2 k / 4 + h c / 2) g g^T with g = dS/dx, for convergence with a stiff
+    /// spring.
     fn add_springs(&self, at: &Present, h: f64, forces: &mut [[Vec2; 2]], g: &mut [f64], tangent: &mut Lu) {
         for spring in &self.springs {
             let part = spring.force_change(0.25 * h * h, 0.5 * h);

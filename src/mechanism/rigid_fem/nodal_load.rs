@@ -2,7 +2,7 @@
 //!
 //! In: a load of unit size. Out: its displacement S and, by virtual work, the forces dS/dx at the nodes of every
 //! element. It must not know the size of the load, nor time.
-use super::element::{Ends, Span};
+use super::element::{Element, Span};
 use super::mesh::{Mesh, MeshPoint};
 use crate::mechanism::linkage::{GROUND, Linkage};
 use crate::mechanism::loads::unit_load::Load;
@@ -17,8 +17,7 @@ pub enum NodalLoad {
     Force(MeshPoint, Vec2),
     /// 1 N that pushes two points apart. S is the points' distance [m].
     Pair(MeshPoint, MeshPoint),
-    /// 1 N.m on the second element and -1 N.m on the first; None is the ground. S is the angle between the elements
-    /// [rad].
+    /// 1 N.m on the second element and -1 N.m on the first; None is the ground. S is the angle between them [rad].
     Couple(Option<usize>, Option<usize>),
 }
 
@@ -56,12 +55,7 @@ impl NodalLoad {
     /// S [m, rad or J].
     pub fn displacement(&self, mesh: &Mesh, at: &Present) -> f64 {
         match *self {
-            Self::Weight(acceleration) => mesh
-                .elements
-                .iter()
-                .enumerate()
-                .map(|(i, e)| e.mass * acceleration.dot(&e.center.interpolate(mesh.node_positions(i, at.x))))
-                .sum(),
+            Self::Weight(acceleration) => weight(mesh, acceleration, |i| mesh.node_positions(i, at.x)),
             Self::Force(point, direction) => direction.dot(&position(mesh, at, point)),
             Self::Pair(first, second) => (position(mesh, at, second) - position(mesh, at, first)).norm(),
             Self::Couple(first, second) => {
@@ -100,21 +94,12 @@ impl NodalLoad {
 
     /// S_dot [m/s, rad/s or W].
     pub fn rate(&self, mesh: &Mesh, at: &Present) -> f64 {
-        let velocity = |point: MeshPoint| match point {
-            MeshPoint::Fixed(_) => Vec2::zeros(),
-            MeshPoint::Moving { element, local } => local.interpolate(mesh.node_rates(element, at.v)),
-        };
         match *self {
-            Self::Weight(acceleration) => mesh
-                .elements
-                .iter()
-                .enumerate()
-                .map(|(i, e)| e.mass * acceleration.dot(&e.center.interpolate(mesh.node_rates(i, at.v))))
-                .sum(),
-            Self::Force(point, direction) => direction.dot(&velocity(point)),
+            Self::Weight(acceleration) => weight(mesh, acceleration, |i| mesh.node_rates(i, at.v)),
+            Self::Force(point, direction) => direction.dot(&rate(mesh, at.v, point)),
             Self::Pair(first, second) => {
                 let gap = position(mesh, at, second) - position(mesh, at, first);
-                gap.dot(&(velocity(second) - velocity(first))) / gap.norm()
+                gap.dot(&(rate(mesh, at.v, second) - rate(mesh, at.v, first))) / gap.norm()
             }
             Self::Couple(first, second) => {
                 let speed = |e: Option<usize>| {
@@ -127,34 +112,16 @@ impl NodalLoad {
 
     /// S_ddot [m/s2, rad/s2 or W/s] where the nodes have the accelerations `a`.
     pub fn acceleration(&self, mesh: &Mesh, at: &Present, a: &[Vec2]) -> f64 {
-        let still = Ends { x: [Vec2::zeros(); 2], v: [Vec2::zeros(); 2], a: [Vec2::zeros(); 2] };
-        let motion = |point: MeshPoint| match point {
-            MeshPoint::Fixed(position) => Ends { x: [position; 2], ..still },
-            MeshPoint::Moving { element, local } => {
-                let ends = mesh.ends(element, at.x, at.v, a);
-                Ends {
-                    x: [local.interpolate(ends.x); 2],
-                    v: [local.interpolate(ends.v); 2],
-                    a: [local.interpolate(ends.a); 2],
-                }
-            }
-        };
         match *self {
-            Self::Weight(acceleration) => mesh
-                .elements
-                .iter()
-                .enumerate()
-                .map(|(i, e)| e.mass * acceleration.dot(&e.center.interpolate(mesh.node_rates(i, a))))
-                .sum(),
-            Self::Force(at, direction) => direction.dot(&motion(at).a[0]),
+            Self::Weight(acceleration) => weight(mesh, acceleration, |i| mesh.node_rates(i, a)),
+            Self::Force(point, direction) => direction.dot(&rate(mesh, a, point)),
             Self::Pair(first, second) => {
                 // L^2 = d . d, twice differentiated.
-                let (first, second) = (motion(first), motion(second));
-                let [gap, speed, change] =
-                    [second.x[0] - first.x[0], second.v[0] - first.v[0], second.a[0] - first.a[0]];
+                let gap = position(mesh, at, second) - position(mesh, at, first);
+                let [speed, change] = [at.v, a].map(|rates| rate(mesh, rates, second) - rate(mesh, rates, first));
                 let length = gap.norm();
-                let rate = gap.dot(&speed) / length;
-                (speed.norm_squared() + gap.dot(&change) - rate * rate) / length
+                let along = gap.dot(&speed) / length;
+                (speed.norm_squared() + gap.dot(&change) - along * along) / length
             }
             Self::Couple(first, second) => {
                 let of = |e: Option<usize>| {
@@ -171,6 +138,20 @@ fn position(mesh: &Mesh, at: &Present, point: MeshPoint) -> Vec2 {
         MeshPoint::Fixed(position) => position,
         MeshPoint::Moving { element, local } => local.interpolate(mesh.node_positions(element, at.x)),
     }
+}
+
+/// Velocity or acceleration of a point, for those of the nodes.
+fn rate(mesh: &Mesh, rates: &[Vec2], point: MeshPoint) -> Vec2 {
+    match point {
+        MeshPoint::Fixed(_) => Vec2::zeros(),
+        MeshPoint::Moving { element, local } => local.interpolate(mesh.node_rates(element, rates)),
+    }
+}
+
+/// Sum of m acceleration . s over the elements, with s the value at the centre of mass for values at the nodes.
+fn weight(mesh: &Mesh, acceleration: Vec2, at_nodes: impl Fn(usize) -> [Vec2; 2]) -> f64 {
+    let of = |(i, e): (usize, &Element)| e.mass * acceleration.dot(&e.center.interpolate(at_nodes(i)));
+    mesh.elements.iter().enumerate().map(of).sum()
 }
 
 fn push_at(point: MeshPoint, force: Vec2, forces: &mut NodalForces) {

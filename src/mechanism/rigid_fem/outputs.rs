@@ -60,8 +60,8 @@ impl RigidFem {
     }
 
     /// [`Self::reactions`] of a state that results from `before` by [`RigidFem::rebalance`] with the step `h` [s]. The
-    /// rods are still those of `before`; K_e h^2 / 4 times the change of accelerations is added as the forces that they
-    /// will take.
+    /// rods are still those of `before`; K_e h^2 / 4 times the change of accelerations is added for their future
+    /// change.
     pub fn reactions_after(
         &self,
         before: &State,
@@ -115,8 +115,7 @@ impl RigidFem {
         springs.sum::<f64>() - sized
     }
 
-    /// Kinetic energy, strain energy and the loads' potential [J]: constant at constant sizes without dampers, up to
-    /// the error of the steps.
+    /// Kinetic energy, strain energy and the loads' potential [J]: conserved at constant sizes without dampers.
     pub fn energy(&self, state: &State, sizes: &[f64]) -> f64 {
         self.kinetic(state) + self.strain(state) + self.load_potential(state, sizes)
     }

@@ -18,8 +18,8 @@ const RANK: f64 = 1e-11;
 const MASSLESS: f64 = 1e-12;
 
 impl RigidFem {
-    /// State of the rigid linkage at its coordinates `q` [rad] and speeds `q_dot` [rad/s]: no force in the rods,
-    /// accelerations 0.
+    /// State of the rigid linkage at its coordinates `q` [rad] and speeds `q_dot` [rad/s], without strain and
+    /// acceleration.
     pub fn unstretched(&self, linkage: &Linkage, q: &[f64], q_dot: &[f64]) -> State {
         let p = linkage.positions(q);
         let rates = linkage.rates(&p, q, q_dot);
@@ -33,8 +33,7 @@ impl RigidFem {
         }
     }
 
-    /// The start for the coordinates `q` [rad] and speeds `q_dot` [rad/s] of the rigid linkage, under loads of these
-    /// sizes.
+    /// The start for coordinates `q` [rad] and speeds `q_dot` [rad/s] of the rigid linkage, under loads of these sizes.
     ///
     /// Without initial strain (M a = Q - c) the rods would vibrate about their static strain with an amplitude equal to
     /// it, undamped by Newmark's method: the joints' forces would oscillate between zero and twice those of rigid
@@ -105,8 +104,8 @@ impl RigidFem {
         Err(RigidFemError::Stretch { correction, limit })
     }
 
-    /// Check that the mass matrix is positive definite: by Newmark's method the accelerations of a massless motion
-    /// would grow from step to step.
+    /// Check that the mass matrix is positive definite: the accelerations of a massless motion would grow with each
+    /// step.
     fn check_masses(&self, mass: &DMatrix<f64>) -> Result<(), RigidFemError> {
         let eigen = mass.clone().symmetric_eigen();
         if eigen.eigenvalues.min() > MASSLESS * eigen.eigenvalues.max() {
@@ -124,8 +123,7 @@ impl RigidFem {
 struct System {
     mass: DMatrix<f64>,
     rows: DMatrix<f64>,
-    /// Scaled square roots of E A / L: weights of the rods for which the solution of least norm has the least strain
-    /// energy.
+    /// Scaled square roots of E A / L: weights for which the solution of least norm has the least strain energy.
     weights: DVector<f64>,
     inverse: DMatrix<f64>,
 }

@@ -7,8 +7,7 @@ use crate::numerics::dual::Number;
 /// Drag of a strip of some length along a line, or of an area at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drag {
-    /// Whether the drag depends on the direction of the surface: true for a strip and a flat area, false for an area
-    /// that is the same from all sides.
+    /// Whether drag depends on the direction of the surface; false for an area that is the same from all sides.
     pub directed: bool,
     /// Length of the strip [m]; 0 for an area.
     pub length: f64,
@@ -30,8 +29,7 @@ pub struct RelativeFlow<T> {
 }
 
 impl Drag {
-    /// Force [N] in the mechanism frame and its moment about the start of the surface [N.m], in air of this density
-    /// [kg/m3].
+    /// Force [N] in the mechanism frame and moment about the surface's start [N.m], in air of this density [kg/m3].
     ///
     /// An element ds of a strip of width w with the normal n has the relative flow u(s) = wind - omega s n and faces it
     /// with the area w ds |n . u| / |u|, so that dF = 1/2 rho c w |n . u| u ds. A flat area is one such element; an
@@ -69,10 +67,10 @@ impl Drag {
             add(0.0, 0.0, 1.0);
         } else {
             // Zero of n . u. Its derivatives have no effect on the integral, as the integrand vanishes there.
-            let turn = across.value() / omega.value();
-            if turn > 0.0 && turn < self.length {
-                add(0.0, turn, turn);
-                add(turn, self.length, self.length - turn);
+            let root = across.value() / omega.value();
+            if root > 0.0 && root < self.length {
+                add(0.0, root, root);
+                add(root, self.length, self.length - root);
             } else {
                 add(0.0, self.length, self.length);
             }

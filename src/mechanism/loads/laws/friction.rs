@@ -4,8 +4,7 @@
 //! reactions. Source: [HF08] section 4, fig. 8.
 use crate::numerics::dual::Number;
 
-/// Coefficient of friction mu over slip speed v >= 0: proportional to v up to mu_S at V_S, a cubic step to mu_d at V_d,
-/// mu_d above.
+/// Coefficient of friction mu over slip speed v >= 0: proportional to v up to mu_S at V_S, a cubic step to mu_d at V_d.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Law {
     /// mu_S [1], >= 0.

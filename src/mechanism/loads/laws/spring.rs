@@ -1,6 +1,6 @@
 //! The law of a spring with a damper.
 //!
-//! In: displacement S of its load and S_dot. Out: the force that resists S, slopes, energy. It must not know the
+//! In: displacement S of its load, S_dot. Out: the force that resists S, its slopes, energy. It must not know the
 //! linkage.
 use crate::numerics::dual::Number;
 

@@ -1,7 +1,7 @@
 //! The law of a stop: rigid, or a bumper.
 //!
-//! In: displacement S of its load and S_dot. Out: the distance beyond the stop, the push of the bumper. It must not
-//! know the linkage.
+//! In: displacement S of its load, S_dot. Out: distance beyond the stop, push of the bumper. It must not know the
+//! linkage.
 use crate::mechanism::definition::Limit;
 use crate::numerics::dual::Number;
 
