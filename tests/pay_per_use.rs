@@ -48,7 +48,7 @@ fn cost(scene: &StateLoads) -> (Built, Computed, Statistics) {
 
 /// Displacements of the six loads with energy, and of the two stops: the start needs them.
 const NOTHING: Built =
-    Built { displacements: 8, markers: false, reactions: false, state_reactions: false, scenes: [false; 2] };
+    Built { displacements: 8, markers: false, reactions: false, state_reactions: false, state_loads: [false; 2] };
 
 #[test]
 fn a_bare_scene_builds_and_computes_nothing_but_its_motion() {
@@ -93,16 +93,16 @@ fn markers_cost_their_table() {
 fn friction_drag_and_bumpers_cost_their_scene_alone() {
     let friction = StateLoads { name: "friction", flags: &[("friction.enabled", true)], ..BARE };
     let (built, computed, work) = cost(&friction);
-    assert_eq!((built, computed), (Built { scenes: [true, false], ..NOTHING }, Computed::default()));
+    assert_eq!((built, computed), (Built { state_loads: [true, false], ..NOTHING }, Computed::default()));
     assert_eq!(work.accepted_by(Method::Rkn86), 0);
     assert!(work.jacobians <= 1, "only to see at the start whether it is stiff: {work:?}");
     let drag = StateLoads { name: "drag", values: &[("airspeed", 70.0)], ..BARE };
     let (built, computed, work) = cost(&drag);
-    assert_eq!((built, computed), (Built { scenes: [false, true], ..NOTHING }, Computed::default()));
+    assert_eq!((built, computed), (Built { state_loads: [false, true], ..NOTHING }, Computed::default()));
     assert!(work.jacobians <= 1 && work.accepted_by(Method::Rkn86) == 0);
     let bumper = StateLoads { name: "bumper", flags: &[("upstop.rigid", false)], ..BARE };
     let (built, computed, _) = cost(&bumper);
-    assert_eq!((built, computed), (Built { scenes: [true, false], ..NOTHING }, Computed::default()));
+    assert_eq!((built, computed), (Built { state_loads: [true, false], ..NOTHING }, Computed::default()));
     // Drag that does not blow, and friction and locks that are there but off, cost nothing: the default gear has them.
 }
 

@@ -6,7 +6,7 @@ use linkage_fmu::mechanism::definition::Mechanism;
 use linkage_fmu::mechanism::linkage::Linkage;
 use linkage_fmu::mechanism::loads::resolved::Loading;
 use linkage_fmu::mechanism::reactions::Reaction;
-use linkage_fmu::mechanism::rigid_fem::{RigidFem, RigidFemError, State, Workspace};
+use linkage_fmu::mechanism::rigid_fem::{RigidFem, RigidFemError, Scratch, State};
 use serde_json::{Value, json};
 use std::time::Instant;
 
@@ -47,7 +47,7 @@ struct Both {
     linkage: Linkage,
     fem: RigidFem,
     state: State,
-    room: Workspace,
+    room: Scratch,
     sizes: Vec<f64>,
     h_fem: f64,
     lost: f64,
@@ -71,7 +71,7 @@ impl Both {
         let q: Vec<f64> = c.q.iter().enumerate().map(|(i, q)| q + revolutions * reduced.growth(i)).collect();
         let q_dot: Vec<f64> = c.q_sigma.iter().map(|slope| slope * start.speed / c.q_sigma[turn]).collect();
         let mut both = Self {
-            room: fem.workspace(),
+            room: fem.scratch(),
             state: State::default(),
             sizes: Vec::new(),
             model,
@@ -448,14 +448,14 @@ fn a_state_is_all_that_a_step_needs() {
     let saved = gear.state.clone();
     gear.fem_step(0.05).unwrap();
     let after = gear.state.clone();
-    let mut room = gear.fem.workspace();
+    let mut room = gear.fem.scratch();
     let mut again = saved.clone();
     gear.fem.advance(&mut again, &mut room, &gear.sizes, 0.05, 1e-4).unwrap();
     assert_eq!(again, after);
     // 1e-3 s is divided into 4 steps if none may be longer than 3e-4 s.
     let divided = |h_fem: f64| {
         let mut state = saved.clone();
-        gear.fem.advance(&mut state, &mut gear.fem.workspace(), &gear.sizes, 1e-3, h_fem).unwrap();
+        gear.fem.advance(&mut state, &mut gear.fem.scratch(), &gear.sizes, 1e-3, h_fem).unwrap();
         state
     };
     assert_eq!(divided(3e-4), divided(2.5e-4));

@@ -1,7 +1,7 @@
 //! The present parameters of a mechanism, and a hash of what no parameter changes.
 use crate::codec::checksum::fnv1a;
 use crate::mechanism::definition::{Experiment, Mechanism, Method};
-use crate::numerics::dual::same_bits;
+use crate::numerics::bits::same_bits;
 
 /// A mechanism with the values of its parameters.
 #[derive(Clone, Debug, PartialEq)]

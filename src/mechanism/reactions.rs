@@ -1,15 +1,17 @@
-//! Reactions: what every joint transmits, as an affine function of (sigma_ddot, sigma_dot^2, each load).
+//! Joint reactions as affine functions of sigma_ddot, sigma_dot^2 and the size of each load.
 //!
-//! In: a configuration and the loads. Out: one column of joint reactions for each of these terms. Newton and Euler's
-//! equations of every body, inward along the spanning tree; the joints that close the loops follow from the loop
-//! Jacobian: J^T lambda = generalised forces. A column alone need not be in balance; the sum over a motion is.
+//! In: a configuration and the loads. Out: one column of joint reactions for each of these terms, from Newton's and
+//! Euler's equations of every body, inward along the spanning tree. The reactions of joints that close loops follow
+//! from the loop Jacobian: J^T lambda = generalised forces. A single column need not satisfy the equations of all
+//! bodies; the sum of the columns over a motion does. It must not know the state.
 use crate::mechanism::closure::Closure;
 use crate::mechanism::curve::Configuration;
-use crate::mechanism::linkage::{Freedom, GROUND, Joint, Linkage, Point, Rates, Vec2, cross, perp};
+use crate::mechanism::linkage::{Freedom, GROUND, Joint, Linkage, Point, Rates};
 use crate::mechanism::loads::unit_load::{Load, Wrench};
+use crate::numerics::plane::{Vec2, cross, perp};
 use nalgebra::{DMatrix, DVector};
 
-/// What the first-named body of a joint exerts on the second.
+/// Reaction of a joint: force and moment of its first-named body on its second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reaction {
     /// Force in the mechanism frame [N].
@@ -30,12 +32,13 @@ pub fn columns(closure: &Closure, c: &Configuration, loads: &[Load]) -> Vec<Vec<
     Columns::default().fill(closure, c, loads, 0).chunks_exact(joints).map(<[Reaction]>::to_vec).collect()
 }
 
-/// Groups of joints that transmit one force, but for its sign, under torques on bodies and forces along prismatic joints: a
-/// body with two revolute joints and no other passes on what it gets. For each joint, the first of its group, and the sign.
+/// Groups of joints whose reactions to torques on bodies and to forces along prismatic joints are equal up to their
+/// sign: the two joints of a body with two revolute joints and no other. For each joint the index of the first joint of
+/// its group, and the sign of its reaction relative to that joint's.
 pub fn groups(linkage: &Linkage) -> Vec<(usize, f64)> {
     let mut groups: Vec<(usize, f64)> = (0..linkage.joints.len()).map(|j| (j, 1.0)).collect();
     for body in GROUND + 1..linkage.bodies.len() {
-        // What a joint exerts on the body, for each unit of its reaction.
+        // Sign of a joint's reaction as a force on the body.
         let side = |j: &Joint| if j.second.body == body { 1.0 } else { -1.0 };
         let at = linkage.joints.iter().enumerate().filter(|(_, j)| j.first.body == body || j.second.body == body);
         let at: Vec<(usize, &Joint)> = at.collect();
@@ -56,10 +59,10 @@ pub fn groups(linkage: &Linkage) -> Vec<(usize, f64)> {
     groups
 }
 
-/// Terms that are solved for side by side.
+/// Number of terms that are solved for side by side.
 const SIDE: usize = 4;
 
-/// What a body needs in N terms: force x and y, and moment about the origin of its frame.
+/// Force (x, y) and moment about the origin of its frame that a body requires, in N terms.
 #[derive(Clone, Copy, Debug)]
 struct Demand<const N: usize> {
     force: [[f64; N]; 2],
@@ -69,7 +72,7 @@ struct Demand<const N: usize> {
 impl<const N: usize> Demand<N> {
     const NONE: Self = Self { force: [[0.0; N]; 2], moment: [0.0; N] };
 
-    /// A force more, or with the sign -1 less, at this arm from the origin.
+    /// Add `sign` times a force at this arm from the origin.
     fn add(&mut self, sign: f64, arm: Vec2, [x, y]: &[[f64; N]; 2]) {
         for i in 0..N {
             self.force[0][i] += sign * x[i];
@@ -79,30 +82,32 @@ impl<const N: usize> Demand<N> {
     }
 }
 
-/// Room to solve for N terms at one configuration.
+/// Scratch for N terms at one configuration.
 #[derive(Debug, Default)]
 struct Terms<const N: usize> {
     demand: Vec<Demand<N>>,
-    /// Demands while they are summed inward.
+    /// Demands summed over the bodies outward of each body.
     summed: Vec<Demand<N>>,
+    /// Generalised forces.
     general: Vec<[f64; N]>,
-    factors: Vec<[f64; N]>,
-    all_factors: Vec<[f64; N]>,
+    /// Multipliers lambda of the independent loop equations.
+    multipliers: Vec<[f64; N]>,
+    /// Multipliers of all loop equations, 0 for dependent ones.
+    all_multipliers: Vec<[f64; N]>,
 }
 
-/// Room for the reactions of one configuration after another.
+/// Scratch for the reactions of one configuration after another.
 #[derive(Debug, Default)]
 pub struct Columns {
     normal: Vec<f64>,
     at_rest: Rates,
     terms: Terms<SIDE>,
-    /// Reactions of all joints, term after term.
+    /// Reactions of all joints, term by term.
     reactions: Vec<Reaction>,
 }
 
 impl Columns {
-    /// Reactions of all joints, for sigma_ddot = 1, for sigma_dot^2 = 1, then for each load = 1: term after term, without
-    /// the first `skipped`.
+    /// Reactions of all joints, term by term from the term `skipped`: sigma_ddot = 1, sigma_dot^2 = 1, each load = 1.
     pub fn fill(&mut self, closure: &Closure, c: &Configuration, loads: &[Load], skipped: usize) -> &[Reaction] {
         let linkage = &*closure.linkage;
         let joints = linkage.joints.len();
@@ -112,7 +117,7 @@ impl Columns {
         self.at_rest.origin.resize(linkage.bodies.len(), Vec2::zeros());
         self.reactions.clear();
         self.reactions.resize((2 + loads.len() - skipped) * joints, Reaction::default());
-        let redundant = SelfStresses::new(closure, c, &self.normal);
+        let self_stresses = SelfStresses::new(closure, c, &self.normal);
         for (block, reactions) in self.reactions.chunks_mut(SIDE * joints).enumerate() {
             let terms = &mut self.terms;
             terms.demand.clear();
@@ -136,14 +141,14 @@ impl Columns {
                     term[joint] = Reaction { force: Vec2::new(x[i], y[i]), moment: moment[i] };
                 }
             });
-            reactions.chunks_exact_mut(joints).for_each(|term| redundant.relieve(term));
+            reactions.chunks_exact_mut(joints).for_each(|term| self_stresses.subtract_from(term));
         }
         &self.reactions
     }
 }
 
-/// Reactions that hold one another in balance without any demand; there are some only if joints are redundant. Of all
-/// reactions in balance those of least norm are told: the least sum of |force|^2 + (moment / size)^2.
+/// States of self-stress: reactions in balance with one another, which exist only with redundant joints. They are
+/// subtracted from the reactions, which leaves those of least norm, the sum of |force|^2 + (moment / size)^2.
 struct SelfStresses {
     states: Vec<Vec<Reaction>>,
     /// Inverse of the matrix of their inner products.
@@ -172,14 +177,14 @@ impl SelfStresses {
                 terms.general.clear();
                 terms.general.extend(jacobian.row(extra).iter().map(|g| [-g]));
                 terms.balance(closure, c, normal);
-                terms.all_factors[extra] = [1.0];
+                terms.all_multipliers[extra] = [1.0];
                 state(&mut terms, None);
             }
         }
-        // A prismatic joint outside the tree joins bodies that already turn together: its moment is free.
+        // A prismatic joint outside the tree connects bodies of one angle: its moment is indeterminate.
         for &joint in linkage.cuts.iter().filter(|&&j| linkage.joints[j].freedom != Freedom::Revolute) {
-            terms.all_factors.clear();
-            terms.all_factors.resize(linkage.rows(), [0.0]);
+            terms.all_multipliers.clear();
+            terms.all_multipliers.resize(linkage.rows(), [0.0]);
             state(&mut terms, Some(joint));
         }
         let n = states.len();
@@ -191,8 +196,8 @@ impl SelfStresses {
         Self { states, inverse, size }
     }
 
-    /// Take away what the reactions have of these states.
-    fn relieve(&self, reactions: &mut [Reaction]) {
+    /// Subtract the projection of the reactions on the states of self-stress.
+    fn subtract_from(&self, reactions: &mut [Reaction]) {
         if self.states.is_empty() {
             return;
         }
@@ -213,7 +218,7 @@ fn product(a: &[Reaction], b: &[Reaction], size: f64) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.force.dot(&b.force) + a.moment * b.moment / (size * size)).sum()
 }
 
-/// What each body needs for these accelerations, as term number `i`.
+/// Demand of each body for these accelerations, as the term with index `i`.
 fn inertial<const N: usize>(
     closure: &Closure,
     c: &Configuration,
@@ -223,15 +228,15 @@ fn inertial<const N: usize>(
     demand: &mut [Demand<N>],
 ) {
     let p = &c.positions;
-    for (place, (body, demand)) in closure.linkage.bodies.iter().zip(demand).enumerate() {
-        let force = body.mass * p.acceleration(r, a, Point { body: place, local: body.center });
+    for (index, (body, demand)) in closure.linkage.bodies.iter().zip(demand).enumerate() {
+        let force = body.mass * p.acceleration(r, a, Point { body: index, local: body.center });
         (demand.force[0][i], demand.force[1][i]) = (force.x, force.y);
-        demand.moment[i] = body.inertia * a.angle[place] + cross(p.vector(place, body.center), force);
+        demand.moment[i] = body.inertia * a.angle[index] + cross(p.vector(index, body.center), force);
     }
 }
 
 impl<const N: usize> Terms<N> {
-    /// Generalised forces of the demands: their virtual work for each change of a coordinate.
+    /// Generalised forces of the demands: virtual work for a unit change of each coordinate.
     fn generalise(&mut self, closure: &Closure, c: &Configuration) {
         let (linkage, p) = (&*closure.linkage, &c.positions);
         self.general.clear();
@@ -242,8 +247,8 @@ impl<const N: usize> Terms<N> {
             let (child, parent) = (branch.child, branch.parent);
             let Demand { force, moment } = self.summed[child];
             let [x, y] = &force;
-            if let Some(turn) = linkage.bodies[child].angle_coordinate {
-                for (i, work) in self.general[turn].iter_mut().enumerate() {
+            if let Some(angle) = linkage.bodies[child].angle_coordinate {
+                for (i, work) in self.general[angle].iter_mut().enumerate() {
                     *work += moment[i] - (arms.to.x * y[i] - arms.to.y * x[i]);
                 }
             }
@@ -252,26 +257,27 @@ impl<const N: usize> Terms<N> {
                     *work += arms.axis.x * x[i] + arms.axis.y * y[i];
                 }
             }
-            // The pivot moves with the parent; only the force is passed on, turning has its own coordinate.
+            // The pivot moves with the parent. The moment does no work on the parent's coordinates.
             let pivot = p.origin[child] + arms.to;
             self.summed[parent].add(1.0, pivot - p.origin[parent], &force);
         }
     }
 
-    /// Factors of all loop equations, those that follow from others 0, which balance the generalised forces.
+    /// Multipliers of all loop equations that balance the generalised forces; 0 for dependent equations.
     fn balance(&mut self, closure: &Closure, c: &Configuration, normal: &[f64]) {
-        self.all_factors.clear();
-        self.all_factors.resize(closure.linkage.rows(), [0.0; N]);
+        self.all_multipliers.clear();
+        self.all_multipliers.resize(closure.linkage.rows(), [0.0; N]);
         if let Some(factors) = c.factors() {
-            factors.solve_transposed(normal, &mut self.general, &mut self.factors);
-            for (row, factor) in closure.rows().iter().zip(&self.factors) {
-                self.all_factors[*row] = *factor;
+            factors.solve_transposed(normal, &mut self.general, &mut self.multipliers);
+            for (row, factor) in closure.rows().iter().zip(&self.multipliers) {
+                self.all_multipliers[*row] = *factor;
             }
         }
     }
 
-    /// `give` every joint the force and moment with which all bodies get what they need, for the factors of all loop
-    /// equations and a unit moment in `twisted`, a prismatic joint outside the tree. The demand is used up.
+    /// Call `give` with the force and moment of every joint that satisfy the demands of all bodies, for the multipliers
+    /// of all loop equations and a unit moment in the prismatic joint `twisted` outside the tree. Overwrites the
+    /// demands.
     fn inward(
         &mut self,
         closure: &Closure,
@@ -281,19 +287,19 @@ impl<const N: usize> Terms<N> {
     ) {
         let (linkage, p) = (&*closure.linkage, &c.positions);
         let demand = &mut self.demand;
-        // Joints that close loops: what they transmit relieves the demands of the two bodies.
+        // Reactions of joints that close loops reduce the demands of their two bodies.
         let mut row = 0;
         for &j in &linkage.cuts {
             let joint = &linkage.joints[j];
-            let factors = &self.all_factors[row..];
+            let multipliers = &self.all_multipliers[row..];
             let force = match joint.freedom {
-                Freedom::Revolute => [factors[0], factors[1]],
+                Freedom::Revolute => [multipliers[0], multipliers[1]],
                 Freedom::Prismatic(axis) => {
                     let normal = perp(p.vector(joint.first.body, axis));
-                    [normal.x, normal.y].map(|n| factors[0].map(|f| f * n))
+                    [normal.x, normal.y].map(|n| multipliers[0].map(|f| f * n))
                 }
             };
-            row += if joint.freedom == Freedom::Revolute { 2 } else { 1 };
+            row += joint.freedom.rows();
             let at = p.point(joint.second);
             for (body, sign) in [(joint.second.body, -1.0), (joint.first.body, 1.0)] {
                 demand[body].add(sign, at - p.origin[body], &force);
@@ -305,7 +311,7 @@ impl<const N: usize> Terms<N> {
             }
             give(j, force, [moment; N]);
         }
-        // Joints of the tree, from the outermost inward: each gives its child what the child still needs.
+        // Joints of the tree, from the outermost inward: each gives its child the rest of the child's demand.
         for branch in linkage.tree.iter().rev() {
             let Demand { force, moment } = demand[branch.child];
             let joint = &linkage.joints[branch.joint];

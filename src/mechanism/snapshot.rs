@@ -15,7 +15,7 @@ use crate::mechanism::outputs::ReducedMotion;
 use crate::mechanism::parameters::{ParameterValues, fingerprint};
 use crate::mechanism::quantity::Quantity;
 use crate::mechanism::reduced::Reduced;
-use crate::numerics::dual::same_bits;
+use crate::numerics::bits::same_bits;
 use std::sync::Arc;
 
 /// All values that decide how a model continues.

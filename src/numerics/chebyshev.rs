@@ -1,6 +1,7 @@
-//! Chebyshev series of one fixed length: the building block of the traced curve and of every table.
+//! Chebyshev series of one fixed length.
 //!
-//! In: values at the Gauss nodes of [-1, 1]. Out: coefficients, monomial coefficients, values.
+//! In: values at the Gauss nodes of [-1, 1]. Out: Chebyshev coefficients, monomial coefficients, values. It must not
+//! know what the functions mean.
 //! Source: Trefethen, Approximation Theory and Approximation Practice (2013), chapters 2, 3 and 19.
 use std::f64::consts::PI;
 
@@ -15,19 +16,19 @@ pub fn nodes() -> [f64; NODES] {
     std::array::from_fn(|j| -(PI * (j as f64 + 0.5) / NODES as f64).cos())
 }
 
-/// Transform from values at [`nodes`] to coefficients; the same for every fit, so built once.
+/// Transform from values at the [`nodes`] to Chebyshev coefficients.
 #[derive(Clone, Debug)]
 pub struct Transform {
     /// Nodes, ascending.
     pub nodes: [f64; NODES],
-    /// T_k(x_j), row j, of the nodes below 0: T_k(-x) = (-1)^k T_k(x).
+    /// T_k(x_j) in row j, for the nodes below 0; the others follow from T_k(-x) = (-1)^k T_k(x).
     basis: [[f64; NODES]; NODES / 2],
 }
 
 impl Transform {
     /// The transform for [`NODES`] nodes.
     pub fn new() -> Self {
-        // T_k(x_j) = (-1)^k cos(pi k (j + 1/2) / NODES); less whole turns, as the angle is rounded.
+        // T_k(x_j) = (-1)^k cos(pi k (j + 1/2) / NODES); angles are reduced modulo 2 pi before rounding.
         let basis = std::array::from_fn(|j| {
             std::array::from_fn(|k| {
                 let angle = (k * (2 * j + 1 + 2 * NODES)) % (4 * NODES);
@@ -77,7 +78,7 @@ const MONOMIALS: [[f64; NODES]; NODES] = {
     rows
 };
 
-/// The same by pairs of an even and an odd k: each polynomial has the powers of its own parity only.
+/// [`MONOMIALS`] by pairs of an even and an odd k: T_k has the powers of the parity of k only.
 const PAIRS: [[f64; NODES]; NODES / 2] = {
     let mut rows = [[0.0; NODES]; NODES / 2];
     let mut i = 0;
@@ -89,7 +90,7 @@ const PAIRS: [[f64; NODES]; NODES / 2] = {
     rows
 };
 
-/// Coefficients of 1, x, x^2, ... Accurate where the series decays faster than (1 + sqrt 2)^-k, as a resolved panel does.
+/// Coefficients of 1, x, x^2, ... Accurate if the series decays faster than (1 + sqrt 2)^-k, as on a resolved panel.
 pub fn monomials(series: &Series) -> Series {
     let mut out = [0.0; NODES];
     for (c, row) in series.chunks_exact(2).zip(&PAIRS) {
@@ -101,8 +102,8 @@ pub fn monomials(series: &Series) -> Series {
     out
 }
 
-/// Value of a polynomial with monomial coefficients: even and odd powers apart, each by Estrin's scheme, so that coefficients
-/// are read in pairs as they are.
+/// Value of a polynomial with monomial coefficients, by Estrin's scheme for even and odd powers, which are loaded in
+/// pairs.
 #[inline]
 pub fn polynomial(c: &Series, x: f64) -> f64 {
     let y = x * x;
@@ -125,13 +126,13 @@ pub fn slopes_of(c: &Series) -> Series {
     slopes
 }
 
-/// Size of what a longer series would add: the largest of the last three coefficients.
+/// Estimate of the truncation error: the largest of the last three coefficients.
 pub fn tail(series: &Series) -> f64 {
     series[NODES - 3..].iter().fold(0.0, |a: f64, c| a.max(c.abs()))
 }
 
-/// The series without its last coefficients that are all of the size of its tail: there they are rounding, which
-/// derivatives would amplify.
+/// The series without its last coefficients of the size of the tail: they are rounding, which differentiation
+/// amplifies.
 pub fn chopped(series: &Series) -> Series {
     const PLATEAU: f64 = 4.0;
     let level = PLATEAU * tail(series);
@@ -163,7 +164,8 @@ mod tests {
 
     #[test]
     fn derivative_of_a_sine_is_a_cosine() {
-        // T_k has the slope k^2 at the ends, by which it amplifies the rounding of its coefficient: twice a mean of values.
+        // T_k has the slope k^2 at the ends, by which it amplifies the rounding of its coefficient: twice a mean of
+        // values.
         let allowed = (0..NODES).map(|k| (k * k) as f64).sum::<f64>() * 2.0 * f64::EPSILON;
         let d = slopes_of(&monomials(&fitted(f64::sin)));
         for i in 0..=20 {

@@ -1,13 +1,12 @@
 //! Numbers in messages.
 use std::fmt;
 
-/// A number as a message tells it: with all digits that tell it from its neighbours, and with an exponent where it would
-/// begin or end with many zeros.
+/// A number in a message: the shortest decimal that reads back as the number, with an exponent instead of many zeros.
 #[derive(Clone, Copy, Debug)]
 pub struct Decimal(pub f64);
 
 impl Decimal {
-    /// The number with ten digits, for a value that is known no better.
+    /// The number rounded to ten digits, for a value of that accuracy.
     pub fn rounded(value: f64) -> Self {
         Self(format!("{value:.9e}").parse().unwrap_or(value))
     }

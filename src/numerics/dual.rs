@@ -1,8 +1,11 @@
-//! Numbers that may carry derivatives: formulas written once give values, or values and their exact derivatives.
+//! Numbers with or without derivatives.
+//!
+//! In: a formula generic over [`Number`]. Out: its values, with exact derivatives or without. It must not know the
+//! formula.
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// What a formula needs of a number.
+/// Operations of a generic formula.
 pub trait Number:
     Copy
     + Debug
@@ -13,7 +16,7 @@ pub trait Number:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// Whether it carries derivatives.
+    /// Whether the type carries derivatives.
     const CARRIES: bool;
     /// A constant.
     fn constant(value: f64) -> Self;
@@ -25,7 +28,8 @@ pub trait Number:
     fn sqrt(self) -> Self;
     /// A function of this number, given its value and its derivative.
     fn chain(self, value: f64, derivative: f64) -> Self;
-    /// Functions of this number into `out`, given what writes their values, and their derivatives if it carries some.
+    /// Functions of this number into `out`. `values` and `derivatives` write the functions' values and derivatives at
+    /// it; `derivatives` is called only by types that carry some.
     fn chain_all<const M: usize>(
         self,
         out: &mut [Self; M],
@@ -95,7 +99,7 @@ pub struct Dual<const N: usize> {
 }
 
 impl<const N: usize> Dual<N> {
-    /// The quantity number `k` itself.
+    /// The independent variable with index `k`.
     pub fn variable(value: f64, k: usize) -> Self {
         let mut slope = [0.0; N];
         slope[k] = 1.0;
@@ -187,20 +191,6 @@ impl<const N: usize> Number for Dual<N> {
         for (out, (value, slope)) in out.iter_mut().zip(of_self.into_iter().zip(slopes)) {
             *out = self.chain(value, slope);
         }
-    }
-}
-
-/// Whether two lists agree in every bit; no branch within, as they mostly do.
-#[inline]
-pub fn same_bits(a: &[f64], b: &[f64]) -> bool {
-    a.len() == b.len() && a.iter().zip(b).fold(0, |differ, (a, b)| differ | (a.to_bits() ^ b.to_bits())) == 0
-}
-
-/// Make one list as long as the other the same: mostly it is, and to see that is cheaper than a copy.
-#[inline]
-pub fn become_same(own: &mut [f64], other: &[f64]) {
-    if !same_bits(own, other) {
-        own.copy_from_slice(other);
     }
 }
 

@@ -1,7 +1,10 @@
-//! Numerics: numbers, series and tables of functions. It must not know what they mean.
+//! Numerics: numbers, vectors, series and tables of functions. It must not know what they mean.
+pub mod bits;
 pub mod bracket;
+pub mod bundle;
 pub mod chebyshev;
 pub mod decimal;
 pub mod dual;
 pub mod gauss;
+pub mod plane;
 pub mod table;

@@ -1,26 +1,23 @@
 //! Tables: functions along the curve as polynomials on adaptive panels.
 //!
-//! In: an exact function of sigma. Out: the same function at the cost of one polynomial for each component. Built once,
-//! read without allocation, lock or branch on the mechanism's size. It must not know what the functions mean.
-mod row;
+//! In: an exact function of sigma. Out: polynomials that give the function's components on panels of sigma. A table is
+//! built once and read without allocation or lock. It must not know what the functions mean.
+pub use super::chebyshev::polynomial;
 
-pub use crate::numerics::chebyshev::polynomial;
-pub use row::{Bundle, ROW, Row, add_side_by_side, side_by_side, side_by_side_at};
-
-use crate::numerics::chebyshev::{NODES, Series, Transform, monomials, slopes_of, tail};
-use crate::numerics::dual::Number;
+use super::chebyshev::{NODES, Series, Transform, monomials, slopes_of, tail};
+use super::dual::Number;
 use std::fmt;
 use std::ops::Range;
 
-/// A table resolves its components to this part of their largest value.
+/// Error of a component relative to its largest value along the curve.
 pub const ACCURACY: f64 = 1e-13;
 
-/// No panel, however short, resolves the function here.
+/// A component that no panel resolves, however short.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unresolved {
     /// sigma in the middle of the smallest panel tried.
     pub sigma: f64,
-    /// The component that is not resolved.
+    /// Index of the component.
     pub component: usize,
 }
 
@@ -30,17 +27,17 @@ impl fmt::Display for Unresolved {
     }
 }
 
-/// Where tables start.
+/// Initial panels of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
     /// First sigma of each panel, then the last sigma of all.
     pub borders: Vec<f64>,
-    /// What is in the middle of a panel and must stay in the middle of one: where the exact function amplifies rounding.
+    /// Values of sigma where the exact function amplifies rounding; each stays the middle of a panel.
     pub centers: Vec<f64>,
 }
 
 impl Grid {
-    /// With the borders of these tables, which started from it.
+    /// This grid with the borders of tables that were built on it.
     pub fn refined<'a>(&self, tables: impl IntoIterator<Item = &'a Table>) -> Self {
         let mut borders = self.borders.clone();
         borders.extend(tables.into_iter().flat_map(|t| &t.borders));
@@ -60,16 +57,16 @@ pub struct Table {
     coefficients: Vec<Series>,
 }
 
-/// A place in a table: the panel, and where in it.
+/// Position in a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TablePosition {
-    /// Panel.
+    /// Index of the panel.
     pub panel: usize,
-    /// -1 at its first sigma, 1 at its last.
+    /// Coordinate in the panel: -1 at its first sigma, 1 at its last.
     pub x: f64,
 }
 
-/// A polynomial with monomial coefficients at x, with derivatives if x carries some.
+/// Value of a polynomial with monomial coefficients at x, with derivatives if x carries some.
 #[inline]
 pub fn polynomial_at<T: Number>(c: &Series, x: T) -> T {
     let slope = if T::CARRIES { polynomial(&slopes_of(c), x.value()) } else { 0.0 };
@@ -77,7 +74,7 @@ pub fn polynomial_at<T: Number>(c: &Series, x: T) -> T {
 }
 
 impl Table {
-    /// A table of nothing.
+    /// A table without components.
     pub fn empty() -> Self {
         Self { borders: Vec::new(), components: 0, coefficients: Vec::new() }
     }
@@ -87,14 +84,14 @@ impl Table {
         self.components
     }
 
-    /// Tabulate several sets of functions that come from the same evaluations on the panels of `grid`, cut where needed.
-    /// `sizes` has each set's natural sizes of its components; `exact` fills the components of all sets, one after the
-    /// other, at a sigma, and returns how much it amplifies rounding.
+    /// Tabulate several sets of functions that share their evaluations, on the panels of `grid`, divided where needed.
+    /// `sizes`: natural size of each component of each set. `exact` fills the components of all sets, one set after the
+    /// other, at a sigma and returns the factor by which rounding is amplified there.
     ///
-    /// Each panel is cut until the set's series have decayed to [`ACCURACY`], relative to the natural size of the component
-    /// or to its largest value on the whole grid, or to the rounding in `exact`, as second derivatives amplify it twice, or in
-    /// sigma.
-    /// A set is [`Unresolved`] where cutting does not help.
+    /// A panel is divided until the Chebyshev coefficients of every component have decayed to [`ACCURACY`] times the
+    /// larger of the component's natural size and its largest value on the grid. Coefficients of the size of rounding
+    /// are accepted: rounding in `exact` (amplified twice in second derivatives) or in sigma. Else a set is
+    /// [`Unresolved`].
     pub fn build_all(
         grid: &Grid,
         sizes: &[Vec<f64>],
@@ -104,7 +101,7 @@ impl Table {
         for size in sizes {
             let first = sets.last().map_or(0, |s| s.components.end);
             let table = Self { borders: vec![grid.borders[0]], components: size.len(), coefficients: Vec::new() };
-            sets.push(Set { components: first..first + size.len(), whole: size.clone(), table, unresolved: None });
+            sets.push(Set { components: first..first + size.len(), largest: size.clone(), table, unresolved: None });
         }
         let components = sets.last().map_or(0, |s| s.components.end);
         let mut sampler = Sampler {
@@ -113,36 +110,36 @@ impl Table {
             samples: vec![[0.0; NODES]; components],
             exact,
         };
-        // What must still be placed, last panel first.
+        // Intervals that no panel covers yet, the last one first.
         let mut open = Vec::new();
         for pair in grid.borders.windows(2).rev() {
-            let mut stretch = sampler.stretch(pair[0], pair[1]);
-            stretch.before = vec![f64::INFINITY; sets.len()];
-            open.push(stretch);
+            let mut interval = sampler.interval(pair[0], pair[1]);
+            interval.parent_tails = vec![f64::INFINITY; sets.len()];
+            open.push(interval);
         }
-        for stretch in &open {
+        for interval in &open {
             for set in &mut sets {
-                for (whole, largest) in set.whole.iter_mut().zip(&stretch.largest[set.components.clone()]) {
-                    *whole = whole.max(*largest);
+                for (all, here) in set.largest.iter_mut().zip(&interval.largest[set.components.clone()]) {
+                    *all = all.max(*here);
                 }
             }
         }
-        while let Some(stretch) = open.pop() {
-            let (a, b) = (stretch.a, stretch.b);
+        while let Some(interval) = open.pop() {
+            let (a, b) = (interval.a, interval.b);
             let mut pieces = 1;
-            // A set that has been placed here, or is given up, has nothing more to be seen to in the pieces.
-            let mut before = vec![f64::NAN; sets.len()];
+            // NaN for a set that needs no pieces: it is resolved here or nowhere.
+            let mut tails = vec![f64::NAN; sets.len()];
             for (k, set) in sets.iter_mut().enumerate() {
-                if stretch.before[k].is_nan() || set.unresolved.is_some() {
+                if interval.parent_tails[k].is_nan() || set.unresolved.is_some() {
                     continue;
                 }
-                match set.place(&stretch, stretch.before[k]) {
-                    Placed::Resolved => {}
-                    Placed::Cut(tail, into) => {
-                        before[k] = tail;
+                match set.judge(&interval, interval.parent_tails[k]) {
+                    Verdict::Resolved => {}
+                    Verdict::Divide { tail, into } => {
+                        tails[k] = tail;
                         pieces = pieces.max(into);
                     }
-                    Placed::Unresolved(component) => {
+                    Verdict::Unresolved(component) => {
                         set.unresolved = Some(Unresolved { sigma: 0.5 * (a + b), component });
                     }
                 }
@@ -159,17 +156,18 @@ impl Table {
                 k => a + (b - a) * k as f64 / pieces as f64,
             };
             for k in (0..pieces).rev() {
-                let part = stretch.part / pieces as f64;
-                open.push(Stretch { part, before: before.clone(), ..sampler.stretch(border(k), border(k + 1)) });
+                let part = interval.part / pieces as f64;
+                let parent_tails = tails.clone();
+                open.push(Interval { part, parent_tails, ..sampler.interval(border(k), border(k + 1)) });
             }
         }
         sets.into_iter().map(|set| set.unresolved.map_or(Ok(set.table), Err)).collect()
     }
 
-    /// One set of functions tabulated, as by [`Self::build_all`].
+    /// Tabulate one set of functions, as [`Self::build_all`].
     ///
     /// # Errors
-    /// [`Unresolved`] where cutting does not help.
+    /// [`Unresolved`] where division does not help.
     pub fn build(
         grid: &Grid,
         sizes: &[f64],
@@ -194,7 +192,7 @@ impl Table {
         self.borders[1..self.borders.len() - 1].partition_point(|b| *b <= sigma)
     }
 
-    /// [`Self::panel`], looked for first in this panel and beside it.
+    /// [`Self::panel`], with the search starting at a panel and its neighbours.
     #[inline]
     pub fn panel_near(&self, sigma: f64, panel: usize) -> usize {
         let holds = |p: usize| p + 1 < self.borders.len() && self.borders[p] <= sigma && sigma < self.borders[p + 1];
@@ -209,18 +207,18 @@ impl Table {
         }
     }
 
-    /// The place of sigma.
-    pub fn spot(&self, sigma: f64) -> TablePosition {
-        self.spot_in(sigma, self.panel(sigma))
+    /// Position of sigma.
+    pub fn position(&self, sigma: f64) -> TablePosition {
+        self.position_in(sigma, self.panel(sigma))
     }
 
-    /// [`Self::spot`], looked for first in this panel and beside it.
+    /// [`Self::position`], with the search starting at a panel and its neighbours.
     #[inline]
-    pub fn spot_near(&self, sigma: f64, panel: usize) -> TablePosition {
-        self.spot_in(sigma, self.panel_near(sigma, panel))
+    pub fn position_near(&self, sigma: f64, panel: usize) -> TablePosition {
+        self.position_in(sigma, self.panel_near(sigma, panel))
     }
 
-    fn spot_in(&self, sigma: f64, panel: usize) -> TablePosition {
+    fn position_in(&self, sigma: f64, panel: usize) -> TablePosition {
         let (a, b) = self.borders(panel);
         TablePosition { panel, x: (2.0 * sigma - (a + b)) / (b - a) }
     }
@@ -230,87 +228,92 @@ impl Table {
         &self.coefficients[panel * self.components + component]
     }
 
-    /// Value of a component at a place.
-    pub fn value(&self, spot: TablePosition, component: usize) -> f64 {
-        polynomial(self.series(spot.panel, component), spot.x)
+    /// Value of a component at a position.
+    pub fn value(&self, at: TablePosition, component: usize) -> f64 {
+        polynomial(self.series(at.panel, component), at.x)
     }
 }
 
-/// Functions that are tabulated together.
+/// Functions that become one table.
 struct Set {
-    /// Their places among all components.
+    /// Indices of its components among those of all sets.
     components: Range<usize>,
-    /// Natural size of each component, or its largest value on the grid.
-    whole: Vec<f64>,
+    /// The larger of each component's natural size and its largest value on the grid.
+    largest: Vec<f64>,
     table: Table,
     unresolved: Option<Unresolved>,
 }
 
-/// What becomes of a set on a stretch.
-enum Placed {
+/// Result of resolving a set on an interval.
+enum Verdict {
     Resolved,
-    /// Its largest tail, and into how many pieces to cut.
-    Cut(f64, usize),
-    /// This component is not smooth.
+    /// Largest tail of the set's series, relative to the component; number of pieces.
+    Divide {
+        tail: f64,
+        into: usize,
+    },
+    /// Index of a component that is not smooth.
     Unresolved(usize),
 }
 
 impl Set {
-    fn place(&mut self, stretch: &Stretch, before: f64) -> Placed {
-        /// No piece is shorter than this part of a panel of the grid.
+    /// Take the interval as a panel if the set is resolved on it. `parent_tail`: largest tail on the undivided
+    /// interval.
+    fn judge(&mut self, interval: &Interval, parent_tail: f64) -> Verdict {
+        /// Length of the shortest piece as a part of a panel of the grid.
         const SHORTEST: f64 = 1.0 / 20_000.0;
         /// Order of the coefficients that must be small.
         const ORDER: f64 = (NODES - 2) as f64;
-        let series = &stretch.series[self.components.clone()];
-        let (mut worst, mut component) = (0.0, 0);
-        /// Rounding of sigma, as of a sum of lengths, in units of its last place.
-        const STEP: f64 = 4.0 * f64::EPSILON;
-        /// Rounding of this size is not accepted.
+        /// Relative rounding of sigma, a sum of lengths.
+        const SIGMA_ROUNDING: f64 = 4.0 * f64::EPSILON;
+        /// Largest relative tail that may be due to the rounding of sigma.
         const COARSEST: f64 = 1e-9;
-        // On a stretch that is short against sigma no series can tell less than what that rounding makes.
-        let step = STEP * stretch.a.abs().max(stretch.b.abs()) / (0.5 * (stretch.b - stretch.a));
-        for (i, (s, whole)) in series.iter().zip(&self.whole).enumerate() {
-            let t = if *whole > 0.0 { tail(s) / whole } else { 0.0 };
+        let series = &interval.series[self.components.clone()];
+        let (mut worst, mut component) = (0.0, 0);
+        // Rounding of sigma in terms of x: it limits the resolution where an interval is short compared with sigma.
+        let step = SIGMA_ROUNDING * interval.a.abs().max(interval.b.abs()) / (0.5 * (interval.b - interval.a));
+        for (i, (s, largest)) in series.iter().zip(&self.largest).enumerate() {
+            let t = if *largest > 0.0 { tail(s) / largest } else { 0.0 };
             let slope = || s.iter().enumerate().map(|(k, c)| k as f64 * c.abs()).sum::<f64>();
-            if (t > worst && (t > COARSEST || t * whole > step * slope())) || t.is_nan() {
+            if (t > worst && (t > COARSEST || t * largest > step * slope())) || t.is_nan() {
                 (worst, component) = (t, i);
             }
         }
-        let allowed = (0.5 * ACCURACY).max(stretch.rounding);
-        // Cutting no longer helps: what is left of the tail is rounding in the exact evaluator.
-        let stays = stretch.part < 1.0 && worst < 1e-10 && worst > 0.1 * before;
-        if worst <= allowed || stays {
-            self.table.borders.push(stretch.b);
+        let allowed = (0.5 * ACCURACY).max(interval.rounding);
+        // A small tail that division has not reduced is rounding in the exact function.
+        let is_rounding = interval.part < 1.0 && worst < 1e-10 && worst > 0.1 * parent_tail;
+        if worst <= allowed || is_rounding {
+            self.table.borders.push(interval.b);
             self.table.coefficients.extend(series.iter().map(|s| unless_zero(s, monomials)));
-            return Placed::Resolved;
+            return Verdict::Resolved;
         }
-        if stretch.part < SHORTEST || !worst.is_finite() {
-            return Placed::Unresolved(component);
+        if interval.part < SHORTEST || !worst.is_finite() {
+            return Verdict::Unresolved(component);
         }
-        Placed::Cut(worst, if (worst / allowed).powf(1.0 / ORDER) > 1.9 { 3 } else { 2 })
+        Verdict::Divide { tail: worst, into: if (worst / allowed).powf(1.0 / ORDER) > 1.9 { 3 } else { 2 } }
     }
 }
 
-/// All components on a stretch of sigma.
-struct Stretch {
+/// All components on an interval of sigma.
+struct Interval {
     a: f64,
     b: f64,
-    /// Its length as a part of its panel of the grid.
+    /// Length as a part of a panel of the grid.
     part: f64,
     series: Vec<Series>,
     largest: Vec<f64>,
     /// Rounding in the values, relative to the largest.
     rounding: f64,
-    /// For each set the worst tail on the stretch that this is a piece of; not a number if it is settled.
-    before: Vec<f64>,
+    /// Largest tail of each set on the interval of which this one is a piece; NaN for a set that is resolved there.
+    parent_tails: Vec<f64>,
 }
 
-/// A linear map of a series; that of nothing, such as a revolute joint's moment, costs nothing.
+/// A linear map of a series, skipped for a series of zeros.
 fn unless_zero(values: &[f64; NODES], map: impl Fn(&[f64; NODES]) -> Series) -> Series {
     if values.iter().all(|v| *v == 0.0) { [0.0; NODES] } else { map(values) }
 }
 
-/// Samples functions at the nodes of a stretch.
+/// Samples of all functions at the nodes of an interval.
 struct Sampler<'a> {
     transform: Transform,
     values: Vec<f64>,
@@ -319,7 +322,7 @@ struct Sampler<'a> {
 }
 
 impl Sampler<'_> {
-    fn stretch(&mut self, a: f64, b: f64) -> Stretch {
+    fn interval(&mut self, a: f64, b: f64) -> Interval {
         let mut rounding: f64 = 1.0;
         for (j, x) in self.transform.nodes.iter().enumerate() {
             rounding = rounding.max((self.exact)(a + 0.5 * (b - a) * (1.0 + x), &mut self.values));
@@ -330,33 +333,13 @@ impl Sampler<'_> {
         let largest = self.samples.iter().map(|s| s.iter().fold(0.0, |a: f64, v| a.max(v.abs()))).collect();
         let series = self.samples.iter().map(|s| unless_zero(s, |s| self.transform.fit(s))).collect();
         let rounding = (f64::EPSILON * rounding * rounding).min(10.0 * ACCURACY);
-        Stretch { a, b, part: 1.0, series, largest, rounding, before: Vec::new() }
+        Interval { a, b, part: 1.0, series, largest, rounding, parent_tails: Vec::new() }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numerics::dual::Dual;
-    use proptest::prelude::*;
-
-    proptest! {
-        #[test]
-        fn values_and_slopes_are_those_of_horner(x in -1.0..1.0f64, c in proptest::array::uniform16(-1.0..1.0f64)) {
-            let value = c.iter().rev().fold(0.0, |sum, c| sum * x + c);
-            let slope = c.iter().enumerate().skip(1).map(|(k, c)| k as f64 * c * x.powi(k as i32 - 1)).sum::<f64>();
-            let dual = polynomial_at(&c, Dual::<1>::variable(x, 0));
-            // Sixteen terms, the largest slope times 15.
-            prop_assert!((polynomial_at(&c, x) - value).abs() < 1e-14);
-            prop_assert!((dual.value - value).abs() < 1e-14 && (dual.slope[0] - slope).abs() < 2e-13);
-            let mut rows = Vec::new();
-            side_by_side([&[1.0; NODES], &c], &mut rows);
-            let mut values = [[Dual::<1>::constant(1.0); ROW]];
-            side_by_side_at(&rows, Dual::<1>::variable(x, 0), &mut values);
-            prop_assert!((values[0][1].value - value).abs() < 1e-14 && (values[0][1].slope[0] - slope).abs() < 2e-13);
-            prop_assert_eq!(values[0][2].value, 0.0);
-        }
-    }
 
     fn grid(borders: &[f64]) -> Grid {
         Grid { borders: borders.to_vec(), centers: Vec::new() }
@@ -372,9 +355,9 @@ mod tests {
         .unwrap();
         for i in 0..=3000 {
             let s = -1.0 + f64::from(i) / 1000.0;
-            let spot = table.spot(s);
-            assert!((table.value(spot, 0) - f(s)).abs() < ACCURACY * 1e3, "{s}");
-            assert!((table.value(spot, 1) - s.sin()).abs() < ACCURACY, "{s}");
+            let at = table.position(s);
+            assert!((table.value(at, 0) - f(s)).abs() < ACCURACY * 1e3, "{s}");
+            assert!((table.value(at, 1) - s.sin()).abs() < ACCURACY, "{s}");
         }
         assert!(table.panels() > 4);
     }

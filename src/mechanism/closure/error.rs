@@ -1,26 +1,26 @@
-//! Why a linkage could not be assembled.
+//! Errors of assembly.
 use std::fmt;
 
-/// Why a linkage could not be assembled.
+/// Error of assembly.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AssemblyError {
     /// A coordinate without a guess, or a guess without a coordinate.
     Guess {
         /// Name in the guess.
         name: String,
-        /// What to do.
+        /// Remedy.
         message: String,
     },
     /// No closed position near the guess.
     Open {
-        /// The joint with the largest gap.
+        /// Name of the joint with the largest gap.
         joint: String,
-        /// That gap [m].
+        /// Largest gap [m].
         gap: f64,
     },
-    /// Not one degree of freedom.
+    /// The number of degrees of freedom is not one.
     Freedom {
-        /// How many there are.
+        /// Number of degrees of freedom.
         count: usize,
     },
     /// Two branches cross at the guess.

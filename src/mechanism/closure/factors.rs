@@ -1,43 +1,46 @@
-//! The independent loop equations linearised: a sparse factorisation with its null vector.
+//! Sparse factors of the independent loop equations, with their null vector.
 //!
-//! In: the rows of the loop Jacobian J, one fewer than coordinates. Out: J = L U with U upper triangular up to the order of
-//! its columns, the direction z with J z = 0, and solutions on a plane across it. Each row takes the column of its largest
-//! entry as pivot and is rid of the columns that earlier rows took, so that the rows of a chain stay short and the cost
-//! grows with the number of entries. It must not know linkages.
+//! In: the rows of the loop Jacobian J, one fewer than coordinates. Out: J = L U with U upper triangular up to the
+//! order of its columns, the null vector z with J z = 0, and solutions on a plane across z. The pivot of a row is its
+//! largest entry in a column without a pivot; the columns of earlier pivots are eliminated from the row. Rows of a
+//! chain then stay short, and the cost grows with the number of entries. It must not know linkages.
 
-/// An entry of a row: its column, or for L the row that is subtracted.
+/// An entry of a row of U (column, value) or of L (row that is subtracted, factor).
 type Entry = (usize, f64);
 
-/// No row has taken this column.
+/// Mark of a column without a pivot.
 const FREE: usize = usize::MAX;
 
-/// Factors of J, with room for the next ones.
+/// Factors of J, with scratch for factorisation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Factors {
-    /// Rows of U without their pivots, and of L without its unit diagonal, one after another; where each row ends.
+    /// Rows of U without pivots, one after another, and the end of each row.
     upper: Vec<Entry>,
     upper_ends: Vec<usize>,
+    /// Rows of L without the unit diagonal, one after another, and the end of each row.
     lower: Vec<Entry>,
     lower_ends: Vec<usize>,
-    /// Of each row, the column of its pivot and the pivot's inverse.
+    /// Column and inverse of each row's pivot.
     pivots: Vec<Entry>,
-    /// The row that has taken each column.
-    taken: Vec<usize>,
-    /// z: J z = 0, 1 in the column that no row has taken.
+    /// Row with its pivot in each column, or [`FREE`].
+    pivot_rows: Vec<usize>,
+    /// Null vector z: J z = 0, 1 in the column without a pivot.
     pub null: Vec<f64>,
-    /// The row at work: its entries by column, the columns they are in, and the rows still to be subtracted, as bits.
+    /// The row that is being eliminated: its entries by column, whether each column has one, the list of these columns,
+    /// and the rows still to be subtracted, one bit each.
     entries: Vec<f64>,
     present: Vec<bool>,
     columns: Vec<usize>,
     waiting: Vec<u64>,
 }
 
+/// Entries of one row.
 fn part<'a>(entries: &'a [Entry], ends: &[usize], row: usize) -> &'a [Entry] {
     &entries[if row == 0 { 0 } else { ends[row - 1] }..ends[row]]
 }
 
 impl Factors {
-    /// Forget the last factors, for `columns` coordinates.
+    /// Remove all rows and set the number of coordinates.
     pub fn clear(&mut self, columns: usize) {
         for list in [&mut self.upper, &mut self.lower, &mut self.pivots] {
             list.clear();
@@ -45,15 +48,15 @@ impl Factors {
         for ends in [&mut self.upper_ends, &mut self.lower_ends] {
             ends.clear();
         }
-        self.taken.clear();
-        self.taken.resize(columns, FREE);
-        // Every row leaves these as they were: empty.
+        self.pivot_rows.clear();
+        self.pivot_rows.resize(columns, FREE);
+        // Each row leaves these zeroed.
         self.entries.resize(columns, 0.0);
         self.present.resize(columns, false);
         self.waiting.resize(columns.div_ceil(64), 0);
     }
 
-    /// Add a row; `weights` makes its entries comparable. False if it follows from earlier rows.
+    /// Add a row; `weights` make its entries comparable. False if the row depends on earlier rows.
     pub fn push(&mut self, row: impl Iterator<Item = Entry>, weights: &[f64]) -> bool {
         for (column, value) in row {
             self.touch(column);
@@ -70,18 +73,18 @@ impl Factors {
         let mut best = (FREE, 0.0);
         for &column in &self.columns {
             let size = (self.entries[column] / weights[column]).abs();
-            if self.taken[column] == FREE && size > best.1 {
+            if self.pivot_rows[column] == FREE && size > best.1 {
                 best = (column, size);
             }
         }
         let (pivot, size) = best;
         let regular = pivot != FREE && size.is_finite();
         if regular {
-            self.taken[pivot] = self.pivots.len();
+            self.pivot_rows[pivot] = self.pivots.len();
             self.pivots.push((pivot, 1.0 / self.entries[pivot]));
         }
         for &column in &self.columns {
-            if regular && column != pivot && self.taken[column] == FREE && self.entries[column] != 0.0 {
+            if regular && column != pivot && self.pivot_rows[column] == FREE && self.entries[column] != 0.0 {
                 self.upper.push((column, self.entries[column]));
             }
             self.entries[column] = 0.0;
@@ -92,19 +95,19 @@ impl Factors {
         regular
     }
 
-    /// A column of the row at work has an entry.
+    /// Note that the current row has an entry in a column.
     fn touch(&mut self, column: usize) {
         if !self.present[column] {
             self.present[column] = true;
             self.columns.push(column);
-            let row = self.taken[column];
+            let row = self.pivot_rows[column];
             if row != FREE {
                 self.waiting[row / 64] |= 1 << (row % 64);
             }
         }
     }
 
-    /// Rid the row at work of the column that `row` has taken.
+    /// Eliminate from the current row the column with the pivot of `row`.
     fn subtract(&mut self, row: usize) {
         let (pivot, inverse) = self.pivots[row];
         let factor = self.entries[pivot] * inverse;
@@ -121,10 +124,10 @@ impl Factors {
         }
     }
 
-    /// All rows are in: find the null vector. False if there is not one free column.
+    /// Compute the null vector after the last row. False if the number of columns without a pivot is not one.
     pub fn finish(&mut self) -> bool {
-        let columns = self.taken.len();
-        let Some(free) = self.taken.iter().position(|t| *t == FREE) else { return false };
+        let columns = self.pivot_rows.len();
+        let Some(free) = self.pivot_rows.iter().position(|t| *t == FREE) else { return false };
         if self.pivots.len() + 1 != columns {
             return false;
         }
@@ -140,15 +143,15 @@ impl Factors {
         self.null.iter().all(|v| v.is_finite())
     }
 
-    /// Multiple of z that is `along` on the plane's normal.
+    /// Multiple of z with the inner product `along` with the plane's normal.
     pub fn tangent(&self, normal: &[f64], along: f64, out: &mut Vec<f64>) {
         let scale = along / dot(normal, &self.null);
         out.clear();
         out.extend(self.null.iter().map(|z| scale * z));
     }
 
-    /// The changes of coordinates for several changes of the rows at once, told row by row, and `along` on the plane's
-    /// normal. `out` has a place for each coordinate.
+    /// Changes x of coordinates for N right-hand sides: J x = `rows`, normal . x = `along`. `out`: one entry for each
+    /// coordinate.
     pub fn solve<const N: usize>(
         &self,
         rows: impl Iterator<Item = [f64; N]>,
@@ -157,61 +160,61 @@ impl Factors {
         out: &mut [[f64; N]],
     ) {
         out.fill([0.0; N]);
-        // L y = rows; y is kept at the pivots' columns.
+        // L y = rows, with y stored at the pivots' columns.
         for (row, mut values) in rows.enumerate() {
             for &(r, factor) in part(&self.lower, &self.lower_ends, row) {
-                take(&mut values, factor, &out[self.pivots[r].0]);
+                subtract_scaled(&mut values, factor, &out[self.pivots[r].0]);
             }
             out[self.pivots[row].0] = values;
         }
         for (row, &(pivot, inverse)) in self.pivots.iter().enumerate().rev() {
             let mut values = out[pivot];
             for &(column, factor) in part(&self.upper, &self.upper_ends, row) {
-                take(&mut values, factor, &out[column]);
+                subtract_scaled(&mut values, factor, &out[column]);
             }
             out[pivot] = values.map(|v| v * inverse);
         }
         let mut rest = along;
         for (n, values) in normal.iter().zip(&*out) {
-            take(&mut rest, *n, values);
+            subtract_scaled(&mut rest, *n, values);
         }
         let across = 1.0 / dot(normal, &self.null);
         let scale = rest.map(|r| -r * across);
         for (values, z) in out.iter_mut().zip(&self.null) {
-            take(values, *z, &scale);
+            subtract_scaled(values, *z, &scale);
         }
     }
 
-    /// Factors of the rows whose sum, with a multiple of the plane's normal, gives each `right`; these are used up.
+    /// Multipliers m with J^T m + c normal = `right` for some c, for N right-hand sides; `right` is overwritten.
     pub fn solve_transposed<const N: usize>(&self, normal: &[f64], right: &mut [[f64; N]], out: &mut Vec<[f64; N]>) {
         let mut along = [0.0; N];
         for (z, values) in self.null.iter().zip(&*right) {
-            take(&mut along, -z, values);
+            subtract_scaled(&mut along, -z, values);
         }
         let across = 1.0 / dot(&self.null, normal);
         let scale = along.map(|a| a * across);
         for (values, n) in right.iter_mut().zip(normal) {
-            take(values, *n, &scale);
+            subtract_scaled(values, *n, &scale);
         }
         out.clear();
         for (row, &(pivot, inverse)) in self.pivots.iter().enumerate() {
             let y = right[pivot].map(|r| r * inverse);
             for &(column, factor) in part(&self.upper, &self.upper_ends, row) {
-                take(&mut right[column], factor, &y);
+                subtract_scaled(&mut right[column], factor, &y);
             }
             out.push(y);
         }
         for row in (0..out.len()).rev() {
             let values = out[row];
             for &(r, factor) in part(&self.lower, &self.lower_ends, row) {
-                take(&mut out[r], factor, &values);
+                subtract_scaled(&mut out[r], factor, &values);
             }
         }
     }
 }
 
-/// Less `factor` times `values`.
-fn take<const N: usize>(sums: &mut [f64; N], factor: f64, values: &[f64; N]) {
+/// Subtract `factor` times `values`.
+fn subtract_scaled<const N: usize>(sums: &mut [f64; N], factor: f64, values: &[f64; N]) {
     for (sum, value) in sums.iter_mut().zip(values) {
         *sum -= factor * value;
     }
@@ -227,7 +230,7 @@ mod tests {
     use super::*;
     use nalgebra::{DMatrix, DVector};
 
-    /// Numbers that look random.
+    /// Pseudo-random number in [-0.5, 0.5).
     fn noise(seed: &mut u64) -> f64 {
         *seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         (*seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
@@ -278,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn a_row_that_follows_from_others_is_told() {
+    fn a_dependent_row_is_reported() {
         let mut factors = Factors::default();
         factors.clear(3);
         assert!(factors.push([(0, 1.0), (1, 2.0)].into_iter(), &[1.0; 3]));

@@ -1,4 +1,4 @@
-//! Assembly: coordinates that close every loop, and the one direction in which they can move.
+//! Assembly: coordinates that close every loop, and the tangent of the curve of closed positions.
 //!
 //! In: a linkage and a guess. Out: closed coordinates, the independent loop equations, and Newton's method on a plane
 //! across the curve of closed positions. It must not know loads or time.
@@ -8,49 +8,50 @@ mod factors;
 pub use error::AssemblyError;
 pub use factors::{Factors, dot};
 
-use crate::mechanism::linkage::{Freedom, Linkage, Positions};
+use crate::mechanism::definition::Named;
+use crate::mechanism::linkage::{Linkage, Positions};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
-/// A gap below this part of the linkage's size is closed; Newton's method gets there from rounding alone.
+/// Largest gap of a closed loop, relative to the linkage's size: rounding of Newton's method.
 const CLOSED: f64 = 1e-14;
-/// A singular value below this part of the largest counts as zero.
+/// Singular values below this part of the largest count as zero.
 const RANK: f64 = 1e-9;
 
 /// The loop equations of a linkage with one degree of freedom.
 #[derive(Clone, Debug)]
 pub struct Closure {
-    /// The linkage.
+    /// Linkage.
     pub linkage: Arc<Linkage>,
-    /// Independent loop equations, one fewer than coordinates.
+    /// Indices of the independent loop equations, one fewer than coordinates.
     rows: Vec<usize>,
-    /// What makes coordinates comparable: 1 for an angle, 1/size for a length [1/m].
+    /// Weights that make coordinates comparable: 1 for an angle, 1/size for a length [1/m].
     pub weights: Vec<f64>,
 }
 
-/// Room for the loop equations at one position after another: values and the linearised equations.
+/// Scratch for the loop equations at one position after another.
 #[derive(Clone, Debug, Default)]
-pub struct Workspace {
-    /// Where the bodies are at the coordinates last linearised at.
+pub struct Scratch {
+    /// Positions of the bodies at the coordinates of the last linearisation.
     pub positions: Positions,
-    /// The independent loop equations, linearised there.
+    /// Factors of the independent loop equations, linearised at these coordinates.
     pub factors: Factors,
-    /// Values of all loop equations.
+    /// Residuals of all loop equations [m].
     gaps: Vec<f64>,
-    /// Changes of coordinates: that to a closed position, and those that tell the amplification.
+    /// Changes of coordinates: Newton's correction and two probes of the amplification.
     steps: Vec<[f64; 3]>,
     /// Rows of one loop.
     partials: [Vec<f64>; 2],
 }
 
-/// How Newton's method came to a position on a plane.
+/// Convergence of Newton's method to a closed position on a plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Landing {
-    /// Largest entry of a rough inverse of the equations there: how much rounding in a gap is amplified.
+pub struct Convergence {
+    /// Amplification of rounding in a gap: largest entry of a rough inverse of the loop equations.
     pub amplification: f64,
-    /// Size of the first correction (weighted).
+    /// Weighted size of the first correction.
     pub first: f64,
-    /// Whether the equations are linearised there to the last bit; else a correction away that is smaller than that.
+    /// Whether the last linearisation is at the closed position; else it is a rounding error away.
     exact: bool,
 }
 
@@ -59,7 +60,7 @@ fn weights(linkage: &Linkage) -> Vec<f64> {
     (0..linkage.coordinates.len()).map(|i| if i < linkage.angles { 1.0 } else { 1.0 / linkage.size }).collect()
 }
 
-/// Jacobian in comparable units: gaps in sizes, coordinates weighted.
+/// Dimensionless Jacobian: gaps relative to the linkage's size, coordinates weighted.
 fn scaled_jacobian(linkage: &Linkage, p: &Positions, q: &[f64], w: &[f64]) -> DMatrix<f64> {
     let mut j = linkage.jacobian(p, q) / linkage.size;
     for (mut column, weight) in j.column_iter_mut().zip(w) {
@@ -76,21 +77,21 @@ fn rank(matrix: &DMatrix<f64>) -> usize {
     values.iter().filter(|s| **s > RANK * values.max().max(1e-3)).count()
 }
 
-/// Close the loops from a guess, changing it as little as Newton's method needs.
+/// Closed coordinates near a guess, by Newton's method with least-norm corrections.
 fn close(linkage: &Linkage, guess: &[f64], w: &[f64]) -> Result<Vec<f64>, AssemblyError> {
     const ITERATIONS: usize = 200;
     const STRIDE: f64 = 0.5;
     let mut q = guess.to_vec();
     let mut best = f64::INFINITY;
-    let mut stale = 0;
+    let mut unimproved = 0;
     for _ in 0..ITERATIONS {
         let p = linkage.positions(&q);
         let gaps = linkage.gaps(&p);
         let worst = gaps.iter().fold(0.0, |a: f64, g| a.max(g.abs())) / linkage.size;
-        // Closed, or as close as rounding and a singular position allow.
-        stale = if worst < 0.5 * best { 0 } else { stale + 1 };
+        // Closed, or as near to it as rounding allows at a singular position.
+        unimproved = if worst < 0.5 * best { 0 } else { unimproved + 1 };
         best = best.min(worst);
-        if worst < CLOSED || (stale > 3 && worst < 100.0 * CLOSED) {
+        if worst < CLOSED || (unimproved > 3 && worst < 100.0 * CLOSED) {
             return Ok(q);
         }
         let j = scaled_jacobian(linkage, &p, &q, w);
@@ -112,10 +113,10 @@ fn close(linkage: &Linkage, guess: &[f64], w: &[f64]) -> Result<Vec<f64>, Assemb
 }
 
 impl Closure {
-    /// Close the loops from a guess and find the independent loop equations.
+    /// Close the loops from a guess and choose the independent loop equations. Returns the closed coordinates too.
     ///
     /// # Errors
-    /// [`AssemblyError`]: the loops stay open, there is not one degree of freedom, or two branches cross here.
+    /// [`AssemblyError`]: the loops stay open, the number of degrees of freedom is not one, or two branches cross here.
     pub fn assemble(linkage: Arc<Linkage>, guess: &[f64]) -> Result<(Self, Vec<f64>), AssemblyError> {
         let w = weights(&linkage);
         let n = w.len();
@@ -126,7 +127,7 @@ impl Closure {
         let j = scaled_jacobian(&linkage, &linkage.positions(&q), &q, &w);
         let freedom = n - rank(&j);
         if freedom != 1 {
-            // More freedom here than elsewhere nearby: branches cross here. Look a little way off, in a fixed direction.
+            // Branches cross here if there is one degree of freedom a little way off, in an arbitrary fixed direction.
             let off: Vec<f64> = (0..n).map(|i| q[i] + 0.02 * (1.0 + 3.7 * i as f64).sin() / w[i]).collect();
             if freedom > 1
                 && let Ok(near) = close(&linkage, &off, &w)
@@ -141,68 +142,63 @@ impl Closure {
         Ok((Self { linkage, rows: independent_rows(&j, n - 1), weights: w }, q))
     }
 
-    /// Whether some loop equations follow from others.
+    /// Whether some loop equations depend on others.
     pub fn redundant(&self) -> bool {
         self.rows.len() < self.linkage.rows()
     }
 
-    /// The independent ones of all gap values.
-    pub fn pick(&self, gaps: &[f64]) -> Vec<f64> {
-        self.rows.iter().map(|&r| gaps[r]).collect()
-    }
-
-    /// The independent loop equations, by their places.
+    /// Indices of the independent loop equations.
     pub fn rows(&self) -> &[usize] {
         &self.rows
     }
 
-    /// The loop equations linearised at `q`; false where they lose rank to the last bit.
-    pub fn linearise(&self, q: &[f64], work: &mut Workspace) -> bool {
+    /// Linearise the independent loop equations at `q`. False where they lose rank to the last bit.
+    pub fn linearise(&self, q: &[f64], scratch: &mut Scratch) -> bool {
         let linkage = &*self.linkage;
-        linkage.place(q, &mut work.positions);
-        work.factors.clear(q.len());
+        linkage.update_positions(q, &mut scratch.positions);
+        scratch.factors.clear(q.len());
         let (mut row, mut kept) = (0, self.rows.iter().peekable());
-        for (place, &joint) in linkage.cuts.iter().enumerate() {
-            linkage.partials(&work.positions, q, place, &mut work.partials);
-            let count = if linkage.joints[joint].freedom == Freedom::Revolute { 2 } else { 1 };
-            for partials in &work.partials[..count] {
+        for (index, &joint) in linkage.cuts.iter().enumerate() {
+            linkage.partials(&scratch.positions, q, index, &mut scratch.partials);
+            for partials in &scratch.partials[..linkage.joints[joint].freedom.rows()] {
                 if kept.next_if(|r| **r == row).is_some() {
-                    let columns = linkage.loops[place].columns.iter().copied();
-                    if !work.factors.push(columns.zip(partials.iter().copied()), &self.weights) {
+                    let columns = linkage.loops[index].columns.iter().copied();
+                    if !scratch.factors.push(columns.zip(partials.iter().copied()), &self.weights) {
                         return false;
                     }
                 }
                 row += 1;
             }
         }
-        work.factors.finish()
+        scratch.factors.finish()
     }
 
-    /// How much rounding in a gap is amplified in solutions on planes with this normal: the largest entry of two of them.
-    pub fn amplification(&self, normal: &[f64], work: &mut Workspace) -> f64 {
-        work.steps.resize(normal.len(), [0.0; 3]);
+    /// Amplification of rounding in a gap in solutions on planes with this normal: the largest entry of two solutions.
+    pub fn amplification(&self, normal: &[f64], scratch: &mut Scratch) -> f64 {
+        scratch.steps.resize(normal.len(), [0.0; 3]);
         let rows = (0..self.rows.len()).map(|i| self.probes(i, 0.0));
-        work.factors.solve(rows, normal, [0.0; 3], &mut work.steps);
-        let [_, a, b] = self.sizes(&work.steps);
+        scratch.factors.solve(rows, normal, [0.0; 3], &mut scratch.steps);
+        let [_, a, b] = self.sizes(&scratch.steps);
         a.max(b)
     }
 
-    /// Change of the independent loop equation number `i` that is asked for, and those that tell the amplification.
+    /// Right-hand sides of the independent loop equation with index `i`: a change of its gap, and two sequences of
+    /// signs that probe the amplification.
     fn probes(&self, i: usize, change: f64) -> [f64; 3] {
         let size = self.linkage.size;
         let signed = |k: usize| if (i >> k).is_multiple_of(2) { size } else { -size };
         [change, signed(0), signed(1)]
     }
 
-    /// A solution on a plane with this normal, for gaps that favour no combination of loops.
-    pub fn probe(&self, normal: &[f64], work: &Workspace) -> Vec<f64> {
+    /// A solution on a plane with this normal, for gaps that are no special combination of loops.
+    pub fn probe(&self, normal: &[f64], scratch: &Scratch) -> Vec<f64> {
         let mut out = vec![0.0; normal.len()];
         let rows = (0..self.rows.len()).map(|i| [self.linkage.size * (1.0 + 3.7 * i as f64).sin()]);
-        work.factors.solve(rows, normal, [0.0], out.as_chunks_mut().0);
+        scratch.factors.solve(rows, normal, [0.0], out.as_chunks_mut().0);
         out
     }
 
-    /// Largest of the changes of coordinates, weighted, of each of several; infinite if one is not a number.
+    /// Largest weighted entry of each of N changes of coordinates; infinite if an entry is NaN.
     fn sizes<const N: usize>(&self, steps: &[[f64; N]]) -> [f64; N] {
         let mut largest = [0.0; N];
         for (step, w) in steps.iter().zip(&self.weights) {
@@ -214,67 +210,67 @@ impl Closure {
         largest
     }
 
-    /// Unit tangent of the curve, in the weighted norm; its sign is arbitrary.
+    /// Unit tangent of the curve in the weighted norm, of arbitrary sign.
     pub fn tangent(&self, q: &[f64]) -> Vec<f64> {
-        let mut work = Workspace::default();
-        if !self.linearise(q, &mut work) {
+        let mut scratch = Scratch::default();
+        if !self.linearise(q, &mut scratch) {
             return vec![0.0; q.len()];
         }
-        let mut tangent = work.factors.null;
+        let mut tangent = scratch.factors.null;
         self.normalise(&mut tangent);
         tangent
     }
 
-    /// Normal of the planes across the curve where it has this tangent: normal . tangent is its weighted norm squared.
+    /// Normal of the planes across the curve at this tangent: normal . tangent is the tangent's weighted norm squared.
     pub fn normal(&self, tangent: &[f64]) -> Vec<f64> {
         tangent.iter().zip(&self.weights).map(|(t, w)| t * w * w).collect()
     }
 
-    /// Give a change of coordinates the weighted norm 1.
+    /// Scale a change of coordinates to the weighted norm 1.
     pub fn normalise(&self, tangent: &mut [f64]) {
         let norm = tangent.iter().zip(&self.weights).map(|(t, w)| (t * w).powi(2)).sum::<f64>().sqrt();
         tangent.iter_mut().for_each(|t| *t /= norm);
     }
 
-    /// Positions of the bodies at `q`, where Newton's method has landed.
-    pub fn place(&self, landing: Landing, q: &[f64], work: &mut Workspace, positions: &mut Positions) {
-        if landing.exact {
-            std::mem::swap(positions, &mut work.positions);
+    /// Positions of the bodies at the coordinates `q` to which [`Self::on_plane`] has converged.
+    pub fn update_positions(&self, at: Convergence, q: &[f64], scratch: &mut Scratch, positions: &mut Positions) {
+        if at.exact {
+            std::mem::swap(positions, &mut scratch.positions);
         } else {
-            self.linkage.place(q, positions);
+            self.linkage.update_positions(q, positions);
         }
     }
 
-    /// Newton's method from `q` to the closed position on the plane normal . (q - base) = along, which is put in its place.
-    /// The equations are left linearised there.
+    /// Newton's method from `q` to the closed position on the plane normal . (q - base) = along, which replaces `q`.
+    /// `scratch` then holds the loop equations linearised at the closed position. None if the method does not converge.
     pub fn on_plane(
         &self,
-        work: &mut Workspace,
+        scratch: &mut Scratch,
         q: &mut [f64],
         base: &[f64],
         normal: &[f64],
         along: f64,
-    ) -> Option<Landing> {
+    ) -> Option<Convergence> {
         const ITERATIONS: usize = 12;
-        /// Larger corrections that still shrink are not of the size of rounding.
+        /// Corrections above this size, while they shrink, are not rounding.
         const COARSE: f64 = 1e-12;
-        /// Smaller corrections leave the linearised equations what they are but for rounding.
+        /// Corrections below this size change the linearised equations by rounding only.
         const UNMOVED: f64 = 4.0 * f64::EPSILON;
         let (mut first, mut last) = (None, f64::INFINITY);
         for _ in 0..ITERATIONS {
-            if !self.linearise(q, work) {
+            if !self.linearise(q, scratch) {
                 return None;
             }
-            self.linkage.measure(&work.positions, &mut work.gaps);
+            self.linkage.gaps_into(&scratch.positions, &mut scratch.gaps);
             let off: f64 = (0..q.len()).map(|i| normal[i] * (q[i] - base[i])).sum();
-            work.steps.resize(q.len(), [0.0; 3]);
-            let rows = self.rows.iter().enumerate().map(|(i, &r)| self.probes(i, -work.gaps[r]));
-            work.factors.solve(rows, normal, [along - off, 0.0, 0.0], &mut work.steps);
-            let [size, a, b] = self.sizes(&work.steps);
+            scratch.steps.resize(q.len(), [0.0; 3]);
+            let rows = self.rows.iter().enumerate().map(|(i, &r)| self.probes(i, -scratch.gaps[r]));
+            scratch.factors.solve(rows, normal, [along - off, 0.0, 0.0], &mut scratch.steps);
+            let [size, a, b] = self.sizes(&scratch.steps);
             if size > 1.0 {
                 return None;
             }
-            for (x, [step, ..]) in q.iter_mut().zip(&work.steps) {
+            for (x, [step, ..]) in q.iter_mut().zip(&scratch.steps) {
                 *x += step;
             }
             let first = *first.get_or_insert(size);
@@ -286,11 +282,11 @@ impl Closure {
                 let rounding = 1e-15 * (1.0 + amplification);
                 // Converged: the last correction was of the size of rounding, or corrections no longer shrink.
                 if size < rounding || (size >= 0.5 * last && size < 1e3 * rounding) {
-                    // A solution changes by up to the amplification times a change of position.
-                    if size > UNMOVED && !self.linearise(q, work) {
+                    // Linearise again: the amplification multiplies the effect of a change of position.
+                    if size > UNMOVED && !self.linearise(q, scratch) {
                         return None;
                     }
-                    return Some(Landing { amplification, first, exact: size > UNMOVED });
+                    return Some(Convergence { amplification, first, exact: size > UNMOVED });
                 }
             }
             last = size;
@@ -299,7 +295,7 @@ impl Closure {
     }
 }
 
-/// Rows of full rank, chosen greedily by the largest part that earlier rows do not span.
+/// Rows of full rank, each chosen for the largest part that the rows before do not span.
 fn independent_rows(j: &DMatrix<f64>, count: usize) -> Vec<usize> {
     let mut rest: Vec<DVector<f64>> = j.row_iter().map(|r| r.transpose()).collect();
     if rest.len() == count {
@@ -319,11 +315,11 @@ fn independent_rows(j: &DMatrix<f64>, count: usize) -> Vec<usize> {
     rows
 }
 
-/// Coordinates from the guess of a definition: body names give angles, prismatic joints give positions.
+/// Coordinates from the guess of a definition: a body's name gives an angle, a prismatic joint's name a position.
 ///
 /// # Errors
 /// [`AssemblyError::Guess`] for a missing or a superfluous name.
-pub fn guessed(linkage: &Linkage, guess: &crate::mechanism::definition::Named<f64>) -> Result<Vec<f64>, AssemblyError> {
+pub fn guessed(linkage: &Linkage, guess: &Named<f64>) -> Result<Vec<f64>, AssemblyError> {
     let mut q = vec![None; linkage.coordinates.len()];
     for (name, &value) in guess.iter() {
         let body = linkage.bodies.iter().find(|b| b.name == name);

@@ -1,48 +1,51 @@
-//! One panel of the curve: closed positions as polynomials in a plane's distance from the panel's base.
-use super::configuration::{Configuration, Workspace};
-use super::known::Known;
-use super::travel::Travel;
+//! One panel of the curve: closed positions as polynomials in the distance of a plane from the panel's base.
+//!
+//! In: a closed position with its tangent, a width. Out: a panel, or the reason why the width is rejected. It must not
+//! know how far the curve is followed.
+use super::configuration::{self, Configuration};
+use super::extrapolation::Extrapolation;
 use crate::mechanism::closure::Closure;
-use crate::mechanism::linkage::{Linkage, Positions, Rates};
+use crate::mechanism::linkage::Positions;
 use crate::numerics::chebyshev::{NODES, Series, Transform, chopped, monomials, polynomial, slopes_of, tail};
 
-/// A stretch of the curve that crosses every plane normal . (q - base) = u, 0 <= u <= width, once.
+/// A part of the curve that crosses every plane normal . (q - base) = u, 0 <= u <= width, once. Polynomials are in
+/// x = 2 u / width - 1, as monomial coefficients.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Panel {
-    /// sigma at its base.
+pub(super) struct Panel {
+    /// sigma at the base.
     pub start: f64,
-    /// Coordinates at its base.
+    /// Coordinates at the base.
     pub base: Vec<f64>,
     /// Normal of the planes.
     pub normal: Vec<f64>,
     /// Last u.
     pub width: f64,
-    /// Each coordinate as a polynomial in x = 2 u / width - 1: its monomial coefficients.
+    /// Polynomial of each coordinate.
     pub coordinates: Vec<Series>,
-    /// sigma - start as a polynomial in x: at 0, its coefficients beyond that one, and its value at the tip.
+    /// sigma - start = half + x length(x), and its value at the tip.
     half: f64,
     length: Series,
     span: f64,
-    /// d sigma / d x as a polynomial in x, and its values at both ends.
+    /// Polynomial of d sigma / d x, and its values at both ends.
     speed: Series,
-    rims: [f64; 2],
-    /// Coordinates at its end.
+    end_speeds: [f64; 2],
+    /// Coordinates at the tip.
     pub tip: Vec<f64>,
-    /// How much rounding in a gap is amplified where least.
+    /// Least amplification of rounding in a gap at the nodes.
     pub amplification: f64,
-    /// The same at the nodes.
+    /// Amplification of rounding in a gap at each node.
     pub amplifications: [f64; NODES],
-    /// Of each coordinate, if rounding is amplified much more at some nodes than at others: its first and second derivative
-    /// along sigma as polynomials in x, through what the loop equations give at the nodes. In between, close to a crossing, these
-    /// are far more accurate than either the loop equations or derivatives of `coordinates`.
+    /// Polynomials of each coordinate's first and second derivative along sigma, through the values that the loop
+    /// equations give at the nodes. Present where the amplification is uneven: close to a crossing these are far more
+    /// accurate than the loop equations or derivatives of `coordinates`.
     pub derivatives: Vec<[Series; 2]>,
-    /// Of each coordinate's second derivative along sigma: tail of its series in x, and its largest value.
-    pub bends: Vec<[f64; 2]>,
+    /// Tail of the series of each coordinate's second derivative along sigma, and the derivative's largest value.
+    pub curvatures: Vec<[f64; 2]>,
 }
 
-/// Where a panel starts, and what leads on from there.
+/// Start of a panel.
 #[derive(Clone, Debug)]
-pub struct Base {
+pub(super) struct Base {
     /// sigma.
     pub sigma: f64,
     /// Coordinates.
@@ -51,63 +54,156 @@ pub struct Base {
     pub tangent: Vec<f64>,
 }
 
-/// Room for one panel after another.
+/// Scratch for one panel after another.
 #[derive(Debug, Default)]
-pub struct Room {
-    /// For configurations.
-    pub work: Workspace,
+pub(super) struct Scratch {
+    /// Scratch for configurations.
+    pub evaluation: configuration::Scratch,
     c: Configuration,
-    /// Coordinates and their derivatives along sigma at the nodes.
-    nodes: Vec<[f64; NODES]>,
-    firsts: Vec<[f64; NODES]>,
-    seconds: Vec<[f64; NODES]>,
-    known: Known,
-    /// Positions closed so far.
+    samples: Samples,
+    extrapolation: Extrapolation,
+    /// Number of positions closed so far.
     pub closed: usize,
 }
 
-/// Why a panel of some width was not accepted.
+/// Values at the nodes of a panel.
+#[derive(Debug, Default)]
+struct Samples {
+    /// Coordinates and their first and second derivatives along sigma.
+    coordinates: Vec<[f64; NODES]>,
+    firsts: Vec<[f64; NODES]>,
+    seconds: Vec<[f64; NODES]>,
+    /// d sigma / d u.
+    speeds: [f64; NODES],
+    amplifications: [f64; NODES],
+}
+
+/// Reason why a panel was rejected.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Refusal {
-    /// The series does not resolve it, or Newton's method went astray: one shorter by this factor may do.
+pub(super) enum Rejection {
+    /// The series does not resolve the panel, or Newton's method diverges. A panel shorter by this factor may do.
     TooWide(f64),
-    /// A node is too close to a position where branches cross: a slightly different one may do.
+    /// A node is too close to a crossing of branches. A slightly different width may do.
     NearCrossing,
-    /// The kinetic energy vanishes at one of its positions.
+    /// The kinetic energy vanishes at a node.
     Massless,
 }
 
-/// Nodes may amplify rounding this many times as much as the panel's best one: 1 / 16 of a panel away from a crossing in
-/// its middle. Amplification grows with the number of loops, so only its ratio tells of a crossing.
+/// Largest amplification at a node relative to the least of the panel: 1 / 16 of a panel away from a crossing in its
+/// middle. Amplification grows with the number of loops, so only the ratio indicates a crossing.
 const NEAR: f64 = 60.0;
-/// The tip, where the next panel starts, must keep farther away.
+/// Largest amplification at the tip, where the next panel starts, relative to the least of the panel.
 const TIP_NEAR: f64 = 8.0;
-/// Where nodes amplify rounding more than this many times as much as the best one, the series ends in rounding.
+/// Relative amplification at a node above which the series are chopped to the level of rounding.
 const CROSSING: f64 = 5.0;
-/// Where it differs more than this between nodes, derivatives are kept.
+/// Relative amplification at a node above which derivatives are kept.
 const UNEVEN: f64 = 2.0;
-/// Below this amplification no position is too close to a crossing.
+/// Amplification below which no position is too close to a crossing.
 const HARMLESS: f64 = 30.0;
-/// Away from crossings rounding may turn out this many times as large.
+/// Allowed ratio of rounding to its estimate, away from crossings.
 const NOISE: f64 = 10.0;
-/// Rounding of coordinates, relative to their size and to 1 rad, before amplification.
+/// Rounding of coordinates before amplification, relative to their size and to 1 rad.
 const ROUNDING: f64 = 1e-15;
-/// A panel on which Newton's method goes astray is shortened by this factor.
-const ASTRAY: f64 = 0.7;
+/// Factor of width after Newton's method has diverged.
+const DIVERGED: f64 = 0.7;
 /// Order of the coefficients that must be of the size of rounding.
 const ORDER: f64 = (NODES - 2) as f64;
 
-/// Twice the kinetic energy at these rates: sum of m v^2 + I omega^2.
-pub fn twice_kinetic(linkage: &Linkage, p: &Positions, r: &Rates) -> f64 {
-    let mut sum = 0.0;
-    for (i, body) in linkage.bodies.iter().enumerate().skip(1) {
-        if body.mass > 0.0 {
-            let point = crate::mechanism::linkage::Point { body: i, local: body.center };
-            sum += body.mass * p.velocity(r, point).norm_squared();
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |a: f64, v| a.max(v.abs()))
+}
+
+fn least(values: &[f64]) -> f64 {
+    values.iter().fold(f64::INFINITY, |a: f64, v| a.min(*v))
+}
+
+impl Scratch {
+    /// Sample a panel: close the loops at every node. `visit` receives the index of each node and its positions.
+    fn sample(
+        &mut self,
+        closure: &Closure,
+        nodes: &[f64; NODES],
+        base: &Base,
+        normal: &[f64],
+        width: f64,
+        visit: &mut dyn FnMut(usize, &Positions),
+    ) -> Result<(), Rejection> {
+        let (n, w) = (base.q.len(), &closure.weights);
+        let Self { evaluation, c, samples, extrapolation, closed } = self;
+        for values in [&mut samples.coordinates, &mut samples.firsts, &mut samples.seconds] {
+            values.clear();
+            values.resize(n, [0.0; NODES]);
         }
-        sum += body.inertia * r.angle[i].powi(2);
+        let mut last = 0.0;
+        extrapolation.start(&base.q, &base.tangent);
+        for (j, x) in nodes.iter().enumerate() {
+            let u = 0.5 * width * (1.0 + x);
+            extrapolation.extrapolate(u, &mut c.q);
+            *closed += 1;
+            let converged = closure
+                .on_plane(&mut evaluation.loops, &mut c.q, &base.q, normal, u)
+                .filter(|l| l.first <= 0.2 * (u - last) + 1e-12)
+                .ok_or(Rejection::TooWide(DIVERGED))?;
+            samples.amplifications[j] = converged.amplification;
+            closure.update_positions(converged, &c.q, &mut evaluation.loops, &mut c.positions);
+            visit(j, &c.positions);
+            let speed = c.derive(closure, normal, evaluation);
+            if speed == 0.0 || speed.is_nan() {
+                return Err(Rejection::Massless);
+            }
+            let steepness = (0..n).map(|i| (c.q_sigma[i] * w[i]).powi(2)).sum::<f64>().sqrt() * speed;
+            if steepness > 1.5 || steepness.is_nan() {
+                return Err(Rejection::TooWide(DIVERGED));
+            }
+            extrapolation.add(u, &c.q, &c.q_sigma, speed);
+            samples.speeds[j] = speed;
+            for i in 0..n {
+                (samples.coordinates[i][j], samples.firsts[i][j]) = (c.q[i], c.q_sigma[i]);
+                samples.seconds[i][j] = c.q_second[i];
+            }
+            last = u;
+        }
+        Ok(())
     }
-    sum
+}
+
+impl Samples {
+    /// Polynomials of the coordinates and of d sigma / d x, and the factor by which the panel might have been wider.
+    fn resolve(
+        &self,
+        transform: &Transform,
+        weights: &[f64],
+        width: f64,
+        [amplification, least_amplification]: [f64; 2],
+    ) -> Result<(Vec<Series>, Series, f64), Rejection> {
+        let rounding = ROUNDING * amplification.max(2.0);
+        let noise = if amplification > HARMLESS { 1.0 } else { NOISE };
+        let mut wider = f64::INFINITY;
+        let mut coordinates: Vec<Series> = self.coordinates.iter().map(|samples| transform.fit(samples)).collect();
+        for (series, w) in coordinates.iter().zip(weights) {
+            let size = (1.0 + series[0].abs() * w) / w;
+            wider = wider.min(resolved(series, rounding * size, noise)?);
+        }
+        let fastest = largest(&self.speeds);
+        if least(&self.speeds) < 1e-7 * fastest {
+            return Err(Rejection::Massless);
+        }
+        let mut speed = transform.fit(&self.speeds.map(|s| 0.5 * width * s));
+        // Differentiation amplifies the rounding of a series by about its number of terms.
+        let mut slope = 20.0;
+        if amplification > HARMLESS {
+            // Rounding of a position turns the tangent by the curvature, which is large where branches almost meet.
+            let seconds = self.seconds.iter().zip(weights);
+            let curvature = seconds.flat_map(|(s, w)| s.map(|v| (v * w).abs())).fold(0.0, f64::max);
+            slope += curvature * fastest * fastest;
+        }
+        wider = wider.min(resolved(&speed, slope * rounding * 0.5 * width * fastest, noise)?);
+        if amplification > HARMLESS.max(CROSSING * least_amplification) {
+            coordinates.iter_mut().chain([&mut speed]).for_each(|s| *s = chopped(s));
+        }
+        coordinates.iter_mut().chain([&mut speed]).for_each(|s| *s = monomials(s));
+        Ok((coordinates, speed, wider))
+    }
 }
 
 impl Panel {
@@ -116,107 +212,47 @@ impl Panel {
         self.start + self.span
     }
 
-    /// Try to build the panel that starts at `base`; `travel` passes its nodes. Returns the unit tangent at its tip with it, and by what factor it might
-    /// have been wider.
+    /// Build the panel of this width that starts at `base`. `visit` receives the index and positions of every node.
+    /// Returns the panel, the unit tangent at its tip, and the factor by which it might have been wider.
     ///
     /// # Errors
-    /// A [`Refusal`].
-    pub(super) fn build(
+    /// A [`Rejection`].
+    pub fn build(
         closure: &Closure,
         transform: &Transform,
         base: &Base,
         width: f64,
-        room: &mut Room,
-        mut travel: Option<&mut Travel>,
-    ) -> Result<(Self, Vec<f64>, f64), Refusal> {
-        let n = base.q.len();
-        let w = &closure.weights;
+        scratch: &mut Scratch,
+        visit: &mut dyn FnMut(usize, &Positions),
+    ) -> Result<(Self, Vec<f64>, f64), Rejection> {
         let normal = closure.normal(&base.tangent);
-        let Room { work, c, nodes, firsts, seconds, known, closed } = room;
-        for samples in [&mut *nodes, &mut *firsts, &mut *seconds] {
-            samples.clear();
-            samples.resize(n, [0.0; NODES]);
-        }
-        let mut speeds = [0.0; NODES];
-        let mut amplifications = [0.0; NODES];
-        let mut last = 0.0;
-        known.start(&base.q, &base.tangent);
-        for (j, x) in transform.nodes.iter().enumerate() {
-            let u = 0.5 * width * (1.0 + x);
-            known.extrapolate(u, &mut c.q);
-            *closed += 1;
-            let landing = closure
-                .on_plane(&mut work.loops, &mut c.q, &base.q, &normal, u)
-                .filter(|l| l.first <= 0.2 * (u - last) + 1e-12)
-                .ok_or(Refusal::TooWide(ASTRAY))?;
-            amplifications[j] = landing.amplification;
-            closure.place(landing, &c.q, &mut work.loops, &mut c.positions);
-            if let Some(travel) = &mut travel {
-                travel.pass(j, &c.positions);
-            }
-            speeds[j] = c.derive(closure, &normal, work);
-            if speeds[j] == 0.0 || speeds[j].is_nan() {
-                return Err(Refusal::Massless);
-            }
-            let steep = (0..n).map(|i| (c.q_sigma[i] * w[i]).powi(2)).sum::<f64>().sqrt() * speeds[j];
-            if steep > 1.5 || steep.is_nan() {
-                return Err(Refusal::TooWide(ASTRAY));
-            }
-            known.add(u, &c.q, &c.q_sigma, speeds[j]);
-            for (i, ((sample, first), second)) in nodes.iter_mut().zip(&mut *firsts).zip(&mut *seconds).enumerate() {
-                (sample[j], first[j], second[j]) = (c.q[i], c.q_sigma[i], c.q_second[i]);
-            }
-            last = u;
-        }
-        let amplification = amplifications.iter().fold(1.0, |a: f64, b| a.max(*b));
-        let least = amplifications.iter().fold(f64::INFINITY, |a: f64, b| a.min(*b));
+        scratch.sample(closure, &transform.nodes, base, &normal, width, visit)?;
+        let samples = &scratch.samples;
+        let amplifications = samples.amplifications;
+        let (amplification, least) = (largest(&amplifications).max(1.0), least(&amplifications));
         if amplification > HARMLESS.max(NEAR * least) {
-            return Err(Refusal::NearCrossing);
+            return Err(Rejection::NearCrossing);
         }
-        let rounding = ROUNDING * amplification.max(2.0);
-        let noise = if amplification > HARMLESS { 1.0 } else { NOISE };
-        let mut wider = f64::INFINITY;
-        let mut coordinates: Vec<Series> = nodes.iter().map(|samples| transform.fit(samples)).collect();
-        for (series, w) in coordinates.iter().zip(w) {
-            let size = (1.0 + series[0].abs() * w) / w;
-            wider = wider.min(resolved(series, rounding * size, noise)?);
-        }
-        let fastest = speeds.iter().fold(0.0, |a: f64, s| a.max(*s));
-        let slowest = speeds.iter().fold(f64::INFINITY, |a: f64, s| a.min(*s));
-        if slowest < 1e-7 * fastest {
-            return Err(Refusal::Massless);
-        }
-        let mut speed = transform.fit(&speeds.map(|s| 0.5 * width * s));
-        // The slope of a series is its length times less accurate than the series.
-        let mut slope = 20.0;
-        if amplification > HARMLESS {
-            // A position that is off by rounding has the tangent of another one: branches that almost meet turn sharply.
-            let bend = seconds.iter().zip(w).flat_map(|(s, w)| s.map(|v| (v * w).abs())).fold(0.0, f64::max);
-            slope += bend * fastest * fastest;
-        }
-        wider = wider.min(resolved(&speed, slope * rounding * 0.5 * width * fastest, noise)?);
-        if amplification > HARMLESS.max(CROSSING * least) {
-            coordinates.iter_mut().chain([&mut speed]).for_each(|s| *s = chopped(s));
-        }
-        coordinates.iter_mut().chain([&mut speed]).for_each(|s| *s = monomials(s));
+        let (coordinates, speed, wider) =
+            samples.resolve(transform, &closure.weights, width, [amplification, least])?;
         let derivatives = if amplification > UNEVEN * least {
             let fit = |samples: &[f64; NODES]| monomials(&chopped(&transform.fit(samples)));
-            firsts.iter().zip(&*seconds).map(|(first, second)| [fit(first), fit(second)]).collect()
+            samples.firsts.iter().zip(&samples.seconds).map(|(first, second)| [fit(first), fit(second)]).collect()
         } else {
             Vec::new()
         };
-        let bend = |s: &[f64; NODES]| [tail(&transform.fit(s)), s.iter().fold(0.0, |a: f64, v| a.max(v.abs()))];
-        let bends = seconds.iter().map(bend).collect();
+        let curvatures = samples.seconds.iter().map(|s| [tail(&transform.fit(s)), largest(s)]).collect();
         let mut tip: Vec<f64> = coordinates.iter().map(|s| polynomial(s, 1.0)).collect();
-        *closed += 1;
-        let landing =
-            closure.on_plane(&mut work.loops, &mut tip, &base.q, &normal, width).ok_or(Refusal::TooWide(ASTRAY))?;
-        if landing.amplification > HARMLESS.max(TIP_NEAR * least) {
-            return Err(Refusal::NearCrossing);
+        scratch.closed += 1;
+        let loops = &mut scratch.evaluation.loops;
+        let converged =
+            closure.on_plane(loops, &mut tip, &base.q, &normal, width).ok_or(Rejection::TooWide(DIVERGED))?;
+        if converged.amplification > HARMLESS.max(TIP_NEAR * least) {
+            return Err(Rejection::NearCrossing);
         }
-        let mut ahead = Vec::new();
-        work.loops.factors.tangent(&normal, 1.0, &mut ahead);
-        closure.normalise(&mut ahead);
+        let mut tangent = Vec::new();
+        loops.factors.tangent(&normal, 1.0, &mut tangent);
+        closure.normalise(&mut tangent);
         let panel = Self {
             start: base.sigma,
             base: base.q.clone(),
@@ -227,26 +263,27 @@ impl Panel {
             length: [0.0; NODES],
             span: 0.0,
             speed,
-            rims: [0.0; 2],
+            end_speeds: [0.0; 2],
             tip,
             amplification: least,
             amplifications,
             derivatives,
-            bends,
+            curvatures,
         };
-        Ok((panel.measured(), ahead, wider))
+        Ok((panel.integrated(), tangent, wider))
     }
 
-    /// With its length, which follows from the speed.
-    fn measured(mut self) -> Self {
+    /// The panel with its length, the integral of its speed.
+    fn integrated(mut self) -> Self {
         self.length = std::array::from_fn(|k| self.speed[k] / (k + 1) as f64);
         self.half = polynomial(&self.length, -1.0);
         self.span = self.half + polynomial(&self.length, 1.0);
-        self.rims = [-1.0, 1.0].map(|x| polynomial(&self.speed, x));
+        self.end_speeds = [-1.0, 1.0].map(|x| polynomial(&self.speed, x));
         self
     }
 
-    /// The same stretch followed the other way, with its base, the present tip, at `start`: x becomes -x.
+    /// The same part of the curve in the opposite direction, x -> -x, with its base, the present tip, at the sigma
+    /// `start`.
     pub fn mirrored(mut self, start: f64) -> Self {
         let odd = |series: &mut [f64]| series.iter_mut().skip(1).step_by(2).for_each(|c| *c = -*c);
         std::mem::swap(&mut self.base, &mut self.tip);
@@ -257,34 +294,30 @@ impl Panel {
         for [first, second] in &mut self.derivatives {
             odd(first);
             odd(second);
-            // sigma grows the other way.
+            // First derivatives along sigma change sign.
             first.iter_mut().for_each(|c| *c = -*c);
         }
         odd(&mut self.speed);
-        self.measured()
+        self.integrated()
     }
 
     /// Coordinates at x in [-1, 1], by the polynomials.
-    pub fn series_at(&self, x: f64) -> Vec<f64> {
+    pub fn coordinates_at(&self, x: f64) -> Vec<f64> {
         let mut q = Vec::new();
-        self.place(x, &mut q);
+        self.coordinates_into(x, &mut q);
         q
     }
 
-    /// As [`Self::series_at`], in place.
-    pub fn place(&self, x: f64, q: &mut Vec<f64>) {
+    /// [`Self::coordinates_at`], in place.
+    pub fn coordinates_into(&self, x: f64, q: &mut Vec<f64>) {
         q.clear();
         q.extend(self.coordinates.iter().map(|s| polynomial(s, x)));
     }
 
-    /// Derivatives of the coordinates with respect to x.
-    pub fn slopes_at(&self, x: f64) -> Vec<f64> {
-        self.coordinates.iter().map(|s| polynomial(&slopes_of(s), x)).collect()
-    }
-
-    /// Second derivatives of the coordinates with respect to x.
-    pub fn curvatures_at(&self, x: f64) -> Vec<f64> {
-        self.coordinates.iter().map(|s| polynomial(&slopes_of(&slopes_of(s)), x)).collect()
+    /// First and second derivatives of the coordinates with respect to x.
+    pub fn derivatives_at(&self, x: f64) -> (Vec<f64>, Vec<f64>) {
+        let slopes = self.coordinates.iter().map(slopes_of);
+        slopes.map(|s| (polynomial(&s, x), polynomial(&slopes_of(&s), x))).unzip()
     }
 
     /// sigma at x.
@@ -292,53 +325,49 @@ impl Panel {
         self.start + self.half + x * polynomial(&self.length, x)
     }
 
-    /// x at sigma: Newton's method on a monotonic polynomial.
+    /// x at sigma, by Newton's method on a monotonic polynomial.
     pub fn x_at(&self, sigma: f64) -> f64 {
         let start = self.start;
-        // From the cubic that has the right slopes at both ends.
+        // Initial guess: the cubic with the right slopes at both ends.
         let s = (sigma - start) / self.span;
-        let [m0, m1] = self.rims.map(|rim| self.span / rim);
+        let [m0, m1] = self.end_speeds.map(|speed| self.span / speed);
         let mut x = -1.0 + s * (m0 + s * ((6.0 - 2.0 * m0 - m1) + s * (m0 + m1 - 4.0)));
         x = if x.is_finite() { x.clamp(-1.0, 1.0) } else { 0.0 };
         for _ in 0..20 {
             let length = self.half + x * polynomial(&self.length, x);
             let step = (sigma - start - length) / polynomial(&self.speed, x);
             x = (x + step).clamp(-1.0, 1.0);
-            // The next step would be of the size of the square of this one.
+            // Quadratic convergence: the next correction is of the size of the square of this one.
             if step.abs() < 1e-9 {
                 break;
             }
         }
         x
     }
-
-    /// u at x.
-    pub fn u_at(&self, x: f64) -> f64 {
-        0.5 * self.width * (1.0 + x)
-    }
 }
 
-/// By what factor a panel might be wider whose function has this series, if a coefficient of order [`ORDER`] may have the
-/// size `rounding`, and `noise` times that if coefficients have ceased to decay; refused if it may not be as wide as it is.
+/// Factor by which a panel with this series might be wider, if the coefficient of order [`ORDER`] may be as large as
+/// `rounding`, or `noise` times that where the coefficients no longer decay. Rejected if the factor would be below 1.
 ///
 /// Coefficients decay like rho^-k, where rho, while it is large, is inversely proportional to the width.
-fn resolved(series: &Series, mut rounding: f64, noise: f64) -> Result<f64, Refusal> {
+fn resolved(series: &Series, mut rounding: f64, noise: f64) -> Result<f64, Rejection> {
     let tail = tail(series);
     if tail > rounding || tail.is_nan() {
-        let middle = series[NODES / 2..].iter().fold(0.0, |a: f64, c| a.max(c.abs()));
+        let middle = largest(&series[NODES / 2..]);
         if tail > noise * rounding || tail.is_nan() || middle > 2.0 * tail {
             let shorter = (rounding / tail).powf(1.0 / ORDER);
-            return Err(Refusal::TooWide(if shorter.is_finite() { (0.93 * shorter).clamp(0.3, 0.93) } else { ASTRAY }));
+            let factor = if shorter.is_finite() { (0.93 * shorter).clamp(0.3, 0.93) } else { DIVERGED };
+            return Err(Rejection::TooWide(factor));
         }
-        // No shorter panel has less of it.
+        // Rounding: a shorter panel would have the same tail.
         rounding = middle;
     }
     let last = series.iter().rposition(|c| c.abs() > rounding).unwrap_or(0);
-    let largest = series[1..].iter().fold(0.0, |a: f64, c| a.max(c.abs()));
+    let largest = largest(&series[1..]);
     if last < 2 || largest <= rounding {
         return Ok(f64::INFINITY);
     }
-    // The order, a fraction, at which the coefficients fall below rounding; the next one at least has.
+    // Fractional order at which the coefficients fall below rounding, one more than that of the last large one at most.
     let decay = (largest / rounding).ln();
     let order = last as f64 + ((series[last].abs() / rounding).ln() * last as f64 / decay).min(1.0);
     Ok((decay / order - decay / (ORDER - 1.0)).exp())

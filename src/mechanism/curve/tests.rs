@@ -1,3 +1,4 @@
+use super::kinetic::twice_kinetic;
 use super::*;
 use crate::mechanism::GEAR;
 use crate::mechanism::closure::{Closure, guessed};
@@ -50,8 +51,6 @@ fn derivatives_along_the_curve_are_differences_and_loops_stay_closed() {
         }
     });
 }
-
-use super::panel::twice_kinetic;
 
 #[test]
 fn a_flat_parallelogram_is_crossed_straight_on() {

@@ -1,31 +1,37 @@
-//! Tracing: panel after panel, until the curve returns, leaves the permitted travel, or runs out.
-use super::panel::{Base, Panel, Refusal, Room, twice_kinetic};
+//! Tracing: panel after panel, until the curve returns, leaves the permitted travel, or gets too long.
+//!
+//! In: a closed position, limits of travel. Out: the curve. It must not know loads.
+use super::error::CurveError;
+use super::evaluate::{Curve, Ends, describe};
+use super::kinetic::twice_kinetic;
+use super::panel::{Base, Panel, Rejection, Scratch};
 use super::travel::Travel;
-use super::{Curve, CurveError, Ends};
 use crate::mechanism::closure::Closure;
 use crate::mechanism::linkage::Positions;
 use crate::numerics::chebyshev::Transform;
 use std::f64::consts::TAU;
 
-/// Widths of panels in the weighted norm: the first tried, the largest, and the one below which tracing gives up.
+/// Width of the first panel in the weighted norm.
 const FIRST: f64 = 0.25;
+/// Largest width of a panel.
 const LARGEST: f64 = 1.5;
+/// Width of a panel below which tracing fails.
 const SMALLEST: f64 = 1e-6;
-/// Panels after which tracing gives up.
+/// Largest number of panels.
 const PANELS: usize = 20_000;
-/// Prismatic joints are followed this many sizes of the linkage far.
-const REACH: f64 = 100.0;
+/// Largest traced position of a prismatic joint, in sizes of the linkage.
+const FARTHEST: f64 = 100.0;
 
-/// Where rounding in a gap is amplified more than this, branches almost cross.
+/// Amplification of rounding in a gap above which branches almost cross.
 pub const NEAR_CROSSING: f64 = 300.0;
 
-/// Why the curve was followed no farther.
+/// End of following the curve in one direction.
 enum Stop {
-    /// It returned; the coordinates have grown by these amounts.
+    /// The curve returned to its start; the coordinates have grown by these amounts.
     Returned(Vec<f64>),
     /// The permitted travel ends at this sigma.
     Left(f64),
-    /// Prismatic joints have gone far enough.
+    /// A prismatic joint has gone far enough.
     Far,
 }
 
@@ -38,31 +44,31 @@ impl Curve {
         Self::follow_both(closure, q, None)
     }
 
-    /// Trace the curve through the closed position `q`, where sigma is 0, as far as travel is permitted: in each direction
-    /// up to the first point where `inside` turns from positive to negative. It is a continuous function of the
-    /// positions, not negative at `q` but for rounding. The range of sigma ends exactly there; the panel it is in is
-    /// traced to its end. If travel is limited nowhere, this is [`Self::trace`].
+    /// Trace the curve through the closed position `q`, where sigma is 0, as far as travel is permitted: in each
+    /// direction up to the first zero of `margin`, a continuous function of the positions that is >= 0 at `q` but for
+    /// rounding. The range of sigma ends exactly at the zero; the panel with the zero is traced to its end. Without a
+    /// zero the result is that of [`Self::trace`].
     ///
     /// # Errors
     /// [`CurveError`].
     pub fn trace_within(
         closure: Closure,
         q: &[f64],
-        inside: &mut dyn FnMut(&Positions) -> f64,
+        margin: &mut dyn FnMut(&Positions) -> f64,
     ) -> Result<Self, CurveError> {
-        Self::follow_both(closure, q, Some(inside))
+        Self::follow_both(closure, q, Some(margin))
     }
 
     fn follow_both(
         closure: Closure,
         q: &[f64],
-        inside: Option<&mut dyn FnMut(&Positions) -> f64>,
+        margin: Option<&mut dyn FnMut(&Positions) -> f64>,
     ) -> Result<Self, CurveError> {
         let tangent = closure.tangent(q);
-        let mut travel = inside.map(|inside| Travel::new(&closure.linkage, inside));
+        let mut travel = margin.map(|margin| Travel::new(&closure.linkage, margin));
         let transform = Transform::new();
-        let mut room = Room::default();
-        let (mut panels, stop) = follow(&closure, &transform, q, &tangent, travel.as_mut(), &mut room)?;
+        let mut scratch = Scratch::default();
+        let (mut panels, stop) = follow(&closure, &transform, q, &tangent, travel.as_mut(), &mut scratch)?;
         let end = |panels: &[Panel]| panels.last().map_or(0.0, Panel::end);
         let (mut first, mut last) = (0.0, end(&panels));
         let ends = match stop {
@@ -73,12 +79,12 @@ impl Curve {
                     last = sigma;
                 }
                 let back: Vec<f64> = tangent.iter().map(|t| -t).collect();
-                let (other, stop) = follow(&closure, &transform, q, &back, travel.as_mut(), &mut room)?;
+                let (other, stop) = follow(&closure, &transform, q, &back, travel.as_mut(), &mut scratch)?;
                 let low = !matches!(stop, Stop::Far);
                 first = match stop {
                     Stop::Left(sigma) => -sigma,
                     Stop::Far => -end(&other),
-                    // The limit met forward just touches the curve and was not seen from behind.
+                    // The margin touches 0 at the limit met forward and was missed in this direction.
                     Stop::Returned(_) => last - end(&other),
                 };
                 let mirrored = |p: Panel| {
@@ -92,14 +98,14 @@ impl Curve {
         if last <= first {
             return Err(CurveError::Outside { position: describe(&closure, q) });
         }
-        let (range, crossings, closed) = ((first, last), Vec::new(), room.closed);
+        let (range, crossings, closed) = ((first, last), Vec::new(), scratch.closed);
         let mut curve = Self { closure, transform, panels, range, ends, crossings, closed };
         curve.crossings = curve.find_crossings();
         curve.check_redundant()?;
         Ok(curve)
     }
 
-    /// The loop equations that follow from others must hold everywhere.
+    /// Check that the dependent loop equations hold at all nodes.
     fn check_redundant(&self) -> Result<(), CurveError> {
         if !self.closure.redundant() {
             return Ok(());
@@ -108,7 +114,7 @@ impl Curve {
         let joints = linkage.row_joints();
         for panel in &self.panels {
             for x in self.transform.nodes {
-                let q = panel.series_at(x);
+                let q = panel.coordinates_at(x);
                 for (row, gap) in linkage.gaps(&linkage.positions(&q)).iter().enumerate() {
                     if gap.abs() > 1e-9 * linkage.size {
                         let joint = linkage.joints[joints[row]].name.clone();
@@ -122,15 +128,6 @@ impl Curve {
     }
 }
 
-/// Coordinates by name, in words.
-pub(super) fn describe(closure: &Closure, q: &[f64]) -> String {
-    let names = &closure.linkage.coordinates;
-    let unit = |i: usize| if i < closure.linkage.angles { "rad" } else { "m" };
-    // A long chain is told by its first few coordinates.
-    let parts: Vec<String> = (0..q.len().min(6)).map(|i| format!("{} = {:.6} {}", names[i], q[i], unit(i))).collect();
-    parts.join(", ")
-}
-
 /// Follow the curve from `q` along `tangent`.
 fn follow(
     closure: &Closure,
@@ -138,11 +135,11 @@ fn follow(
     q: &[f64],
     tangent: &[f64],
     mut travel: Option<&mut Travel>,
-    room: &mut Room,
+    scratch: &mut Scratch,
 ) -> Result<(Vec<Panel>, Stop), CurveError> {
-    /// The next panel is tried narrower than it is expected to resolve by this factor, and wider than the last by at most
-    /// the other.
+    /// Width of the next panel relative to the width that should resolve it.
     const CAUTION: f64 = 0.84;
+    /// Largest width of a panel relative to the one before.
     const GROWTH: f64 = 2.0;
     let linkage = &*closure.linkage;
     let mut panels: Vec<Panel> = Vec::new();
@@ -152,9 +149,9 @@ fn follow(
         travel.start(q);
     }
     loop {
-        let (panel, ahead, wider) = next_panel(closure, transform, &base, &mut width, room, travel.as_deref_mut())?;
-        let returns = returned(closure, transform, q, tangent, &panel, panels.is_empty(), room);
-        let left = travel.as_mut().and_then(|t| t.left(&panel, &transform.nodes));
+        let (panel, ahead, wider) = next_panel(closure, transform, &base, &mut width, scratch, travel.as_deref_mut())?;
+        let returns = returned(closure, transform, q, tangent, &panel, panels.is_empty(), scratch);
+        let left = travel.as_mut().and_then(|t| t.end(&panel, &transform.nodes));
         if let Some((growth, cut)) = returns {
             // The travel may end on the way back to the start.
             let end = cut.as_ref().map_or(panel.start, Panel::end);
@@ -164,8 +161,8 @@ fn follow(
             }
         }
         base = Base { sigma: panel.end(), q: panel.tip.clone(), tangent: ahead };
-        let far = base.q[linkage.angles..].iter().any(|s| s.abs() > REACH * linkage.size);
-        // How wide it might have been, and how that changes from panel to panel.
+        let far = base.q[linkage.angles..].iter().any(|s| s.abs() > FARTHEST * linkage.size);
+        // Width that would just have been resolved, and its ratio from panel to panel.
         let widest = panel.width * wider.min(GROWTH);
         let trend = widest_before.map_or(1.0, |before: f64| (widest / before).clamp(0.5, GROWTH));
         width = (CAUTION * widest * trend).min(GROWTH * panel.width).min(LARGEST);
@@ -183,37 +180,42 @@ fn follow(
     }
 }
 
-/// The widest panel that resolves, from the proposed width downwards; the tangent at its tip, and by what factor it might
-/// have been wider.
+/// The next panel, of the proposed width or the widest below it that is accepted, with the tangent at its tip and the
+/// factor by which it might have been wider.
 fn next_panel(
     closure: &Closure,
     transform: &Transform,
     base: &Base,
     width: &mut f64,
-    room: &mut Room,
+    scratch: &mut Scratch,
     mut travel: Option<&mut Travel>,
 ) -> Result<(Panel, Vec<f64>, f64), CurveError> {
     let mut massless = false;
     while *width > SMALLEST {
-        match Panel::build(closure, transform, base, *width, room, travel.as_deref_mut()) {
+        let mut visit = |node: usize, positions: &Positions| {
+            if let Some(travel) = &mut travel {
+                travel.visit(node, positions);
+            }
+        };
+        match Panel::build(closure, transform, base, *width, scratch, &mut visit) {
             Ok(built) => return Ok(built),
-            Err(refusal) => {
-                massless = refusal == Refusal::Massless;
-                *width *= match refusal {
-                    Refusal::TooWide(shorter) => shorter,
-                    Refusal::NearCrossing => 0.93,
-                    Refusal::Massless => 0.7,
+            Err(rejection) => {
+                massless = rejection == Rejection::Massless;
+                *width *= match rejection {
+                    Rejection::TooWide(shorter) => shorter,
+                    Rejection::NearCrossing => 0.93,
+                    Rejection::Massless => 0.7,
                 };
             }
         }
     }
     let position = describe(closure, &base.q);
-    // Next to a position where nothing with mass moves, panels end before they meet it.
+    // Panels stop short of a position where nothing with mass moves.
     massless |= twice_kinetic_part(closure, &base.q, &base.tangent) < 1e-6;
     Err(if massless {
         CurveError::Massless { position }
-    } else if closure.linearise(&base.q, &mut room.work.loops)
-        && closure.amplification(&closure.normal(&base.tangent), &mut room.work.loops) > NEAR_CROSSING
+    } else if closure.linearise(&base.q, &mut scratch.evaluation.loops)
+        && closure.amplification(&closure.normal(&base.tangent), &mut scratch.evaluation.loops) > NEAR_CROSSING
     {
         CurveError::NearCrossing { position }
     } else {
@@ -221,7 +223,7 @@ fn next_panel(
     })
 }
 
-/// Twice the kinetic energy of a motion along the tangent, as a part of what the masses would have at unit rates.
+/// Twice the kinetic energy of a motion along the tangent, relative to the sum of m size^2 + I.
 fn twice_kinetic_part(closure: &Closure, q: &[f64], tangent: &[f64]) -> f64 {
     let linkage = &*closure.linkage;
     let p = linkage.positions(q);
@@ -229,7 +231,7 @@ fn twice_kinetic_part(closure: &Closure, q: &[f64], tangent: &[f64]) -> f64 {
     if whole > 0.0 { twice_kinetic(linkage, &p, &linkage.rates(&p, q, tangent)) / whole } else { 0.0 }
 }
 
-/// If the panel passes through the start again: the growth of the coordinates, and the panel cut there.
+/// For a panel through the start: the growth of the coordinates, and the part of the panel up to the start.
 fn returned(
     closure: &Closure,
     transform: &Transform,
@@ -237,15 +239,14 @@ fn returned(
     tangent: &[f64],
     panel: &Panel,
     first: bool,
-    room: &mut Room,
+    scratch: &mut Scratch,
 ) -> Option<(Vec<f64>, Option<Panel>)> {
     let (n, w) = (start.len(), &closure.weights);
-    let turns = closure.linkage.angles;
-    // The start as seen from here: whole turns added.
+    // The start with whole revolutions added.
     let target: Vec<f64> = (0..n)
         .map(|i| {
             let middle = 0.5 * (panel.base[i] + panel.tip[i]);
-            if i < turns { start[i] + TAU * ((middle - start[i]) / TAU).round() } else { start[i] }
+            if i < closure.linkage.angles { start[i] + TAU * ((middle - start[i]) / TAU).round() } else { start[i] }
         })
         .collect();
     let u: f64 = (0..n).map(|i| panel.normal[i] * (target[i] - panel.base[i])).sum();
@@ -253,7 +254,7 @@ fn returned(
     if first && u < slack || u < -slack || u > panel.width + slack {
         return None;
     }
-    let q = panel.series_at(2.0 * u.clamp(0.0, panel.width) / panel.width - 1.0);
+    let q = panel.coordinates_at(2.0 * u.clamp(0.0, panel.width) / panel.width - 1.0);
     let off = (0..n).fold(0.0, |a: f64, i| a.max(((q[i] - target[i]) * w[i]).abs()));
     let along: f64 = (0..n).map(|i| panel.normal[i] * tangent[i]).sum();
     if off > 1e-7 || along <= 0.0 {
@@ -265,6 +266,6 @@ fn returned(
     }
     let direction: Vec<f64> = (0..n).map(|i| panel.normal[i] / (w[i] * w[i])).collect();
     let base = Base { sigma: panel.start, q: panel.base.clone(), tangent: direction };
-    let (cut, ..) = Panel::build(closure, transform, &base, u, room, None).ok()?;
+    let (cut, ..) = Panel::build(closure, transform, &base, u, scratch, &mut |_, _| {}).ok()?;
     Some((growth, Some(cut)))
 }

@@ -1,52 +1,55 @@
-//! Travel: where along a panel the permitted positions end.
+//! Travel: the end of the permitted positions on a panel.
+//!
+//! In: panels in the order of tracing. Out: the first sigma outside the travel. It must not know what limits the
+//! travel.
 use super::panel::Panel;
 use crate::mechanism::linkage::{Linkage, Positions};
 use crate::numerics::chebyshev::NODES;
 
-/// The permitted travel, as it is followed from the start.
+/// The permitted travel, followed panel by panel.
 pub(super) struct Travel<'a> {
     linkage: &'a Linkage,
-    /// Positive in the permitted travel, negative outside.
-    inside: &'a mut dyn FnMut(&Positions) -> f64,
+    /// Margin: positive in the permitted travel, negative outside.
+    margin: &'a mut dyn FnMut(&Positions) -> f64,
     q: Vec<f64>,
     positions: Positions,
-    /// The value at the end of the last panel.
+    /// Margin at the end of the last panel.
     before: f64,
-    /// Values at the nodes of the panel that is being built.
+    /// Margins at the nodes of the current panel.
     at_nodes: [f64; NODES],
 }
 
 impl<'a> Travel<'a> {
-    pub(super) fn new(linkage: &'a Linkage, inside: &'a mut dyn FnMut(&Positions) -> f64) -> Self {
-        Self { linkage, inside, q: Vec::new(), positions: Positions::default(), before: 0.0, at_nodes: [0.0; NODES] }
+    pub(super) fn new(linkage: &'a Linkage, margin: &'a mut dyn FnMut(&Positions) -> f64) -> Self {
+        Self { linkage, margin, q: Vec::new(), positions: Positions::default(), before: 0.0, at_nodes: [0.0; NODES] }
     }
 
     fn at(&mut self, q: &[f64]) -> f64 {
-        self.linkage.place(q, &mut self.positions);
-        (self.inside)(&self.positions)
+        self.linkage.update_positions(q, &mut self.positions);
+        (self.margin)(&self.positions)
     }
 
     fn on(&mut self, panel: &Panel, x: f64) -> f64 {
         let mut q = std::mem::take(&mut self.q);
-        panel.place(x, &mut q);
+        panel.coordinates_into(x, &mut q);
         let value = self.at(&q);
         self.q = q;
         value
     }
 
-    /// Set out from a permitted position: where it is on the limit, rounding may not put it outside.
+    /// Start at a permitted position; a negative margin there is rounding.
     pub(super) fn start(&mut self, q: &[f64]) {
         self.before = self.at(q).max(0.0);
     }
 
-    /// Take note of the bodies' positions at a node of a panel.
-    pub(super) fn pass(&mut self, node: usize, positions: &Positions) {
-        self.at_nodes[node] = (self.inside)(positions);
+    /// Evaluate the margin at a node of the current panel.
+    pub(super) fn visit(&mut self, node: usize, positions: &Positions) {
+        self.at_nodes[node] = (self.margin)(positions);
     }
 
-    /// The first sigma of the panel at which travel ends: between two nodes that differ in sign, or where it dips below 0
-    /// between them; its nodes are those last passed.
-    pub(super) fn left(&mut self, panel: &Panel, nodes: &[f64]) -> Option<f64> {
+    /// First sigma of the current panel at which the travel ends: between nodes with margins of opposite sign, or where
+    /// the margin is negative between nodes with positive ones.
+    pub(super) fn end(&mut self, panel: &Panel, nodes: &[f64]) -> Option<f64> {
         let mut x: Vec<f64> = vec![-1.0];
         x.extend(nodes);
         x.push(1.0);
@@ -59,7 +62,7 @@ impl<'a> Travel<'a> {
                 let end = if values[k - 1] > 0.0 { self.root(panel, x[k - 1], x[k]) } else { x[k - 1] };
                 return Some(if end == -1.0 { panel.start } else { panel.sigma_at(end) });
             }
-            // The parabola through three values that are not negative may be so between them.
+            // Between three nodes with positive margins a minimum may be negative.
             if k + 1 < x.len() && values[k] < values[k - 1] && values[k] <= values[k + 1] {
                 let (lowest, at) = self.lowest(panel, [x[k - 1], x[k], x[k + 1]], values[k]);
                 if lowest < 0.0 {
@@ -70,7 +73,7 @@ impl<'a> Travel<'a> {
         None
     }
 
-    /// Where it turns negative between an x inside and one outside, to the last bit.
+    /// Zero of the margin between an x inside and an x outside, by bisection to the last bit.
     fn root(&mut self, panel: &Panel, mut inside: f64, mut outside: f64) -> f64 {
         loop {
             let middle = 0.5 * (inside + outside);
@@ -82,7 +85,8 @@ impl<'a> Travel<'a> {
         }
     }
 
-    /// The least value between the outer of three x, the middle one having the least of theirs; golden-section search.
+    /// Least margin between the outer two of three x, and its x, by golden-section search. `least`: margin at the
+    /// middle x. The search ends at the first negative margin.
     fn lowest(&mut self, panel: &Panel, [mut a, mut best, mut b]: [f64; 3], mut least: f64) -> (f64, f64) {
         const PART: f64 = 0.381_966_011_250_105;
         while b - a > 1e-8 && least >= 0.0 {

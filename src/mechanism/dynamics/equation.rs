@@ -9,7 +9,8 @@
 use crate::integrator::System;
 use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::dynamics::state_loads::{Evaluation, Mode, StateLoadEvaluator};
-use crate::mechanism::loads::laws::friction::{Locked, Regime};
+use crate::mechanism::loads::friction_loop::Locked;
+use crate::mechanism::loads::laws::friction::Regime;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::dual::{Dual, Number};
 use crate::numerics::table::polynomial;
@@ -224,7 +225,7 @@ impl EquationOfMotion<'_> {
         let rate = at(state_loads.free() - state_loads.bumpers.len() + bumper) * sigma_dot;
         let beyond = stop.beyond(s);
         let outward = if stop.beyond(1.0) > stop.beyond(0.0) { rate } else { -rate };
-        (beyond, stop.stiffness * beyond + stop.damping * outward)
+        (beyond, stop.push(beyond, outward))
     }
 
     /// Scales of sigma and sigma_dot: the length of a motion of the size of one radian; sigma_dot itself, or the speed

@@ -4,7 +4,7 @@
 use super::input_polynomial::{Change, InputPolynomial};
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::reduced::Reduced;
-use crate::numerics::dual::become_same;
+use crate::numerics::bits::become_same;
 
 /// Inputs of a mechanism.
 #[derive(Clone, Debug, PartialEq)]

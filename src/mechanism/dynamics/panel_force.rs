@@ -5,9 +5,10 @@
 //! reactions of friction joints on one panel. It must not know the loads that the state decides.
 use crate::mechanism::dynamics::input_polynomial::Change;
 use crate::mechanism::reduced::{Reduced, StateLoads};
+use crate::numerics::bundle::{Bundle, Row, add_side_by_side, side_by_side};
 use crate::numerics::chebyshev::{NODES, Series};
 use crate::numerics::dual::{Dual, Number};
-use crate::numerics::table::{Bundle, Row, Table, add_side_by_side, polynomial_at, side_by_side};
+use crate::numerics::table::{Table, polynomial_at};
 
 /// Rounding of a panel's border that is counted on over whole revolutions, relative to the numbers that are added up.
 const BORDER: f64 = 8.0 * f64::EPSILON;
@@ -169,7 +170,7 @@ impl PanelForce {
     pub fn value<T: Number>(&self, (reduced, table): (&Reduced, &Table), component: usize, sigma: T) -> T {
         let (shift, ..) = around(reduced, sigma.value());
         let (first, last) = reduced.curve().range();
-        let spot = table.spot_near((sigma.value() - shift).clamp(first, last), self.panel);
+        let spot = table.position_near((sigma.value() - shift).clamp(first, last), self.panel);
         let (a, b) = table.borders(spot.panel);
         polynomial_at(table.series(spot.panel, component), sigma.chain(spot.x, 2.0 / (b - a)))
     }

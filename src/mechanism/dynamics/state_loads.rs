@@ -3,11 +3,13 @@
 //! In: the state loads, the sizes of the applied loads, the state. Out: the acceleration along the curve, the power
 //! lost, the sizes of the state loads. Written once for values and for values with derivatives. It must not know steps.
 use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
-use crate::mechanism::loads::laws::drag::Meeting;
-use crate::mechanism::loads::laws::friction::{Balance, Cubic, Locked, Loop, Regime};
+use crate::mechanism::loads::friction_loop::{Balance, FrictionLoop, Locked};
+use crate::mechanism::loads::laws::drag::RelativeFlow;
+use crate::mechanism::loads::laws::friction::{Cubic, Regime};
 use crate::mechanism::reduced::{Reduced, StateLoads};
+use crate::numerics::bundle::{Bundle, ROW, side_by_side_at};
 use crate::numerics::dual::Number;
-use crate::numerics::table::{Bundle, ROW, polynomial_at, side_by_side_at};
+use crate::numerics::table::polynomial_at;
 
 /// What is constant within a step and may change between steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,7 +38,7 @@ pub struct StateLoadEvaluator<T> {
     /// Sizes of the state loads.
     pub loads: Vec<T>,
     /// Loop between friction and the reactions that cause it.
-    pub friction: Loop<T>,
+    pub friction: FrictionLoop<T>,
     /// Stated regime of each friction joint; where none is stated, it follows from the slip speed.
     regimes: Vec<Option<Regime>>,
     /// Arm of each joint's friction in its regime.
@@ -64,7 +66,7 @@ impl<T: Number> StateLoadEvaluator<T> {
         Self {
             delivered: vec![zero; drives_with_efficiency],
             loads: vec![zero; loads],
-            friction: Loop::new(friction_joints, groups),
+            friction: FrictionLoop::new(friction_joints, groups),
             regimes: vec![None; friction_joints],
             arms: vec![Cubic::default(); friction_joints],
             effects: vec![[zero; ROW]; state_loads.map_or(0, |s| Bundle::rows(s.bundled()))],
@@ -262,7 +264,7 @@ impl<T: Number> StateLoadEvaluator<T> {
                 omega = rate(2);
             }
             let line = [effects[state_loads.line(i)], effects[state_loads.line(i) + 1]];
-            let drag = surface.drag(air.density, &Meeting { wind, omega, line });
+            let drag = surface.drag.force(air.density, &RelativeFlow { wind, omega, line });
             self.loads[3 * i..3 * i + 3].copy_from_slice(&drag);
         }
     }
@@ -285,7 +287,7 @@ impl<T: Number> StateLoadEvaluator<T> {
                 let wound = panel_force.revolutions * reduced.load_growth(stop.load);
                 let beyond = effects[state_loads.pressed(k)] + T::constant(wound - stop.value);
                 let rate = effects[first + k] * sigma_dot;
-                -(beyond * T::constant(stop.stiffness) + rate * T::constant(stop.damping))
+                -stop.push(beyond, rate)
             } else {
                 T::constant(0.0)
             };

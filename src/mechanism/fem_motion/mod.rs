@@ -12,13 +12,13 @@ pub use saved::SavedElastic;
 
 use crate::integrator::Statistics;
 use crate::mechanism::definition::{DefinitionError, Mechanism, Solver};
-use crate::mechanism::linkage::Vec2;
 use crate::mechanism::motion::contact::Contact;
 use crate::mechanism::outputs::ReducedMotion;
 use crate::mechanism::reactions::Reaction;
 use crate::mechanism::reduced::Reduced;
-use crate::mechanism::rigid_fem::{self, RigidFem, RigidFemError, Workspace};
+use crate::mechanism::rigid_fem::{self, RigidFem, RigidFemError, Scratch};
 use crate::mechanism::{ModelError, dynamics::inputs::Inputs};
+use crate::numerics::plane::Vec2;
 use refusals::{refuse_locks, refuse_losses, refuse_passing};
 use std::sync::Arc;
 use track::Track;
@@ -27,7 +27,7 @@ use track::Track;
 #[derive(Clone, Debug)]
 pub struct RigidFemMotion {
     fem: Arc<RigidFem>,
-    scratch: Workspace,
+    scratch: Scratch,
     /// Largest step of Newmark's method [s].
     fem_step: f64,
     /// At the last communication point, in balance with the applied sizes.
@@ -73,11 +73,11 @@ impl RigidFemMotion {
         let q_dot: Vec<f64> = c.q_sigma.iter().map(|slope| slope * rigid.state.sigma_dot).collect();
         let sizes = reduced.sizes(&inputs.reals);
         let state = fem.start(linkage, &q, &q_dot, &sizes)?;
-        let beyond = |stop: &crate::mechanism::loads::resolved::Stop| {
+        let beyond = |stop: &crate::mechanism::loads::laws::stop::Stop| {
             stop.beyond(fem.displacement(&state, stop.load)[0]).max(0.0)
         };
         Ok(Self {
-            scratch: fem.workspace(),
+            scratch: fem.scratch(),
             fem_step: fem_step(mechanism),
             present: state.clone(),
             balanced: true,

@@ -71,7 +71,7 @@ impl<'a> Track<'a> {
     }
 
     fn sums(&self, reduced: &Reduced, fem: &RigidFem, state: &rigid_fem::State) -> Sums {
-        let spot = self.table.spot(self.sigma);
+        let spot = self.table.position(self.sigma);
         let mut sums = Sums { gradient: 0.0, curvature: 0.0, square: 0.0, along: 0.0 };
         for (place, body) in reduced.linkage().bodies.iter().enumerate() {
             let Some(turn) = body.angle_coordinate else { continue };

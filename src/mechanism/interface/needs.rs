@@ -1,9 +1,10 @@
 //! Dependencies: what a variable follows from, and what each parameter acts on.
 use super::source::Source;
 use crate::mechanism::definition::{DefinitionError, Mechanism, Role};
-use crate::mechanism::linkage::{Body, Freedom, GROUND, Linkage, Vec2};
+use crate::mechanism::linkage::{Body, Freedom, GROUND, Linkage};
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::loads::unit_load::Load;
+use crate::numerics::plane::Vec2;
 
 /// What the value of an output follows from.
 #[derive(Clone, Copy)]

@@ -1,9 +1,12 @@
-//! From the definition to the linkage: fixed bodies merged, turning groups, spanning tree.
-use super::{Body, Branch, Freedom, GROUND, Joint, Linkage, Point, Vec2, turned};
+//! From the definition to the linkage: merged bodies, groups of one angle, spanning tree.
+//!
+//! In: a checked definition. Out: a linkage. It must not know positions.
+use super::structure::{Body, Branch, Frame, Freedom, GROUND, Joint, Linkage, Point};
 use crate::mechanism::definition::{self, DefinitionError, JointKind, Mechanism, Shape};
+use crate::numerics::plane::{Vec2, turned};
 use std::fmt;
 
-/// Mass, first moment and moment of inertia about the frame's origin: the sums that composing bodies needs.
+/// Mass [kg], first moment [kg.m] and moment of inertia about the frame's origin [kg.m2]: additive over merged bodies.
 #[derive(Clone, Copy, Default)]
 struct Moments {
     mass: f64,
@@ -12,14 +15,14 @@ struct Moments {
 }
 
 impl Moments {
-    /// Of one body of the definition, with its origin at `place`, turned by `angle`.
-    fn of(body: &definition::Body, place: Vec2, angle: f64) -> Self {
+    /// Moments of one body of the definition with its frame at this origin and angle.
+    fn of(body: &definition::Body, origin: Vec2, angle: f64) -> Self {
         let mass = body.mass.unwrap_or(0.0);
         let (center, inertia) = match (body.shape, body.length) {
             (Some(Shape::UniformRod), Some(length)) => (Vec2::new(0.5 * length, 0.0), mass * length * length / 12.0),
             _ => (body.center.map_or(Vec2::zeros(), |[x, y]| Vec2::new(x, y)), body.inertia.unwrap_or(0.0)),
         };
-        let at = place + turned(center, angle);
+        let at = origin + turned(center, angle);
         Self { mass, first: mass * at, second: inertia + mass * at.norm_squared() }
     }
 
@@ -33,7 +36,7 @@ impl Moments {
         if self.mass > 0.0 { self.first / self.mass } else { Vec2::zeros() }
     }
 
-    /// About the centre of mass; rounding must not make it negative.
+    /// Moment of inertia about the centre of mass, >= 0 in spite of rounding.
     fn inertia(&self) -> f64 {
         (self.second - self.mass * self.center().norm_squared()).max(0.0)
     }
@@ -43,35 +46,36 @@ impl Linkage {
     /// Resolve a definition.
     ///
     /// # Errors
-    /// A joint within one body, a body that no joint connects to the ground, prismatic joints that contradict one another.
+    /// A joint within one body, a body without joints to the ground, prismatic joints that contradict one another.
     pub fn new(mechanism: &Mechanism) -> Result<Self, DefinitionError> {
         let mut linkage = Self::bodies_of(mechanism)?;
         linkage.add_joints(mechanism)?;
         let reached = linkage.grow_tree();
-        if let Some(lost) = reached.iter().position(|r| !r) {
+        if let Some(loose) = reached.iter().position(|r| !r) {
             return Err(DefinitionError::Key {
-                key: format!("bodies.{}", linkage.bodies[lost].name),
+                key: format!("bodies.{}", linkage.bodies[loose].name),
                 message: "no chain of joints leads from it to the ground: add a joint or fixed_to".into(),
             });
         }
-        linkage.group_turns();
+        linkage.number_coordinates();
         linkage.close_loops();
         Ok(linkage)
     }
 
-    /// Place of a point of the definition in this linkage.
+    /// A point of the definition in this linkage.
     ///
     /// # Errors
-    /// As [`Mechanism::point`].
+    /// [`Mechanism::point`]'s.
     pub fn locate(&self, mechanism: &Mechanism, key: fmt::Arguments, text: &str) -> Result<Point, DefinitionError> {
         let (named, [x, y]) = mechanism.point(key, text)?;
-        let (body, place, angle) = self.placed[named];
-        Ok(Point { body, local: place + turned(Vec2::new(x, y), angle) })
+        let Frame { body, origin, angle } = self.frames[named];
+        Ok(Point { body, local: origin + turned(Vec2::new(x, y), angle) })
     }
 
-    /// The body that carries the definition's body, and the angle of the latter's x axis in the former's frame [rad].
+    /// Index of the body that carries a body of the definition, and the carried body's angle in the carrier's frame
+    /// [rad].
     pub fn carrier(&self, mechanism: &Mechanism, name: &str) -> Option<(usize, f64)> {
-        mechanism.bodies.position(name).map(|i| (self.placed[i].0, self.placed[i].2))
+        mechanism.bodies.position(name).map(|i| (self.frames[i].body, self.frames[i].angle))
     }
 
     fn bodies_of(mechanism: &Mechanism) -> Result<Self, DefinitionError> {
@@ -83,24 +87,24 @@ impl Linkage {
             carriers[i] = carrier;
         }
         let mut moments = vec![Moments::default(); order.len()];
-        let mut placed = Vec::new();
+        let mut frames = Vec::new();
         let mut size: f64 = 0.0;
         for (i, &(name, body)) in named.iter().enumerate() {
-            // Follow fixed_to to the carrier, composing places and angles.
-            let (mut place, mut angle, mut at) = (Vec2::zeros(), 0.0, i);
+            // Compose origins and angles along fixed_to.
+            let (mut origin, mut angle, mut at) = (Vec2::zeros(), 0.0, i);
             let mut current = body;
             while let Some(to) = &current.fixed_to {
                 let (parent, [x, y]) = mechanism.point(format_args!("bodies.{name}.fixed_to"), to)?;
                 let own = current.angle.unwrap_or(0.0);
-                place = Vec2::new(x, y) + turned(place, own);
+                origin = Vec2::new(x, y) + turned(origin, own);
                 angle += own;
                 at = parent;
                 current = named[parent].1;
             }
             let carrier = carriers[at];
-            moments[carrier].add(Moments::of(body, place, angle));
-            placed.push((carrier, place, angle));
-            size = size.max(place.norm()).max(body.length.unwrap_or(0.0));
+            moments[carrier].add(Moments::of(body, origin, angle));
+            frames.push(Frame { body: carrier, origin, angle });
+            size = size.max(origin.norm()).max(body.length.unwrap_or(0.0));
             size = body.points.iter().fold(size, |s, (_, [x, y])| s.max(x.hypot(*y)));
         }
         let bodies = order
@@ -115,17 +119,7 @@ impl Linkage {
                 inertia: m.inertia(),
             })
             .collect();
-        Ok(Self {
-            bodies,
-            joints: Vec::new(),
-            tree: Vec::new(),
-            cuts: Vec::new(),
-            loops: Vec::new(),
-            coordinates: Vec::new(),
-            angles: 0,
-            size: if size > 0.0 { size } else { 1.0 },
-            placed,
-        })
+        Ok(Self { bodies, size: if size > 0.0 { size } else { 1.0 }, frames, ..Self::default() })
     }
 
     fn add_joints(&mut self, mechanism: &Mechanism) -> Result<(), DefinitionError> {
@@ -141,7 +135,7 @@ impl Linkage {
             let freedom = match joint.kind {
                 JointKind::Revolute => Freedom::Revolute,
                 JointKind::Prismatic => {
-                    // The axis is stated in the frame of the named body, which may be fixed to its carrier at an angle.
+                    // The axis is stated in the frame of the named body, whose angle in the carrier may differ from 0.
                     let named = joint.first.split('.').next().unwrap_or_default();
                     let angle = self.carrier(mechanism, named).map_or(0.0, |(_, angle)| angle);
                     Freedom::Prismatic(turned(Vec2::x(), joint.axis_angle.unwrap_or(0.0) + angle))
@@ -149,7 +143,6 @@ impl Linkage {
             };
             self.joints.push(Joint { name: name.into(), freedom, first, second });
         }
-        // Relative angles of prismatic joints are kept for the grouping.
         for (i, (_, joint)) in mechanism.joints.iter().enumerate() {
             if joint.kind == JointKind::Prismatic {
                 let angle = |text: &str| {
@@ -157,22 +150,22 @@ impl Linkage {
                     self.carrier(mechanism, named).map_or(0.0, |(_, angle)| angle)
                 };
                 let relative = joint.angle.unwrap_or(0.0) + angle(&joint.first) - angle(&joint.second);
-                self.slides_turn(i, relative)?;
+                self.join_angles(i, relative)?;
             }
         }
         Ok(())
     }
 
-    /// Join the turning groups of a prismatic joint's bodies: second angle = first angle + relative.
-    fn slides_turn(&mut self, joint: usize, relative: f64) -> Result<(), DefinitionError> {
+    /// Merge the groups of one angle of a prismatic joint's bodies: second angle = first angle + relative.
+    fn join_angles(&mut self, joint: usize, relative: f64) -> Result<(), DefinitionError> {
         let (a, b) = (self.joints[joint].first.body, self.joints[joint].second.body);
-        // `turn` holds the group's leader until the coordinates are numbered.
+        // Until the coordinates are numbered, `angle_coordinate` holds the index of the group's leading body.
         let leader = |bodies: &[Body], i: usize| bodies[i].angle_coordinate.unwrap_or(i);
         let (from, to) = (leader(&self.bodies, b), leader(&self.bodies, a));
         let shift = self.bodies[a].offset + relative - self.bodies[b].offset;
         if from == to {
-            let wound = shift.rem_euclid(std::f64::consts::TAU);
-            if wound.min(std::f64::consts::TAU - wound) > 1e-9 {
+            let excess = shift.rem_euclid(std::f64::consts::TAU);
+            if excess.min(std::f64::consts::TAU - excess) > 1e-9 {
                 return Err(DefinitionError::Key {
                     key: format!("joints.{}.angle", self.joints[joint].name),
                     message: format!("other prismatic joints already hold these bodies {shift} rad away from it"),
@@ -189,13 +182,14 @@ impl Linkage {
         Ok(())
     }
 
-    /// Number the coordinates: one angle for each group that can turn, one position for each prismatic joint of the tree.
-    fn group_turns(&mut self) {
+    /// Number the coordinates: the angles of groups without the ground, then the positions of the tree's prismatic
+    /// joints.
+    fn number_coordinates(&mut self) {
         let leaders: Vec<usize> =
             (0..self.bodies.len()).map(|i| self.bodies[i].angle_coordinate.unwrap_or(i)).collect();
-        // Where the ground is in a group, its angle is 0.
+        // The angle of the ground's group is 0.
         let ground = (leaders[GROUND], self.bodies[GROUND].offset);
-        // The number of each leader's group; the body that names a coordinate has no offset from it.
+        // Coordinate and offset of each group's first body; the first body's offset from the coordinate is 0.
         let mut numbers: Vec<Option<(usize, f64)>> = vec![None; leaders.len()];
         for (i, leader) in leaders.iter().enumerate() {
             let body = &mut self.bodies[i];
@@ -220,10 +214,10 @@ impl Linkage {
         }
     }
 
-    /// Grow the spanning tree from the ground, prismatic joints first; what is left over closes loops.
+    /// Grow the spanning tree, prismatic joints first; the other joints become cuts. Returns which bodies it reaches.
     fn grow_tree(&mut self) -> Vec<bool> {
         let n = self.bodies.len();
-        // Kruskal: a joint belongs to the tree if it connects two parts that are not yet connected.
+        // Kruskal's algorithm: a joint belongs to the tree if it connects two parts.
         let mut part: Vec<usize> = (0..n).collect();
         let mut chosen = vec![false; self.joints.len()];
         let slides = |j: &Joint| matches!(j.freedom, Freedom::Prismatic(_));

@@ -1,36 +1,16 @@
-//! The loop equations: what the joints outside the tree demand.
+//! The loop equations: the gaps of the joints outside the tree vanish.
 //!
-//! A revolute joint gives two rows, the gap between its points [m]; a prismatic one gives one, the gap normal to its
-//! axis (its bodies already turn together). A row depends on the coordinates round its loop only.
-use super::{Freedom, Linkage, Positions, Rates, Vec2, perp};
+//! In: positions and rates of the bodies. Out: gaps [m], their second derivatives and their Jacobian. A revolute joint
+//! gives two rows, the components of the gap between its points; a prismatic joint gives one, the gap normal to its
+//! axis (its bodies share one angle). A row depends on the coordinates round its loop only. It must not know Newton's
+//! method.
+use super::motion::{Positions, Rates};
+use super::structure::{Freedom, Linkage, Loop, Step};
+use crate::numerics::plane::{Vec2, perp};
 use nalgebra::DMatrix;
 
-/// How a joint outside the tree hangs on it: what its Jacobian is made of.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Loop {
-    /// The coordinates on which its gap depends, ascending.
-    pub columns: Vec<usize>,
-    /// Branches from its two bodies inward to where they meet; those of the second body add to the gap, the others
-    /// take away from it.
-    steps: Vec<Step>,
-    /// Places of its bodies' angles among the columns.
-    first: Option<usize>,
-    second: Option<usize>,
-}
-
-/// A branch on the way round a loop.
-#[derive(Clone, Debug, PartialEq)]
-struct Step {
-    branch: usize,
-    sign: f64,
-    /// Places among the loop's columns: the parent's angle, the child's, the joint's position.
-    parent: Option<usize>,
-    child: Option<usize>,
-    slide: Option<usize>,
-}
-
 impl Linkage {
-    /// Find the ways round the loops; the tree must stand and the coordinates be numbered.
+    /// Find the branches and columns of every loop, once the tree is complete and the coordinates are numbered.
     pub(super) fn close_loops(&mut self) {
         let mut inward = vec![None; self.bodies.len()];
         let mut depth = vec![0; self.bodies.len()];
@@ -38,57 +18,56 @@ impl Linkage {
             inward[branch.child] = Some(i);
             depth[branch.child] = depth[branch.parent] + 1;
         }
-        let round = |&j: &usize| {
+        let loop_of = |&j: &usize| {
             let (first, second) = (self.joints[j].first.body, self.joints[j].second.body);
             let (mut plus, mut minus) = (second, first);
-            let mut way = Vec::new();
+            let mut path = Vec::new();
             while plus != minus {
                 let outer = depth[plus] >= depth[minus];
                 let body = if outer { &mut plus } else { &mut minus };
                 let Some(branch) = inward[*body] else { break };
                 *body = self.tree[branch].parent;
-                way.push((branch, if outer { 1.0 } else { -1.0 }));
+                path.push((branch, if outer { 1.0 } else { -1.0 }));
             }
-            let turn = |body: usize| self.bodies[body].angle_coordinate;
-            let mut columns: Vec<usize> = [turn(first), turn(second)].into_iter().flatten().collect();
-            for (branch, _) in &way {
+            let angle = |body: usize| self.bodies[body].angle_coordinate;
+            let mut columns: Vec<usize> = [angle(first), angle(second)].into_iter().flatten().collect();
+            for (branch, _) in &path {
                 let b = &self.tree[*branch];
-                columns.extend([turn(b.parent), turn(b.child), b.slide].into_iter().flatten());
+                columns.extend([angle(b.parent), angle(b.child), b.slide].into_iter().flatten());
             }
             columns.sort_unstable();
             columns.dedup();
-            let place = |c: Option<usize>| c.and_then(|c| columns.binary_search(&c).ok());
+            let column = |c: Option<usize>| c.and_then(|c| columns.binary_search(&c).ok());
             let step = |(branch, sign): (usize, f64)| {
                 let b = &self.tree[branch];
-                let (parent, child, slide) = (place(turn(b.parent)), place(turn(b.child)), place(b.slide));
+                let (parent, child, slide) = (column(angle(b.parent)), column(angle(b.child)), column(b.slide));
                 Step { branch, sign, parent, child, slide }
             };
-            let steps = way.into_iter().map(step).collect();
-            Loop { steps, first: place(turn(first)), second: place(turn(second)), columns }
+            let steps = path.into_iter().map(step).collect();
+            Loop { steps, first: column(angle(first)), second: column(angle(second)), columns }
         };
-        self.loops = self.cuts.iter().map(round).collect();
+        self.loops = self.cuts.iter().map(loop_of).collect();
     }
 
     /// Number of loop equations.
     pub fn rows(&self) -> usize {
-        self.cuts.iter().map(|&j| if self.joints[j].freedom == Freedom::Revolute { 2 } else { 1 }).sum()
+        self.cuts.iter().map(|&j| self.joints[j].freedom.rows()).sum()
     }
 
-    /// The joint behind each loop equation.
+    /// Index of the joint that gives each loop equation.
     pub fn row_joints(&self) -> Vec<usize> {
-        let twice = |&j: &usize| vec![j; if self.joints[j].freedom == Freedom::Revolute { 2 } else { 1 }];
-        self.cuts.iter().flat_map(twice).collect()
+        self.cuts.iter().flat_map(|&j| vec![j; self.joints[j].freedom.rows()]).collect()
     }
 
-    /// Residuals [m].
+    /// Residuals of the loop equations [m].
     pub fn gaps(&self, p: &Positions) -> Vec<f64> {
         let mut out = Vec::with_capacity(2 * self.cuts.len());
-        self.measure(p, &mut out);
+        self.gaps_into(p, &mut out);
         out
     }
 
-    /// As [`Self::gaps`], in place.
-    pub fn measure(&self, p: &Positions, out: &mut Vec<f64>) {
+    /// [`Self::gaps`], in place.
+    pub fn gaps_into(&self, p: &Positions, out: &mut Vec<f64>) {
         out.clear();
         for &j in &self.cuts {
             let joint = &self.joints[j];
@@ -125,14 +104,14 @@ impl Linkage {
         }
     }
 
-    /// Derivatives of the residuals of the loop at a place among [`Self::cuts`], for its columns: of the gap in x and y
-    /// for a revolute joint, of the gap normal to the axis in the first row for a prismatic one.
-    pub fn partials(&self, p: &Positions, q: &[f64], place: usize, rows: &mut [Vec<f64>; 2]) {
-        let (round, joint) = (&self.loops[place], &self.joints[self.cuts[place]]);
+    /// Derivatives of the residuals of the loop with index `index` in [`Self::cuts`], in the loop's columns. Rows of a
+    /// revolute joint: the gap's x and y. First row of a prismatic joint: the gap normal to the axis.
+    pub fn partials(&self, p: &Positions, q: &[f64], index: usize, rows: &mut [Vec<f64>; 2]) {
+        let (of, joint) = (&self.loops[index], &self.joints[self.cuts[index]]);
         let [x, y] = rows;
         for row in [&mut *x, &mut *y] {
             row.clear();
-            row.resize(round.columns.len(), 0.0);
+            row.resize(of.columns.len(), 0.0);
         }
         let mut add = |column: Option<usize>, change: Vec2| {
             if let Some(c) = column {
@@ -140,9 +119,9 @@ impl Linkage {
                 y[c] += change.y;
             }
         };
-        add(round.second, perp(p.vector(joint.second.body, joint.second.local)));
-        add(round.first, -perp(p.vector(joint.first.body, joint.first.local)));
-        for step in &round.steps {
+        add(of.second, perp(p.vector(joint.second.body, joint.second.local)));
+        add(of.first, -perp(p.vector(joint.first.body, joint.first.local)));
+        for step in &of.steps {
             let arms = &p.arms[step.branch];
             add(step.parent, step.sign * perp(arms.from));
             let mut out = arms.to;
@@ -158,7 +137,7 @@ impl Linkage {
             for (x, y) in x.iter_mut().zip(y.iter()) {
                 *x = normal.x * *x + normal.y * y;
             }
-            if let Some(c) = round.first {
+            if let Some(c) = of.first {
                 x[c] -= axis.dot(&gap);
             }
         }
@@ -168,15 +147,14 @@ impl Linkage {
     pub fn jacobian(&self, p: &Positions, q: &[f64]) -> DMatrix<f64> {
         let mut out = DMatrix::zeros(self.rows(), q.len());
         let mut rows = [Vec::new(), Vec::new()];
-        let mut at = 0;
-        for (place, &j) in self.cuts.iter().enumerate() {
-            self.partials(p, q, place, &mut rows);
-            let count = if self.joints[j].freedom == Freedom::Revolute { 2 } else { 1 };
-            for row in &rows[..count] {
-                for (&column, value) in self.loops[place].columns.iter().zip(row) {
-                    out[(at, column)] = *value;
+        let mut first = 0;
+        for (index, &j) in self.cuts.iter().enumerate() {
+            self.partials(p, q, index, &mut rows);
+            for row in &rows[..self.joints[j].freedom.rows()] {
+                for (&column, value) in self.loops[index].columns.iter().zip(row) {
+                    out[(first, column)] = *value;
                 }
-                at += 1;
+                first += 1;
             }
         }
         out

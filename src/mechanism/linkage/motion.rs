@@ -1,46 +1,44 @@
 //! Positions, rates and accelerations of the bodies, outward along the tree.
-use super::{Freedom, Joint, Linkage, Point, Vec2, perp};
+//!
+//! In: coordinates and their derivatives. Out: the same of angles, origins and points. It must not know loops.
+use super::structure::{Freedom, Joint, Linkage, Point};
+use crate::numerics::plane::{Vec2, perp, rotated};
 
-/// Where every body is.
+/// Positions of all bodies.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Positions {
     /// Angle of each body [rad].
     pub angle: Vec<f64>,
-    /// Cosine and sine of it.
+    /// Cosine and sine of the angle of each body.
     rotation: Vec<(f64, f64)>,
     /// Origin of each body's frame [m].
     pub origin: Vec<Vec2>,
-    /// Of each branch of the tree.
+    /// Arms of each branch of the tree.
     pub arms: Vec<Arms>,
 }
 
-/// Of a branch of the tree, in the mechanism frame.
+/// Vectors of a branch of the tree, in the mechanism frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Arms {
-    /// From the parent's origin to the joint's point on it [m].
+    /// From the parent's origin to the joint's point on the parent [m].
     pub from: Vec2,
-    /// From the child's origin to the joint's point on it [m].
+    /// From the child's origin to the joint's point on the child [m].
     pub to: Vec2,
-    /// Direction in which the child moves as the joint's position grows; 0 for a revolute joint.
+    /// Direction of the child's motion for a growing position of the joint; 0 for a revolute joint.
     pub axis: Vec2,
 }
 
 /// First or second derivatives of angles and origins with respect to a parameter of the motion.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rates {
-    /// Of the angle of each body [rad per unit].
+    /// Derivative of the angle of each body [rad per unit].
     pub angle: Vec<f64>,
-    /// Of the origin of each body's frame [m per unit].
+    /// Derivative of the origin of each body's frame [m per unit].
     pub origin: Vec<Vec2>,
 }
 
-/// A vector turned by the angle with this cosine and sine.
-fn rotated((cos, sin): (f64, f64), local: Vec2) -> Vec2 {
-    Vec2::new(cos * local.x - sin * local.y, sin * local.x + cos * local.y)
-}
-
 impl Positions {
-    /// A vector fixed in a body, in the mechanism frame.
+    /// Components in the mechanism frame of a vector fixed in a body.
     pub fn vector(&self, body: usize, local: Vec2) -> Vec2 {
         rotated(self.rotation[body], local)
     }
@@ -50,7 +48,7 @@ impl Positions {
         self.origin[point.body] + self.vector(point.body, point.local)
     }
 
-    /// Position, velocity and acceleration of a point, given the rates and second rates.
+    /// Position, velocity and acceleration of a point for these rates and second rates.
     #[inline]
     pub fn motion(&self, rates: &Rates, second: &Rates, point: Point) -> [Vec2; 3] {
         let arm = self.vector(point.body, point.local);
@@ -60,21 +58,21 @@ impl Positions {
         [self.origin[point.body] + arm, velocity, acceleration]
     }
 
-    /// Velocity of a point, given the rates.
+    /// Velocity of a point for these rates.
     pub fn velocity(&self, rates: &Rates, point: Point) -> Vec2 {
         let arm = self.vector(point.body, point.local);
         rates.origin[point.body] + rates.angle[point.body] * perp(arm)
     }
 
-    /// Acceleration of a point, given the rates and second rates.
+    /// Acceleration of a point for these rates and second rates.
     pub fn acceleration(&self, rates: &Rates, second: &Rates, point: Point) -> Vec2 {
         self.motion(rates, second, point)[2]
     }
 }
 
 impl Rates {
-    /// Put the angles' rates in, for rates of the coordinates. Of the origins, that of the ground stays 0.
-    fn set_omega(&mut self, linkage: &Linkage, of_coordinates: &[f64]) {
+    /// Set the rates of the angles from the rates of the coordinates. The rate of the ground's origin stays 0.
+    fn set_angles(&mut self, linkage: &Linkage, of_coordinates: &[f64]) {
         self.angle.resize(linkage.bodies.len(), 0.0);
         for (rate, body) in self.angle.iter_mut().zip(&linkage.bodies) {
             *rate = body.angle_coordinate.map_or(0.0, |t| of_coordinates[t]);
@@ -87,13 +85,13 @@ impl Linkage {
     /// Positions of all bodies at the coordinates q.
     pub fn positions(&self, q: &[f64]) -> Positions {
         let mut p = Positions::default();
-        self.place(q, &mut p);
+        self.update_positions(q, &mut p);
         p
     }
 
-    /// As [`Self::positions`], in place.
-    pub fn place(&self, q: &[f64], p: &mut Positions) {
-        // The ground's place stays 0, the others follow from it.
+    /// [`Self::positions`], in place.
+    pub fn update_positions(&self, q: &[f64], p: &mut Positions) {
+        // The ground's position stays 0.
         p.angle.resize(self.bodies.len(), 0.0);
         p.rotation.resize(self.bodies.len(), (1.0, 0.0));
         p.origin.resize(self.bodies.len(), Vec2::zeros());
@@ -101,33 +99,33 @@ impl Linkage {
         let (rotations, origin) = (&mut p.rotation[..], &mut p.origin[..]);
         for ((body, angle), rotation) in self.bodies.iter().zip(&mut p.angle).zip(&mut *rotations) {
             *angle = body.angle_coordinate.map_or(0.0, |t| q[t]) + body.offset;
-            // Cosines of the ground, and of what slides on it unturned, cost nothing.
+            // No trigonometry for bodies at angle 0, such as the ground.
             *rotation = if *angle == 0.0 { (1.0, 0.0) } else { (angle.cos(), angle.sin()) };
         }
         for (branch, arms) in self.tree.iter().zip(&mut p.arms) {
             arms.from = rotated(rotations[branch.parent], branch.from);
             arms.to = rotated(rotations[branch.child], branch.to);
-            let mut place = origin[branch.parent] + arms.from - arms.to;
+            let mut child = origin[branch.parent] + arms.from - arms.to;
             if let (Some(s), Joint { freedom: Freedom::Prismatic(e), first, .. }) =
                 (branch.slide, &self.joints[branch.joint])
             {
                 arms.axis = rotated(rotations[first.body], *e) * if branch.reversed { -1.0 } else { 1.0 };
-                place += q[s] * arms.axis;
+                child += q[s] * arms.axis;
             }
-            origin[branch.child] = place;
+            origin[branch.child] = child;
         }
     }
 
-    /// First derivatives, when the coordinates change at the rate `q_rate`.
+    /// First derivatives of angles and origins when the coordinates change at the rate `q_rate`.
     pub fn rates(&self, p: &Positions, q: &[f64], q_rate: &[f64]) -> Rates {
         let mut r = Rates::default();
-        self.move_at(p, q, q_rate, &mut r);
+        self.rates_into(p, q, q_rate, &mut r);
         r
     }
 
-    /// As [`Self::rates`], in place.
-    pub fn move_at(&self, p: &Positions, q: &[f64], q_rate: &[f64], r: &mut Rates) {
-        r.set_omega(self, q_rate);
+    /// [`Self::rates`], in place.
+    pub fn rates_into(&self, p: &Positions, q: &[f64], q_rate: &[f64], r: &mut Rates) {
+        r.set_angles(self, q_rate);
         for (branch, &Arms { from, to, axis }) in self.tree.iter().zip(&p.arms) {
             let mut v =
                 r.origin[branch.parent] + r.angle[branch.parent] * perp(from) - r.angle[branch.child] * perp(to);
@@ -138,16 +136,9 @@ impl Linkage {
         }
     }
 
-    /// Second derivatives, when the coordinates change at the rate `q_rate`, itself at the rate `q_second`.
-    pub fn second_rates(&self, p: &Positions, r: &Rates, q: &[f64], q_rate: &[f64], q_second: &[f64]) -> Rates {
-        let mut a = Rates::default();
-        self.accelerate(p, r, [q, q_rate, q_second], &mut a);
-        a
-    }
-
-    /// As [`Self::second_rates`], in place, for the coordinates and their two derivatives.
-    pub fn accelerate(&self, p: &Positions, r: &Rates, [q, q_rate, q_second]: [&[f64]; 3], a: &mut Rates) {
-        a.set_omega(self, q_second);
+    /// Second derivatives of angles and origins for the coordinates and their two derivatives.
+    pub fn second_rates_into(&self, p: &Positions, r: &Rates, [q, q_rate, q_second]: [&[f64]; 3], a: &mut Rates) {
+        a.set_angles(self, q_second);
         for (branch, &Arms { from, to, axis }) in self.tree.iter().zip(&p.arms) {
             let (parent, child) = (branch.parent, branch.child);
             let mut v = a.origin[parent] + a.angle[parent] * perp(from)

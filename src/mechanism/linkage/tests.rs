@@ -1,6 +1,7 @@
 use super::*;
 use crate::mechanism::GEAR;
 use crate::mechanism::definition::Mechanism;
+use crate::numerics::plane::Vec2;
 
 /// A slider in a turning slot, joined to a rocker: every kind of branch and a loop that ends on a prismatic joint.
 const SLOT: &str = r#"{
@@ -55,7 +56,8 @@ fn rates_are_derivatives(linkage: &Linkage, q: &[f64], v: &[f64], a: &[f64]) {
     let (before, here, after) = (at(-h), at(0.0), at(h));
     let (p0, p, p1) = (linkage.positions(&before), linkage.positions(&here), linkage.positions(&after));
     let rates = linkage.rates(&p, &here, v);
-    let second = linkage.second_rates(&p, &rates, &here, v, a);
+    let mut second = Rates::default();
+    linkage.second_rates_into(&p, &rates, [&here, v, a], &mut second);
     // Error of the differences: h^2 for the first, plus round-off / h^2 = 1e-6 for the second.
     for b in 0..linkage.bodies.len() {
         let point = Point { body: b, local: Vec2::new(0.3, -0.2) };

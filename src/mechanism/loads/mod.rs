@@ -1,4 +1,5 @@
-//! Loads: forces and torques of unit size, and the laws that size them.
+//! Loads: forces and torques of unit size, the laws of their sizes, and the friction loop.
+pub mod friction_loop;
 pub mod laws;
 pub mod resolved;
 pub mod unit_load;

@@ -1,30 +1,33 @@
-//! The loading of a mechanism: its loads of unit size, and what makes each as large as it is.
+//! The loads of a mechanism, resolved: loads of unit size, and the laws that size them.
 //!
-//! In: a definition and its linkage. Out: loads in a fixed order - those that inputs size, those of constant size, springs,
-//! then those that a state sizes: stops, surfaces in the air, friction - with the laws of all. It must not know the state.
-use crate::mechanism::definition::{DefinitionError, Friction, Limit, Mechanism};
-use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point, Vec2, turned};
-use crate::mechanism::loads::laws::drag::Surface;
-use crate::mechanism::loads::laws::friction::{Cubic, Law, Regime};
-use crate::mechanism::loads::unit_load::Load;
+//! In: a definition and its linkage. Out: loads in a fixed order - those sized by inputs, those of constant size,
+//! springs, those sized by a state: stops, surfaces, friction - with their laws. It must not know the state.
+use super::laws::drag::Drag;
+use super::laws::friction::{Cubic, Law, Regime};
+use super::laws::spring::Spring;
+use super::laws::stop::Stop;
+use super::unit_load::Load;
+use crate::mechanism::definition::{DefinitionError, Friction, Mechanism};
+use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point};
 use crate::numerics::decimal::Decimal;
+use crate::numerics::plane::{Vec2, turned};
 use std::fmt;
 
 /// All loads of a mechanism.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Loading {
-    /// Loads of unit size: one for each input, then those of constant size, one for each spring; after these one for each
-    /// stop, three for each surface, one for each joint with friction.
+    /// Loads of unit size: one for each input that sizes a load, one for each constant, one for each spring; then one
+    /// for each stop, three for each surface, one for each joint with friction.
     pub loads: Vec<Load>,
     /// Names of the inputs that size the first loads, such as `actuator.force`.
     pub inputs: Vec<String>,
-    /// Sizes of the loads after them.
+    /// Sizes of the loads of constant size.
     pub constants: Vec<f64>,
-    /// Laws of the last loads.
+    /// Springs.
     pub springs: Vec<Spring>,
-    /// Drives; each sizes the load at the same place.
+    /// Drives; each sizes the load with the same index.
     pub drives: Vec<Drive>,
-    /// Place of gravity among the loads.
+    /// Index of the load of gravity.
     pub gravity: Option<usize>,
     /// Stops.
     pub stops: Vec<Stop>,
@@ -36,49 +39,14 @@ pub struct Loading {
     pub friction: Option<JointFriction>,
 }
 
-/// A stop; S is the displacement of its load.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Stop {
-    /// Name.
-    pub name: String,
-    /// Place of its load.
-    pub load: usize,
-    /// Which end of the travel it is.
-    pub limit: Limit,
-    /// S at the stop [rad or m].
-    pub value: f64,
-    /// Name of the quantity that `value` is.
-    pub quantity: &'static str,
-    /// Whether it is there.
-    pub enabled: bool,
-    /// Whether it is rigid; else a bumper.
-    pub rigid: bool,
-    /// Speed after an impact over the speed before [1].
-    pub restitution: f64,
-    /// Of the bumper [N/m or N.m/rad].
-    pub stiffness: f64,
-    /// Of the bumper [N.s/m or N.m.s/rad].
-    pub damping: f64,
-}
-
-impl Stop {
-    /// How far S is beyond the stop [rad or m]; negative within the travel.
-    pub fn beyond(&self, s: f64) -> f64 {
-        match self.limit {
-            Limit::Lower => self.value - s,
-            Limit::Upper => s - self.value,
-        }
-    }
-}
-
 /// A lock.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lock {
     /// Name.
     pub name: String,
-    /// Place of its stop.
+    /// Index of its stop.
     pub stop: usize,
-    /// Point on which it acts.
+    /// Point at which the lock holds the linkage.
     pub at: Point,
 }
 
@@ -87,18 +55,33 @@ pub struct Lock {
 pub struct Air {
     /// Mass density [kg/m3].
     pub density: f64,
-    /// Direction of flow, a unit vector.
+    /// Direction of the flow, a unit vector.
     pub flow: Vec2,
-    /// Whether the motion of the surfaces counts.
+    /// Whether drag depends on the motion of the surfaces.
     pub relative_wind: bool,
     /// Surfaces.
     pub surfaces: Vec<Surface>,
 }
 
+/// A surface in the air, fixed to a body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    /// Name.
+    pub name: String,
+    /// Start of the strip, or position of the area.
+    pub start: Point,
+    /// Unit vector along the strip or the flat area, in the body's frame; None for an area without direction.
+    pub line: Option<Vec2>,
+    /// Law of its drag.
+    pub drag: Drag,
+    /// Index of the first of its loads: forces along x and y at `start`, then a torque on the body.
+    pub load: usize,
+}
+
 /// Friction in the joints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointFriction {
-    /// Whether it acts.
+    /// Whether friction acts.
     pub enabled: bool,
     /// Joints with friction.
     pub friction_joints: Vec<FrictionJoint>,
@@ -107,50 +90,20 @@ pub struct JointFriction {
 /// A joint with friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionJoint {
-    /// Place of the joint.
+    /// Index of the joint.
     pub joint: usize,
-    /// Place of its load: a couple [N.m] in a revolute joint, a force along the axis [N] in a prismatic one.
+    /// Index of its load: a couple [N.m] in a revolute joint, a force along the axis [N] in a prismatic one.
     pub load: usize,
-    /// Radius of the pin [m]; 1 in a prismatic joint, where the load is a force.
+    /// Radius of the pin of a revolute joint [m]; 1 for a prismatic joint, where the load is a force.
     pub radius: f64,
     /// Coefficient of friction over slip speed.
     pub law: Law,
 }
 
 impl FrictionJoint {
-    /// Arm of the friction, mu with the sign of v times the radius [m, or 1], over the slip speed v [m/s] as on `regime`.
+    /// Arm of the friction, mu with its sign times the radius [m, or 1], over the slip speed [m/s] on a regime.
     pub fn arm(&self, regime: Regime) -> Cubic {
         self.law.cubic(regime).times(self.radius)
-    }
-}
-
-/// Law of a spring and damper. Its pull on S is preload + stiffness (S - free) + damping S_dot.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Spring {
-    /// Name.
-    pub name: String,
-    /// Place of its load.
-    pub load: usize,
-    /// Stiffness [N/m or N.m/rad].
-    pub stiffness: f64,
-    /// Damping [N.s/m or N.m.s/rad].
-    pub damping: f64,
-    /// S without force but the preload [m or rad].
-    pub free: f64,
-    /// Pull at this S [N or N.m].
-    pub preload: f64,
-}
-
-impl Spring {
-    /// Pull at rest [N or N.m].
-    pub fn force(&self, s: f64) -> f64 {
-        self.preload + self.stiffness * (s - self.free)
-    }
-
-    /// Energy stored, less that at the free length [J].
-    pub fn energy(&self, s: f64) -> f64 {
-        let stretch = s - self.free;
-        stretch * (self.preload + 0.5 * self.stiffness * stretch)
     }
 }
 
@@ -159,13 +112,13 @@ impl Spring {
 pub struct Drive {
     /// Name.
     pub name: String,
-    /// Whether it turns; else it moves along a line.
+    /// Whether the drive turns a joint; else it moves along a line.
     pub is_rotary: bool,
-    /// [CK16] eq. (5); none where it is 1 and no parameter.
+    /// Efficiency [1], [CK16] eq. (5); None where the definition states none.
     pub efficiency: Option<f64>,
 }
 
-/// The load of two points, or of a joint.
+/// Load between two points, or in a joint.
 fn between(
     mechanism: &Mechanism,
     linkage: &Linkage,
@@ -185,11 +138,11 @@ fn between(
         }
         let ends = [first, second];
         let is_at = |a: Point, b: Point| a.body == b.body && (a.local - b.local).norm() <= 1e-12 * linkage.size;
-        let pinned = linkage.joints.iter().find(|j| {
+        let joined = linkage.joints.iter().find(|j| {
             let points = [[j.first, j.second], [j.second, j.first]];
             j.freedom == Freedom::Revolute && points.iter().any(|p| is_at(p[0], ends[0]) && is_at(p[1], ends[1]))
         });
-        if let Some(joint) = pinned {
+        if let Some(joint) = joined {
             let message =
                 format!("its two ends are the one point of {}, so its length is zero: name two points", joint.name);
             return Err(DefinitionError::Key { key: key.to_string(), message });
@@ -197,19 +150,24 @@ fn between(
         return Ok(Load::Pair { first, second });
     }
     let name = joint.as_ref().ok_or_else(missing)?;
-    let place = linkage.joints.iter().position(|j| j.name == *name).ok_or_else(missing)?;
-    let j = &linkage.joints[place];
-    Ok(match j.freedom {
+    let joint = linkage.joints.iter().position(|j| j.name == *name).ok_or_else(missing)?;
+    Ok(joint_load(linkage, joint))
+}
+
+/// Load in a joint: a couple between the bodies of a revolute joint, a force along the axis of a prismatic one.
+fn joint_load(linkage: &Linkage, joint: usize) -> Load {
+    let j = &linkage.joints[joint];
+    match j.freedom {
         Freedom::Revolute => Load::Couple { first: j.first.body, second: j.second.body },
-        Freedom::Prismatic(_) => Load::Slide { joint: place },
-    })
+        Freedom::Prismatic(_) => Load::Slide { joint },
+    }
 }
 
 impl Loading {
     /// Resolve the loads of a definition.
     ///
     /// # Errors
-    /// A point, body or joint that does not exist; two ends on one body.
+    /// A point, body or joint does not exist; the two ends of a load are on one body or at one point.
     pub fn new(mechanism: &Mechanism, linkage: &Linkage) -> Result<Self, DefinitionError> {
         let mut sized: Vec<(String, Load)> = Vec::new();
         let mut constant: Vec<(f64, Load)> = Vec::new();
@@ -256,18 +214,7 @@ impl Loading {
             });
             loads.push(load);
         }
-        let mut loading = Self {
-            loads,
-            inputs,
-            constants,
-            springs,
-            drives,
-            gravity,
-            stops: Vec::new(),
-            locks: Vec::new(),
-            air: None,
-            friction: None,
-        };
+        let mut loading = Self { loads, inputs, constants, springs, drives, gravity, ..Self::default() };
         loading.add_stops(mechanism, linkage)?;
         loading.add_air(mechanism, linkage)?;
         loading.add_friction(mechanism, linkage)?;
@@ -341,16 +288,8 @@ impl Loading {
                     (locate("at", &s.at)?, line, 0.0, s.area.unwrap_or(0.0))
                 }
             };
-            let first = self.loads.len();
-            surfaces.push(Surface {
-                name: name.into(),
-                start,
-                line,
-                length,
-                breadth,
-                coefficient: s.drag_coefficient,
-                load: first,
-            });
+            let drag = Drag { directed: line.is_some(), length, breadth, coefficient: s.drag_coefficient };
+            surfaces.push(Surface { name: name.into(), start, line, drag, load: self.loads.len() });
             self.loads.push(Load::Force { at: start, direction: Vec2::x() });
             self.loads.push(Load::Force { at: start, direction: Vec2::y() });
             self.loads.push(Load::Torque { body: start.body });
@@ -372,10 +311,9 @@ impl Loading {
         let Friction { enabled, static_coefficient, kinetic_coefficient, static_speed, kinetic_speed } = *f;
         let mut friction_joints = Vec::new();
         for (joint, ((_, defined), resolved)) in mechanism.joints.iter().zip(&linkage.joints).enumerate() {
-            let (first, second) = (resolved.first.body, resolved.second.body);
-            let (load, radius) = match (resolved.freedom, defined.pin_radius) {
-                (Freedom::Prismatic(_), _) => (Load::Slide { joint }, 1.0),
-                (Freedom::Revolute, Some(radius)) => (Load::Couple { first, second }, radius),
+            let radius = match (resolved.freedom, defined.pin_radius) {
+                (Freedom::Prismatic(_), _) => 1.0,
+                (Freedom::Revolute, Some(radius)) => radius,
                 (Freedom::Revolute, None) => continue,
             };
             let law = Law {
@@ -385,23 +323,23 @@ impl Loading {
                 kinetic_speed,
             };
             friction_joints.push(FrictionJoint { joint, load: self.loads.len(), radius, law });
-            self.loads.push(load);
+            self.loads.push(joint_load(linkage, joint));
         }
         self.friction = Some(JointFriction { enabled, friction_joints });
         Ok(())
     }
 
-    /// Number of loads whose size follows from inputs, constants and springs; the others are those that a state sizes.
+    /// Number of loads sized by inputs, constants and springs. The other loads are sized by a state.
     pub fn base(&self) -> usize {
         self.sized() + self.springs.len()
     }
 
-    /// Number of loads of a given size: inputs, then constants.
+    /// Number of applied loads: those sized by inputs, then those of constant size.
     pub fn sized(&self) -> usize {
         self.inputs.len() + self.constants.len()
     }
 
-    /// Name of a load, to speak of it.
+    /// Name of a load for messages.
     pub fn name(&self, load: usize) -> String {
         match load.checked_sub(self.sized()).map(|spring| self.springs.get(spring)) {
             Some(Some(spring)) => spring.name.clone(),
@@ -421,7 +359,7 @@ impl Loading {
 /// Markers of a definition, in its order.
 ///
 /// # Errors
-/// A point that does not exist.
+/// A point does not exist.
 pub fn markers(mechanism: &Mechanism, linkage: &Linkage) -> Result<Vec<Point>, DefinitionError> {
     let named = mechanism.markers.iter();
     named.map(|(name, m)| linkage.locate(mechanism, format_args!("markers.{name}.at"), &m.at)).collect()

@@ -1,19 +1,20 @@
-//! Loads: forces and torques of unit size, their displacements and their influence on the motion.
+//! Loads of unit size: forces and torques, their displacements and their influence on the motion.
 //!
-//! In: the configuration. Out: for each load its displacement S (what its size does work on) with derivatives along the
-//! curve, and its wrenches on the bodies. The influence function of [CK16] is S_sigma: the virtual work of the unit load
-//! for each d sigma. It must not know the present size of a load.
+//! In: the configuration. Out: the displacement S of each load, work-conjugate to its size, with derivatives along the
+//! curve, and the load's wrenches on the bodies. The influence function of [CK16] is S_sigma: the virtual work of the
+//! unit load for each d sigma. It must not know the size of a load.
 use crate::mechanism::curve::Configuration;
-use crate::mechanism::linkage::{Freedom, Linkage, Point, Positions, Vec2, cross};
+use crate::mechanism::linkage::{Freedom, Linkage, Point, Positions};
+use crate::numerics::plane::{Vec2, cross};
 
 /// A load of unit size.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Load {
-    /// Gravity for the load factor 1: the acceleration [m/s2] on every mass. S = -sum m acceleration . (-r) [J].
+    /// Gravity for the load factor 1: the acceleration [m/s2] on every mass. S is the sum of m acceleration . r [J].
     Gravity(Vec2),
     /// 1 N at a point, in a fixed direction. S is the point's position in this direction [m].
     Force {
-        /// Where it acts.
+        /// Point at which the force acts.
         at: Point,
         /// Unit vector in the mechanism frame.
         direction: Vec2,
@@ -27,19 +28,19 @@ pub enum Load {
     },
     /// 1 N.m on a body. S is its angle [rad].
     Torque {
-        /// Place of the body.
+        /// Index of the body.
         body: usize,
     },
     /// 1 N.m on one body and -1 N.m on another. S is the angle between them [rad].
     Couple {
-        /// Place of the body that is turned back.
+        /// Index of the body with -1 N.m.
         first: usize,
-        /// Place of the body that is turned forward.
+        /// Index of the body with 1 N.m.
         second: usize,
     },
     /// 1 N along the axis of a prismatic joint. S is the joint's position [m].
     Slide {
-        /// Place of the joint.
+        /// Index of the joint.
         joint: usize,
     },
 }
@@ -47,7 +48,7 @@ pub enum Load {
 /// Force [N] on a body and its moment about the origin of the body's frame [N.m].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wrench {
-    /// Place of the body.
+    /// Index of the body.
     pub body: usize,
     /// Force [N].
     pub force: Vec2,
@@ -63,7 +64,7 @@ fn couple(body: usize, moment: f64) -> Wrench {
     Wrench { body, force: Vec2::zeros(), moment }
 }
 
-/// The points of a prismatic joint and its axis in the mechanism frame; no axis for a revolute one.
+/// The two points of a prismatic joint and its axis in the mechanism frame; axis 0 for a revolute joint.
 fn axis(linkage: &Linkage, p: &Positions, joint: usize) -> (Point, Point, Vec2) {
     let j = &linkage.joints[joint];
     let axis = match j.freedom {
@@ -74,7 +75,7 @@ fn axis(linkage: &Linkage, p: &Positions, joint: usize) -> (Point, Point, Vec2) 
 }
 
 impl Load {
-    /// How much S grows when the linkage's angles grow by these amounts: over one turn of a closed curve.
+    /// Growth of S for a growth `of_angle` of the angle coordinates, such as over one revolution of a closed curve.
     pub fn growth(&self, linkage: &Linkage, of_angle: &dyn Fn(usize) -> f64) -> f64 {
         let body = |b: usize| linkage.bodies[b].angle_coordinate.map_or(0.0, of_angle);
         match *self {
@@ -84,8 +85,8 @@ impl Load {
         }
     }
 
-    /// Displacement where the bodies are; that of gravity is not a place and is 0.
-    pub fn place(&self, linkage: &Linkage, p: &Positions) -> f64 {
+    /// Displacement at these positions; 0 for gravity.
+    pub fn displacement_at(&self, linkage: &Linkage, p: &Positions) -> f64 {
         match *self {
             Self::Gravity(_) => 0.0,
             Self::Force { at, direction } => direction.dot(&p.point(at)),
@@ -99,7 +100,7 @@ impl Load {
         }
     }
 
-    /// Displacement and its first and second derivative along sigma.
+    /// Displacement with its first and second derivative along sigma.
     pub fn displacement(&self, linkage: &Linkage, c: &Configuration) -> [f64; 3] {
         let p = &c.positions;
         let point = |x: Point| p.motion(&c.rates, &c.second, x);
@@ -128,7 +129,7 @@ impl Load {
                 [of(&p.angle), of(&c.rates.angle), of(&c.second.angle)]
             }
             Self::Slide { joint } => {
-                // The gap is s e, and e turns with the first body: gap'' = (s'' - s omega^2) e + (...) normal to it.
+                // The gap is s e, with e fixed in the first body: gap'' = (s'' - s omega^2) e + (...) e_normal.
                 let (first, second, axis) = axis(linkage, p, joint);
                 let ([x1, v1, a1], [x2, v2, a2]) = (point(first), point(second));
                 let s = axis.dot(&(x2 - x1));
@@ -143,7 +144,7 @@ impl Load {
         self.displacement(linkage, c)[1]
     }
 
-    /// What it does to the bodies, each wrench told to `act`.
+    /// Call `act` with every wrench of the load.
     pub fn exert(&self, linkage: &Linkage, p: &Positions, act: &mut impl FnMut(Wrench)) {
         let at = |point: Point, force: Vec2| Wrench {
             body: point.body,
@@ -168,7 +169,7 @@ impl Load {
             }
             Self::Slide { joint } => {
                 let (first, second, axis) = axis(linkage, p, joint);
-                // Both forces act at the second point, where the bodies touch.
+                // Both forces act at the second point, where the bodies are in contact.
                 let moment = cross(p.point(second) - p.origin[first.body], -axis);
                 act(at(second, axis));
                 act(Wrench { body: first.body, force: -axis, moment });

@@ -5,7 +5,7 @@
 //! drives with an efficiency, changes of friction's regime - are found on the interpolant of a step; impacts are
 //! polished on the integration itself. A step may go on beyond the span (`step_ahead.rs`). It must not know what moves.
 use crate::integrator::{Dense, IntegrationError, Integrator, Step};
-use crate::mechanism::loads::laws::friction::Locked;
+use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::motion::contact::Contact;
 use crate::mechanism::motion::dynamics::Dynamics;
 use crate::mechanism::motion::ends::{Ends, outward};

@@ -4,7 +4,8 @@
 //! not know steps.
 use crate::integrator::System;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
-use crate::mechanism::loads::laws::friction::{Locked, Regime};
+use crate::mechanism::loads::friction_loop::Locked;
+use crate::mechanism::loads::laws::friction::Regime;
 
 /// A motion along sigma whose right-hand side is smooth between events. The state is (sigma, sigma_dot), or (sigma,
 /// sigma_dot, energy lost). Bumpers, drives with an efficiency and friction joints are the three kinds of parts that

@@ -13,7 +13,7 @@ use crate::mechanism::motion::step_ahead::{Lookahead, StepAhead};
 use crate::mechanism::motion::travel::stop_kind;
 use crate::mechanism::reduced::Reduced;
 use crate::mechanism::{ModelError, dynamics::inputs::Inputs};
-use crate::numerics::dual::{become_same, same_bits};
+use crate::numerics::bits::{become_same, same_bits};
 
 /// Part of a closed curve's length by which sigma may be beyond its ends by rounding.
 const ROUNDING: f64 = 1e-12;

@@ -152,7 +152,7 @@ impl State {
                 name: variable.clone(),
                 position: reduced.curve().describe(at.sigma, revolutions),
             })?;
-            let slope = table.value(table.spot(sigma), 3 * coordinate + 1);
+            let slope = table.value(table.position(sigma), 3 * coordinate + 1);
             if slope.abs() * reduced.scale() < 1e-6 {
                 let name = format!("{name}.start_speed");
                 return Err(ReductionError::StartSpeed { name, value: start.speed }.into());

@@ -2,7 +2,8 @@
 //!
 //! In: the reduced model, its stops, the start. Out: the position of each end on the curve. It must not know time.
 use crate::mechanism::ModelError;
-use crate::mechanism::loads::resolved::{Loading, Stop};
+use crate::mechanism::loads::laws::stop::Stop;
+use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::motion::ends::{End, StopKind, Travel};
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::bracket::bisect;
@@ -24,7 +25,7 @@ pub fn travel(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<Travel,
             position: reduced.curve().describe(e.sigma, revolutions),
         })?;
         let growth = reduced.load_growth(stop.load);
-        let at = table.spot(sigma);
+        let at = table.position(sigma);
         let (s, slope) = (table.value(at, 0) + revolutions * growth, table.value(at, 1));
         let beyond = stop.beyond(s);
         let near = AT_STOP * (1.0 + stop.value.abs());

@@ -1,5 +1,5 @@
 //! Why an output has no value.
-use crate::mechanism::loads::laws::friction::Locked;
+use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::rigid_fem::RigidFemError;
 use crate::numerics::table::Unresolved;
 

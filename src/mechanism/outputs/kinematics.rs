@@ -23,11 +23,11 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
         let table = reduced.displacement(load);
         if order > 0 {
             let table = table?;
-            return self.time_derivative((table, table.spot(self.state.sigma)), 0, order);
+            return self.time_derivative((table, table.position(self.state.sigma)), 0, order);
         }
         let slope = match table {
             _ if sigma.is_constant() => 0.0,
-            Ok(table) => table.value(table.spot(self.state.sigma), 1),
+            Ok(table) => table.value(table.position(self.state.sigma), 1),
             Err(_) => {
                 let c = reduced.curve().configuration(self.state.sigma);
                 reduced.loading().loads[load].influence(reduced.linkage(), &c)
@@ -38,7 +38,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
 
     fn marker(&mut self, marker: usize, axis: usize, order: usize) -> Result<N, OutputError> {
         let table = self.reduced.marker(marker)?;
-        self.time_derivative((table, table.spot(self.state.sigma)), 3 * axis, order)
+        self.time_derivative((table, table.position(self.state.sigma)), 3 * axis, order)
     }
 
     #[inline]

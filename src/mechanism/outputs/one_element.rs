@@ -13,7 +13,7 @@ impl<N: Reading> View<'_, N> {
     pub fn drive_term(&mut self, drive: usize, term: OneElement) -> Result<N, OutputError> {
         let loading = self.reduced.loading();
         let table = self.reduced.displacement(drive)?;
-        let position = table.spot(self.state.sigma);
+        let position = table.position(self.state.sigma);
         let slope = self.before_derivative(table, position, 1);
         let curvature = self.component(table, position, 2);
         let (sigma_dot, efficiency) = (self.sigma_dot(), loading.drives[drive].efficiency);

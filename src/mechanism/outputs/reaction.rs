@@ -117,7 +117,7 @@ impl<N: Reading> View<'_, N> {
             None => (units.table, column, applied),
             Some(own) => (self.reduced.state_reaction(units.joint), own, loading.loads.len() - loading.base()),
         };
-        let position = table.map(|table| (table, table.spot(self.state.sigma)));
+        let position = table.map(|table| (table, table.position(self.state.sigma)));
         for (part, sum) in value.iter_mut().enumerate().take(units.parts) {
             let unit = match position {
                 Ok((table, position)) => self.component(table, position, part * columns + own),

@@ -14,7 +14,8 @@ use crate::mechanism::outputs::panel_reaction::PanelReaction;
 use crate::mechanism::outputs::view::View;
 use crate::mechanism::quantity::Output;
 use crate::mechanism::reduced::Reduced;
-use crate::numerics::dual::{Dual, same_bits};
+use crate::numerics::bits::same_bits;
+use crate::numerics::dual::Dual;
 
 /// The state of motion along the curve, and what its outputs share.
 #[derive(Clone, Debug)]

@@ -127,7 +127,7 @@ impl<N: Reading> View<'_, N> {
     /// S_sigma of a sized load.
     pub fn influence(&self, load: usize) -> N {
         let table = self.reduced.influence();
-        self.component(table, table.spot(self.state.sigma), load)
+        self.component(table, table.position(self.state.sigma), load)
     }
 
     /// A coordinate or its time derivative.
@@ -137,7 +137,7 @@ impl<N: Reading> View<'_, N> {
         let position = match self.cache.position {
             Some(position) => position,
             None => {
-                let position = table.spot_near(self.state.sigma, self.cache.panel);
+                let position = table.position_near(self.state.sigma, self.cache.panel);
                 (self.cache.position, self.cache.panel) = (Some(position), position.panel);
                 position
             }
@@ -227,7 +227,7 @@ impl<N: Reading> View<'_, N> {
         }
         let load = self.reduced.loading().stops[stop].load;
         let slope = match self.reduced.displacement(load) {
-            Ok(table) => self.before_derivative(table, table.spot(self.state.sigma), 1),
+            Ok(table) => self.before_derivative(table, table.position(self.state.sigma), 1),
             Err(_) => N::constant(f64::NAN),
         };
         Ok(finite(-free / slope))

@@ -1,49 +1,49 @@
-//! Why a definition gives no reduced model.
+//! Errors of reduction.
 use crate::mechanism::closure::AssemblyError;
 use crate::mechanism::curve::CurveError;
 use crate::mechanism::definition::DefinitionError;
 use crate::numerics::decimal::Decimal;
 use std::fmt;
 
-/// Why a definition gives no reduced model.
+/// Error of reduction.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ReductionError {
     /// The definition contradicts itself.
     Definition(DefinitionError),
-    /// The loops do not close, or there is not one degree of freedom.
+    /// The linkage cannot be assembled.
     Assembly(AssemblyError),
     /// The curve cannot be traced.
     Curve(CurveError),
     /// The two ends of an actuator or a spring coincide somewhere, so that its force has no direction.
     EndsMeet {
-        /// Its name.
+        /// Name of the actuator or spring.
         name: String,
-        /// Where the linkage then is.
+        /// Coordinates by name.
         position: String,
     },
     /// A function along the curve is not smooth.
     Table {
-        /// What is tabulated.
+        /// Name of the function.
         what: String,
-        /// Where the linkage then is.
+        /// Coordinates by name.
         position: String,
     },
     /// The stated start is not on the curve.
     Start {
-        /// Variable that states it.
+        /// Name of the variable that states the start.
         name: String,
-        /// Its value.
+        /// Value of the variable.
         value: f64,
         /// Least and largest value within the stops on the curve.
         range: (f64, f64),
-        /// The value that is whole turns away and within them, where there is one.
+        /// Value in this range that differs from the stated one by whole revolutions, if any.
         turned: Option<f64>,
     },
-    /// The start speed cannot be had: the stated coordinate stands still at this position.
+    /// The stated coordinate does not move at this position, so it cannot have the stated speed.
     StartSpeed {
-        /// Variable that states it.
+        /// Name of the variable that states the speed.
         name: String,
-        /// Its value.
+        /// Value of the variable.
         value: f64,
     },
 }
@@ -83,7 +83,8 @@ impl fmt::Display for ReductionError {
 impl std::error::Error for ReductionError {}
 
 impl ReductionError {
-    /// The same of a start that is stated by a quantity which has this value where the coordinate has its.
+    /// The error for a start that is stated by another quantity, which differs from the coordinate by a constant and
+    /// has the value `stated` at the start.
     pub fn as_stated(mut self, stated: f64) -> Self {
         if let Self::Start { value, range, turned, .. } = &mut self {
             let offset = stated - *value;

@@ -1,17 +1,20 @@
-//! A definition resolved for reduction: linkage, loading and markers, and the curve that follows from them.
-use super::ReductionError;
+//! A definition resolved for reduction.
+//!
+//! In: a definition. Out: its linkage, loads and markers, and the curve of the linkage. It must not know tables.
+use super::error::ReductionError;
 use crate::mechanism::closure::{Closure, guessed};
 use crate::mechanism::curve::{Curve, CurveError};
 use crate::mechanism::definition::Mechanism;
 use crate::mechanism::linkage::{Linkage, Point, Positions};
-use crate::mechanism::loads::resolved::{Loading, Stop, markers};
+use crate::mechanism::loads::laws::stop::Stop;
+use crate::mechanism::loads::resolved::{Loading, markers};
 use crate::mechanism::loads::unit_load::Load;
 use std::sync::Arc;
 
-/// Part of the natural size of a stop's quantity by which the curve is traced beyond the stop.
+/// Distance beyond a stop up to which the curve is traced, relative to the natural size of the stop's quantity.
 const BEYOND: f64 = 0.02;
 
-/// What a definition says, by places in place of names.
+/// A definition with indices instead of names.
 pub(super) struct Resolved {
     pub(super) linkage: Linkage,
     pub(super) loading: Loading,
@@ -34,36 +37,35 @@ impl Resolved {
         trace(closure, &q, &self.loading).map_err(ReductionError::Curve)
     }
 
-    /// Whether this is traced like another state of the same mechanism: the same linkage between the same stops.
+    /// Whether the curve equals that of another state of the same mechanism: the same linkage between the same stops.
     pub(super) fn moves_as(&self, linkage: &Linkage, loading: &Loading) -> bool {
         self.linkage == *linkage && limits(&self.loading).eq(limits(loading))
     }
 }
 
-/// What the curve depends on in the stops.
+/// Properties of the stops on which the curve depends.
 fn limits(loading: &Loading) -> impl Iterator<Item = (bool, bool, f64, &Load)> {
-    // Which end of the travel a stop is, no parameter changes.
+    // No parameter changes a stop's limit.
     loading.stops.iter().map(|s| (s.enabled, s.rigid, s.value, &loading.loads[s.load]))
 }
 
-/// The curve, between rigid stops if there are such: nothing lies beyond them but what a step tries before it finds the
-/// impact. A guess that is itself beyond a stop names a branch all the same, which is then traced as a whole.
+/// The curve: between the stops if all are rigid, else as a whole. Beyond a rigid stop only trial steps before an
+/// impact evaluate the curve. A guess beyond a stop still identifies a branch, which is then traced as a whole.
 fn trace(closure: Closure, q: &[f64], loading: &Loading) -> Result<Curve, CurveError> {
     let stops: Vec<_> = loading.stops.iter().filter(|s| s.enabled).collect();
     if stops.is_empty() || stops.iter().any(|s| !s.rigid) {
         return Curve::trace(closure, q);
     }
     let linkage = Arc::clone(&closure.linkage);
-    let mut inside = |p: &Positions| {
-        let room = |stop: &&Stop| {
+    let mut margin = |p: &Positions| {
+        let of = |stop: &&Stop| {
             let size = if stop.quantity == "angle" { 1.0 } else { linkage.size };
-            BEYOND - stop.beyond(loading.loads[stop.load].place(&linkage, p)) / size
+            BEYOND - stop.beyond(loading.loads[stop.load].displacement_at(&linkage, p)) / size
         };
-        stops.iter().map(room).fold(f64::INFINITY, f64::min)
+        stops.iter().map(of).fold(f64::INFINITY, f64::min)
     };
-    let at_guess = inside(&linkage.positions(q));
-    if at_guess <= 0.0 {
+    if margin(&linkage.positions(q)) <= 0.0 {
         return Curve::trace(closure, q);
     }
-    Curve::trace_within(closure, q, &mut inside)
+    Curve::trace_within(closure, q, &mut margin)
 }

@@ -1,24 +1,27 @@
-//! The start on the curve: where a coordinate has a stated value.
-use super::{Reduced, ReductionError, rough};
-use crate::mechanism::loads::resolved::Stop;
+//! The start on the curve: sigma at which a coordinate has a stated value.
+//!
+//! In: a coordinate and its value. Out: sigma and revolutions. It must not know speeds or time.
+use super::error::ReductionError;
+use super::model::{Reduced, not_smooth};
+use crate::mechanism::loads::laws::stop::Stop;
 use crate::numerics::bracket::bisect;
 use crate::numerics::table::{Table, polynomial};
 use std::f64::consts::TAU;
 
 impl Reduced {
-    /// sigma where a coordinate has this value, and the number of turns of the curve before it: of several the one
-    /// nearest to the guess, where sigma is 0.
+    /// sigma at which a coordinate has this value, and the number of revolutions of the curve before it. Of several
+    /// positions the nearest to the guess, where sigma is 0.
     ///
     /// # Errors
     /// [`ReductionError::Start`] with the range of the coordinate.
     pub fn find(&self, coordinate: usize, value: f64, name: &str) -> Result<(f64, f64), ReductionError> {
-        let table = self.coordinates().map_err(|e| rough(&self.curve, name.into(), e))?;
+        let table = self.coordinates().map_err(|e| not_smooth(self.curve(), name.into(), e))?;
         let growth = self.growth(coordinate);
         let x: [f64; SAMPLES + 1] = std::array::from_fn(|k| OVERLAP * (-1.0 + 2.0 * k as f64 / SAMPLES as f64));
         let sampled =
             |panel: usize, order: usize| x.map(|x| polynomial(table.series(panel, 3 * coordinate + order), x));
         let samples: Vec<_> = (0..table.panels()).map(|panel| [0, 1].map(|order| sampled(panel, order))).collect();
-        // On a curve that turns fully round the value may lie some turns away.
+        // On a curve with growth the value may lie some revolutions away.
         let revolutions = if growth == 0.0 {
             vec![0.0]
         } else {
@@ -32,19 +35,19 @@ impl Reduced {
             Some(period) => sigma.abs().min((period - sigma).abs()),
             None => sigma.abs(),
         };
-        for turn in revolutions {
-            let wanted = value - turn * growth;
+        for revolution in revolutions {
+            let wanted = value - revolution * growth;
             for (panel, [values, slopes]) in samples.iter().enumerate() {
                 let (a, b) = table.borders(panel);
                 let mut offer = |x: f64| {
-                    let (sigma, turn) = self.within_a_turn(0.5 * (a + b) + 0.5 * (b - a) * x, turn);
+                    let (sigma, revolution) = self.wrapped(0.5 * (a + b) + 0.5 * (b - a) * x, revolution);
                     if best.is_none_or(|(s, _)| distance(sigma) < distance(s)) {
-                        best = Some((sigma, turn));
+                        best = Some((sigma, revolution));
                     }
                 };
                 let miss = |x: f64| polynomial(table.series(panel, 3 * coordinate), x) - wanted;
                 let slope = |x: f64| polynomial(table.series(panel, 3 * coordinate + 1), x);
-                // At the border of panels rounding may hide the change of sign.
+                // At a border of panels rounding may hide the change of sign.
                 for x in [-1.0, 1.0] {
                     if miss(x).abs() <= 8.0 * f64::EPSILON * (1.0 + value.abs()) {
                         offer(x);
@@ -55,7 +58,7 @@ impl Reduced {
                     if (values[k] - wanted) * (values[k + 1] - wanted) <= 0.0 {
                         offer(root(&miss, x0, x1));
                     } else if slopes[k] * slopes[k + 1] <= 0.0 {
-                        // The coordinate turns back here: a start exactly at the toggle.
+                        // The coordinate has an extremum here, a toggle.
                         let x = root(&slope, x0, x1);
                         if miss(x) * miss(x0) <= 0.0 {
                             offer(root(&miss, x0, x));
@@ -67,32 +70,37 @@ impl Reduced {
                 }
             }
         }
-        let (sigma, turn) = best.ok_or_else(|| {
-            let (low, high) = self.reach(table, coordinate);
+        let (sigma, revolution) = best.ok_or_else(|| {
+            let (low, high) = self.range_of(table, coordinate);
             let same = value + TAU * ((0.5 * (low + high) - value) / TAU).round();
             let turned = (coordinate < self.linkage().angles && (low..=high).contains(&same)).then_some(same);
             ReductionError::Start { name: name.into(), value, range: (low, high), turned }
         })?;
         if growth != 0.0 {
-            return Ok((sigma, turn));
+            return Ok((sigma, revolution));
         }
-        // Just behind the guess is the last turn's end: the other coordinates are then near their guesses, not a turn on.
+        // The end of the last revolution is just behind the guess: there the other coordinates are near their guesses.
         let behind = self.period().is_some_and(|period| period - sigma < sigma);
         Ok((sigma, if behind { -1.0 } else { 0.0 }))
     }
 
-    /// Least and largest value of a coordinate along the curve, within the stops.
-    fn reach(&self, table: &Table, coordinate: usize) -> (f64, f64) {
-        // A stop whose quantity grows from turn to turn ends the travel in one of them only.
+    /// Least and largest value of a coordinate along the curve between the stops.
+    fn range_of(&self, table: &Table, coordinate: usize) -> (f64, f64) {
+        // A stop whose quantity grows with each revolution ends the travel in one revolution only.
         let ends = |s: &&Stop| s.enabled && self.load_growth(s.load) == 0.0;
-        let stops: Vec<(&Stop, &Table)> =
-            self.loading.stops.iter().filter(ends).filter_map(|s| Some((s, self.displacement(s.load).ok()?))).collect();
+        let stops: Vec<(&Stop, &Table)> = self
+            .loading()
+            .stops
+            .iter()
+            .filter(ends)
+            .filter_map(|s| Some((s, self.displacement(s.load).ok()?)))
+            .collect();
         let beyond = |sigma: f64| {
-            let all = stops.iter().map(|(stop, s)| stop.beyond(s.value(s.spot(sigma), 0)));
+            let all = stops.iter().map(|(stop, s)| stop.beyond(s.value(s.position(sigma), 0)));
             all.fold(f64::NEG_INFINITY, f64::max)
         };
-        let q = |sigma: f64, order: usize| table.value(table.spot(sigma), 3 * coordinate + order);
-        let (first, last) = self.curve.range();
+        let q = |sigma: f64, order: usize| table.value(table.position(sigma), 3 * coordinate + order);
+        let (first, last) = self.curve().range();
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for panel in 0..table.panels() {
             let (a, b) = table.borders(panel);
@@ -105,8 +113,8 @@ impl Reduced {
                     (false, true) => s1 = root(&beyond, s0, s1),
                     (false, false) => {}
                 }
-                let turns_back = (q(s0, 1) * q(s1, 1) < 0.0).then(|| root(&|s| q(s, 1), s0, s1));
-                for s in [s0, s1].into_iter().chain(turns_back) {
+                let extremum = (q(s0, 1) * q(s1, 1) < 0.0).then(|| root(&|s| q(s, 1), s0, s1));
+                for s in [s0, s1].into_iter().chain(extremum) {
                     (low, high) = (low.min(q(s, 0)), high.max(q(s, 0)));
                 }
             }
@@ -114,15 +122,15 @@ impl Reduced {
         (low, high)
     }
 
-    /// sigma within the curve, and the number of turns before it, for a sigma counted on over whole turns.
+    /// sigma on the curve and the number of revolutions before it, for a sigma that counts all revolutions.
     pub fn unwound(&self, sigma: f64) -> (f64, f64) {
-        let revolutions = self.period().map_or(0.0, |period| ((sigma - self.curve.range().0) / period).floor());
+        let revolutions = self.period().map_or(0.0, |period| ((sigma - self.curve().range().0) / period).floor());
         (sigma - revolutions * self.period().unwrap_or(0.0), revolutions)
     }
 
-    /// sigma within the curve, and the number of turns before it, for a sigma just outside.
-    fn within_a_turn(&self, sigma: f64, revolutions: f64) -> (f64, f64) {
-        let (first, last) = self.curve.range();
+    /// sigma on the curve and the number of revolutions before it, for a sigma at most one revolution outside.
+    fn wrapped(&self, sigma: f64, revolutions: f64) -> (f64, f64) {
+        let (first, last) = self.curve().range();
         match self.period() {
             Some(period) if sigma < first => (sigma + period, revolutions - 1.0),
             Some(period) if sigma >= last => (sigma - period, revolutions + 1.0),
@@ -132,11 +140,11 @@ impl Reduced {
     }
 }
 
-/// Parts of a panel in which a coordinate turns back once at most.
+/// Number of intervals of a panel; a coordinate has at most one extremum in each.
 const SAMPLES: usize = 16;
-/// Panels are searched for the start this much beyond their ends: at a border rounding must not hide it from both.
+/// Range of x in which a panel is searched, so that rounding at a border hides the start from one panel at most.
 const OVERLAP: f64 = 1.0 + 1e-9;
-/// A stated start this close beyond a toggle is at the toggle [rad or m].
+/// Distance beyond a toggle within which a stated start is at the toggle [rad or m].
 const TOGGLE: f64 = 1e-9;
 
 /// Root of a function that changes sign, within rounding.

@@ -1,70 +1,73 @@
-//! The scene: what acts besides loads of a given size, in one table that the integration reads.
+//! State loads: loads sized by the state, and their effects in one table that the integration reads.
 //!
-//! In: the reduced model. Out: the effects of all that acts on the motion, and on the reactions of the joints with friction. A
-//! mechanism without dampers, efficiencies, bumpers, friction and moving air has no scene and pays for none. It must not
-//! know the state.
-use super::Reduced;
-use super::components::Pull;
+//! In: the curve and the loads. Out: effects of all loads on the motion and on the reactions of the joints with
+//! friction. Without dampers, efficiencies, bumpers, friction and moving air there is no such table. It must not know
+//! states.
+use super::components::SpringLoad;
+use super::source::Source;
 use crate::mechanism::curve::Configuration;
-use crate::mechanism::linkage::{Freedom, perp};
-use crate::mechanism::loads::resolved::FrictionJoint;
+use crate::mechanism::linkage::Freedom;
+use crate::mechanism::loads::resolved::{FrictionJoint, Loading};
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::reactions::{Columns, Reaction, groups};
-use crate::numerics::table::{Bundle, Table, Unresolved};
+use crate::numerics::bundle::Bundle;
+use crate::numerics::plane::perp;
+use crate::numerics::table::{Grid, Table, Unresolved};
 use std::ops::Range;
 
-/// What acts besides loads of a given size.
+/// Loads sized by the state.
 ///
-/// Of the reaction of each joint with friction, a pin, two components count: x and y of a revolute joint, of a prismatic one
-/// that normal to its axis and 0. The components of n pins are told with all x first, then all y. The pins of a group
-/// transmit the same force under friction, but for its sign; as signs don't matter, they are told with that of the first.
+/// Two components of the reaction of each joint with friction matter: x and y in a revolute joint; in a prismatic one
+/// the component normal to the axis, and 0. Those of n joints are stored as all x, then all y. The joints of a group
+/// have equal reactions to friction up to their sign. The sign of a reaction has no effect on friction, so all joints
+/// of a group get the sign of the first.
 #[derive(Clone, Debug)]
 pub struct StateLoads {
     /// Drives with an efficiency, by their loads.
     pub drives_with_efficiency: Vec<usize>,
-    /// Whether the drag of the air acts.
+    /// Whether drag acts.
     pub air: bool,
     /// Bumpers, by their stops.
     pub bumpers: Vec<usize>,
     /// Joints with friction.
     pub friction_joints: Vec<FrictionJoint>,
-    /// Group of each pin, numbered from 0.
+    /// Index of the group of each joint with friction.
     pub groups: Vec<usize>,
-    /// First pin of each group.
+    /// First joint of each group, by its index among the joints with friction.
     leaders: Vec<usize>,
-    /// Sign of each pin's reaction, compared with the first pin of its group.
+    /// Sign of each joint's reaction relative to the first joint of its group.
     signs: Vec<f64>,
-    /// Loads beyond the given ones, in the order of their influences: those of surfaces, bumpers, pins.
+    /// Loads sized by the state, in the order of their influences: of surfaces, bumpers, friction.
     pub loads: Vec<usize>,
-    /// First what is always read together, [`Self::bundle`]; then effects of given loads.
+    /// Components of [`Self::bundle`], then effects of applied loads.
     pub table: Table,
-    /// Influences of `loads`; then of the pins' reactions: to sigma_dot^2, to sigma_ddot, to friction without motion, to each
-    /// of the other `loads`; then directions of surfaces and displacements of bumpers.
+    /// Influences of `loads`; reactions of the joints with friction to sigma_dot^2, to sigma_ddot, to friction without
+    /// motion, to each of the other `loads`; directions of surfaces; displacements of bumpers.
     pub bundle: Bundle,
-    /// Effects of each given load on all components of the pins' reactions.
+    /// Effects of each applied load on all components of the reactions of the joints with friction.
     pub caused_by_applied: Vec<Bundle>,
-    /// Components of the table for the effects of given loads on the motion or on one component of a pin's reaction.
+    /// Number of components of the influence table: effects on the motion or on one component of a reaction.
     given: usize,
 }
 
-/// Place of a load that does not act.
-const NOWHERE: usize = usize::MAX;
+/// Mark of a load that does not act.
+const ABSENT: usize = usize::MAX;
 
-/// Room to fill the table.
+/// Scratch for filling the table.
 #[derive(Debug, Default)]
-pub(super) struct Room {
+pub(super) struct Scratch {
     columns: Columns,
-    /// The loads that act, and the place among them of each load of all.
+    /// Loads that act, and for each load of the mechanism its index among them.
     loads: Vec<Load>,
-    places: Vec<usize>,
+    indices: Vec<usize>,
     influence: Vec<f64>,
-    pulls: Vec<Pull>,
-    /// Components of the pins' reactions, term after term.
+    springs: Vec<SpringLoad>,
+    /// Components of the reactions of the joints with friction, term by term.
     parts: Vec<f64>,
 }
 
 impl StateLoads {
-    /// Rows of effects: the motion, then the components of the pins' reactions.
+    /// Number of rows of effects: the motion, then the components of the reactions of the joints with friction.
     pub fn rows(&self) -> usize {
         1 + 2 * self.friction_joints.len()
     }
@@ -86,20 +89,19 @@ impl StateLoads {
         first..first + 2 * n
     }
 
-    /// In the bundle: what each group transmits for the friction = 1 of each pin without motion, as x and then y: group by
-    /// group, for all pins.
+    /// In the bundle: forces for friction = 1 of each joint without motion: all x, then all y, group by group.
     pub fn passed(&self) -> Range<usize> {
         let first = self.inertial().end;
         first..first + 2 * self.leaders.len() * self.friction_joints.len()
     }
 
-    /// In the bundle: reactions to one of the `loads` that are not friction, with the motion that it causes.
+    /// In the bundle: reactions to one of the `loads` that are not friction and to the motion that the load causes.
     pub fn caused(&self, load: usize) -> Range<usize> {
         let (first, n) = (self.passed().end, self.friction_joints.len());
         first + 2 * n * load..first + 2 * n * (load + 1)
     }
 
-    /// In the bundle: first of the two components with the direction of a surface in the mechanism frame.
+    /// In the bundle: first component of the direction of a surface in the mechanism frame; the second follows.
     pub fn line(&self, surface: usize) -> usize {
         self.caused(self.free()).start + 2 * surface
     }
@@ -115,14 +117,14 @@ impl StateLoads {
         self.pressed(self.bumpers.len())
     }
 
-    /// Component of the effect of [`super::Components`] number `k` in a row.
+    /// Component of the table: effect of the component `k` of [`super::Components`] in a row.
     pub fn given(&self, row: usize, k: usize) -> usize {
         self.bundled() + row * self.given + k
     }
 
-    /// Build the scene, if anything is in it.
-    pub(super) fn build(reduced: &Reduced, air: bool) -> Result<Option<Self>, Unresolved> {
-        let (loading, linkage) = (&reduced.loading, reduced.linkage());
+    /// Tabulate the state loads on a grid; None if there are none.
+    pub(super) fn build(source: &Source, grid: &Grid, air: bool) -> Result<Option<Self>, Unresolved> {
+        let (loading, linkage) = (&source.loading, source.linkage());
         let drives = loading.drives.iter().enumerate();
         let drives_with_efficiency: Vec<usize> =
             drives.filter(|(_, d)| d.efficiency.is_some()).map(|(i, _)| i).collect();
@@ -133,7 +135,7 @@ impl StateLoads {
             _ => Vec::new(),
         };
         let surfaces = loading.air.as_ref().filter(|_| air).map_or(&[][..], |air| &air.surfaces);
-        let damped = reduced.components.damping.is_some();
+        let damped = source.components.damping.is_some();
         if drives_with_efficiency.is_empty()
             && bumpers.is_empty()
             && friction_joints.is_empty()
@@ -147,7 +149,7 @@ impl StateLoads {
         loads.extend(friction_joints.iter().map(|p| p.load));
         let of_joints = groups(linkage);
         let mut leaders: Vec<usize> = Vec::new();
-        let (mut of_pins, mut signs) = (Vec::new(), Vec::new());
+        let (mut group_of, mut signs) = (Vec::new(), Vec::new());
         for (i, friction_joint) in friction_joints.iter().enumerate() {
             let (own, sign) = of_joints[friction_joint.joint];
             let found = leaders.iter().position(|&leader| of_joints[friction_joints[leader].joint].0 == own);
@@ -155,7 +157,7 @@ impl StateLoads {
             if found.is_none() {
                 leaders.push(i);
             }
-            of_pins.push(group);
+            group_of.push(group);
             signs.push(sign * of_joints[friction_joints[leaders[group]].joint].1);
         }
         let air = !surfaces.is_empty();
@@ -164,110 +166,110 @@ impl StateLoads {
             air,
             bumpers,
             friction_joints,
-            groups: of_pins,
+            groups: group_of,
             leaders,
             signs,
             loads,
             table: Table::empty(),
             bundle: Bundle::default(),
             caused_by_applied: Vec::new(),
-            given: reduced.components.count,
+            given: source.components.count,
         };
-        let sizes = state_loads.sizes(reduced);
-        let mut room = state_loads.room(reduced);
-        let mut fill = |c: &Configuration, values: &mut [f64]| state_loads.fill(reduced, c, &mut room, values);
-        state_loads.table = reduced.tabulate(&reduced.fine, &[sizes], &mut fill).swap_remove(0)?;
-        state_loads.bundle = state_loads.table.bundle(0..state_loads.bundled());
+        let sizes = state_loads.sizes(source);
+        let mut scratch = state_loads.scratch(loading);
+        let mut fill = |c: &Configuration, values: &mut [f64]| state_loads.fill(source, c, &mut scratch, values);
+        state_loads.table = source.tabulate(grid, &[sizes], &mut fill).swap_remove(0)?;
+        state_loads.bundle = Bundle::new(&state_loads.table, 0..state_loads.bundled());
         let own = &state_loads;
-        let of_applied = |k: usize| own.table.bundle((1..own.rows()).map(move |row| own.given(row, k)));
+        let of_applied = |k: usize| Bundle::new(&own.table, (1..own.rows()).map(move |row| own.given(row, k)));
         state_loads.caused_by_applied = (0..state_loads.given).map(of_applied).collect();
         Ok(Some(state_loads))
     }
 
     /// Natural sizes of all components.
-    fn sizes(&self, reduced: &Reduced) -> Vec<f64> {
-        let (loading, linkage, natural) = (&reduced.loading, reduced.linkage(), &reduced.natural);
-        let displacement = |load: usize| natural.displacement(&loading.loads[load], linkage);
-        // A generalised force Q along sigma goes with forces of the size Q scale / size in the joints.
-        let factor = natural.scale / linkage.size;
-        let influences: Vec<f64> = self.loads.iter().map(|&l| displacement(l) / natural.scale).collect();
+    fn sizes(&self, source: &Source) -> Vec<f64> {
+        let Source { curve, loading, components, scale } = source;
+        let size = source.linkage().size;
+        // A generalised force Q along sigma causes forces in the joints of the natural size Q scale / size.
+        let factor = scale.length / size;
+        let influences: Vec<f64> = self.loads.iter().map(|&l| source.displacement_size(l) / scale.length).collect();
         let mut sizes = vec![0.0; self.bundled()];
         sizes[..influences.len()].copy_from_slice(&influences);
-        sizes[self.square()].fill(1.0 / linkage.size);
+        sizes[self.square()].fill(1.0 / size);
         sizes[self.inertial()].fill(factor);
-        for (k, size) in sizes[self.passed()].iter_mut().enumerate() {
-            *size = displacement(self.friction_joints[k % self.friction_joints.len()].load) / linkage.size;
+        for (k, passed) in sizes[self.passed()].iter_mut().enumerate() {
+            *passed = source.displacement_size(self.friction_joints[k % self.friction_joints.len()].load) / size;
         }
         for load in 0..self.free() {
             sizes[self.caused(load)].fill(influences[load] * factor);
         }
         sizes[self.line(0)..self.pressed(0)].fill(1.0);
         for (k, &b) in self.bumpers.iter().enumerate() {
-            sizes[self.pressed(k)] = displacement(loading.stops[b].load);
+            sizes[self.pressed(k)] = source.displacement_size(loading.stops[b].load);
         }
-        let given = reduced.components.sizes(loading, &reduced.curve, natural);
+        let given = components.sizes(loading, curve, scale);
         for row in 0..self.rows() {
             sizes.extend(given.iter().map(|s| if row == 0 { *s } else { s * factor }));
         }
         sizes
     }
 
-    /// Room to fill the table at one configuration after another.
-    pub(super) fn room(&self, reduced: &Reduced) -> Room {
-        let loading = &reduced.loading;
+    /// Scratch for filling the table at one configuration after another.
+    pub(super) fn scratch(&self, loading: &Loading) -> Scratch {
         let base = loading.base();
-        let mut places: Vec<usize> = (0..loading.loads.len()).map(|l| if l < base { l } else { NOWHERE }).collect();
+        let mut indices: Vec<usize> = (0..loading.loads.len()).map(|l| if l < base { l } else { ABSENT }).collect();
         for (k, &load) in self.loads.iter().enumerate() {
-            places[load] = base + k;
+            indices[load] = base + k;
         }
         let own = self.loads.iter().map(|&load| &loading.loads[load]);
         let loads = loading.loads[..base].iter().chain(own).cloned().collect();
-        Room { loads, places, ..Room::default() }
+        Scratch { loads, indices, ..Scratch::default() }
     }
 
     /// All components at a configuration.
-    pub(super) fn fill(&self, reduced: &Reduced, c: &Configuration, room: &mut Room, values: &mut [f64]) {
-        let (loading, linkage, n) = (&reduced.loading, reduced.linkage(), self.friction_joints.len());
-        let Room { columns, loads, places, pulls, influence, parts } = room;
+    pub(super) fn fill(&self, source: &Source, c: &Configuration, scratch: &mut Scratch, values: &mut [f64]) {
+        let Source { curve, loading, components, .. } = source;
+        let (linkage, n) = (source.linkage(), self.friction_joints.len());
+        let Scratch { columns, loads, indices, springs, influence, parts } = scratch;
         influence.clear();
-        let acts = |(load, place): (&Load, &usize)| if *place == NOWHERE { 0.0 } else { load.influence(linkage, c) };
-        influence.extend(loading.loads.iter().zip(&*places).map(acts));
-        reduced.components.pulls(loading, &reduced.curve, c, pulls);
-        // All components of the pins' reactions to sigma_ddot = 1, to sigma_dot^2 = 1, then to each load = 1 at rest.
+        let acts = |(load, index): (&Load, &usize)| if *index == ABSENT { 0.0 } else { load.influence(linkage, c) };
+        influence.extend(loading.loads.iter().zip(&*indices).map(acts));
+        components.spring_loads(loading, curve, c, springs);
+        // Reactions of the joints with friction to sigma_ddot = 1, sigma_dot^2 = 1, each load = 1 without motion.
         parts.clear();
         parts.resize(2 * n * (2 + loads.len()), 0.0);
         if n > 0 {
-            self.part(reduced, c, columns.fill(reduced.curve.closure(), c, loads, 0), parts);
+            self.copy_reactions(source, c, columns.fill(curve.closure(), c, loads, 0), parts);
         }
-        let of_load = |load: usize| 2 * n * (2 + places[load])..2 * n * (3 + places[load]);
+        let of_load = |load: usize| 2 * n * (2 + indices[load])..2 * n * (3 + indices[load]);
         for (value, &load) in values.iter_mut().zip(&self.loads) {
             *value = influence[load];
         }
         values[self.square()].copy_from_slice(&parts[2 * n..4 * n]);
         values[self.inertial()].copy_from_slice(&parts[..2 * n]);
         let passed = &mut values[self.passed()];
-        for (friction_joint, of_pin) in self.friction_joints.iter().enumerate() {
-            let part = &parts[of_load(of_pin.load)];
+        for (j, friction_joint) in self.friction_joints.iter().enumerate() {
+            let part = &parts[of_load(friction_joint.load)];
             for (group, &leader) in self.leaders.iter().enumerate() {
                 for axis in 0..2 {
-                    passed[(axis * self.leaders.len() + group) * n + friction_joint] = part[axis * n + leader];
+                    passed[(axis * self.leaders.len() + group) * n + j] = part[axis * n + leader];
                 }
             }
         }
-        // A reaction to a load: what balances it at rest, and what the motion that it causes needs.
+        // Add the reactions to the motion that each load causes.
         let (inertial, at_rest) = parts.split_at_mut(4 * n);
-        for (load, &place) in places.iter().enumerate().filter(|(_, place)| **place != NOWHERE) {
-            for (part, inertial) in at_rest[2 * n * place..2 * n * (place + 1)].iter_mut().zip(&inertial[..2 * n]) {
+        for (load, &index) in indices.iter().enumerate().filter(|(_, index)| **index != ABSENT) {
+            for (part, inertial) in at_rest[2 * n * index..2 * n * (index + 1)].iter_mut().zip(&inertial[..2 * n]) {
                 *part += inertial * influence[load];
             }
         }
-        for (load, &number) in self.loads[..self.free()].iter().enumerate() {
-            values[self.caused(load)].copy_from_slice(&parts[of_load(number)]);
+        for (k, &load) in self.loads[..self.free()].iter().enumerate() {
+            values[self.caused(k)].copy_from_slice(&parts[of_load(load)]);
         }
         for row in 0..self.rows() {
             let effect = |load: usize| if row == 0 { influence[load] } else { parts[of_load(load)][row - 1] };
             let given = &mut values[self.given(row, 0)..self.given(row + 1, 0)];
-            reduced.components.fill_effects(pulls, effect, given);
+            components.fill(springs, effect, given);
         }
         if let (true, Some(air)) = (self.air, &loading.air) {
             for (k, surface) in air.surfaces.iter().enumerate() {
@@ -281,9 +283,9 @@ impl StateLoads {
         }
     }
 
-    /// The components of the pins' reactions in all columns.
-    fn part(&self, reduced: &Reduced, c: &Configuration, columns: &[Reaction], parts: &mut [f64]) {
-        let (joints, n) = (&reduced.linkage().joints, self.friction_joints.len());
+    /// Copy the components of the reactions of the joints with friction from all columns.
+    fn copy_reactions(&self, source: &Source, c: &Configuration, columns: &[Reaction], parts: &mut [f64]) {
+        let (joints, n) = (&source.linkage().joints, self.friction_joints.len());
         for (i, (friction_joint, &sign)) in self.friction_joints.iter().zip(&self.signs).enumerate() {
             let joint = &joints[friction_joint.joint];
             let normal = match joint.freedom {

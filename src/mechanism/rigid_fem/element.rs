@@ -1,43 +1,43 @@
 //! The rigid-link finite element: inertia and axial stiffness of one body between two nodes ([HF08] section 3).
 //!
-//! In: positions, velocities and accelerations of the two nodes. Out: forces at them, matrices, energies. It must not know
-//! joints, loads or time steps. d = x2 - x1 [m] is the vector between the nodes, l its length, e = d / l, n = J e with J
-//! the quarter turn; L is the length without force. Four components stand for (x1, x2).
-use crate::mechanism::linkage::{Vec2, cross, perp};
+//! In: positions, velocities and accelerations of the two nodes. Out: forces at the nodes, matrices, energies. It must
+//! not know joints, loads or time steps. d = x2 - x1 [m] is the vector between the nodes, l its length, e = d / l, n =
+//! J e with J the rotation by a right angle; L is the length without force. Vectors of four components are (x1, x2).
+use crate::numerics::plane::{Vec2, cross, perp};
 use nalgebra::{Matrix4, Vector4};
 
-/// A point of the body in the nodes' terms: x = (1 - xi) x1 + xi x2 + eta J (x2 - x1).
+/// Coordinates of a point of the body relative to its nodes: x = (1 - xi) x1 + xi x2 + eta J (x2 - x1).
 ///
-/// The accelerations of a rigid body are affine, a(r) = a1 + (alpha J - omega^2) r, and alpha J - omega^2 commutes with J:
-/// so the same weights give positions, velocities and accelerations, whatever the body's angle.
+/// The acceleration of a rigid body is affine, a(r) = a1 + (alpha J - omega^2) r, and alpha J - omega^2 commutes with
+/// J: the same weights give positions, velocities and accelerations at any angle of the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct LocalCoordinates {
     /// Along the element, 0 at node 1, 1 at node 2 [1].
     pub xi: f64,
-    /// Across it, in lengths of the element [1].
+    /// Across the element, in lengths of the element [1].
     pub eta: f64,
 }
 
-impl Place {
-    /// Of a point at `r` from node 1, when node 2 is at `d` from it [m].
+impl LocalCoordinates {
+    /// Coordinates of a point at `r` from node 1 if node 2 is at `d` from node 1 [m].
     pub fn new(r: Vec2, d: Vec2) -> Self {
         let square = d.norm_squared();
         Self { xi: d.dot(&r) / square, eta: cross(d, r) / square }
     }
 
-    /// N s: the value at this point of what has the values `s` at the nodes (the rate of a position is a velocity).
+    /// N s: position, velocity or acceleration at this point for the values `s` at the nodes.
     pub fn interpolate(self, s: [Vec2; 2]) -> Vec2 {
         s[0] + self.xi * (s[1] - s[0]) + self.eta * perp(s[1] - s[0])
     }
 
-    /// N^T force: the forces at the nodes with the same virtual work [N].
+    /// N^T force: forces at the nodes with the virtual work of a force at this point [N].
     pub fn spread(self, force: Vec2) -> [Vec2; 2] {
         let second = self.xi * force - self.eta * perp(force);
         [force - second, second]
     }
 }
 
-/// Position, velocity and acceleration of the two nodes.
+/// Motion of the two nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ends {
     /// Positions [m].
@@ -74,7 +74,7 @@ impl Span {
     }
 }
 
-/// Of a direction u: (-u, u), what the nodes' difference takes along it.
+/// (-u, u): the gradient of u . (x2 - x1).
 pub fn difference(u: Vec2) -> Vector4<f64> {
     Vector4::new(-u.x, -u.y, u.x, u.y)
 }
@@ -88,17 +88,17 @@ pub struct Element {
     pub axial_stiffness: f64,
     /// Mass m [kg].
     pub mass: f64,
-    /// Centre of mass.
-    pub center: Place,
-    /// Moment of inertia about it, I [kg.m2].
+    /// Coordinates of the centre of mass.
+    pub center: LocalCoordinates,
+    /// Moment of inertia about the centre of mass, I [kg.m2].
     pub inertia: f64,
 }
 
 impl Element {
-    /// M_e = m N^T N + (I / L^2) (-n, n)(-n, n)^T [kg], N at the centre of mass. For a uniform rod this is [HF08] eq. (19)
-    /// turned by eq. (23); for any other body its exact inertia too.
+    /// M_e = m N^T N + (I / L^2) (-n, n)(-n, n)^T [kg], N at the centre of mass. For a uniform rod this is [HF08] eq.
+    /// (19) turned by eq. (23); for any other body it is the exact inertia.
     pub fn mass_matrix(&self, across: Vec2) -> Matrix4<f64> {
-        let Place { xi, eta } = self.center;
+        let LocalCoordinates { xi, eta } = self.center;
         let (one, two, skew) = (1.0 - xi, xi, eta);
         // N = [(1 - xi) - eta J, xi + eta J].
         let n = nalgebra::Matrix2x4::new(one, skew, two, -skew, -skew, one, skew, two);
@@ -106,7 +106,7 @@ impl Element {
         self.mass * n.transpose() * n + (self.inertia / (self.length * self.length)) * t * t.transpose()
     }
 
-    /// Force in the rod N = E A (l - L) / L [N], > 0 if it pulls: [HF08] eqs. (15)-(18) along the present direction.
+    /// Force in the rod N = E A (l - L) / L [N], > 0 in tension: [HF08] eqs. (15)-(18) along the present direction.
     pub fn axial_force(&self, span: &Span) -> f64 {
         self.axial_stiffness * (span.length - self.length) / self.length
     }
@@ -117,18 +117,17 @@ impl Element {
         (self.axial_stiffness / self.length) * s * s.transpose()
     }
 
-    /// Derivative of the forces of [`Self::axial_force`] at the nodes with respect to the positions [N/m]:
-    /// K_e and the geometric part (N / l) (-n, n)(-n, n)^T.
+    /// Derivative of the rod's forces with respect to the nodes' positions [N/m]: K_e + (N / l) (-n, n)(-n, n)^T.
     pub fn stiffness_matrix(&self, span: &Span) -> Matrix4<f64> {
         let t = difference(span.across);
         self.material_matrix(span) + (self.axial_force(span) / span.length) * t * t.transpose()
     }
 
-    /// Forces that the nodes must receive for this motion [N]: M_e a + K_e's force + c.
+    /// Forces on the element at its nodes for this motion [N]: M_e a + N (-e, e) + c.
     ///
-    /// c = -(I / L^2) l omega^2 (-e, e) is what Lagrange's equations give for T = v^T M_e v / 2 beyond M_e a, because M_e
-    /// turns with the element. It is a pair along the rod, so it does no work in a rigid motion, and [HF08] eq. (22) goes
-    /// without it; with it the energy of a stretching rod is conserved too.
+    /// c = -(I / L^2) l omega^2 (-e, e) is the term of Lagrange's equations for T = v^T M_e v / 2 that is due to the
+    /// rotation of M_e with the element. These forces along the rod do no work in a rigid motion, and [HF08] eq. (22)
+    /// omits them; with them the energy of a stretching rod is conserved too.
     pub fn demand(&self, ends: &Ends) -> [Vec2; 2] {
         let span = Span::new(ends.x);
         let omega = span.speed(ends.v);
@@ -143,8 +142,7 @@ impl Element {
     /// T = v^T M_e v / 2 [J].
     pub fn kinetic(&self, ends: &Ends) -> f64 {
         let span = Span::new(ends.x);
-        let stretch = span.length / self.length;
-        let omega = span.speed(ends.v) * stretch;
+        let omega = span.speed(ends.v) * (span.length / self.length);
         0.5 * (self.mass * self.center.interpolate(ends.v).norm_squared() + self.inertia * omega * omega)
     }
 
@@ -164,18 +162,18 @@ impl Element {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanism::linkage::turned;
+    use crate::numerics::plane::turned;
 
     const ROD: Element = Element {
         length: 0.34,
         axial_stiffness: 3.0492e8,
         mass: 3.850704,
-        center: Place { xi: 0.5, eta: 0.0 },
+        center: LocalCoordinates { xi: 0.5, eta: 0.0 },
         inertia: 3.850704 * 0.34 * 0.34 / 12.0,
     };
 
-    /// A body that is no rod.
-    const BODY: Element = Element { center: Place { xi: -0.4, eta: 0.9 }, inertia: 0.3, ..ROD };
+    /// A body other than a uniform rod.
+    const BODY: Element = Element { center: LocalCoordinates { xi: -0.4, eta: 0.9 }, inertia: 0.3, ..ROD };
 
     fn ends(angle: f64, stretch: f64) -> Ends {
         let x = Vec2::new(0.1, -0.3);
@@ -197,14 +195,14 @@ mod tests {
             let t = Matrix4::new(a, b, 0., 0., -b, a, 0., 0., 0., 0., a, b, 0., 0., -b, a);
             let span = Span::new(ends(angle, 0.0).x);
             assert!((ROD.mass_matrix(span.across) - t.transpose() * m * t).norm() < 1e-14 * m.norm());
-            // Of the length 0.34 m, rounding leaves a force of 1e-16 E A in the geometric part.
+            // Rounding of the length leaves a force of 1e-16 E A in the geometric part.
             assert!((ROD.stiffness_matrix(&span) - t.transpose() * k * t).norm() < 1e-14 * k.norm());
         }
     }
 
     #[test]
     fn the_inertia_is_that_of_newton_and_euler() {
-        // A rigid motion with a pivot's acceleration, omega and alpha; centre of mass at r from node 1.
+        // A rigid motion: acceleration of node 1, omega, alpha; centre of mass at r from node 1.
         let (omega, alpha, angle) = (-7.0, 31.0, 1.1);
         let at = |r: Vec2| Vec2::new(3.0, -4.0) + alpha * perp(r) - omega * omega * r;
         let d = turned(Vec2::new(BODY.length, 0.0), angle);
@@ -214,7 +212,6 @@ mod tests {
         let force = BODY.mass * at(r);
         assert!((first + second - force).norm() < 1e-12 * force.norm());
         let moment = cross(r, force) + BODY.inertia * alpha;
-        // E A times the rounding in l, at the arm of d, has no moment.
         assert!((cross(d, second) - moment).abs() < 1e-12 * force.norm());
         assert!((BODY.angular_acceleration(&ends) - alpha).abs() < 1e-12 * alpha);
     }
@@ -254,7 +251,7 @@ mod tests {
         };
         let rate = (energy(1e-6) - energy(-1e-6)) / 2e-6;
         assert!((rate - power).abs() < 1e-8 * power.abs(), "{rate} {power}");
-        // The pair along the rod is seen: without it the balance is missed.
+        // The term c matters: its power exceeds the tolerance.
         let span = Span::new(here.x);
         let pair = BODY.inertia / BODY.length.powi(2) * span.length * span.speed(here.v).powi(2);
         assert!((pair * span.along.dot(&(here.v[1] - here.v[0]))).abs() > 1e-6 * power.abs());

@@ -1,20 +1,20 @@
-//! What the rigid-link finite elements refuse.
+//! Errors of the rigid-link finite elements.
 use crate::numerics::decimal::Decimal;
 use std::fmt;
 
-/// Why there is no finite element model, or no step. The text names the quantity, the value, the limit and the remedy.
+/// Error of the rigid-link finite elements. Its text names the quantity, the value, the limit and the remedy.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RigidFemError {
-    /// A prismatic joint: an element has two pins.
+    /// A prismatic joint: an element has two revolute joints.
     Prismatic {
         /// Name of the joint.
         joint: String,
     },
-    /// A moving body that is no binary link.
+    /// A moving body that is not a binary link.
     Nodes {
         /// Name of the body.
         body: String,
-        /// Number of different points at which joints hold it.
+        /// Number of different points with joints.
         count: usize,
     },
     /// An axial stiffness E A that is not finite and > 0.
@@ -24,32 +24,32 @@ pub enum RigidFemError {
         /// The value [N].
         value: f64,
     },
-    /// A node can move without moving any mass: its accelerations would be anything.
+    /// A node can move without moving any mass: its acceleration is indeterminate.
     Massless {
-        /// Name of the lightest body there.
+        /// Name of the lightest body at the node.
         body: String,
-        /// Its mass [kg].
+        /// Mass of the body [kg].
         mass: f64,
     },
-    /// A drive that loses power: its force jumps where the motion turns back.
+    /// A drive with losses: its force jumps where the motion reverses.
     Efficiency {
         /// Name of the drive.
         drive: String,
-        /// Its efficiency [1].
+        /// Efficiency of the drive [1].
         value: f64,
     },
-    /// A step that is no step.
+    /// A step that is not finite and > 0.
     StepSize {
-        /// Which one, `h` or `h_fem`.
+        /// Name of the step, `h` or `h_fem`.
         name: &'static str,
         /// The value [s].
         value: f64,
     },
-    /// A step is divided into too many.
+    /// A step of too many substeps.
     Substeps {
-        /// Their number.
+        /// Number of substeps.
         count: f64,
-        /// Largest number allowed.
+        /// Largest allowed number.
         limit: f64,
     },
     /// The equilibrium iterations of a step did not converge, or a force became infinite.
@@ -58,25 +58,25 @@ pub enum RigidFemError {
         h: f64,
         /// Last correction of a node's position [m].
         correction: f64,
-        /// Below this it would have converged [m].
+        /// Correction at which the iterations end [m].
         limit: f64,
     },
-    /// A rod is stretched or pressed further than a rigid link may be.
+    /// The strain of a rod is too large for a rigid link.
     Strain {
         /// Name of the body.
         body: String,
-        /// Change of its length by its length [1].
+        /// Strain [1].
         strain: f64,
-        /// Largest amount allowed [1].
+        /// Largest allowed absolute value [1].
         limit: f64,
         /// The step [s].
         h: f64,
     },
-    /// No static stretch of the rods was found at the start.
+    /// The iterations for the static strain at the start did not converge.
     Stretch {
         /// Last correction of a node's position [m].
         correction: f64,
-        /// Below this it would have converged [m].
+        /// Correction at which the iterations end [m].
         limit: f64,
     },
 }

@@ -14,7 +14,7 @@ impl Lu {
         Self { n, entries: vec![0.0; n * n], pivots: vec![0; n] }
     }
 
-    /// Back to zeros.
+    /// Set all entries to 0.
     pub fn clear(&mut self) {
         self.entries.fill(0.0);
     }
@@ -24,7 +24,7 @@ impl Lu {
         self.entries[row * self.n + column] += value;
     }
 
-    /// Replace the matrix by its factors P A = L U; false if it is singular or not finite.
+    /// Replace the matrix by its factors P A = L U. False if the matrix is singular or not finite.
     pub fn factor(&mut self) -> bool {
         let n = self.n;
         for k in 0..n {
@@ -53,7 +53,7 @@ impl Lu {
         true
     }
 
-    /// Solve A x = b; b becomes x.
+    /// Solve A x = b; x replaces b.
     pub fn solve(&self, b: &mut [f64]) {
         let n = self.n;
         for k in 0..n {

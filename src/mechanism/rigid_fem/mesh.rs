@@ -1,66 +1,66 @@
-//! The mesh: which nodes there are, which two each body has, and how the forces of joints follow from forces at nodes.
+//! The mesh: nodes, elements between two nodes, and the weights that give joint forces from forces at nodes.
 //!
-//! In: a linkage of binary links with revolute joints. Out: nodes, elements, points in elements' terms. It must not know
-//! loads, states or time.
-use super::RigidFemError;
-use super::element::{Element, Ends, Place};
-use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point, Positions, Vec2};
+//! In: a linkage of binary links. Out: nodes, elements, points relative to elements. It must not know loads or states.
+use super::element::{Element, Ends, LocalCoordinates};
+use super::error::RigidFemError;
+use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point, Positions};
+use crate::numerics::plane::Vec2;
 use nalgebra::DMatrix;
 
-/// Points of one body closer than this part of the linkage's size are one node.
+/// Distance below which points of one body are one node, relative to the linkage's size.
 const COINCIDE: f64 = 1e-12;
 
-/// A point of a body or of the ground.
+/// A point of an element or of the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum TablePosition {
-    /// On the ground, at this position [m].
+pub enum MeshPoint {
+    /// Position of a point of the ground [m].
     Fixed(Vec2),
-    /// In an element.
+    /// A point of an element.
     Moving {
-        /// The element.
+        /// Index of the element.
         element: usize,
-        /// Where in it.
-        place: Place,
+        /// Coordinates in the element.
+        local: LocalCoordinates,
     },
 }
 
-/// A part of the force that a joint's first body exerts on its second.
+/// Contribution of a node's force to a joint's force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Share {
-    /// Element whose node counts.
+    /// Index of the element.
     pub element: usize,
-    /// 0 or 1: which of its nodes.
+    /// Node of the element, 0 or 1.
     pub end: usize,
-    /// How much of the force that joints exert on it there [1].
+    /// Weight of the force of the joints on the element at this node [1].
     pub weight: f64,
 }
 
 /// Nodes and elements. Element `i` is body `i + 1` of the linkage.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// Number of moving nodes; they come first.
+    /// Number of moving nodes; they come before the fixed ones.
     pub moving: usize,
-    /// Positions of the others [m].
+    /// Positions of the fixed nodes [m].
     pub fixed: Vec<Vec2>,
     /// A point of a body at each node.
     pub points: Vec<Point>,
     /// Elements.
     pub elements: Vec<Element>,
-    /// The two nodes of each element.
+    /// Indices of the two nodes of each element.
     pub nodes: Vec<[usize; 2]>,
-    /// Angle from the body's x axis to its second node, seen from the first [rad].
+    /// Angle of the vector from the first to the second node in the body's frame [rad].
     pub axis: Vec<f64>,
-    /// The bodies' first nodes, in their frames [m], and the vector from there to the second.
+    /// First node and vector from the first to the second node of each element, in the body's frame [m].
     arms: Vec<(Vec2, Vec2)>,
-    /// How the force of each joint follows from the forces at the elements' nodes.
+    /// Contributions to the force of each joint, that of its first body on its second.
     pub joints: Vec<Vec<Share>>,
 }
 
 impl Mesh {
-    /// From a linkage; `axial_stiffness` gives E A [N] of a body of the linkage.
+    /// Mesh of a linkage; `axial_stiffness` gives E A [N] of a body by its index.
     ///
     /// # Errors
-    /// A prismatic joint, a body that is no binary link, an E A out of range.
+    /// A prismatic joint, a body that is not a binary link, an E A out of range.
     pub fn new(linkage: &Linkage, axial_stiffness: &dyn Fn(usize) -> f64) -> Result<Self, RigidFemError> {
         if let Some(joint) = linkage.joints.iter().find(|j| j.freedom != Freedom::Revolute) {
             return Err(RigidFemError::Prismatic { joint: joint.name.clone() });
@@ -76,11 +76,7 @@ impl Mesh {
             moving,
             fixed: order.iter().filter_map(on_ground).collect(),
             points: order.iter().map(|&g| groups[g][0]).collect(),
-            elements: Vec::new(),
-            nodes: Vec::new(),
-            axis: Vec::new(),
-            arms: Vec::new(),
-            joints: Vec::new(),
+            ..Self::default()
         };
         for (i, body) in linkage.bodies.iter().enumerate().skip(1) {
             let held: Vec<(usize, Vec2)> = order
@@ -91,7 +87,7 @@ impl Mesh {
             let [(mut first, mut near), (mut second, mut far)] = held[..] else {
                 return Err(RigidFemError::Nodes { body: body.name.clone(), count: held.len() });
             };
-            // From the pivot on the ground, or from the node nearer to the frame's origin.
+            // The first node is the one on the ground, or the one nearer to the frame's origin.
             if second >= moving || near.norm() > far.norm() {
                 (first, near, second, far) = (second, far, first, near);
             }
@@ -100,7 +96,7 @@ impl Mesh {
                 return Err(RigidFemError::AxialStiffness { body: body.name.clone(), value: ea });
             }
             let d = far - near;
-            let center = Place::new(body.center - near, d);
+            let center = LocalCoordinates::new(body.center - near, d);
             let (length, mass, inertia) = (d.norm(), body.mass, body.inertia);
             mesh.elements.push(Element { length, axial_stiffness: ea, mass, center, inertia });
             mesh.nodes.push([first, second]);
@@ -116,45 +112,45 @@ impl Mesh {
         2 * self.moving
     }
 
-    /// A point of the linkage in elements' terms.
-    pub fn spot(&self, point: Point) -> TablePosition {
+    /// A point of the linkage relative to the mesh.
+    pub fn locate(&self, point: Point) -> MeshPoint {
         match point.body.checked_sub(1) {
-            None => TablePosition::Fixed(point.local),
+            None => MeshPoint::Fixed(point.local),
             Some(element) => {
                 let (near, d) = self.arms[element];
-                TablePosition::Moving { element, place: Place::new(point.local - near, d) }
+                MeshPoint::Moving { element, local: LocalCoordinates::new(point.local - near, d) }
             }
         }
     }
 
-    /// Positions of the moving nodes where a linkage's bodies are at these positions [m].
+    /// Positions of the moving nodes for these positions of the bodies [m].
     pub fn positions(&self, p: &Positions) -> Vec<Vec2> {
         self.points[..self.moving].iter().map(|&point| p.point(point)).collect()
     }
 
     /// Positions of an element's nodes.
-    pub fn place(&self, element: usize, positions: &[Vec2]) -> [Vec2; 2] {
+    pub fn node_positions(&self, element: usize, positions: &[Vec2]) -> [Vec2; 2] {
         self.nodes[element].map(|n| if n < self.moving { positions[n] } else { self.fixed[n - self.moving] })
     }
 
     /// Velocities or accelerations of an element's nodes.
-    pub fn rate(&self, element: usize, rates: &[Vec2]) -> [Vec2; 2] {
+    pub fn node_rates(&self, element: usize, rates: &[Vec2]) -> [Vec2; 2] {
         self.nodes[element].map(|n| if n < self.moving { rates[n] } else { Vec2::zeros() })
     }
 
-    /// All of an element's nodes.
+    /// Motion of an element's nodes.
     pub fn ends(&self, element: usize, x: &[Vec2], v: &[Vec2], a: &[Vec2]) -> Ends {
-        Ends { x: self.place(element, x), v: self.rate(element, v), a: self.rate(element, a) }
+        Ends { x: self.node_positions(element, x), v: self.node_rates(element, v), a: self.node_rates(element, a) }
     }
 
-    /// The unknowns of an element, each with its place among the element's four components.
+    /// Indices of an element's unknowns, each with its index among the element's four components.
     pub fn unknowns_of(&self, element: usize) -> impl Iterator<Item = (usize, usize)> {
         let (nodes, moving) = (self.nodes[element], self.moving);
         (0..4).filter(move |k| nodes[k / 2] < moving).map(move |k| (2 * nodes[k / 2] + k % 2, k))
     }
 
-    /// Joint forces F from the forces f that the joints at a node exert on its bodies: A F = f, with +1 in A for a joint's
-    /// second body and -1 for its first. More joints than needed at one node share f with the least sum of F^2.
+    /// Weights of joint forces F in terms of the forces f of the joints on the bodies at a node: A F = f, with +1 in A
+    /// for a joint's second body and -1 for its first. With redundant joints at a node, F has the least sum of squares.
     fn shares(&self, linkage: &Linkage, groups: &[Vec<Point>], of_joint: &[usize]) -> Vec<Vec<Share>> {
         let mut out = vec![Vec::new(); linkage.joints.len()];
         for (g, group) in groups.iter().enumerate() {
@@ -164,9 +160,9 @@ impl Mesh {
                 f64::from(i8::from(joint.second.body == group[row].body))
                     - f64::from(i8::from(joint.first.body == group[row].body))
             });
-            // Entries are 0, 1 and -1: singular values are 0 or of the size of 1.
+            // Entries are 0, 1 and -1, so singular values are 0 or of order 1.
             let Ok(inverse) = incidence.pseudo_inverse(1e-9) else { continue };
-            // The ground receives less the sum of the others.
+            // The force on the ground is minus the sum of the others.
             let ground = group.iter().position(|p| p.body == GROUND);
             for (row, joint) in joints.iter().enumerate() {
                 for (column, point) in group.iter().enumerate().filter(|(_, p)| p.body != GROUND) {
@@ -187,7 +183,7 @@ impl Mesh {
     }
 }
 
-/// Points that joints hold together, one of each body; and the group of each joint.
+/// Groups of points that joints connect, one point for each body, and the index of each joint's group.
 fn group(linkage: &Linkage) -> (Vec<Vec<Point>>, Vec<usize>) {
     let is_at = |a: &Point, b: &Point| a.body == b.body && (a.local - b.local).norm() <= COINCIDE * linkage.size;
     let mut groups: Vec<Vec<Point>> = Vec::new();

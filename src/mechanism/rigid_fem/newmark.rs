@@ -6,34 +6,36 @@
 //! x1 = x0 + h v0 + h^2 (a0 + a1) / 4,    v1 = v0 + h (a0 + a1) / 2
 //! ```
 //!
-//! where a1 is such that the equations of motion hold at the end. Second order in h. In linear problems it neither damps nor
-//! amplifies vibrations, however long h is. Here the rods turn, and with h longer than their periods, in fast motion and
-//! after many steps, the energy of their vibrations may grow: energy drift shows it early, and a strain beyond what a rigid
-//! link may have is refused.
+//! where a1 satisfies the equations of motion at the end of the step. The method is of second order in h. In linear
+//! problems it neither damps nor amplifies vibrations, for any h. Here the rods turn, and with h longer than their
+//! periods, in fast motion and after many steps, the energy of their vibrations may grow. Energy drift shows this
+//! early, and a strain beyond that of a rigid link is an error. It must not know events.
 use super::element::Span;
+use super::error::RigidFemError;
 use super::lu::Lu;
+use super::model::{RigidFem, State};
 use super::nodal_load::Present;
-use super::{RigidFem, RigidFemError, State};
-use crate::mechanism::linkage::Vec2;
+use crate::mechanism::loads::laws::spring::Spring;
+use crate::numerics::plane::Vec2;
 
-/// Corrections of positions below this part of the linkage's size end the iterations. The correction that is still made then
-/// leaves an error smaller by the rate of convergence, about (h omega)^2.
+/// Correction of positions at which the iterations end, relative to the linkage's size. The last correction leaves an
+/// error smaller by the rate of convergence, about (h omega)^2.
 const CONVERGED: f64 = 1e-12;
-/// The gear takes at most five corrections at h = 2 ms; where this many do not suffice the step is far too long.
+/// Largest number of corrections. The gear takes at most five at h = 2 ms.
 const ITERATIONS: usize = 40;
-/// A step that is a multiple of `h_fem` but for this part is divided into that number: hosts subtract times.
+/// Relative excess of a step over a multiple of `h_fem` that counts as rounding of the host's times.
 const ROUNDING: f64 = 1e-6;
-/// More substeps than this would seem to take for ever.
+/// Largest number of substeps.
 const SUBSTEPS: f64 = 1e9;
-/// Largest strain |l - L| / L of a rod that stands for a rigid link [1]: several times what steel bears.
+/// Largest strain |l - L| / L of a rod that represents a rigid link [1]: several times that of steel at yield.
 const STRAIN: f64 = 1e-2;
 
-/// Room for a step's intermediate results, so that no step allocates.
+/// Scratch for a step.
 #[derive(Clone, Debug)]
-pub struct Workspace {
+pub struct Scratch {
     /// State at the end of the substep.
     next: State,
-    /// State to return to when a substep fails.
+    /// State before the step, restored if a substep fails.
     backup: State,
     forces: Vec<[Vec2; 2]>,
     residual: Vec<f64>,
@@ -41,7 +43,7 @@ pub struct Workspace {
     tangent: Lu,
 }
 
-impl Workspace {
+impl Scratch {
     /// Forces at the nodes of every element [N].
     pub(super) fn forces_mut(&mut self) -> &mut [[Vec2; 2]] {
         &mut self.forces
@@ -49,11 +51,11 @@ impl Workspace {
 }
 
 impl RigidFem {
-    /// Room for steps of this linkage.
-    pub fn workspace(&self) -> Workspace {
+    /// Scratch for steps of this linkage.
+    pub fn scratch(&self) -> Scratch {
         let (n, elements) = (self.mesh.moving, self.mesh.elements.len());
         let state = self.blank();
-        Workspace {
+        Scratch {
             next: state.clone(),
             backup: state,
             forces: vec![[Vec2::zeros(); 2]; elements],
@@ -63,31 +65,31 @@ impl RigidFem {
         }
     }
 
-    /// Advance by `h` [s] in ceil(h / h_fem) equal steps, under loads of constant `sizes`. Returns the energy that dampers
-    /// took [J], by the trapezoidal rule. On an error the state is what it was.
+    /// Advance by `h` [s] in ceil(h / h_fem) equal steps, under loads of constant `sizes`. Returns the energy lost in
+    /// dampers [J], by the trapezoidal rule. On an error the state is unchanged.
     ///
     /// # Errors
-    /// A step that is not finite and > 0, or too many of them; no equilibrium at the end of a step; a rod stretched by more than 1 %.
+    /// A step is not finite and > 0; too many steps; no equilibrium at the end of a step; a strain of more than 1 %.
     pub fn advance(
         &self,
         state: &mut State,
-        room: &mut Workspace,
+        scratch: &mut Scratch,
         sizes: &[f64],
         h: f64,
         h_fem: f64,
     ) -> Result<f64, RigidFemError> {
-        self.advance_watched(state, room, sizes, [h, h_fem], &mut |_, _| Ok(()))
+        self.advance_watched(state, scratch, sizes, [h, h_fem], &mut |_, _| Ok(()))
     }
 
-    /// [`Self::advance`] by `h` in steps of at most `h_fem` [s], where `watch` sees the state after each of these steps, with
-    /// its length [s], and may refuse it.
+    /// [`Self::advance`] by `h` in steps of at most `h_fem` [s], with a call of `watch` after each of these steps: with
+    /// the state and the length of the step [s].
     ///
     /// # Errors
-    /// As [`Self::advance`]; what `watch` refuses.
+    /// [`Self::advance`]'s; errors of `watch`.
     pub fn advance_watched<E: From<RigidFemError>>(
         &self,
         state: &mut State,
-        room: &mut Workspace,
+        scratch: &mut Scratch,
         sizes: &[f64],
         [h, h_fem]: [f64; 2],
         watch: &mut dyn FnMut(&State, f64) -> Result<(), E>,
@@ -102,13 +104,13 @@ impl RigidFem {
             return Err(RigidFemError::Substeps { count, limit: SUBSTEPS }.into());
         }
         let substep = h / count;
-        room.backup.copy_from(state);
+        scratch.backup.copy_from(state);
         let mut lost = 0.0;
         let mut power = self.lost_power(state);
         for _ in 0..count as u64 {
-            let done = self.substep(state, room, sizes, substep).map_err(E::from);
+            let done = self.substep(state, scratch, sizes, substep).map_err(E::from);
             if let Err(error) = done.and_then(|()| watch(state, substep)) {
-                state.copy_from(&room.backup);
+                state.copy_from(&scratch.backup);
                 return Err(error);
             }
             let after = self.lost_power(state);
@@ -118,55 +120,55 @@ impl RigidFem {
         Ok(lost)
     }
 
-    /// After a change of the loads' sizes: accelerations that are in balance with them, a + da with
-    /// (M + h^2 K_e / 4) da = what is out of balance. Where h resolves a rod's vibration this is Newton's law to O(h^2), in
-    /// the motion of the rigid links it is Newton's law; vibrations faster than the step are not set off by it.
+    /// Balance the accelerations with changed sizes of the loads: a + da with (M + h^2 K_e / 4) da = residual. This is
+    /// Newton's law for the motion of the rigid links, and to O(h^2) for vibrations that h resolves; faster ones are
+    /// not excited.
     ///
     /// # Errors
     /// `h` is not finite and > 0; the forces are not finite.
     pub fn rebalance(
         &self,
         state: &mut State,
-        room: &mut Workspace,
+        scratch: &mut Scratch,
         sizes: &[f64],
         h: f64,
     ) -> Result<(), RigidFemError> {
         if !(h.is_finite() && h > 0.0) {
             return Err(RigidFemError::StepSize { name: "h_fem", value: h });
         }
-        room.backup.copy_from(state);
-        self.pin_forces(&state.present(), &state.accelerations, sizes, &mut room.forces);
-        self.assemble(&room.forces, &mut room.residual);
-        self.assemble_tangent(&state.present(), h, false, &mut room.tangent);
-        let solved = room.tangent.factor();
-        room.tangent.solve(&mut room.residual);
-        for (a, da) in state.accelerations.iter_mut().zip(room.residual.chunks_exact(2)) {
+        scratch.backup.copy_from(state);
+        self.pin_forces(&state.present(), &state.accelerations, sizes, &mut scratch.forces);
+        self.assemble(&scratch.forces, &mut scratch.residual);
+        self.assemble_tangent(&state.present(), h, false, &mut scratch.tangent);
+        let solved = scratch.tangent.factor();
+        scratch.tangent.solve(&mut scratch.residual);
+        for (a, da) in state.accelerations.iter_mut().zip(scratch.residual.chunks_exact(2)) {
             *a += Vec2::new(da[0], da[1]);
         }
         if solved && state.accelerations.iter().all(|a| a.norm().is_finite()) {
             return Ok(());
         }
-        state.copy_from(&room.backup);
+        state.copy_from(&scratch.backup);
         Err(RigidFemError::Equilibrium { h, correction: f64::INFINITY, limit: CONVERGED * self.size })
     }
 
-    fn substep(&self, state: &mut State, room: &mut Workspace, sizes: &[f64], h: f64) -> Result<(), RigidFemError> {
+    fn substep(&self, state: &mut State, scratch: &mut Scratch, sizes: &[f64], h: f64) -> Result<(), RigidFemError> {
         let limit = CONVERGED * self.size;
         let mut correction = f64::INFINITY;
-        room.next.accelerations.copy_from_slice(&state.accelerations);
+        scratch.next.accelerations.copy_from_slice(&state.accelerations);
         for _ in 0..ITERATIONS {
-            self.follow(state, &mut room.next, h);
-            let (at, a) = (room.next.present(), &room.next.accelerations);
-            self.pin_forces(&at, a, sizes, &mut room.forces);
-            self.assemble(&room.forces, &mut room.residual);
-            self.assemble_tangent(&at, h, true, &mut room.tangent);
-            self.add_springs(&at, h, &mut room.forces, &mut room.gradient, &mut room.tangent);
-            if !room.tangent.factor() {
+            self.follow(state, &mut scratch.next, h);
+            let (at, a) = (scratch.next.present(), &scratch.next.accelerations);
+            self.pin_forces(&at, a, sizes, &mut scratch.forces);
+            self.assemble(&scratch.forces, &mut scratch.residual);
+            self.assemble_tangent(&at, h, true, &mut scratch.tangent);
+            self.add_springs(&at, h, &mut scratch.forces, &mut scratch.gradient, &mut scratch.tangent);
+            if !scratch.tangent.factor() {
                 break;
             }
-            room.tangent.solve(&mut room.residual);
+            scratch.tangent.solve(&mut scratch.residual);
             let mut largest: f64 = 0.0;
-            for (a, da) in room.next.accelerations.iter_mut().zip(room.residual.chunks_exact(2)) {
+            for (a, da) in scratch.next.accelerations.iter_mut().zip(scratch.residual.chunks_exact(2)) {
                 let da = Vec2::new(da[0], da[1]);
                 *a += da;
                 // Not max(), which would hide a NaN.
@@ -178,9 +180,9 @@ impl RigidFem {
                 break;
             }
             if correction <= limit {
-                self.follow(state, &mut room.next, h);
-                self.check_strains(&room.next, h)?;
-                state.copy_from(&room.next);
+                self.follow(state, &mut scratch.next, h);
+                self.check_strains(&scratch.next, h)?;
+                state.copy_from(&scratch.next);
                 return Ok(());
             }
         }
@@ -189,7 +191,7 @@ impl RigidFem {
 
     fn check_strains(&self, state: &State, h: f64) -> Result<(), RigidFemError> {
         for (i, element) in self.mesh.elements.iter().enumerate() {
-            let length = Span::new(self.mesh.place(i, &state.positions)).length;
+            let length = Span::new(self.mesh.node_positions(i, &state.positions)).length;
             let strain = (length - element.length) / element.length;
             if strain.abs() > STRAIN {
                 return Err(RigidFemError::Strain { body: self.names[i].clone(), strain, limit: STRAIN, h });
@@ -198,7 +200,7 @@ impl RigidFem {
         Ok(())
     }
 
-    /// Positions, velocities and angles at the end for the accelerations there.
+    /// Positions, velocities and angles at the end of a step for the accelerations at its end.
     fn follow(&self, from: &State, to: &mut State, h: f64) {
         for (i, &a1) in to.accelerations.iter().enumerate() {
             let (x0, v0, a0) = (from.positions[i], from.velocities[i], from.accelerations[i]);
@@ -210,12 +212,12 @@ impl RigidFem {
         }
     }
 
-    /// M + h^2 K / 4, with K the rods' tangent stiffness: all of it, or its material part only.
+    /// M + h^2 K / 4 with the rods' tangent stiffness K, or with its material part only.
     fn assemble_tangent(&self, at: &Present, h: f64, geometric: bool, tangent: &mut Lu) {
         tangent.clear();
         let part = 0.25 * h * h;
         for (i, element) in self.mesh.elements.iter().enumerate() {
-            let span = Span::new(self.mesh.place(i, at.x));
+            let span = Span::new(self.mesh.node_positions(i, at.x));
             let k = if geometric { element.stiffness_matrix(&span) } else { element.material_matrix(&span) };
             let k = part * k + element.mass_matrix(span.across);
             for (row, first) in self.mesh.unknowns_of(i) {
@@ -226,11 +228,11 @@ impl RigidFem {
         }
     }
 
-    /// Springs and dampers in the tangent: (h^2 k / 4 + h c / 2) g g^T with g = dS/dx. Without it a stiff spring would
-    /// keep the iterations from converging.
+    /// Add springs and dampers to the tangent: (h^2 k / 4 + h c / 2) g g^T with g = dS/dx, for convergence with a stiff
+    /// spring.
     fn add_springs(&self, at: &Present, h: f64, forces: &mut [[Vec2; 2]], g: &mut [f64], tangent: &mut Lu) {
         for spring in &self.springs {
-            let part = 0.25 * h * h * spring.stiffness + 0.5 * h * spring.damping;
+            let part = spring.force_change(0.25 * h * h, 0.5 * h);
             if part == 0.0 {
                 continue;
             }
@@ -245,10 +247,9 @@ impl RigidFem {
         }
     }
 
-    /// Power that dampers take [W].
+    /// Power lost in dampers [W].
     fn lost_power(&self, state: &State) -> f64 {
-        let rate =
-            |s: &crate::mechanism::loads::resolved::Spring| self.loads[s.load].rate(&self.mesh, &state.present());
-        self.springs.iter().filter(|s| s.damping != 0.0).map(|s| s.damping * rate(s).powi(2)).sum()
+        let power = |s: &Spring| s.lost_power(self.loads[s.load].rate(&self.mesh, &state.present()));
+        self.springs.iter().filter(|s| s.is_damped()).map(power).sum()
     }
 }

@@ -1,13 +1,16 @@
-//! Outputs of a state: angles, forces in joints, energies. None allocates.
+//! Outputs of a state, without allocation.
+//!
+//! In: a state, sizes of the loads. Out: angles, positions, forces in joints, energies. It must not know time.
 use super::element::Span;
-use super::mesh::TablePosition;
-use super::{RigidFem, State, Workspace};
-use crate::mechanism::linkage::{Point, Vec2};
+use super::mesh::MeshPoint;
+use super::model::{RigidFem, State};
+use super::newmark::Scratch;
+use crate::mechanism::linkage::Point;
 use crate::mechanism::reactions::Reaction;
+use crate::numerics::plane::Vec2;
 
 impl RigidFem {
-    /// Angle of a body's x axis [rad], counted on over whole turns; `body` is its place in
-    /// [`crate::mechanism::linkage::Linkage::bodies`], 0 for the ground.
+    /// Angle of a body's x axis [rad], with all revolutions counted; `body`: index in the linkage, 0 for the ground.
     pub fn angle(&self, state: &State, body: usize) -> f64 {
         body.checked_sub(1).map_or(0.0, |i| state.angles[i] - self.mesh.axis[i])
     }
@@ -15,7 +18,7 @@ impl RigidFem {
     /// Angular speed of a body [rad/s].
     pub fn speed(&self, state: &State, body: usize) -> f64 {
         body.checked_sub(1).map_or(0.0, |i| {
-            Span::new(self.mesh.place(i, &state.positions)).speed(self.mesh.rate(i, &state.velocities))
+            Span::new(self.mesh.node_positions(i, &state.positions)).speed(self.mesh.node_rates(i, &state.velocities))
         })
     }
 
@@ -29,16 +32,16 @@ impl RigidFem {
 
     /// Position [m], velocity [m/s] and acceleration [m/s2] of a point of a body.
     pub fn point(&self, state: &State, point: Point) -> [Vec2; 3] {
-        match self.mesh.spot(point) {
-            TablePosition::Fixed(position) => [position, Vec2::zeros(), Vec2::zeros()],
-            TablePosition::Moving { element, place } => {
+        match self.mesh.locate(point) {
+            MeshPoint::Fixed(position) => [position, Vec2::zeros(), Vec2::zeros()],
+            MeshPoint::Moving { element, local } => {
                 let ends = self.mesh.ends(element, &state.positions, &state.velocities, &state.accelerations);
-                [ends.x, ends.v, ends.a].map(|s| place.interpolate(s))
+                [ends.x, ends.v, ends.a].map(|s| local.interpolate(s))
             }
         }
     }
 
-    /// Displacement S of a load and its rate S_dot; `load` is its place in [`crate::mechanism::loads::resolved::Loading::loads`].
+    /// Displacement S of a load and its rate S_dot; `load`: index in the loading.
     pub fn displacement(&self, state: &State, load: usize) -> [f64; 2] {
         let (load, at) = (&self.loads[load], state.present());
         [load.displacement(&self.mesh, &at), load.rate(&self.mesh, &at)]
@@ -49,33 +52,33 @@ impl RigidFem {
         self.loads[load].acceleration(&self.mesh, &state.present(), &state.accelerations)
     }
 
-    /// What the first-named body of each joint exerts on the second, under loads of these sizes, which must be those that
-    /// the state's accelerations are in balance with: Newton's and Euler's equations of the elements, whose two nodal forces
-    /// are their inertia and their rod's force less the loads on them. `out` has one place for each joint of the linkage.
-    pub fn reactions(&self, state: &State, room: &mut Workspace, sizes: &[f64], out: &mut [Reaction]) {
-        self.reactions_after(state, state, room, sizes, 0.0, out);
+    /// Reactions of all joints under loads of these sizes, with which the state's accelerations must be in balance.
+    /// They follow from Newton's and Euler's equations of the elements: the forces at an element's nodes are its
+    /// inertia and its rod's force less the loads on it. `out` has an entry for each joint of the linkage.
+    pub fn reactions(&self, state: &State, scratch: &mut Scratch, sizes: &[f64], out: &mut [Reaction]) {
+        self.reactions_after(state, state, scratch, sizes, 0.0, out);
     }
 
-    /// [`Self::reactions`] of a state that [`RigidFem::rebalance`] with the step `h` [s] made of `before`. The rods' forces
-    /// have not followed yet; their part K_e h^2 / 4 of the change of accelerations, with which the sizes are in balance,
-    /// stands for what they will take up.
+    /// [`Self::reactions`] of a state that results from `before` by [`RigidFem::rebalance`] with the step `h` [s]. The
+    /// rods are still those of `before`; K_e h^2 / 4 times the change of accelerations is added for their future
+    /// change.
     pub fn reactions_after(
         &self,
         before: &State,
         state: &State,
-        room: &mut Workspace,
+        scratch: &mut Scratch,
         sizes: &[f64],
         h: f64,
         out: &mut [Reaction],
     ) {
-        let forces = room.forces_mut();
+        let forces = scratch.forces_mut();
         self.pin_forces(&state.present(), &state.accelerations, sizes, forces);
         for (i, (element, force)) in self.mesh.elements.iter().zip(&mut *forces).enumerate() {
-            let span = Span::new(self.mesh.place(i, &state.positions));
-            let [now, then] = [state, before].map(|s| self.mesh.rate(i, &s.accelerations));
+            let span = Span::new(self.mesh.node_positions(i, &state.positions));
+            let [now, then] = [state, before].map(|s| self.mesh.node_rates(i, &s.accelerations));
             let apart = span.along.dot(&((now[1] - then[1]) - (now[0] - then[0])));
-            let pull = 0.25 * h * h * element.axial_stiffness / element.length * apart * span.along;
-            *force = [force[0] - pull, force[1] + pull];
+            let tension = 0.25 * h * h * element.axial_stiffness / element.length * apart * span.along;
+            *force = [force[0] - tension, force[1] + tension];
         }
         for (reaction, shares) in out.iter_mut().zip(&self.mesh.joints) {
             *reaction = Reaction::default();
@@ -85,10 +88,11 @@ impl RigidFem {
         }
     }
 
-    /// Force in the rod of a body [N], > 0 if it pulls.
+    /// Force in the rod of a body [N], > 0 in tension.
     pub fn axial_force(&self, state: &State, body: usize) -> f64 {
-        body.checked_sub(1)
-            .map_or(0.0, |i| self.mesh.elements[i].axial_force(&Span::new(self.mesh.place(i, &state.positions))))
+        body.checked_sub(1).map_or(0.0, |i| {
+            self.mesh.elements[i].axial_force(&Span::new(self.mesh.node_positions(i, &state.positions)))
+        })
     }
 
     /// Kinetic energy v^T M v / 2 [J].
@@ -97,13 +101,13 @@ impl RigidFem {
         self.mesh.elements.iter().enumerate().map(|(i, e)| e.kinetic(&ends(i))).sum()
     }
 
-    /// Energy of the stretched rods [J].
+    /// Strain energy of the rods [J].
     pub fn strain(&self, state: &State) -> f64 {
-        let span = |i| Span::new(self.mesh.place(i, &state.positions));
+        let span = |i| Span::new(self.mesh.node_positions(i, &state.positions));
         self.mesh.elements.iter().enumerate().map(|(i, e)| e.strain(&span(i))).sum()
     }
 
-    /// Potential of all loads of these sizes: less the sum of size times displacement, and the springs' energy [J].
+    /// Potential of all loads of these sizes [J]: the springs' energy less the sum of size times displacement.
     pub fn load_potential(&self, state: &State, sizes: &[f64]) -> f64 {
         let at = state.present();
         let sized: f64 = self.loads.iter().zip(sizes).map(|(l, size)| size * l.displacement(&self.mesh, &at)).sum();
@@ -111,8 +115,7 @@ impl RigidFem {
         springs.sum::<f64>() - sized
     }
 
-    /// Kinetic energy, strain energy and the loads' potential [J]: constant at constant sizes, but for what dampers take and
-    /// for the error of the steps.
+    /// Kinetic energy, strain energy and the loads' potential [J]: conserved at constant sizes without dampers.
     pub fn energy(&self, state: &State, sizes: &[f64]) -> f64 {
         self.kinetic(state) + self.strain(state) + self.load_potential(state, sizes)
     }

@@ -1,23 +1,25 @@
-//! The start: where the nodes are, and how they move, when the motion begins with its rods at rest in themselves.
+//! The start: a state in which the rods do not vibrate.
 //!
 //! In: coordinates and speeds of the rigid linkage, sizes of the loads. Out: a state. It must not know time steps.
 use super::element::{Span, difference};
-use super::{RigidFem, RigidFemError, State};
-use crate::mechanism::linkage::{Linkage, Vec2};
+use super::error::RigidFemError;
+use super::model::{RigidFem, State};
+use crate::mechanism::linkage::Linkage;
+use crate::numerics::plane::Vec2;
 use nalgebra::{DMatrix, DVector};
 
-/// Corrections of positions below this part of the linkage's size end the iterations: some ten units of rounding.
+/// Correction of positions at which the iterations end, relative to the linkage's size: some ten units of rounding.
 const CONVERGED: f64 = 2e-15;
-/// Each iteration reduces the error by the rods' strain, so a few suffice.
+/// Largest number of iterations. Each reduces the error by a factor of the rods' strain, so a few suffice.
 const ITERATIONS: usize = 30;
-/// Singular values below this part of the largest are those of rods that are redundant.
+/// Singular values below this part of the largest are due to redundant rods.
 const RANK: f64 = 1e-11;
 /// An eigenvalue of the mass matrix below this part of the largest is rounding.
 const MASSLESS: f64 = 1e-12;
 
 impl RigidFem {
-    /// The rigid linkage at its coordinates `q` [rad] and speeds `q_dot` [rad/s]: rods of their lengths without force, no
-    /// accelerations.
+    /// State of the rigid linkage at its coordinates `q` [rad] and speeds `q_dot` [rad/s], without strain and
+    /// acceleration.
     pub fn unstretched(&self, linkage: &Linkage, q: &[f64], q_dot: &[f64]) -> State {
         let p = linkage.positions(q);
         let rates = linkage.rates(&p, q, q_dot);
@@ -31,26 +33,26 @@ impl RigidFem {
         }
     }
 
-    /// The start for the coordinates `q` [rad] and speeds `q_dot` [rad/s] of the rigid linkage, under loads of these sizes.
+    /// The start for coordinates `q` [rad] and speeds `q_dot` [rad/s] of the rigid linkage, under loads of these sizes.
     ///
-    /// Let go of without stretch (M a = Q - c), the rods would take up their forces by vibrating about their static stretch
-    /// with an amplitude as large as it, for ever, since Newmark's method damps nothing: the joints' forces would swing
-    /// between zero and twice what they are for rigid links. On the landing gear the joints' forces then differ from those
-    /// of rigid links by 58 % of the largest during the first 10 ms; started as here, by 0.005 %.
+    /// Without initial strain (M a = Q - c) the rods would vibrate about their static strain with an amplitude equal to
+    /// it, undamped by Newmark's method: the joints' forces would oscillate between zero and twice those of rigid
+    /// links. On the landing gear the joints' forces then differ from those of rigid links by 58 % of the largest
+    /// during the first 10 ms; with the start below, by 0.005 %.
     ///
-    /// So the motion starts with the stretch that its own forces give, and with lengths that do not change:
-    /// l_dot = l_ddot = 0. Positions x, velocities v, accelerations a and rods' forces N then follow from
+    /// The rods start with their static strain and constant lengths: l_dot = l_ddot = 0. Positions x, velocities v,
+    /// accelerations a and rods' forces N follow from
     ///
     /// ```text
     /// M a + G^T N = Q - c,    G a = -l omega^2,    l - L = N L / (E A),    G v = 0,    G = dl/dx
     /// ```
     ///
-    /// with x and v as near to the rigid linkage's as the kinetic energy measures it: M (x - x_rigid) and M (v - v_rigid)
-    /// are combinations of the rows of G, so that nothing moves along the mechanism's own freedom. What vibration is left
-    /// comes from the rate at which N changes. Where rods are redundant, N is the one of least strain energy.
+    /// with x and v nearest to the rigid linkage's in the kinetic metric: M (x - x_rigid) and M (v - v_rigid) are
+    /// combinations of the rows of G, so the mechanism's own degree of freedom is unchanged. The remaining vibration is
+    /// due to the rate of change of N. With redundant rods, N has the least strain energy.
     ///
     /// # Errors
-    /// A node that can move without moving any mass; the iterations for the stretch do not converge.
+    /// A node can move without moving any mass; the iterations for the strain do not converge.
     pub fn start(&self, linkage: &Linkage, q: &[f64], q_dot: &[f64], sizes: &[f64]) -> Result<State, RigidFemError> {
         let rigid = self.unstretched(linkage, q, q_dot);
         let mut state = rigid.clone();
@@ -60,26 +62,27 @@ impl RigidFem {
         for _ in 0..ITERATIONS {
             let system = System::new(self, &state);
             let n = self.unknowns();
-            // Velocities with constant lengths.
+            // Velocities at constant lengths.
             let speeds = flat(&rigid.velocities);
             let (change, _) = system.solve(&DVector::zeros(n), &-(&system.rows * &speeds));
             state.velocities = nodal(&(speeds + change));
-            // Accelerations and forces in the rods: `pin_forces` at a = 0 tells Q - c - (the forces of the present stretch).
+            // Accelerations and forces in the rods: the residual at a = 0 is Q - c less the rods' present forces.
             let mut forces = vec![[Vec2::zeros(); 2]; self.mesh.elements.len()];
             let still = vec![Vec2::zeros(); self.mesh.moving];
             self.pin_forces(&state.present(), &still, sizes, &mut forces);
             let mut residual = vec![0.0; n];
             self.assemble(&forces, &mut residual);
-            let spans: Vec<Span> =
-                (0..self.mesh.elements.len()).map(|i| Span::new(self.mesh.place(i, &state.positions))).collect();
+            let spans: Vec<Span> = (0..self.mesh.elements.len())
+                .map(|i| Span::new(self.mesh.node_positions(i, &state.positions)))
+                .collect();
             let turning = spans.iter().enumerate().map(|(i, span)| {
-                let omega = span.speed(self.mesh.rate(i, &state.velocities));
+                let omega = span.speed(self.mesh.node_rates(i, &state.velocities));
                 -span.length * omega * omega
             });
             let turning = DVector::from_iterator(spans.len(), turning);
             let (accelerations, extra) = system.solve(&DVector::from_vec(residual), &turning);
             state.accelerations = nodal(&accelerations);
-            // The stretch that goes with these forces.
+            // Elongations for these forces.
             let stretch = self.mesh.elements.iter().zip(extra.iter()).map(|(e, n)| n * e.length / e.axial_stiffness);
             let stretch = DVector::from_iterator(spans.len(), stretch);
             let moved = flat(&state.positions) - flat(&rigid.positions);
@@ -101,8 +104,8 @@ impl RigidFem {
         Err(RigidFemError::Stretch { correction, limit })
     }
 
-    /// The mass matrix must be positive definite: Newmark's method would let the accelerations of a massless motion grow
-    /// from step to step.
+    /// Check that the mass matrix is positive definite: the accelerations of a massless motion would grow with each
+    /// step.
     fn check_masses(&self, mass: &DMatrix<f64>) -> Result<(), RigidFemError> {
         let eigen = mass.clone().symmetric_eigen();
         if eigen.eigenvalues.min() > MASSLESS * eigen.eigenvalues.max() {
@@ -116,11 +119,11 @@ impl RigidFem {
     }
 }
 
-/// The matrix [M, G^T; G, 0] at a state.
+/// The equations with the matrix [M, G^T; G, 0] at a state.
 struct System {
     mass: DMatrix<f64>,
     rows: DMatrix<f64>,
-    /// Square roots of E A / L, scaled: they weight the rods so that a least-norm solution is one of least energy.
+    /// Scaled square roots of E A / L: weights for which the solution of least norm has the least strain energy.
     weights: DVector<f64>,
     inverse: DMatrix<f64>,
 }
@@ -131,7 +134,7 @@ impl System {
         let mut mass = DMatrix::zeros(n, n);
         let mut rows = DMatrix::zeros(m, n);
         for (i, element) in fem.mesh.elements.iter().enumerate() {
-            let span = Span::new(fem.mesh.place(i, &state.positions));
+            let span = Span::new(fem.mesh.node_positions(i, &state.positions));
             let (own, slopes) = (element.mass_matrix(span.across), difference(span.along));
             for (row, first) in fem.mesh.unknowns_of(i) {
                 rows[(i, row)] = slopes[first];
@@ -142,7 +145,7 @@ impl System {
         }
         let stiffness = fem.mesh.elements.iter().map(|e| (e.axial_stiffness / e.length).sqrt());
         let mut weights = DVector::from_iterator(m, stiffness);
-        // Of the size of the masses, so that singular values can be compared.
+        // Scaled to the masses, so that singular values are comparable.
         weights *= mass.amax() / weights.amax();
         let mut matrix = DMatrix::zeros(n + m, n + m);
         matrix.view_mut((0, 0), (n, n)).copy_from(&mass);

@@ -1,52 +1,44 @@
 //! Drag of the air on a surface.
 //!
-//! In: the air's velocity, the surface's place and motion. Out: force and moment on its body. It must not know the linkage.
-//! Source: [HF08] eq. (1), P = 1/2 rho v^2 S c, with S the area that faces the flow.
-use crate::mechanism::linkage::{Point, Vec2};
+//! In: relative velocity of the air, direction and angular velocity of the surface. Out: force and moment. It must not
+//! know bodies or the linkage. Source: [HF08] eq. (1), P = 1/2 rho v^2 S c, with S the area that faces the flow.
 use crate::numerics::dual::Number;
 
-/// A surface that moves with a body: a strip of some length along a line, or an area at a point.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Surface {
-    /// Name.
-    pub name: String,
-    /// Start of the strip, or place of the area.
-    pub start: Point,
-    /// Unit vector along the strip, or along a flat area, in the body's frame; none for an area that is as large from all
-    /// sides.
-    pub line: Option<Vec2>,
+/// Drag of a strip of some length along a line, or of an area at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drag {
+    /// Whether drag depends on the direction of the surface; false for an area that is the same from all sides.
+    pub directed: bool,
     /// Length of the strip [m]; 0 for an area.
     pub length: f64,
     /// Width of the strip [m], or the area [m2].
     pub breadth: f64,
     /// Drag coefficient c [1].
     pub coefficient: f64,
-    /// Place of its loads: forces along x and y at `start`, a torque on the body.
-    pub load: usize,
 }
 
-/// What the surface meets: all vectors in the mechanism frame.
+/// Flow relative to a surface, with all vectors in the mechanism frame.
 #[derive(Clone, Copy, Debug)]
-pub struct Meeting<T> {
-    /// Velocity of the air at `start` less that of `start` [m/s].
+pub struct RelativeFlow<T> {
+    /// Velocity of the air relative to the start of the surface [m/s].
     pub wind: [T; 2],
-    /// Angular velocity of the body [rad/s]; 0 if the surface's motion does not count.
+    /// Angular velocity of the surface [rad/s]; 0 if its motion is neglected.
     pub omega: T,
-    /// Unit vector along the surface; of no meaning where [`Surface::line`] is none.
+    /// Unit vector along the surface; unused unless [`Drag::directed`].
     pub line: [T; 2],
 }
 
-impl Surface {
-    /// Force [N] on the body in the mechanism frame and its moment about `start` [N.m], in air of this density [kg/m3].
+impl Drag {
+    /// Force [N] in the mechanism frame and moment about the surface's start [N.m], in air of this density [kg/m3].
     ///
-    /// An element ds of a strip of width w has the normal n and meets the air with u(s) = wind - omega s n; it presents the
-    /// area w ds |n . u| / |u|, so that dF = 1/2 rho c w |n . u| u ds. A flat area is one such element, an area without
-    /// direction has F = 1/2 rho c A |u| u.
-    pub fn drag<T: Number>(&self, density: f64, meeting: &Meeting<T>) -> [T; 3] {
+    /// An element ds of a strip of width w with the normal n has the relative flow u(s) = wind - omega s n and faces it
+    /// with the area w ds |n . u| / |u|, so that dF = 1/2 rho c w |n . u| u ds. A flat area is one such element; an
+    /// area without direction has F = 1/2 rho c A |u| u.
+    pub fn force<T: Number>(&self, density: f64, flow: &RelativeFlow<T>) -> [T; 3] {
         let pressure = T::constant(0.5 * density * self.coefficient * self.breadth);
         let zero = T::constant(0.0);
-        let [wx, wy] = meeting.wind;
-        if self.line.is_none() {
+        let [wx, wy] = flow.wind;
+        if !self.directed {
             let square = wx * wx + wy * wy;
             if square.value() == 0.0 {
                 return [zero; 3];
@@ -54,10 +46,10 @@ impl Surface {
             let size = pressure * square.sqrt();
             return [size * wx, size * wy, zero];
         }
-        let [ex, ey] = meeting.line;
+        let [ex, ey] = flow.line;
         let along = wx * ex + wy * ey;
         let across = wy * ex - wx * ey;
-        let omega = meeting.omega;
+        let omega = flow.omega;
         // Integrals of |n . u| (1, n . u, s n . u) along the strip.
         let mut sums = [zero; 3];
         let mut add = |from: f64, to: f64, weight: f64| {
@@ -74,11 +66,11 @@ impl Surface {
         if self.length == 0.0 {
             add(0.0, 0.0, 1.0);
         } else {
-            // Where n . u changes its sign; nothing follows from moving this point, as n . u is 0 there.
-            let turn = across.value() / omega.value();
-            if turn > 0.0 && turn < self.length {
-                add(0.0, turn, turn);
-                add(turn, self.length, self.length - turn);
+            // Zero of n . u. Its derivatives have no effect on the integral, as the integrand vanishes there.
+            let root = across.value() / omega.value();
+            if root > 0.0 && root < self.length {
+                add(0.0, root, root);
+                add(root, self.length, self.length - root);
             } else {
                 add(0.0, self.length, self.length);
             }

@@ -1,3 +1,5 @@
-//! Laws that size a load: force, slope, potential.
+//! Laws of loads: force, slope, potential, limits of smoothness. They must not know the linkage.
 pub mod drag;
 pub mod friction;
+pub mod spring;
+pub mod stop;

@@ -1,4 +1,4 @@
-//! The law against its definition, the loop against closed forms.
+//! The law against its definition.
 use super::*;
 use crate::numerics::dual::Dual;
 use proptest::prelude::*;
@@ -20,12 +20,6 @@ fn law_passes_through_its_points() {
     assert_eq!(mu(7.0), 0.026);
 }
 
-/// One joint whose friction acts on its own reaction without the motion.
-fn joint<'a>(free: &'a [f64; 2], effect: &'a [f64; 2]) -> Balance<'a, f64> {
-    let [x, y] = [0, 1].map(|axis| (&free[axis..=axis], &effect[axis..=axis]));
-    Balance { free: [x.0, y.0], inertial: [&[0.0]; 2], influence: &[0.0], passed: [x.1, y.1], groups: &[0] }
-}
-
 proptest! {
     #[test]
     fn law_is_odd_and_its_derivative_is_that_of_differences(v in -2.0..2.0f64) {
@@ -41,112 +35,10 @@ proptest! {
             prop_assert!((slope - difference).abs() < 1e-8 * (1.0 + slope.abs()));
         }
     }
-
-    /// One joint: |free - effect m N| = N is a quadratic equation.
-    #[test]
-    fn one_joint_solves_its_quadratic(fx in -1e4..1e4f64, fy in -1e4..1e4f64, ex in -8.0..8.0f64, ey in -8.0..8.0f64, m in -0.02..0.02f64) {
-        prop_assume!(fx.hypot(fy) > 1.0);
-        let mut one = Loop::new(1, 1);
-        one.arm[0] = m;
-        one.solve(&joint(&[fx, fy], &[ex, ey])).unwrap();
-        // (1 - m2 e.e) N2 + 2 m f.e N - f.f = 0, the positive root.
-        let (a, b, c) = (1.0 - m * m * (ex * ex + ey * ey), m * (fx * ex + fy * ey), -(fx * fx + fy * fy));
-        let root = (-b + (b * b - a * c).sqrt()) / a;
-        prop_assert!((one.size[0] - root).abs() <= 1e-13 * root, "{} {root}", one.size[0]);
-        prop_assert!(one.iterations <= 8);
-    }
-
-    /// The same at any coefficient. With m from 0 on, N = f.f / (b + sqrt(b2 - a c)) as long as neither the root nor the sum
-    /// vanishes: friction may take away nearly all of the reaction, but not add to it without bound.
-    #[test]
-    fn one_joint_locks_where_its_solution_ends(angle in 0.0..std::f64::consts::TAU, f in 1.0..1e4f64, k in -5.0..5.0f64) {
-        let mut one = Loop::new(1, 1);
-        one.arm[0] = k;
-        let solved = one.solve(&joint(&[f, 0.0], &[angle.cos(), angle.sin()]));
-        // Relative to f: a, b and the root.
-        let (a, b, root) = (1.0 - k * k, k * angle.cos(), 1.0 - (k * angle.sin()).powi(2));
-        let ends = root <= 0.0 || a <= 0.0 && b <= 0.0;
-        prop_assume!(root.abs() > 1e-3 && a.abs() > 1e-3);
-        prop_assert_eq!(solved.is_err(), ends);
-        if !ends {
-            let size = f / (b + root.sqrt());
-            prop_assert!((one.size[0] - size).abs() <= 1e-11 * size, "{} {size}", one.size[0]);
-        }
-    }
-
-    /// Derivatives through the loop by the implicit function theorem, against differences of the solution.
-    #[test]
-    fn derivatives_pass_through_the_loop(fx in 1.0..9.0f64, fy in -9.0..9.0f64, gx in -9.0..9.0f64, m in 0.0..0.03f64, groups in 1usize..3) {
-        let build = |x: f64, d: bool| {
-            let mut two = Loop::<Dual<1>>::new(2, groups);
-            let v = Dual { value: x, slope: [f64::from(u8::from(d))] };
-            let c = |value: f64| Dual::<1>::constant(value);
-            two.arm = vec![c(m) * v, c(-m)];
-            let balance = Balance {
-                free: [&[v, c(gx) + v * v], &[c(fy), c(3.0)]],
-                inertial: [&[c(0.3), v], &[c(-0.2), c(0.7)]],
-                influence: &[v * c(0.1), c(0.2)],
-                passed: [&[c(1.0), c(4.0), v, c(-1.0)][..2 * groups], &[c(-2.0), c(0.5), c(3.0), c(2.0)][..2 * groups]],
-                groups: &[0, groups - 1],
-            };
-            two.solve(&balance).unwrap();
-            two
-        };
-        let h = 1e-6;
-        let (at, up, down) = (build(fx, true), build(fx + h, false), build(fx - h, false));
-        for i in 0..2 {
-            let difference = (up.size[i].value - down.size[i].value) / (2.0 * h);
-            prop_assert!((at.size[i].slope[0] - difference).abs() < 1e-7 * (1.0 + difference.abs()));
-        }
-    }
-}
-
-proptest! {
-    /// One group of four joints: the reactions fit the friction that they cause, also as the general method finds it.
-    #[test]
-    fn both_methods_find_what_fits(numbers in proptest::collection::vec(-1.0..1.0f64, 32)) {
-        let four = |k: usize| &numbers[4 * k..4 * k + 4];
-        let arms: Vec<f64> = four(7).iter().map(|m| 0.02 * m).collect();
-        let balance = Balance {
-            free: [four(0), four(1)],
-            inertial: [four(2), four(3)],
-            influence: four(4),
-            passed: [four(5), four(6)],
-            groups: &[0; 4],
-        };
-        let (mut one, mut any) = (Loop::new(4, 1), Loop::new(4, 1));
-        (one.arm, any.arm) = (arms.clone(), arms);
-        prop_assert!(one.solve_one::<4>(&balance));
-        any.solve_any(&balance).unwrap();
-        prop_assert!(one.iterations <= 8 && any.iterations <= 8);
-        let largest = one.size.iter().fold(0.0, |a: f64, s| a.max(*s));
-        for i in 0..4 {
-            let r = [0, 1].map(|axis| {
-                (0..4).fold(balance.free[axis][i], |sum, j| {
-                    let effect = balance.passed[axis][j] + balance.inertial[axis][i] * balance.influence[j];
-                    sum + effect * one.friction(j)
-                })
-            });
-            prop_assert!((r[0].hypot(r[1]) - one.size[i]).abs() <= 1e-14 * largest, "joint {i}");
-            prop_assert!((any.size[i] - one.size[i]).abs() <= 1e-14 * largest, "joint {i}");
-        }
-    }
 }
 
 #[test]
-fn friction_that_feeds_itself_is_an_error() {
-    // |f - e m N| = N with e m = -1: N grows with itself, N = f + N.
-    let mut one = Loop::new(1, 1);
-    let balance = joint(&[1.0, 0.0], &[-50.0, 0.0]);
-    one.arm[0] = 0.02;
-    assert_eq!(one.solve(&balance), Err(Locked));
-    // Beyond it there is a solution of the wrong sign only.
-    one.arm[0] = 0.04;
-    assert_eq!(one.solve(&balance), Err(Locked));
-}
-
-#[test]
-fn bands_follow_one_another() {
+fn regimes_follow_one_another() {
     for (v, beyond) in [(0.005, 0.02), (0.02, 0.005), (0.5, 1.5), (1.5, 0.5)] {
         for sign in [1.0, -1.0] {
             assert_eq!(LAW.next(LAW.regime(sign * v), sign * beyond), LAW.regime(sign * beyond), "{v} to {beyond}");

@@ -1,26 +1,26 @@
-//! Extrapolation: where the next node of a panel is likely to be.
+//! Extrapolation of the curve: a guess of the next node of a panel.
 
-/// Points of the curve with their slopes, from which the next point is extrapolated.
+/// The last points of the curve with their slopes, through which Hermite's polynomial is extrapolated.
 #[derive(Debug, Default)]
-pub(super) struct Known {
+pub(super) struct Extrapolation {
     u: [f64; Self::MOST],
     q: [Vec<f64>; Self::MOST],
     slope: [Vec<f64>; Self::MOST],
     count: usize,
 }
 
-impl Known {
-    /// Points in use.
+impl Extrapolation {
+    /// Largest number of points.
     const MOST: usize = 4;
 
-    /// Forget all points but the first, at u = 0.
+    /// Begin with one point, at u = 0.
     pub(super) fn start(&mut self, q: &[f64], slope: &[f64]) {
         self.count = 0;
         self.add(0.0, q, slope, 1.0);
     }
 
-    /// Take in a point at u, where the coordinates move in `direction` at `speed`: for the oldest one, or for the base once
-    /// two nodes are known, as it is so near the first of them that rounding would be extrapolated.
+    /// Add a point at u with the slope `speed` times `direction`. With [`Self::MOST`] points it replaces the oldest.
+    /// The third point replaces the one at u = 0, which is so near the first node that rounding would be amplified.
     pub(super) fn add(&mut self, u: f64, q: &[f64], direction: &[f64], speed: f64) {
         let at = match self.count {
             2 if self.u[0] == 0.0 => 0,
@@ -35,7 +35,7 @@ impl Known {
         self.count = self.count.max(at + 1);
     }
 
-    /// Hermite's polynomial through the known points with their slopes.
+    /// Value at u of Hermite's polynomial through the points with their slopes.
     pub(super) fn extrapolate(&self, u: f64, q: &mut Vec<f64>) {
         q.clear();
         q.resize(self.q[0].len(), 0.0);

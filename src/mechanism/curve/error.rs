@@ -1,0 +1,75 @@
+//! Errors of tracing.
+use std::fmt;
+
+/// Error of tracing a curve. `position`: coordinates by name and in words.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CurveError {
+    /// The kinetic energy of a motion through this position vanishes.
+    Massless {
+        /// Coordinates.
+        position: String,
+    },
+    /// Two branches of motion almost cross here: rounding decides which one is followed.
+    NearCrossing {
+        /// Coordinates.
+        position: String,
+    },
+    /// No panel, however short, leads on from this position.
+    Stuck {
+        /// Coordinates.
+        position: String,
+    },
+    /// No travel is permitted from this position.
+    Outside {
+        /// Coordinates.
+        position: String,
+    },
+    /// The curve has too many panels.
+    TooLong {
+        /// Number of panels after which tracing stopped.
+        panels: usize,
+    },
+    /// Redundant joints contradict each other here.
+    Inconsistent {
+        /// Name of the joint that opens.
+        joint: String,
+        /// Its gap [m].
+        gap: f64,
+        /// Coordinates.
+        position: String,
+    },
+}
+
+impl fmt::Display for CurveError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Massless { position } => write!(
+                f,
+                "the reduced inertia vanishes at {position}: nothing or almost nothing with mass moves there; give a mass or an inertia to a body that does"
+            ),
+            Self::NearCrossing { position } => write!(
+                f,
+                "two branches of motion almost cross at {position}: the lengths miss a crossing by so little that rounding decides; \
+                 change a length by a part in 1e5 or more, or make them cross to the last digit"
+            ),
+            Self::Stuck { position } => {
+                write!(
+                    f,
+                    "the linkage cannot be followed past {position}: its motion ends or has a cusp there; change the lengths"
+                )
+            }
+            Self::Outside { position } => {
+                write!(f, "no travel is permitted from {position}: state a position within the limits, or widen them")
+            }
+            Self::TooLong { panels } => {
+                write!(f, "the motion does not return to its start within {panels} panels; simplify the linkage")
+            }
+            Self::Inconsistent { joint, gap, position } => write!(
+                f,
+                "the redundant joint {joint} opens by {gap:.3e} m at {position}: correct its points so that it fits everywhere, or remove it"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for CurveError {}

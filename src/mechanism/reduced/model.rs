@@ -1,0 +1,275 @@
+//! The reduced model: curve, loads and tables.
+//!
+//! In: a definition. Out: the reduced model, with the tables that every start needs. It must not know states or inputs.
+use super::components::Components;
+use super::error::ReductionError;
+use super::resolved::Resolved;
+use super::source::Source;
+use super::state_loads::StateLoads;
+use crate::mechanism::curve::{Configuration, Curve, CurveError, Ends, NEAR_CROSSING};
+use crate::mechanism::definition::Mechanism;
+use crate::mechanism::linkage::{Linkage, Point};
+use crate::mechanism::loads::resolved::Loading;
+use crate::mechanism::loads::unit_load::Load;
+use crate::numerics::table::{ACCURACY, Grid, Table, Unresolved};
+use std::sync::{Arc, OnceLock};
+
+/// Tables that share their evaluations, built at the first use of one of them.
+pub(super) type Lazy = OnceLock<Vec<Result<Table, Unresolved>>>;
+
+/// A linkage reduced to one element on its curve, where the reduced inertia is 1.
+#[derive(Debug)]
+pub struct Reduced {
+    pub(super) source: Source,
+    pub(super) markers: Vec<Point>,
+    /// Grid of tables of displacements.
+    pub(super) grid: Grid,
+    /// Grid of tables of reactions to applied loads, refined where displacements needed it.
+    pub(super) fine: Grid,
+    pub(super) tables: Arc<Tables>,
+    /// Whether the motion is evaluated without tables.
+    exact: bool,
+    /// State loads without and with moving air.
+    state_loads: [OnceLock<Result<Option<StateLoads>, Unresolved>>; 2],
+}
+
+/// Tables that depend on the curve, the markers, the loads of unit size and the laws of the springs.
+#[derive(Debug)]
+pub(super) struct Tables {
+    pub(super) influence: Table,
+    pub(super) coordinates: Result<Table, Unresolved>,
+    pub(super) displacements: Vec<OnceLock<Result<Table, Unresolved>>>,
+    pub(super) markers: Lazy,
+    pub(super) reactions: Lazy,
+    pub(super) state_reactions: Lazy,
+}
+
+/// Tables built so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Built {
+    /// Number of tables of a load's displacement.
+    pub displacements: usize,
+    /// Markers.
+    pub markers: bool,
+    /// Reactions of the joints to applied loads and springs.
+    pub reactions: bool,
+    /// Reactions of the joints to loads sized by a state.
+    pub state_reactions: bool,
+    /// State loads, without and with moving air.
+    pub state_loads: [bool; 2],
+}
+
+impl Reduced {
+    /// Assemble, trace and reduce.
+    ///
+    /// # Errors
+    /// [`ReductionError`].
+    pub fn new(mechanism: &Mechanism) -> Result<Self, ReductionError> {
+        let resolved = Resolved::new(mechanism)?;
+        let curve = Arc::new(resolved.trace(mechanism)?);
+        Self::on(curve, resolved.loading, resolved.markers, !mechanism.solver.tables)
+    }
+
+    /// The curve alone.
+    ///
+    /// # Errors
+    /// [`Self::new`]'s.
+    pub fn trace(mechanism: &Mechanism) -> Result<Curve, ReductionError> {
+        Resolved::new(mechanism)?.trace(mechanism)
+    }
+
+    /// The reduced model of the same mechanism with other parameters, equal to [`Self::new`] to the bit. The curve and
+    /// the tables are kept unless something on which they depend has changed.
+    ///
+    /// # Errors
+    /// [`Self::new`]'s.
+    pub fn renewed(&self, mechanism: &Mechanism) -> Result<Self, ReductionError> {
+        let (resolved, exact) = (Resolved::new(mechanism)?, !mechanism.solver.tables);
+        if !resolved.moves_as(self.linkage(), self.loading()) {
+            let curve = Arc::new(resolved.trace(mechanism)?);
+            return Self::on(curve, resolved.loading, resolved.markers, exact);
+        }
+        let (curve, Resolved { loading, markers, .. }) = (Arc::clone(&self.source.curve), resolved);
+        let own = self.loading();
+        if (&loading.loads, &loading.springs, &markers) != (&own.loads, &own.springs, &self.markers) {
+            return Self::on(curve, loading, markers, exact);
+        }
+        let source = Source { curve, loading, ..self.source };
+        let (grid, fine, tables) = (self.grid.clone(), self.fine.clone(), Arc::clone(&self.tables));
+        Ok(Self { source, markers, grid, fine, tables, exact, state_loads: Default::default() })
+    }
+
+    /// The reduced model on a given curve.
+    fn on(curve: Arc<Curve>, loading: Loading, markers: Vec<Point>, exact: bool) -> Result<Self, ReductionError> {
+        let grid = Grid { borders: curve.grid(ACCURACY), centers: curve.crossings().to_vec() };
+        let source = Source::new(curve, loading);
+        let Source { curve, loading, components, scale } = &source;
+        let linkage = curve.linkage();
+        // Every start needs coordinates and displacements of applied loads, springs and stops; all share their
+        // evaluations.
+        let needed: Vec<usize> = (0..loading.base()).chain(loading.stops.iter().map(|s| s.load)).collect();
+        let mut sizes = vec![components.sizes(loading, curve, scale), scale.coordinates(linkage)];
+        sizes.extend(needed.iter().map(|&l| scale.derivatives(source.displacement_size(l)).to_vec()));
+        let mut springs = Vec::new();
+        let fill = &mut |c: &Configuration, values: &mut [f64]| {
+            let (influences, rest) = values.split_at_mut(components.count);
+            let (coordinates, displacements) = rest.split_at_mut(3 * c.q.len());
+            for (&load, v) in needed.iter().zip(displacements.chunks_exact_mut(3)) {
+                v.copy_from_slice(&loading.loads[load].displacement(linkage, c));
+            }
+            // The needed loads begin with all loads that have an influence.
+            components.spring_loads(loading, curve, c, &mut springs);
+            components.fill(&springs, |load| displacements[3 * load + 1], influences);
+            for (i, derivatives) in coordinates.chunks_exact_mut(3).enumerate() {
+                derivatives.copy_from_slice(&[c.q[i], c.q_sigma[i], c.q_second[i]]);
+            }
+        };
+        let mut tables = source.tabulate(&grid, &sizes, fill);
+        let fine = grid.refined(tables.iter().flatten());
+        let displacements: Vec<_> = loading.loads.iter().map(|_| OnceLock::new()).collect();
+        for (load, table) in needed.into_iter().zip(tables.drain(2..)) {
+            // Two stops of one load have the same table.
+            let _ = displacements[load].set(table);
+        }
+        let coordinates = tables.swap_remove(1);
+        // Other displacements need the panels that the coordinates' second derivatives need.
+        let grid = grid.refined(&coordinates);
+        let influence = tables.swap_remove(0).map_err(|e| unresolved_influence(loading, curve, &e))?;
+        let tables = Arc::new(Tables {
+            influence,
+            coordinates,
+            displacements,
+            markers: OnceLock::new(),
+            reactions: OnceLock::new(),
+            state_reactions: OnceLock::new(),
+        });
+        Ok(Self { source, markers, grid, fine, tables, exact, state_loads: Default::default() })
+    }
+
+    /// The linkage.
+    pub fn linkage(&self) -> &Linkage {
+        self.source.linkage()
+    }
+
+    /// The curve, the exact evaluator behind the tables.
+    pub fn curve(&self) -> &Curve {
+        &self.source.curve
+    }
+
+    /// The loads with their laws.
+    pub fn loading(&self) -> &Loading {
+        &self.source.loading
+    }
+
+    /// Sizes of the applied loads under these inputs. Inputs that size no load come after those that do.
+    pub fn sizes(&self, inputs: &[f64]) -> Vec<f64> {
+        let loads = self.loading().inputs.len();
+        inputs[..loads].iter().chain(&self.loading().constants).copied().collect()
+    }
+
+    /// Components of [`Self::influence`].
+    pub fn components(&self) -> Components {
+        self.source.components
+    }
+
+    /// Growth of a load's displacement over one revolution of a closed curve; 0 for another curve.
+    pub fn load_growth(&self, load: usize) -> f64 {
+        self.loading().loads[load].growth(self.linkage(), &|angle| self.growth(angle))
+    }
+
+    /// S_sigma of every applied load, then the other [`Components`]. Their sum, each times its size, is sigma_ddot.
+    pub fn influence(&self) -> &Table {
+        &self.tables.influence
+    }
+
+    /// Growth of a coordinate over one revolution of a closed curve; 0 for another curve.
+    pub fn growth(&self, coordinate: usize) -> f64 {
+        match self.curve().ends() {
+            Ends::Closed(growth) => growth[coordinate],
+            Ends::Open | Ends::Stopped { .. } => 0.0,
+        }
+    }
+
+    /// Length of a closed curve.
+    pub fn period(&self) -> Option<f64> {
+        let (first, last) = self.curve().range();
+        matches!(self.curve().ends(), Ends::Closed(_)).then_some(last - first)
+    }
+
+    /// Length along the curve for a motion of 1 rad.
+    pub fn scale(&self) -> f64 {
+        self.source.scale.length
+    }
+
+    /// Loads sized by a state, if any: dampers, drives with an efficiency, bumpers, friction, and drag if `air` moves.
+    ///
+    /// # Errors
+    /// [`Unresolved`].
+    pub fn state_loads(&self, air: bool) -> Result<Option<&StateLoads>, &Unresolved> {
+        let build = || StateLoads::build(&self.source, &self.fine, air);
+        self.state_loads[usize::from(air)].get_or_init(build).as_ref().map(Option::as_ref)
+    }
+
+    /// Tables built so far, besides those of the influences and coordinates.
+    pub fn built(&self) -> Built {
+        let tables = &self.tables;
+        Built {
+            displacements: tables.displacements.iter().filter(|t| t.get().is_some()).count(),
+            markers: tables.markers.get().is_some(),
+            reactions: tables.reactions.get().is_some(),
+            state_reactions: tables.state_reactions.get().is_some(),
+            state_loads: [0, 1].map(|air| matches!(self.state_loads[air].get(), Some(Ok(Some(_))))),
+        }
+    }
+
+    /// Whether the motion is evaluated without tables.
+    pub fn is_exact(&self) -> bool {
+        self.exact
+    }
+
+    /// Values at sigma of the functions that the equation of motion reads, from the exact evaluator: those in the table
+    /// of the state loads, or without state loads those of [`Self::influence`].
+    pub fn exact_motion(&self, state_loads: Option<&StateLoads>, sigma: f64) -> Vec<f64> {
+        let c = self.curve().configuration(sigma);
+        let Source { curve, loading, components, .. } = &self.source;
+        match state_loads {
+            None => {
+                let mut values = vec![0.0; components.count];
+                let influence = |load: usize| loading.loads[load].influence(self.linkage(), &c);
+                let mut springs = Vec::new();
+                components.spring_loads(loading, curve, &c, &mut springs);
+                components.fill(&springs, influence, &mut values);
+                values
+            }
+            Some(state_loads) => {
+                let mut values = vec![0.0; state_loads.table.components()];
+                state_loads.fill(&self.source, &c, &mut state_loads.scratch(loading), &mut values);
+                values
+            }
+        }
+    }
+}
+
+/// Error for influences that are not smooth: two ends meet, or [`not_smooth`].
+fn unresolved_influence(loading: &Loading, curve: &Curve, at: &Unresolved) -> ReductionError {
+    let position = curve.describe(at.sigma, 0.0);
+    let c = curve.configuration(at.sigma);
+    let meets = loading.loads.iter().position(|load| {
+        matches!(load, Load::Pair { .. }) && load.displacement(curve.linkage(), &c)[0] < 1e-3 * curve.linkage().size
+    });
+    match meets {
+        Some(load) => ReductionError::EndsMeet { name: loading.name(load), position },
+        None => not_smooth(curve, loading.name(at.component.min(loading.loads.len() - 1)), at),
+    }
+}
+
+/// Error for a function that is not smooth along the curve: branches almost cross, or nothing with mass moves.
+pub(super) fn not_smooth(curve: &Curve, what: String, at: &Unresolved) -> ReductionError {
+    let position = curve.describe(at.sigma, 0.0);
+    let crosses = curve.crossings().iter().any(|sigma| (sigma - at.sigma).abs() < curve.scale());
+    if !crosses && curve.amplification(at.sigma) > NEAR_CROSSING {
+        ReductionError::Curve(CurveError::NearCrossing { position })
+    } else {
+        ReductionError::Table { what, position }
+    }
+}

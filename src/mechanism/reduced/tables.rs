@@ -1,0 +1,142 @@
+//! Tables of the reduced model that are built at their first use, and exact values where no table resolves a function.
+//!
+//! In: the reduced model. Out: coordinates, displacements, markers, reactions. It must not know states or inputs.
+use super::components::Scale;
+use super::model::Reduced;
+use crate::mechanism::curve::Configuration;
+use crate::mechanism::linkage::{Linkage, Point};
+use crate::mechanism::loads::unit_load::Load;
+use crate::mechanism::reactions::{Columns, Reaction, columns};
+use crate::numerics::plane::Vec2;
+use crate::numerics::table::{Grid, Table, Unresolved};
+
+impl Reduced {
+    /// Every coordinate with its two derivatives along sigma: three components each.
+    ///
+    /// # Errors
+    /// [`Unresolved`].
+    pub fn coordinates(&self) -> Result<&Table, &Unresolved> {
+        self.tables.coordinates.as_ref()
+    }
+
+    /// A load's displacement and its two derivatives along sigma.
+    ///
+    /// # Errors
+    /// [`Unresolved`].
+    pub fn displacement(&self, load: usize) -> Result<&Table, &Unresolved> {
+        let table = || {
+            let size = self.source.scale.derivatives(self.source.displacement_size(load)).to_vec();
+            let (linkage, load) = (self.linkage(), &self.loading().loads[load]);
+            let mut fill = |c: &Configuration, v: &mut [f64]| v.copy_from_slice(&load.displacement(linkage, c));
+            self.source.tabulate(&self.grid, &[size], &mut fill).swap_remove(0)
+        };
+        self.tables.displacements[load].get_or_init(table).as_ref()
+    }
+
+    /// A load's displacement at sigma: from its table, or from the exact evaluator if the ends of an actuator come so
+    /// close that no table resolves the second derivative.
+    pub fn displacement_at(&self, load: usize, sigma: f64) -> f64 {
+        match self.displacement(load) {
+            Ok(table) => table.value(table.position(sigma), 0),
+            Err(_) => self.loading().loads[load].displacement(self.linkage(), &self.curve().configuration(sigma))[0],
+        }
+    }
+
+    /// A marker's x with its two derivatives along sigma, then y.
+    ///
+    /// # Errors
+    /// [`Unresolved`].
+    pub fn marker(&self, i: usize) -> Result<&Table, &Unresolved> {
+        let tables = self.tables.markers.get_or_init(|| {
+            let size = self.source.scale.derivatives(self.linkage().size).repeat(2);
+            self.source.tabulate(&self.grid, &vec![size; self.markers.len()], &mut |c, values| {
+                for (&point, v) in self.markers.iter().zip(values.chunks_exact_mut(6)) {
+                    let [x, first, second] = c.positions.motion(&c.rates, &c.second, point);
+                    v.copy_from_slice(&[x.x, first.x, second.x, x.y, first.y, second.y]);
+                }
+            })
+        });
+        tables[i].as_ref()
+    }
+
+    /// Point of a marker.
+    pub fn marker_point(&self, i: usize) -> Point {
+        self.markers[i]
+    }
+
+    /// A joint's reaction: force x, force y, moment; each for sigma_ddot, sigma_dot^2, each applied load, each spring =
+    /// 1.
+    ///
+    /// # Errors
+    /// [`Unresolved`].
+    pub fn reaction(&self, joint: usize) -> Result<&Table, &Unresolved> {
+        let loads = &self.loading().loads[..self.loading().base()];
+        let sizes = || {
+            let size = self.linkage().size;
+            reaction_sizes(vec![self.scale() / size, 1.0 / size], loads, &self.source.scale, self.linkage())
+        };
+        self.tables.reactions.get_or_init(|| self.reactions(&self.fine, sizes(), loads, 0))[joint].as_ref()
+    }
+
+    /// A joint's reaction to the loads sized by a state: force x, force y, moment; each for each of these loads = 1.
+    ///
+    /// # Errors
+    /// [`Unresolved`].
+    pub fn state_reaction(&self, joint: usize) -> Result<&Table, &Unresolved> {
+        let loads = &self.loading().loads[self.loading().base()..];
+        let sizes = || reaction_sizes(Vec::new(), loads, &self.source.scale, self.linkage());
+        self.tables.state_reactions.get_or_init(|| self.reactions(&self.grid, sizes(), loads, 2))[joint].as_ref()
+    }
+
+    /// Tables of the reactions of all joints for these loads, without the first `skipped` columns: for each joint force
+    /// x, force y, moment; each for all columns.
+    fn reactions(
+        &self,
+        grid: &Grid,
+        sizes: Vec<f64>,
+        loads: &[Load],
+        skipped: usize,
+    ) -> Vec<Result<Table, Unresolved>> {
+        let joints = self.linkage().joints.len();
+        let terms = 2 + loads.len() - skipped;
+        let mut columns = Columns::default();
+        self.source.tabulate(grid, &vec![sizes; joints], &mut |c, values| {
+            let reactions = columns.fill(self.curve().closure(), c, loads, skipped);
+            for (joint, v) in values.chunks_exact_mut((3 * terms).max(1)).enumerate() {
+                for k in 0..terms {
+                    let Reaction { force, moment } = reactions[k * joints + joint];
+                    (v[k], v[terms + k], v[2 * terms + k]) = (force.x, force.y, moment);
+                }
+            }
+        })
+    }
+
+    /// A joint's reaction at sigma from the exact evaluator, for a reaction that no table resolves because it is
+    /// unbounded somewhere: a column for sigma_ddot = 1, for sigma_dot^2 = 1, then for each load = 1.
+    pub fn exact_reaction(&self, joint: usize, sigma: f64) -> Vec<Reaction> {
+        let all = columns(self.curve().closure(), &self.curve().configuration(sigma), &self.loading().loads);
+        all.iter().map(|column| column[joint]).collect()
+    }
+
+    /// Derivative dr / d sigma of the position of a lock's point, from the exact evaluator.
+    pub fn lock_path(&self, lock: usize, sigma: f64) -> Vec2 {
+        let c = self.curve().configuration(sigma);
+        c.positions.velocity(&c.rates, self.loading().locks[lock].at)
+    }
+
+    /// A joint's reaction to 1 N at a lock's point, along the point's path at sigma; from the exact evaluator.
+    pub fn lock_reaction(&self, lock: usize, sigma: f64, joint: usize) -> Reaction {
+        let c = self.curve().configuration(sigma);
+        let at = self.loading().locks[lock].at;
+        let direction = c.positions.velocity(&c.rates, at).normalize();
+        columns(self.curve().closure(), &c, &[Load::Force { at, direction }])[2][joint]
+    }
+}
+
+/// Natural sizes of reactions: of these terms, then of loads; for both forces and the moment.
+fn reaction_sizes(terms: Vec<f64>, loads: &[Load], scale: &Scale, linkage: &Linkage) -> Vec<f64> {
+    let mut forces = terms;
+    forces.extend(loads.iter().map(|l| scale.displacement(l, linkage) / linkage.size));
+    let moments: Vec<f64> = forces.iter().map(|f| f * linkage.size).collect();
+    [&forces[..], &forces[..], &moments[..]].concat()
+}
