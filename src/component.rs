@@ -3,9 +3,9 @@
 //! In: the text of a definition file, values by reference, steps. Out: values, saved states, or the reason of a
 //! refusal. It must not know any law of a model, nor anything of FMI but value references.
 //!
-//! A further kind of model takes one arm in [`Component`], in [`Snapshot`], in `each`, and one row in `KINDS`. Its
-//! model has methods of the same names, whose errors convert to [`Refused`]. No call is dispatched at run time while
-//! there is one kind only.
+//! A further kind of model takes one variant of [`Component`] and of [`Snapshot`], one row in `KINDS`, and one arm in
+//! each `match` of this file. Its model has methods of the same names, whose errors convert to [`Refused`]. While there
+//! is one kind, the matches cost nothing.
 use crate::integrator::Method;
 use crate::mechanism::{self, ModelError};
 use crate::variables::{Interface, Reference};
@@ -51,6 +51,19 @@ macro_rules! each {
     };
 }
 
+/// Questions that the model of each kind answers by its method of the same name.
+macro_rules! questions {
+    ($($(#[$doc:meta])* fn $name:ident($this:ident: $receiver:ty $(, $argument:ident: $type:ty)*) -> $answer:ty;)*) => {
+        $(
+            $(#[$doc])*
+            #[inline]
+            pub fn $name($this: $receiver $(, $argument: $type)*) -> Result<$answer, Refused> {
+                each!($this, model => Ok(model.$name($($argument),*)?))
+            }
+        )*
+    };
+}
+
 impl Component {
     /// Names of the definition files, one for each kind of model.
     pub fn definition_files() -> [&'static str; KINDS.len()] {
@@ -88,141 +101,106 @@ impl Component {
         each!(self, model => model.identity())
     }
 
-    /// Present value of a Real.
-    ///
-    /// # Errors
-    /// No Real has this reference, or the present parameters give no value.
-    #[inline]
-    pub fn real(&mut self, reference: Reference) -> Result<f64, Refused> {
-        each!(self, model => Ok(model.real(reference)?))
-    }
+    questions! {
+        /// Present value of a Real.
+        ///
+        /// # Errors
+        /// No Real has this reference, or the present parameters give no value.
+        fn real(self: &mut Self, reference: Reference) -> f64;
 
-    /// Present value of a Boolean.
-    ///
-    /// # Errors
-    /// No Boolean has this reference, or the present parameters give no value.
-    pub fn boolean(&mut self, reference: Reference) -> Result<bool, Refused> {
-        each!(self, model => Ok(model.boolean(reference)?))
-    }
+        /// Present value of a Boolean.
+        ///
+        /// # Errors
+        /// No Boolean has this reference, or the present parameters give no value.
+        fn boolean(self: &mut Self, reference: Reference) -> bool;
 
-    /// Present value of a String.
-    ///
-    /// # Errors
-    /// No String has this reference.
-    pub fn text(&self, reference: Reference) -> Result<&str, Refused> {
-        each!(self, model => Ok(model.text(reference)?))
-    }
+        /// Present value of a String.
+        ///
+        /// # Errors
+        /// No String has this reference.
+        fn text(self: &Self, reference: Reference) -> &str;
 
-    /// Whether [`Self::set_real`] would accept this value; changes nothing.
-    ///
-    /// # Errors
-    /// No Real has this reference, it is an output, or the value is out of range.
-    pub fn check_real(&self, reference: Reference, value: f64) -> Result<(), Refused> {
-        each!(self, model => Ok(model.check_real(reference, value)?))
-    }
+        /// Whether [`Self::set_real`] would accept this value; changes nothing.
+        ///
+        /// # Errors
+        /// No Real has this reference, it is an output, or the value is out of range.
+        fn check_real(self: &Self, reference: Reference, value: f64) -> ();
 
-    /// Set a Real input or parameter. After a step, a parameter takes effect with the next initialisation only.
-    ///
-    /// # Errors
-    /// As [`Self::check_real`].
-    pub fn set_real(&mut self, reference: Reference, value: f64) -> Result<(), Refused> {
-        each!(self, model => Ok(model.set_real(reference, value)?))
-    }
+        /// Set a Real input or parameter. After a step, a parameter takes effect with the next initialisation only.
+        ///
+        /// # Errors
+        /// As [`Self::check_real`].
+        fn set_real(self: &mut Self, reference: Reference, value: f64) -> ();
 
-    /// Whether [`Self::set_boolean`] would accept this value; changes nothing.
-    ///
-    /// # Errors
-    /// No Boolean has this reference, or it is an output.
-    pub fn check_boolean(&self, reference: Reference, value: bool) -> Result<(), Refused> {
-        each!(self, model => Ok(model.check_boolean(reference, value)?))
-    }
+        /// Whether [`Self::set_boolean`] would accept this value; changes nothing.
+        ///
+        /// # Errors
+        /// No Boolean has this reference, or it is an output.
+        fn check_boolean(self: &Self, reference: Reference, value: bool) -> ();
 
-    /// Set a Boolean input or parameter. After a step, a parameter takes effect with the next initialisation only.
-    ///
-    /// # Errors
-    /// As [`Self::check_boolean`].
-    pub fn set_boolean(&mut self, reference: Reference, value: bool) -> Result<(), Refused> {
-        each!(self, model => Ok(model.set_boolean(reference, value)?))
-    }
+        /// Set a Boolean input or parameter. After a step, a parameter takes effect with the next initialisation only.
+        ///
+        /// # Errors
+        /// As [`Self::check_boolean`].
+        fn set_boolean(self: &mut Self, reference: Reference, value: bool) -> ();
 
-    /// Whether [`Self::set_text`] would accept this value; changes nothing.
-    ///
-    /// # Errors
-    /// No String has this reference, or the text is none of the allowed words.
-    pub fn check_text(&self, reference: Reference, value: &str) -> Result<(), Refused> {
-        each!(self, model => Ok(model.check_text(reference, value)?))
-    }
+        /// Whether [`Self::set_text`] would accept this value; changes nothing.
+        ///
+        /// # Errors
+        /// No String has this reference, or the text is none of the allowed words.
+        fn check_text(self: &Self, reference: Reference, value: &str) -> ();
 
-    /// Set a String parameter. After a step, it takes effect with the next initialisation only.
-    ///
-    /// # Errors
-    /// As [`Self::check_text`].
-    pub fn set_text(&mut self, reference: Reference, value: &str) -> Result<(), Refused> {
-        each!(self, model => Ok(model.set_text(reference, value)?))
-    }
+        /// Set a String parameter. After a step, it takes effect with the next initialisation only.
+        ///
+        /// # Errors
+        /// As [`Self::check_text`].
+        fn set_text(self: &mut Self, reference: Reference, value: &str) -> ();
 
-    /// Directional derivatives at the present state: `report` is called once for each unknown, with its index and the
-    /// sum over the knowns of the partial derivative times the seed.
-    ///
-    /// # Errors
-    /// An unknown that is no continuous output, a known that is no continuous input, a model without derivatives.
-    pub fn directional_derivative(
-        &mut self,
-        unknowns: &[Reference],
-        knowns: &[Reference],
-        seeds: &[f64],
-        report: &mut dyn FnMut(usize, f64),
-    ) -> Result<(), Refused> {
-        each!(self, model => Ok(model.directional_derivative(unknowns, knowns, seeds, report)?))
-    }
+        /// Directional derivatives at the present state: `report` is called once for each unknown, with its index and
+        /// the sum over the knowns of the partial derivative times the seed.
+        ///
+        /// # Errors
+        /// An unknown that is no continuous output, a known that is no continuous input, a model without derivatives.
+        fn directional_derivative(
+            self: &mut Self, unknowns: &[Reference], knowns: &[Reference], seeds: &[f64],
+            report: &mut dyn FnMut(usize, f64)
+        ) -> ();
 
-    /// Time derivative of this order of a continuous output.
-    ///
-    /// # Errors
-    /// No continuous output has this reference, or the order is too high.
-    pub fn output_derivative(&mut self, reference: Reference, order: i32) -> Result<f64, Refused> {
-        each!(self, model => Ok(model.output_derivative(reference, order)?))
-    }
+        /// Time derivative of this order of a continuous output.
+        ///
+        /// # Errors
+        /// No continuous output has this reference, or the order is too high.
+        fn output_derivative(self: &mut Self, reference: Reference, order: i32) -> f64;
 
-    /// Whether [`Self::set_input_derivative`] would accept this value; changes nothing.
-    ///
-    /// # Errors
-    /// No continuous input has this reference, the order is too high, or the value is not finite.
-    pub fn check_input_derivative(&self, reference: Reference, order: i32, value: f64) -> Result<(), Refused> {
-        each!(self, model => Ok(model.check_input_derivative(reference, order, value)?))
-    }
+        /// Whether [`Self::set_input_derivative`] would accept this value; changes nothing.
+        ///
+        /// # Errors
+        /// No continuous input has this reference, the order is too high, or the value is not finite.
+        fn check_input_derivative(self: &Self, reference: Reference, order: i32, value: f64) -> ();
 
-    /// Set the derivative of an input at the beginning of the next step, for that step.
-    ///
-    /// # Errors
-    /// As [`Self::check_input_derivative`].
-    pub fn set_input_derivative(&mut self, reference: Reference, order: i32, value: f64) -> Result<(), Refused> {
-        each!(self, model => Ok(model.set_input_derivative(reference, order, value)?))
-    }
+        /// Set the derivative of an input at the beginning of the next step, for that step.
+        ///
+        /// # Errors
+        /// As [`Self::check_input_derivative`].
+        fn set_input_derivative(self: &mut Self, reference: Reference, order: i32, value: f64) -> ();
 
-    /// Override the relative tolerance of the integration.
-    ///
-    /// # Errors
-    /// The tolerance is out of range.
-    pub fn set_tolerance(&mut self, tolerance: f64) -> Result<(), Refused> {
-        each!(self, model => Ok(model.set_tolerance(tolerance)?))
-    }
+        /// Override the relative tolerance of the integration.
+        ///
+        /// # Errors
+        /// The tolerance is out of range.
+        fn set_tolerance(self: &mut Self, tolerance: f64) -> ();
 
-    /// Take the start state under the present parameters and inputs.
-    ///
-    /// # Errors
-    /// The present parameters give no model, or the start cannot be reached.
-    pub fn initialize(&mut self) -> Result<(), Refused> {
-        each!(self, model => Ok(model.initialize()?))
-    }
+        /// Take the start state under the present parameters and inputs.
+        ///
+        /// # Errors
+        /// The present parameters give no model, or the start cannot be reached.
+        fn initialize(self: &mut Self) -> ();
 
-    /// Advance by exactly `h` [s], > 0. On an error the state is the one before the step.
-    ///
-    /// # Errors
-    /// Not initialised, `h` out of range, or a step that cannot be computed.
-    #[inline]
-    pub fn step(&mut self, h: f64) -> Result<(), Refused> {
-        each!(self, model => Ok(model.step(h)?))
+        /// Advance by exactly `h` [s], > 0. On an error the state is the one before the step.
+        ///
+        /// # Errors
+        /// Not initialised, `h` out of range, or a step that cannot be computed.
+        fn step(self: &mut Self, h: f64) -> ();
     }
 
     /// Back to the parameters and inputs of the definition, not initialised.

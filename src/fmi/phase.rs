@@ -28,7 +28,9 @@ pub const TERMINATED: u8 = Phase::Terminated as u8;
 pub const FAILED: u8 = Phase::Failed as u8;
 /// All phases but the last.
 pub const ALIVE: u8 = INSTANTIATED | INITIALIZATION | STEP | TERMINATED | FAILED;
-/// All phases from the first step on.
+/// Phases in which values can be set.
+pub const SETTABLE: u8 = INSTANTIATED | INITIALIZATION | STEP;
+/// All phases after initialization.
 pub const STEPPED: u8 = STEP | TERMINATED | FAILED;
 
 const PHASES: [Phase; 6] =
