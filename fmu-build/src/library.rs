@@ -33,7 +33,7 @@ pub fn platform() -> Result<&'static str> {
 ///
 /// # Errors
 /// As for [`platform`].
-pub fn place(model_identifier: &str) -> Result<String> {
+pub fn path(model_identifier: &str) -> Result<String> {
     Ok(format!("binaries/{}/{model_identifier}.{DLL_EXTENSION}", platform()?))
 }
 
@@ -90,7 +90,7 @@ mod tests {
 
     #[test]
     fn the_library_has_no_prefix() {
-        let place = place("Gear").unwrap();
-        assert!(place.starts_with("binaries/") && place.ends_with(&format!("/Gear.{DLL_EXTENSION}")), "{place}");
+        let path = path("Gear").unwrap();
+        assert!(path.starts_with("binaries/") && path.ends_with(&format!("/Gear.{DLL_EXTENSION}")), "{path}");
     }
 }

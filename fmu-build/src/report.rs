@@ -31,6 +31,6 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let out = path::absolute(&out).with_context(|| out.display().to_string())?;
     let python = python::environment(workspace)?;
     let mut report = Command::new(python);
-    report.args(["-m", "report"]).arg(workspace.fmu_folder()).arg("--out").arg(out).current_dir(workspace.scripts());
+    report.args(["-m", "report"]).arg(workspace.fmu_folder()).arg("--out").arg(out).current_dir(workspace.validation());
     command::run(&mut report, "report")
 }
