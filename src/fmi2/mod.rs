@@ -21,6 +21,7 @@ mod cosimulation;
 mod derivatives;
 mod exchange;
 mod guard;
+pub mod host;
 mod instance;
 mod location;
 pub mod logger;

@@ -1,9 +1,8 @@
 //! Published benchmark mechanisms: error against exact values, run time and work, and what each further loop costs.
-#[path = "../../fmu-build/src/chain/mechanism.rs"]
-pub mod mechanism;
 
 use crate::asked;
 use crate::measure::{self, COLUMNS, Pages, Row};
+use fmu_build::chain::mechanism;
 use linkage_fmu::mechanism::{Model, ModelError};
 use std::fmt::Write;
 use std::path::Path;

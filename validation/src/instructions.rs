@@ -4,7 +4,7 @@
 //! set-up nor the program's start is in it.
 
 use crate::asked;
-use crate::host::Host;
+use crate::gear::Gear;
 use crate::measure::Pages;
 use crate::scene::{After, DEFAULT, SCENES, SPAN, StateLoads};
 use std::fmt::Write;
@@ -108,9 +108,9 @@ pub fn repeat(folder: &Path, words: [&str; 4]) -> Result<(), String> {
         SCENES.iter().find(|scene| scene.name == name).ok_or_else(|| format!("no scene {name}"))?;
     let after = READS.iter().find(|(word, _)| *word == reads).map_or(scene.after, |(_, after)| after);
     let (steps, repetitions) = (number(steps)?, number(repetitions)?);
-    let mut host = Host::new(folder, scene, TOLERANCE)?;
+    let mut gear = Gear::new(folder, scene, TOLERANCE)?;
     for _ in 0..repetitions {
-        host.run(steps, SPAN / f64::from(steps), after, &mut [f64::INFINITY])?;
+        gear.run(steps, SPAN / f64::from(steps), after, &mut [f64::INFINITY])?;
     }
     Ok(())
 }

@@ -21,6 +21,8 @@ pub enum After {
     Derivatives,
     /// One fmi2SetReal: the force, to one unit of its last place more and less in turn.
     Force,
+    /// fmi2GetFMUstate and fmi2SetFMUstate of the same state.
+    State,
 }
 
 /// Force of the actuator after so many steps in which [`After::Force`] is called [N].
