@@ -1,8 +1,8 @@
 //! A host of the exported functions: an importer's side of the interface, for tests and benchmarks.
 //!
 //! In: a folder with `resources/mechanism.json`. Out: instances driven through the C functions; statuses, values, saved
-//! states, messages. It must not know how a call is answered. Each method is one call, and is safe to use: arrays have the
-//! lengths that are passed, states come from this library. A name that the mechanism does not have becomes a value
+//! states, messages. It must not know how a call is answered. Each method is one call, and is safe to use: arrays have
+//! the lengths that are passed, states come from this library. A name that the mechanism does not have becomes a value
 //! reference that does not exist, so the call answers `fmi2Error`.
 
 use super::types::{
