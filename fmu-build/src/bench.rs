@@ -14,8 +14,8 @@ use std::process::Command;
 #[derive(Args)]
 pub struct Arguments {
     /// `importers`: the landing gear in FMPy, libcosim and ECOS; `peers`: work against error beside other solvers and
-    /// multibody programs; `plots`: figures from the tables' CSV; all else goes to the validation package as it is: nothing
-    /// for the tables of run times, `instructions` for callgrind's counts, `stress` for the stress suite
+    /// multibody programs; `plots`: figures from the tables' CSV; all else goes to the validation package as it is:
+    /// nothing for the tables of run times, `instructions` for callgrind's counts, `stress` for the stress suite
     #[arg(value_name = "ARGS", trailing_var_arg = true, allow_hyphen_values = true)]
     pub rest: Vec<OsString>,
 }
@@ -34,8 +34,8 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
             _ => {}
         }
     }
-    // Both packages are named so that dependencies have the features they have for this program, and the engine is not built
-    // again for each of the two in turn.
+    // Both packages are named so that dependencies have the features they have for this program, and the engine is not
+    // built again for each of the two in turn.
     let mut cargo = command::cargo(workspace);
     cargo.args(["build", "--release", "--quiet", "--package", "fmu-build", "--package", "validation"]);
     command::run(cargo.args(["--bin", "validation"]), "cargo build")?;
@@ -43,8 +43,8 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     command::run(Command::new(program).args(&arguments.rest).current_dir(workspace.root()), "validation")
 }
 
-/// A Python script of the folder `name` of `validation/`, in an environment of its own, with the default FMU as its first
-/// argument; the folder, and another one for what is made on the way.
+/// A Python script of the folder `name` of `validation/`, in an environment of its own, with the default FMU as its
+/// first argument; the folder, and another one for what is made on the way.
 fn comparison(workspace: &Workspace, name: &str) -> Result<(Command, PathBuf, PathBuf)> {
     let fmus = package::run(workspace, &package::Arguments::default())?;
     let fmu = fmus.first().context("no FMU was packed")?;

@@ -12,8 +12,8 @@ use std::process::Stdio;
 
 /// Cargo's name for the engine's package.
 const PACKAGE: &str = "linkage-fmu";
-/// The package that is built: this one. The library comes with it as a dependency, already there when this program runs;
-/// built for itself it would be compiled anew each time, because Cargo gives both the same file.
+/// The package that is built: this one. The library comes with it as a dependency, already there when this program
+/// runs; built for itself it would be compiled anew each time, because Cargo gives both the same file.
 const BUILT: &str = env!("CARGO_PKG_NAME");
 
 /// This platform's name, after FMI 2.0.5, 2.3.

@@ -29,7 +29,8 @@ instantiation. Parameters set through FMI win over the file.</p>
 </html>
 ";
 
-/// The page of the FMU `name`, a C identifier, from the content of its body; a page that is whole already stays as it is.
+/// The page of the FMU `name`, a C identifier, from the content of its body; a page that is whole already stays as it
+/// is.
 pub fn whole(name: &str, content: Vec<u8>) -> Vec<u8> {
     let is_whole = content.windows(5).any(|tag| tag.eq_ignore_ascii_case(b"<html"));
     if is_whole { content } else { [HEAD.replace("NAME", name).into_bytes(), content, FOOT.into()].concat() }

@@ -1,6 +1,6 @@
 //! `cargo fmu report`: the figures and claims of the two papers, recomputed from FMU runs.
 //!
-//! In: the packed FMUs. Out: `report.md` and `figures/`, in `validation/` unless told otherwise.
+//! In: the packed FMUs. Out: `report.md` and `figures/`, in `validation/` by default.
 
 use crate::workspace::{DEFAULT_FMU, Workspace};
 use crate::{command, package, python};

@@ -140,14 +140,14 @@ fn both_accept_the_full_mechanism_and_those_of_this_repository() {
 #[test]
 fn keys_agree_at_every_level() {
     let schema = schema();
-    for (name, place) in LEVELS {
+    for (name, path) in LEVELS {
         let mut mechanism = full();
-        mechanism.pointer_mut(place).unwrap()["no_such_key"] = json!(0);
-        assert!(!validator().is_valid(&mechanism), "the schema takes an unknown key at {place}");
+        mechanism.pointer_mut(path).unwrap()["no_such_key"] = json!(0);
+        assert!(!validator().is_valid(&mechanism), "the schema takes an unknown key at {path}");
         let message = refusal(&mechanism).unwrap();
         let definition = definition(&schema, name);
         let described = keys(&definition["properties"]);
-        assert_eq!(definition["additionalProperties"], json!(false), "{place}");
+        assert_eq!(definition["additionalProperties"], json!(false), "{path}");
         let known = names_after(&message, "expected");
         if name == "ground" {
             // A body like others to the parser; the rest of its keys is refused by the check that follows.
@@ -159,7 +159,7 @@ fn keys_agree_at_every_level() {
                 assert!(refusal(&mechanism).is_some() && !validator().is_valid(&mechanism), "ground.{key}");
             }
         } else {
-            assert_eq!(described, known, "keys at {place}");
+            assert_eq!(described, known, "keys at {path}");
         }
     }
 }
@@ -167,34 +167,34 @@ fn keys_agree_at_every_level() {
 #[test]
 fn required_keys_agree_at_every_level() {
     let schema = schema();
-    for (name, place) in LEVELS {
+    for (name, path) in LEVELS {
         let definition = definition(&schema, name);
         let required: BTreeSet<&str> =
             definition["required"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
         let full = full();
-        for key in keys(full.pointer(place).unwrap()) {
+        for key in keys(full.pointer(path).unwrap()) {
             let mut mechanism = full.clone();
-            mechanism.pointer_mut(place).unwrap().as_object_mut().unwrap().remove(key);
+            mechanism.pointer_mut(path).unwrap().as_object_mut().unwrap().remove(key);
             let message = refusal(&mechanism).unwrap_or_default();
-            assert_eq!(message.contains(&format!("missing field `{key}`")), required.contains(key), "{place}/{key}");
+            assert_eq!(message.contains(&format!("missing field `{key}`")), required.contains(key), "{path}/{key}");
             // Where a key is missing to others, geometry included, the schema may see less than the check but not more.
-            assert!(!message.is_empty() || validator().is_valid(&mechanism), "{place}/{key}");
+            assert!(!message.is_empty() || validator().is_valid(&mechanism), "{path}/{key}");
         }
-        assert!(required.iter().all(|key| keys(full.pointer(place).unwrap()).contains(key)), "{place} lacks a key");
+        assert!(required.iter().all(|key| keys(full.pointer(path).unwrap()).contains(key)), "{path} lacks a key");
     }
 }
 
 #[test]
 fn choices_agree() {
     let schema = schema();
-    for (name, place, key) in [
+    for (name, path, key) in [
         ("body", "/bodies/crank", "shape"),
         ("joint", "/joints/guide", "type"),
         ("stop", "/stops/up", "limit"),
         ("solver", "/solver", "method"),
     ] {
         let mut mechanism = full();
-        mechanism.pointer_mut(place).unwrap()[key] = json!("no_such_choice");
+        mechanism.pointer_mut(path).unwrap()[key] = json!("no_such_choice");
         let message = refusal(&mechanism).unwrap();
         let choices: BTreeSet<&str> = schema["$defs"][name]["properties"][key]["enum"]
             .as_array()
@@ -202,7 +202,7 @@ fn choices_agree() {
             .iter()
             .map(|v| v.as_str().unwrap())
             .collect();
-        assert_eq!(names_after(&message, "expected"), choices, "{place}/{key}");
+        assert_eq!(names_after(&message, "expected"), choices, "{path}/{key}");
     }
 }
 
@@ -212,7 +212,7 @@ fn defaults_agree() {
     let schema = schema();
     // One load and one spring of either kind, and nothing that has a default.
     let mut plain = full();
-    for (place, keys) in [
+    for (path, keys) in [
         ("/gravity", "load_factor"),
         ("/bodies/weight", "angle center inertia"),
         ("/joints/guide", "axis_angle angle"),
@@ -231,7 +231,7 @@ fn defaults_agree() {
         ("", "description solver experiment"),
     ] {
         for key in keys.split(' ') {
-            plain.pointer_mut(place).unwrap().as_object_mut().unwrap().remove(key);
+            plain.pointer_mut(path).unwrap().as_object_mut().unwrap().remove(key);
         }
     }
     let read = |mechanism: &Value| -> Vec<(String, f64)> {
@@ -250,7 +250,7 @@ fn defaults_agree() {
     };
     let before = read(&plain);
     let mut compared = 0;
-    for (name, place) in LEVELS.into_iter().chain([
+    for (name, path) in LEVELS.into_iter().chain([
         ("body", "/bodies/weight"),
         ("body", "/bodies/rod"),
         ("actuator", "/actuators/servo"),
@@ -266,32 +266,29 @@ fn defaults_agree() {
             };
             let Some(default) = property.get("default").or(target.get("default")) else { continue };
             let mut mechanism = plain.clone();
-            if mechanism.pointer(place).is_none() {
+            if mechanism.pointer(path).is_none() {
                 // A section that is left out: as its own default says.
                 mechanism[name] = definition["default"].clone();
             }
-            let element = mechanism.pointer_mut(place).unwrap();
+            let element = mechanism.pointer_mut(path).unwrap();
             if element.get(key).is_some() {
                 continue;
             }
             element[key] = default.clone();
             if refusal(&mechanism).is_some() {
                 // Does not go with this element's other keys, or with the joint that it names.
-                let in_joint = mechanism.pointer(place).unwrap().get("joint").is_some();
-                assert!(in_joint || !validator().is_valid(&mechanism), "{place}/{key} = {default}");
+                let in_joint = mechanism.pointer(path).unwrap().get("joint").is_some();
+                assert!(in_joint || !validator().is_valid(&mechanism), "{path}/{key} = {default}");
                 continue;
             }
             let now = read(&mechanism);
-            assert_eq!(now.len(), before.len(), "{place}/{key} = {default}");
+            assert_eq!(now.len(), before.len(), "{path}/{key} = {default}");
             for ((name, value), (same, known)) in now.iter().zip(&before) {
-                assert_eq!(name, same, "{place}/{key} = {default}");
-                // A default that is stated may be computed with, as an efficiency of 1: then the last digits differ, by as
-                // much as the tables resolve of values that are of the order of 10 here, accelerations of 100.
+                assert_eq!(name, same, "{path}/{key} = {default}");
+                // A default that is stated may be computed with, as an efficiency of 1: then the last digits differ, by
+                // as much as the tables resolve of values that are of the order of 10 here, accelerations of 100.
                 let miss = (value - known).abs();
-                assert!(
-                    miss <= 1e-13 * known.abs().max(10.0),
-                    "{place}/{key} = {default}: {name} {value}, not {known}"
-                );
+                assert!(miss <= 1e-13 * known.abs().max(10.0), "{path}/{key} = {default}: {name} {value}, not {known}");
             }
             compared += 1;
         }
@@ -299,10 +296,11 @@ fn defaults_agree() {
     assert!(compared >= 30, "{compared} defaults compared");
 }
 
-/// Wrong values, by where they are put into the full mechanism: refused by both, or by the engine alone where the schema
-/// cannot know.
+/// Wrong values, by where they are put into the full mechanism: refused by both, or by the engine alone where the
+/// schema cannot know.
 #[test]
 fn both_refuse_what_is_wrong() {
+    let validator = validator();
     let wrong: Value = serde_json::from_str(include_str!("wrong.json")).unwrap();
     for (group, schema_too) in [("both", true), ("engine", false)] {
         for (path, values) in wrong[group].as_object().unwrap() {
@@ -311,7 +309,7 @@ fn both_refuse_what_is_wrong() {
                 let mut mechanism = full();
                 mechanism.pointer_mut(parent).unwrap()[key] = value.clone();
                 assert!(Model::from_json(&mechanism.to_string()).is_err(), "the engine takes {path} = {value}");
-                assert_eq!(!validator().is_valid(&mechanism), schema_too, "the schema on {path} = {value}");
+                assert_eq!(!validator.is_valid(&mechanism), schema_too, "the schema on {path} = {value}");
             }
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! In: a description folder and the settings of a scene. Out: statuses as `Result`, times.
 
-use crate::scene::{After, KNOWN, SPAN, StateLoads, force};
+use crate::scene::{After, KNOWN, SPAN, Scene, force};
 use linkage_fmu::fmi2::host::{Description, Host, State};
 use linkage_fmu::fmi2::types::{Status, ValueReference};
 use std::path::Path;
@@ -54,7 +54,7 @@ impl Gear {
     ///
     /// # Errors
     /// The file cannot be read; a call is refused.
-    pub fn new(folder: &Path, scene: &StateLoads, tolerance: f64) -> Result<Self, String> {
+    pub fn new(folder: &Path, scene: &Scene, tolerance: f64) -> Result<Self, String> {
         let host = Description::read(folder)?.instantiate(None, false)?;
         for &(name, value) in scene.reals {
             done(name, host.set(name, value))?;
@@ -71,8 +71,8 @@ impl Gear {
         Ok(Self { host, start, motion, reactions, unknowns, known })
     }
 
-    /// `steps` doSteps of `h` from the start, with what is called after each of them, in as many parts as `least` is long;
-    /// `least` keeps the least time [s] of each part.
+    /// `steps` doSteps of `h` from the start, with what is called after each of them, in as many parts as `least` is
+    /// long; `least` keeps the least time [s] of each part.
     ///
     /// # Errors
     /// A call is refused.

@@ -1,5 +1,5 @@
-//! Set-up: what it costs to read a mechanism, trace its curve and build the tables that a first step needs, what a changed
-//! parameter costs, and a whole life through the C functions.
+//! Set-up: what it costs to read a mechanism, trace its curve and build the tables that a first step needs, what a
+//! changed parameter costs, and a whole life through the C functions.
 use crate::gear::{LAST, live};
 use crate::measure;
 use fmu_build::chain::mechanism;
@@ -67,7 +67,8 @@ fn names(descriptions: &Path) -> Result<Vec<String>, String> {
     Ok(names)
 }
 
-/// Call, and keep the time [us] in `least` if it is the least; what the call gave is dropped after the clock has stopped.
+/// Call, and keep the time [us] in `least` if it is the least; what the call gave is dropped after the clock has
+/// stopped.
 fn timed<T>(least: &mut f64, call: impl FnOnce() -> T) -> T {
     let began = Instant::now();
     let given = std::hint::black_box(call());

@@ -3,7 +3,7 @@
 use crate::asked::{self, Asked, digits};
 use crate::gear::Gear;
 use crate::measure::{self, Pages};
-use crate::scene::{After, BARE, DEFAULT, SPAN, StateLoads};
+use crate::scene::{After, BARE, DEFAULT, SPAN, Scene};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -68,7 +68,7 @@ pub fn table(folder: &Path) -> Result<Pages, String> {
 }
 
 impl Row {
-    fn measure(folder: &Path, text: &str, scene: &StateLoads, tolerance: i32, micros: u32) -> Result<Self, String> {
+    fn measure(folder: &Path, text: &str, scene: &Scene, tolerance: i32, micros: u32) -> Result<Self, String> {
         let accuracy = 10f64.powi(-tolerance);
         let count = (SPAN * 1e6).round() as u32 / micros;
         let mut gear = Gear::new(folder, scene, accuracy)?;

@@ -21,8 +21,8 @@ const TOLERANCE: &str = "solver.tolerance";
 /// The text of `modelDescription.xml`.
 ///
 /// # Errors
-/// The name is not a C identifier, a text holds a character that XML cannot, the tolerance is missing, or a parameter may
-/// not change a little.
+/// The name is not a C identifier, a text holds a character that XML cannot, the tolerance is missing, or a parameter
+/// may not change a little.
 pub fn to_xml(model: &Model) -> Result<String> {
     Interface::of(model)?.to_xml()
 }

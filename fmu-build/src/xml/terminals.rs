@@ -1,8 +1,8 @@
 //! The writer of `terminalsAndIcons.xml`: which variables belong together as one connection.
 //!
 //! In: the table of variables. Out: the text of the file, one terminal for each drive: its force or torque goes in; its
-//! length, angle or position, with the first two derivatives, comes out. FMI 2.0.5, 2.3, takes the file over from FMI 3.0,
-//! 2.4.9, with that version in it.
+//! length, angle or position, with the first two derivatives, comes out. FMI 2.0.5, 2.3, takes the file over from FMI
+//! 3.0, 2.4.9, with that version in it.
 
 use super::common::{document, element, empty, group};
 use anyhow::Result;
@@ -62,12 +62,12 @@ fn terminals(variables: &Variables<Quantity>) -> Vec<Terminal<'_>> {
     all()
         .filter_map(|(reference, input)| {
             let (name, _) = input.name.rsplit_once('.')?;
-            let Some(Quantity::Input(place)) = variables.quantity(reference) else { return None };
+            let Some(Quantity::Input(index)) = variables.quantity(reference) else { return None };
             // Springs have a length too, but under another name.
             let displacements: Vec<_> = all()
                 .filter(|(reference, output)| {
                     let quantity = variables.quantity(*reference);
-                    matches!(quantity, Some(Quantity::Output(Output::Displacement { load, .. })) if load == place)
+                    matches!(quantity, Some(Quantity::Output(Output::Displacement { load, .. })) if load == index)
                         && output.name.rsplit_once('.').is_some_and(|(owner, _)| owner == name)
                 })
                 .map(|(_, output)| output)
