@@ -1,6 +1,7 @@
 //! One mechanism, two formulations: what `solver.method` changes, and what it does not.
 #![allow(clippy::unwrap_used)]
 
+#[path = "fmi2/host.rs"]
 mod fmi2_host;
 
 use fmi2_host::Gear;

@@ -1,6 +1,6 @@
 //! `cargo fmu chain N`: writes the mechanism.json of a chain of N four-bars, the benchmark that grows.
 
-mod mechanism;
+pub mod mechanism;
 
 use anyhow::{Context, Result};
 use clap::Args;

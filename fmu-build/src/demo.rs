@@ -24,7 +24,7 @@ pub struct Arguments {
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let fmus = package::run(workspace, &package::Arguments::default())?;
     let fmu = fmus.first().context("no FMU was packed")?;
-    let out = arguments.out.clone().unwrap_or_else(|| workspace.demo_folder());
+    let out = arguments.out.clone().unwrap_or_else(|| workspace.target("demo"));
     let python = python::environment(workspace)?;
     let mut demo = Command::new(python);
     demo.arg(workspace.demo_script()).arg(fmu).arg("--out").arg(out);

@@ -12,8 +12,8 @@ use std::process::Stdio;
 
 /// Cargo's name for the engine's package.
 const PACKAGE: &str = "linkage-fmu";
-/// The package that is built: this one. The library comes with it as a dependency, already there when this program runs;
-/// built for itself it would be compiled anew each time, because Cargo gives both the same file.
+/// The package that is built: this one. The library comes with it as a dependency, already there when this program
+/// runs; built for itself it would be compiled anew each time, because Cargo gives both the same file.
 const BUILT: &str = env!("CARGO_PKG_NAME");
 
 /// This platform's name, after FMI 2.0.5, 2.3.
@@ -33,7 +33,7 @@ pub fn platform() -> Result<&'static str> {
 ///
 /// # Errors
 /// As for [`platform`].
-pub fn place(model_identifier: &str) -> Result<String> {
+pub fn path(model_identifier: &str) -> Result<String> {
     Ok(format!("binaries/{}/{model_identifier}.{DLL_EXTENSION}", platform()?))
 }
 
@@ -90,7 +90,7 @@ mod tests {
 
     #[test]
     fn the_library_has_no_prefix() {
-        let place = place("Gear").unwrap();
-        assert!(place.starts_with("binaries/") && place.ends_with(&format!("/Gear.{DLL_EXTENSION}")), "{place}");
+        let path = path("Gear").unwrap();
+        assert!(path.starts_with("binaries/") && path.ends_with(&format!("/Gear.{DLL_EXTENSION}")), "{path}");
     }
 }

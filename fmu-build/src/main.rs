@@ -1,27 +1,9 @@
-//! `cargo fmu <command>`: builds, tests and demonstrates the FMUs. One file per task.
-//!
-//! In: the command line. Out: files under `target/`, an exit code (0 done, 1 refused with one line, 2 wrong usage).
-
-mod archive;
-mod bench;
-mod binary;
-mod chain;
-mod command;
-mod demo;
-mod description;
-mod library;
-mod package;
-mod python;
-mod report;
-mod schema;
-mod source;
-mod terminals;
-mod test;
-mod workspace;
+//! The command line of `cargo fmu`. Exit codes: 0 done, 1 refused with one line, 2 wrong usage.
 
 use clap::{Parser, Subcommand};
+use fmu_build::workspace::Workspace;
+use fmu_build::{bench, chain, demo, package, report, test};
 use std::process::ExitCode;
-use workspace::Workspace;
 
 #[derive(Parser)]
 #[command(name = "cargo fmu", bin_name = "cargo fmu", version, about = "Builds, tests and demonstrates the FMUs")]

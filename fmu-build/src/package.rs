@@ -4,12 +4,10 @@
 
 use crate::archive::{self, Entry, MODEL_DESCRIPTION};
 use crate::binary::{self, Binary};
-use crate::description::Interface;
-use crate::library;
-use crate::schema;
 use crate::source::Source;
-use crate::terminals;
 use crate::workspace::{DEFAULT_FMU, MECHANISM, Workspace};
+use crate::xml::{fmi2, terminals};
+use crate::{library, page, schema};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use linkage_fmu::mechanism::Model;
@@ -99,8 +97,7 @@ fn prepare(source: Source) -> Result<Prepared> {
     let path = source.mechanism.display();
     let mechanism = source.text()?;
     let model = Model::from_json(&mechanism).with_context(|| path.to_string())?;
-    let interface = Interface::of(&model).with_context(|| path.to_string())?;
-    let description = interface.to_xml().with_context(|| path.to_string())?;
+    let description = fmi2::to_xml(&model).with_context(|| path.to_string())?;
     let name = model.name().to_owned();
     if let Some(folder) = source.folder.as_deref().filter(|_| source.keeps_description) {
         // A name such as `.` says nothing; the full path does.
@@ -119,15 +116,18 @@ fn pack(fmu: Prepared, library: &[u8], binaries: &[Binary], out: &Path) -> Resul
         write_if_changed(&folder.join(MODEL_DESCRIPTION), &fmu.description)?;
     }
     let mut entries = fmu.source.companions()?;
+    if let Some(page) = entries.iter_mut().find(|entry| entry.name == page::PATH) {
+        page.content = page::whole(&fmu.name, std::mem::take(&mut page.content));
+    }
     entries.extend([
         Entry { name: MODEL_DESCRIPTION.to_owned(), content: fmu.description.into_bytes() },
-        Entry { name: library::place(&fmu.name)?, content: library.to_vec() },
+        Entry { name: library::path(&fmu.name)?, content: library.to_vec() },
         Entry { name: format!("resources/{MECHANISM}"), content: schema::led_here(&fmu.mechanism).into_bytes() },
         Entry { name: format!("resources/{}", schema::NAME), content: schema::TEXT.into() },
     ]);
     // A file of the user's own says more than the generated one.
-    if let Some(text) = fmu.terminals.filter(|_| entries.iter().all(|entry| entry.name != terminals::PLACE)) {
-        entries.push(Entry { name: terminals::PLACE.to_owned(), content: text.into_bytes() });
+    if let Some(text) = fmu.terminals.filter(|_| entries.iter().all(|entry| entry.name != terminals::PATH)) {
+        entries.push(Entry { name: terminals::PATH.to_owned(), content: text.into_bytes() });
     }
     entries.extend(binaries.iter().map(|binary| binary.entry(&fmu.name)));
     let path = out.join(format!("{}.fmu", fmu.name));

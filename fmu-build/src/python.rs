@@ -19,7 +19,7 @@ const STAMP: &str = "made-from.txt";
 /// # Errors
 /// As for [`environment_of`].
 pub fn environment(workspace: &Workspace) -> Result<PathBuf> {
-    environment_of(&workspace.virtual_environment(), &workspace.python_tests().join("requirements.txt"))
+    environment_of(&workspace.target("venv"), &workspace.python_tests().join("requirements.txt"))
 }
 
 /// Interpreter of the environment in `folder` with these requirements, ready to use.

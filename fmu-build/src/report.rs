@@ -1,6 +1,6 @@
 //! `cargo fmu report`: the figures and claims of the two papers, recomputed from FMU runs.
 //!
-//! In: the packed FMUs. Out: `report.md` and `figures/`, in `validation/` unless told otherwise.
+//! In: the packed FMUs. Out: `report.md` and `figures/`, in `validation/` by default.
 
 use crate::workspace::{DEFAULT_FMU, Workspace};
 use crate::{command, package, python};
@@ -31,6 +31,6 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let out = path::absolute(&out).with_context(|| out.display().to_string())?;
     let python = python::environment(workspace)?;
     let mut report = Command::new(python);
-    report.args(["-m", "report"]).arg(workspace.fmu_folder()).arg("--out").arg(out).current_dir(workspace.scripts());
+    report.args(["-m", "report"]).arg(workspace.fmu_folder()).arg("--out").arg(out).current_dir(workspace.validation());
     command::run(&mut report, "report")
 }

@@ -11,7 +11,8 @@ pub const TEXT: &str = include_str!("../../modelDescription/mechanism.schema.jso
 /// without that key stays as it is.
 pub fn led_here(mechanism: &str) -> String {
     const KEY: &str = "\"$schema\"";
-    // Only the top level has this key, names being letters, and no string can be followed by a colon unless it is a key.
+    // Only the top level has this key, names being letters, and no string can be followed by a colon unless it is a
+    // key.
     for (at, _) in mechanism.match_indices(KEY) {
         let Some(value) = mechanism[at + KEY.len()..].trim_start().strip_prefix(':') else { continue };
         let value = value.trim_start();

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
-/// Environment variable that tells the Python tests where the FMUs are.
+/// Environment variable with the folder of the FMUs, for the Python tests.
 const FMU_FOLDER: &str = "LINKAGE_FMU_DIR";
 
 /// Run all stages.

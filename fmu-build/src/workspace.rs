@@ -50,52 +50,12 @@ impl Workspace {
 
     /// Where FMUs are written when no other folder is named; the same place whatever `CARGO_TARGET_DIR` says.
     pub fn fmu_folder(&self) -> PathBuf {
-        self.root.join("target").join("fmu")
+        self.target("fmu")
     }
 
-    /// Where the demo writes when no other folder is named.
-    pub fn demo_folder(&self) -> PathBuf {
-        self.root.join("target").join("demo")
-    }
-
-    /// Python's virtual environment.
-    pub fn virtual_environment(&self) -> PathBuf {
-        self.root.join("target").join("venv")
-    }
-
-    /// Python's virtual environment for the comparison of importers.
-    pub fn importers_environment(&self) -> PathBuf {
-        self.root.join("target").join("venv-importers")
-    }
-
-    /// Where the comparison of importers keeps what it makes on the way.
-    pub fn importers_work(&self) -> PathBuf {
-        self.root.join("target").join("importers")
-    }
-
-    /// The comparison of importers: its script, its requirements and the library that listens.
-    pub fn importers(&self) -> PathBuf {
-        self.root.join("validation").join("importers")
-    }
-
-    /// The comparison with other tools: a Cargo package of its own, and its Python half with its requirements.
-    pub fn peers(&self) -> PathBuf {
-        self.root.join("validation").join("peers")
-    }
-
-    /// Python's virtual environment for the comparison with other tools.
-    pub fn peers_environment(&self) -> PathBuf {
-        self.root.join("target").join("venv-peers")
-    }
-
-    /// Where the comparison with other tools is built, and keeps what it makes on the way.
-    pub fn peers_work(&self) -> PathBuf {
-        self.root.join("target").join("peers")
-    }
-
-    /// The committed results of the benchmarks.
-    pub fn results(&self) -> PathBuf {
-        self.root.join("validation").join("results")
+    /// A folder of what is made: FMUs, the demo, Python's virtual environments, what benchmarks keep on the way.
+    pub fn target(&self, name: &str) -> PathBuf {
+        self.root.join("target").join(name)
     }
 
     /// The Python tests, with their requirements and settings.
@@ -103,18 +63,18 @@ impl Workspace {
         self.root.join("tests").join("fmpy")
     }
 
-    /// The Python programs of the commands.
-    pub fn scripts(&self) -> PathBuf {
-        self.root.join("fmu-build").join("python")
-    }
-
     /// The demo's Python script.
     pub fn demo_script(&self) -> PathBuf {
-        self.scripts().join("demo.py")
+        self.root.join("fmu-build").join("python").join("demo.py")
     }
 
-    /// What was measured, and the report on the papers.
+    /// What was measured, with the programs that measure and draw it, and the report on the papers.
     pub fn validation(&self) -> PathBuf {
         self.root.join("validation")
+    }
+
+    /// The committed results of the benchmarks.
+    pub fn results(&self) -> PathBuf {
+        self.validation().join("results")
     }
 }

@@ -50,7 +50,7 @@ fn only_libraries_that_every_linux_has_are_needed() {
 }
 
 #[test]
-fn the_version_of_glibc_is_the_one_that_is_told() {
+fn the_version_of_glibc_is_that_of_the_readme() {
     let content = library();
     let library = object::File::parse(&*content).unwrap();
     let strings = library.section_by_name(".dynstr").unwrap().data().unwrap();

@@ -37,6 +37,7 @@ mod common;
 mod cosimulation;
 mod derivatives;
 mod exchange;
+pub mod host;
 mod state;
 pub mod types;
 

@@ -1,9 +1,8 @@
 //! Published benchmark mechanisms: error against exact values, run time and work, and what each further loop costs.
-#[path = "../../fmu-build/src/chain/mechanism.rs"]
-pub mod mechanism;
 
 use crate::asked;
 use crate::measure::{self, COLUMNS, Pages, Row};
+use fmu_build::chain::mechanism;
 use linkage_fmu::mechanism::{Model, ModelError};
 use std::fmt::Write;
 use std::path::Path;
@@ -14,7 +13,7 @@ pub const ANDREWS_SPAN: f64 = 0.03;
 pub const K1_ANGLE: f64 = 15.810_771_195_153_797;
 
 /// One mechanism with an output whose value at the end of the span is known.
-struct StateLoads {
+struct Scene {
     /// Word for CSV.
     name: String,
     title: String,
@@ -28,7 +27,8 @@ struct StateLoads {
     exact: f64,
 }
 
-/// Angle of bar 0 [rad] after 10 s for N four-bars: pi/2 - 2 am(t/2 | -4 k), k = 9.81 ((N + 1)/2 + N) / ((N + 1)/3 + N).
+/// Angle of bar 0 [rad] after 10 s for N four-bars: pi/2 - 2 am(t/2 | -4 k), k = 9.81 ((N + 1)/2 + N) / ((N + 1)/3 +
+/// N).
 const CHAINS: [(u32, f64); 3] =
     [(2, -30.179_800_860_191_205), (10, -30.050_933_495_986_976), (40, -30.026_637_417_190_84)];
 
@@ -44,12 +44,12 @@ pub fn table(descriptions: &Path) -> Result<Pages, String> {
     Ok(Pages { page: out, csv })
 }
 
-fn scenes(descriptions: &Path) -> Result<Vec<StateLoads>, String> {
+fn scenes(descriptions: &Path) -> Result<Vec<Scene>, String> {
     let read = |name: &str| measure::mechanism(&descriptions.join(name));
     let (andrews, slcrank) = (read("AndrewsSqueezer")?, read("SlCrank")?);
     let mut scenes = Vec::new();
     for steps in [1, 300] {
-        scenes.push(StateLoads {
+        scenes.push(Scene {
             name: "AndrewsSqueezer".into(),
             title: format!("Andrews' squeezer, 0.03 s in {steps} doSteps"),
             text: andrews.clone(),
@@ -61,7 +61,7 @@ fn scenes(descriptions: &Path) -> Result<Vec<StateLoads>, String> {
         });
     }
     for steps in [1, 1000] {
-        scenes.push(StateLoads {
+        scenes.push(Scene {
             name: "SlCrank".into(),
             title: format!("Slider-crank idaSlCrank, 10 s in {steps} doSteps"),
             text: slcrank.clone(),
@@ -74,7 +74,7 @@ fn scenes(descriptions: &Path) -> Result<Vec<StateLoads>, String> {
     }
     for (count, exact) in CHAINS {
         for steps in [1, 1000] {
-            scenes.push(StateLoads {
+            scenes.push(Scene {
                 name: format!("FourBarChain{count}"),
                 title: format!("Chain of {count} four-bars ({} bodies), 10 s in {steps} doSteps", 2 * count + 1),
                 text: mechanism::text(count),
@@ -89,7 +89,7 @@ fn scenes(descriptions: &Path) -> Result<Vec<StateLoads>, String> {
     Ok(scenes)
 }
 
-impl StateLoads {
+impl Scene {
     fn report(&self, out: &mut String, csv: &mut String) -> Result<(), ModelError> {
         /// Runs of which the fastest counts.
         const RUNS: usize = 50;

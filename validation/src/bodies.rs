@@ -1,8 +1,8 @@
 //! Cost against the number of bodies: the chain of four-bars, set-up and steps of 10 ms.
 
 use crate::asked::{self, Asked, digits};
-use crate::benchmarks::mechanism;
 use crate::measure::Pages;
+use fmu_build::chain::mechanism;
 use linkage_fmu::mechanism::{Model, ModelError};
 use std::fmt::Write;
 use std::time::Instant;

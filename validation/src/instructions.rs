@@ -4,9 +4,9 @@
 //! set-up nor the program's start is in it.
 
 use crate::asked;
-use crate::host::Host;
+use crate::gear::Gear;
 use crate::measure::Pages;
-use crate::scene::{After, DEFAULT, SCENES, SPAN, StateLoads};
+use crate::scene::{After, DEFAULT, SCENES, SPAN, Scene};
 use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
@@ -33,7 +33,7 @@ const COUNTS: [u32; 4] = [1, 13, 130, 13_000];
 /// The table in Markdown and CSV; none where there is no callgrind.
 ///
 /// # Errors
-/// A run fails, or its count is not told.
+/// A run fails, or valgrind reports no count.
 pub fn table() -> Result<Option<Pages>, String> {
     if !Command::new("valgrind").arg("--version").output().is_ok_and(|output| output.status.success()) {
         return Ok(None);
@@ -78,7 +78,7 @@ pub fn table() -> Result<Option<Pages>, String> {
     Ok(Some(Pages { page: asked::page("Instructions", &words) + &rows, csv }))
 }
 
-/// Of one run of the scene.
+/// Instructions of one run of the scene.
 fn instructions(scene: &str, reads: &str, steps: u32) -> Result<f64, String> {
     let further = (FURTHER / steps).clamp(1, MOST);
     let difference = counted(scene, reads, steps, FEW + further)?.checked_sub(counted(scene, reads, steps, FEW)?);
@@ -92,9 +92,9 @@ fn counted(scene: &str, reads: &str, steps: u32, repetitions: u32) -> Result<u64
     valgrind.args(["--tool=callgrind", "--callgrind-out-file=/dev/null"]).arg(program);
     valgrind.args([REPEAT, scene, reads, &steps.to_string(), &repetitions.to_string()]);
     let output = valgrind.output().map_err(|e| format!("valgrind: {e}"))?;
-    let told = String::from_utf8_lossy(&output.stderr);
-    let count = told.lines().find_map(|line| line.split_once("Collected :")?.1.trim().parse().ok());
-    count.filter(|_| output.status.success()).ok_or_else(|| format!("valgrind, scene {scene}: {told}"))
+    let report = String::from_utf8_lossy(&output.stderr);
+    let count = report.lines().find_map(|line| line.split_once("Collected :")?.1.trim().parse().ok());
+    count.filter(|_| output.status.success()).ok_or_else(|| format!("valgrind, scene {scene}: {report}"))
 }
 
 /// Run one scene: its name, `scene` or what is read, doSteps in a retraction, repetitions.
@@ -104,13 +104,12 @@ fn counted(scene: &str, reads: &str, steps: u32, repetitions: u32) -> Result<u64
 pub fn repeat(folder: &Path, words: [&str; 4]) -> Result<(), String> {
     let [name, reads, steps, repetitions] = words;
     let number = |word: &str| word.parse::<u32>().map_err(|e| format!("{word}: {e}"));
-    let scene: &StateLoads =
-        SCENES.iter().find(|scene| scene.name == name).ok_or_else(|| format!("no scene {name}"))?;
+    let scene: &Scene = SCENES.iter().find(|scene| scene.name == name).ok_or_else(|| format!("no scene {name}"))?;
     let after = READS.iter().find(|(word, _)| *word == reads).map_or(scene.after, |(_, after)| after);
     let (steps, repetitions) = (number(steps)?, number(repetitions)?);
-    let mut host = Host::new(folder, scene, TOLERANCE)?;
+    let mut gear = Gear::new(folder, scene, TOLERANCE)?;
     for _ in 0..repetitions {
-        host.run(steps, SPAN / f64::from(steps), after, &mut [f64::INFINITY])?;
+        gear.run(steps, SPAN / f64::from(steps), after, &mut [f64::INFINITY])?;
     }
     Ok(())
 }

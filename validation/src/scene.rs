@@ -1,4 +1,4 @@
-//! The landing gear's scenes: what acts, and what the host calls after each step.
+//! The landing gear's scenes: parameters, and the host's calls after each step.
 
 use linkage_fmu::mechanism::{Model, ModelError, Statistics};
 
@@ -8,7 +8,7 @@ pub const SPAN: f64 = 0.13;
 /// The input that is set, and along which derivatives are taken.
 pub const KNOWN: &str = "actuator.force";
 
-/// What a host calls after a step.
+/// A host's calls after a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum After {
     /// Three fmi2GetReal: crank.angle, crank.speed, crank.acceleration.
@@ -21,6 +21,8 @@ pub enum After {
     Derivatives,
     /// One fmi2SetReal: the force, to one unit of its last place more and less in turn.
     Force,
+    /// fmi2GetFMUstate and fmi2SetFMUstate of the same state.
+    State,
 }
 
 /// Force of the actuator after so many steps in which [`After::Force`] is called [N].
@@ -29,7 +31,7 @@ pub fn force(steps: u32) -> f64 {
 }
 
 /// Settings that differ from the default, and calls.
-pub struct StateLoads {
+pub struct Scene {
     /// Word for the command line and for CSV.
     pub name: &'static str,
     /// Words for a table.
@@ -47,41 +49,40 @@ const AIR: &[(&str, f64)] = &[("airspeed", 70.0)];
 const BUMPER: &[(&str, f64)] = &[("upstop.angle", -1.1), ("upstop.stiffness", 1e6), ("upstop.damping", 5e3)];
 
 /// Gravity, load factor and drive; no stops.
-pub const BARE: StateLoads =
-    StateLoads { name: "bare", title: "bare: drive and gravity, no stops", reals: &[], flags: NO_STOPS, after: &[] };
+pub const BARE: Scene =
+    Scene { name: "bare", title: "bare: drive and gravity, no stops", reals: &[], flags: NO_STOPS, after: &[] };
 /// The mechanism as it is committed.
-pub const DEFAULT: StateLoads =
-    StateLoads { name: "default", title: "default: rigid stops", reals: &[], flags: &[], after: &[] };
+pub const DEFAULT: Scene = Scene { name: "default", title: "default: rigid stops", reals: &[], flags: &[], after: &[] };
 
 /// All scenes; the first is the one the others are compared with.
-pub const SCENES: [StateLoads; 9] = [
+pub const SCENES: [Scene; 9] = [
     BARE,
     DEFAULT,
-    StateLoads {
+    Scene {
         name: "bumper",
         title: "bumper, met at -1.1 rad",
         reals: BUMPER,
         flags: &[("upstop.rigid", false)],
         after: &[],
     },
-    StateLoads { name: "drag", title: "drag at 70 m/s", reals: AIR, flags: &[], after: &[] },
-    StateLoads {
+    Scene { name: "drag", title: "drag at 70 m/s", reals: AIR, flags: &[], after: &[] },
+    Scene {
         name: "wind",
         title: "drag in relative wind",
         reals: AIR,
         flags: &[("air.relative_wind", true)],
         after: &[],
     },
-    StateLoads { name: "friction", title: "friction", reals: &[], flags: &[("friction.enabled", true)], after: &[] },
-    StateLoads { name: "reactions", title: "four reactions read", reals: &[], flags: &[], after: &[After::Reactions] },
-    StateLoads {
+    Scene { name: "friction", title: "friction", reals: &[], flags: &[("friction.enabled", true)], after: &[] },
+    Scene { name: "reactions", title: "four reactions read", reals: &[], flags: &[], after: &[After::Reactions] },
+    Scene {
         name: "derivatives",
         title: "directional derivatives read",
         reals: &[],
         flags: &[],
         after: &[After::Derivatives],
     },
-    StateLoads {
+    Scene {
         name: "all",
         title: "all of these",
         reals: &[("airspeed", 70.0), BUMPER[0], BUMPER[1], BUMPER[2]],
@@ -90,7 +91,7 @@ pub const SCENES: [StateLoads; 9] = [
     },
 ];
 
-impl StateLoads {
+impl Scene {
     /// What the integrator does in `steps` equal steps of the retraction, with what of `after` it feels.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! Cost by scene: a whole retraction through the C functions, in one step and in 130, with what acts and what is read.
 
 use crate::asked::{self, Asked, digits};
-use crate::host::Host;
+use crate::gear::Gear;
 use crate::measure::{self, Pages};
 use crate::scene::{After, SCENES, SPAN};
 use linkage_fmu::integrator::Method;
@@ -26,7 +26,7 @@ const RUNS: usize = 400;
 /// A call is refused.
 pub fn table(folder: &Path) -> Result<Pages, String> {
     let text = measure::mechanism(folder)?;
-    let mut hosts = SCENES.iter().map(|scene| Host::new(folder, scene, TOLERANCE)).collect::<Result<Vec<_>, _>>()?;
+    let mut gears = SCENES.iter().map(|scene| Gear::new(folder, scene, TOLERANCE)).collect::<Result<Vec<_>, _>>()?;
     let mut tables = String::new();
     let mut csv = String::from("scene,steps,inputs,time_us,ratio,evaluations,jacobians,accepted,rejected,methods\n");
     let mut figures = Vec::new();
@@ -39,9 +39,9 @@ pub fn table(folder: &Path) -> Result<Pages, String> {
         );
         let mut times = [f64::INFINITY; SCENES.len()];
         for _ in 0..RUNS {
-            for ((time, host), scene) in times.iter_mut().zip(&mut hosts).zip(&SCENES) {
+            for ((time, gear), scene) in times.iter_mut().zip(&mut gears).zip(&SCENES) {
                 let after = [scene.after, besides].concat();
-                host.run(steps, SPAN / f64::from(steps), &after, std::slice::from_mut(time))?;
+                gear.run(steps, SPAN / f64::from(steps), &after, std::slice::from_mut(time))?;
             }
         }
         let times = times.map(|seconds| seconds * 1e6);

@@ -1,8 +1,9 @@
-//! Set-up: what it costs to read a mechanism, trace its curve and build the tables that a first step needs, what a changed
-//! parameter costs, and a whole life through the C functions.
-use crate::benchmarks::mechanism;
-use crate::life::Life;
+//! Set-up: what it costs to read a mechanism, trace its curve and build the tables that a first step needs, what a
+//! changed parameter costs, and a whole life through the C functions.
+use crate::gear::{LAST, live};
 use crate::measure;
+use fmu_build::chain::mechanism;
+use linkage_fmu::fmi2::host::Description;
 use linkage_fmu::mechanism::definition::Mechanism;
 use linkage_fmu::mechanism::interface;
 use linkage_fmu::mechanism::reduced::Reduced;
@@ -66,7 +67,8 @@ fn names(descriptions: &Path) -> Result<Vec<String>, String> {
     Ok(names)
 }
 
-/// Call, and keep the time [us] in `least` if it is the least; what the call gave is dropped after the clock has stopped.
+/// Call, and keep the time [us] in `least` if it is the least; what the call gave is dropped after the clock has
+/// stopped.
 fn timed<T>(least: &mut f64, call: impl FnOnce() -> T) -> T {
     let began = Instant::now();
     let given = std::hint::black_box(call());
@@ -135,18 +137,18 @@ fn changes(out: &mut String, text: &str) -> Result<(), ModelError> {
 
 /// A whole life through the C functions.
 fn life(out: &mut String, folder: &Path) -> Result<(), String> {
-    let life = Life::new(folder)?;
+    let description = Description::read(folder)?;
     let (mut whole, mut instantiation) = (f64::INFINITY, f64::INFINITY);
     for _ in 0..RUNS {
-        timed(&mut instantiation, || life.instantiate())?.free();
-        timed(&mut whole, || life.live())?;
+        timed(&mut instantiation, || description.instantiate(None, false))?;
+        timed(&mut whole, || live(&description))?;
     }
     let _ = writeln!(
         out,
         "\n## A whole life\n\nOf the landing gear through the FMI functions, in us: instantiate with the file read from the \
          disk's cache, set up and initialise, scene S1 in one doStep of 0.13 s, read {} outputs, free: **{whole:.0}**, of \
          which instantiate {instantiation:.0}.",
-        Life::OUTPUTS.len()
+        LAST.len()
     );
     Ok(())
 }

@@ -1,9 +1,9 @@
 //! Cost of one doStep through the C functions: step size, tolerance, what is read after it.
 
 use crate::asked::{self, Asked, digits};
-use crate::host::Host;
+use crate::gear::Gear;
 use crate::measure::{self, Pages};
-use crate::scene::{After, BARE, DEFAULT, SPAN, StateLoads};
+use crate::scene::{After, BARE, DEFAULT, SPAN, Scene};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -12,7 +12,7 @@ const SIZES: [u32; 4] = [10, 100, 1000, 10_000];
 /// Exponents of the tolerances.
 const TOLERANCES: [i32; 3] = [6, 9, 12];
 /// What is called after a step, in the order of the columns.
-const READS: [&[After]; 4] = [&[], &[After::Motion], &[After::Reactions], &[After::EachReaction]];
+const READS: [&[After]; 5] = [&[], &[After::Motion], &[After::Reactions], &[After::EachReaction], &[After::State]];
 /// Least number of runs of which the fastest counts, and the number of steps that all runs together have at least.
 const RUNS: u32 = 60;
 const STEPS: u32 = 200_000;
@@ -35,13 +35,14 @@ struct Row {
 pub fn table(folder: &Path) -> Result<Pages, String> {
     let text = measure::mechanism(folder)?;
     let mut tables = String::new();
-    let mut csv = String::from("scene,step_us,tolerance,step_ns,motion_ns,reactions_ns,each_reaction_ns,evaluations\n");
+    let mut csv =
+        String::from("scene,step_us,tolerance,step_ns,motion_ns,reactions_ns,each_reaction_ns,state_ns,evaluations\n");
     let mut figures = Vec::new();
     for (scene, stops) in [(&DEFAULT, "with stops, the default"), (&BARE, "without stops")] {
         let _ = writeln!(
             tables,
             "## {}{}\n\n| step | tolerance | doStep | + 3 reads | + 4 reactions, 1 call | + 4 reactions, 4 calls | \
-             evaluations |\n|---|---|---|---|---|---|---|",
+             + state | evaluations |\n|---|---|---|---|---|---|---|---|",
             stops[..1].to_uppercase(),
             &stops[1..]
         );
@@ -59,21 +60,22 @@ pub fn table(folder: &Path) -> Result<Pages, String> {
         "The landing gear (scene S1: 30 kN, load factor 3, from rest, 0.13 s), called as a host does, through the C \
          functions; one core. Times in ns for one step, the mean over the retraction, of {RUNS} runs \
          or more, of which each part of {PART} steps counts where it was fastest. 3 reads: crank.angle, crank.speed and crank.acceleration, each in an fmi2GetReal of its own. \
-         4 reactions: joint1.force to joint4.force. Evaluations: of the right-hand side, for a step."
+         4 reactions: joint1.force to joint4.force. State: fmi2GetFMUstate into a state that is used again, and \
+         fmi2SetFMUstate. Evaluations: of the right-hand side, for a step."
     );
     let page = asked::page("Cost of one doStep", &words) + &asked::table(&figures) + &tables;
     Ok(Pages { page, csv })
 }
 
 impl Row {
-    fn measure(folder: &Path, text: &str, scene: &StateLoads, tolerance: i32, micros: u32) -> Result<Self, String> {
+    fn measure(folder: &Path, text: &str, scene: &Scene, tolerance: i32, micros: u32) -> Result<Self, String> {
         let accuracy = 10f64.powi(-tolerance);
         let count = (SPAN * 1e6).round() as u32 / micros;
-        let mut host = Host::new(folder, scene, accuracy)?;
+        let mut gear = Gear::new(folder, scene, accuracy)?;
         let mut least = READS.map(|_| vec![f64::INFINITY; count.div_ceil(PART) as usize]);
         for _ in 0..RUNS.max(STEPS / count) {
             for (least, after) in least.iter_mut().zip(READS) {
-                host.run(count, SPAN / f64::from(count), after, least)?;
+                gear.run(count, SPAN / f64::from(count), after, least)?;
             }
         }
         let work = scene.work(text, accuracy, count, &[]).map_err(|e| e.to_string())?;
@@ -82,29 +84,31 @@ impl Row {
     }
 
     fn line(&self) -> String {
-        let [step, motion, reactions, each] = self.times;
+        let [step, motion, reactions, each, state] = self.times;
         let size =
             if self.micros < 1000 { format!("{} us", self.micros) } else { format!("{} ms", self.micros / 1000) };
         format!(
-            "| {size} | 1e-{} | {step:.0} | {motion:.0} | {reactions:.0} | {each:.0} | {:.1} |\n",
+            "| {size} | 1e-{} | {step:.0} | {motion:.0} | {reactions:.0} | {each:.0} | {state:.0} | {:.1} |\n",
             self.tolerance, self.evaluations
         )
     }
 
     fn csv(&self, scene: &str) -> String {
-        let [step, motion, reactions, each] = self.times.map(digits);
+        let [step, motion, reactions, each, state] = self.times.map(digits);
         let Self { micros, tolerance, evaluations, .. } = self;
-        format!("{scene},{micros},1e-{tolerance},{step},{motion},{reactions},{each},{evaluations:.3}\n")
+        format!("{scene},{micros},1e-{tolerance},{step},{motion},{reactions},{each},{state},{evaluations:.3}\n")
     }
 
     /// What was asked of this row, at a tolerance of 1e-9.
     fn figures(&self, figures: &mut Vec<Asked>, stops: &str) {
-        let [step, motion, reactions, each] = self.times;
+        let [step, motion, reactions, each, state] = self.times;
         match (self.tolerance, self.micros) {
             (9, 10) => {
                 figures.push(Asked::at_most(format!("doStep of 10 us, {stops}"), step, 150.0, " ns"));
             }
             (9, 1000) => {
+                let what = format!("doStep of 1 ms, state saved and restored, against one without, {stops}");
+                figures.push(Asked::at_most(what, state / step, 1.2, " times"));
                 let what = format!("doStep of 1 ms and three fmi2GetReal, {stops}");
                 figures.push(Asked::at_most(what, motion, 400.0, " ns"));
                 for (calls, time) in [("one fmi2GetReal of 4", reactions), ("four of 1", each)] {

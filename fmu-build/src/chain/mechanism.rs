@@ -1,13 +1,14 @@
 //! The chain of N four-bars of the IFToMM library of computational benchmark problems, A02, as a `mechanism.json`.
 //!
-//! 2 N + 1 uniform rods of 1 m and 1 kg: bars 0 to N stand on the ground 1 m apart, links 1 to N join their tips. Gravity
-//! 9.81 m/s2 downwards; upright at the start, the tips moving at 1 m/s to the right. Every loop is a parallelogram, so the
-//! chain has one degree of freedom and 2 N loop equations, all of which are singular whenever the bars lie flat.
+//! 2 N + 1 uniform rods of 1 m and 1 kg: bars 0 to N stand on the ground 1 m apart, links 1 to N join their tips.
+//! Gravity 9.81 m/s2 downwards; upright at the start, the tips moving at 1 m/s to the right. Every loop is a
+//! parallelogram, so the chain has one degree of freedom and 2 N loop equations, all of which are singular whenever the
+//! bars lie flat.
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write;
 
-/// The text of the file for `count` >= 1 four-bars; the pivots come first among the joints, so that every loop is closed
-/// by the bars next to it alone.
+/// The text of the file for `count` >= 1 four-bars; the pivots come first among the joints, so that every loop is
+/// closed by the bars next to it alone.
 pub fn text(count: u32) -> String {
     let name = if count == 2 { "FourBarChain".into() } else { format!("FourBarChain{count}") };
     let (bars, links) = (0..=count, 1..=count);

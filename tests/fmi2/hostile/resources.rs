@@ -1,6 +1,6 @@
 //! Resource folders and mechanisms that are none.
 
-use crate::fmi2_host::{Arguments, Folder, RESOURCES};
+use crate::host::{Arguments, Folder, RESOURCES, c, mechanism};
 use std::fs::{self, File};
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -15,10 +15,6 @@ fn refusal(location: &str) -> String {
     assert!(start.elapsed() < PATIENCE, "{location}: {:?}", start.elapsed());
     assert!(message.starts_with("fmi2Instantiate: ") && !message.contains('\n'), "{message}");
     message
-}
-
-fn mechanism() -> String {
-    fs::read_to_string(Path::new(RESOURCES).join("mechanism.json")).unwrap()
 }
 
 #[test]
@@ -54,7 +50,7 @@ fn the_file_is_named_in_place_of_the_folder() {
 #[test]
 fn no_file() {
     let folder = Folder::new("no file");
-    let location = folder.0.to_str().unwrap();
+    let location = folder.location();
     let file = folder.0.join("mechanism.json");
     assert!(refusal(location).contains("No such file"));
     fs::create_dir(&file).unwrap();
@@ -69,13 +65,13 @@ fn no_file() {
 fn a_pipe_or_a_device_does_not_hold_up_the_host() {
     let folder = Folder::new("pipe");
     let file = folder.0.join("mechanism.json");
-    let path = crate::fmi2_host::c(file.to_str().unwrap());
+    let path = c(file.to_str().unwrap());
     // SAFETY: a string.
     assert_eq!(unsafe { libc::mkfifo(path.as_ptr(), 0o600) }, 0);
-    assert!(refusal(folder.0.to_str().unwrap()).contains("it is no file"));
+    assert!(refusal(folder.location()).contains("it is no file"));
     fs::remove_file(&file).unwrap();
     std::os::unix::fs::symlink("/dev/zero", &file).unwrap();
-    assert!(refusal(folder.0.to_str().unwrap()).contains("it is no file"));
+    assert!(refusal(folder.location()).contains("it is no file"));
 }
 
 #[test]
@@ -88,23 +84,23 @@ fn a_file_that_may_not_be_read() {
     fs::set_permissions(&file, fs::Permissions::from_mode(0o000)).unwrap();
     // The superuser may read everything.
     if File::open(&file).is_err() {
-        assert!(refusal(folder.0.to_str().unwrap()).contains("ermission"));
+        assert!(refusal(folder.location()).contains("ermission"));
     }
     // Memory at the address 0, which nobody can read.
     let unreadable = Path::new("/proc/self/mem");
     if unreadable.exists() {
         fs::remove_file(&file).unwrap();
         std::os::unix::fs::symlink(unreadable, &file).unwrap();
-        assert!(refusal(folder.0.to_str().unwrap()).contains("cannot read"));
+        assert!(refusal(folder.location()).contains("cannot read"));
     }
 }
 
 #[test]
 fn a_huge_file_is_refused_by_its_size() {
     let folder = Folder::new("huge");
-    let location = folder.0.to_str().unwrap();
+    let location = folder.location();
     let file = folder.0.join("mechanism.json");
-    // A sparse file: it takes no room.
+    // A sparse file takes no space on the disk.
     File::create(&file).unwrap().set_len(100_000_000).unwrap();
     let message = refusal(location);
     for expected in ["mechanism.json'", "100000000 bytes", "16777216"] {
@@ -122,19 +118,19 @@ fn a_huge_file_is_refused_by_its_size() {
 
 #[test]
 fn a_file_without_a_size_is_read_up_to_the_limit() {
-    // Files of /proc tell no size.
+    // Files of /proc have no size.
     let endless = Path::new("/proc/self/maps");
     if endless.exists() {
         let folder = Folder::new("proc");
         std::os::unix::fs::symlink(endless, folder.0.join("mechanism.json")).unwrap();
-        assert!(refusal(folder.0.to_str().unwrap()).contains("no mechanism"));
+        assert!(refusal(folder.location()).contains("no mechanism"));
     }
 }
 
 #[test]
 fn text_that_is_none() {
     let folder = Folder::new("text");
-    let location = folder.0.to_str().unwrap();
+    let location = folder.location();
     let file = folder.0.join("mechanism.json");
     let nested =
         |open: &str, close: &str| format!("{}{}", open.repeat(1_000_000), close.repeat(1_000_000)).into_bytes();

@@ -1,13 +1,12 @@
 //! `fmi2Instantiate`, the resource location, the logger, and the shared library as a host loads it.
-#![allow(unsafe_code, clippy::unwrap_used)]
 
-mod fmi2_host;
-
-use fmi2_host::{Arguments, Folder, Gear, Log, RESOURCES, c, callback, callbacks, gear};
+use crate::host::{Arguments, Folder, Gear, RESOURCES, c, gear, mechanism};
+use crate::hostile::standard::{ALWAYS, TABLE};
+use linkage_fmu::fmi2::host::{Log, callbacks, logger};
 use linkage_fmu::fmi2::types::{CallbackFunctions, Component, Status, Text};
 use linkage_fmu::fmi2::*;
 use std::ffi::{CStr, c_int};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::ptr::null;
 
 #[test]
@@ -36,7 +35,7 @@ fn null_callbacks_give_null_and_null_members_are_fine() {
     // SAFETY: all pointers are NULL or live during the call.
     let component = unsafe { fmi2Instantiate(c"x".as_ptr(), 1, guid.as_ptr(), location.as_ptr(), null(), 0, 1) };
     assert!(component.is_null());
-    let silent = Gear::with_logger(None, 1);
+    let silent = Gear::with_logger(None, true);
     assert_eq!(silent.step(0.0, 1e-3), Status::Error);
     assert_eq!(silent.set("actuator.force", 1.0), Status::Ok);
 }
@@ -44,8 +43,8 @@ fn null_callbacks_give_null_and_null_members_are_fine() {
 #[test]
 fn every_form_of_the_resource_location() {
     let folder = Folder::new("räder 100%");
-    let path = folder.0.to_str().unwrap();
-    std::fs::copy(Path::new(RESOURCES).join("mechanism.json"), folder.0.join("mechanism.json")).unwrap();
+    let path = folder.location();
+    std::fs::write(folder.0.join("mechanism.json"), mechanism()).unwrap();
     let encoded = path.replace('%', "%25").replace(' ', "%20").replace('ä', "%C3%A4");
     for location in [
         path.to_owned(),
@@ -64,8 +63,8 @@ fn every_form_of_the_resource_location() {
 fn the_mechanism_is_read_at_every_instantiation() {
     let folder = Folder::new("edited");
     let file = folder.0.join("mechanism.json");
-    std::fs::copy(Path::new(RESOURCES).join("mechanism.json"), &file).unwrap();
-    let arguments = Arguments::at(folder.0.to_str().unwrap());
+    std::fs::write(&file, mechanism()).unwrap();
+    let arguments = Arguments::at(folder.location());
     assert_eq!(arguments.refused(), None);
     std::fs::write(&file, "{ broken").unwrap();
     assert!(arguments.refused().unwrap().contains("mechanism.json"));
@@ -81,7 +80,7 @@ fn without_a_location_the_place_of_the_library_counts() {
 
 #[test]
 fn categories_filter_the_messages() {
-    let gear = Gear::with_logger(Some(callback()), 0);
+    let gear = Gear::with_logger(Some(logger()), false);
     let debug = |on: c_int, names: &[&CStr]| {
         let names: Vec<Text> = names.iter().map(|name| name.as_ptr()).collect();
         // SAFETY: `names` holds as many strings as it says.
@@ -103,7 +102,7 @@ fn categories_filter_the_messages() {
     assert_eq!(debug(1, &[]), Status::Ok);
     assert_eq!(debug(1, &[c"logNonsense"]), Status::Error);
     assert!(gear.refusal().contains("logNonsense"));
-    // SAFETY: a NULL array, and an array with a NULL name, are what is tested.
+    // SAFETY: the library checks for a NULL array and a NULL name, which this test passes.
     unsafe {
         assert_eq!(fmi2SetDebugLogging(gear.c, 1, 1, null()), Status::Error);
         assert_eq!(fmi2SetDebugLogging(gear.c, 1, 1, [null()].as_ptr()), Status::Error);
@@ -122,62 +121,13 @@ fn messages_reach_the_environment_of_their_instance() {
 
 #[test]
 fn an_experiment_that_was_not_set_up_is_worth_a_warning() {
-    for (logging_on, expected) in [(0, 0), (1, 1)] {
-        let gear = Gear::with_logger(Some(callback()), logging_on);
-        // SAFETY: the component is valid.
-        assert_eq!(unsafe { fmi2EnterInitializationMode(gear.c) }, Status::Ok);
+    for (logging_on, expected) in [(false, 0), (true, 1)] {
+        let gear = Gear::with_logger(Some(logger()), logging_on);
+        assert_eq!(gear.enter(), Status::Ok);
         let messages = gear.log.take();
         assert_eq!(messages.iter().filter(|message| message.category == "logStatusWarning").count(), expected);
     }
 }
-
-/// All functions of `fmi2Functions.h`.
-const EXPORTS: [&CStr; 44] = [
-    c"fmi2GetTypesPlatform",
-    c"fmi2GetVersion",
-    c"fmi2SetDebugLogging",
-    c"fmi2Instantiate",
-    c"fmi2FreeInstance",
-    c"fmi2SetupExperiment",
-    c"fmi2EnterInitializationMode",
-    c"fmi2ExitInitializationMode",
-    c"fmi2Terminate",
-    c"fmi2Reset",
-    c"fmi2GetReal",
-    c"fmi2GetInteger",
-    c"fmi2GetBoolean",
-    c"fmi2GetString",
-    c"fmi2SetReal",
-    c"fmi2SetInteger",
-    c"fmi2SetBoolean",
-    c"fmi2SetString",
-    c"fmi2GetFMUstate",
-    c"fmi2SetFMUstate",
-    c"fmi2FreeFMUstate",
-    c"fmi2SerializedFMUstateSize",
-    c"fmi2SerializeFMUstate",
-    c"fmi2DeSerializeFMUstate",
-    c"fmi2GetDirectionalDerivative",
-    c"fmi2EnterEventMode",
-    c"fmi2NewDiscreteStates",
-    c"fmi2EnterContinuousTimeMode",
-    c"fmi2CompletedIntegratorStep",
-    c"fmi2SetTime",
-    c"fmi2SetContinuousStates",
-    c"fmi2GetDerivatives",
-    c"fmi2GetEventIndicators",
-    c"fmi2GetContinuousStates",
-    c"fmi2GetNominalsOfContinuousStates",
-    c"fmi2SetRealInputDerivatives",
-    c"fmi2GetRealOutputDerivatives",
-    c"fmi2DoStep",
-    c"fmi2CancelStep",
-    c"fmi2GetStatus",
-    c"fmi2GetRealStatus",
-    c"fmi2GetIntegerStatus",
-    c"fmi2GetBooleanStatus",
-    c"fmi2GetStringStatus",
-];
 
 type Instantiate = unsafe extern "C" fn(Text, c_int, Text, Text, *const CallbackFunctions, c_int, c_int) -> Component;
 
@@ -196,17 +146,17 @@ fn the_shared_library_exports_everything_and_finds_its_resources() {
     std::fs::create_dir_all(&binaries).unwrap();
     std::fs::create_dir_all(&resources).unwrap();
     std::fs::copy(library(), binaries.join("Gear.so")).unwrap();
-    std::fs::copy(Path::new(RESOURCES).join("mechanism.json"), resources.join("mechanism.json")).unwrap();
+    std::fs::write(resources.join("mechanism.json"), mechanism()).unwrap();
 
     let log = Log::default();
-    let functions = callbacks(Some(callback()), &log);
+    let functions = callbacks(Some(logger()), &log);
     let (file, guid) = (c(binaries.join("Gear.so").to_str().unwrap()), c(gear().variables().guid()));
     // SAFETY: the library is this project's; its functions have the types of the rlib's.
     unsafe {
         let handle = libc::dlopen(file.as_ptr(), libc::RTLD_NOW | libc::RTLD_LOCAL);
         assert!(!handle.is_null());
-        for name in EXPORTS {
-            assert!(!libc::dlsym(handle, name.as_ptr()).is_null(), "{name:?}");
+        for name in TABLE.iter().map(|(name, _)| *name).chain(ALWAYS) {
+            assert!(!libc::dlsym(handle, c(name).as_ptr()).is_null(), "{name}");
         }
         let instantiate: Instantiate = std::mem::transmute(libc::dlsym(handle, c"fmi2Instantiate".as_ptr()));
         let free: unsafe extern "C" fn(Component) =

@@ -1,17 +1,16 @@
 //! The writer of `terminalsAndIcons.xml`: which variables belong together as one connection.
 //!
 //! In: the table of variables. Out: the text of the file, one terminal for each drive: its force or torque goes in; its
-//! length, angle or position, with the first two derivatives, comes out. FMI 2.0.5, 2.3, takes the file over from FMI 3.0,
-//! 2.4.9, with that version in it.
+//! length, angle or position, with the first two derivatives, comes out. FMI 2.0.5, 2.3, takes the file over from FMI
+//! 3.0, 2.4.9, with that version in it.
 
+use super::common::{document, element, empty, group};
 use anyhow::Result;
 use linkage_fmu::mechanism::quantity::{Output, Quantity};
 use linkage_fmu::variables::{Variable, Variables};
-use quick_xml::Writer;
-use quick_xml::events::{BytesDecl, Event};
 
 /// Path of the file in an FMU.
-pub const PLACE: &str = "terminalsAndIcons/terminalsAndIcons.xml";
+pub const PATH: &str = "terminalsAndIcons/terminalsAndIcons.xml";
 
 /// One drive's variables.
 struct Terminal<'a> {
@@ -28,32 +27,27 @@ pub fn to_xml(variables: &Variables<Quantity>) -> Result<Option<String>> {
     if terminals.is_empty() {
         return Ok(None);
     }
-    let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
-    xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
-    xml.create_element("fmiTerminalsAndIcons").with_attribute(("fmiVersion", "3.0")).write_inner_content(|xml| {
-        xml.create_element("Terminals").write_inner_content(|xml| {
-            for terminal in &terminals {
-                let description = format!("The drive {}", terminal.name);
-                let attributes =
-                    [("name", terminal.name), ("matchingRule", "bus"), ("description", description.as_str())];
-                xml.create_element("Terminal").with_attributes(attributes).write_inner_content(|xml| {
-                    for member in &terminal.members {
+    let text = document("fmiTerminalsAndIcons", &[("fmiVersion", "3.0".to_owned())], |xml| {
+        group(xml, "Terminals", |xml| {
+            terminals.iter().try_for_each(|Terminal { name, members }| {
+                let attributes = [
+                    ("name", (*name).to_owned()),
+                    ("matchingRule", "bus".to_owned()),
+                    ("description", format!("The drive {name}")),
+                ];
+                element(xml, "Terminal", &attributes, |xml| {
+                    members.iter().try_for_each(|member| {
                         let attributes = [
-                            ("variableName", member.name.as_str()),
-                            ("memberName", quantity(member)),
-                            ("variableKind", "signal"),
+                            ("variableName", member.name.clone()),
+                            ("memberName", quantity(member).to_owned()),
+                            ("variableKind", "signal".to_owned()),
                         ];
-                        xml.create_element("TerminalMemberVariable").with_attributes(attributes).write_empty()?;
-                    }
-                    Ok(())
-                })?;
-            }
-            Ok(())
-        })?;
-        Ok(())
+                        empty(xml, "TerminalMemberVariable", &attributes)
+                    })
+                })
+            })
+        })
     })?;
-    let mut text = String::from_utf8(xml.into_inner())?;
-    text.push('\n');
     Ok(Some(text))
 }
 
@@ -68,12 +62,12 @@ fn terminals(variables: &Variables<Quantity>) -> Vec<Terminal<'_>> {
     all()
         .filter_map(|(reference, input)| {
             let (name, _) = input.name.rsplit_once('.')?;
-            let Some(Quantity::Input(place)) = variables.quantity(reference) else { return None };
+            let Some(Quantity::Input(index)) = variables.quantity(reference) else { return None };
             // Springs have a length too, but under another name.
             let displacements: Vec<_> = all()
                 .filter(|(reference, output)| {
                     let quantity = variables.quantity(*reference);
-                    matches!(quantity, Some(Quantity::Output(Output::Displacement { load, .. })) if load == place)
+                    matches!(quantity, Some(Quantity::Output(Output::Displacement { load, .. })) if load == index)
                         && output.name.rsplit_once('.').is_some_and(|(owner, _)| owner == name)
                 })
                 .map(|(_, output)| output)

@@ -1,8 +1,8 @@
-//! Random calls, and a model of what each must answer: phases after `standard`, a clock, and what makes a step fail.
+//! Random calls, and a model of their statuses: phases by `standard`, a clock, and the forces under which a step fails.
 
-use crate::calls::{self, Call, Target};
-use crate::fmi2_host::Gear;
-use crate::standard::{Phase, is_legal};
+use super::calls::{self, Call, Target};
+use super::standard::{Phase, is_legal};
+use crate::host::Gear;
 use linkage_fmu::fmi2::types::{FmuState, Status, Text};
 use linkage_fmu::fmi2::*;
 use std::ffi::{CStr, c_int};
@@ -31,7 +31,7 @@ pub enum Op {
     /// A step of this size from a point that is off by this many steps.
     StepFromElsewhere(f64, f64),
     Logging(Logging),
-    /// Save in the one place for a state: anew, or over the last.
+    /// Save a state: a new one, or over the last.
     Save,
     /// Go on from the saved state, if there is one.
     Restore,
@@ -54,7 +54,7 @@ pub enum Logging {
 /// Larger forces than this make a step fail.
 const ABSURD: f64 = 1e100;
 
-/// What a saved state brings back.
+/// The part of an instance that a saved state restores.
 #[derive(Clone, Copy)]
 struct Past {
     phase: Phase,
@@ -66,7 +66,7 @@ struct Past {
     rates: [f64; 2],
 }
 
-/// An instance, and what must be true of it.
+/// An instance with the model of its statuses.
 pub struct Player {
     pub gear: Gear,
     target: Target,
@@ -76,7 +76,7 @@ pub struct Player {
     saved: Option<Past>,
     logs_errors: bool,
     logs_discards: bool,
-    /// What a refused call must leave alone; cheap to read in every phase.
+    /// Variables that a refused call must not change; cheap to read in every phase.
     watched: Vec<u32>,
 }
 
@@ -129,30 +129,10 @@ impl Player {
     }
 
     /// Bits of the watched variables, 0 where one cannot be read.
-    fn watch(&self) -> [u64; 6] {
-        let mut bits = [0; 6];
-        for (bits, reference) in bits.iter_mut().zip(&self.watched) {
-            let mut value = 0.0;
-            // SAFETY: one reference, room for one value.
-            if unsafe { fmi2GetReal(self.gear.c, reference, 1, &mut value) } == Status::Ok {
-                *bits = value.to_bits();
-            }
-        }
+    fn watch(&self) -> Vec<u64> {
+        let bits = self.watched.iter().map(|reference| self.gear.bits(*reference).1).collect();
         self.gear.log.take();
         bits
-    }
-
-    /// Every variable that can be read.
-    pub fn everything(&self) -> Vec<Option<u64>> {
-        let read = |reference: u32| {
-            let mut value = 0.0;
-            // SAFETY: one reference, room for one value.
-            let status = unsafe { fmi2GetReal(self.gear.c, &reference, 1, &mut value) };
-            (status == Status::Ok).then_some(value.to_bits())
-        };
-        let all = (0..self.gear.count()).map(read).collect();
-        self.gear.log.take();
-        all
     }
 
     /// Make the call and hold the answer against the model, the log and, if it was refused, the watched values. Returns
@@ -184,7 +164,7 @@ impl Player {
         !refused
     }
 
-    /// What the standard asks for; nothing where rounding decides.
+    /// Status by the standard; None where rounding decides.
     fn expected(&self, op: &Op) -> Option<Status> {
         let ok_if = |fine: bool| Some(if fine { Status::Ok } else { Status::Error });
         let legal = |function: &str| is_legal(function, self.now.phase);
@@ -246,14 +226,14 @@ impl Player {
             && self.is_absurd()
     }
 
-    /// Whether the force is beyond reason, and no stop holds against it: the gear rests at its up stop or at its down stop.
+    /// Whether the force is beyond reason, and no stop holds against it: the gear rests at its up stop or at its down
+    /// stop.
     fn is_absurd(&self) -> bool {
         if self.now.force.abs() <= ABSURD {
             return false;
         }
         let mut values = [0.0; 2];
-        // SAFETY: two references, room for two values.
-        let status = unsafe { fmi2GetReal(self.gear.c, self.watched[3..].as_ptr(), 2, values.as_mut_ptr()) };
+        let status = self.gear.reals(&self.watched[3..5], &mut values);
         let [angle, speed] = values;
         let pressed = (angle < -1.299 && self.now.force > 0.0) || (angle > 0.799 && self.now.force < 0.0);
         !(status == Status::Ok && speed == 0.0 && pressed)

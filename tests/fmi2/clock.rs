@@ -1,40 +1,9 @@
-//! The stress suite in short: a sample of its scenes, and what is asked of the clock through the FMI functions.
-#![allow(unsafe_code, clippy::unwrap_used)]
+//! The clock: starts at large times, steps of one unit in the last place, ten million steps; and steps without an
+//! answer.
 
-mod fmi2_host;
-#[allow(dead_code)]
-#[path = "../validation/src/stress/mod.rs"]
-mod stress;
-
-use fmi2_host::Gear;
-use linkage_fmu::fmi2::types::Status;
-use linkage_fmu::fmi2::{fmi2GetRealStatus, fmi2SetupExperiment};
-use stress::Verdict;
-
-/// fmi2LastSuccessfulTime.
-const LAST_SUCCESSFUL_TIME: i32 = 2;
-
-/// One scene in so many is judged here; coprime to the table's patterns, so that every kind is met.
-const ONE_IN: usize = 11;
-/// Scenes of more communication steps are left to the whole suite.
-const MOST_STEPS: u64 = 20_000;
-
-#[test]
-fn a_sample_of_the_scenes_holds() {
-    let mut scenes = stress::all();
-    let mut place = 0;
-    scenes.retain(|scene| {
-        place += 1;
-        place % ONE_IN == 0 && scene.plan.steps() <= MOST_STEPS
-    });
-    let outcomes = stress::judge(&scenes, 2, &|_, _| {});
-    assert_eq!(outcomes.len(), scenes.len());
-    for (scene, outcome) in scenes.iter().zip(&outcomes) {
-        let of = format!("{}, {}, {}", scene.group, scene.case.mechanism.name, scene.what);
-        assert_ne!(outcome.verdict, Verdict::Fails, "{of}: {:?} {:?} {}", outcome.error, outcome.drift, outcome.why);
-    }
-    println!("{} scenes", scenes.len());
-}
+use crate::host::Gear;
+use linkage_fmu::fmi2::fmi2GetRealStatus;
+use linkage_fmu::fmi2::types::{LAST_SUCCESSFUL_TIME, Status};
 
 /// Bits of the angle and the speed.
 fn state(gear: &Gear) -> [u64; 2] {
@@ -49,8 +18,8 @@ fn time(gear: &Gear) -> f64 {
     time
 }
 
-/// The motion knows of no absolute time: the same steps from 0 and from +-1e9 s, where the last place is 1.2e-7 s, give
-/// the same bits, however the host forms its points.
+/// The motion does not depend on the absolute time: the same steps from 0 and from +-1e9 s, where the last place is
+/// 1.2e-7 s, give the same bits, however the host forms its points.
 #[test]
 fn a_start_at_a_billion_seconds_changes_no_bit() {
     const STEP: f64 = 1e-3;
@@ -71,13 +40,14 @@ fn a_start_at_a_billion_seconds_changes_no_bit() {
         // The end of the last step, rounded once.
         assert_eq!(time(&formed), start + 129.0 * STEP + STEP);
         assert_eq!(time(&summed), point);
-        // A point one step off is told, however large the time.
+        // A point one step off is refused, however large the time.
         assert_eq!(formed.step(start + 131.0 * STEP, STEP), Status::Error);
         assert!(formed.refusal().contains("currentCommunicationPoint"));
     }
 }
 
-/// Steps of one unit in the last place of the time, from 1e-3 s and from 1e9 s on, end where one step of their sum does.
+/// Steps of one unit in the last place of the time, from 1e-3 s and from 1e9 s on, end where one step of their sum
+/// does.
 #[test]
 fn steps_of_one_ulp_are_steps() {
     const STEPS: u32 = 100_000;
@@ -86,8 +56,7 @@ fn steps_of_one_ulp_are_steps() {
     let falling = |start: f64| {
         let gear = Gear::new();
         assert_eq!(gear.set("crank.start_speed", -10.0), Status::Ok);
-        // SAFETY: the component is valid.
-        assert_eq!(unsafe { fmi2SetupExperiment(gear.c, 0, 0.0, start, 0, 0.0) }, Status::Ok);
+        assert_eq!(gear.set_up(None, start, None), Status::Ok);
         assert_eq!(gear.initialize(), Status::Ok);
         gear
     };
@@ -108,8 +77,8 @@ fn steps_of_one_ulp_are_steps() {
     }
 }
 
-/// Ten million steps of 10 ns through fmi2DoStep: scene S1's theta2 at 0.1 s, and a clock that says 0.1 s. A lost step would
-/// be 2e-7 rad; tolerance 1e-9 times its gain of some 50 is allowed.
+/// Ten million steps of 10 ns through fmi2DoStep: scene S1's theta2 at 0.1 s, and a clock that says 0.1 s. A lost step
+/// would be 2e-7 rad; tolerance 1e-9 times its gain of some 50 is allowed.
 #[test]
 fn ten_million_steps_lose_no_time() {
     const STEPS: u32 = 10_000_000;
@@ -123,7 +92,7 @@ fn ten_million_steps_lose_no_time() {
     assert!(error.abs() <= 5e-8, "{error:e}");
 }
 
-/// What has no answer is fmi2Error and a message, and no number.
+/// A step or an initialisation without a solution gives fmi2Error and a message.
 #[test]
 fn no_answer_is_an_error_with_a_message() {
     for (values, fragments) in [

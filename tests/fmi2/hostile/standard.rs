@@ -1,4 +1,4 @@
-//! What FMI 2.0.5 says of each function: the table of 4.2.4, written out here a second time, apart from `src/fmi2`.
+//! Legal phases of each function: the table of FMI 2.0.5, 4.2.4, written independently of `src/fmi2`.
 
 /// Phases of the standard's state machine that an FMU without asynchronous steps can be in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,7 +22,7 @@ pub const PHASES: [Phase; 5] =
 /// beyond it, `.` never. The standard's footnotes about single variables are in the calls themselves.
 ///
 /// Beyond the standard, as hosts do it: inputs and parameters are read while instantiated, a failed instance may be
-/// terminated and asked for its status, and what is refused always is refused for that reason.
+/// terminated and asked for its status; a function that is never served is refused for that reason in every phase.
 pub const TABLE: &[(&str, &str)] = &[
     ("fmi2SetDebugLogging", "xxxxx"),
     ("fmi2SetupExperiment", "x...."),

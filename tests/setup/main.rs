@@ -1,46 +1,24 @@
-//! What the set-up of the gear costs, by counts that are the same on every machine: positions closed, panels of the tables,
-//! allocations; and what a changed parameter leaves as it was.
-#![allow(unsafe_code, clippy::unwrap_used)]
+//! Cost of the gear's set-up in counts that are the same on every machine: closed positions, panels of the tables,
+//! allocations; and the parts of the reduced model that a changed parameter leaves as they were.
+#![allow(clippy::unwrap_used)]
+
+#[path = "../support/counting.rs"]
+mod counting;
 
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::mechanism::definition::Mechanism;
 use linkage_fmu::mechanism::interface;
 use linkage_fmu::mechanism::reduced::Reduced;
 use linkage_fmu::numerics::chebyshev::NODES;
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 
-const GEAR: &str = include_str!("../modelDescription/LandingGearRetraction/resources/mechanism.json");
-const CRANE: &str = include_str!("../modelDescription/CraneJib/resources/mechanism.json");
+const GEAR: &str = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
+const CRANE: &str = include_str!("../../modelDescription/CraneJib/resources/mechanism.json");
 
-struct Counting;
-
-thread_local! {
-    static COUNT: Cell<usize> = const { Cell::new(0) };
-}
-
-// SAFETY: everything is passed on to the system's allocator.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        COUNT.set(COUNT.get() + 1);
-        // SAFETY: the caller's promise.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
-/// Allocations of a call; growing anew counts as one.
+/// Result and allocations of a call.
 fn allocations<T>(call: impl FnOnce() -> T) -> (T, usize) {
-    let before = COUNT.get();
+    let before = counting::allocations();
     let given = call();
-    (given, COUNT.get() - before)
+    (given, counting::allocations() - before)
 }
 
 #[test]
@@ -58,7 +36,7 @@ fn the_tables_have_few_panels() {
     }
 }
 
-/// Two texts for each variable, and little besides: names and descriptions are made once, and for nobody but the table.
+/// Names and descriptions are made once, for the table of variables: two texts for each variable, and little besides.
 #[test]
 fn texts_are_made_once() {
     let mechanism = Mechanism::from_json(GEAR).unwrap();
@@ -87,7 +65,7 @@ fn same_tables(a: &Reduced, b: &Reduced) -> bool {
         && (0..a.linkage().joints.len()).all(|joint| a.reaction(joint) == b.reaction(joint))
 }
 
-/// Change one parameter after the other: the reduced model renewed is the one built anew.
+/// For each parameter: the renewed reduced model equals one built from the changed definition.
 fn check_renewal(text: &str) {
     let stated = Mechanism::from_json(text).unwrap();
     let reduced = Reduced::new(&stated).unwrap();
@@ -111,11 +89,11 @@ fn check_renewal(text: &str) {
         });
         compare(name, &changed);
     }
-    for place in 0..flags {
+    for index in 0..flags {
         let mut changed = stated.clone();
-        let mut places = 0..;
-        changed.flags(&mut |_, value| *value ^= places.next() == Some(place));
-        compare(&format!("Boolean parameter {place}"), &changed);
+        let mut indexes = 0..;
+        changed.flags(&mut |_, value| *value ^= indexes.next() == Some(index));
+        compare(&format!("Boolean parameter {index}"), &changed);
     }
 }
 
@@ -129,7 +107,7 @@ fn a_renewed_crane_is_the_same_to_the_bit() {
     check_renewal(CRANE);
 }
 
-/// The friction law's numbers touch neither curve nor tables.
+/// Parameters of the friction law change neither curve nor tables.
 #[test]
 fn a_law_leaves_curve_and_tables() {
     let mut mechanism = Mechanism::from_json(GEAR).unwrap();

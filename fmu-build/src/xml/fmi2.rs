@@ -3,14 +3,14 @@
 //! In: the table of variables and the default experiment. Out: the text of the file, the same for the same interface:
 //! it holds no time stamp. It must not know which variables a mechanism has.
 
+use super::common::{
+    Attributes, Xml, check_texts, document, element, empty, group, is_c_identifier, number, write_units,
+};
 use anyhow::{Context, Result, bail};
 use linkage_fmu::fmi::logger::LOG_CATEGORIES;
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::mechanism::OUTPUT_ORDER;
-use linkage_fmu::variables::{BaseUnit, Causality, Kind, Reference, Unit, Value, Variability, Variable};
-use quick_xml::Writer;
-use quick_xml::events::{BytesDecl, Event};
-use std::collections::BTreeSet;
+use linkage_fmu::variables::{Causality, Kind, Reference, Unit, Value, Variability, Variable};
 use std::io;
 
 /// Version of this repository, for `version` and `generationTool`.
@@ -18,11 +18,17 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Parameter whose start value is the default experiment's tolerance.
 const TOLERANCE: &str = "solver.tolerance";
 
-type Xml = Writer<Vec<u8>>;
-type Attributes<'a> = Vec<(&'a str, String)>;
+/// The text of `modelDescription.xml`.
+///
+/// # Errors
+/// The name is not a C identifier, a text holds a character that XML cannot, the tolerance is missing, or a parameter
+/// may not change a little.
+pub fn to_xml(model: &Model) -> Result<String> {
+    Interface::of(model)?.to_xml()
+}
 
 /// All that the description says about one mechanism.
-pub struct Interface<'a> {
+struct Interface<'a> {
     name: &'a str,
     description: &'a str,
     guid: &'a str,
@@ -36,10 +42,7 @@ pub struct Interface<'a> {
 
 impl<'a> Interface<'a> {
     /// The interface of a model as read from its file.
-    ///
-    /// # Errors
-    /// The name is not a C identifier, the tolerance is missing, or a parameter may not change a little.
-    pub fn of(model: &'a Model) -> Result<Self> {
+    fn of(model: &'a Model) -> Result<Self> {
         let variables = model.variables();
         let name = model.name();
         if !is_c_identifier(name) {
@@ -65,20 +68,9 @@ impl<'a> Interface<'a> {
         })
     }
 
-    /// The text of `modelDescription.xml`.
-    ///
-    /// # Errors
-    /// A text holds a character that XML cannot.
-    pub fn to_xml(&self) -> Result<String> {
-        self.check_texts()?;
-        let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
-        xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
-        xml.create_element("fmiModelDescription")
-            .with_attributes(borrowed(&self.header()))
-            .write_inner_content(|xml| self.write_content(xml))?;
-        let mut text = String::from_utf8(xml.into_inner())?;
-        text.push('\n');
-        Ok(text)
+    fn to_xml(&self) -> Result<String> {
+        check_texts(self.name, self.description, self.variables)?;
+        document("fmiModelDescription", &self.header(), |xml| self.write_content(xml))
     }
 
     fn header(&self) -> Attributes<'static> {
@@ -108,7 +100,7 @@ impl<'a> Interface<'a> {
                 ("canSerializeFMUstate", "true".to_owned()),
             ],
         )?;
-        self.write_units(xml)?;
+        write_units(xml, self.variables)?;
         group(xml, "LogCategories", |xml| {
             LOG_CATEGORIES.iter().try_for_each(|&(name, description)| {
                 empty(xml, "Category", &[("name", name.to_owned()), ("description", description.to_owned())])
@@ -130,14 +122,6 @@ impl<'a> Interface<'a> {
         group(xml, "ModelStructure", |xml| self.write_structure(xml))
     }
 
-    fn write_units(&self, xml: &mut Xml) -> io::Result<()> {
-        let units: BTreeSet<Unit> = self.variables.iter().filter_map(|variable| variable.unit).collect();
-        if units.is_empty() {
-            return Ok(());
-        }
-        group(xml, "UnitDefinitions", |xml| units.into_iter().try_for_each(|unit| write_unit(xml, unit)))
-    }
-
     fn write_structure(&self, xml: &mut Xml) -> io::Result<()> {
         let outputs = || (0..).zip(self.variables).filter(|(_, variable)| variable.causality == Causality::Output);
         if outputs().next().is_none() {
@@ -152,46 +136,6 @@ impl<'a> Interface<'a> {
             })
         })
     }
-
-    /// XML 1.0, production 2, and the standard's one-line texts: no control characters.
-    fn check_texts(&self) -> Result<()> {
-        let header = [("name", self.name), ("description", self.description)];
-        let variables = self.variables.iter().flat_map(|variable| {
-            let start = match &variable.start {
-                Some(Value::String(text)) => text.as_str(),
-                _ => "",
-            };
-            [&variable.name, &variable.description, start].map(|text| (variable.name.as_str(), text))
-        });
-        for (quantity, text) in header.into_iter().chain(variables) {
-            if let Some(found) = text.chars().find(|&c| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}')) {
-                bail!(
-                    "{}: the text holds the character {found:?}; write it on one line, without",
-                    quantity.escape_debug()
-                );
-            }
-        }
-        Ok(())
-    }
-}
-
-fn write_unit(xml: &mut Xml, unit: Unit) -> io::Result<()> {
-    let BaseUnit { kg, m, s, rad } = unit.base();
-    let exponents: Attributes = [("kg", kg), ("m", m), ("s", s), ("rad", rad)]
-        .into_iter()
-        .filter(|&(_, exponent)| exponent != 0)
-        .map(|(name, exponent)| (name, exponent.to_string()))
-        .collect();
-    xml.create_element("Unit").with_attribute(("name", unit.name())).write_inner_content(|xml| {
-        empty(xml, "BaseUnit", &exponents)?;
-        match unit.display() {
-            Some(display) => {
-                empty(xml, "DisplayUnit", &[("name", display.name.to_owned()), ("factor", number(display.factor))])
-            }
-            None => Ok(()),
-        }
-    })?;
-    Ok(())
 }
 
 fn write_variable(xml: &mut Xml, reference: Reference, variable: &Variable) -> io::Result<()> {
@@ -214,10 +158,7 @@ fn write_variable(xml: &mut Xml, reference: Reference, variable: &Variable) -> i
     attributes.push(("causality", causality.to_owned()));
     attributes.push(("variability", variability.to_owned()));
     attributes.extend(initial.map(|initial| ("initial", initial.to_owned())));
-    xml.create_element("ScalarVariable")
-        .with_attributes(borrowed(&attributes))
-        .write_inner_content(|xml| empty(xml, kind_name(variable.kind), &kind_attributes(variable)))?;
-    Ok(())
+    element(xml, "ScalarVariable", &attributes, |xml| empty(xml, kind_name(variable.kind), &kind_attributes(variable)))
 }
 
 fn kind_name(kind: Kind) -> &'static str {
@@ -248,33 +189,6 @@ fn kind_attributes(variable: &Variable) -> Attributes<'static> {
 fn write_unknown(xml: &mut Xml, reference: Reference, dependencies: &[Reference]) -> io::Result<()> {
     let indexes: Vec<String> = dependencies.iter().map(|dependency| (dependency + 1).to_string()).collect();
     empty(xml, "Unknown", &[("index", (reference + 1).to_string()), ("dependencies", indexes.join(" "))])
-}
-
-fn group(xml: &mut Xml, name: &str, content: impl FnOnce(&mut Xml) -> io::Result<()>) -> io::Result<()> {
-    xml.create_element(name).write_inner_content(content)?;
-    Ok(())
-}
-
-fn empty(xml: &mut Xml, name: &str, attributes: &[(&str, String)]) -> io::Result<()> {
-    xml.create_element(name).with_attributes(borrowed(attributes)).write_empty()?;
-    Ok(())
-}
-
-fn borrowed<'a>(attributes: &'a [(&'a str, String)]) -> impl Iterator<Item = (&'a str, &'a str)> {
-    attributes.iter().map(|(name, value)| (*name, value.as_str()))
-}
-
-/// The shortest decimal number that reads back as the same bits; with an exponent where that spares many zeros.
-fn number(value: f64) -> String {
-    let magnitude = value.abs();
-    if magnitude != 0.0 && !(1e-4..1e15).contains(&magnitude) { format!("{value:e}") } else { value.to_string() }
-}
-
-/// FMI 2.0.5, 2.2.1: the modelIdentifier names the library and prefixes C functions.
-fn is_c_identifier(name: &str) -> bool {
-    !name.starts_with(|c: char| c.is_ascii_digit())
-        && !name.is_empty()
-        && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
 #[cfg(test)]
@@ -351,31 +265,10 @@ mod tests {
     }
 
     #[test]
-    fn numbers_read_back_as_the_same_bits() {
-        for value in
-            [0.0, -0.0, 0.1, 1e-9, 1e-13, 30000.0, 0.759, 2.1e11, 1.0 / 3.0, 5e-324, f64::MAX, -57.29577951308232]
-        {
-            let text = number(value);
-            assert_eq!(text.parse::<f64>().unwrap().to_bits(), value.to_bits(), "{text}");
-            assert!(text.len() <= 24, "{text}");
-        }
-    }
-
-    #[test]
     fn control_characters_are_refused() {
         let mut bad = variable("y", Causality::Output, None);
         bad.description = "two\nlines".to_owned();
         let message = xml_of(&[bad]).unwrap_err().to_string();
         assert!(message.starts_with("y: the text holds the character '\\n'"), "{message}");
-    }
-
-    #[test]
-    fn a_model_identifier_is_a_c_identifier() {
-        for good in ["Gear", "_g", "four_bar_2"] {
-            assert!(is_c_identifier(good), "{good}");
-        }
-        for bad in ["", "2gear", "Gear-2", "Landing Gear", "Fahrwerk\u{e4}", "a/b", "a.b"] {
-            assert!(!is_c_identifier(bad), "{bad}");
-        }
     }
 }

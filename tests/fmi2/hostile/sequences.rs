@@ -1,6 +1,7 @@
-//! Random sequences of calls. Each answer is the model's, and the instance ends as one that got the accepted calls only.
+//! Random sequences of calls. Each status is that of the model, and the instance ends like a twin that got only the
+//! accepted calls.
 
-use crate::play::{Logging, Op, Player};
+use super::play::{Logging, Op, Player};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use std::cell::RefCell;
@@ -76,12 +77,12 @@ fn random_sequences_are_answered_as_the_standard_says() {
         player.renew();
         twin.renew();
         for op in &ops {
-            // The twin gets what is accepted, and a step that fails, as that changes the phase.
+            // The twin gets the accepted calls, and a failed step, which changes the phase.
             if player.play(op) || player.has_failed() != twin.has_failed() {
                 twin.play(op);
             }
         }
-        prop_assert_eq!(player.everything(), twin.everything());
+        prop_assert_eq!(player.gear.all_bits(), twin.gear.all_bits());
         Ok(())
     });
     result.unwrap_or_else(|error| panic!("{error}"));
@@ -94,7 +95,7 @@ fn a_failed_step_leaves_the_energy_balance() {
     for op in [Op::Enter, Op::Exit, Op::Step(1e-3), Op::SetForce(1e300)] {
         assert!(player.play(&op));
     }
-    let before = player.everything();
+    let before = player.gear.all_bits();
     assert!(!player.play(&Op::Step(1e-3)));
-    assert_eq!(player.everything(), before);
+    assert_eq!(player.gear.all_bits(), before);
 }

@@ -1,6 +1,6 @@
-//! Every function with good, bad and absurd arguments, and the status that each deserves in each phase.
+//! Every function with good, bad and absurd arguments, and the status of each call in each phase.
 
-use crate::fmi2_host::Gear;
+use crate::host::Gear;
 use linkage_fmu::fmi2::types::{Byte, Component, FmuState, Status, Text};
 use linkage_fmu::fmi2::*;
 use std::ffi::c_int;
@@ -39,10 +39,10 @@ impl Target {
 /// One call.
 pub struct Call {
     pub function: &'static str,
-    /// What is particular about the arguments.
+    /// Particularity of the arguments.
     pub what: &'static str,
-    /// Status in each phase: instantiated, initialization, step, failed, terminated. `O` is fmi2OK, `D` fmi2Discard, `E`
-    /// fmi2Error.
+    /// Status in each phase: instantiated, initialization, step, failed, terminated. `O` is fmi2OK, `D` fmi2Discard,
+    /// `E` fmi2Error.
     pub statuses: &'static str,
     pub run: fn(&Target) -> Status,
 }
@@ -106,10 +106,35 @@ macro_rules! calls {
     };
 }
 
+/// Gets and sets of a type that none of the target's variables has, with a value of it.
+macro_rules! other_type {
+    ($get:ident $set:ident $value:expr) => {
+        calls! {
+            $get {
+                "nothing" "OOOOO" (|_t| null(), 0, null_mut());
+                "a Real" "EEEEE" (|t| &t.input, 1, &mut $value);
+                "unknown" "EEEEE" (|t| &t.beyond, 1, &mut $value);
+                "NULL references" "EEEEE" (|_t| null(), 1, &mut $value);
+                "NULL values" "EEEEE" (|t| &t.input, 1, null_mut());
+                "a huge count" "EEEEE" (|t| &t.input, HUGE << 1, &mut $value);
+            }
+            $set {
+                "nothing" "OOOEE" (|_t| null(), 0, null());
+                "a Real" "EEEEE" (|t| &t.input, 1, &$value);
+                "unknown" "EEEEE" (|t| &t.beyond, 1, &$value);
+                "NULL references" "EEEEE" (|_t| null(), 1, &$value);
+                "NULL values" "EEEEE" (|t| &t.input, 1, null());
+                "a huge count" "EEEEE" (|t| &t.input, HUGE << 1, &$value);
+            }
+        }
+    };
+}
+
 /// Every function that takes an instance, each at least once.
 #[rustfmt::skip]
 pub fn all() -> Vec<Call> {
-    calls! {
+    let mut all = calls! {
+        fmi2SetString { "a NULL string" "EEEEE" (|t| &t.input, 1, &null()); }
         fmi2SetDebugLogging {
             "all on" "OOOOO" (|_t| 1, 0, null());
             "a category" "OOOOO" (|_t| 1, 1, [c"logAll".as_ptr()].as_ptr());
@@ -179,56 +204,6 @@ pub fn all() -> Vec<Call> {
             "values not aligned" "EEEEE" (|t| &t.input, 1, crooked(&[0.0; 2]));
             "a huge count" "EEEEE" (|t| &t.input, HUGE, &0.0);
         }
-        fmi2GetInteger {
-            "nothing" "OOOOO" (|_t| null(), 0, null_mut());
-            "a Real" "EEEEE" (|t| &t.input, 1, &mut 0);
-            "unknown" "EEEEE" (|t| &t.beyond, 1, &mut 0);
-            "NULL references" "EEEEE" (|_t| null(), 1, &mut 0);
-            "NULL values" "EEEEE" (|t| &t.input, 1, null_mut());
-            "a huge count" "EEEEE" (|t| &t.input, HUGE << 1, &mut 0);
-        }
-        fmi2GetBoolean {
-            "nothing" "OOOOO" (|_t| null(), 0, null_mut());
-            "a Real" "EEEEE" (|t| &t.input, 1, &mut 0);
-            "unknown" "EEEEE" (|t| &t.beyond, 1, &mut 0);
-            "NULL references" "EEEEE" (|_t| null(), 1, &mut 0);
-            "NULL values" "EEEEE" (|t| &t.input, 1, null_mut());
-            "a huge count" "EEEEE" (|t| &t.input, HUGE << 1, &mut 0);
-        }
-        fmi2GetString {
-            "nothing" "OOOOO" (|_t| null(), 0, null_mut());
-            "a Real" "EEEEE" (|t| &t.input, 1, &mut null());
-            "unknown" "EEEEE" (|t| &t.beyond, 1, &mut null());
-            "NULL references" "EEEEE" (|_t| null(), 1, &mut null());
-            "NULL values" "EEEEE" (|t| &t.input, 1, null_mut());
-            "a huge count" "EEEEE" (|t| &t.input, HUGE, &mut null());
-        }
-        fmi2SetInteger {
-            "nothing" "OOOEE" (|_t| null(), 0, null());
-            "a Real" "EEEEE" (|t| &t.input, 1, &7);
-            "unknown" "EEEEE" (|t| &t.beyond, 1, &7);
-            "NULL references" "EEEEE" (|_t| null(), 1, &7);
-            "NULL values" "EEEEE" (|t| &t.input, 1, null());
-            "a huge count" "EEEEE" (|t| &t.input, HUGE << 1, &7);
-        }
-        fmi2SetBoolean {
-            "nothing" "OOOEE" (|_t| null(), 0, null());
-            "a Real" "EEEEE" (|t| &t.input, 1, &-1);
-            "unknown" "EEEEE" (|t| &t.beyond, 1, &1);
-            "NULL references" "EEEEE" (|_t| null(), 1, &1);
-            "NULL values" "EEEEE" (|t| &t.input, 1, null());
-            "a huge count" "EEEEE" (|t| &t.input, HUGE << 1, &1);
-        }
-        fmi2SetString {
-            "nothing" "OOOEE" (|_t| null(), 0, null());
-            "a Real" "EEEEE" (|t| &t.input, 1, &c"x".as_ptr());
-            "a NULL string" "EEEEE" (|t| &t.input, 1, &null());
-            "unknown" "EEEEE" (|t| &t.beyond, 1, &c"x".as_ptr());
-            "NULL references" "EEEEE" (|_t| null(), 1, &c"x".as_ptr());
-            "NULL values" "EEEEE" (|t| &t.input, 1, null());
-            "a huge count" "EEEEE" (|t| &t.input, HUGE, &c"x".as_ptr());
-        }
-
         fmi2DoStep {
             "a step" "EEOEE" (|_t| 0.0, 1e-3, 1);
             "a small step, any number for a Boolean" "EEOEE" (|_t| 0.0, 1e-12, c_int::MIN);
@@ -342,7 +317,6 @@ pub fn all() -> Vec<Call> {
             "a huge count" "EEEEE" (|t| &t.output, HUGE << 1, &1, &mut 0.0);
         }
 
-        // Capabilities that the XML does not declare. Whoever adds one writes its rows anew.
         fmi2GetFMUstate {
             "a new one" "OOOOO" (|_t| &mut null_mut());
             "over an old one" "OOOOO" (|t| &mut saved(t.c));
@@ -364,7 +338,7 @@ pub fn all() -> Vec<Call> {
         }
         fmi2SerializedFMUstateSize {
             "a state" "OOOOO" (|t| saved(t.c), &mut 0);
-            "no room" "EEEEE" (|t| saved(t.c), null_mut());
+            "NULL values" "EEEEE" (|t| saved(t.c), null_mut());
             "no state" "EEEEE" (|_t| no_state(), &mut 0);
             "NULL" "EEEEE" (|_t| null_mut(), null_mut());
         }
@@ -372,7 +346,7 @@ pub fn all() -> Vec<Call> {
             "a state" "OOOOO" (|t| saved(t.c), serialized(t.c).as_mut_ptr(), serialized(t.c).len());
             "too small" "EEEEE" (|t| saved(t.c), serialized(t.c).as_mut_ptr(), serialized(t.c).len() - 1);
             "too large" "EEEEE" (|t| saved(t.c), serialized(t.c).as_mut_ptr(), HUGE);
-            "no room" "EEEEE" (|t| saved(t.c), null_mut(), serialized(t.c).len());
+            "NULL values" "EEEEE" (|t| saved(t.c), null_mut(), serialized(t.c).len());
             "no state" "EEEEE" (|_t| no_state(), [0; 8].as_mut_ptr(), 8);
             "NULL" "EEEEE" (|_t| null_mut(), null_mut(), HUGE);
         }
@@ -380,12 +354,16 @@ pub fn all() -> Vec<Call> {
             "a state" "OOOOO" (|t| serialized(t.c).as_ptr(), serialized(t.c).len(), &mut null_mut());
             "whatever was there" "OOOOO" (|t| serialized(t.c).as_ptr(), serialized(t.c).len(), &mut no_state());
             "cut off" "EEEEE" (|t| serialized(t.c).as_ptr(), serialized(t.c).len() - 1, &mut null_mut());
-            "no room" "EEEEE" (|t| serialized(t.c).as_ptr(), serialized(t.c).len(), null_mut());
+            "NULL values" "EEEEE" (|t| serialized(t.c).as_ptr(), serialized(t.c).len(), null_mut());
             "nothing" "EEEEE" (|_t| null(), 0, &mut null_mut());
             "zeros" "EEEEE" (|_t| [0; 64].as_ptr(), 64, &mut null_mut());
             "NULL" "EEEEE" (|_t| null(), HUGE, null_mut());
         }
-    }
+    };
+    all.extend(other_type!(fmi2GetInteger fmi2SetInteger 7));
+    all.extend(other_type!(fmi2GetBoolean fmi2SetBoolean -1));
+    all.extend(other_type!(fmi2GetString fmi2SetString c"x".as_ptr()));
+    all
 }
 
 /// Text of the functions without an instance.

@@ -1,15 +1,15 @@
 //! Many instances in many threads: each gives the bits that it gives alone.
 
-use crate::fmi2_host::Gear;
+use crate::host::Gear;
 use linkage_fmu::fmi2::types::Status;
 
-/// Kinds of runs, told apart by their inputs.
+/// Kinds of runs, which differ in their inputs.
 const KINDS: usize = 8;
 /// Threads, each with one instance of every kind.
 const THREADS: usize = 8;
 const STEPS: i32 = 130;
 const H: f64 = 1e-3;
-/// What is compared: motion and energy of every kind, and of the first also reactions, which take a table each.
+/// Compared outputs: motion and energy of every kind; of the first kind also reactions, which take a table each.
 const COMPARED: [&str; 7] =
     ["crank.angle", "crank.speed", "actuator.length", "energy.drift", "joint2.force", "joint3.force_x", "wheel.y"];
 

@@ -1,22 +1,23 @@
 //! Millions of random calls on one instance: every answer as the standard says, and memory that does not grow.
 //!
-//! LINKAGE_FMU_CALLS sets the number of calls: `LINKAGE_FMU_CALLS=10000000 cargo test --test fmi2_endurance -- --nocapture`.
+//! LINKAGE_FMU_CALLS sets the number of calls: `LINKAGE_FMU_CALLS=10000000 cargo test --test endurance -- --nocapture`.
 #![allow(unsafe_code, clippy::unwrap_used)]
 
+#[path = "../support/counting.rs"]
+mod counting;
+#[path = "../fmi2/host.rs"]
+mod host;
 #[allow(dead_code)]
-#[path = "fmi2_hostile/calls.rs"]
-mod calls;
-mod fmi2_host;
-#[allow(dead_code)]
-#[path = "fmi2_hostile/play.rs"]
-mod play;
-#[path = "fmi2_hostile/standard.rs"]
-mod standard;
+#[path = "../fmi2/hostile"]
+mod hostile {
+    pub mod calls;
+    pub mod play;
+    pub mod standard;
+}
 
-use fmi2_host::Gear;
-use play::{Logging, Op, Player};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
+use counting::live;
+use host::Gear;
+use hostile::play::{Logging, Op, Player};
 use std::time::Instant;
 
 /// Calls if nothing else is asked for.
@@ -26,32 +27,7 @@ const ROUND: u64 = 50_000;
 /// Growth of the resident memory that the system's allocator may make from the second round on [bytes].
 const RESIDENT: usize = 2 << 20;
 
-struct Counting;
-
-thread_local! {
-    /// What this thread has allocated and not given back [bytes]; a test and its instances stay on one thread.
-    static LIVE: Cell<isize> = const { Cell::new(0) };
-}
-
-// SAFETY: everything is passed on to the system's allocator.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        LIVE.set(LIVE.get() + layout.size() as isize);
-        // SAFETY: the caller's promise.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        LIVE.set(LIVE.get() - layout.size() as isize);
-        // SAFETY: the caller's promise.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
-/// Resident memory [bytes], where the system tells it.
+/// Resident memory [bytes], where the system reports it.
 fn resident() -> Option<usize> {
     let pages = std::fs::read_to_string("/proc/self/statm").ok()?.split(' ').nth(1)?.parse::<usize>().ok()?;
     Some(pages * 4096)
@@ -126,9 +102,9 @@ fn memory_is_constant_over_random_calls() {
         // Every table that an instance can have is there from here on, and nothing else.
         player.renew();
         player.play(&Op::Enter);
-        player.everything();
+        player.gear.all_bits();
         player.renew();
-        seen.push((LIVE.get(), resident()));
+        seen.push((live(), resident()));
     }
     let (first, last) = (seen[0], seen[seen.len() - 1]);
     println!(
@@ -150,7 +126,7 @@ fn memory_is_constant_over_random_calls() {
 #[test]
 fn instances_give_back_their_memory() {
     drop(Gear::stepping(0.0, None));
-    let before = LIVE.get();
+    let before = live();
     for _ in 0..20 {
         let gear = Gear::stepping(0.0, None);
         for n in 0..10 {
@@ -158,5 +134,5 @@ fn instances_give_back_their_memory() {
         }
         gear.get("joint2.force").unwrap();
     }
-    assert_eq!(LIVE.get(), before);
+    assert_eq!(live(), before);
 }

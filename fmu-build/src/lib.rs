@@ -1,0 +1,20 @@
+//! `cargo fmu <command>`: builds, tests and demonstrates the FMUs. One file per task.
+//!
+//! In: the command line. Out: files under `target/`.
+
+mod archive;
+pub mod bench;
+mod binary;
+pub mod chain;
+mod command;
+pub mod demo;
+mod library;
+pub mod package;
+mod page;
+mod python;
+pub mod report;
+mod schema;
+mod source;
+pub mod test;
+pub mod workspace;
+mod xml;

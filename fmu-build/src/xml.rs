@@ -1,0 +1,7 @@
+//! Writers of the XML files of an FMU.
+//!
+//! In: the model. Out: the text of each file, the same for the same interface, as none holds a time stamp.
+
+mod common;
+pub mod fmi2;
+pub mod terminals;

@@ -1,0 +1,132 @@
+//! What all XML files of an FMU share: documents, elements, numbers, unit definitions, legal texts.
+
+use anyhow::{Result, bail};
+use linkage_fmu::variables::{BaseUnit, Unit, Value, Variable};
+use quick_xml::Writer;
+use quick_xml::events::{BytesDecl, Event};
+use std::collections::BTreeSet;
+use std::io;
+
+pub type Xml = Writer<Vec<u8>>;
+pub type Attributes<'a> = Vec<(&'a str, String)>;
+
+/// Text of a file with this root element.
+pub fn document(
+    root: &str,
+    attributes: &[(&str, String)],
+    content: impl FnOnce(&mut Xml) -> io::Result<()>,
+) -> Result<String> {
+    let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
+    xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
+    element(&mut xml, root, attributes, content)?;
+    let mut text = String::from_utf8(xml.into_inner())?;
+    text.push('\n');
+    Ok(text)
+}
+
+pub fn element(
+    xml: &mut Xml,
+    name: &str,
+    attributes: &[(&str, String)],
+    content: impl FnOnce(&mut Xml) -> io::Result<()>,
+) -> io::Result<()> {
+    xml.create_element(name).with_attributes(borrowed(attributes)).write_inner_content(content)?;
+    Ok(())
+}
+
+pub fn group(xml: &mut Xml, name: &str, content: impl FnOnce(&mut Xml) -> io::Result<()>) -> io::Result<()> {
+    element(xml, name, &[], content)
+}
+
+pub fn empty(xml: &mut Xml, name: &str, attributes: &[(&str, String)]) -> io::Result<()> {
+    xml.create_element(name).with_attributes(borrowed(attributes)).write_empty()?;
+    Ok(())
+}
+
+fn borrowed<'a>(attributes: &'a [(&'a str, String)]) -> impl Iterator<Item = (&'a str, &'a str)> {
+    attributes.iter().map(|(name, value)| (*name, value.as_str()))
+}
+
+/// The shortest decimal number that reads back as the same bits; with an exponent where that spares many zeros.
+pub fn number(value: f64) -> String {
+    let magnitude = value.abs();
+    if magnitude != 0.0 && !(1e-4..1e15).contains(&magnitude) { format!("{value:e}") } else { value.to_string() }
+}
+
+/// The units of these variables, each once.
+pub fn write_units(xml: &mut Xml, variables: &[Variable]) -> io::Result<()> {
+    let units: BTreeSet<Unit> = variables.iter().filter_map(|variable| variable.unit).collect();
+    if units.is_empty() {
+        return Ok(());
+    }
+    group(xml, "UnitDefinitions", |xml| units.into_iter().try_for_each(|unit| write_unit(xml, unit)))
+}
+
+fn write_unit(xml: &mut Xml, unit: Unit) -> io::Result<()> {
+    let BaseUnit { kg, m, s, rad } = unit.base();
+    let exponents: Attributes = [("kg", kg), ("m", m), ("s", s), ("rad", rad)]
+        .into_iter()
+        .filter(|&(_, exponent)| exponent != 0)
+        .map(|(name, exponent)| (name, exponent.to_string()))
+        .collect();
+    element(xml, "Unit", &[("name", unit.name().to_owned())], |xml| {
+        empty(xml, "BaseUnit", &exponents)?;
+        unit.display().map_or(Ok(()), |display| {
+            empty(xml, "DisplayUnit", &[("name", display.name.to_owned()), ("factor", number(display.factor))])
+        })
+    })
+}
+
+/// Check that no text holds a control character (XML 1.0, production 2, and the standard's one-line texts).
+///
+/// # Errors
+/// The first character that XML cannot hold, with the name of its quantity.
+pub fn check_texts(name: &str, description: &str, variables: &[Variable]) -> Result<()> {
+    let header = [("name", name), ("description", description)];
+    let variables = variables.iter().flat_map(|variable| {
+        let start = match &variable.start {
+            Some(Value::String(text)) => text.as_str(),
+            _ => "",
+        };
+        [&variable.name, &variable.description, start].map(|text| (variable.name.as_str(), text))
+    });
+    for (quantity, text) in header.into_iter().chain(variables) {
+        if let Some(found) = text.chars().find(|&c| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}')) {
+            bail!("{}: the text holds the character {found:?}; write it on one line, without", quantity.escape_debug());
+        }
+    }
+    Ok(())
+}
+
+/// Whether a name is a C identifier: the modelIdentifier names the library and prefixes C functions (FMI 2.0.5, 2.2.1).
+pub fn is_c_identifier(name: &str) -> bool {
+    !name.starts_with(|c: char| c.is_ascii_digit())
+        && !name.is_empty()
+        && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_back_as_the_same_bits() {
+        for value in
+            [0.0, -0.0, 0.1, 1e-9, 1e-13, 30000.0, 0.759, 2.1e11, 1.0 / 3.0, 5e-324, f64::MAX, -57.29577951308232]
+        {
+            let text = number(value);
+            assert_eq!(text.parse::<f64>().unwrap().to_bits(), value.to_bits(), "{text}");
+            assert!(text.len() <= 24, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_model_identifier_is_a_c_identifier() {
+        for good in ["Gear", "_g", "four_bar_2"] {
+            assert!(is_c_identifier(good), "{good}");
+        }
+        for bad in ["", "2gear", "Gear-2", "Landing Gear", "Fahrwerk\u{e4}", "a/b", "a.b"] {
+            assert!(!is_c_identifier(bad), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,337 @@
+//! A host of the exported functions: an importer's side of the interface, for tests and benchmarks.
+//!
+//! In: a folder with `resources/mechanism.json`. Out: instances driven through the C functions; statuses, values, saved
+//! states, messages. It must not know how a call is answered. Each method is one call, and is safe to use: arrays have
+//! the lengths that are passed, states come from this library. A name that the mechanism does not have becomes a value
+//! reference that does not exist, so the call answers `fmi2Error`.
+
+use super::types::{
+    Boolean, CO_SIMULATION, CallbackFunctions, Component, Environment, FALSE, FmuState, LoggerCallback, Status, Text,
+    ValueReference,
+};
+use super::*;
+use crate::mechanism::Model;
+use std::cell::RefCell;
+use std::ffi::{CStr, CString, c_int};
+use std::path::Path;
+use std::ptr::{null, null_mut};
+use std::sync::Arc;
+
+/// Message that the logger received.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Message {
+    /// Name of the instance.
+    pub instance: String,
+    /// `fmi2Status` as a number.
+    pub status: c_int,
+    /// Log category.
+    pub category: String,
+    /// Text.
+    pub text: String,
+}
+
+/// Messages of one instance; the address of the log is the component environment.
+#[derive(Debug, Default)]
+pub struct Log(RefCell<Vec<Message>>);
+
+impl Log {
+    /// The messages since the last call.
+    pub fn take(&self) -> Vec<Message> {
+        self.0.take()
+    }
+}
+
+fn owned(text: Text) -> String {
+    // SAFETY: the library passes strings that end with a zero byte.
+    unsafe { CStr::from_ptr(text) }.to_str().expect("texts are UTF-8").to_owned()
+}
+
+/// A text with a zero byte at its end; a zero byte within ends it.
+fn terminated(text: &str) -> CString {
+    CString::new(text.split('\0').next().unwrap_or_default()).unwrap_or_default()
+}
+
+unsafe extern "C" fn log(env: Environment, name: Text, status: c_int, category: Text, format: Text, text: Text) {
+    assert_eq!(owned(format), "%s");
+    // SAFETY: the environment is the `Log` passed to `callbacks`, which outlives the instance.
+    let log = unsafe { &*env.cast::<Log>() };
+    log.0.borrow_mut().push(Message { instance: owned(name), status, category: owned(category), text: owned(text) });
+}
+
+/// The logger as the variadic function of the standard. On the ABIs of the supported platforms a first variadic pointer
+/// is passed like a named one.
+pub fn logger() -> LoggerCallback {
+    let logger: unsafe extern "C" fn(Environment, Text, c_int, Text, Text, Text) = log;
+    // SAFETY: see above; Rust cannot define a variadic function.
+    unsafe { std::mem::transmute(logger) }
+}
+
+/// Callback functions with a logger, or none, that writes to `log`.
+pub fn callbacks(logger: Option<LoggerCallback>, log: &Log) -> CallbackFunctions {
+    let environment = (&raw const *log).cast_mut().cast();
+    CallbackFunctions { logger, allocate_memory: None, free_memory: None, step_finished: None, environment }
+}
+
+/// What an importer knows of an FMU before it makes an instance: variables, GUID, resource location.
+#[derive(Debug)]
+pub struct Description {
+    model: Model,
+    guid: CString,
+    location: CString,
+}
+
+impl Description {
+    /// The FMU of a folder with `resources/mechanism.json`.
+    ///
+    /// # Errors
+    /// The file cannot be read or holds no mechanism.
+    pub fn read(folder: &Path) -> Result<Arc<Self>, String> {
+        let resources = folder.join("resources");
+        let file = resources.join("mechanism.json");
+        let text = std::fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))?;
+        let model = Model::from_json(&text).map_err(|e| e.to_string())?;
+        let location = resources.canonicalize().map_err(|e| e.to_string())?;
+        let (guid, location) = (terminated(model.variables().guid()), terminated(&location.to_string_lossy()));
+        Ok(Arc::new(Self { model, guid, location }))
+    }
+
+    /// The mechanism in its initial state.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// Value reference of a variable; `u32::MAX`, which no variable has, for a name that does not exist.
+    pub fn reference(&self, name: &str) -> ValueReference {
+        self.model.variables().find(name).unwrap_or(ValueReference::MAX)
+    }
+
+    /// New instance named `gear`.
+    ///
+    /// # Errors
+    /// The messages of a refused instantiation.
+    pub fn instantiate(self: &Arc<Self>, logger: Option<LoggerCallback>, logging_on: bool) -> Result<Host, String> {
+        let log = Box::<Log>::default();
+        let functions = callbacks(logger, &log);
+        let (name, guid, location) = (c"gear".as_ptr(), self.guid.as_ptr(), self.location.as_ptr());
+        // SAFETY: all pointers live during the call; the log lives as long as the instance.
+        let c = unsafe {
+            fmi2Instantiate(name, CO_SIMULATION, guid, location, &functions, FALSE, Boolean::from(logging_on))
+        };
+        if c.is_null() {
+            return Err(format!("fmi2Instantiate: refused: {:?}", log.take()));
+        }
+        Ok(Host { c, log, description: Arc::clone(self) })
+    }
+}
+
+/// A saved state; [`Host::free`] frees it.
+#[derive(Debug)]
+pub struct State(FmuState);
+
+impl State {
+    /// No state yet: [`Host::save_into`] makes one.
+    pub const NONE: Self = Self(null_mut());
+
+    /// The pointer of the C interface.
+    pub fn pointer(&self) -> FmuState {
+        self.0
+    }
+}
+
+/// An instance with its messages; freed when dropped.
+#[derive(Debug)]
+pub struct Host {
+    /// The component of the C interface.
+    pub c: Component,
+    /// Messages of the instance.
+    pub log: Box<Log>,
+    description: Arc<Description>,
+}
+
+/// Calls with no argument but the component.
+macro_rules! calls {
+    ($($name:ident = $function:ident),*) => {
+        $(
+            #[doc = concat!("`", stringify!($function), "`.")]
+            pub fn $name(&self) -> Status {
+                // SAFETY: the component is valid.
+                unsafe { $function(self.c) }
+            }
+        )*
+    };
+}
+
+impl Host {
+    calls!(
+        enter = fmi2EnterInitializationMode,
+        exit = fmi2ExitInitializationMode,
+        terminate = fmi2Terminate,
+        reset = fmi2Reset
+    );
+
+    /// Value reference of a variable; `u32::MAX` for a name that does not exist.
+    pub fn reference(&self, name: &str) -> ValueReference {
+        self.description.reference(name)
+    }
+
+    /// Number of variables, which is the first value reference that does not exist.
+    pub fn count(&self) -> u32 {
+        self.description.model.variables().list().len() as u32
+    }
+
+    /// `fmi2GetReal`. Both slices have one length.
+    #[inline]
+    pub fn reals(&self, references: &[ValueReference], values: &mut [f64]) -> Status {
+        assert_eq!(references.len(), values.len());
+        // SAFETY: the component is valid; both arrays have the length that is passed.
+        unsafe { fmi2GetReal(self.c, references.as_ptr(), references.len(), values.as_mut_ptr()) }
+    }
+
+    /// `fmi2SetReal`. Both slices have one length.
+    #[inline]
+    pub fn set_reals(&self, references: &[ValueReference], values: &[f64]) -> Status {
+        assert_eq!(references.len(), values.len());
+        // SAFETY: the component is valid; both arrays have the length that is passed.
+        unsafe { fmi2SetReal(self.c, references.as_ptr(), references.len(), values.as_ptr()) }
+    }
+
+    /// `fmi2GetDirectionalDerivative` of some unknowns along one known, with the seed 1.
+    #[inline]
+    pub fn derivatives(&self, unknowns: &[ValueReference], known: ValueReference, values: &mut [f64]) -> Status {
+        assert_eq!(unknowns.len(), values.len());
+        let (unknown, count) = (unknowns.as_ptr(), unknowns.len());
+        // SAFETY: the component is valid; two arrays have `count` elements, two have one.
+        unsafe { fmi2GetDirectionalDerivative(self.c, unknown, count, &known, 1, &1.0, values.as_mut_ptr()) }
+    }
+
+    /// Value of one Real.
+    ///
+    /// # Errors
+    /// The status if it is not `fmi2OK`.
+    pub fn get(&self, name: &str) -> Result<f64, Status> {
+        let mut value = f64::NAN;
+        match self.reals(&[self.reference(name)], std::slice::from_mut(&mut value)) {
+            Status::Ok => Ok(value),
+            status => Err(status),
+        }
+    }
+
+    /// Set one Real.
+    pub fn set(&self, name: &str, value: f64) -> Status {
+        self.set_reals(&[self.reference(name)], &[value])
+    }
+
+    /// Set one Boolean.
+    pub fn set_boolean(&self, name: &str, value: bool) -> Status {
+        // SAFETY: the component is valid; one reference, one value.
+        unsafe { fmi2SetBoolean(self.c, &self.reference(name), 1, &Boolean::from(value)) }
+    }
+
+    /// Value of one String.
+    ///
+    /// # Errors
+    /// The status if it is not `fmi2OK`.
+    pub fn get_text(&self, name: &str) -> Result<String, Status> {
+        let mut value = null();
+        // SAFETY: the component is valid; one reference, one value, which is copied before the next call.
+        match unsafe { fmi2GetString(self.c, &self.reference(name), 1, &mut value) } {
+            Status::Ok => Ok(owned(value)),
+            status => Err(status),
+        }
+    }
+
+    /// Set one String.
+    pub fn set_text(&self, name: &str, value: &str) -> Status {
+        let value = terminated(value);
+        // SAFETY: the component is valid; one reference, one value that lives during the call.
+        unsafe { fmi2SetString(self.c, &self.reference(name), 1, &value.as_ptr()) }
+    }
+
+    /// `fmi2SetupExperiment`; an undefined tolerance or stop time is passed as NaN.
+    pub fn set_up(&self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Status {
+        let defined = |value: Option<f64>| (Boolean::from(value.is_some()), value.unwrap_or(f64::NAN));
+        let ((has_tolerance, tolerance), (has_stop, stop)) = (defined(tolerance), defined(stop));
+        // SAFETY: the component is valid.
+        unsafe { fmi2SetupExperiment(self.c, has_tolerance, tolerance, start, has_stop, stop) }
+    }
+
+    /// From the instantiated phase into step mode: the status of the first call that is not answered with `fmi2OK`.
+    pub fn initialize(&self) -> Status {
+        match self.enter() {
+            Status::Ok => self.exit(),
+            refused => refused,
+        }
+    }
+
+    /// `fmi2DoStep` of size `h` [s] from a communication point [s].
+    #[inline]
+    pub fn step(&self, point: f64, h: f64) -> Status {
+        // SAFETY: the component is valid.
+        unsafe { fmi2DoStep(self.c, point, h, FALSE) }
+    }
+
+    /// `fmi2GetFMUstate` into a state that is used again, or a new one for [`State::NONE`].
+    #[inline]
+    pub fn save_into(&self, state: &mut State) -> Status {
+        // SAFETY: the component is valid; the state is NULL or of this library.
+        unsafe { fmi2GetFMUstate(self.c, &mut state.0) }
+    }
+
+    /// `fmi2SetFMUstate`.
+    #[inline]
+    pub fn restore(&self, state: &State) -> Status {
+        // SAFETY: the component is valid; the state is NULL or of this library.
+        unsafe { fmi2SetFMUstate(self.c, state.0) }
+    }
+
+    /// `fmi2FreeFMUstate`; leaves [`State::NONE`].
+    pub fn free(&self, state: &mut State) -> Status {
+        // SAFETY: the component is valid; the state is NULL or of this library.
+        unsafe { fmi2FreeFMUstate(self.c, &mut state.0) }
+    }
+
+    /// A state in bytes.
+    ///
+    /// # Errors
+    /// The status if it is not `fmi2OK`.
+    pub fn serialize(&self, state: &State) -> Result<Vec<u8>, Status> {
+        let mut size = 0;
+        // SAFETY: component and state are valid; the array has the size that is passed.
+        unsafe {
+            match fmi2SerializedFMUstateSize(self.c, state.0, &mut size) {
+                Status::Ok => {}
+                status => return Err(status),
+            }
+            let mut bytes = vec![0_u8; size];
+            match fmi2SerializeFMUstate(self.c, state.0, bytes.as_mut_ptr().cast(), size) {
+                Status::Ok => Ok(bytes),
+                status => Err(status),
+            }
+        }
+    }
+
+    /// The state of some bytes.
+    ///
+    /// # Errors
+    /// The status if it is not `fmi2OK`.
+    pub fn deserialize(&self, bytes: &[u8]) -> Result<State, Status> {
+        // A refused call leaves the pointer as it was.
+        let untouched: FmuState = null_mut::<u8>().wrapping_add(64).cast();
+        let mut state = untouched;
+        // SAFETY: the component is valid, the array has the length that is passed; the pointer is written, not read.
+        match unsafe { fmi2DeSerializeFMUstate(self.c, bytes.as_ptr().cast(), bytes.len(), &mut state) } {
+            Status::Ok => Ok(State(state)),
+            status => {
+                assert_eq!(state, untouched);
+                Err(status)
+            }
+        }
+    }
+}
+
+impl Drop for Host {
+    fn drop(&mut self) {
+        // SAFETY: the component is not used again.
+        unsafe { fmi2FreeInstance(self.c) }
+    }
+}

@@ -1,0 +1,152 @@
+//! The success path of a communication step allocates nothing.
+#![allow(unsafe_code, clippy::unwrap_used)]
+
+#[path = "../support/counting.rs"]
+mod counting;
+#[path = "../fmi2/host.rs"]
+mod host;
+
+use counting::{allocations, live};
+use host::Gear;
+use linkage_fmu::fmi2::host::State;
+use linkage_fmu::fmi2::types::Status;
+use linkage_fmu::fmi2::{fmi2GetDirectionalDerivative, fmi2GetRealOutputDerivatives, fmi2SetRealInputDerivatives};
+
+/// Most allocations and bytes of a saved state.
+const STATE_BLOCKS: usize = 8;
+const STATE_BYTES: isize = 2048;
+#[test]
+fn set_step_get_allocates_nothing() {
+    exchange_allocates_nothing("reduced");
+}
+
+#[test]
+fn nor_do_the_finite_elements() {
+    exchange_allocates_nothing("rigid_fem");
+}
+
+#[test]
+fn nor_do_derivatives() {
+    let h = 1e-4;
+    let gear = Gear::new();
+    assert_eq!(gear.initialize(), Status::Ok);
+    let inputs = [gear.vr("actuator.force"), gear.vr("load_factor")];
+    let outputs =
+        ["crank.angle", "crank.acceleration", "actuator.static_load", "joint2.force"].map(|name| gear.vr(name));
+    let mut values = [0.0; 4];
+    let mut exchange = |n: i32| {
+        let (ones, rates) = ([1; 4], [2e5, 10.0]);
+        assert_eq!(gear.set_reals(&inputs, &[3e4, 3.0]), Status::Ok);
+        // SAFETY: every array has the length that is passed.
+        unsafe {
+            let status = fmi2SetRealInputDerivatives(gear.c, inputs.as_ptr(), 2, ones.as_ptr(), rates.as_ptr());
+            assert_eq!(status, Status::Ok);
+            assert_eq!(gear.step(f64::from(n) * h, h), Status::Ok);
+            let (known, unknown) = (inputs.as_ptr(), outputs.as_ptr());
+            let status =
+                fmi2GetDirectionalDerivative(gear.c, unknown, 4, known, 2, rates.as_ptr(), values.as_mut_ptr());
+            assert_eq!(status, Status::Ok);
+            let status = fmi2GetRealOutputDerivatives(gear.c, unknown, 4, ones.as_ptr(), values.as_mut_ptr());
+            assert_eq!(status, Status::Ok);
+        }
+    };
+    (0..10).for_each(&mut exchange);
+    let before = allocations();
+    (10..200).for_each(&mut exchange);
+    assert_eq!(allocations(), before);
+}
+
+#[test]
+fn nor_do_saving_and_restoring_in_a_state_that_is_used_again() {
+    for (method, friction) in [("reduced", false), ("reduced", true), ("rigid_fem", false)] {
+        let h = 1e-4;
+        let gear = Gear::new();
+        assert_eq!(gear.set_text("solver.method", method), Status::Ok);
+        assert_eq!(gear.set_boolean("friction.enabled", friction), Status::Ok);
+        assert_eq!(gear.initialize(), Status::Ok);
+        let (input, output) = (gear.vr("actuator.force"), gear.vr("joint2.force"));
+        let mut state = State::NONE;
+        let mut step_twice = |n: i32| {
+            let mut values = [0.0; 2];
+            assert_eq!(gear.save_into(&mut state), Status::Ok);
+            for value in &mut values {
+                assert_eq!(gear.set_reals(&[input], &[f64::from(n)]), Status::Ok);
+                assert_eq!(gear.step(f64::from(n) * h, h), Status::Ok);
+                assert_eq!(gear.reals(&[output], std::slice::from_mut(value)), Status::Ok);
+                assert_eq!(gear.restore(&state), Status::Ok);
+            }
+            assert_eq!(values[0].to_bits(), values[1].to_bits());
+            assert_eq!(gear.step(f64::from(n) * h, h), Status::Ok);
+        };
+        (0..10).for_each(&mut step_twice);
+        let before = allocations();
+        (10..200).for_each(&mut step_twice);
+        assert_eq!(allocations(), before, "{method}, friction {friction}");
+        assert_eq!(gear.free(&mut state), Status::Ok);
+    }
+}
+
+/// A state that is saved and restored in every step costs no evaluation and no further integration step, and takes one
+/// small block of memory. With the test above these are all its costs; `cargo fmu bench` has the times.
+#[test]
+fn a_state_costs_no_evaluation_and_few_bytes() {
+    let statistics = |friction: bool, with_state: bool| {
+        let mut model = host::gear().clone();
+        let reference = model.variables().find("friction.enabled").unwrap();
+        model.set_boolean(reference, friction).unwrap();
+        model.initialize().unwrap();
+        let mut snapshot = model.snapshot();
+        for _ in 0..120 {
+            model.step(1e-3).unwrap();
+            if with_state {
+                model.snapshot_into(&mut snapshot);
+                model.restore(&snapshot).unwrap();
+            }
+        }
+        model.statistics()
+    };
+    for friction in [false, true] {
+        assert_eq!(statistics(friction, true), statistics(friction, false));
+    }
+    let gear = Gear::stepping(0.0, None);
+    assert_eq!(gear.step(0.0, 1e-3), Status::Ok);
+    // The mechanism is hashed when a state is first saved.
+    assert_eq!(gear.free(&mut gear.save()), Status::Ok);
+    let before = (allocations(), live());
+    let mut state = gear.save();
+    let (blocks, bytes) = (allocations() - before.0, live() - before.1);
+    println!("a saved state: {blocks} allocations, {bytes} bytes");
+    assert!(blocks <= STATE_BLOCKS && bytes <= STATE_BYTES, "{blocks} allocations, {bytes} bytes");
+    assert_eq!(gear.free(&mut state), Status::Ok);
+    assert_eq!(live(), before.1);
+}
+
+fn exchange_allocates_nothing(method: &str) {
+    let h = 1e-4;
+    let gear = Gear::new();
+    assert_eq!(gear.set_text("solver.method", method), Status::Ok);
+    assert_eq!(gear.initialize(), Status::Ok);
+    let inputs = [gear.vr("actuator.force"), gear.vr("load_factor")];
+    let outputs = [
+        "crank.angle",
+        "crank.speed",
+        "crank.acceleration",
+        "actuator.acceleration",
+        "actuator.reduced_mass",
+        "wheel.acceleration_x",
+        "joint2.force",
+        "energy.drift",
+    ];
+    let outputs = outputs.map(|name| gear.vr(name));
+    let mut values = [0.0; 8];
+    let mut exchange = |n: i32| {
+        assert_eq!(gear.set_reals(&inputs, &[30_000.0 + f64::from(n), 3.0]), Status::Ok);
+        assert_eq!(gear.step(f64::from(n) * h, h), Status::Ok);
+        assert_eq!(gear.reals(&outputs, &mut values), Status::Ok);
+    };
+    // Tables are built when an output first asks for them.
+    (0..10).for_each(&mut exchange);
+    let before = allocations();
+    (10..200).for_each(&mut exchange);
+    assert_eq!(allocations(), before);
+}

@@ -1,0 +1,9 @@
+//! Tests through the C interface of FMI 2.0.5.
+#![allow(unsafe_code, clippy::unwrap_used)]
+
+mod abi;
+mod clock;
+mod host;
+mod hostile;
+mod instantiate;
+mod state;
