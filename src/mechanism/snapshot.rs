@@ -9,7 +9,7 @@ use super::model::{Formulation, Model, is_reduced};
 use crate::codec::checksum::fnv1a;
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::definition::Method;
-use crate::mechanism::fem_motion::{RigidFemMotion, SavedElastic};
+use crate::mechanism::fem_motion::{RigidFemMotion, SavedRigidFem};
 use crate::mechanism::motion::SavedState;
 use crate::mechanism::outputs::ReducedMotion;
 use crate::mechanism::parameters::{ParameterValues, fingerprint};
@@ -31,7 +31,7 @@ pub struct Snapshot {
 #[derive(Clone, Debug)]
 enum SavedFormulation {
     Reduced(SavedState),
-    RigidFem(SavedElastic),
+    RigidFem(SavedRigidFem),
 }
 
 impl Snapshot {
@@ -211,7 +211,7 @@ impl Model {
             Some(match method {
                 Method::Reduced => SavedFormulation::Reduced(SavedState::read(record, reduced)?),
                 Method::RigidFem => {
-                    SavedFormulation::RigidFem(SavedElastic::read(record, reduced, &parameter_values.mechanism)?)
+                    SavedFormulation::RigidFem(SavedRigidFem::read(record, reduced, &parameter_values.mechanism)?)
                 }
             })
         } else {
