@@ -1,6 +1,6 @@
 //! One parameter of a definition: its range, its role in the model, and its texts, which are put together when somebody
 //! reads them.
-use super::DefinitionError;
+use super::error::DefinitionError;
 use crate::numerics::decimal::Decimal;
 use crate::variables::Unit;
 use std::fmt;

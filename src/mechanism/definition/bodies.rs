@@ -9,28 +9,20 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct Body {
     /// Point (`body.point`) of another body to which the body is rigidly fixed, with its origin there.
-    #[serde(default)]
     pub fixed_to: Option<String>,
     /// Angle of a fixed body's x axis from the x axis of the other body [rad]; 0 where absent.
-    #[serde(default)]
     pub angle: Option<f64>,
     /// Distance from the point `origin` to the point `end` [m], > 0.
-    #[serde(default)]
     pub length: Option<f64>,
     /// Mass [kg], >= 0; 0 where absent.
-    #[serde(default)]
     pub mass: Option<f64>,
     /// Distribution of the mass; `mass`, `center` and `inertia` as stated where absent.
-    #[serde(default)]
     pub shape: Option<Shape>,
     /// Centre of mass in the body's frame [m]; the origin where absent.
-    #[serde(default)]
     pub center: Option<[f64; 2]>,
     /// Moment of inertia about the centre of mass [kg.m2], >= 0; 0 where absent.
-    #[serde(default)]
     pub inertia: Option<f64>,
     /// E A of the body as a rod between its two joints [N], > 0; read by the formulation `rigid_fem` only.
-    #[serde(default)]
     pub axial_stiffness: Option<f64>,
     /// Further named points in the body's frame [m].
     #[serde(default)]

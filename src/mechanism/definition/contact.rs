@@ -10,27 +10,20 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct Stop {
     /// Turning body.
-    #[serde(default)]
     pub body: Option<String>,
     /// Joint, in place of a body.
-    #[serde(default)]
     pub joint: Option<String>,
     /// One of two points (`body.point`), in place of a body.
-    #[serde(default)]
     pub first: Option<String>,
     /// The other point.
-    #[serde(default)]
     pub second: Option<String>,
     /// Whether the stated value is the lower or the upper end of the travel.
     pub limit: Limit,
     /// Angle of the body, or of a revolute joint's second body from the first [rad].
-    #[serde(default)]
     pub angle: Option<f64>,
     /// Position along a prismatic joint [m].
-    #[serde(default)]
     pub position: Option<f64>,
     /// Distance of the two points [m].
-    #[serde(default)]
     pub length: Option<f64>,
     /// Whether the mechanism has this stop.
     #[serde(default = "yes")]
@@ -48,7 +41,6 @@ pub struct Stop {
     #[serde(default)]
     pub damping: f64,
     /// Name of the Boolean output that is true at this stop; `<name>.reached` where absent.
-    #[serde(default)]
     pub flag: Option<String>,
 }
 

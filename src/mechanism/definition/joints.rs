@@ -16,19 +16,14 @@ pub struct Joint {
     /// Point (`body.point`) of the second body.
     pub second: String,
     /// Prismatic only: direction of sliding in the first body's frame [rad]; 0 where absent.
-    #[serde(default)]
     pub axis_angle: Option<f64>,
     /// Prismatic only: angle of the second body's x axis from the x axis of the first [rad]; 0 where absent.
-    #[serde(default)]
     pub angle: Option<f64>,
     /// Revolute only: radius of the pin [m], >= 0; no friction in the joint where absent.
-    #[serde(default)]
     pub pin_radius: Option<f64>,
     /// Coefficient of static friction in this joint [1], >= 0; `friction.static_coefficient` where absent.
-    #[serde(default)]
     pub static_coefficient: Option<f64>,
     /// Coefficient of kinetic friction in this joint [1], >= 0; `friction.kinetic_coefficient` where absent.
-    #[serde(default)]
     pub kinetic_coefficient: Option<f64>,
 }
 

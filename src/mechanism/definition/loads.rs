@@ -27,22 +27,17 @@ fn load_factor() -> f64 {
 #[serde(deny_unknown_fields)]
 pub struct Actuator {
     /// One end (`body.point`).
-    #[serde(default)]
     pub first: Option<String>,
     /// The other end (`body.point`).
-    #[serde(default)]
     pub second: Option<String>,
     /// Joint, in place of the two ends.
-    #[serde(default)]
     pub joint: Option<String>,
     /// Not in a revolute joint: start value of the input `<name>.force` [N].
-    #[serde(default)]
     pub force: Option<f64>,
     /// In a revolute joint only: start value of the input `<name>.torque` [N.m].
-    #[serde(default)]
     pub torque: Option<f64>,
-    /// Efficiency eta [1], 0 < eta <= 1, of the drive in both directions of the power ([CK16] eq. (5)); 1 where absent.
-    #[serde(default)]
+    /// Efficiency eta [1], 0 < eta <= 1 ([CK16] eq. (5)): part of the power that the drive passes on to the mechanism,
+    /// and back from it; 1 where absent.
     pub efficiency: Option<f64>,
 }
 
@@ -75,35 +70,28 @@ pub struct Torque {
 }
 
 /// A spring and damper. Between two points the force preload + stiffness (length - free_length) + damping d(length)/dt
-/// pulls the points together; in a revolute joint the torque preload + stiffness (angle - free_angle) + damping
-/// d(angle)/dt turns the second body clockwise, where angle is the angle of the second body less the angle of the
-/// first.
+/// pulls the points together; in a prismatic joint it pulls the second body back, with the joint's position as length.
+/// In a revolute joint the torque preload + stiffness (angle - free_angle) + damping d(angle)/dt turns the second body
+/// clockwise, where angle is the angle of the second body less the angle of the first.
 #[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Spring {
     /// One end (`body.point`).
-    #[serde(default)]
     pub first: Option<String>,
     /// The other end (`body.point`).
-    #[serde(default)]
     pub second: Option<String>,
     /// Joint, in place of the two ends.
-    #[serde(default)]
     pub joint: Option<String>,
     /// Stiffness [N/m or N.m/rad], >= 0.
     #[serde(default)]
     pub stiffness: f64,
     /// Damping [N.s/m or N.m.s/rad], >= 0; none where absent.
-    #[serde(default)]
     pub damping: Option<f64>,
     /// Length at which the static force is the preload [m], >= 0; between two points, or along a prismatic joint.
-    #[serde(default)]
     pub free_length: Option<f64>,
     /// Angle at which the static torque is the preload [rad]; in a revolute joint.
-    #[serde(default)]
     pub free_angle: Option<f64>,
     /// Force or torque at the free length or angle [N or N.m]; 0 where absent.
-    #[serde(default)]
     pub preload: Option<f64>,
 }
 
@@ -131,22 +119,16 @@ pub struct Air {
 #[serde(deny_unknown_fields)]
 pub struct Surface {
     /// One end of a strip (`body.point`).
-    #[serde(default)]
     pub from: Option<String>,
     /// The other end, on the same body.
-    #[serde(default)]
     pub to: Option<String>,
     /// Width of a strip [m], >= 0.
-    #[serde(default)]
     pub width: Option<f64>,
     /// Point of an area (`body.point`).
-    #[serde(default)]
     pub at: Option<String>,
     /// Area [m2], >= 0.
-    #[serde(default)]
     pub area: Option<f64>,
     /// Angle of a flat area's plane in the body's frame [rad]; where absent, the area is the same from all sides.
-    #[serde(default)]
     pub surface_angle: Option<f64>,
     /// Drag coefficient c [1], >= 0.
     pub drag_coefficient: f64,

@@ -14,10 +14,8 @@ pub struct Solver {
     /// Relative tolerance of the integration [1].
     pub tolerance: f64,
     /// Formulation of the motion, a parameter; the reduced model, without a parameter, where absent.
-    #[serde(default)]
     pub method: Option<Method>,
     /// Only with `method`: largest step of Newmark's method [s], > 0; 1e-5 where absent.
-    #[serde(default)]
     pub fem_step: Option<f64>,
     /// Whether the right-hand side is read from tables; else each evaluation closes the loops, at some hundred times
     /// the cost.

@@ -9,16 +9,12 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct Start {
     /// Turning body that states the start.
-    #[serde(default)]
     pub body: Option<String>,
     /// Angle of the body [rad].
-    #[serde(default)]
     pub angle: Option<f64>,
     /// Prismatic joint that states the start.
-    #[serde(default)]
     pub joint: Option<String>,
     /// Position of the joint [m].
-    #[serde(default)]
     pub position: Option<f64>,
     /// Speed of the body or joint [rad/s or m/s].
     #[serde(default)]

@@ -1,5 +1,8 @@
 //! Checks of a definition that need no geometry: numbers in range, names that resolve, keys that go together.
-use super::{DefinitionError, GROUND, JointKind, Mechanism, Named, Range, Solver};
+use super::joints::JointKind;
+use super::mechanism::{GROUND, Mechanism};
+use super::solver::Solver;
+use crate::format::{DefinitionError, Named, Range};
 use std::fmt;
 
 type Check = Result<(), DefinitionError>;

@@ -1,5 +1,5 @@
 //! Variables of bodies and of markers on them.
-use super::Builder;
+use super::builder::Builder;
 use super::needs::Needs;
 use crate::mechanism::quantity::Output;
 use crate::variables::Unit::{

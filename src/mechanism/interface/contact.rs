@@ -1,5 +1,5 @@
 //! Variables of stops and locks.
-use super::Builder;
+use super::builder::Builder;
 use super::needs::Needs;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::quantity::{Output, Quantity};

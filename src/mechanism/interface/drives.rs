@@ -1,5 +1,5 @@
 //! Variables of drives: inputs, motion, and the terms of the mechanism reduced to one element.
-use super::Builder;
+use super::builder::Builder;
 use super::needs::{Needs, PLACED};
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::quantity::{OneElement, Output};

@@ -1,5 +1,5 @@
 //! Variables of the energy balance.
-use super::Builder;
+use super::builder::Builder;
 use super::needs::{NONE, Needs, PLACED};
 use crate::mechanism::quantity::Output;
 use crate::variables::Unit::Joule;

@@ -1,5 +1,5 @@
 //! Variables of joints: motion along prismatic joints, reactions, friction.
-use super::Builder;
+use super::builder::Builder;
 use super::needs::Needs;
 use crate::mechanism::linkage::Freedom;
 use crate::mechanism::quantity::{Output, ReactionPart};

@@ -1,5 +1,5 @@
 //! Variables of loads: gravity, forces, torques, springs, drag.
-use super::Builder;
+use super::builder::Builder;
 use super::needs::Needs;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::quantity::Output;

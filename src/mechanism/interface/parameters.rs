@@ -1,5 +1,5 @@
 //! Variables that are parameters of the definition: numbers, flags, then the formulation if stated.
-use super::Builder;
+use super::builder::Builder;
 use crate::mechanism::definition::Method;
 use crate::mechanism::quantity::Quantity;
 use crate::variables::{Causality::Parameter, Value};

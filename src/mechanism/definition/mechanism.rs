@@ -1,0 +1,102 @@
+//! A whole mechanism as the file states it, and the list of its parameters.
+use super::bodies::{Body, Marker};
+use super::contact::{Lock, Stop};
+use super::joints::{Friction, Joint, JointKind};
+use super::loads::{Actuator, Air, Force, Gravity, Spring, Surface, Torque};
+use super::role::Visit;
+use super::solver::Solver;
+use super::start::{Experiment, Start};
+use crate::format::{Flag, Named};
+use serde::{Deserialize, Serialize};
+
+/// Name of the body that does not move.
+pub const GROUND: &str = "ground";
+
+/// A whole mechanism.
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Mechanism {
+    /// Location of the schema, for editors; not read here.
+    #[serde(rename = "$schema")]
+    pub schema: Option<String>,
+    /// Name of the model, a C identifier.
+    pub name: String,
+    /// One line of text.
+    #[serde(default)]
+    pub description: String,
+    /// Uniform gravity; none where absent.
+    pub gravity: Option<Gravity>,
+    /// Bodies; [`GROUND`] among them.
+    pub bodies: Named<Body>,
+    /// Joints between bodies.
+    pub joints: Named<Joint>,
+    /// Drives: forces along the line between two points, forces or torques in a joint.
+    #[serde(default)]
+    pub actuators: Named<Actuator>,
+    /// Forces at a point, in the mechanism frame.
+    #[serde(default)]
+    pub forces: Named<Force>,
+    /// Torques on a body.
+    #[serde(default)]
+    pub torques: Named<Torque>,
+    /// Springs and dampers, between two points or in a joint.
+    #[serde(default)]
+    pub springs: Named<Spring>,
+    /// Points whose position, velocity and acceleration are outputs.
+    #[serde(default)]
+    pub markers: Named<Marker>,
+    /// Joint friction; none where absent.
+    pub friction: Option<Friction>,
+    /// Air flow past the mechanism; none where absent.
+    pub air: Option<Air>,
+    /// Surfaces with drag.
+    #[serde(default)]
+    pub surfaces: Named<Surface>,
+    /// Stops: ends of the travel.
+    #[serde(default)]
+    pub stops: Named<Stop>,
+    /// Locks, which hold the mechanism at a stop.
+    #[serde(default)]
+    pub locks: Named<Lock>,
+    /// Position and speed at the start.
+    pub start: Start,
+    /// Rough angle [rad] of each turning body and position [m] of each prismatic joint, which select the assembly.
+    pub guess: Named<f64>,
+    /// Integration settings.
+    #[serde(default)]
+    pub solver: Solver,
+    /// Default experiment.
+    #[serde(default)]
+    pub experiment: Experiment,
+}
+
+impl Mechanism {
+    /// Call `visit` with every numeric parameter and its value, in the order of the file.
+    pub fn parameters(&mut self, visit: &mut Visit) {
+        let joints = &mut self.joints;
+        self.gravity.iter_mut().for_each(|gravity| gravity.parameters(visit));
+        self.bodies.iter_mut().for_each(|(name, body)| body.parameters(name, visit));
+        joints.iter_mut().for_each(|(name, joint)| joint.parameters(name, visit));
+        self.actuators.iter_mut().for_each(|(name, actuator)| actuator.parameters(name, visit));
+        self.forces.iter_mut().filter(|(_, f)| f.constant).for_each(|(name, force)| force.parameters(name, visit));
+        self.torques.iter_mut().filter(|(_, t)| t.constant).for_each(|(name, torque)| torque.parameters(name, visit));
+        self.springs.iter_mut().for_each(|(name, spring)| {
+            let joint = spring.joint.as_ref().and_then(|joint| joints.get(joint));
+            spring.parameters(name, joint.is_some_and(|joint| joint.kind == JointKind::Revolute), visit);
+        });
+        self.friction.iter_mut().for_each(|friction| friction.parameters(visit));
+        self.air.iter_mut().for_each(|air| air.parameters(visit));
+        self.surfaces.iter_mut().for_each(|(name, surface)| surface.parameters(name, visit));
+        self.stops.iter_mut().for_each(|(name, stop)| stop.parameters(name, visit));
+        self.start.parameters(visit);
+        self.solver.parameters(visit);
+    }
+
+    /// Call `visit` with every Boolean parameter and its value.
+    pub fn flags(&mut self, visit: &mut dyn FnMut(Flag, &mut bool)) {
+        self.friction.iter_mut().for_each(|friction| friction.flags(visit));
+        self.air.iter_mut().for_each(|air| air.flags(visit));
+        self.stops.iter_mut().for_each(|(name, stop)| stop.flags(name, visit));
+        self.solver.flags(visit);
+    }
+}

@@ -1,0 +1,130 @@
+//! Collects the variables, each with its quantity and dependencies.
+use super::needs::{Cause, Needs, PLACED};
+use super::source::Source;
+use crate::mechanism::quantity::{Output, Quantity};
+use crate::variables::{Causality, Kind, Reference, Unit, Value, Variability, Variable};
+
+/// Suffixes, descriptions (before the owner's name) and units of a coordinate and its two time derivatives.
+pub(super) type Derivatives = [(&'static str, &'static str, Unit); 3];
+
+/// Collects the variables in order: inputs, outputs, parameters.
+pub(super) struct Builder<'a> {
+    pub source: &'a Source<'a>,
+    pub list: Vec<Variable>,
+    pub quantities: Vec<Quantity>,
+    /// For the dependencies of initial values: reference of the first parameter, and what each parameter acts on.
+    causes: Option<(Reference, Vec<Vec<Cause>>)>,
+    /// Inputs and parameters on which the initial value of each variable depends, ascending; empty without `causes`.
+    pub initial: Vec<Vec<Reference>>,
+}
+
+impl<'a> Builder<'a> {
+    pub fn new(source: &'a Source<'a>, causes: Option<(Reference, Vec<Vec<Cause>>)>) -> Self {
+        Self { source, list: Vec::new(), quantities: Vec::new(), causes, initial: Vec::new() }
+    }
+
+    /// Input that sizes a load, named by the loading.
+    pub fn load_input(&mut self, text: &[&str], unit: Unit, start: f64) {
+        let name = self.source.loading.inputs[self.list.len()].clone();
+        self.input(name, text, unit, start);
+    }
+
+    /// Real input; its index is the value reference.
+    pub fn input(&mut self, name: String, text: &[&str], unit: Unit, start: f64) {
+        let quantity = Quantity::Input(self.list.len());
+        self.known(name, text.concat(), Causality::Input, (Some(unit), Value::Real(start)), quantity);
+    }
+
+    /// Input or parameter.
+    pub fn known(
+        &mut self,
+        name: String,
+        description: String,
+        causality: Causality,
+        (unit, start): (Option<Unit>, Value),
+        quantity: Quantity,
+    ) {
+        let kind = match start {
+            Value::Real(_) => Kind::Real,
+            Value::Integer(_) => Kind::Integer,
+            Value::Boolean(_) => Kind::Boolean,
+            Value::String(_) => Kind::String,
+        };
+        self.add((name, description), (kind, causality, unit), Some(start), quantity, Vec::new());
+        self.initial.push(Vec::new());
+    }
+
+    /// Real output `owner.suffix`.
+    pub fn output(&mut self, owner: &str, suffix: &str, text: &[&str], unit: Unit, output: Output, needs: Needs) {
+        let quantity = Quantity::Output(output);
+        self.any_output([owner, ".", suffix].concat(), text.concat(), Some(unit), quantity, needs);
+    }
+
+    /// Output, Boolean where it has no unit.
+    pub fn any_output(&mut self, name: String, text: String, unit: Option<Unit>, quantity: Quantity, needs: Needs) {
+        let dependencies = needs.inputs.iter().map(|&i| i as Reference).collect();
+        let kind = if unit.is_some() { Kind::Real } else { Kind::Boolean };
+        self.add((name, text), (kind, Causality::Output, unit), None, quantity, dependencies);
+        let initial = self.initial_of(quantity, &needs);
+        self.initial.push(initial);
+    }
+
+    /// A coordinate and its time derivatives; `stated`: whether the start states this coordinate.
+    pub fn motion(&mut self, owner: &str, derivatives: Derivatives, stated: bool, output: impl Fn(usize) -> Output) {
+        let all = self.source.acceleration();
+        let position = Needs { closure: !stated, ..PLACED };
+        let needs = [position, Needs { position: !stated, speed: true, ..position }, all];
+        for (order, (suffix, text, unit)) in derivatives.into_iter().enumerate() {
+            self.output(owner, suffix, &[text, " ", owner], unit, output(order), needs[order]);
+        }
+    }
+
+    fn add(
+        &mut self,
+        (name, description): (String, String),
+        (kind, causality, unit): (Kind, Causality, Option<Unit>),
+        start: Option<Value>,
+        quantity: Quantity,
+        dependencies: Vec<Reference>,
+    ) {
+        let variability = match (causality, kind) {
+            (Causality::Parameter, _) => Variability::Fixed,
+            (_, Kind::Real) => Variability::Continuous,
+            _ => Variability::Discrete,
+        };
+        self.list.push(Variable { name, description, kind, causality, variability, unit, start, dependencies });
+        self.quantities.push(quantity);
+    }
+
+    /// Inputs and parameters on which the initial value of an output depends.
+    fn initial_of(&self, quantity: Quantity, needs: &Needs) -> Vec<Reference> {
+        let Some((first, causes)) = &self.causes else { return Vec::new() };
+        let loading = &self.source.loading;
+        // Rods are stretched at the start by all that acts there.
+        let stretched = self.source.mechanism.solver.method.is_some() && is_stretched(quantity);
+        let loads = if stretched { &self.source.loads[..loading.base()] } else { &[] };
+        let rods = Needs { speed: true, inertia: true, masses: true, elasticity: true, loads, ..PLACED };
+        let inputs = if stretched { loading.inputs.len() } else { 0 };
+        let others = needs.inputs.iter().copied().filter(|&i| i >= inputs);
+        let meets = |causes: &[Cause]| needs.meet(causes) || (stretched && rods.meet(causes));
+        let parameters = (*first..).zip(causes).filter(|(_, causes)| meets(causes)).map(|(reference, _)| reference);
+        (0..inputs).chain(others).map(|i| i as Reference).chain(parameters).collect()
+    }
+}
+
+/// Whether the stretch of rods changes an output. Terms of the mechanism as one element are those of rigid bodies.
+fn is_stretched(quantity: Quantity) -> bool {
+    use Output::{Angle, Displacement, JointPosition, Kinetic, Marker, Potential, Reaction, SpringForce};
+    let Quantity::Output(output) = quantity else { return false };
+    matches!(
+        output,
+        Angle { .. }
+            | JointPosition { .. }
+            | Reaction { .. }
+            | Displacement { .. }
+            | SpringForce { .. }
+            | Marker { .. }
+            | Kinetic
+            | Potential
+    )
+}
