@@ -164,19 +164,6 @@ impl Table {
         sets.into_iter().map(|set| set.unresolved.map_or(Ok(set.table), Err)).collect()
     }
 
-    /// Tabulate one set of functions, as [`Self::build_all`].
-    ///
-    /// # Errors
-    /// [`Unresolved`] where division does not help.
-    pub fn build(
-        grid: &Grid,
-        sizes: &[f64],
-        exact: &mut dyn FnMut(f64, &mut [f64]) -> f64,
-    ) -> Result<Self, Unresolved> {
-        let nothing = Err(Unresolved { sigma: grid.borders[0], component: 0 });
-        Self::build_all(grid, &[sizes.to_vec()], exact).pop().unwrap_or(nothing)
-    }
-
     /// Number of panels.
     pub fn panels(&self) -> usize {
         self.borders.len() - 1
@@ -345,10 +332,14 @@ mod tests {
         Grid { borders: borders.to_vec(), centers: Vec::new() }
     }
 
+    fn build(grid: &Grid, sizes: &[f64], exact: &mut dyn FnMut(f64, &mut [f64]) -> f64) -> Result<Table, Unresolved> {
+        Table::build_all(grid, &[sizes.to_vec()], exact).remove(0)
+    }
+
     #[test]
     fn resolves_a_peak_to_the_stated_accuracy() {
         let f = |s: f64| 1.0 / (1e-3 + s * s);
-        let table = Table::build(&grid(&[-1.0, 0.3, 2.0]), &[1.0, 1.0], &mut |s, v| {
+        let table = build(&grid(&[-1.0, 0.3, 2.0]), &[1.0, 1.0], &mut |s, v| {
             v.copy_from_slice(&[f(s), s.sin()]);
             1.0
         })
@@ -364,7 +355,7 @@ mod tests {
 
     #[test]
     fn a_jump_is_refused_and_placed() {
-        let error = Table::build(&grid(&[0.0, 1.0]), &[1.0], &mut |s, v| {
+        let error = build(&grid(&[0.0, 1.0]), &[1.0], &mut |s, v| {
             v[0] = (s - 0.7).signum();
             1.0
         })
@@ -379,14 +370,14 @@ mod tests {
             seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
             (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
         };
-        let mut build = |size: f64, level: f64| {
-            Table::build(&grid(&[0.0, 1.0]), &[1.0], &mut |s, v| {
+        let mut noisy = |size: f64, level: f64| {
+            build(&grid(&[0.0, 1.0]), &[1.0], &mut |s, v| {
                 v[0] = size * s.cos() + level * noise();
                 1.0
             })
         };
-        assert!(build(1.0, 1e-12).is_ok());
-        assert!(build(0.0, 1e-15).is_ok(), "nothing but rounding, of the natural size");
-        assert!(build(1.0, 1e-6).is_err());
+        assert!(noisy(1.0, 1e-12).is_ok());
+        assert!(noisy(0.0, 1e-15).is_ok(), "rounding only, relative to the natural size");
+        assert!(noisy(1.0, 1e-6).is_err());
     }
 }

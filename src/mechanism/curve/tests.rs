@@ -5,11 +5,15 @@ use crate::mechanism::closure::{Closure, guessed};
 use crate::mechanism::definition::Mechanism;
 use crate::mechanism::linkage::Linkage;
 
-fn with_curve(text: &str, check: impl Fn(&Curve)) {
+fn assembled(text: &str) -> (Closure, Vec<f64>) {
     let mechanism = Mechanism::from_json(text).unwrap();
     let linkage = Linkage::new(&mechanism).unwrap();
     let guess = guessed(&linkage, &mechanism.guess).unwrap();
-    let (closure, q) = Closure::assemble(std::sync::Arc::new(linkage), &guess).unwrap();
+    Closure::assemble(std::sync::Arc::new(linkage), &guess).unwrap()
+}
+
+fn with_curve(text: &str, check: impl Fn(&Curve)) {
+    let (closure, q) = assembled(text);
     check(&Curve::trace(closure, &q).unwrap());
 }
 
@@ -57,16 +61,12 @@ fn a_flat_parallelogram_is_crossed_straight_on() {
     let text = r#"{ "name": "Parallelogram",
       "bodies": { "ground": { "length": 2 }, "a": { "length": 1, "mass": 1, "shape": "uniform_rod" },
         "b": { "length": 2, "mass": 1, "shape": "uniform_rod" }, "c": { "length": 1, "mass": 1, "shape": "uniform_rod" } },
-      "joints": { "1": { "type": "revolute", "first": "ground.origin", "second": "a.origin" },
-        "2": { "type": "revolute", "first": "a.end", "second": "b.origin" },
-        "3": { "type": "revolute", "first": "b.end", "second": "c.end" },
-        "4": { "type": "revolute", "first": "ground.end", "second": "c.origin" } },
-      "start": { "body": "a", "angle": 1 }, "guess": { "a": 1, "b": 0, "c": 1 } }"#
-        .replace("\"1\"", "\"p\"")
-        .replace("\"2\"", "\"q\"")
-        .replace("\"3\"", "\"r\"")
-        .replace("\"4\"", "\"s\"");
-    with_curve(&text, |curve| {
+      "joints": { "p": { "type": "revolute", "first": "ground.origin", "second": "a.origin" },
+        "q": { "type": "revolute", "first": "a.end", "second": "b.origin" },
+        "r": { "type": "revolute", "first": "b.end", "second": "c.end" },
+        "s": { "type": "revolute", "first": "ground.end", "second": "c.origin" } },
+      "start": { "body": "a", "angle": 1 }, "guess": { "a": 1, "b": 0, "c": 1 } }"#;
+    with_curve(text, |curve| {
         let Ends::Closed(growth) = curve.ends() else { panic!("open") };
         assert!((growth[0].abs() - std::f64::consts::TAU).abs() < 1e-9 && growth[1] == 0.0, "{growth:?}");
         assert_eq!(curve.crossings().len(), 2);
@@ -82,12 +82,9 @@ fn a_flat_parallelogram_is_crossed_straight_on() {
     });
 }
 
-/// The gear traced within what `inside` says of the crank's angle, from where the crank is at `start`.
-fn within(start: f64, inside: &mut dyn FnMut(f64) -> f64) -> Result<Curve, CurveError> {
-    let mechanism = Mechanism::from_json(GEAR).unwrap();
-    let linkage = std::sync::Arc::new(Linkage::new(&mechanism).unwrap());
-    let guess = guessed(&linkage, &mechanism.guess).unwrap();
-    let (closure, q) = Closure::assemble(linkage, &guess).unwrap();
+/// The gear's curve through the crank's angle `start`, traced where `margin` of the crank's angle is positive.
+fn within(start: f64, margin: &mut dyn FnMut(f64) -> f64) -> Result<Curve, CurveError> {
+    let (closure, q) = assembled(GEAR);
     let whole = Curve::trace(closure.clone(), &q).unwrap();
     // On the branch of the guess the crank's angle grows or falls along sigma until its toggle: bisect.
     let (first, last) = whole.range();
@@ -103,7 +100,7 @@ fn within(start: f64, inside: &mut dyn FnMut(f64) -> f64) -> Result<Curve, Curve
     }
     let mut q = if start == q[0] { q } else { at(b).q };
     q[0] = start;
-    Curve::trace_within(closure, &q, &mut |p| inside(p.angle[1]))
+    Curve::trace_within(closure, &q, &mut |p| margin(p.angle[1]))
 }
 
 #[test]
@@ -143,7 +140,7 @@ fn one_limit_is_met_from_both_sides_and_a_limit_out_of_reach_by_none() {
 
 #[test]
 fn travel_that_is_left_between_two_nodes_ends_there() {
-    // The toggle by a hair: the crank is beyond the limit for a far shorter stretch than nodes are apart.
+    // The limit is just below the toggle: the crank is beyond it on a range far shorter than the distance of nodes.
     let cosine: f64 = (0.5729f64.powi(2) + 0.1755f64.powi(2) - 0.557f64.powi(2)) / (2.0 * 0.5729 * 0.1755);
     for hair in [1e-3, 1e-6, 1e-9] {
         let limit = cosine.acos() - hair;
@@ -161,9 +158,7 @@ fn an_open_curve_is_stopped_at_one_end() {
     let text = r#"{ "name": "Slide", "bodies": { "ground": {}, "block": { "mass": 2 } },
       "joints": { "x": { "type": "prismatic", "first": "ground.origin", "second": "block.origin" } },
       "start": { "joint": "x", "position": 0 }, "guess": { "x": 0 } }"#;
-    let mechanism = Mechanism::from_json(text).unwrap();
-    let linkage = std::sync::Arc::new(Linkage::new(&mechanism).unwrap());
-    let (closure, q) = Closure::assemble(linkage, &[0.0]).unwrap();
+    let (closure, q) = assembled(text);
     let curve = Curve::trace_within(closure.clone(), &q, &mut |p| 0.7 - p.origin[1].x).unwrap();
     let Ends::Stopped { low, high } = *curve.ends() else { panic!("{:?}", curve.ends()) };
     assert!(low != high);

@@ -3,7 +3,7 @@ use crate::mechanism::GEAR;
 use crate::mechanism::definition::Mechanism;
 use crate::numerics::plane::Vec2;
 
-/// A slider in a turning slot, joined to a rocker: every kind of branch and a loop that ends on a prismatic joint.
+/// A slider in a turning slot, connected to a rocker: every kind of branch, and a loop with a prismatic joint.
 const SLOT: &str = r#"{
   "name": "Slot",
   "bodies": {
