@@ -4,4 +4,5 @@ pub mod fmi2;
 pub mod integrator;
 pub mod mechanism;
 pub mod numerics;
+pub mod simulation;
 pub mod variables;
