@@ -1,8 +1,7 @@
 //! Bad input as a user sees it: each message names the key or variable, the value, what is allowed or what to do.
 
+use crate::support::{GEAR, Run};
 use linkage_fmu::mechanism::Model;
-
-const GEAR: &str = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
 
 /// What reading and starting this text gives; one line.
 fn refusal(text: &str) -> String {
@@ -247,11 +246,8 @@ const SLIDER_CRANK: &str = r#"{
 fn slider_crank(changes: &[(&str, serde_json::Value)]) -> String {
     let mut mechanism: serde_json::Value = serde_json::from_str(SLIDER_CRANK).unwrap();
     for (path, value) in changes {
-        let mut place = &mut mechanism;
-        for key in path.split('.') {
-            place = &mut place[key];
-        }
-        *place = value.clone();
+        let entry = path.split('.').fold(&mut mechanism, |object, key| &mut object[key]);
+        *entry = value.clone();
     }
     mechanism.to_string()
 }
@@ -281,9 +277,9 @@ fn locks_that_cannot_act() {
     Model::from_json(&held(dead_centre - 0.017, "slider.origin")).unwrap();
 }
 
-/// The place that a message tells is that of the outputs, whole turns included.
+/// The position in a message is that of the outputs, whole turns included.
 #[test]
-fn positions_are_told_as_outputs_tell_them() {
+fn positions_in_messages_are_those_of_the_outputs() {
     let friction = serde_json::json!({ "enabled": true, "static_coefficient": 0.1, "kinetic_coefficient": 0.1 });
     let text = slider_crank(&[
         ("joints.bearing.pin_radius", 1e9.into()),
@@ -291,13 +287,10 @@ fn positions_are_told_as_outputs_tell_them() {
         ("start.speed", 1.into()),
         ("start.angle", 13.0.into()),
     ]);
-    let mut model = Model::from_json(&text).unwrap();
-    model.initialize().unwrap();
-    let mut read = |name: &str| model.real(model.variables().find(name).unwrap());
-    let line = read("crank.acceleration").unwrap_err().to_string();
-    let place =
-        format!("near crank = {:.6} rad, rod = {:.6} rad", read("crank.angle").unwrap(), read("rod.angle").unwrap());
-    assert!(line.contains(&place) && place.contains("13.000000"), "`{line}` lacks `{place}`");
+    let mut run = Run::new(&text).started();
+    let line = run.0.get("crank.acceleration").unwrap_err().to_string();
+    let position = format!("near crank = {:.6} rad, rod = {:.6} rad", run.get("crank.angle"), run.get("rod.angle"));
+    assert!(line.contains(&position) && position.contains("13.000000"), "`{line}` lacks `{position}`");
 }
 
 #[test]
@@ -335,7 +328,7 @@ fn angles_that_count_too_many_turns() {
 }
 
 #[test]
-fn huge_and_tiny_numbers_are_told_by_their_exponents() {
+fn huge_and_tiny_numbers_are_written_with_exponents() {
     for (path, value, fragment) in [
         ("solver", serde_json::json!({ "tolerance": 1e300 }), "solver.tolerance = 1e300: must be"),
         ("solver", serde_json::json!({ "tolerance": 1e-20 }), "solver.tolerance = 1e-20: must be"),

@@ -1,21 +1,10 @@
 //! Drag of the air on the gear: force and moment, acceleration, reactions and energy against formulas written out here.
 
-use linkage_fmu::mechanism::Model;
+use crate::support::{GEAR, Run, changed};
 use proptest::prelude::*;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::sync::OnceLock;
 
-const GEAR: &str = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
-const JOINTS: [&str; 8] = [
-    "joint1.force_x",
-    "joint1.force_y",
-    "joint2.force_x",
-    "joint2.force_y",
-    "joint3.force_x",
-    "joint3.force_y",
-    "joint4.force_x",
-    "joint4.force_y",
-];
 /// Density [kg/m3], drag coefficient of both, length and width of the leg [m], area of the wheel [m2].
 const DENSITY: f64 = 1.225;
 const COEFFICIENT: f64 = 0.5;
@@ -46,67 +35,33 @@ fn scaled(a: Vector, by: f64) -> Vector {
     [a[0] * by, a[1] * by]
 }
 
-struct Gear(Model);
+const NO_STOPS: [(&str, bool); 2] = [("upstop.enabled", false), ("downstop.enabled", false)];
 
-impl Gear {
-    fn of(text: &str) -> Self {
-        let mut gear = Self(Model::from_json(text).unwrap());
-        gear.flags(&[("upstop.enabled", false), ("downstop.enabled", false)]);
-        gear
-    }
+/// The gear without its stops; the motion of leg and wheel counts or not.
+fn gear(relative: bool) -> Run {
+    static RUNS: [OnceLock<Run>; 2] = [OnceLock::new(), OnceLock::new()];
+    let build = || Run::new(GEAR).with(&NO_STOPS).with(&[("air.relative_wind", relative)]).started();
+    RUNS[usize::from(relative)].get_or_init(build).clone()
+}
 
-    /// Without its stops; the motion of leg and wheel counts or not.
-    fn new(relative: bool) -> Self {
-        static MODELS: [OnceLock<Model>; 2] = [OnceLock::new(), OnceLock::new()];
-        let build = || {
-            let mut gear = Self::of(GEAR);
-            gear.flags(&[("air.relative_wind", relative)]);
-            gear.0.initialize().unwrap();
-            gear.0
-        };
-        Self(MODELS[usize::from(relative)].get_or_init(build).clone())
-    }
+/// The gear without its stops; a force at the leg's middle and a torque on the leg are further inputs.
+fn pushed() -> Run {
+    static RUN: OnceLock<Run> = OnceLock::new();
+    let build = || {
+        let text = changed(GEAR, |m| {
+            m["bodies"]["leg"]["points"] = json!({ "middle": [0.5 * LEG, 0.0] });
+            m["forces"]["push"] = json!({ "at": "leg.middle" });
+            m["torques"]["twist"] = json!({ "on": "leg" });
+        });
+        Run::new(&text).with(&NO_STOPS).started()
+    };
+    RUN.get_or_init(build).clone()
+}
 
-    /// With a force at the leg's middle and a torque on the leg as further inputs.
-    fn pushed() -> Self {
-        static MODEL: OnceLock<Model> = OnceLock::new();
-        let build = || {
-            let mut text: Value = serde_json::from_str(GEAR).unwrap();
-            text["bodies"]["leg"]["points"] = json!({ "middle": [0.5 * LEG, 0.0] });
-            text["forces"]["push"] = json!({ "at": "leg.middle" });
-            text["torques"]["twist"] = json!({ "on": "leg" });
-            let mut gear = Self::of(&text.to_string());
-            gear.0.initialize().unwrap();
-            gear.0
-        };
-        Self(MODEL.get_or_init(build).clone())
-    }
-
-    fn flags(&mut self, values: &[(&str, bool)]) {
-        for (name, value) in values {
-            let reference = self.0.variables().find(name).unwrap();
-            self.0.set_boolean(reference, *value).unwrap();
-        }
-    }
-
-    fn set(&mut self, values: &[(&str, f64)]) {
-        for (name, value) in values {
-            let reference = self.0.variables().find(name).unwrap();
-            self.0.set_real(reference, *value).unwrap();
-        }
-    }
-
-    /// At this angle and speed of the crank.
-    fn at(mut self, (angle, speed): (f64, f64)) -> Self {
-        self.set(&[("crank.start_angle", angle), ("crank.start_speed", speed)]);
-        self.0.initialize().unwrap();
-        self
-    }
-
-    fn get(&mut self, name: &str) -> f64 {
-        let reference = self.0.variables().find(name).unwrap();
-        self.0.real(reference).unwrap()
-    }
+/// The gear at this angle and speed of the crank.
+fn at(mut gear: Run, (angle, speed): (f64, f64)) -> Run {
+    gear.place(("crank.start_angle", angle), ("crank.start_speed", speed));
+    gear
 }
 
 /// Force on the leg, its moment about the crank's pivot, and force on the wheel, at this angle and speed of the crank.
@@ -143,9 +98,9 @@ fn near(a: f64, b: f64, of: f64) -> Result<(), TestCaseError> {
 /// PHYSICS: 1/2 rho v2 S c with S = S0 |sin| at the start, gear down.
 #[test]
 fn drag_at_the_start_by_hand() {
-    let mut gear = Gear::new(false).at((0.8, 0.0));
+    let mut gear = at(gear(false), (0.8, 0.0));
     assert_eq!((gear.get("leg.drag"), gear.get("wheel.drag")), (0.0, 0.0));
-    gear.set(&[("airspeed", 70.0)]);
+    gear.set("airspeed", 70.0);
     let facing = (0.8 - 2.4 - FLOW).sin().abs();
     for (name, area) in [("leg.drag", LEG * WIDTH), ("wheel.drag", AREA)] {
         let expected = 0.5 * 1.225 * 70.0 * 70.0 * area * 0.5 * facing;
@@ -166,11 +121,9 @@ proptest! {
         airspeed in -90.0..90.0f64,
         relative in any::<bool>(),
     ) {
-        let place = (angle, speed);
-        let mut still = Gear::new(false).at(place);
-        let mut blown = Gear::new(relative);
-        blown.set(&[("airspeed", airspeed)]);
-        let mut blown = blown.at(place);
+        let state = (angle, speed);
+        let mut still = at(gear(false), state);
+        let mut blown = at(gear(relative).with(&[("airspeed", airspeed)]), state);
         let (leg, moment, wheel) = drag(angle, speed, airspeed, relative);
         let size = 0.5 * DENSITY * COEFFICIENT * AREA * (airspeed.abs() + 0.759 * speed.abs()).powi(2);
         near(blown.get("leg.drag"), dot(leg, turned(FLOW)), size)?;
@@ -179,36 +132,36 @@ proptest! {
         let inertia = 2.0 * still.get("energy.kinetic") / (speed * speed);
         let (before, after) = (still.get("crank.acceleration"), blown.get("crank.acceleration"));
         near(after - before, torque / inertia, before.abs().max(torque.abs() / inertia))?;
-        let mut pushed = Gear::pushed();
-        pushed.set(&[
+        let forces = [
             ("push.force_x", leg[0]),
             ("push.force_y", leg[1]),
             ("twist.torque", moment - 0.5 * LEG * cross(turned(angle - 2.4), leg)),
             ("wheel.force_x", wheel[0]),
             ("wheel.force_y", wheel[1]),
-        ]);
-        let mut pushed = pushed.at(place);
+        ];
+        let mut pushed = at(pushed().with(&forces), state);
         near(after, pushed.get("crank.acceleration"), before.abs() + torque.abs() / inertia)?;
-        let largest = JOINTS.iter().fold(0.0, |a: f64, j| a.max(pushed.get(j).abs()));
-        for joint in JOINTS {
-            near(blown.get(joint), pushed.get(joint), largest)?;
+        let names = (1..=4).flat_map(|joint| ["x", "y"].map(|axis| format!("joint{joint}.force_{axis}")));
+        let forces: Vec<[f64; 2]> = names.map(|name| [blown.get(&name), pushed.get(&name)]).collect();
+        let largest = forces.iter().fold(0.0, |a: f64, [_, force]| a.max(force.abs()));
+        for [blown, pushed] in forces {
+            near(blown, pushed, largest)?;
         }
     }
 }
 
 /// Energy now less energy at the start is the actuator's work plus that of the drag: by Simpson's rule over the power of
-/// the forces above, and as `energy.drift` tells.
+/// the forces above, and as in `energy.drift`.
 #[test]
 fn drag_takes_its_power() {
     const STEPS: usize = 2600;
     let (stop, airspeed, force) = (0.13, 70.0, 30_000.0);
     for relative in [false, true] {
-        let mut gear = Gear::new(relative);
-        gear.set(&[("airspeed", airspeed), ("solver.tolerance", 1e-12)]);
-        let mut gear = gear.at((0.8, 0.0));
+        let settings = [("airspeed", airspeed), ("solver.tolerance", 1e-12)];
+        let mut gear = at(gear(relative).with(&settings), (0.8, 0.0));
         let energy =
-            |g: &mut Gear| g.get("energy.kinetic") + g.get("energy.potential") - force * g.get("actuator.length");
-        let power = |g: &mut Gear| {
+            |g: &mut Run| g.get("energy.kinetic") + g.get("energy.potential") - force * g.get("actuator.length");
+        let power = |g: &mut Run| {
             let (angle, speed) = (g.get("crank.angle"), g.get("crank.speed"));
             let (_, moment, wheel) = drag(angle, speed, airspeed, relative);
             speed * (moment + LEG * cross(turned(angle - 2.4), wheel))
@@ -216,7 +169,7 @@ fn drag_takes_its_power() {
         let (before, length) = (energy(&mut gear), gear.get("actuator.length"));
         let mut work = power(&mut gear);
         for i in 1..=STEPS {
-            gear.0.step(stop / STEPS as f64).unwrap();
+            gear.step(stop / STEPS as f64);
             let weight = if i == STEPS { 1.0 } else { (2 + 2 * (i % 2)) as f64 };
             work += weight * power(&mut gear);
         }

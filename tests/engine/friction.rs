@@ -1,38 +1,18 @@
 //! Joint friction: the paper's gear, its loop, its energy, its stiffness.
 
-use linkage_fmu::mechanism::Model;
+use crate::support::Run;
 
-const GEAR: &str = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
-
-fn set(model: &mut Model, values: &[(&str, f64)]) {
-    for (name, value) in values {
-        let reference = model.variables().find(name).unwrap();
-        model.set_real(reference, *value).unwrap();
-    }
-}
-
-fn get(model: &mut Model, name: &str) -> f64 {
-    let reference = model.variables().find(name).unwrap();
-    model.real(reference).unwrap()
-}
-
-fn gear(values: &[(&str, f64)]) -> Model {
-    let mut model = Model::from_json(GEAR).unwrap();
-    let reference = model.variables().find("friction.enabled").unwrap();
-    model.set_boolean(reference, true).unwrap();
-    set(&mut model, values);
-    model.initialize().unwrap();
-    model
+fn gear(values: &[(&str, f64)]) -> Run {
+    Run::gear().with(&[("friction.enabled", true)]).with(values).started()
 }
 
 /// Time at which the crank reaches this angle, found by one step to it and Newton's method on fresh runs.
 fn time_at(angle: f64, first: f64, values: &[(&str, f64)]) -> f64 {
     let mut t = first;
     for _ in 0..20 {
-        let mut model = gear(values);
-        model.step(t).unwrap();
-        let miss = angle - get(&mut model, "crank.angle");
-        let step = miss / get(&mut model, "crank.speed");
+        let mut gear = gear(values);
+        gear.step(t);
+        let step = (angle - gear.get("crank.angle")) / gear.get("crank.speed");
         t += step;
         if step.abs() < 1e-13 {
             break;
@@ -56,12 +36,10 @@ fn errors_stay_within_the_tolerance_at_every_static_speed() {
     for static_speed in [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0] {
         let start = gear(&[("friction.static_speed", static_speed), ("friction.kinetic_speed", 2.0)]);
         let run = |tolerance: f64| {
-            let mut model = start.clone();
-            set(&mut model, &[("solver.tolerance", tolerance)]);
-            model.initialize().unwrap();
-            model.step(0.13).unwrap();
-            let work = 30_000.0 * (get(&mut model, "actuator.length") - 0.418_49);
-            (get(&mut model, "crank.angle"), get(&mut model, "energy.drift") / work)
+            let mut gear = start.clone().with(&[("solver.tolerance", tolerance)]).started();
+            gear.step(0.13);
+            let work = 30_000.0 * (gear.get("actuator.length") - 0.418_49);
+            (gear.get("crank.angle"), gear.get("energy.drift") / work)
         };
         let tight = run(1e-13).0;
         for tolerance in [1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12] {
@@ -79,16 +57,13 @@ fn errors_stay_within_the_tolerance_at_every_static_speed() {
 fn creeping_in_the_ramp_is_stiff_and_is_integrated_implicitly() {
     let start = gear(&[("friction.static_speed", 1e-6), ("crank.start_angle", 0.3)]);
     let mut at_rest = start.clone();
-    let (forward, backward) =
-        (get(&mut at_rest, "actuator.breakaway_force_forward"), get(&mut at_rest, "actuator.breakaway_force_backward"));
-    let hold = get(&mut at_rest, "actuator.holding_force");
+    let [forward, backward, hold] = ["breakaway_force_forward", "breakaway_force_backward", "holding_force"]
+        .map(|force| at_rest.get(&format!("actuator.{force}")));
     assert!(backward < hold && hold < forward);
-    let mut model = start.clone();
-    set(&mut model, &[("actuator.force", 0.5 * (hold + forward))]);
-    model.initialize().unwrap();
-    model.step(1.0).unwrap();
-    let statistics = model.statistics();
-    let moved = get(&mut model, "crank.angle") - 0.3;
+    let mut gear = start.with(&[("actuator.force", 0.5 * (hold + forward))]).started();
+    gear.step(1.0);
+    let statistics = gear.statistics();
+    let moved = gear.get("crank.angle") - 0.3;
     // A pin of 15 mm that slips at less than 1e-6 m/s turns by less than 1e-4 rad in a second.
     assert!(moved < 0.0 && moved > -1e-4, "{moved}");
     assert!(statistics.implicit > 0, "{statistics:?}");
@@ -112,12 +87,11 @@ fn friction_that_relieves_its_reaction_does_not_lock() {
         "friction": { "enabled": true, "static_coefficient": 0.5, "kinetic_coefficient": 0.5, "static_speed": 1e-3, "kinetic_speed": 2e-3 },
         "start": { "body": "rod", "angle": 2.0, "speed": -1 }, "guess": { "rod": 2.0, "guide": 0.42, "column": 0.91 } }"#;
     let (light, heavy, rod, g, mu) = (0.1, 5.0, 0.1, 9.81, 0.5);
+    let trammel = Run::new(TRAMMEL);
     let mut relieved = 0;
     for i in 0..=60 {
         let theta = 2.2 - 0.01 * f64::from(i);
-        let mut model = Model::from_json(TRAMMEL).unwrap();
-        set(&mut model, &[("rod.start_angle", theta)]);
-        model.initialize().unwrap();
+        let mut run = trammel.clone().with(&[("rod.start_angle", theta)]).started();
         let (sin, cos) = theta.sin_cos();
         // M alpha + M' / 2 = -(heavy + rod / 2) g cos + mu |N| sin, N = weight + (heavy + rod / 2) (cos alpha - sin).
         let (inertia, lever) = (light * sin * sin + heavy * cos * cos + rod / 3.0, heavy + 0.5 * rod);
@@ -126,18 +100,13 @@ fn friction_that_relieves_its_reaction_does_not_lock() {
         let k = lever * cos * mu * sin / inertia;
         let size = if normal > 0.0 { normal / (1.0 - k) } else { -normal / (1.0 + k) };
         relieved += usize::from(normal > 0.0 && k < -1.0);
-        let (told, exact) = (get(&mut model, "rod.acceleration"), free + mu * size * sin / inertia);
-        assert!((told - exact).abs() < 1e-10 * exact.abs(), "{theta}: {told}, not {exact}; k {k}");
+        let (acceleration, exact) = (run.get("rod.acceleration"), free + mu * size * sin / inertia);
+        assert!((acceleration - exact).abs() < 1e-10 * exact.abs(), "{theta}: {acceleration}, not {exact}; k {k}");
     }
     assert!(relieved > 20, "{relieved}");
     // Through that region, until the rod creeps.
-    let mut model = Model::from_json(TRAMMEL).unwrap();
-    set(&mut model, &[("rod.start_angle", 1.95)]);
-    model.initialize().unwrap();
-    for _ in 0..100 {
-        model.step(1e-3).unwrap();
-    }
-    let drift = get(&mut model, "energy.drift");
-    let speed = get(&mut model, "rod.speed");
+    let mut run = trammel.with(&[("rod.start_angle", 1.95)]).started();
+    (0..100).for_each(|_| run.step(1e-3));
+    let (drift, speed) = (run.get("energy.drift"), run.get("rod.speed"));
     assert!(speed.abs() < 1e-3 && drift.abs() < 1e-9, "{speed}, drift {drift:e}");
 }

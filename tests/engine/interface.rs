@@ -1,13 +1,13 @@
 //! The gear's interface: names, units, start values, and dependencies that are true to the code.
 
+use crate::support::{GEAR, Run, reals, replaced, values};
 use linkage_fmu::mechanism::Model;
-use linkage_fmu::variables::{Causality, Kind, Reference, Unit, Value};
-
-const GEAR: &str = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
+use linkage_fmu::variables::{Causality, Kind, Reference, Unit, Value, Variable};
 
 #[test]
 fn the_names_are_the_contract() {
-    let model = Model::from_json(GEAR).unwrap();
+    let model = Run::gear();
+    let variable = |name: &str| -> &Variable { model.variables().get(model.0.reference(name).unwrap()).unwrap() };
     let with = |causality| -> Vec<&str> {
         model.variables().list().iter().filter(|v| v.causality == causality).map(|v| v.name.as_str()).collect()
     };
@@ -45,16 +45,14 @@ fn the_names_are_the_contract() {
     let starts =
         [("actuator.force", 30_000.0), ("load_factor", 3.0), ("solver.tolerance", 1e-9), ("crank.start_angle", 0.8)];
     for (name, start) in starts {
-        let variable = model.variables().get(model.variables().find(name).unwrap()).unwrap();
-        assert_eq!(variable.start, Some(Value::Real(start)), "{name}");
+        assert_eq!(variable(name).start, Some(Value::Real(start)), "{name}");
     }
-    let method = model.variables().get(model.variables().find("solver.method").unwrap()).unwrap();
+    let method = variable("solver.method");
     assert_eq!((method.kind, &method.start), (Kind::String, &Some(Value::String("reduced".into()))));
     let plain = Model::from_json(&without_method()).unwrap();
     assert!(["solver.method", "solver.fem_step"].iter().all(|name| plain.variables().find(name).is_none()));
-    let unit = |name: &str| model.variables().get(model.variables().find(name).unwrap()).unwrap().unit;
-    assert_eq!(unit("joint1.force_x"), Some(Unit::Newton));
-    assert_eq!(unit("crank.speed"), Some(Unit::RadianPerSecond));
+    assert_eq!(variable("joint1.force_x").unit, Some(Unit::Newton));
+    assert_eq!(variable("crank.speed").unit, Some(Unit::RadianPerSecond));
 }
 
 #[test]
@@ -66,15 +64,12 @@ fn the_guid_follows_the_interface_not_the_numbers() {
 
 /// The gear in one formulation only.
 fn without_method() -> String {
-    let text = GEAR.replace(r#", "method": "reduced", "fem_step": 1e-5"#, "");
-    assert_ne!(text, GEAR);
-    text
+    replaced(GEAR, &[(r#", "method": "reduced", "fem_step": 1e-5"#, "")])
 }
 
 /// Away from the special values of the defaults, where a true dependency may vanish by accident.
-fn general(text: &str, reduced: bool) -> Model {
-    let mut model = Model::from_json(text).unwrap();
-    for (name, value) in [
+fn general(text: &str, reduced: bool) -> Run {
+    let mut run = Run::new(text).with(&[("friction.enabled", reduced), ("air.relative_wind", reduced)]).with(&[
         ("wheel.force_x", 210.0),
         ("wheel.force_y", -130.0),
         ("crank.torque", 70.0),
@@ -82,23 +77,11 @@ fn general(text: &str, reduced: bool) -> Model {
         ("crank.start_angle", 0.31),
         ("crank.start_speed", -7.0),
         ("airspeed", if reduced { 60.0 } else { 0.0 }),
-    ] {
-        let reference = model.variables().find(name).unwrap();
-        model.set_real(reference, value).unwrap();
-    }
-    for name in ["friction.enabled", "air.relative_wind"] {
-        let reference = model.variables().find(name).unwrap();
-        model.set_boolean(reference, reduced).unwrap();
-    }
+    ]);
     if !reduced {
-        let method = model.variables().find("solver.method").unwrap();
-        model.set_text(method, "rigid_fem").unwrap();
+        run.set("solver.method", "rigid_fem");
     }
-    model
-}
-
-fn outputs(model: &mut Model, references: &[Reference]) -> Vec<f64> {
-    references.iter().map(|&r| model.real(r).unwrap()).collect()
+    run
 }
 
 #[test]
@@ -106,7 +89,7 @@ fn dependencies_are_true() {
     check_dependencies(&general(&without_method(), true), true);
 }
 
-/// Where the formulation can be chosen, the dependencies told are those of both.
+/// Where the formulation can be chosen, the listed dependencies are those of both.
 #[test]
 fn dependencies_hold_for_both_formulations() {
     for reduced in [true, false] {
@@ -114,30 +97,30 @@ fn dependencies_hold_for_both_formulations() {
     }
 }
 
-/// `exactly`: what is told is seen too.
-fn check_dependencies(base: &Model, exactly: bool) {
+/// Change a Real by a hundredth, or from 0 to 0.05.
+fn alter(run: &mut Run, reference: Reference) {
+    let value = run.real(reference).unwrap();
+    run.set_real(reference, value * 1.01 + if value == 0.0 { 0.05 } else { 0.0 }).unwrap();
+}
+
+/// `exactly`: every listed dependency is seen too.
+fn check_dependencies(base: &Run, exactly: bool) {
     let list = base.variables().list().to_vec();
     let initial_dependencies = base.initial_dependencies().unwrap();
-    let refs = |c: Causality| -> Vec<Reference> {
-        (0..list.len() as Reference).filter(|&r| list[r as usize].causality == c).collect()
+    // Stops and locks have a test of their own.
+    let apart = |r: &Reference| {
+        ["upstop", "downstop", "uplock", "downlock"].iter().any(|n| list[*r as usize].name.starts_with(n))
     };
-    // Booleans, stops and locks have a test of their own.
-    let apart = |r: Reference| {
-        let v = &list[r as usize];
-        v.kind != Kind::Real || ["upstop", "downstop", "uplock", "downlock"].iter().any(|n| v.name.starts_with(n))
-    };
-    let refs = |c: Causality| -> Vec<Reference> { refs(c).into_iter().filter(|r| !apart(*r)).collect() };
+    let refs = |c: Causality| -> Vec<Reference> { reals(base, c).into_iter().filter(|r| !apart(r)).collect() };
     let all = refs(Causality::Output);
-    let drift = base.variables().find("energy.drift").unwrap();
-    let mut initial = base.clone();
-    initial.initialize().unwrap();
-    let before = outputs(&mut initial, &all);
+    let drift = base.0.reference("energy.drift").unwrap();
+    let mut initial = base.clone().started();
+    let before = values(&mut initial, &all);
     let known: Vec<Reference> = refs(Causality::Input).into_iter().chain(refs(Causality::Parameter)).collect();
     for &cause in &known {
         let mut changed = base.clone();
-        let value = changed.real(cause).unwrap();
-        changed.set_real(cause, value * 1.01 + if value == 0.0 { 0.05 } else { 0.0 }).unwrap();
-        match changed.initialize() {
+        alter(&mut changed, cause);
+        match changed.0.initialize() {
             // The air, which one formulation has not.
             Err(refused) if !exactly => {
                 assert!(refused.to_string().starts_with("airspeed"), "{refused}");
@@ -145,28 +128,37 @@ fn check_dependencies(base: &Model, exactly: bool) {
             }
             initialized => initialized.unwrap(),
         }
-        let after = outputs(&mut changed, &all);
+        let after = values(&mut changed, &all);
         for (k, &effect) in all.iter().enumerate().filter(|(_, e)| **e != drift) {
-            let told = initial_dependencies[effect as usize].contains(&cause);
+            let listed = initial_dependencies[effect as usize].contains(&cause);
             // A change of a hundredth shows far above the rounding of the tables.
             let seen = (after[k] - before[k]).abs() > 1e-9 * before[k].abs().max(1e-3);
             let (from, to) = (&list[cause as usize].name, &list[effect as usize].name);
-            assert!(seen == told || (told && !exactly), "at the start {to} on {from}: {} to {}", before[k], after[k]);
+            assert!(
+                seen == listed || (listed && !exactly),
+                "at the start {to} on {from}: {} to {}",
+                before[k],
+                after[k]
+            );
         }
     }
     // Between steps: only inputs act, at once.
     for &cause in &refs(Causality::Input) {
         let mut changed = initial.clone();
-        changed.step(1e-3).unwrap();
-        let before = outputs(&mut changed, &all);
-        let value = changed.real(cause).unwrap();
-        changed.set_real(cause, value * 1.01 + if value == 0.0 { 0.05 } else { 0.0 }).unwrap();
-        let after = outputs(&mut changed, &all);
+        changed.step(1e-3);
+        let before = values(&mut changed, &all);
+        alter(&mut changed, cause);
+        let after = values(&mut changed, &all);
         for (k, &effect) in all.iter().enumerate() {
-            let told = list[effect as usize].dependencies.contains(&cause);
+            let listed = list[effect as usize].dependencies.contains(&cause);
             let seen = (after[k] - before[k]).abs() > 1e-12 * before[k].abs();
             let (from, to) = (&list[cause as usize].name, &list[effect as usize].name);
-            assert!(seen == told || (told && !exactly), "between steps {to} on {from}: {} to {}", before[k], after[k]);
+            assert!(
+                seen == listed || (listed && !exactly),
+                "between steps {to} on {from}: {} to {}",
+                before[k],
+                after[k]
+            );
         }
     }
 }

@@ -1,65 +1,33 @@
-//! Under unchanged inputs a step may go on beyond the end of a communication step: what is read from its interpolant is as exact
-//! as what is stepped to, and whatever changes in between takes effect at once.
+//! Under unchanged inputs an internal step may run past the communication point: values read from its interpolant are as
+//! exact as values stepped to, and a changed input takes effect at once.
 
-use linkage_fmu::mechanism::{Model, Statistics};
-use serde_json::{Value, json};
+use crate::support::{Run, SLIDER_CRANK, changed};
+use linkage_fmu::mechanism::Statistics;
+use serde_json::json;
 
-const GEAR: &str = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
-const SLIDER_CRANK: &str = include_str!("../../modelDescription/SliderCrank/resources/mechanism.json");
 const SPAN: f64 = 0.13;
 
-struct Run(Model);
-
-impl Run {
-    fn of(text: &str, flags: &[(&str, bool)], values: &[(&str, f64)]) -> Self {
-        let mut run = Self(Model::from_json(text).unwrap());
-        flags.iter().for_each(|(name, on)| run.turn(name, *on));
-        values.iter().for_each(|(name, value)| run.put(name, *value));
-        run.0.initialize().unwrap();
-        run
-    }
-
-    fn gear(values: &[(&str, f64)]) -> Self {
-        Self::of(GEAR, &[("friction.enabled", true)], values)
-    }
-
-    fn put(&mut self, name: &str, value: f64) {
-        let reference = self.0.variables().find(name).unwrap();
-        self.0.set_real(reference, value).unwrap();
-    }
-
-    fn turn(&mut self, name: &str, on: bool) {
-        let reference = self.0.variables().find(name).unwrap();
-        self.0.set_boolean(reference, on).unwrap();
-    }
-
-    fn get(&mut self, name: &str) -> f64 {
-        let reference = self.0.variables().find(name).unwrap();
-        self.0.real(reference).unwrap()
-    }
-
-    fn is(&mut self, name: &str) -> bool {
-        let reference = self.0.variables().find(name).unwrap();
-        self.0.boolean(reference).unwrap()
-    }
+/// The gear with friction at its start.
+fn gear(values: &[(&str, f64)]) -> Run {
+    Run::gear().with(&[("friction.enabled", true)]).with(values).started()
 }
 
-/// Work of so many steps over the span; the largest difference of the angle from runs at a tolerance of 1e-13 that make one
+/// Work of `steps` steps over the span; the largest difference of the angle from runs at a tolerance of 1e-13 that make one
 /// step to an instant [rad], and the largest drift of energy [J].
 fn work_and_errors(tolerance: f64, steps: u32) -> (Statistics, f64, f64) {
-    let mut run = Run::gear(&[("solver.tolerance", tolerance)]);
+    let mut run = gear(&[("solver.tolerance", tolerance)]);
     let h = SPAN / f64::from(steps);
     let (mut error, mut drift) = (0.0_f64, 0.0_f64);
     for n in 1..=steps {
-        run.0.step(h).unwrap();
+        run.step(h);
         if n % (steps / 65).max(1) == 0 {
-            let mut exact = Run::gear(&[("solver.tolerance", 1e-13)]);
-            exact.0.step(h * f64::from(n)).unwrap();
+            let mut exact = gear(&[("solver.tolerance", 1e-13)]);
+            exact.step(h * f64::from(n));
             error = error.max((run.get("crank.angle") - exact.get("crank.angle")).abs());
         }
         drift = drift.max(run.get("energy.drift").abs());
     }
-    (run.0.statistics(), error, drift)
+    (run.statistics(), error, drift)
 }
 
 #[test]
@@ -80,27 +48,27 @@ fn many_short_steps_cost_what_one_long_one_costs() {
 
 #[test]
 fn inputs_that_change_every_time_cost_no_more_than_a_short_step() {
-    let mut run = Run::gear(&[]);
+    let mut run = gear(&[]);
     for n in 0..130 {
-        run.put("actuator.force", 30_000.0 + f64::from(n));
-        run.0.step(1e-3).unwrap();
+        run.set("actuator.force", 30_000.0 + f64::from(n));
+        run.step(1e-3);
     }
-    let work = run.0.statistics();
+    let work = run.statistics();
     assert!(work.evaluations <= 8 * 130, "{work:?}");
 }
 
-/// A force that changes now and then, in the midst of a step that goes on beyond: against one step for each stretch of time.
+/// A force that changes now and then, in the midst of an internal step: against one step for each constant force.
 #[test]
 fn a_change_takes_effect_at_once() {
     let forces = [30_000.0, 20_000.0, 45_000.0, -5_000.0, 12_345.0];
-    let (mut short, mut long) = (Run::gear(&[]), Run::gear(&[("solver.tolerance", 1e-12)]));
+    let (mut short, mut long) = (gear(&[]), gear(&[("solver.tolerance", 1e-12)]));
     for (k, force) in forces.into_iter().enumerate() {
         let parts = 7 + 12 * k;
         for run in [&mut short, &mut long] {
-            run.put("actuator.force", force);
+            run.set("actuator.force", force);
         }
-        (0..parts).for_each(|_| short.0.step(2e-4).unwrap());
-        long.0.step(2e-4 * parts as f64).unwrap();
+        (0..parts).for_each(|_| short.step(2e-4));
+        long.step(2e-4 * parts as f64);
         for (name, bound) in [("crank.angle", 1e-9), ("crank.speed", 1e-7), ("energy.drift", 1e-6)] {
             let difference = (short.get(name) - long.get(name)).abs();
             assert!(difference < bound, "{name}, {force}: {difference:e}");
@@ -110,11 +78,11 @@ fn a_change_takes_effect_at_once() {
 
 #[test]
 fn a_stop_is_met_when_its_time_has_come_and_never_passed() {
-    let mut run = Run::gear(&[("upstop.restitution", 0.5)]);
+    let mut run = gear(&[("upstop.restitution", 0.5)]);
     let mut before = (0.0, false);
     let mut bounces = 0;
     for _ in 0..16_000 {
-        run.0.step(5e-5).unwrap();
+        run.step(5e-5);
         let (angle, speed) = (run.get("crank.angle"), run.get("crank.speed"));
         assert!((-1.3 - 1e-14..=0.8 + 1e-14).contains(&angle), "{angle}");
         bounces += u32::from(before.0 < 0.0 && speed > 0.0);
@@ -127,13 +95,13 @@ fn a_stop_is_met_when_its_time_has_come_and_never_passed() {
 #[test]
 fn a_lock_engaged_in_between_catches() {
     let engaged_late = |late: bool| {
-        let mut run = Run::gear(&[("upstop.restitution", 0.5)]);
+        let mut run = gear(&[("upstop.restitution", 0.5)]);
         for n in 0..2000 {
             if late && n == 1335 {
                 // The step that is being read ends with an impact on the stop.
-                run.turn("uplock.engage", true);
+                run.set("uplock.engage", true);
             }
-            run.0.step(1e-4).unwrap();
+            run.step(1e-4);
             if n == 1400 {
                 return (run.get("crank.speed"), run.get("energy.drift"));
             }
@@ -144,9 +112,9 @@ fn a_lock_engaged_in_between_catches() {
     assert!(free > 0.0 && caught == 0.0 && drift.abs() < 1e-5, "{free} {caught} {drift:e}");
 }
 
-/// Friction that locks further on is told of when the mechanism comes there, not when a step beyond the present does.
+/// Friction that locks further on is an error when the mechanism comes there, not when a step ahead of the present does.
 #[test]
-fn what_cannot_be_further_on_is_no_concern_yet() {
+fn friction_that_locks_further_on_stops_no_step_before() {
     let radii = ["joint1", "joint2", "joint3", "joint4"].map(|joint| format!("{joint}.pin_radius"));
     let rising = [("static_coefficient", 1e-3), ("kinetic_coefficient", 3.0), ("kinetic_speed", 20.0)];
     let rising = rising.map(|(name, value)| (format!("friction.{name}"), value));
@@ -156,7 +124,7 @@ fn what_cannot_be_further_on_is_no_concern_yet() {
         .chain(rising.iter().map(|(name, value)| (name.as_str(), *value)))
         .collect();
     let passed = |h: f64| {
-        let mut run = Run::gear(&values);
+        let mut run = gear(&values);
         let passed = (0..).take_while(|_| run.0.step(h).is_ok()).count();
         let error = run.0.step(h).unwrap_err().to_string();
         assert!(error.contains("friction locks the mechanism"), "{error}");
@@ -168,17 +136,18 @@ fn what_cannot_be_further_on_is_no_concern_yet() {
 
 #[test]
 fn whole_turns_are_counted_through() {
-    let turned = |parts: u32, tolerance: f64| {
-        let mut definition: Value = serde_json::from_str(SLIDER_CRANK).unwrap();
+    let crank = Run::new(&changed(SLIDER_CRANK, |m| {
         for joint in ["bearing", "crankpin", "wristpin"] {
-            definition["joints"][joint]["pin_radius"] = json!(0.01);
+            m["joints"][joint]["pin_radius"] = json!(0.01);
         }
-        definition["friction"] = json!({
+        m["friction"] = json!({
             "enabled": true, "static_coefficient": 0.1, "kinetic_coefficient": 0.05,
             "static_speed": 0.01, "kinetic_speed": 0.5
         });
-        let mut run = Run::of(&definition.to_string(), &[], &[("solver.tolerance", tolerance)]);
-        (0..parts).for_each(|_| run.0.step(0.5 / f64::from(parts)).unwrap());
+    }));
+    let turned = |parts: u32, tolerance: f64| {
+        let mut run = crank.clone().with(&[("solver.tolerance", tolerance)]).started();
+        run.steps(parts, 0.5);
         (run.get("crank.angle"), run.get("energy.drift"))
     };
     let (exact, one, many) = (turned(1, 1e-13), turned(1, 1e-9), turned(5000, 1e-9));
@@ -207,19 +176,19 @@ fn a_motion_that_fades_fast_is_read_as_exactly() {
                 "guess": { "rail": 0.4 },
                 "solver": { "tolerance": tolerance }
             });
-            let mut run = Run::of(&text.to_string(), &[], &[]);
-            let mut exact = Run::of(&text.to_string(), &[], &[("solver.tolerance", 1e-13)]);
+            let mut run = Run::new(&text.to_string()).started();
+            let mut exact = run.clone().with(&[("solver.tolerance", 1e-13)]).started();
             let mut errors = [0.0_f64; 2];
             for n in 1..=4000 {
-                run.0.step(5e-4).unwrap();
+                run.step(5e-4);
                 if n % 10 == 0 {
-                    exact.0.step(5e-3).unwrap();
+                    exact.step(5e-3);
                     for (error, name) in errors.iter_mut().zip(["rail.position", "rail.speed"]) {
                         *error = error.max((run.get(name) - exact.get(name)).abs());
                     }
                 }
             }
-            println!("zeta {zeta}, {tolerance:e}: {errors:?} {:?}", run.0.statistics());
+            println!("zeta {zeta}, {tolerance:e}: {errors:?} {:?}", run.statistics());
             // The size of the speed, by which its tolerance goes, is that which the forces give: up to some 30 m/s.
             assert!(
                 errors[0] < 2.0 * tolerance && errors[1] < 200.0 * tolerance,

@@ -24,3 +24,5 @@ mod singular;
 mod solver_method;
 mod start_at_guess;
 mod stops;
+#[path = "../support/mod.rs"]
+mod support;

@@ -1,8 +1,9 @@
 //! Spoiled `mechanism.json` texts: each is a mechanism or a message, without a panic and in bounded time.
 //!
-//! The same texts each time, unless LINKAGE_FMU_CASES sets how many of each kind there are:
-//! `LINKAGE_FMU_CASES=20000 cargo test --test mechanism_fuzz -- --nocapture`.
+//! The same texts each time, unless LINKAGE_FMU_CASES sets the number of each kind:
+//! `LINKAGE_FMU_CASES=20000 cargo test --test engine mechanism_fuzz -- --nocapture`.
 
+use crate::support::{CRANE, FOUR_BAR, GEAR, JIB, SLIDER_CRANK, cases, reals};
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::variables::Causality;
 use proptest::prelude::*;
@@ -19,34 +20,10 @@ const CASES: u32 = 150;
 /// Longest time for one text, on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-const MECHANISMS: [&str; 5] = [
-    include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json"),
-    include_str!("../../modelDescription/SliderCrank/resources/mechanism.json"),
-    include_str!("../../modelDescription/FourBar/resources/mechanism.json"),
-    include_str!("../../modelDescription/Jib/resources/mechanism.json"),
-    include_str!("../../modelDescription/CraneJib/resources/mechanism.json"),
-];
+const MECHANISMS: [&str; 5] = [GEAR, SLIDER_CRANK, FOUR_BAR, JIB, CRANE];
 
 /// What a spoiled number may look like.
-const NUMBERS: [&str; 17] = [
-    "0",
-    "-0",
-    "-1",
-    "1",
-    "1e-6",
-    "1e-3",
-    "1e3",
-    "-1e3",
-    "1e6",
-    "1e999",
-    "NaN",
-    "Infinity",
-    "-Infinity",
-    "0x1",
-    "true",
-    "\"1\"",
-    "null",
-];
+const NUMBERS: &str = "0 -0 -1 1 1e-6 1e-3 1e3 -1e3 1e6 1e999 NaN Infinity -Infinity 0x1 true \"1\" null";
 /// Numbers that are none for a mechanism, but fit in 64 bits.
 const ABSURD: [&str; 10] =
     ["1e17", "-1e17", "1e150", "-1e155", "1e200", "1e308", "-1e308", "1e-160", "1e-308", "5e-324"];
@@ -87,9 +64,12 @@ fn read(text: &str) -> bool {
         }
     };
     model.initialize().unwrap();
-    let outputs = model.variables().list().iter().zip(0..).filter(|(v, _)| v.causality == Causality::Output);
-    let cheap = outputs.filter(|(v, _)| !v.name.contains("force") && !v.name.contains("moment"));
-    for reference in cheap.map(|(_, reference)| reference).collect::<Vec<u32>>() {
+    for reference in reals(&model, Causality::Output) {
+        let name = &model.variables().list()[reference as usize].name;
+        // Forces and moments would build the tables of the reactions.
+        if name.contains("force") || name.contains("moment") {
+            continue;
+        }
         if let Ok(value) = model.real(reference) {
             assert!(value.is_finite());
         }
@@ -99,7 +79,7 @@ fn read(text: &str) -> bool {
 
 /// Run texts of one kind.
 fn run(kind: &str, texts: impl Strategy<Value = String>) {
-    let asked = std::env::var("LINKAGE_FMU_CASES").ok().map(|text| text.parse().unwrap());
+    let asked = cases();
     let cases = asked.unwrap_or(CASES);
     let worker = Worker::new();
     let (mechanisms, longest) = (Cell::new(0_u32), Cell::new(Duration::ZERO));
@@ -112,7 +92,7 @@ fn run(kind: &str, texts: impl Strategy<Value = String>) {
     let result = runner.run(&texts, |text| {
         let start = Instant::now();
         worker.texts.send(text.clone()).unwrap();
-        // Past this the worker never answers again: the text is told as it is, not shrunk.
+        // Past this the worker never answers again: the text is printed as it is, not shrunk.
         let outcome = worker.outcomes.recv_timeout(PATIENCE).unwrap_or_else(|_| {
             eprintln!("{kind}: no answer within {PATIENCE:?} to\n{text}");
             std::process::exit(101);
@@ -160,8 +140,8 @@ fn bytes_are_changed() {
     let edit = (any::<Index>(), prop_oneof![any::<u8>(), select(&b"{}[]\",:0123456789-.eE \\u"[..])], 0..3);
     let text = (mechanism(), prop::collection::vec(edit, 1..6)).prop_map(|(text, edits)| {
         let mut bytes = text.as_bytes().to_vec();
-        for (place, byte, kind) in edits {
-            let at = place.index(bytes.len());
+        for (index, byte, kind) in edits {
+            let at = index.index(bytes.len());
             match kind {
                 0 => bytes[at] = byte,
                 1 => bytes.insert(at, byte),
@@ -176,9 +156,9 @@ fn bytes_are_changed() {
 /// Texts with some numbers put in place of others.
 fn replaced(number: impl Strategy<Value = String>) -> impl Strategy<Value = String> {
     (mechanism(), prop::collection::vec((any::<Index>(), number), 1..4)).prop_map(|(text, edits)| {
-        edits.into_iter().fold(text.to_owned(), |text, (place, number)| {
+        edits.into_iter().fold(text.to_owned(), |text, (index, number)| {
             let numbers = numbers(&text);
-            let (first, last) = numbers[place.index(numbers.len())];
+            let (first, last) = numbers[index.index(numbers.len())];
             format!("{}{number}{}", &text[..first], &text[last..])
         })
     })
@@ -186,16 +166,16 @@ fn replaced(number: impl Strategy<Value = String>) -> impl Strategy<Value = Stri
 
 #[test]
 fn numbers_are_replaced() {
-    let odd = select(&NUMBERS[..]).prop_map(str::to_owned);
+    let odd = select(NUMBERS.split(' ').collect::<Vec<_>>()).prop_map(str::to_owned);
     run("numbers", replaced(prop_oneof![odd, (-3.0..3.0).prop_map(|x: f64| x.to_string())]));
 }
 
 #[test]
 fn numbers_are_scaled() {
     let text = (mechanism(), prop::collection::vec((any::<Index>(), -4.0..4.0), 1..4)).prop_map(|(text, edits)| {
-        edits.into_iter().fold(text.to_owned(), |text, (place, exponent): (_, f64)| {
+        edits.into_iter().fold(text.to_owned(), |text, (index, exponent): (_, f64)| {
             let numbers = numbers(&text);
-            let (first, last) = numbers[place.index(numbers.len())];
+            let (first, last) = numbers[index.index(numbers.len())];
             let value = text[first..last].parse::<f64>().unwrap_or(1.0) * 10_f64.powf(exponent);
             format!("{}{value:e}{}", &text[..first], &text[last..])
         })
@@ -269,20 +249,20 @@ fn members(text: &str) -> (Value, Vec<String>) {
 
 #[test]
 fn members_are_removed_or_doubled() {
-    let text = (mechanism(), any::<Index>(), select(&[0_usize, 0, 2][..])).prop_map(|(text, place, copies)| {
+    let text = (mechanism(), any::<Index>(), select(&[0_usize, 0, 2][..])).prop_map(|(text, index, copies)| {
         let (value, found) = members(text);
-        with_member(&value, &found[place.index(found.len())], copies)
+        with_member(&value, &found[index.index(found.len())], copies)
     });
     run("members", text);
 }
 
 #[test]
 fn members_are_exchanged() {
-    let text = (mechanism(), mechanism(), any::<Index>(), any::<Index>()).prop_map(|(text, other, place, source)| {
+    let text = (mechanism(), mechanism(), any::<Index>(), any::<Index>()).prop_map(|(text, other, index, source)| {
         let (mut value, found) = members(text);
         let (other, sources) = members(other);
         let member = other.pointer(&sources[source.index(sources.len())]).unwrap().clone();
-        *value.pointer_mut(&found[place.index(found.len())]).unwrap() = member;
+        *value.pointer_mut(&found[index.index(found.len())]).unwrap() = member;
         value.to_string()
     });
     run("exchanges", text);
@@ -293,10 +273,10 @@ fn members_are_exchanged() {
 fn names_are_exchanged() {
     let text =
         (mechanism(), prop::collection::vec((any::<Index>(), any::<Index>()), 1..4)).prop_map(|(text, edits)| {
-            edits.into_iter().fold(text.to_owned(), |text, (place, source)| {
+            edits.into_iter().fold(text.to_owned(), |text, (index, source)| {
                 let quotes: Vec<_> = text.match_indices('"').map(|(at, _)| at).collect();
                 let strings: Vec<_> = quotes.chunks_exact(2).map(|pair| (pair[0], pair[1] + 1)).collect();
-                let ((a, b), (c, d)) = (strings[place.index(strings.len())], strings[source.index(strings.len())]);
+                let ((a, b), (c, d)) = (strings[index.index(strings.len())], strings[source.index(strings.len())]);
                 format!("{}{}{}", &text[..a], &text[c..d], &text[b..])
             })
         });
@@ -307,11 +287,11 @@ fn names_are_exchanged() {
 fn texts_are_cut_nested_or_made_up() {
     let nested = (select(&["[", "{\"a\":", "{\"bodies\":{\"ground\":"][..]), 1..100_000_usize)
         .prop_map(|(open, depth)| open.repeat(depth));
-    let inside = (mechanism(), any::<Index>(), 1..10_000_usize).prop_map(|(text, place, depth)| {
+    let inside = (mechanism(), any::<Index>(), 1..10_000_usize).prop_map(|(text, index, depth)| {
         let numbers = numbers(text);
-        let (first, last) = numbers[place.index(numbers.len())];
+        let (first, last) = numbers[index.index(numbers.len())];
         format!("{}{}1{}{}", &text[..first], "[".repeat(depth), "]".repeat(depth), &text[last..])
     });
-    let cut = (mechanism(), any::<Index>()).prop_map(|(text, place)| text[..place.index(text.len())].to_owned());
+    let cut = (mechanism(), any::<Index>()).prop_map(|(text, index)| text[..index.index(text.len())].to_owned());
     run("cut or nested", prop_oneof![nested, inside, cut, "\\PC{0,200}", "[\\[\\]{}:,\"0-9a-z ]{0,80}"]);
 }

@@ -1,5 +1,6 @@
 //! Redundant joints: accepted where they fit everywhere, with the reactions of least norm; refused by name where not.
 
+use crate::support::Run;
 use linkage_fmu::mechanism::Model;
 use nalgebra::{DMatrix, DVector};
 
@@ -27,20 +28,14 @@ fn three_bars(third: f64) -> String {
     )
 }
 
-fn get(model: &mut Model, name: &str) -> f64 {
-    let reference = model.variables().find(name).unwrap_or_else(|| panic!("no variable {name}"));
-    model.real(reference).unwrap()
-}
-
 #[test]
 fn reactions_of_a_third_bar_are_those_of_least_norm() {
-    let mut model = Model::from_json(&three_bars(1.0)).unwrap();
-    model.initialize().unwrap();
+    let mut run = Run::new(&three_bars(1.0)).started();
     for _ in 0..40 {
-        model.step(0.01).unwrap();
-        let angle = get(&mut model, "left.angle");
-        assert!((get(&mut model, "third.angle") - angle).abs() < 1e-12 && get(&mut model, "plate.angle").abs() < 1e-12);
-        let (omega, alpha) = (get(&mut model, "left.speed"), get(&mut model, "left.acceleration"));
+        run.step(0.01);
+        let angle = run.get("left.angle");
+        assert!((run.get("third.angle") - angle).abs() < 1e-12 && run.get("plate.angle").abs() < 1e-12);
+        let (omega, alpha) = (run.get("left.speed"), run.get("left.acceleration"));
         let (s, c) = angle.sin_cos();
         // Newton and Euler of left, right, third, plate: 12 equations for 12 components, of rank 11. Components: a1, b1,
         // c1, a2, b2, c2, each the force on the second-named body.
@@ -73,14 +68,14 @@ fn reactions_of_a_third_bar_are_those_of_least_norm() {
         right[11] = -((2.0 - 0.7) * -20.0 + 0.1 * 30.0);
         let least = matrix.clone().svd(true, true).solve(&right, 1e-9).unwrap();
         assert!((&matrix * &least - &right).norm() < 1e-9, "the engine's accelerations must allow a balance");
-        for (place, joint) in ["a1", "b1", "c1", "a2", "b2", "c2"].iter().enumerate() {
+        for (index, joint) in ["a1", "b1", "c1", "a2", "b2", "c2"].iter().enumerate() {
             for (k, axis) in ["x", "y"].iter().enumerate() {
-                let told = get(&mut model, &format!("{joint}.force_{axis}"));
-                let error = (told - least[2 * place + k]).abs();
-                assert!(error < 1e-9 * least.norm(), "{joint}.{axis}: {told} against {}", least[2 * place + k]);
+                let value = run.get(&format!("{joint}.force_{axis}"));
+                let error = (value - least[2 * index + k]).abs();
+                assert!(error < 1e-9 * least.norm(), "{joint}.{axis}: {value} against {}", least[2 * index + k]);
             }
         }
-        assert!(get(&mut model, "energy.drift").abs() < 1e-9);
+        assert!(run.get("energy.drift").abs() < 1e-9);
     }
 }
 
@@ -88,9 +83,9 @@ fn reactions_of_a_third_bar_are_those_of_least_norm() {
 fn a_third_bar_that_does_not_fit_is_refused() {
     // 1 mm too long: it fits at no position near the guess but where the linkage is then rigid.
     let error = Model::from_json(&three_bars(1.001)).unwrap_err().to_string();
-    let told =
+    let named =
         error.contains("0 degrees of freedom") || error.contains("do not close") || error.contains("redundant joint");
-    assert!(told, "{error}");
+    assert!(named, "{error}");
 }
 
 #[test]
@@ -104,17 +99,16 @@ fn wedges_move_although_their_sliders_hold_the_angle_twice() {
             "z": { "type": "prismatic", "first": "a.origin", "second": "b.origin", "axis_angle": 0.6 } },
         "start": { "joint": "x", "position": 0 }, "guess": { "x": 0, "y": 0 },
         "solver": { "tolerance": 1e-12 } }"#;
-    let mut model = Model::from_json(text).unwrap();
-    model.initialize().unwrap();
-    model.step(0.3).unwrap();
+    let mut run = Run::new(text).started();
+    run.step(0.3);
     // b slides down along y while a moves in x: the second point lies on the axis through the first, y = -tan(0.6) x.
-    let (x, y) = (get(&mut model, "x.position"), get(&mut model, "y.position"));
+    let (x, y) = (run.get("x.position"), run.get("y.position"));
     let slope = -0.6f64.tan();
     assert!((y - slope * x).abs() < 1e-13, "{x} {y}");
     let acceleration = -2.0 * 9.81 * slope / (1.0 + 2.0 * slope * slope);
     assert!((x - 0.5 * acceleration * 0.09).abs() < 1e-11, "{x}");
     // Each guide carries what its block needs; the force between the blocks is normal to their contact.
-    let (fx, fy) = (get(&mut model, "z.force_x"), get(&mut model, "z.force_y"));
+    let (fx, fy) = (run.get("z.force_x"), run.get("z.force_y"));
     assert!((fx * 0.6f64.cos() + fy * 0.6f64.sin()).abs() < 1e-9);
     assert!((fx + acceleration).abs() < 1e-9, "on b; a needs 1 kg times its acceleration: {fx}");
 }

@@ -1,26 +1,17 @@
 //! Rigid-link finite elements ([HF08] section 3) against the reduced model, and against themselves.
 
-use linkage_fmu::mechanism::Model;
+use super::gear_retraction::THETA_013;
+use crate::support::{ANDREWS, CHAIN, FOUR_BAR, GEAR, JIB, Run, SLIDER_CRANK, changed};
 use linkage_fmu::mechanism::definition::Mechanism;
 use linkage_fmu::mechanism::linkage::Linkage;
 use linkage_fmu::mechanism::loads::resolved::Loading;
 use linkage_fmu::mechanism::reactions::Reaction;
 use linkage_fmu::mechanism::rigid_fem::{RigidFem, RigidFemError, State, Workspace};
 use serde_json::{Value, json};
-use std::time::Instant;
 
-const GEAR: &str = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
-const CHAIN: &str = include_str!("../../modelDescription/FourBarChain/resources/mechanism.json");
-const FOUR_BAR: &str = include_str!("../../modelDescription/FourBar/resources/mechanism.json");
-const SLIDER: &str = include_str!("../../modelDescription/SliderCrank/resources/mechanism.json");
-const JIB: &str = include_str!("../../modelDescription/Jib/resources/mechanism.json");
-const ANDREWS: &str = include_str!("../../modelDescription/AndrewsSqueezer/resources/mechanism.json");
-
-/// theta2(0.13 s) of scene S1 [rad], PHYSICS.
-const THETA_013: f64 = -1.237_711_726_689_136_7;
 /// theta2 of the gear with elastic rods less that of the rigid one at 0.13 s [rad]: measured here, and shown to be
 /// proportional to 1 / (E A).
-const ELASTIC_LIMIT: f64 = 1.389_484e-4;
+pub const ELASTIC_LIMIT: f64 = 1.389_484e-4;
 
 /// E A of the gear's bodies [N]: E = 2.1e11 Pa, A of PHYSICS; of other mechanisms' bodies 1e9 N.
 fn stiffness(linkage: &Linkage, body: usize) -> f64 {
@@ -33,20 +24,29 @@ fn stiffness(linkage: &Linkage, body: usize) -> f64 {
     2.1e11 * area
 }
 
-/// A definition, changed; its bodies are then in alphabetical order.
-fn changed(text: &str, change: impl Fn(&mut Value)) -> String {
-    let mut value: Value = serde_json::from_str(text).unwrap();
-    change(&mut value);
-    value.to_string()
+/// A spring with a damper between the gear's ground and its wheel.
+pub fn strut() -> Value {
+    json!({ "first": "ground.end", "second": "wheel.origin", "stiffness": 4e3, "damping": 60, "free_length": 0.6,
+        "preload": 50 })
+}
+
+/// The four-bar with masses of crank and rocker, fast enough for a whole turn.
+pub fn heavy_four_bar() -> String {
+    changed(FOUR_BAR, |m| {
+        for (body, length) in [("crank", 0.1), ("rocker", 0.25)] {
+            m["bodies"][body] = json!({ "length": length, "mass": 0.5, "shape": "uniform_rod" });
+        }
+        m["start"]["speed"] = json!(25);
+    })
 }
 
 /// A mechanism in both formulations.
 struct Both {
-    model: Model,
+    run: Run,
     linkage: Linkage,
     fem: RigidFem,
     state: State,
-    room: Workspace,
+    scratch: Workspace,
     sizes: Vec<f64>,
     h_fem: f64,
     lost: f64,
@@ -56,24 +56,22 @@ impl Both {
     /// With E A times `factor`; the start with the static stretch or let go of without it.
     fn started(text: &str, factor: f64, h_fem: f64, stretched: bool) -> Self {
         let mechanism = Mechanism::from_json(text).unwrap();
-        let mut model = Model::from_json(text).unwrap();
-        model.set_tolerance(1e-13).unwrap();
-        model.initialize().unwrap();
-        let reduced = model.reduced().unwrap().clone();
+        let mut run = Run::new(text).with(&[("solver.tolerance", 1e-13)]).started();
+        let reduced = run.reduced().unwrap().clone();
         let linkage = reduced.linkage().clone();
         let fem = RigidFem::new(&linkage, reduced.loading(), &|body| factor * stiffness(&linkage, body)).unwrap();
         let start = &mechanism.start;
         let body = start.body.as_deref().unwrap();
-        let turn = linkage.bodies[linkage.carrier(&mechanism, body).unwrap().0].angle_coordinate.unwrap();
-        let (sigma, revolutions) = reduced.find(turn, start.angle.unwrap(), body).unwrap();
+        let coordinate = linkage.bodies[linkage.carrier(&mechanism, body).unwrap().0].angle_coordinate.unwrap();
+        let (sigma, revolutions) = reduced.find(coordinate, start.angle.unwrap(), body).unwrap();
         let c = reduced.curve().configuration(sigma);
         let q: Vec<f64> = c.q.iter().enumerate().map(|(i, q)| q + revolutions * reduced.growth(i)).collect();
-        let q_dot: Vec<f64> = c.q_sigma.iter().map(|slope| slope * start.speed / c.q_sigma[turn]).collect();
+        let q_dot: Vec<f64> = c.q_sigma.iter().map(|slope| slope * start.speed / c.q_sigma[coordinate]).collect();
         let mut both = Self {
-            room: fem.workspace(),
+            scratch: fem.workspace(),
             state: State::default(),
             sizes: Vec::new(),
-            model,
+            run,
             linkage,
             fem,
             h_fem,
@@ -84,7 +82,7 @@ impl Both {
             both.fem.start(&both.linkage, &q, &q_dot, &both.sizes).unwrap()
         } else {
             let mut state = both.fem.unstretched(&both.linkage, &q, &q_dot);
-            both.fem.rebalance(&mut state, &mut both.room, &both.sizes, 1e-8).unwrap();
+            both.fem.rebalance(&mut state, &mut both.scratch, &both.sizes, 1e-8).unwrap();
             state
         };
         both
@@ -95,34 +93,32 @@ impl Both {
     }
 
     fn present_sizes(&mut self) -> Vec<f64> {
-        let reduced = self.model.reduced().unwrap().clone();
+        let reduced = self.run.reduced().unwrap().clone();
         let names = &reduced.loading().inputs;
         reduced.sizes(&names.iter().map(|name| self.get(name)).collect::<Vec<f64>>())
     }
 
     /// Steps of the finite elements only.
     fn fem_step(&mut self, h: f64) -> Result<(), RigidFemError> {
-        self.lost += self.fem.advance(&mut self.state, &mut self.room, &self.sizes, h, self.h_fem)?;
+        self.lost += self.fem.advance(&mut self.state, &mut self.scratch, &self.sizes, h, self.h_fem)?;
         Ok(())
     }
 
     /// A step of both.
     fn step(&mut self, h: f64) {
         self.fem_step(h).unwrap();
-        self.model.step(h).unwrap();
+        self.run.step(h);
     }
 
     fn get(&mut self, name: &str) -> f64 {
-        let reference = self.model.variables().find(name).unwrap_or_else(|| panic!("no variable {name}"));
-        self.model.real(reference).unwrap()
+        self.run.get(name)
     }
 
     /// Set an input of both.
     fn set(&mut self, name: &str, value: f64) {
-        let reference = self.model.variables().find(name).unwrap();
-        self.model.set_real(reference, value).unwrap();
+        self.run.set(name, value);
         self.sizes = self.present_sizes();
-        self.fem.rebalance(&mut self.state, &mut self.room, &self.sizes, self.h_fem).unwrap();
+        self.fem.rebalance(&mut self.state, &mut self.scratch, &self.sizes, self.h_fem).unwrap();
     }
 
     fn body(&self, name: &str) -> usize {
@@ -139,7 +135,7 @@ impl Both {
 
     fn reactions(&mut self) -> Vec<Reaction> {
         let mut out = vec![Reaction::default(); self.linkage.joints.len()];
-        self.fem.reactions(&self.state, &mut self.room, &self.sizes, &mut out);
+        self.fem.reactions(&self.state, &mut self.scratch, &self.sizes, &mut out);
         out
     }
 
@@ -197,7 +193,7 @@ fn the_order_of_convergence_is_two() {
 }
 
 #[test]
-fn what_is_left_at_small_steps_is_the_rods_stretch() {
+fn the_error_left_at_small_steps_is_the_rods_strain() {
     // Against the rigid reference the error falls to the elastic limit, within the error of the steps.
     for (h, own) in [(1e-3, 4e2), (1e-4, 4e2), (1e-5, 4e2)] {
         let error = gear_angles(1.0, h, true)[2] - THETA_013;
@@ -224,9 +220,9 @@ fn a_start_without_stretch_keeps_vibrating() {
             worst.max(gear.differences()[3] / largest)
         })
     };
-    let (calm, shaken) = (swing(true), swing(false));
-    println!("forces differ by {calm:e} after a start with the static stretch, by {shaken:e} without");
-    assert!(calm < 1e-4 && shaken > 0.3, "{calm} {shaken}");
+    let (steady, shaken) = (swing(true), swing(false));
+    println!("forces differ by {steady:e} after a start with the static stretch, by {shaken:e} without");
+    assert!(steady < 1e-4 && shaken > 0.3, "{steady} {shaken}");
 }
 
 #[test]
@@ -249,10 +245,8 @@ fn accelerations_and_forces_are_those_of_the_reduced_model() {
 #[test]
 fn all_loads_of_the_gear_act_alike_in_both() {
     let text = changed(GEAR, |m| {
-        let spring = json!({ "first": "ground.end", "second": "wheel.origin", "stiffness": 4e3, "damping": 60,
-            "free_length": 0.6, "preload": 50 });
         let hinge = json!({ "joint": "joint3", "stiffness": 90, "damping": 3, "free_angle": 1.2 });
-        m["springs"] = json!({ "strut": spring, "hinge": hinge });
+        m["springs"] = json!({ "strut": strut(), "hinge": hinge });
         m["torques"]["coupler"] = json!({ "on": "coupler", "torque": 40, "constant": true });
         m["forces"]["gust"] = json!({ "at": "leg.end", "force": [200, -100], "constant": true });
     });
@@ -363,13 +357,7 @@ fn a_chain_of_four_bars_and_a_turning_crank_follow_too() {
     // Joints where three bodies meet: before it moves on, all forces.
     let mut chain = Both::new(CHAIN, 1e3, 2e-5);
     assert!(chain.differences()[3] < 1e-4, "{:e}", chain.differences()[3]);
-    let heavy = changed(FOUR_BAR, |m| {
-        for (body, length) in [("crank", 0.1), ("rocker", 0.25)] {
-            m["bodies"][body] = json!({ "length": length, "mass": 0.5, "shape": "uniform_rod" });
-        }
-    });
-    let heavy = changed(&heavy, |m| m["start"]["speed"] = json!(25));
-    let mut four_bar = Both::new(&heavy, 10.0, 5e-6);
+    let mut four_bar = Both::new(&heavy_four_bar(), 10.0, 5e-6);
     let start = four_bar.crank();
     for _ in 0..40 {
         four_bar.step(1e-2);
@@ -382,7 +370,7 @@ fn a_chain_of_four_bars_and_a_turning_crank_follow_too() {
 
 #[test]
 fn a_redundant_rod_follows_too() {
-    // A sixth rod across both parallelograms: the rods' forces are no longer told by balance alone.
+    // A sixth rod across both parallelograms: balance alone no longer determines the rods' forces.
     let text = changed(CHAIN, |m| {
         m["bodies"]["long"] = json!({ "length": 2, "mass": 2, "shape": "uniform_rod" });
         m["joints"]["long1"] = json!({ "type": "revolute", "first": "bar0.end", "second": "long.origin" });
@@ -424,10 +412,10 @@ fn a_jump_of_an_input_is_taken_up() {
     let theta = |h: f64| {
         let mut gear = Both::new(GEAR, 1.0, h);
         gear.fem_step(0.05).unwrap();
-        gear.model.step(0.05).unwrap();
+        gear.run.step(0.05);
         gear.set("actuator.force", 24_000.0);
         gear.fem_step(0.05).unwrap();
-        gear.model.step(0.05).unwrap();
+        gear.run.step(0.05);
         (gear.crank(), gear.get("crank.angle"))
     };
     let finest = theta(1e-6);
@@ -447,9 +435,9 @@ fn a_state_is_all_that_a_step_needs() {
     let saved = gear.state.clone();
     gear.fem_step(0.05).unwrap();
     let after = gear.state.clone();
-    let mut room = gear.fem.workspace();
+    let mut scratch = gear.fem.workspace();
     let mut again = saved.clone();
-    gear.fem.advance(&mut again, &mut room, &gear.sizes, 0.05, 1e-4).unwrap();
+    gear.fem.advance(&mut again, &mut scratch, &gear.sizes, 0.05, 1e-4).unwrap();
     assert_eq!(again, after);
     // 1e-3 s is divided into 4 steps if none may be longer than 3e-4 s.
     let divided = |h_fem: f64| {
@@ -468,15 +456,15 @@ fn a_refused_step_changes_nothing() {
     let mut gear = Both::new(GEAR, 1.0, 1e-3);
     let before = gear.state.clone();
     for (h, h_fem) in [(0.0, 1e-3), (f64::NAN, 1e-3), (1e-3, -1.0), (1e-3, f64::INFINITY)] {
-        let error = gear.fem.advance(&mut gear.state, &mut gear.room, &gear.sizes, h, h_fem).unwrap_err();
+        let error = gear.fem.advance(&mut gear.state, &mut gear.scratch, &gear.sizes, h, h_fem).unwrap_err();
         assert!(matches!(error, RigidFemError::StepSize { .. }), "{error}");
     }
-    let error = gear.fem.advance(&mut gear.state, &mut gear.room, &gear.sizes, 1.0, 1e-300).unwrap_err();
+    let error = gear.fem.advance(&mut gear.state, &mut gear.scratch, &gear.sizes, 1.0, 1e-300).unwrap_err();
     assert!(error.to_string().contains("raise h_fem"), "{error}");
     for sizes in [vec![1e300; 7], vec![f64::NAN; 7]] {
-        let error = gear.fem.advance(&mut gear.state, &mut gear.room, &sizes, 1e-2, 1e-3).unwrap_err();
+        let error = gear.fem.advance(&mut gear.state, &mut gear.scratch, &sizes, 1e-2, 1e-3).unwrap_err();
         assert!(error.to_string().contains("smaller step"), "{error}");
-        assert!(gear.fem.rebalance(&mut gear.state, &mut gear.room, &[f64::NAN; 7], 1e-3).is_err());
+        assert!(gear.fem.rebalance(&mut gear.state, &mut gear.scratch, &[f64::NAN; 7], 1e-3).is_err());
     }
     assert_eq!(gear.state, before);
 }
@@ -490,16 +478,15 @@ fn vibration_that_grows_is_an_error_not_a_motion() {
     let error = (0..200).find_map(|_| gear.fem_step(1e-2).err()).unwrap();
     println!("{error}");
     assert!(matches!(error, RigidFemError::Strain { limit: 1e-2, .. }), "{error}");
-    // Before it is told, it is no more than the energy of this strain, E A L 1e-4 / 2, in each rod.
+    // Before the error, it is no more than the energy of this strain, E A L 1e-4 / 2, in each rod.
     let most: f64 = [(2.1e9, 0.1755), (8.9376e7, 0.217), (3.0492e8, 0.34)].iter().map(|(ea, l)| ea * l * 5e-5).sum();
     assert!((gear.energy() - start).abs() < 2.0 * most, "{} J of {most} J", gear.energy() - start);
 }
 
 #[test]
-fn what_is_no_binary_link_is_refused_by_name() {
+fn bodies_that_are_no_binary_link_are_refused_by_name() {
     let refused = |text: &str, ea: f64| {
-        let mut model = Model::from_json(text).unwrap();
-        let reduced = model.reduced().unwrap().clone();
+        let reduced = Run::new(text).reduced().unwrap().clone();
         RigidFem::new(reduced.linkage(), reduced.loading(), &|_| ea).unwrap_err()
     };
     let message = |error: &RigidFemError, parts: &[&str]| {
@@ -507,7 +494,7 @@ fn what_is_no_binary_link_is_refused_by_name() {
         println!("{text}");
         assert!(parts.iter().all(|part| text.contains(part)), "{text}");
     };
-    let error = refused(SLIDER, 1e9);
+    let error = refused(SLIDER_CRANK, 1e9);
     assert!(matches!(error, RigidFemError::Prismatic { .. }));
     message(&error, &["prismatic", "revolute"]);
     let ternary = changed(GEAR, |m| {
@@ -532,44 +519,10 @@ fn what_is_no_binary_link_is_refused_by_name() {
     let error = refused(&changed(FOUR_BAR, |m| m["actuators"]["drive"]["efficiency"] = json!(0.9)), 1e9);
     message(&error, &["drive", "0.9", "set it to 1"]);
     // The crank and the rocker of the shipped four-bar weigh nothing: its coupler's stretch would move no mass.
-    let mut model = Model::from_json(FOUR_BAR).unwrap();
-    let reduced = model.reduced().unwrap().clone();
+    let reduced = Run::new(FOUR_BAR).reduced().unwrap().clone();
     let fem = RigidFem::new(reduced.linkage(), reduced.loading(), &|_| 1e9).unwrap();
     let c = reduced.curve().configuration(0.0);
     let error = fem.start(reduced.linkage(), &c.q, &c.q_sigma, &[0.0; 8]).unwrap_err();
     assert!(matches!(&error, RigidFemError::Massless { mass: 0.0, .. }), "{error}");
     message(&error, &["give", "a mass"]);
-}
-
-/// `cargo test --release --test rigid_fem study -- --ignored --nocapture` prints a table of step, error and time.
-#[test]
-#[ignore = "a study to be read, not a check"]
-fn study() {
-    let finest = limit(gear_angles(1.0, 2e-6, true), gear_angles(1.0, 1e-6, true))[2];
-    println!("elastic limit at 0.13 s: {:.6e} rad", finest - THETA_013);
-    println!("| h [s] | theta2 - reduced [rad] | theta2 - own limit [rad] | order | energy drift [J] | time [ms] |");
-    println!("|---|---|---|---|---|---|");
-    let mut before: Option<(f64, f64)> = None;
-    for h in [2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6] {
-        let mut gear = Both::new(GEAR, 1.0, h);
-        let start = gear.energy();
-        let clock = Instant::now();
-        gear.fem_step(0.13).unwrap();
-        let time = 1e3 * clock.elapsed().as_secs_f64();
-        let theta = gear.crank();
-        let error = theta - finest;
-        let order = before.map_or(String::new(), |(last_h, last): (f64, f64)| {
-            format!("{:.3}", (last / error).abs().ln() / (last_h / h).ln())
-        });
-        println!(
-            "| {h:.0e} | {:.4e} | {error:.3e} | {order} | {:.2e} | {time:.3} |",
-            theta - THETA_013,
-            gear.energy() - start
-        );
-        before = Some((h, error));
-    }
-    let mut reduced = Both::new(GEAR, 1.0, 1e-3).model;
-    let clock = Instant::now();
-    reduced.step(0.13).unwrap();
-    println!("reduced model at tolerance 1e-13: {:.3} ms", 1e3 * clock.elapsed().as_secs_f64());
 }

@@ -1,23 +1,13 @@
 //! Toggles, flat positions where branches cross, full turns, redundant joints: none is a special case of the motion.
 
-use linkage_fmu::mechanism::Model;
+use crate::support::{Run, without_stops};
+use linkage_fmu::simulation::{Simulation, SimulationError};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-const GEAR: &str = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
-
-/// The gear without its stops.
-fn free() -> String {
-    GEAR.replace("\"flag\"", "\"enabled\": false, \"flag\"")
-}
-
-fn get(model: &mut Model, name: &str) -> f64 {
-    let reference = model.variables().find(name).unwrap_or_else(|| panic!("no variable {name}"));
-    model.real(reference).unwrap()
-}
-
-fn set(model: &mut Model, name: &str, value: f64) {
-    let reference = model.variables().find(name).unwrap_or_else(|| panic!("no variable {name}"));
-    model.set_real(reference, value).unwrap();
+fn started(text: &str) -> Result<Run, SimulationError> {
+    let mut simulation = Simulation::open(text)?;
+    simulation.initialize()?;
+    Ok(Run(simulation))
 }
 
 /// A four-bar of uniform rods of 1 kg/m: lengths of ground, crank, coupler, rocker; start and guess of the crank, coupler, rocker.
@@ -78,25 +68,22 @@ fn gear_length() -> f64 {
 
 #[test]
 fn the_gear_coasts_through_both_toggles_ten_thousand_times() {
-    let mut gear = Model::from_json(&free()).unwrap();
-    for (name, value) in [("actuator.force", 0.0), ("load_factor", 0.0), ("crank.start_speed", -20.0)] {
-        set(&mut gear, name, value);
-    }
-    gear.initialize().unwrap();
-    let kinetic = get(&mut gear, "energy.kinetic");
+    let coasting = [("actuator.force", 0.0), ("load_factor", 0.0), ("crank.start_speed", -20.0)];
+    let mut gear = Run::new(&without_stops()).with(&coasting).started();
+    let kinetic = gear.get("energy.kinetic");
     assert!((kinetic - 0.5 * gear_inertia(0.8) * 400.0).abs() < 1e-12 * kinetic);
     let period = gear_length() / (2.0 * kinetic).sqrt();
     let mut worst: f64 = 0.0;
     for turn in 1..=10_000 {
         // Uneven steps, so that toggles are met everywhere in a step.
-        gear.step(0.37 * period).unwrap();
-        gear.step(0.63 * period).unwrap();
+        gear.step(0.37 * period);
+        gear.step(0.63 * period);
         if turn % 100 == 0 {
-            worst = worst.max((get(&mut gear, "energy.kinetic") / kinetic - 1.0).abs());
-            assert!(get(&mut gear, "energy.drift").abs() < 1e-9 * kinetic);
+            worst = worst.max((gear.get("energy.kinetic") / kinetic - 1.0).abs());
+            assert!(gear.get("energy.drift").abs() < 1e-9 * kinetic);
         }
     }
-    let phase = (get(&mut gear, "crank.angle") - 0.8) / -20.0 / period;
+    let phase = (gear.get("crank.angle") - 0.8) / -20.0 / period;
     println!("period {period} s, energy error {worst:e}, phase error {phase:e} of a turn after 10000");
     assert!(worst < 1e-9);
     // Length and quadrature agree to 1e-13 each; ten thousand turns multiply that.
@@ -107,42 +94,38 @@ fn the_gear_coasts_through_both_toggles_ten_thousand_times() {
 fn a_start_exactly_at_a_toggle_works() {
     let cosine: f64 = (0.5729f64.powi(2) + 0.1755f64.powi(2) - 0.557f64.powi(2)) / (2.0 * 0.5729 * 0.1755);
     for toggle in [cosine.acos(), -cosine.acos()] {
-        let mut gear = Model::from_json(&free()).unwrap();
-        set(&mut gear, "crank.start_angle", toggle);
-        set(&mut gear, "solver.tolerance", 1e-12);
-        gear.initialize().unwrap();
-        assert!((get(&mut gear, "crank.angle") - toggle).abs() < 1e-12);
+        let start = [("crank.start_angle", toggle), ("solver.tolerance", 1e-12)];
+        let mut gear = Run::new(&without_stops()).with(&start).started();
+        assert!((gear.get("crank.angle") - toggle).abs() < 1e-12);
         for _ in 0..200 {
-            gear.step(1e-3).unwrap();
-            assert!(get(&mut gear, "energy.drift").abs() < 1e-6);
+            gear.step(1e-3);
+            assert!(gear.get("energy.drift").abs() < 1e-6);
         }
-        assert!(get(&mut gear, "energy.kinetic") > 10.0);
+        assert!(gear.get("energy.kinetic") > 10.0);
         // The crank stands still at its toggle: a speed cannot be stated by it, but by the follower.
-        set(&mut gear, "crank.start_speed", 1.0);
-        let error = gear.initialize().unwrap_err().to_string();
+        gear.set("crank.start_speed", 1.0);
+        let error = gear.refusal();
         assert!(error.contains("crank.start_speed = 1") && error.contains("toggle"), "{error}");
-        set(&mut gear, "crank.start_speed", 0.0);
-        gear.initialize().unwrap();
-        let (coupler, follower) = (get(&mut gear, "coupler.angle"), get(&mut gear, "follower.angle"));
-        let text = free().replace(
+        gear.set("crank.start_speed", 0.0);
+        gear.initialize();
+        let (coupler, follower) = (gear.get("coupler.angle"), gear.get("follower.angle"));
+        let text = without_stops().replace(
             "\"start\": { \"body\": \"crank\", \"angle\": 0.8, \"speed\": 0 }",
             &format!("\"start\": {{ \"body\": \"follower\", \"angle\": {follower:?}, \"speed\": 3 }}"),
         );
         // The follower has this angle elsewhere too: the guess must be near.
         let guess = format!("\"crank\": {toggle:?}, \"coupler\": {coupler:?}, \"follower\": {follower:?}");
         let text = text.replace("\"crank\": 0.8, \"coupler\": 0.46, \"follower\": 2.43", &guess);
-        let mut gear = Model::from_json(&text).unwrap();
-        assert!((get(&mut gear, "follower.speed") - 3.0).abs() < 1e-11);
-        let (angle, speed) = (get(&mut gear, "crank.angle"), get(&mut gear, "crank.speed"));
+        let mut gear = Run::new(&text);
+        assert!((gear.get("follower.speed") - 3.0).abs() < 1e-11);
+        let (angle, speed) = (gear.get("crank.angle"), gear.get("crank.speed"));
         assert!((angle - toggle).abs() < 1e-12 && speed.abs() < 1e-6, "{angle} {toggle} {speed}");
     }
 }
 
 #[test]
 fn a_start_beyond_the_toggle_is_refused_with_the_range() {
-    let mut gear = Model::from_json(&free()).unwrap();
-    set(&mut gear, "crank.start_angle", 1.4);
-    let error = gear.initialize().unwrap_err().to_string();
+    let error = Run::new(&without_stops()).with(&[("crank.start_angle", 1.4)]).refusal();
     assert!(error.contains("crank.start_angle = 1.4") && error.contains("-1.32") && error.contains("1.32"), "{error}");
 }
 
@@ -150,17 +133,17 @@ fn a_start_beyond_the_toggle_is_refused_with_the_range() {
 fn flat_positions_are_crossed_straight_on_in_both_directions() {
     for (speed, torque) in [(3.0, 0.0), (-3.0, 0.0), (1e-3, 0.0), (0.0, 5.0), (0.0, -0.3)] {
         // Parallelogram; the guess is off the crossing, the start exactly at it.
-        let mut bars = Model::from_json(&four_bar([2.0, 1.0, 2.0, 1.0], 0.0, speed, [0.4, 0.0, 0.4], 0.0)).unwrap();
-        set(&mut bars, "crank.torque", torque);
-        bars.initialize().unwrap();
+        let mut bars = Run::new(&four_bar([2.0, 1.0, 2.0, 1.0], 0.0, speed, [0.4, 0.0, 0.4], 0.0));
+        bars.set("crank.torque", torque);
+        bars.initialize();
         let span = if speed == 1e-3 { 100.0 } else { 0.01 };
         for _ in 0..5000 {
-            bars.step(span).unwrap();
-            let (crank, rocker) = (get(&mut bars, "crank.angle"), get(&mut bars, "rocker.angle"));
+            bars.step(span);
+            let (crank, rocker) = (bars.get("crank.angle"), bars.get("rocker.angle"));
             assert!((crank - rocker).abs() < 1e-12 * (1.0 + crank.abs()), "{crank} {rocker}");
-            assert!(get(&mut bars, "coupler.angle").abs() < 1e-12);
+            assert!(bars.get("coupler.angle").abs() < 1e-12);
         }
-        let moved = get(&mut bars, "crank.angle");
+        let moved = bars.get("crank.angle");
         // Coupler translates: I = 1/3 + 2 + 1/3.
         let exact = speed * 5000.0 * span + 0.5 * torque / (8.0 / 3.0) * (50.0f64).powi(2);
         assert!((moved - exact).abs() < 1e-10 * exact.abs(), "{moved} {exact}");
@@ -170,13 +153,13 @@ fn flat_positions_are_crossed_straight_on_in_both_directions() {
 #[test]
 fn the_antiparallelogram_stays_one() {
     // Crossed: crank at 1 rad, coupler and rocker turned the other way.
-    let mut bars = Model::from_json(&four_bar([2.0, 1.0, 2.0, 1.0], 1.0, 0.0, [1.0, -1.05, -2.1], 9.81)).unwrap();
-    bars.initialize().unwrap();
-    set(&mut bars, "crank.torque", 45.0);
+    let mut bars = Run::new(&four_bar([2.0, 1.0, 2.0, 1.0], 1.0, 0.0, [1.0, -1.05, -2.1], 9.81));
+    bars.initialize();
+    bars.set("crank.torque", 45.0);
     let mut furthest: f64 = 0.0;
     for _ in 0..5000 {
-        bars.step(2e-3).unwrap();
-        let (crank, rocker) = (get(&mut bars, "crank.angle"), get(&mut bars, "rocker.angle"));
+        bars.step(2e-3);
+        let (crank, rocker) = (bars.get("crank.angle"), bars.get("rocker.angle"));
         // tan(rocker/2) = -(ground + crank length)/(ground - crank length) tan(crank/2): the crossed branch.
         let (a, b) = (0.5 * crank, 0.5 * rocker);
         let miss = b.sin() * a.cos() + 3.0 * a.sin() * b.cos();
@@ -184,7 +167,7 @@ fn the_antiparallelogram_stays_one() {
         furthest = furthest.max(crank.abs());
     }
     assert!(furthest > TAU, "it must have passed the flat positions: {furthest}");
-    assert!(get(&mut bars, "energy.drift").abs() < 1e-7 * get(&mut bars, "energy.kinetic"));
+    assert!(bars.get("energy.drift").abs() < 1e-7 * bars.get("energy.kinetic"));
 }
 
 /// A parallelogram with one length off by a part in 10 to 1e17: the branches that would cross when flat are joined by bends
@@ -198,7 +181,7 @@ fn branches_that_almost_cross_are_told_apart_or_refused() {
             let mut lengths = [2.0, 1.0, 2.0, 1.0];
             lengths[which] += sign * 10f64.powi(-power);
             let text = four_bar(lengths, 0.8, speed, [0.8, 0.0, 0.8], 0.0);
-            let mut bars = match Model::from_json(&text).and_then(|mut m| m.initialize().map(|()| m)) {
+            let mut bars = match started(&text) {
                 Ok(bars) => bars,
                 Err(error) => {
                     let error = error.to_string();
@@ -208,10 +191,10 @@ fn branches_that_almost_cross_are_told_apart_or_refused() {
                 }
             };
             assert!(!(7..13).contains(&power), "{lengths:?} would have to be refused");
-            let kinetic = get(&mut bars, "energy.kinetic");
+            let kinetic = bars.get("energy.kinetic");
             for _ in 0..1000 {
-                bars.step(0.01).unwrap();
-                let (crank, rocker) = (get(&mut bars, "crank.angle"), get(&mut bars, "rocker.angle"));
+                bars.step(0.01);
+                let (crank, rocker) = (bars.get("crank.angle"), bars.get("rocker.angle"));
                 let x = lengths[0] + lengths[3] * rocker.cos() - lengths[1] * crank.cos();
                 let y = lengths[3] * rocker.sin() - lengths[1] * crank.sin();
                 let gap = x.hypot(y) - lengths[2];
@@ -219,8 +202,8 @@ fn branches_that_almost_cross_are_told_apart_or_refused() {
                 let taken = if power < 13 { 0.0 } else { 1.1 * 10f64.powi(-power) };
                 assert!(gap.abs() < 3e-14 + taken, "{lengths:?} at {crank}: {gap}");
                 // Kinetic energy in absolute coordinates, from the angular velocities that the model gives.
-                let [w2, w3, w4] = ["crank", "coupler", "rocker"].map(|b| get(&mut bars, &format!("{b}.speed")));
-                let coupler = get(&mut bars, "coupler.angle");
+                let [w2, w3, w4] = ["crank", "coupler", "rocker"].map(|b| bars.get(&format!("{b}.speed")));
+                let coupler = bars.get("coupler.angle");
                 let (l2, l3, l4) = (lengths[1], lengths[2], lengths[3]);
                 let (vx, vy) = (
                     -l2 * w2 * crank.sin() - 0.5 * l3 * w3 * coupler.sin(),
@@ -241,16 +224,15 @@ fn branches_that_almost_cross_are_told_apart_or_refused() {
 #[test]
 fn rounding_is_not_taken_for_a_bend() {
     for text in [include_str!("../fixtures/watt_with_a_slider.json"), include_str!("../fixtures/stephenson.json")] {
-        let mut model = Model::from_json(text).unwrap();
-        model.initialize().unwrap();
+        let mut model = Run::new(text).started();
         for _ in 0..100 {
-            model.step(0.02).unwrap();
-            let [work, drift] = ["energy.kinetic", "energy.drift"].map(|name| get(&mut model, name));
+            model.step(0.02);
+            let [work, drift] = ["energy.kinetic", "energy.drift"].map(|name| model.get(name));
             assert!(drift.abs() < 1e-9 * (1.0 + work), "{drift} of {work}");
         }
     }
     // This one is 5e-7 of its size from a crossing.
-    let error = Model::from_json(include_str!("../fixtures/inverted_slider_crank.json")).unwrap_err().to_string();
+    let error = Simulation::open(include_str!("../fixtures/inverted_slider_crank.json")).unwrap_err().to_string();
     assert!(error.contains("almost cross"), "{error}");
 }
 
@@ -281,15 +263,14 @@ fn crossings_are_tabulated_whatever_the_masses() {
                 );
             }
             assert!(!text.contains("uniform_rod"));
-            let model = Model::from_json(&text).and_then(|mut m| m.initialize().map(|()| m));
-            match model {
+            match started(&text) {
                 Err(error) => refused.push(error.to_string()),
                 Ok(mut bars) => {
                     let (mut worst, mut most): (f64, f64) = (0.0, 0.0);
                     for _ in 0..50 {
-                        bars.step(0.1).unwrap();
-                        worst = worst.max(get(&mut bars, "energy.drift").abs());
-                        most = most.max(get(&mut bars, "energy.kinetic"));
+                        bars.step(0.1);
+                        worst = worst.max(bars.get("energy.drift").abs());
+                        most = most.max(bars.get("energy.kinetic"));
                     }
                     println!("{length} {guess:?}: {:e}", worst / most);
                     assert!(worst < 1e-9 * most, "{length} {guess:?}: drift {worst:e} of {most:e}");
@@ -302,28 +283,28 @@ fn crossings_are_tabulated_whatever_the_masses() {
 
 #[test]
 fn a_guess_at_a_crossing_must_say_which_branch() {
-    let error = Model::from_json(&four_bar([2.0, 1.0, 2.0, 1.0], 0.0, 1.0, [0.0, 0.0, 0.0], 0.0)).unwrap_err();
+    let error = Simulation::open(&four_bar([2.0, 1.0, 2.0, 1.0], 0.0, 1.0, [0.0, 0.0, 0.0], 0.0)).unwrap_err();
     let text = error.to_string();
     assert!(text.contains("branches") && text.contains("guess a position off the crossing"), "{text}");
 }
 
 #[test]
 fn a_crank_that_turns_fully_round_counts_on() {
-    let mut bars = Model::from_json(&four_bar([4.0, 1.0, 3.0, 3.0], 0.5, 12.0, [0.5, 0.9, 2.0], 9.81)).unwrap();
-    bars.initialize().unwrap();
-    let mut last = get(&mut bars, "crank.angle");
-    let energy = get(&mut bars, "energy.kinetic") + get(&mut bars, "energy.potential");
+    let mut bars = Run::new(&four_bar([4.0, 1.0, 3.0, 3.0], 0.5, 12.0, [0.5, 0.9, 2.0], 9.81));
+    bars.initialize();
+    let mut last = bars.get("crank.angle");
+    let energy = bars.get("energy.kinetic") + bars.get("energy.potential");
     for _ in 0..2000 {
-        bars.step(1e-2).unwrap();
-        let now = get(&mut bars, "crank.angle");
+        bars.step(1e-2);
+        let now = bars.get("crank.angle");
         assert!(now > last && now < last + 1.0, "{last} to {now}");
         last = now;
     }
     assert!(last > 20.0 * TAU);
-    assert!(get(&mut bars, "energy.drift").abs() < 1e-9 * energy);
-    assert!(get(&mut bars, "rocker.angle").abs() < PI);
+    assert!(bars.get("energy.drift").abs() < 1e-9 * energy);
+    assert!(bars.get("rocker.angle").abs() < PI);
     // A start some turns away is the same place.
-    set(&mut bars, "crank.start_angle", 0.5 + 3.0 * TAU);
-    bars.initialize().unwrap();
-    assert!((get(&mut bars, "crank.angle") - 0.5 - 3.0 * TAU).abs() < 1e-13);
+    bars.set("crank.start_angle", 0.5 + 3.0 * TAU);
+    bars.initialize();
+    assert!((bars.get("crank.angle") - 0.5 - 3.0 * TAU).abs() < 1e-13);
 }

@@ -4,34 +4,16 @@ mod andrews;
 mod chain;
 mod slcrank;
 
-use linkage_fmu::mechanism::Model;
+use crate::support::Run;
 
-/// A mechanism under test.
-struct StateLoads(Model);
+/// A mechanism at its start, to be integrated with this tolerance.
+fn run(text: &str, tolerance: f64) -> Run {
+    Run::new(text).with(&[("solver.tolerance", tolerance)]).started()
+}
 
-impl StateLoads {
-    /// At its start, to be integrated with this tolerance.
-    fn new(text: &str, tolerance: f64) -> Self {
-        let mut model = Model::from_json(text).unwrap();
-        model.set_tolerance(tolerance).unwrap();
-        model.initialize().unwrap();
-        Self(model)
-    }
-
-    fn get(&mut self, name: &str) -> f64 {
-        let reference = self.0.variables().find(name).unwrap_or_else(|| panic!("no variable {name}"));
-        self.0.real(reference).unwrap()
-    }
-
-    fn step(&mut self, h: f64) {
-        self.0.step(h).unwrap();
-    }
-
-    /// Check a variable, to an absolute allowance.
-    fn check(&mut self, name: &str, exact: f64, allowed: f64) {
-        let value = self.get(name);
-        close(name, value, exact, allowed);
-    }
+/// Check a variable, to an absolute allowance.
+fn check(run: &mut Run, name: &str, exact: f64, allowed: f64) {
+    close(name, run.get(name), exact, allowed);
 }
 
 fn close(what: &str, value: f64, exact: f64, allowed: f64) {

@@ -1,6 +1,6 @@
 //! Springs and dampers: motions in closed form, energy balance, a spring that winds up over several turns.
-use super::host::Host;
 use super::slider::{MASS, Slider};
+use crate::support::{Run, SLIDER_CRANK};
 use std::f64::consts::TAU;
 
 /// x'' + 2 zeta omega x' + omega^2 x = 0: x and v after t.
@@ -39,23 +39,23 @@ fn a_damped_block_follows_the_closed_form() {
     for zeta in [0.0, 0.02, 0.3, 1.0, 3.0] {
         let slider =
             Slider { stiffness: MASS * omega * omega, damping: 2.0 * zeta * omega * MASS, ..Slider::default() };
-        let mut host = slider.host(1e-12);
+        let mut run = slider.run(1e-12);
         let (x, v) = (0.4, -2.0);
-        host.place(("rail.start_position", x), ("rail.start_speed", v));
+        run.place(("rail.start_position", x), ("rail.start_speed", v));
         let energy = |x: f64, v: f64| 0.5 * MASS * (v * v + omega * omega * x * x);
         let mut worst: f64 = 0.0;
         for k in 1..=200 {
-            host.step(0.01);
+            run.step(0.01);
             let (x, v) = damped(zeta, omega, x, v, 0.01 * f64::from(k));
-            worst = worst.max((host.get("rail.position") - x).abs());
-            worst = worst.max((host.get("rail.speed") - v).abs() / omega);
+            worst = worst.max((run.get("rail.position") - x).abs());
+            worst = worst.max((run.get("rail.speed") - v).abs() / omega);
             let a = -2.0 * zeta * omega * v - omega * omega * x;
-            worst = worst.max((host.get("rail.acceleration") - a).abs() / (omega * omega));
-            let now = host.get("energy.kinetic") + host.get("energy.potential");
+            worst = worst.max((run.get("rail.acceleration") - a).abs() / (omega * omega));
+            let now = run.get("energy.kinetic") + run.get("energy.potential");
             assert!((now - energy(x, v)).abs() < 1e-9);
-            assert!(host.get("energy.drift").abs() < 1e-10 * energy(0.4, -2.0));
+            assert!(run.get("energy.drift").abs() < 1e-10 * energy(0.4, -2.0));
         }
-        println!("zeta {zeta}: {worst:.1e}, {:?}", host.0.statistics());
+        println!("zeta {zeta}: {worst:.1e}, {:?}", run.statistics());
         assert!(worst < 1e-10, "zeta {zeta}: {worst:e}");
     }
 }
@@ -67,7 +67,7 @@ fn a_torsional_spring_winds_up_over_several_turns() {
     for zeta in [0.0, 0.05] {
         let damping =
             if zeta == 0.0 { String::new() } else { format!(", \"damping\": {}", 2.0 * zeta * omega * inertia) };
-        let mut host = Host::new(&format!(
+        let mut run = Run::new(&format!(
             r#"{{
                 "name": "Rotor",
                 "bodies": {{ "ground": {{}}, "rotor": {{ "inertia": {inertia} }} }},
@@ -78,18 +78,18 @@ fn a_torsional_spring_winds_up_over_several_turns() {
             }}"#,
             inertia * omega * omega
         ));
-        host.0.set_tolerance(1e-12).unwrap();
-        host.0.initialize().unwrap();
+        run.set("solver.tolerance", 1e-12);
+        run.initialize();
         let (mut worst, mut most): (f64, f64) = (0.0, 0.0);
         for k in 1..=400 {
-            host.step(0.02);
+            run.step(0.02);
             let (stretch, v) = damped(zeta, omega, 0.2 - 1.5, 50.0, 0.02 * f64::from(k));
-            worst = worst.max((host.get("rotor.angle") - stretch - 1.5).abs());
-            worst = worst.max((host.get("rotor.speed") - v).abs() / omega);
+            worst = worst.max((run.get("rotor.angle") - stretch - 1.5).abs());
+            worst = worst.max((run.get("rotor.speed") - v).abs() / omega);
             most = most.max(stretch.abs());
             let torque = inertia * (omega * omega * stretch + 2.0 * zeta * omega * v);
-            assert!((host.get("spring.torque") - torque).abs() < 1e-9);
-            assert!(host.get("energy.drift").abs() < 1e-9 * 375.0);
+            assert!((run.get("spring.torque") - torque).abs() < 1e-9);
+            assert!(run.get("energy.drift").abs() < 1e-9 * 375.0);
         }
         println!("zeta {zeta}: {:.1} turns, {worst:.1e}", most / TAU);
         // 1e-10 rad for each radian.
@@ -97,37 +97,37 @@ fn a_torsional_spring_winds_up_over_several_turns() {
     }
 }
 
-const CRANK: &str = include_str!("../../../modelDescription/SliderCrank/resources/mechanism.json");
-
-fn sprung_crank(spring: &str) -> Host {
-    let mut host =
-        Host::changed(CRANK, &[("\"markers\"", &format!("\"springs\": {{ \"spring\": {spring} }},\n\"markers\""))]);
-    host.set_all(&[("drive.torque", 0.0), ("piston.force_y", 0.0)]);
-    host.0.set_tolerance(1e-12).unwrap();
-    host.place(("crank.start_angle", -1.0), ("crank.start_speed", 220.0));
-    host
+fn sprung_crank(spring: &str) -> Run {
+    let mut run = Run::replaced(
+        SLIDER_CRANK,
+        &[("\"markers\"", &format!("\"springs\": {{ \"spring\": {spring} }},\n\"markers\""))],
+    );
+    run.set_all(&[("drive.torque", 0.0), ("piston.force_y", 0.0)]);
+    run.set("solver.tolerance", 1e-12);
+    run.place(("crank.start_angle", -1.0), ("crank.start_speed", 220.0));
+    run
 }
 
 /// A torsional spring on the crank: K + weight + k theta^2 / 2 stays, over several turns there and back again.
 #[test]
 fn a_crank_winds_up_a_spring_and_comes_back() {
     let stiffness = 0.4;
-    let mut host = sprung_crank(&format!("{{ \"joint\": \"bearing\", \"stiffness\": {stiffness} }}"));
-    let energy = |host: &mut Host| {
-        let (theta, y) = (host.get("crank.angle"), host.get("piston.y"));
-        host.get("energy.kinetic") + 0.8 * 9.81 * y + 0.5 * stiffness * theta * theta
+    let mut run = sprung_crank(&format!("{{ \"joint\": \"bearing\", \"stiffness\": {stiffness} }}"));
+    let energy = |run: &mut Run| {
+        let (theta, y) = (run.get("crank.angle"), run.get("piston.y"));
+        run.get("energy.kinetic") + 0.8 * 9.81 * y + 0.5 * stiffness * theta * theta
     };
-    let start = energy(&mut host);
+    let start = energy(&mut run);
     let (mut most, mut least) = (0.0f64, 0.0f64);
     for _ in 0..1500 {
-        host.step(1e-3);
-        let theta = host.get("crank.angle");
+        run.step(1e-3);
+        let theta = run.get("crank.angle");
         (most, least) = (most.max(theta), least.min(theta));
-        assert!((energy(&mut host) - start).abs() < 1e-9 * start);
-        assert!(host.get("energy.drift").abs() < 1e-9 * start);
-        assert!((host.get("spring.torque") - stiffness * theta).abs() < 1e-12 * stiffness * most.max(1.0));
+        assert!((energy(&mut run) - start).abs() < 1e-9 * start);
+        assert!(run.get("energy.drift").abs() < 1e-9 * start);
+        assert!((run.get("spring.torque") - stiffness * theta).abs() < 1e-12 * stiffness * most.max(1.0));
     }
-    println!("from {:.2} to {:.2} turns, drift {:e}", least / TAU, most / TAU, host.get("energy.drift"));
+    println!("from {:.2} to {:.2} turns, drift {:e}", least / TAU, most / TAU, run.get("energy.drift"));
     assert!(most > 2.0 * TAU && least < -2.0 * TAU);
 }
 
@@ -139,25 +139,25 @@ fn a_damper_loses_the_power_that_it_takes() {
         "{{ \"first\": \"ground.origin\", \"second\": \"piston.origin\", \"stiffness\": 500, \"free_length\": 0.18, \
          \"damping\": {damping} }}"
     );
-    let mut host = sprung_crank(&spring);
-    let energy = |host: &mut Host| host.get("energy.kinetic") + host.get("energy.potential");
+    let mut run = sprung_crank(&spring);
+    let energy = |run: &mut Run| run.get("energy.kinetic") + run.get("energy.potential");
     // The damper's share of the pull is damping times length_dot.
-    let power = |host: &mut Host| damping * host.get("piston.velocity_y").powi(2);
-    let (start, mut lost) = (energy(&mut host), 0.0);
+    let power = |run: &mut Run| damping * run.get("piston.velocity_y").powi(2);
+    let (start, mut lost) = (energy(&mut run), 0.0);
     let h = 2e-5;
-    let mut before = power(&mut host);
+    let mut before = power(&mut run);
     for k in 0..4000 {
-        host.step(h);
-        let middle = power(&mut host);
-        host.step(h);
-        let after = power(&mut host);
+        run.step(h);
+        let middle = power(&mut run);
+        run.step(h);
+        let after = power(&mut run);
         lost += h / 3.0 * (before + 4.0 * middle + after);
         before = after;
         if k % 100 == 0 {
-            assert!((start - energy(&mut host) - lost).abs() < 1e-8 * start, "{k}");
-            assert!(host.get("energy.drift").abs() < 1e-9 * start);
+            assert!((start - energy(&mut run) - lost).abs() < 1e-8 * start, "{k}");
+            assert!(run.get("energy.drift").abs() < 1e-9 * start);
         }
     }
-    println!("{start} J, lost {lost} J, {:e}", start - energy(&mut host) - lost);
+    println!("{start} J, lost {lost} J, {:e}", start - energy(&mut run) - lost);
     assert!(lost > 0.2 * start);
 }

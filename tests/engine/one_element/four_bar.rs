@@ -1,10 +1,9 @@
 //! [CK16] figs. 3 and 10: four-bar linkages, against their own kinematics in closed form and superposition over the bodies
 //! (the paper's conclusion 3).
-use super::host::{ACCURACY, Host, Worst};
+use super::worst::{ACCURACY, Worst};
+use crate::support::{CRANE, FOUR_BAR, Run};
 use nalgebra::Complex;
 
-const FOUR_BAR: &str = include_str!("../../../modelDescription/FourBar/resources/mechanism.json");
-const CRANE: &str = include_str!("../../../modelDescription/CraneJib/resources/mechanism.json");
 const G: f64 = 9.81;
 
 type C = Complex<f64>;
@@ -114,26 +113,26 @@ struct Expected {
     speed: f64,
 }
 
-fn compare(worst: &mut Worst, host: &mut Host, e: &Expected, force: f64, demand: f64) {
+fn compare(worst: &mut Worst, run: &mut Run, e: &Expected, force: f64, demand: f64) {
     let (mass, force_name) = if e.revolutions { ("inertia", "torque") } else { ("mass", "force") };
     let name = |suffix: &str| format!("{}.{suffix}", e.drive);
-    host.set(&name(force_name), force);
-    host.set(&name("demanded_acceleration"), demand);
+    run.set(&name(force_name), force);
+    run.set(&name("demanded_acceleration"), demand);
     let additional = -0.5 * e.speed * e.speed * e.change;
     let acceleration = (force - e.load + additional) / e.inertia;
     let part = e.inertia * e.speed * e.speed;
     let full = [force, e.load, additional, e.size, part].into_iter().fold(0.0, |a: f64, x| a.max(x.abs()));
-    worst.compare("speed", host.get(&name("speed")), e.speed, 0.0);
-    worst.compare("reduced", host.get(&name(&format!("reduced_{mass}"))), e.inertia, 0.0);
-    let change = host.get(&name(&format!("reduced_{mass}_derivative")));
+    worst.compare("speed", run.get(&name("speed")), e.speed, 0.0);
+    worst.compare("reduced", run.get(&name(&format!("reduced_{mass}"))), e.inertia, 0.0);
+    let change = run.get(&name(&format!("reduced_{mass}_derivative")));
     worst.compare("its derivative", change, e.change, e.inertia);
-    worst.compare("static load", host.get(&name("static_load")), e.load, e.size);
-    worst.compare("additional", host.get(&name(&format!("additional_{force_name}"))), additional, part);
-    worst.compare("acceleration", host.get(&name("acceleration")), acceleration, full / e.inertia);
+    worst.compare("static load", run.get(&name("static_load")), e.load, e.size);
+    worst.compare("additional", run.get(&name(&format!("additional_{force_name}"))), additional, part);
+    worst.compare("acceleration", run.get(&name("acceleration")), acceleration, full / e.inertia);
     let required = e.load + e.inertia * demand - additional;
     let size = full.max(e.inertia * demand.abs());
-    worst.compare("required", host.get(&name("required_force")), required, size);
-    worst.compare("T", host.get("energy.kinetic"), 0.5 * e.inertia * e.speed * e.speed, 0.0);
+    worst.compare("required", run.get(&name("required_force")), required, size);
+    worst.compare("T", run.get("energy.kinetic"), 0.5 * e.inertia * e.speed * e.speed, 0.0);
 }
 
 /// Numbers between -1 and 1 that differ from state to state.
@@ -142,14 +141,14 @@ fn wave(k: i32, rate: f64) -> f64 {
 }
 
 /// The four-bar linkage of fig. 3 with these masses of crank and rocker (uniform rods).
-fn four_bar(host: &mut Host, crank_mass: f64, rocker_mass: f64) {
+fn four_bar(run: &mut Run, crank_mass: f64, rocker_mass: f64) {
     let linkage = FourBar { crank: 0.1, coupler: 0.35, rocker: 0.25, pivot: C::new(0.3, 0.0), side: 1.0 };
     let mut worst = Worst::default();
     for k in 0..400 {
         let (theta, speed) = (0.0157 * f64::from(k) - 2.0, 40.0 * wave(k, 0.7));
-        host.place(("crank.start_angle", theta), ("crank.start_speed", speed));
+        run.place(("crank.start_angle", theta), ("crank.start_speed", speed));
         let (force, torque) = (C::new(300.0 * wave(k, 1.1), 300.0 * wave(k, 1.3)), 20.0 * wave(k, 1.7));
-        host.set_all(&[("C.force_x", force.re), ("C.force_y", force.im), ("coupler.torque", torque)]);
+        run.set_all(&[("C.force_x", force.re), ("C.force_y", force.im), ("coupler.torque", torque)]);
         let crank = [theta, 1.0, 0.0];
         let (phi, psi) = linkage.angles(theta);
         let center = plus(turned(C::new(0.1, 0.0), crank), turned(C::new(0.2, 0.05), phi));
@@ -169,20 +168,20 @@ fn four_bar(host: &mut Host, crank_mass: f64, rocker_mass: f64) {
         let [inertia, change, load, size] = superposed(&parts);
         let size = size.max(300.0 * parts[0].radius().0);
         let expected = Expected { drive: "drive", revolutions: true, inertia, change, load, size, speed };
-        compare(&mut worst, host, &expected, 10.0 * wave(k, 1.9), 200.0 * wave(k, 2.3));
+        compare(&mut worst, run, &expected, 10.0 * wave(k, 1.9), 200.0 * wave(k, 2.3));
         // Eqs. (3), (4): the centre's tangential and the coupler's angular acceleration, where they are not near zero.
-        let epsilon = host.get("drive.acceleration");
+        let epsilon = run.get("drive.acceleration");
         let (rz, drz) = parts[0].radius();
-        let v = C::new(host.get("C.velocity_x"), host.get("C.velocity_y"));
-        let a = C::new(host.get("C.acceleration_x"), host.get("C.acceleration_y"));
+        let v = C::new(run.get("C.velocity_x"), run.get("C.velocity_y"));
+        let a = C::new(run.get("C.acceleration_x"), run.get("C.acceleration_y"));
         let along = (v.conj() * a).re / v.norm() * speed.signum();
         let kinds = [(rz * epsilon).abs(), speed * speed * rz].into_iter().fold(0.0, f64::max);
         worst.compare("(1) v_C", v.norm(), (rz * speed).abs(), 0.0);
         worst.compare("(3) a_C", along, rz * epsilon + speed * speed * drz, kinds);
         let size = epsilon.abs() + speed * speed;
-        worst.compare("(2) omega_C", host.get("coupler.speed"), phi[1] * speed, speed);
+        worst.compare("(2) omega_C", run.get("coupler.speed"), phi[1] * speed, speed);
         let expected = phi[1] * epsilon + speed * speed * phi[2];
-        worst.compare("(4) epsilon_C", host.get("coupler.acceleration"), expected, size);
+        worst.compare("(4) epsilon_C", run.get("coupler.acceleration"), expected, size);
     }
     worst.print();
     worst.assert_within(ACCURACY);
@@ -190,7 +189,7 @@ fn four_bar(host: &mut Host, crank_mass: f64, rocker_mass: f64) {
 
 #[test]
 fn a_four_bar_linkage_with_a_heavy_coupler() {
-    four_bar(&mut Host::new(FOUR_BAR), 0.0, 0.0);
+    four_bar(&mut Run::new(FOUR_BAR), 0.0, 0.0);
 }
 
 #[test]
@@ -199,23 +198,23 @@ fn the_bodies_of_a_four_bar_linkage_are_superposed() {
         |length: &str, mass: &str| format!("\"length\": {length}, \"mass\": {mass}, \"shape\": \"uniform_rod\" }}");
     let changes = [("\"length\": 0.1 }", rod("0.1", "0.7")), ("\"length\": 0.25 }", rod("0.25", "1.3"))];
     let changes = changes.each_ref().map(|(from, to)| (*from, to.as_str()));
-    four_bar(&mut Host::changed(FOUR_BAR, &changes), 0.7, 1.3);
+    four_bar(&mut Run::replaced(FOUR_BAR, &changes), 0.7, 1.3);
 }
 
 /// The crane of fig. 10, reduced first to the jib's angle, then to the cylinder's length x.
 #[test]
 fn a_crane_jib_with_its_cylinder() {
-    let mut host = Host::new(CRANE);
+    let mut run = Run::new(CRANE);
     let linkage = FourBar { crank: 16.0, coupler: 3.0, rocker: 11.5, pivot: C::new(-2.5, 5.0), side: -1.0 };
     let mut worst = Worst::default();
     for k in 0..=200 {
         // Above the toggle at 0.909 rad, where beak and connector are in line.
         let (theta, omega) = (1.0 + 0.0025 * f64::from(k), 0.3 * wave(k, 0.7));
-        host.place(("jib.start_angle", theta), ("jib.start_speed", omega));
+        run.place(("jib.start_angle", theta), ("jib.start_speed", omega));
         let (hook, own) = (C::new(0.3, -1.0) * 3e4 * wave(k, 1.1), C::new(wave(k, 1.3), wave(k, 1.5)) * 1e4);
         let torque = 5e4 * wave(k, 1.7);
-        host.set_all(&[("hook.force_x", hook.re), ("hook.force_y", hook.im)]);
-        host.set_all(&[("C.force_x", own.re), ("C.force_y", own.im), ("beak.torque", torque)]);
+        run.set_all(&[("hook.force_x", hook.re), ("hook.force_y", hook.im)]);
+        run.set_all(&[("C.force_x", own.re), ("C.force_y", own.im), ("beak.torque", torque)]);
         let jib = [theta, 1.0, 0.0];
         let (phi, _) = linkage.angles(theta);
         let beak = [phi[0] + std::f64::consts::PI, phi[1], phi[2]];
@@ -247,9 +246,9 @@ fn a_crane_jib_with_its_cylinder() {
             size: moment_size / x1,
             speed: omega * x1,
         };
-        worst.compare("x", host.get("cylinder.length"), x, 0.0);
-        worst.compare("tip", host.get("tip.y"), tip[0].im, 0.0);
-        compare(&mut worst, &mut host, &expected, 2e5 * wave(k, 1.9), 0.5 * wave(k, 2.3));
+        worst.compare("x", run.get("cylinder.length"), x, 0.0);
+        worst.compare("tip", run.get("tip.y"), tip[0].im, 0.0);
+        compare(&mut worst, &mut run, &expected, 2e5 * wave(k, 1.9), 0.5 * wave(k, 2.3));
     }
     worst.print();
     worst.assert_within(ACCURACY);

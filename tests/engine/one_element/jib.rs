@@ -1,10 +1,10 @@
 //! [CK16] 3: the jib of fig. 12, equations (22)-(25), (32)-(42), over the paper's range of x from 2.2 to 3.2 m.
 //!
 //! The mass m_C is at the jib's end; in one variant the jib has the inertia I_C too.
-use super::host::{ACCURACY, Host, Worst};
+use super::worst::{ACCURACY, Worst};
+use crate::support::{JIB, Run};
 
-pub const JSON: &str = include_str!("../../../modelDescription/Jib/resources/mechanism.json");
-const E: f64 = 1.3;
+pub const E: f64 = 1.3;
 const B: f64 = 2.2;
 const L: f64 = 5.0;
 const MASS: f64 = 1000.0;
@@ -41,8 +41,8 @@ fn mass_derivative(x: f64) -> f64 {
 }
 
 /// Start at the length x with the speed v_S.
-pub fn place(host: &mut Host, x: f64, speed: f64) {
-    host.place(("jib.start_angle", angle(x)), ("jib.start_speed", speed / (E * sine(x))));
+pub fn place(run: &mut Run, x: f64, speed: f64) {
+    run.place(("jib.start_angle", angle(x)), ("jib.start_speed", speed / (E * sine(x))));
 }
 
 /// x, v_S, F_S, force at the end (x, y), demanded acceleration.
@@ -54,11 +54,11 @@ fn states() -> impl Iterator<Item = [f64; 6]> {
     })
 }
 
-fn closed_forms(host: &mut Host, inertia: f64) {
+fn closed_forms(run: &mut Run, inertia: f64) {
     let mut worst = Worst::default();
     for [x, speed, force, end_x, end_y, demand] in states() {
-        place(host, x, speed);
-        host.set_all(&[
+        place(run, x, speed);
+        run.set_all(&[
             ("cylinder.force", force),
             ("tip.force_x", end_x),
             ("tip.force_y", end_y),
@@ -75,26 +75,26 @@ fn closed_forms(host: &mut Host, inertia: f64) {
         let additional = -0.5 * speed * speed * change;
         let acceleration = (force - static_load + additional) / reduced;
         let full = force.abs().max(static_load.abs()).max(additional.abs());
-        worst.compare("x", host.get("cylinder.length"), x, x);
-        worst.compare("v_S", host.get("cylinder.speed"), speed, speed);
-        let v = along(host.get("tip.velocity_x"), host.get("tip.velocity_y"));
+        worst.compare("x", run.get("cylinder.length"), x, x);
+        worst.compare("v_S", run.get("cylinder.speed"), speed, speed);
+        let v = along(run.get("tip.velocity_x"), run.get("tip.velocity_y"));
         worst.compare("(23), (39) v_C", v, speed / iv, 0.0);
-        worst.compare("(22) omega_C", host.get("jib.speed"), speed / re, 0.0);
-        worst.compare("(33), (41) m_zS", host.get("cylinder.reduced_mass"), reduced, 0.0);
-        worst.compare("(42) dm_zS/dx", host.get("cylinder.reduced_mass_derivative"), change, reduced);
-        worst.compare("(32) F_Su", host.get("cylinder.static_load"), static_load, MASS * 9.81 / iv);
-        worst.compare("(36) Delta F_S", host.get("cylinder.additional_force"), additional, speed * speed * reduced);
+        worst.compare("(22) omega_C", run.get("jib.speed"), speed / re, 0.0);
+        worst.compare("(33), (41) m_zS", run.get("cylinder.reduced_mass"), reduced, 0.0);
+        worst.compare("(42) dm_zS/dx", run.get("cylinder.reduced_mass_derivative"), change, reduced);
+        worst.compare("(32) F_Su", run.get("cylinder.static_load"), static_load, MASS * 9.81 / iv);
+        worst.compare("(36) Delta F_S", run.get("cylinder.additional_force"), additional, speed * speed * reduced);
         let required = static_load + reduced * demand - additional;
-        worst.compare("(37) F_S", host.get("cylinder.required_force"), required, full.max(MASS * 9.81 / iv));
-        worst.compare("(38) a_S", host.get("cylinder.acceleration"), acceleration, full / reduced);
-        let a = along(host.get("tip.acceleration_x"), host.get("tip.acceleration_y"));
+        worst.compare("(37) F_S", run.get("cylinder.required_force"), required, full.max(MASS * 9.81 / iv));
+        worst.compare("(38) a_S", run.get("cylinder.acceleration"), acceleration, full / reduced);
+        let a = along(run.get("tip.acceleration_x"), run.get("tip.acceleration_y"));
         let size = full / reduced / iv;
         worst.compare("(24) a_C", a, acceleration / iv - (speed / iv).powi(2) * div, size);
         let epsilon = acceleration / re - (speed / re).powi(2) * dre;
-        worst.compare("(25) epsilon_C", host.get("jib.acceleration"), epsilon, size / L);
-        worst.compare("T", host.get("energy.kinetic"), 0.5 * reduced * speed * speed, 0.0);
+        worst.compare("(25) epsilon_C", run.get("jib.acceleration"), epsilon, size / L);
+        worst.compare("T", run.get("energy.kinetic"), 0.5 * reduced * speed * speed, 0.0);
         // At rest the same loads are held by F_Su.
-        worst.compare("holding", host.get("cylinder.holding_force"), static_load, MASS * 9.81 / iv);
+        worst.compare("holding", run.get("cylinder.holding_force"), static_load, MASS * 9.81 / iv);
     }
     worst.print();
     worst.assert_within(ACCURACY);
@@ -102,32 +102,32 @@ fn closed_forms(host: &mut Host, inertia: f64) {
 
 #[test]
 fn the_mechanism_follows_the_closed_forms() {
-    closed_forms(&mut Host::new(JSON), 0.0);
+    closed_forms(&mut Run::new(JIB), 0.0);
 }
 
 #[test]
 fn with_an_inertia_of_the_jib_too() {
     let jib = format!("\"jib\": {{ \"length\": 5, \"inertia\": {JIB_INERTIA},");
-    closed_forms(&mut Host::changed(JSON, &[("\"jib\": { \"length\": 5,", &jib)]), JIB_INERTIA);
+    closed_forms(&mut Run::replaced(JIB, &[("\"jib\": { \"length\": 5,", &jib)]), JIB_INERTIA);
 }
 
 /// Eqs. (24), (31), (34): v_S^2 goes with di_v/dx; in print with di_v/dt, which is v_S di_v/dx.
 #[test]
 fn the_formulas_in_print_disagree() {
-    let mut host = Host::new(JSON);
+    let mut run = Run::new(JIB);
     for k in 0..=20 {
         let (x, speed) = (2.2 + 0.05 * f64::from(k), 0.5);
-        place(&mut host, x, speed);
-        host.set("cylinder.demanded_acceleration", 0.0);
+        place(&mut run, x, speed);
+        run.set("cylinder.demanded_acceleration", 0.0);
         let (iv, div, theta) = (ratio(x), ratio_derivative(x), angle(x));
-        let a = host.get("tip.acceleration_y") * theta.cos() - host.get("tip.acceleration_x") * theta.sin();
-        let own = host.get("cylinder.acceleration") / iv;
+        let a = run.get("tip.acceleration_y") * theta.cos() - run.get("tip.acceleration_x") * theta.sin();
+        let own = run.get("cylinder.acceleration") / iv;
         let (right, printed) = (own - (speed / iv).powi(2) * div, own - (speed / iv).powi(2) * div * speed);
         let size = own.abs().max((speed / iv).powi(2) * div.abs());
         assert!((a - right).abs() < 1e-11 * size, "{x}");
         assert!((a - printed).abs() > 0.4 * (speed / iv).powi(2) * div.abs(), "{x}");
         let velocity_part = |rate: f64| -MASS * speed * speed / iv.powi(3) * rate;
-        let part = host.get("cylinder.required_force") - host.get("cylinder.static_load");
+        let part = run.get("cylinder.required_force") - run.get("cylinder.static_load");
         assert!((part - velocity_part(div)).abs() < 1e-10 * MASS * 9.81 / iv, "{x}");
         assert!((part - velocity_part(div * speed)).abs() > 0.4 * velocity_part(div).abs(), "{x}");
     }

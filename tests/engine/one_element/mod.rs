@@ -4,7 +4,7 @@ mod consistency;
 mod damping;
 mod efficiency;
 mod four_bar;
-mod host;
 mod jib;
 mod slider;
 mod slider_crank;
+mod worst;

@@ -1,5 +1,5 @@
 //! A block on a rail, with a drive, a load, a spring and a damper: motions in closed form.
-use super::host::Host;
+use crate::support::Run;
 
 pub const MASS: f64 = 2.0;
 
@@ -16,10 +16,10 @@ pub struct Slider {
 }
 
 impl Slider {
-    pub fn host(&self, tolerance: f64) -> Host {
+    pub fn run(&self, tolerance: f64) -> Run {
         let efficiency = self.eta.map_or(String::new(), |eta| format!(", \"efficiency\": {eta}"));
         let damping = if self.damping == 0.0 { String::new() } else { format!(", \"damping\": {}", self.damping) };
-        let mut host = Host::new(&format!(
+        let mut run = Run::new(&format!(
             r#"{{
                 "name": "Slider",
                 "bodies": {{ "ground": {{}}, "block": {{ "mass": {MASS} }} }},
@@ -32,8 +32,8 @@ impl Slider {
             }}"#,
             self.stiffness
         ));
-        host.0.set_tolerance(tolerance).unwrap();
-        host
+        run.set("solver.tolerance", tolerance);
+        run
     }
 
     /// Move for h [s] under a push through the lossy drive and a constant load, without spring; the number of stops.

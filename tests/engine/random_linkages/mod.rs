@@ -1,22 +1,26 @@
 //! Random linkages against Newton and Euler's equations in absolute coordinates, solved with nothing of the engine.
 //!
-//! The factor in the environment variable `RANDOM_LINKAGES` multiplies the number of cases.
+//! 100 linkages for each property; `LINKAGE_FMU_CASES=600 cargo test --test engine random_linkages` tests 600.
 mod generate;
-mod linkage;
+pub mod linkage;
 mod oracle;
 mod run;
 
+use crate::support::cases;
 use generate::{CHAINS, Discard, build, grashof, linkages, numbers};
 use linkage::{Coordinate, Linkage};
 use linkage_fmu::mechanism::ModelError;
 use linkage_fmu::mechanism::curve::CurveError;
 use linkage_fmu::mechanism::reduced::ReductionError;
+use linkage_fmu::simulation::SimulationError;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
 use run::{Run, State};
 use std::collections::BTreeMap;
 
+/// Linkages for each property if the environment asks for no other number.
+const CASES: u32 = 100;
 /// Accuracy of the engine's tables, relative to the largest value along the motion.
 const TABLE: f64 = 1e-13;
 /// Rounding of sums of a few tens of terms, each with the rounding of an angle's table.
@@ -29,9 +33,8 @@ const MISJUDGED: f64 = 100.0;
 /// Of a hundred cases this many may be refused by the engine for what it states that it refuses.
 const REFUSED: u32 = 3;
 
-fn config(cases: u32) -> ProptestConfig {
-    let factor = std::env::var("RANDOM_LINKAGES").ok().and_then(|v| v.parse::<u32>().ok()).unwrap_or(2);
-    let cases = cases * factor;
+fn config() -> ProptestConfig {
+    let cases = cases().unwrap_or(CASES);
     ProptestConfig {
         cases,
         max_global_rejects: cases * REFUSED / 100,
@@ -42,9 +45,9 @@ fn config(cases: u32) -> ProptestConfig {
 }
 
 /// What the engine gives, or a case set aside for a stated limit: an actuator whose ends meet, branches of motion that
-/// almost cross (tests/singular says how near), or an unlimited slide that leaves the stretch that is traced.
-fn given<T>(linkage: &Linkage, result: Result<T, ModelError>) -> Result<T, TestCaseError> {
-    result.map_err(|e| match e {
+/// almost cross (`singular` shows how near), or an unlimited slide that leaves the stretch that is traced.
+fn given<T>(linkage: &Linkage, result: Result<T, SimulationError>) -> Result<T, TestCaseError> {
+    let model_error = |error| match error {
         ModelError::Reduction(ReductionError::EndsMeet { .. }) => TestCaseError::reject("ends meet"),
         ModelError::Table { .. } | ModelError::Reduction(ReductionError::Table { .. }) => {
             TestCaseError::reject("ends almost meet, or not smooth far out")
@@ -56,7 +59,11 @@ fn given<T>(linkage: &Linkage, result: Result<T, ModelError>) -> Result<T, TestC
         ModelError::Reduction(ReductionError::Curve(CurveError::Stuck { .. })) if linkage.kind == "double slider" => {
             TestCaseError::reject("lost far out")
         }
-        e => TestCaseError::fail(e.to_string()),
+        error => TestCaseError::fail(error.to_string()),
+    };
+    result.map_err(|error| match error {
+        SimulationError::Model(error) => model_error(error),
+        error => TestCaseError::fail(error.to_string()),
     })
 }
 
@@ -91,7 +98,8 @@ fn agrees(run: &mut Run, linkage: &Linkage) -> Result<(), TestCaseError> {
     let mark = motion.point(linkage.loads.force.0);
     within(
         "marker",
-        (mark.x - given(linkage, run.get("mark.x"))?).hypot(mark.y - given(linkage, run.get("mark.y"))?),
+        (mark.x - given(linkage, run.simulation.get("mark.x"))?)
+            .hypot(mark.y - given(linkage, run.simulation.get("mark.y"))?),
         rounding,
     )?;
     let solution = motion.solve();
@@ -164,7 +172,7 @@ fn few_are_discarded_and_every_type_occurs() {
 }
 
 proptest! {
-    #![proptest_config(config(300))]
+    #![proptest_config(config())]
 
     /// The guess is a little astray; the start is the position as built, its speed as stated.
     #[test]
@@ -191,30 +199,30 @@ proptest! {
         agrees(&mut run, &linkage)?;
         let mut largest = 0.0;
         for h in &steps {
-            given(&linkage, run.model.step(*h))?;
+            given(&linkage, run.simulation.step(*h))?;
             agrees(&mut run, &linkage)?;
             let state = given(&linkage, run.state())?;
             let motion = run.motion(&state);
             largest = f64::max(largest, motion.kinetic() + motion.potentials().iter().map(|p| p.abs()).sum::<f64>());
-            let kinetic = given(&linkage, run.get("energy.kinetic"))?;
+            let kinetic = given(&linkage, run.simulation.get("energy.kinetic"))?;
             within("energy.kinetic", (kinetic - motion.kinetic()).abs(), TABLE * largest)?;
         }
         // A step errs by the tolerance in speed, twice that in energy, and in place, in both components at once.
-        let count = run.model.statistics().accepted as f64;
+        let count = run.simulation.model().statistics().accepted as f64;
         within_steps("energy", (4.0 * count * TOLERANCE + TABLE) * largest, |part| {
             let mut run = run.clone();
-            run.set("solver.tolerance", part * TOLERANCE);
-            given(&linkage, run.model.initialize())?;
+            given(&linkage, run.simulation.set("solver.tolerance", part * TOLERANCE))?;
+            given(&linkage, run.simulation.initialize())?;
             let energy = |state: &State| {
                 let motion = oracle::Motion::of(&linkage, state);
                 motion.kinetic() + motion.potentials().iter().sum::<f64>()
             };
             let start = energy(&given(&linkage, run.state())?);
             for h in &steps {
-                given(&linkage, run.model.step(*h))?;
+                given(&linkage, run.simulation.step(*h))?;
             }
             let change = energy(&given(&linkage, run.state())?) - start;
-            let drift = given(&linkage, run.get("energy.drift"))?;
+            let drift = given(&linkage, run.simulation.get("energy.drift"))?;
             within("energy.drift", (drift - change).abs(), TABLE * largest)?;
             Ok(change.abs())
         })?;
@@ -235,7 +243,7 @@ proptest! {
         let bound = (there + again) as f64 * TOLERANCE * grown * fastest;
         within_steps("return", bound, |part| {
             let mut back_run = back_run.clone();
-            back_run.set("solver.tolerance", part * TOLERANCE);
+            given(&linkage, back_run.simulation.set("solver.tolerance", part * TOLERANCE))?;
             let (home, _) = given(&linkage, back_run.end([0.0, 0.0], &[time]))?;
             Ok(apart(&start, &home, -1.0))
         })?;
@@ -253,7 +261,7 @@ proptest! {
         let whole = [steps.iter().sum()];
         let ends = |tolerance: f64| {
             let mut run = run.clone();
-            run.set("solver.tolerance", tolerance);
+            given(&linkage, run.simulation.set("solver.tolerance", tolerance))?;
             Ok::<_, TestCaseError>([given(&linkage, run.end([0.0, 0.0], &whole))?, given(&linkage, run.end([0.0, 0.0], &steps))?])
         };
         let [(one, few), (_, many)] = ends(tolerance)?;
