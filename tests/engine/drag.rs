@@ -77,9 +77,9 @@ fn drag(angle: f64, speed: f64, airspeed: f64, relative: bool) -> (Vector, f64, 
     };
     let pressure = |s: f64| scaled(wind(s), 0.5 * DENSITY * COEFFICIENT * dot(normal, wind(s)).abs());
     let (a, b) = (dot(normal, wind(0.0)), dot(normal, wind(LEG)));
-    let turn = if a * b < 0.0 { LEG * a / (a - b) } else { 0.0 };
+    let reversal = if a * b < 0.0 { LEG * a / (a - b) } else { 0.0 };
     let (mut force, mut moment) = ([0.0; 2], 0.0);
-    for (from, to) in [(0.0, turn), (turn, LEG)] {
+    for (from, to) in [(0.0, reversal), (reversal, LEG)] {
         for side in [-1.0, 1.0] {
             let s = 0.5 * (from + to) + side * (to - from) / 12_f64.sqrt();
             let part = scaled(pressure(s), 0.5 * (to - from) * WIDTH);

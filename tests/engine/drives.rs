@@ -180,7 +180,7 @@ fn acceleration((name, _): Drive) -> String {
 /// The servo's terms beside a ram that loses half of its power, at rest at 0.9 rad; the ram's force is S, the angles are
 /// theta of the crank and phi of the rod.
 #[test]
-fn a_lossy_drive_beside_another_has_its_closed_form() {
+fn a_drive_with_losses_beside_another_has_its_closed_form() {
     let case = Case {
         mechanism: 0,
         friction: false,
@@ -217,7 +217,7 @@ fn a_lossy_drive_beside_another_has_its_closed_form() {
             assert!((run.get("servo.acceleration") - demand).abs() < 1e-10, "{demand} at {torque}");
             run.set("servo.torque", torque);
         }
-        // What the drive itself gives shows in the present load: the ram gives way to it as long as it holds.
+        // The drive's own torque shows in the present load: the ram gives way to it as long as it holds.
         let load = run.get("servo.static_load");
         near(load, torque.clamp(backward, forward), "load");
     }

@@ -4,11 +4,12 @@ use crate::support::{GEAR, Run, replaced};
 
 const FORCE: &str = "\"force\": 30000";
 
-/// The gear at its start with these values; flags are set to true, and the word "lossy" gives the drive an efficiency.
+/// The gear at its start with these values; flags are set to true, and the word "efficiency" gives the drive one of 0.6.
 fn gear(values: &[(&str, f64)], flags: &[&str]) -> Run {
-    let lossy = format!("{FORCE}, \"efficiency\": 0.6");
-    let mut gear = if flags.contains(&"lossy") { Run::new(&replaced(GEAR, &[(FORCE, &lossy)])) } else { Run::gear() };
-    flags.iter().filter(|flag| **flag != "lossy").for_each(|flag| gear.set(flag, true));
+    let changed = format!("{FORCE}, \"efficiency\": 0.6");
+    let mut gear =
+        if flags.contains(&"efficiency") { Run::new(&replaced(GEAR, &[(FORCE, &changed)])) } else { Run::gear() };
+    flags.iter().filter(|flag| **flag != "efficiency").for_each(|flag| gear.set(flag, true));
     gear.with(values).started()
 }
 
@@ -81,8 +82,8 @@ fn one_step_under_a_parabola_is_as_good_as_many() {
         (&["friction.enabled"][..], false),
         (&[][..], true),
         (&["friction.enabled", "air.relative_wind"][..], true),
-        (&["lossy"][..], false),
-        (&["lossy", "friction.enabled"][..], true),
+        (&["efficiency"][..], false),
+        (&["efficiency", "friction.enabled"][..], true),
     ] {
         let inputs: Vec<_> = inputs.into_iter().chain(winds.then_some(wind)).collect();
         let run = |steps: usize| {
@@ -156,7 +157,7 @@ fn a_ramp_lets_go_of_the_down_stop_in_time() {
 #[test]
 fn a_ramp_overcomes_the_drive_that_holds_the_gear_at_rest() {
     let at = [("crank.start_angle", 0.5), TIGHT];
-    let mut gear = gear(&at, &["lossy"]);
+    let mut gear = gear(&at, &["efficiency"]);
     let holding = gear.get("actuator.holding_force");
     // Forward it takes the holding force over the efficiency, backward times it; between the two the drive holds.
     let [first, last] = if holding < 0.0 { [holding, 0.2 * holding] } else { [holding, 3.0 * holding] };
@@ -164,8 +165,8 @@ fn a_ramp_overcomes_the_drive_that_holds_the_gear_at_rest() {
     let release = 0.0312;
     let rate = (limit - first) / release;
     let rest = (last - limit).abs().min(500.0) / rate.abs();
-    let long = ramped(self::gear(&at, &["lossy"]), first, rate, release + rest);
-    let short = ramped(self::gear(&at, &["lossy"]), limit, rate, rest);
+    let long = ramped(self::gear(&at, &["efficiency"]), first, rate, release + rest);
+    let short = ramped(self::gear(&at, &["efficiency"]), limit, rate, rest);
     assert!(short[1].abs() > 1e-6, "{short:?}");
     for i in 0..2 {
         assert!((long[i] - short[i]).abs() < 1e-8 * short[1].abs(), "{long:?} {short:?}");

@@ -153,15 +153,22 @@ fn bytes_are_changed() {
     run("bytes", text);
 }
 
-/// Texts with some numbers put in place of others.
-fn replaced(number: impl Strategy<Value = String>) -> impl Strategy<Value = String> {
-    (mechanism(), prop::collection::vec((any::<Index>(), number), 1..4)).prop_map(|(text, edits)| {
-        edits.into_iter().fold(text.to_owned(), |text, (index, number)| {
+/// Texts with some numbers replaced: `write` gives the text in place of a number.
+fn edited<T: std::fmt::Debug>(
+    edit: impl Strategy<Value = T>,
+    write: impl Fn(&str, T) -> String,
+) -> impl Strategy<Value = String> {
+    (mechanism(), prop::collection::vec((any::<Index>(), edit), 1..4)).prop_map(move |(text, edits)| {
+        edits.into_iter().fold(text.to_owned(), |text, (index, edit)| {
             let numbers = numbers(&text);
             let (first, last) = numbers[index.index(numbers.len())];
-            format!("{}{number}{}", &text[..first], &text[last..])
+            format!("{}{}{}", &text[..first], write(&text[first..last], edit), &text[last..])
         })
     })
+}
+
+fn replaced(number: impl Strategy<Value = String>) -> impl Strategy<Value = String> {
+    edited(number, |_, number| number)
 }
 
 #[test]
@@ -172,15 +179,9 @@ fn numbers_are_replaced() {
 
 #[test]
 fn numbers_are_scaled() {
-    let text = (mechanism(), prop::collection::vec((any::<Index>(), -4.0..4.0), 1..4)).prop_map(|(text, edits)| {
-        edits.into_iter().fold(text.to_owned(), |text, (index, exponent): (_, f64)| {
-            let numbers = numbers(&text);
-            let (first, last) = numbers[index.index(numbers.len())];
-            let value = text[first..last].parse::<f64>().unwrap_or(1.0) * 10_f64.powf(exponent);
-            format!("{}{value:e}{}", &text[..first], &text[last..])
-        })
-    });
-    run("scales", text);
+    let scaled =
+        |number: &str, exponent: f64| format!("{:e}", number.parse::<f64>().unwrap_or(1.0) * 10_f64.powf(exponent));
+    run("scales", edited(-4.0..4.0, scaled));
 }
 
 #[test]

@@ -52,11 +52,15 @@ fn gear_inertia(theta2: f64) -> f64 {
         + m3 * (l2 * l2 + l3 * l3 * k3 * k3 / 3.0 + l2 * l3 * k3 * (theta2 - theta3).cos())
 }
 
+/// The gear's largest crank angle [rad]: coupler and follower in line.
+fn toggle() -> f64 {
+    ((0.5729f64.powi(2) + 0.1755f64.powi(2) - 0.557f64.powi(2)) / (2.0 * 0.5729 * 0.1755)).acos()
+}
+
 /// Length of the gear's closed curve in the kinetic metric. The lower branch mirrors the upper one, and with
 /// theta2 = toggle sin(phi) the integrand is smooth and periodic, so that the midpoint rule converges geometrically.
 fn gear_length() -> f64 {
-    let cosine: f64 = (0.5729f64.powi(2) + 0.1755f64.powi(2) - 0.557f64.powi(2)) / (2.0 * 0.5729 * 0.1755);
-    let toggle = cosine.acos();
+    let toggle = toggle();
     const POINTS: u32 = 4000;
     let step = PI / f64::from(POINTS);
     let value = |i: u32| {
@@ -92,8 +96,7 @@ fn the_gear_coasts_through_both_toggles_ten_thousand_times() {
 
 #[test]
 fn a_start_exactly_at_a_toggle_works() {
-    let cosine: f64 = (0.5729f64.powi(2) + 0.1755f64.powi(2) - 0.557f64.powi(2)) / (2.0 * 0.5729 * 0.1755);
-    for toggle in [cosine.acos(), -cosine.acos()] {
+    for toggle in [toggle(), -toggle()] {
         let start = [("crank.start_angle", toggle), ("solver.tolerance", 1e-12)];
         let mut gear = Run::new(&without_stops()).with(&start).started();
         assert!((gear.get("crank.angle") - toggle).abs() < 1e-12);
@@ -172,7 +175,7 @@ fn the_antiparallelogram_stays_one() {
 
 /// A parallelogram with one length off by a part in 10 to 1e17: the branches that would cross when flat are joined by bends
 /// as narrow as the root of that. Down to 1e-5 the motion is exact through them, from 1e-13 on they may be a crossing;
-/// in between rounding would tell which way to go, and the model is refused for this reason.
+/// in between rounding would choose the branch, and the model is refused for this reason.
 #[test]
 fn branches_that_almost_cross_are_told_apart_or_refused() {
     let speed = 5.0;
@@ -303,7 +306,7 @@ fn a_crank_that_turns_fully_round_counts_on() {
     assert!(last > 20.0 * TAU);
     assert!(bars.get("energy.drift").abs() < 1e-9 * energy);
     assert!(bars.get("rocker.angle").abs() < PI);
-    // A start some turns away is the same place.
+    // A start some turns away is the same position.
     bars.set("crank.start_angle", 0.5 + 3.0 * TAU);
     bars.initialize();
     assert!((bars.get("crank.angle") - 0.5 - 3.0 * TAU).abs() < 1e-13);

@@ -1,4 +1,4 @@
-//! One mechanism, two formulations: what `solver.method` changes, and what it does not.
+//! One mechanism in two formulations, the reduced model and rigid finite elements, chosen by `solver.method`.
 
 use super::gear_retraction::THETA_013;
 use super::rigid_fem::{ELASTIC_LIMIT, heavy_four_bar, strut};
@@ -202,8 +202,8 @@ fn laws_that_the_finite_elements_lack_are_refused_at_the_start() {
     let method = |m: &mut Value| m["solver"] = json!({ "tolerance": 1e-9, "method": "rigid_fem" });
     let message = Model::from_json(&changed(SLIDER_CRANK, method)).unwrap_err().to_string();
     assert!(message.contains("prismatic"), "{message}");
-    let lossy = changed(GEAR, |m| m["actuators"]["actuator"]["efficiency"] = json!(0.9));
-    let mut model = Run::new(&lossy);
+    let inefficient = changed(GEAR, |m| m["actuators"]["actuator"]["efficiency"] = json!(0.9));
+    let mut model = Run::new(&inefficient);
     model.set("solver.method", "rigid_fem");
     let message = refused(&mut model);
     assert!(message.contains("actuator = 0.9") && message.contains("set it to 1"), "{message}");

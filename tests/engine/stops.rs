@@ -66,12 +66,12 @@ fn a_lock_holds_by_a_force_at_its_point() {
     assert!(force > 0.0);
     // Backward motion at 1 rad/s shows the direction of the wheel's path.
     let open = [("upstop.enabled", false)];
-    let place = [("crank.start_angle", -1.3), ("actuator.force", 0.0)];
-    let mut moving = Run::gear().with(&open).with(&place).with(&[("crank.start_speed", -1.0)]).started();
+    let at = [("crank.start_angle", -1.3), ("actuator.force", 0.0)];
+    let mut moving = Run::gear().with(&open).with(&at).with(&[("crank.start_speed", -1.0)]).started();
     let path = [moving.get("wheel.velocity_x"), moving.get("wheel.velocity_y")];
     let length = path[0].hypot(path[1]);
     let pull = [("wheel.force_x", force * path[0] / length), ("wheel.force_y", force * path[1] / length)];
-    let mut same = Run::gear().with(&open).with(&place).with(&pull).started();
+    let mut same = Run::gear().with(&open).with(&at).with(&pull).started();
     assert!(same.get("crank.acceleration").abs() < 1e-9, "{}", same.get("crank.acceleration"));
     same_reactions(&mut gear, &mut same);
     // Let go, it falls.
@@ -97,7 +97,7 @@ fn the_impact_is_located() {
         ])
         .started();
     late.step(after);
-    // 1e-10 s of the impact's place would be 4.5e-9 rad here.
+    // An error of 1e-10 s in the impact's time would be 4.5e-9 rad here.
     let miss = (gear.get("crank.angle") - late.get("crank.angle")).abs();
     assert!(miss < 1e-11, "{miss:e}");
     // However the steps are cut.
@@ -176,7 +176,6 @@ fn a_bumper_holds_by_its_spring() {
     assert!(highest > 0.8);
 }
 
-/// A flight whose height is rounding of the position is rest; it once ended the step below the stop.
 /// A lock catches at a bumper too, at its undeformed position.
 #[test]
 fn a_lock_catches_what_comes_to_a_bumper() {
@@ -194,9 +193,9 @@ fn a_lock_catches_what_comes_to_a_bumper() {
     }
 }
 
-/// Two stops at one place, or closer than a start is told from a stop, leave no room to move.
+/// Two stops at one position, or closer than a start is distinguished from a stop, leave no travel.
 #[test]
-fn stops_at_one_place_hold_whatever_pushes() {
+fn stops_at_one_position_hold_whatever_pushes() {
     for (gap, restitution) in [(0.0, 0.0), (0.0, 1.0), (5e-11, 0.5)] {
         for angle in [0.3, -0.5] {
             for (force, speed) in [(3e4, 0.0), (-3e4, 0.0), (0.0, 0.0), (3e4, 5.0), (-3e4, -5.0), (-1e4, 2.0)] {
@@ -234,6 +233,7 @@ fn a_step_may_be_as_long_as_time_is() {
     }
 }
 
+/// A flight whose height is rounding of the position is rest; it once ended the step below the stop.
 #[test]
 fn a_flight_within_rounding_is_rest() {
     for speed in [-1e-3, -1e-5, -1e-7, -1e-9, -1e-11, -1e-13] {

@@ -8,14 +8,14 @@ use crate::support::{JIB, Run, SLIDER_CRANK};
 
 const ETA: f64 = 0.7;
 
-fn lossy(json: &str, eta: f64) -> Run {
+fn with_efficiency(json: &str, eta: f64) -> Run {
     Run::replaced(json, &[("\"efficiency\": 1", &format!("\"efficiency\": {eta}"))])
 }
 
 /// [CK16] after eqs. (17), (38): eta divides, and multiplies where power flows back.
 #[test]
 fn the_formulas_change_where_power_flows_back() {
-    let (mut ideal, mut real) = (Run::new(JIB), lossy(JIB, ETA));
+    let (mut ideal, mut real) = (Run::new(JIB), with_efficiency(JIB, ETA));
     let mut worst = Worst::default();
     let (mut driven, mut back) = (0, 0);
     for k in 0..400 {
@@ -53,7 +53,7 @@ fn the_formulas_change_where_power_flows_back() {
 
 /// Work of the input, energy gained by jib and load.
 fn lift(force: f64, speed: f64, steps: usize) -> (f64, f64) {
-    let mut run = lossy(JIB, ETA);
+    let mut run = with_efficiency(JIB, ETA);
     run.set("solver.tolerance", 1e-13);
     run.set("cylinder.force", force);
     jib::place(&mut run, 2.6, speed);
@@ -82,7 +82,7 @@ fn the_mechanism_gains_what_arrives_of_the_work() {
 #[test]
 fn a_crank_gains_what_arrives_of_its_torque_over_several_turns() {
     for (torque, part) in [(12.0, ETA), (-4.0, 1.0 / ETA)] {
-        let mut run = lossy(SLIDER_CRANK, ETA);
+        let mut run = with_efficiency(SLIDER_CRANK, ETA);
         run.set("solver.tolerance", 1e-13);
         run.set_all(&[("drive.torque", torque), ("piston.force_y", 0.0)]);
         run.place(("crank.start_angle", 0.3), ("crank.start_speed", 200.0));
@@ -104,9 +104,9 @@ fn a_crank_gains_what_arrives_of_its_torque_over_several_turns() {
 
 /// Driven up takes more than H / eta, let down less than eta H; between, the drive holds.
 #[test]
-fn a_lossy_drive_holds_its_load() {
+fn a_drive_with_losses_holds_its_load() {
     for force_part in [ETA * (1.0 + 1e-9), 0.9, 1.0, 1.2, (1.0 - 1e-9) / ETA] {
-        let mut run = lossy(JIB, ETA);
+        let mut run = with_efficiency(JIB, ETA);
         jib::place(&mut run, 2.6, 0.0);
         let holding = run.get("cylinder.holding_force");
         run.set("cylinder.force", force_part * holding);
@@ -127,7 +127,7 @@ fn a_lossy_drive_holds_its_load() {
         assert!(error < 10.0 * ACCURACY, "{force_part}: ({x}, {y}), in balance {expected:?}");
     }
     for (force_part, sign) in [(ETA * (1.0 - 1e-9), -1.0), ((1.0 + 1e-9) / ETA, 1.0)] {
-        let mut run = lossy(JIB, ETA);
+        let mut run = with_efficiency(JIB, ETA);
         jib::place(&mut run, 2.6, 0.0);
         let holding = run.get("cylinder.holding_force");
         run.set("cylinder.force", force_part * holding);
@@ -165,7 +165,7 @@ fn reversals_under_a_changing_force_follow_the_closed_form() {
     }
 }
 
-/// A block on a spring, pushed by a constant lossy force: it swings about eta F / k on the way forward and about
+/// A block on a spring, pushed by a constant force with losses: it swings about eta F / k on the way forward and about
 /// F / (eta k) on the way back, loses twice their distance with each swing and stops between them.
 #[test]
 fn a_swing_under_a_lossy_push_dies_out_and_stops() {
@@ -236,7 +236,7 @@ fn one_long_step_meets_each_reversal() {
     }
 }
 
-/// A crank that a lossy drive swings there and back over its dead centres, with a damper: what the changing input, the
+/// A crank that a drive with losses swings there and back over its dead centres, with a damper: what the changing input, the
 /// piston's force and the weight put in is what is found again.
 #[test]
 fn the_energy_balance_stays_closed_over_reversals_of_a_crank() {

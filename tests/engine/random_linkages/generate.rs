@@ -1,5 +1,5 @@
 //! Strategies for random linkages: loops of four bodies and chains of six, any body as the ground, joints of both kinds.
-use super::linkage::{Body, Coordinate, Freedom, GROUND, Joint, Linkage, Loads, Mass, Place, Rider, Vec2, turned};
+use super::linkage::{Attachment, Body, Coordinate, Freedom, GROUND, Joint, Linkage, Loads, Mass, Rider, Vec2, turned};
 use super::oracle;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -131,19 +131,19 @@ pub fn build(chain: Chain, numbers: &[f64]) -> Result<Linkage, Discard> {
         bodies.push(pose(b, &own, &mut deck));
     }
     let mut next = vec![0; chain.bodies];
-    let mut place = |body: usize| {
+    let mut attachment = |body: usize| {
         next[body] += 1;
-        Place { body, point: next[body] - 1 }
+        Attachment { body, point: next[body] - 1 }
     };
     let joints: Vec<Joint> = (0..edges.len())
         .map(|j| {
-            let (first, second) = (place(edges[j].0), place(edges[j].1));
+            let (first, second) = (attachment(edges[j].0), attachment(edges[j].1));
             let (axis, position) = axes[j];
             let [a, b] = [first, second].map(|p| bodies[p.body].angle);
             let freedom = if sliding.contains(&j) {
-                Freedom::Slide { axis: axis - a, angle: b - a, position }
+                Freedom::Prismatic { axis: axis - a, angle: b - a, position }
             } else {
-                Freedom::Turn
+                Freedom::Revolute
             };
             Joint { freedom, first, second }
         })
@@ -152,7 +152,7 @@ pub fn build(chain: Chain, numbers: &[f64]) -> Result<Linkage, Discard> {
         let local = deck.point();
         let point = bodies[body].points.len();
         bodies[body].points.push((format!("q{point}"), local));
-        Place { body, point }
+        Attachment { body, point }
     };
     let moving = chain.bodies - 1;
     let body = 1 + deck.below(moving);
@@ -162,7 +162,8 @@ pub fn build(chain: Chain, numbers: &[f64]) -> Result<Linkage, Discard> {
         let body = 1 + deck.below(moving);
         some(&mut deck, body)
     });
-    let at_start = |p: Place| bodies[p.body].position + turned(bodies[p.body].points[p.point].1, bodies[p.body].angle);
+    let at_start =
+        |p: Attachment| bodies[p.body].position + turned(bodies[p.body].points[p.point].1, bodies[p.body].angle);
     if (at_start(a) - at_start(b)).norm() < SHORTEST {
         return Err(Discard::Short);
     }
@@ -173,7 +174,7 @@ pub fn build(chain: Chain, numbers: &[f64]) -> Result<Linkage, Discard> {
         torque: (1 + deck.below(moving), deck.between(-5.0, 5.0)),
     };
     let rider = Rider { to, angle: deck.between(-PI, PI), mass: deck.mass() };
-    let start = (Coordinate::Turn(0), 0.0, 0.0);
+    let start = (Coordinate::Angle(0), 0.0, 0.0);
     let mut linkage = Linkage { kind: chain.name, bodies, joints, rider, loads, start, astray: Vec::new() };
     if linkage.joints.len() == 4 && chain.slides == 0 && excess(&linkage).1 < CROSSING {
         return Err(Discard::Crossing);
@@ -195,14 +196,14 @@ pub fn build(chain: Chain, numbers: &[f64]) -> Result<Linkage, Discard> {
 
 /// A body posed in the plane, with its joints' places as its first points: as a rod from `origin` to `end`, or anyhow.
 fn pose(b: usize, own: &[Vec2], deck: &mut Deck) -> Body {
-    let (rod, somewhere, turn, mass) = (deck.chance(), deck.point(), deck.between(-PI, PI), deck.mass());
+    let (rod, somewhere, angle, mass) = (deck.chance(), deck.point(), deck.between(-PI, PI), deck.mass());
     let along = own[1] - own[0];
     let (position, angle) = if b == GROUND {
         (Vec2::zeros(), 0.0)
     } else if rod {
         (own[0], along.y.atan2(along.x))
     } else {
-        (somewhere, turn)
+        (somewhere, angle)
     };
     let rod = rod && b != GROUND;
     let name = |i: usize| match i {

@@ -13,7 +13,7 @@ pub fn turned(a: Vec2, angle: f64) -> Vec2 {
     Vec2::new(cos * a.x - sin * a.y, sin * a.x + cos * a.y)
 }
 
-/// Place of the ground among the bodies.
+/// Index of the ground among the bodies.
 pub const GROUND: usize = 0;
 
 /// Mass [kg], centre [m] in the carrier's frame, moment of inertia about the centre [kg.m2].
@@ -40,26 +40,26 @@ pub struct Body {
 /// A body without joints, rigidly attached to a point of another.
 #[derive(Clone, Copy)]
 pub struct Rider {
-    pub to: Place,
+    pub to: Attachment,
     pub angle: f64,
     /// In its own frame.
     pub mass: Mass,
 }
 
-/// A named point of a body, by places.
+/// A named point of a body, by indices.
 #[derive(Clone, Copy, PartialEq)]
-pub struct Place {
+pub struct Attachment {
     pub body: usize,
     pub point: usize,
 }
 
-/// What a joint lets free.
+/// Degree of freedom of a joint.
 #[derive(Clone, Copy)]
 pub enum Freedom {
-    Turn,
+    Revolute,
     /// Sliding along this direction in the first body's frame [rad], the second body turned by `angle` [rad], `position`
     /// [m] at the start.
-    Slide {
+    Prismatic {
         axis: f64,
         angle: f64,
         position: f64,
@@ -69,25 +69,25 @@ pub enum Freedom {
 #[derive(Clone, Copy)]
 pub struct Joint {
     pub freedom: Freedom,
-    pub first: Place,
-    pub second: Place,
+    pub first: Attachment,
+    pub second: Attachment,
 }
 
 /// Sizes of the loads and where they act; constant.
 #[derive(Clone, Copy)]
 pub struct Loads {
-    pub actuator: (Place, Place, f64),
+    pub actuator: (Attachment, Attachment, f64),
     /// Acceleration of free fall, upward direction, load factor.
     pub gravity: (f64, f64, f64),
-    pub force: (Place, Vec2),
+    pub force: (Attachment, Vec2),
     pub torque: (usize, f64),
 }
 
 /// The angle of a body, or the position of a prismatic joint.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Coordinate {
-    Turn(usize),
-    Slide(usize),
+    Angle(usize),
+    Position(usize),
 }
 
 /// A linkage at its start.
@@ -108,16 +108,16 @@ impl Linkage {
         format!("j{joint}")
     }
 
-    pub fn local(&self, place: Place) -> Vec2 {
-        self.bodies[place.body].points[place.point].1
+    pub fn local(&self, at: Attachment) -> Vec2 {
+        self.bodies[at.body].points[at.point].1
     }
 
-    /// Whether a body can turn: no chain of prismatic joints holds it to the ground.
-    pub fn revolutions(&self, body: usize) -> bool {
+    /// Whether a body can rotate: no chain of prismatic joints holds it to the ground.
+    pub fn rotates(&self, body: usize) -> bool {
         let mut held = vec![false; self.bodies.len()];
         held[GROUND] = true;
         for _ in &self.bodies {
-            for j in self.joints.iter().filter(|j| matches!(j.freedom, Freedom::Slide { .. })) {
+            for j in self.joints.iter().filter(|j| matches!(j.freedom, Freedom::Prismatic { .. })) {
                 let both = held[j.first.body] || held[j.second.body];
                 (held[j.first.body], held[j.second.body]) = (both, both);
             }
@@ -125,27 +125,27 @@ impl Linkage {
         !held[body]
     }
 
-    /// Angles of the bodies that turn, positions of the prismatic joints.
+    /// Angles of the bodies that rotate, positions of the prismatic joints.
     pub fn coordinates(&self) -> Vec<Coordinate> {
-        let revolutions = (0..self.bodies.len()).filter(|&b| self.revolutions(b)).map(Coordinate::Turn);
-        let slides = (0..self.joints.len()).filter(|&j| matches!(self.joints[j].freedom, Freedom::Slide { .. }));
-        revolutions.chain(slides.map(Coordinate::Slide)).collect()
+        let angles = (0..self.bodies.len()).filter(|&b| self.rotates(b)).map(Coordinate::Angle);
+        let slides = (0..self.joints.len()).filter(|&j| matches!(self.joints[j].freedom, Freedom::Prismatic { .. }));
+        angles.chain(slides.map(Coordinate::Position)).collect()
     }
 
     pub fn name(&self, coordinate: Coordinate) -> String {
         match coordinate {
-            Coordinate::Turn(body) => self.bodies[body].name.clone(),
-            Coordinate::Slide(joint) => Self::joint_name(joint),
+            Coordinate::Angle(body) => self.bodies[body].name.clone(),
+            Coordinate::Position(joint) => Self::joint_name(joint),
         }
     }
 
     /// Value of a coordinate in the pose of the bodies.
     pub fn value(&self, coordinate: Coordinate) -> f64 {
         match coordinate {
-            Coordinate::Turn(body) => self.bodies[body].angle,
-            Coordinate::Slide(joint) => match self.joints[joint].freedom {
-                Freedom::Slide { position, .. } => position,
-                Freedom::Turn => 0.0,
+            Coordinate::Angle(body) => self.bodies[body].angle,
+            Coordinate::Position(joint) => match self.joints[joint].freedom {
+                Freedom::Prismatic { position, .. } => position,
+                Freedom::Revolute => 0.0,
             },
         }
     }
@@ -154,15 +154,15 @@ impl Linkage {
     pub fn start_name(&self, speed: bool) -> String {
         let quantity = match (speed, self.start.0) {
             (true, _) => "speed",
-            (false, Coordinate::Turn(_)) => "angle",
-            (false, Coordinate::Slide(_)) => "position",
+            (false, Coordinate::Angle(_)) => "angle",
+            (false, Coordinate::Position(_)) => "position",
         };
         format!("{}.start_{quantity}", self.name(self.start.0))
     }
 
-    fn text(&self, place: Place) -> String {
-        let body = &self.bodies[place.body];
-        format!("{}.{}", body.name, body.points[place.point].0)
+    fn text(&self, at: Attachment) -> String {
+        let body = &self.bodies[at.body];
+        format!("{}.{}", body.name, body.points[at.point].0)
     }
 
     /// The definition; every number is written so that it is read back exactly.
@@ -193,8 +193,8 @@ impl Linkage {
             .collect();
         let (coordinate, value, speed) = self.start;
         let start = match coordinate {
-            Coordinate::Turn(_) => json!({ "body": self.name(coordinate), "angle": value, "speed": speed }),
-            Coordinate::Slide(_) => json!({ "joint": self.name(coordinate), "position": value, "speed": speed }),
+            Coordinate::Angle(_) => json!({ "body": self.name(coordinate), "angle": value, "speed": speed }),
+            Coordinate::Position(_) => json!({ "joint": self.name(coordinate), "position": value, "speed": speed }),
         };
         let Loads { actuator: (a, b, push), gravity: (g, up, factor), force: (at, force), torque: (on, torque) } =
             self.loads;
@@ -218,8 +218,8 @@ impl Linkage {
     fn joint(&self, joint: &Joint) -> Value {
         let (first, second) = (self.text(joint.first), self.text(joint.second));
         match joint.freedom {
-            Freedom::Turn => json!({ "type": "revolute", "first": first, "second": second }),
-            Freedom::Slide { axis, angle, .. } => {
+            Freedom::Revolute => json!({ "type": "revolute", "first": first, "second": second }),
+            Freedom::Prismatic { axis, angle, .. } => {
                 json!({ "type": "prismatic", "first": first, "second": second, "axis_angle": axis, "angle": angle })
             }
         }

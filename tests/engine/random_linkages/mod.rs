@@ -138,8 +138,8 @@ fn turned_back(linkage: &Linkage, run: &Run, state: &State) -> Linkage {
     }
     let coordinates = linkage.coordinates();
     for (coordinate, [value, ..]) in coordinates.iter().zip(state) {
-        if let Coordinate::Slide(j) = coordinate
-            && let linkage::Freedom::Slide { position, .. } = &mut back.joints[*j].freedom
+        if let Coordinate::Position(j) = coordinate
+            && let linkage::Freedom::Prismatic { position, .. } = &mut back.joints[*j].freedom
         {
             *position = *value;
         }
@@ -182,14 +182,14 @@ proptest! {
         let coordinates = linkage.coordinates();
         let (stated, value, speed) = linkage.start;
         let (rates, least) = oracle::free_motion(&linkage);
-        let place = coordinates.iter().position(|c| *c == stated).unwrap_or(0);
+        let own = coordinates.iter().position(|c| *c == stated).unwrap_or(0);
         let largest = rates.iter().fold(0.0, |a: f64, r| a.max(r.abs()));
         for (i, [q, v, _]) in state.iter().enumerate() {
-            within("built position", (q - linkage.value(coordinates[i])).abs(), ROUNDING * largest / rates[place].abs() / least)?;
-            let expected = speed * rates[i] / rates[place];
-            within("built speed", (v - expected).abs(), ROUNDING * speed.abs() * largest / rates[place].abs() / least)?;
+            within("built position", (q - linkage.value(coordinates[i])).abs(), ROUNDING * largest / rates[own].abs() / least)?;
+            let expected = speed * rates[i] / rates[own];
+            within("built speed", (v - expected).abs(), ROUNDING * speed.abs() * largest / rates[own].abs() / least)?;
         }
-        prop_assert!((state[place][0] - value).abs() < ROUNDING);
+        prop_assert!((state[own][0] - value).abs() < ROUNDING);
     }
 
     /// At the start, then after each of a few steps: closed loops, Newton and Euler's equations, energy.
@@ -207,7 +207,7 @@ proptest! {
             let kinetic = given(&linkage, run.simulation.get("energy.kinetic"))?;
             within("energy.kinetic", (kinetic - motion.kinetic()).abs(), TABLE * largest)?;
         }
-        // A step errs by the tolerance in speed, twice that in energy, and in place, in both components at once.
+        // A step errs by the tolerance in speed, twice that in energy, and in position, in both components at once.
         let count = run.simulation.model().statistics().accepted as f64;
         within_steps("energy", (4.0 * count * TOLERANCE + TABLE) * largest, |part| {
             let mut run = run.clone();

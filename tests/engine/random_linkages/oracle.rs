@@ -2,13 +2,13 @@
 //!
 //! In: a linkage's plain data and the values of its coordinates and speeds. Out: poses, how well the joints close,
 //! accelerations and joint reactions from one dense system. It knows nothing of the engine.
-use super::linkage::{Coordinate, Freedom, GROUND, Linkage, Mass, Place, Vec2, turned};
+use super::linkage::{Attachment, Coordinate, Freedom, GROUND, Linkage, Mass, Vec2, turned};
 use nalgebra::{DMatrix, DVector};
 
 /// Vector [m] and angle [rad] of every body's frame, or their rates.
 pub type Poses = Vec<(Vec2, f64)>;
 
-fn quarter(a: Vec2) -> Vec2 {
+fn perp(a: Vec2) -> Vec2 {
     Vec2::new(-a.y, a.x)
 }
 
@@ -38,8 +38,8 @@ impl<'a> Motion<'a> {
         let count = linkage.bodies.len();
         let mut motion =
             Self { linkage, poses: vec![(Vec2::zeros(), 0.0); count], rates: vec![(Vec2::zeros(), 0.0); count] };
-        for b in (0..count).filter(|&b| linkage.revolutions(b)) {
-            let [angle, speed] = read(Coordinate::Turn(b));
+        for b in (0..count).filter(|&b| linkage.rotates(b)) {
+            let [angle, speed] = read(Coordinate::Angle(b));
             (motion.poses[b].1, motion.rates[b].1) = (angle, speed);
         }
         // Bodies that prismatic joints hold to the ground, outward from it.
@@ -47,7 +47,7 @@ impl<'a> Motion<'a> {
         held[GROUND] = true;
         for _ in 0..count {
             for joint in &linkage.joints {
-                let Freedom::Slide { angle, .. } = joint.freedom else { continue };
+                let Freedom::Prismatic { angle, .. } = joint.freedom else { continue };
                 let (a, b) = (joint.first.body, joint.second.body);
                 if held[a] && !held[b] {
                     motion.poses[b].1 = motion.poses[a].1 + angle;
@@ -68,14 +68,14 @@ impl<'a> Motion<'a> {
                 }
                 let (from, to, sign) = if placed[a.body] { (a, b, 1.0) } else { (b, a, -1.0) };
                 let (mut point, mut velocity) = (motion.point(from), motion.velocity(from));
-                if let Freedom::Slide { axis, .. } = joint.freedom {
-                    let [position, speed] = read(Coordinate::Slide(j));
+                if let Freedom::Prismatic { axis, .. } = joint.freedom {
+                    let [position, speed] = read(Coordinate::Position(j));
                     let unit = turned(Vec2::x(), motion.poses[a.body].1 + axis);
                     point += sign * position * unit;
-                    velocity += sign * (speed * unit + position * motion.rates[a.body].1 * quarter(unit));
+                    velocity += sign * (speed * unit + position * motion.rates[a.body].1 * perp(unit));
                 }
                 motion.poses[to.body].0 = point - motion.arm(to);
-                motion.rates[to.body].0 = velocity - motion.rates[to.body].1 * quarter(motion.arm(to));
+                motion.rates[to.body].0 = velocity - motion.rates[to.body].1 * perp(motion.arm(to));
                 placed[to.body] = true;
             }
         }
@@ -100,16 +100,16 @@ impl<'a> Motion<'a> {
         }
     }
 
-    fn arm(&self, place: Place) -> Vec2 {
-        turned(self.linkage.local(place), self.poses[place.body].1)
+    fn arm(&self, at: Attachment) -> Vec2 {
+        turned(self.linkage.local(at), self.poses[at.body].1)
     }
 
-    pub fn point(&self, place: Place) -> Vec2 {
-        self.poses[place.body].0 + self.arm(place)
+    pub fn point(&self, at: Attachment) -> Vec2 {
+        self.poses[at.body].0 + self.arm(at)
     }
 
-    pub fn velocity(&self, place: Place) -> Vec2 {
-        self.rates[place.body].0 + self.rates[place.body].1 * quarter(self.arm(place))
+    pub fn velocity(&self, at: Attachment) -> Vec2 {
+        self.rates[at.body].0 + self.rates[at.body].1 * perp(self.arm(at))
     }
 
     /// Largest violation of a joint [m or rad], and of its rate [m/s or rad/s].
@@ -119,13 +119,13 @@ impl<'a> Motion<'a> {
             let (a, b) = (joint.first, joint.second);
             let (apart, drift) = (self.point(b) - self.point(a), self.velocity(b) - self.velocity(a));
             match joint.freedom {
-                Freedom::Turn => (gap, rate) = (gap.max(apart.norm()), rate.max(drift.norm())),
-                Freedom::Slide { axis, angle, .. } => {
+                Freedom::Revolute => (gap, rate) = (gap.max(apart.norm()), rate.max(drift.norm())),
+                Freedom::Prismatic { axis, angle, .. } => {
                     let across = turned(Vec2::y(), self.poses[a.body].1 + axis);
                     let spin = self.rates[a.body].1;
                     gap = gap.max(apart.dot(&across).abs());
                     gap = gap.max((self.poses[b.body].1 - self.poses[a.body].1 - angle).abs());
-                    rate = rate.max((drift.dot(&across) + spin * apart.dot(&quarter(across))).abs());
+                    rate = rate.max((drift.dot(&across) + spin * apart.dot(&perp(across))).abs());
                     rate = rate.max((self.rates[b.body].1 - spin).abs());
                 }
             }
@@ -138,7 +138,7 @@ impl<'a> Motion<'a> {
         let mut sum = 0.0;
         for (b, m) in self.masses() {
             let (rate, arm) = (self.rates[b], turned(m.center, self.poses[b].1));
-            sum += 0.5 * m.mass * (rate.0 + rate.1 * quarter(arm)).norm_squared() + 0.5 * m.inertia * rate.1 * rate.1;
+            sum += 0.5 * m.mass * (rate.0 + rate.1 * perp(arm)).norm_squared() + 0.5 * m.inertia * rate.1 * rate.1;
         }
         sum
     }
@@ -174,30 +174,30 @@ impl<'a> Motion<'a> {
             let (a, b) = (joint.first, joint.second);
             let (ra, rb) = (self.arm(a), self.arm(b));
             let (wa, wb) = (self.rates[a.body].1, self.rates[b.body].1);
-            let mut add = |row: usize, body: usize, x: f64, y: f64, turn: f64| {
+            let mut add = |row: usize, body: usize, x: f64, y: f64, angle: f64| {
                 if body != GROUND {
                     let at = 3 * (body - 1);
                     jacobian[(row, at)] += x;
                     jacobian[(row, at + 1)] += y;
-                    jacobian[(row, at + 2)] += turn;
+                    jacobian[(row, at + 2)] += angle;
                 }
             };
             // Acceleration of the second point over the first, but for the parts with accelerations of the frames.
             let centripetal = wa * wa * ra - wb * wb * rb;
             match joint.freedom {
-                Freedom::Turn => {
+                Freedom::Revolute => {
                     for (row, unit) in [(2 * j, Vec2::x()), (2 * j + 1, Vec2::y())] {
-                        add(row, b.body, unit.x, unit.y, unit.dot(&quarter(rb)));
-                        add(row, a.body, -unit.x, -unit.y, -unit.dot(&quarter(ra)));
+                        add(row, b.body, unit.x, unit.y, unit.dot(&perp(rb)));
+                        add(row, a.body, -unit.x, -unit.y, -unit.dot(&perp(ra)));
                         gamma[row] = -unit.dot(&centripetal);
                     }
                 }
-                Freedom::Slide { axis, .. } => {
+                Freedom::Prismatic { axis, .. } => {
                     let n = turned(Vec2::y(), self.poses[a.body].1 + axis);
                     let (apart, drift) = (self.point(b) - self.point(a), self.velocity(b) - self.velocity(a));
-                    add(2 * j, b.body, n.x, n.y, n.dot(&quarter(rb)));
-                    add(2 * j, a.body, -n.x, -n.y, -n.dot(&quarter(ra)) + quarter(n).dot(&apart));
-                    gamma[2 * j] = -n.dot(&centripetal) - 2.0 * wa * quarter(n).dot(&drift) + wa * wa * n.dot(&apart);
+                    add(2 * j, b.body, n.x, n.y, n.dot(&perp(rb)));
+                    add(2 * j, a.body, -n.x, -n.y, -n.dot(&perp(ra)) + perp(n).dot(&apart));
+                    gamma[2 * j] = -n.dot(&centripetal) - 2.0 * wa * perp(n).dot(&drift) + wa * wa * n.dot(&apart);
                     add(2 * j + 1, b.body, 0.0, 0.0, 1.0);
                     add(2 * j + 1, a.body, 0.0, 0.0, -1.0);
                 }
@@ -240,8 +240,8 @@ impl<'a> Motion<'a> {
         let (a, b, size) = loads.actuator;
         let along = (self.point(b) - self.point(a)).normalize() * size;
         let (at, pull) = loads.force;
-        for (place, f) in [(a, -along), (b, along), (at, pull)] {
-            push(place.body, f, cross(self.arm(place), f));
+        for (point, f) in [(a, -along), (b, along), (at, pull)] {
+            push(point.body, f, cross(self.arm(point), f));
         }
         push(loads.torque.0, Vec2::zeros(), loads.torque.1);
         (mass, force)
@@ -263,8 +263,8 @@ impl<'a> Motion<'a> {
         let reactions = self.linkage.joints.iter().enumerate().map(|(j, joint)| {
             let (p, q) = (x[n + 2 * j], x[n + 2 * j + 1]);
             match joint.freedom {
-                Freedom::Turn => (Vec2::new(p, q), 0.0),
-                Freedom::Slide { axis, .. } => (p * turned(Vec2::y(), self.poses[joint.first.body].1 + axis), q),
+                Freedom::Revolute => (Vec2::new(p, q), 0.0),
+                Freedom::Prismatic { axis, .. } => (p * turned(Vec2::y(), self.poses[joint.first.body].1 + axis), q),
             }
         });
         Solution {
@@ -277,14 +277,14 @@ impl<'a> Motion<'a> {
     /// Time derivative of a coordinate.
     pub fn rate(&self, coordinate: Coordinate) -> f64 {
         match coordinate {
-            Coordinate::Turn(body) => self.rates[body].1,
-            Coordinate::Slide(j) => {
+            Coordinate::Angle(body) => self.rates[body].1,
+            Coordinate::Position(j) => {
                 let joint = &self.linkage.joints[j];
-                let Freedom::Slide { axis, .. } = joint.freedom else { return 0.0 };
+                let Freedom::Prismatic { axis, .. } = joint.freedom else { return 0.0 };
                 let unit = turned(Vec2::x(), self.poses[joint.first.body].1 + axis);
                 let (a, b) = (joint.first, joint.second);
                 let apart = self.point(b) - self.point(a);
-                unit.dot(&(self.velocity(b) - self.velocity(a))) + self.rates[a.body].1 * quarter(unit).dot(&apart)
+                unit.dot(&(self.velocity(b) - self.velocity(a))) + self.rates[a.body].1 * perp(unit).dot(&apart)
             }
         }
     }
@@ -292,19 +292,19 @@ impl<'a> Motion<'a> {
     /// Second time derivative of a coordinate.
     pub fn acceleration(&self, solution: &Solution, coordinate: Coordinate) -> f64 {
         let j = match coordinate {
-            Coordinate::Turn(body) => return solution.accelerations[body].1,
-            Coordinate::Slide(j) => &self.linkage.joints[j],
+            Coordinate::Angle(body) => return solution.accelerations[body].1,
+            Coordinate::Position(j) => &self.linkage.joints[j],
         };
-        let Freedom::Slide { axis, .. } = j.freedom else { return 0.0 };
+        let Freedom::Prismatic { axis, .. } = j.freedom else { return 0.0 };
         let (a, b) = (j.first, j.second);
-        let of = |p: Place| {
+        let of = |p: Attachment| {
             let ((base, alpha), spin, arm) = (solution.accelerations[p.body], self.rates[p.body].1, self.arm(p));
-            base + alpha * quarter(arm) - spin * spin * arm
+            base + alpha * perp(arm) - spin * spin * arm
         };
         let unit = turned(Vec2::x(), self.poses[a.body].1 + axis);
         let (spin, alpha) = (self.rates[a.body].1, solution.accelerations[a.body].1);
         let (apart, drift) = (self.point(b) - self.point(a), self.velocity(b) - self.velocity(a));
-        unit.dot(&(of(b) - of(a))) + 2.0 * spin * quarter(unit).dot(&drift) + alpha * quarter(unit).dot(&apart)
+        unit.dot(&(of(b) - of(a))) + 2.0 * spin * perp(unit).dot(&drift) + alpha * perp(unit).dot(&apart)
             - spin * spin * unit.dot(&apart)
     }
 }

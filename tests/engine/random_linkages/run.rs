@@ -24,7 +24,7 @@ impl<'a> Run<'a> {
         let mut state = Vec::new();
         for coordinate in self.linkage.coordinates() {
             let name = self.linkage.name(coordinate);
-            let value = if matches!(coordinate, Coordinate::Turn(_)) { "angle" } else { "position" };
+            let value = if matches!(coordinate, Coordinate::Angle(_)) { "angle" } else { "position" };
             let mut get = |quantity| self.simulation.get(&format!("{name}.{quantity}"));
             state.push([get(value)?, get("speed")?, get("acceleration")?]);
         }
@@ -46,8 +46,8 @@ impl<'a> Run<'a> {
                 self.simulation.get(&format!("{name}.force_y"))?,
             );
             let moment = match joint.freedom {
-                Freedom::Slide { .. } => self.simulation.get(&format!("{name}.torque"))?,
-                Freedom::Turn => 0.0,
+                Freedom::Prismatic { .. } => self.simulation.get(&format!("{name}.torque"))?,
+                Freedom::Revolute => 0.0,
             };
             reactions.push((force, moment));
         }
