@@ -7,4 +7,5 @@ pub mod format;
 pub mod integrator;
 pub mod mechanism;
 pub mod numerics;
+pub mod simulation;
 pub mod variables;

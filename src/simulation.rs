@@ -1,0 +1,379 @@
+//! A model driven from Rust: variables by name, steps, and runs that give a trace.
+//!
+//! In: the text of a definition, names and values, steps. Out: values by name, traces. It must not know any kind of
+//! model from inside, nor FMI.
+//!
+//! ```no_run
+//! use linkage_fmu::simulation::Simulation;
+//!
+//! let mut gear = Simulation::open(&std::fs::read_to_string("mechanism.json")?)?;
+//! gear.set("actuator.force", 3e4)?;
+//! gear.set("friction.enabled", true)?;
+//! gear.initialize()?;
+//! let trace = gear.run(0.13, 1e-3, &["crank.angle", "crank.speed"])?;
+//! println!("{:?} {:?}", trace.times().last(), trace.column("crank.angle").and_then(|angles| angles.last()));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+use crate::mechanism::{Model, ModelError};
+use crate::variables::{Kind, Reference};
+use std::fmt;
+
+/// Names suggested for one that no variable has.
+const SUGGESTIONS: usize = 3;
+
+/// A model with its time, read and set by the names of its variables.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    model: Model,
+    time: f64,
+}
+
+/// Why a call was refused; the simulation is what it was.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SimulationError {
+    /// No variable has this name.
+    Name {
+        /// The name.
+        name: String,
+        /// Names of variables that are spelled most alike, the nearest first.
+        nearest: Vec<String>,
+    },
+    /// The variable has no numbers: only a Real or a Boolean can be a column of a trace.
+    Text {
+        /// The variable.
+        name: String,
+    },
+    /// The span or the step of a run is not finite or not > 0.
+    Span {
+        /// The span [s].
+        span: f64,
+        /// The longest step [s].
+        step: f64,
+    },
+    /// The model refused the call.
+    Model(ModelError),
+}
+
+impl fmt::Display for SimulationError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Name { name, nearest } => {
+                let nearest = nearest.join(", ");
+                write!(f, "no variable is called \"{name}\": the nearest are {nearest}; Simulation::names lists all")
+            }
+            Self::Text { name } => write!(f, "{name} is a text: a trace holds Reals and Booleans"),
+            Self::Span { span, step } => {
+                write!(f, "a run of {span} s in steps of {step} s: both must be finite and > 0")
+            }
+            Self::Model(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for SimulationError {}
+
+impl From<ModelError> for SimulationError {
+    fn from(error: ModelError) -> Self {
+        Self::Model(error)
+    }
+}
+
+/// A value that [`Simulation::set`] accepts: a number, a truth value or a text.
+pub trait Settable {
+    /// Set the variable with this reference.
+    ///
+    /// # Errors
+    /// The variable is of another kind or an output, or the value is out of range.
+    fn set(self, model: &mut Model, reference: Reference) -> Result<(), ModelError>;
+}
+
+impl Settable for f64 {
+    fn set(self, model: &mut Model, reference: Reference) -> Result<(), ModelError> {
+        model.set_real(reference, self)
+    }
+}
+
+impl Settable for bool {
+    fn set(self, model: &mut Model, reference: Reference) -> Result<(), ModelError> {
+        model.set_boolean(reference, self)
+    }
+}
+
+impl Settable for &str {
+    fn set(self, model: &mut Model, reference: Reference) -> Result<(), ModelError> {
+        model.set_text(reference, self)
+    }
+}
+
+impl Simulation {
+    /// A model from the text of its definition.
+    ///
+    /// # Errors
+    /// What is wrong with the definition, or why it gives no model.
+    pub fn open(definition: &str) -> Result<Self, SimulationError> {
+        Ok(Self::from_model(Model::from_json(definition)?))
+    }
+
+    /// A simulation of this model; its time counts from 0 s.
+    pub fn from_model(model: Model) -> Self {
+        Self { model, time: 0.0 }
+    }
+
+    /// The model, for what has no name.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The model, for calls by reference. Steps made on it do not count in [`Self::time`].
+    pub fn model_mut(&mut self) -> &mut Model {
+        &mut self.model
+    }
+
+    /// Time since the start [s].
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Names of all variables, in the order of their references.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.model.variables().list().iter().map(|variable| variable.name.as_str())
+    }
+
+    /// Reference of the variable with this name, for calls to the model.
+    ///
+    /// # Errors
+    /// No variable has this name.
+    pub fn reference(&self, name: &str) -> Result<Reference, SimulationError> {
+        self.model.variables().find(name).ok_or_else(|| self.unknown(name))
+    }
+
+    #[cold]
+    fn unknown(&self, name: &str) -> SimulationError {
+        let mut names: Vec<&str> = self.names().collect();
+        names.sort_by_cached_key(|other| edits(name, other));
+        let nearest = names.into_iter().take(SUGGESTIONS).map(str::to_owned).collect();
+        SimulationError::Name { name: name.into(), nearest }
+    }
+
+    /// Present value of a Real.
+    ///
+    /// # Errors
+    /// No Real has this name, or it has no value in the present state.
+    pub fn get(&mut self, name: &str) -> Result<f64, SimulationError> {
+        let reference = self.reference(name)?;
+        Ok(self.model.real(reference)?)
+    }
+
+    /// Present value of a Boolean.
+    ///
+    /// # Errors
+    /// No Boolean has this name, or the present parameters give no start.
+    pub fn boolean(&mut self, name: &str) -> Result<bool, SimulationError> {
+        let reference = self.reference(name)?;
+        Ok(self.model.boolean(reference)?)
+    }
+
+    /// Present value of a String.
+    ///
+    /// # Errors
+    /// No String has this name.
+    pub fn text(&self, name: &str) -> Result<&'static str, SimulationError> {
+        Ok(self.model.text(self.reference(name)?)?)
+    }
+
+    /// Set an input or a parameter. After a step, a parameter takes effect with the next initialisation only.
+    ///
+    /// # Errors
+    /// No variable has this name, it is of another kind or an output, or the value is out of range.
+    pub fn set(&mut self, name: &str, value: impl Settable) -> Result<(), SimulationError> {
+        let reference = self.reference(name)?;
+        Ok(value.set(&mut self.model, reference)?)
+    }
+
+    /// Set a derivative in time of a Real input, for the next step alone: order 1 [unit/s] or 2 [unit/s2].
+    ///
+    /// # Errors
+    /// No continuous input has this name, the order is not 1 or 2, or the value is not finite.
+    pub fn set_derivative(&mut self, name: &str, order: i32, value: f64) -> Result<(), SimulationError> {
+        let reference = self.reference(name)?;
+        Ok(self.model.set_input_derivative(reference, order, value)?)
+    }
+
+    /// Rate of a Real output in time [unit/s].
+    ///
+    /// # Errors
+    /// No continuous output has this name, or it has no derivative in the present state.
+    pub fn derivative(&mut self, name: &str) -> Result<f64, SimulationError> {
+        let reference = self.reference(name)?;
+        Ok(self.model.output_derivative(reference, 1)?)
+    }
+
+    /// Put the model at its start under the present parameters and inputs, at time 0 s.
+    ///
+    /// # Errors
+    /// The present parameters give no model, or the start cannot be reached.
+    pub fn initialize(&mut self) -> Result<(), SimulationError> {
+        self.model.initialize()?;
+        self.time = 0.0;
+        Ok(())
+    }
+
+    /// Advance by `h` [s] > 0 under the present inputs.
+    ///
+    /// # Errors
+    /// The model is not initialised, `h` is out of range, or the model cannot go on; the state is then what it was.
+    pub fn step(&mut self, h: f64) -> Result<(), SimulationError> {
+        self.model.step(h)?;
+        self.time += h;
+        Ok(())
+    }
+
+    /// Advance by `span` [s] in equal steps of at most `step` [s]; record the named Reals and Booleans (1 for true) now
+    /// and after every step.
+    ///
+    /// # Errors
+    /// As [`Self::step`] and [`Self::get`]; a name that is a text; a span or a step that is not finite or not > 0.
+    pub fn run(&mut self, span: f64, step: f64, names: &[&str]) -> Result<Trace, SimulationError> {
+        if ![span, step].iter().all(|x| x.is_finite() && *x > 0.0) {
+            return Err(SimulationError::Span { span, step });
+        }
+        let references = names.iter().map(|name| self.reference(name)).collect::<Result<Vec<_>, _>>()?;
+        let names = names.iter().map(|name| (*name).to_owned()).collect();
+        // A span that is a multiple of the step but for rounding takes no step more.
+        let count = ((span / step) * (1.0 - 1e-12)).ceil().max(1.0);
+        let (start, h) = (self.time, span / count);
+        let mut trace = Trace { names, times: Vec::new(), columns: vec![Vec::new(); references.len()] };
+        self.record(&references, &mut trace)?;
+        for k in 1..=count as u64 {
+            self.step(h)?;
+            self.time = start + span * (k as f64 / count);
+            self.record(&references, &mut trace)?;
+        }
+        Ok(trace)
+    }
+
+    fn record(&mut self, references: &[Reference], trace: &mut Trace) -> Result<(), SimulationError> {
+        trace.times.push(self.time);
+        for ((&reference, column), name) in references.iter().zip(&mut trace.columns).zip(&trace.names) {
+            column.push(match self.model.variables().get(reference).map(|variable| variable.kind) {
+                Some(Kind::Boolean) => f64::from(u8::from(self.model.boolean(reference)?)),
+                Some(Kind::String) => return Err(SimulationError::Text { name: name.clone() }),
+                _ => self.model.real(reference)?,
+            });
+        }
+        Ok(())
+    }
+}
+
+/// Values of some variables over a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trace {
+    names: Vec<String>,
+    times: Vec<f64>,
+    columns: Vec<Vec<f64>>,
+}
+
+impl Trace {
+    /// Names of the columns.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Time of each row [s].
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// Values of the variable with this name, if it was recorded; one for each time.
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        let index = self.names.iter().position(|own| own == name)?;
+        Some(&self.columns[index])
+    }
+}
+
+/// Levenshtein's distance: the least number of letters inserted, removed or replaced to make one name of the other.
+fn edits(a: &str, b: &str) -> usize {
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.bytes().enumerate() {
+        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
+        for (j, y) in b.bytes().enumerate() {
+            let replaced = diagonal + usize::from(x != y);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanism::GEAR;
+
+    fn gear() -> Simulation {
+        Simulation::open(GEAR).unwrap()
+    }
+
+    #[test]
+    fn every_kind_is_set_and_read_by_name() {
+        let mut gear = gear();
+        gear.set("actuator.force", 31e3).unwrap();
+        gear.set("uplock.engage", true).unwrap();
+        gear.set("solver.method", "rigid_fem").unwrap();
+        assert_eq!(gear.get("actuator.force"), Ok(31e3));
+        assert_eq!(gear.boolean("uplock.engage"), Ok(true));
+        assert_eq!(gear.text("solver.method"), Ok("rigid_fem"));
+        let error = gear.set("crank.angle", 1.0).unwrap_err();
+        assert!(matches!(error, SimulationError::Model(ModelError::Output { .. })), "{error}");
+    }
+
+    #[test]
+    fn an_unknown_name_suggests_the_nearest() {
+        let error = gear().get("crank.angel").unwrap_err().to_string();
+        assert!(error.contains("\"crank.angel\": the nearest are crank.angle, "), "{error}");
+        assert_eq!([edits("", "abc"), edits("kitten", "sitting"), edits("abc", "abc")], [3, 3, 0]);
+    }
+
+    #[test]
+    fn a_run_is_its_steps() {
+        let (mut whole, mut steps) = (gear(), gear());
+        whole.initialize().unwrap();
+        let trace = whole.run(0.1, 0.02, &["crank.angle", "extended"]).unwrap();
+        assert_eq!(trace.names(), ["crank.angle", "extended"]);
+        assert!(trace.times().iter().zip(0..).all(|(t, k)| (t - 0.02 * f64::from(k)).abs() < 1e-16));
+        assert_eq!(trace.column("extended"), Some(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0][..]));
+        assert_eq!(trace.column("crank.speed"), None);
+        steps.initialize().unwrap();
+        for angle in &trace.column("crank.angle").unwrap()[1..] {
+            steps.step(0.02).unwrap();
+            assert_eq!(steps.get("crank.angle"), Ok(*angle));
+        }
+        assert_eq!((whole.time(), steps.model().statistics()), (0.1, whole.model().statistics()));
+        // On from there, in steps no longer than asked for.
+        let trace = whole.run(0.01, 0.004, &[]).unwrap();
+        assert_eq!((trace.times().len(), trace.times()[3]), (4, 0.11));
+    }
+
+    #[test]
+    fn derivatives_are_set_and_read_by_name() {
+        let mut gear = gear();
+        gear.initialize().unwrap();
+        gear.set_derivative("actuator.force", 1, 1e6).unwrap();
+        gear.step(1e-3).unwrap();
+        assert_eq!(gear.get("actuator.force"), Ok(31e3));
+        let (rate, speed) = (gear.derivative("crank.angle").unwrap(), gear.get("crank.speed").unwrap());
+        assert!((rate - speed).abs() <= 1e-12 * speed.abs(), "{rate} {speed}");
+    }
+
+    #[test]
+    fn what_is_no_run_is_refused() {
+        let mut gear = gear();
+        gear.initialize().unwrap();
+        for (span, step) in [(0.0, 1e-3), (0.1, f64::NAN), (f64::INFINITY, 1e-3), (0.1, -1.0)] {
+            assert!(matches!(gear.run(span, step, &[]), Err(SimulationError::Span { .. })));
+        }
+        let error = gear.run(0.1, 0.1, &["solver.method"]).unwrap_err().to_string();
+        assert!(error.starts_with("solver.method is a text"), "{error}");
+        assert_eq!(gear.time(), 0.0);
+    }
+}

@@ -1,0 +1,344 @@
+//! Bad input as a user sees it: each message names the key or variable, the value, what is allowed or what to do.
+
+use crate::support::{GEAR, Run};
+use linkage_fmu::mechanism::Model;
+
+/// What reading and starting this text gives; one line.
+fn refusal(text: &str) -> String {
+    let error = match Model::from_json(text) {
+        Err(error) => error,
+        Ok(_) => panic!("accepted: {text}"),
+    };
+    let line = error.to_string();
+    assert!(!line.contains('\n'), "more than one line: {line}");
+    line
+}
+
+fn check(text: &str, fragments: &[&str]) {
+    let line = refusal(text);
+    for fragment in fragments {
+        assert!(line.contains(fragment), "`{line}` lacks `{fragment}`");
+    }
+}
+
+/// The gear with one piece of its text replaced.
+fn changed(from: &str, to: &str) -> String {
+    assert!(GEAR.contains(from), "the gear has no {from}");
+    GEAR.replacen(from, to, 1)
+}
+
+#[test]
+fn text_that_is_no_mechanism() {
+    for (text, fragments) in [
+        ("", &["no mechanism", "EOF", "line 1"][..]),
+        ("{", &["no mechanism", "EOF", "line 1"]),
+        ("[]", &["sequence", "expected an object", "line 1"]),
+        ("null", &["no mechanism", "line 1"]),
+        ("{ \"name\": \"A\", }", &["trailing comma", "line 1 column 16"]),
+        ("{ name: 1 }", &["key must be a string", "line 1"]),
+        ("{ \"name\": \"A\" }", &["no mechanism", "missing field `bodies`"]),
+    ] {
+        check(text, fragments);
+    }
+}
+
+#[test]
+fn keys_and_types() {
+    for (from, to, fragments) in [
+        ("\"mass\": 13.689", "\"mas\": 13.689", &["bodies.crank.mas", "`mas`", "`mass`", "line"][..]),
+        ("\"mass\": 13.689", "\"ma\\nss\": 13.689", &["bodies.crank.ma\\nss", "`ma\\nss`", "`mass`"]),
+        ("\"mass\": 13.689", "\"mass\": \"13\"", &["bodies.crank.mass", "\"13\"", "expected a number", "line"]),
+        ("\"length\": 0.1755", "\"length\": 1e999", &["bodies.crank.length", "out of range", "line"]),
+        ("\"length\": 0.1755", "\"length\": NaN", &["bodies.crank.length", "line"]),
+        ("\"shape\": \"uniform_rod\"", "\"shape\": \"sphere\"", &["bodies.crank.shape", "`sphere`", "`uniform_rod`"]),
+        ("revolute", "hinge", &["joints.joint1.type", "`hinge`", "`revolute` or `prismatic`"]),
+        ("[-0.050, -0.138]", "[-0.050]", &["bodies.crank.points.actuator", "length 1", "array of length 2"]),
+        ("[-0.050, -0.138]", "[-0.050, true]", &["bodies.crank.points.actuator[1]", "`true`", "expected a number"]),
+        (", \"second\": \"coupler.origin\"", "", &["joints.joint2", "missing field `second`"]),
+        ("\"joint2\":", "\"joint1\":", &["joints.joint1", "stands twice"]),
+        ("\"stop_time\": 0.13, ", "", &["experiment", "missing field `stop_time`"]),
+        ("\"name\": \"LandingGearRetraction\"", "\"name\": \"Landing Gear\"", &["name = \"Landing Gear\"", "letter"]),
+        ("\"follower\": { \"on\"", "\"f-1\": { \"on\"", &["torques = \"f-1\"", "letter"]),
+    ] {
+        check(&changed(from, to), fragments);
+    }
+}
+
+/// What serde's derived types would take besides: arrays for objects, null for what may be left out, objects for words.
+#[test]
+fn other_kinds_of_values() {
+    let sequence = &["invalid type: sequence", "expected an object", "line"][..];
+    let null = &["invalid type: null", "line", "leave the key out"][..];
+    let air = "\"air\": { \"density\": 1.225, \"flow_angle\": -0.4407963267948966, \"relative_wind\": false, \"airspeed\": 0 }";
+    for (from, to, key, fragments) in [
+        (
+            "\"solver\": { \"tolerance\": 1e-9, \"method\": \"reduced\", \"fem_step\": 1e-5 }",
+            "\"solver\": [1e-9, null, null, true]",
+            "solver",
+            sequence,
+        ),
+        (air, "\"air\": [1, 0, false, 0]", "air", sequence),
+        ("\"bodies\": {", "\"markers\": { \"m\": [\"crank.end\"] }, \"bodies\": {", "markers.m", sequence),
+        ("\"mass\": 13.689", "\"mass\": null", "bodies.crank.mass", null),
+        ("\"mass\": 13.689", "\"points\": null", "bodies.crank.points", null),
+        ("\"shape\": \"uniform_rod\"", "\"shape\": null", "bodies.crank.shape", null),
+        (air, "\"air\": null", "air", null),
+        ("\"revolute\"", "{ \"revolute\": null }", "joints.joint1.type", &["invalid type: map", "a word"]),
+    ] {
+        let start = refusal(&changed(from, to));
+        assert!(start.starts_with(&format!("{key}: ")), "`{start}` does not begin with `{key}`");
+        check(&changed(from, to), fragments);
+    }
+}
+
+#[test]
+fn numbers_out_of_range() {
+    for (from, to, fragments) in [
+        ("\"mass\": 13.689", "\"mass\": -1", &["bodies.crank.mass", "= -1", ">= 0"][..]),
+        ("\"length\": 0.1755", "\"length\": 0", &["bodies.crank.length", "= 0", "> 0"]),
+        ("\"length\": 0.1755", "\"length\": -0.1755", &["bodies.crank.length", "= -0.1755", "> 0"]),
+        ("\"mass\": 19.5 }", "\"mass\": 19.5, \"inertia\": -2 }", &["bodies.wheel.inertia", "= -2", ">= 0"]),
+        ("\"acceleration\": 9.81", "\"acceleration\": -9.81", &["gravity.acceleration", "= -9.81", ">= 0"]),
+        ("\"force\": 30000", "\"force\": 1, \"efficiency\": 1.2", &["actuators.actuator.efficiency", "1.2", "<= 1"]),
+        ("\"tolerance\": 1e-9", "\"tolerance\": 1", &["solver.tolerance", "= 1", "1e-14"]),
+        ("\"stop_time\": 0.13", "\"stop_time\": 0", &["experiment.stop_time", "= 0", "> 0"]),
+    ] {
+        check(&changed(from, to), fragments);
+    }
+}
+
+#[test]
+fn names_that_nothing_carries() {
+    for (from, to, fragments) in [
+        ("crank.end", "crunk.end", &["joints.joint2.first", "\"crunk.end\"", "bodies are ground, crank"][..]),
+        ("crank.end", "crank.tip", &["joints.joint2.first", "\"crank.tip\"", "origin, end, actuator"]),
+        ("crank.end", "crank", &["joints.joint2.first", "body.point"]),
+        ("\"coupler.end\"", "\"coupler.origin.end\"", &["joints.joint3.first", "origin, end"]),
+        ("\"on\": \"crank\"", "\"on\": \"crnk\"", &["torques.crank.on", "\"crnk\"", "bodies are"]),
+        (
+            "\"start\": { \"body\": \"crank\"",
+            "\"start\": { \"body\": \"crnk\"",
+            &["start.body", "\"crnk\"", "bodies are"],
+        ),
+        ("\"leg.end\"", "\"wheel.origin\"", &["bodies.wheel.fixed_to", "circle"]),
+        ("\"coupler\": 0.46", "\"copuler\": 0.46", &["guess.copuler", "crank, coupler, follower"]),
+        ("\"coupler\": 0.46", "\"coupler\": 1e308", &["guess.coupler = 1e308", "from -1e6 to 1e6 rad"]),
+        (", \"coupler\": 0.46", "", &["guess.coupler", "missing", "rough angle [rad]"]),
+    ] {
+        check(&changed(from, to), fragments);
+    }
+}
+
+#[test]
+fn linkages_that_cannot_move_as_one() {
+    // Two degrees of freedom, none, and a body that hangs on nothing.
+    let without = ",\n    \"joint4\": { \"type\": \"revolute\", \"first\": \"ground.end\", \"second\": \"follower.origin\", \"pin_radius\": 0.015 }";
+    check(&changed(without, ""), &["3 degrees of freedom", "must have 1"]);
+    let more = "\"joint1\": { \"type\": \"revolute\", \"first\": \"ground.origin\", \"second\": \"coupler.end\" },\n    \"joint0\":";
+    let text = changed("\"length\": 0.217", "\"length\": 0.317").replace("\"joint1\":", more);
+    check(&text, &["the loops do not close", "stays open by", "guess"]);
+    check(&changed("\"coupler\": {", "\"loose\": {}, \"coupler\": {"), &["bodies.loose", "ground", "add a joint"]);
+    let fixed = "\"joint5\": { \"type\": \"revolute\", \"first\": \"ground.rest\", \"second\": \"crank.rest\" },\n    \"joint1\":";
+    let text = changed("\"joint1\":", fixed)
+        .replace(
+            "\"ground\": { \"length\": 0.5729 }",
+            "\"ground\": { \"length\": 0.5729, \"points\": { \"rest\": [0, 0.1] } }",
+        )
+        .replace("[-0.050, -0.138]", "[-0.050, -0.138], \"rest\": [0.0717356090899523, 0.0696706709347165]");
+    check(&text, &["0 degrees of freedom", "remove a joint"]);
+    check(&changed("\"length\": 0.217", "\"length\": 0.001"), &["the loops do not close", "stays open by", "lengths"]);
+    check(&changed("\"second\": \"crank.origin\"", "\"second\": \"ground.end\""), &["joints.joint1", "to itself"]);
+}
+
+#[test]
+fn loads_without_a_direction() {
+    let force = "\"first\": \"crank.actuator\", \"second\": \"follower.actuator\"";
+    let one = force.replace("follower.actuator", "crank.actuator");
+    check(&changed(force, &one), &["actuators.actuator", "one point", "name two points"]);
+    let one = force.replace("follower.actuator", "leg.end");
+    check(&changed(force, &one), &["actuators.actuator", "both ends are on crank", "name two bodies"]);
+    let met = force.replace("crank.actuator", "coupler.origin").replace("follower.actuator", "crank.end");
+    check(&changed(force, &met), &["actuators.actuator", "the one point of joint2", "name two points"]);
+    // The piston's eye passes through the bracket once in a turn.
+    let bracket = changed("{ \"length\": 0.5729 }", "{ \"length\": 0.5729, \"points\": { \"bracket\": [0.1755, 0] } }");
+    check(
+        &bracket.replace(force, "\"first\": \"ground.bracket\", \"second\": \"crank.end\""),
+        &["actuator", "ends coincide near", "move one of its attachments"],
+    );
+    let spring = changed("\"markers\":", "\"springs\": { \"coil\": { \"first\": \"crank.end\" } },\n  \"markers\":");
+    check(&spring, &["springs.coil", "give first and second, or joint"]);
+}
+
+const RODS: &str = r#"{
+  "name": "FourBar", "bodies": {
+    "ground": { "length": 0.4 }, "left": { "length": LEFT, "mass": MASS }, "coupler": { "length": 0.4 },
+    "right": { "length": 0.1 }
+  },
+  "joints": {
+    "a": { "type": "revolute", "first": "ground.origin", "second": "left.origin" },
+    "b": { "type": "revolute", "first": "left.end", "second": "coupler.origin" },
+    "c": { "type": "revolute", "first": "coupler.end", "second": "right.end" },
+    "d": { "type": "revolute", "first": "ground.end", "second": "right.origin" }
+  },
+  "start": { "body": "left", "angle": START }, "guess": { "left": GUESS, "coupler": 0, "right": GUESS }
+}"#;
+
+fn rods(left: &str, mass: &str, start: &str, guess: &str) -> String {
+    RODS.replace("LEFT", left).replace("MASS", mass).replace("START", start).replace("GUESS", guess)
+}
+
+#[test]
+fn positions_without_an_answer() {
+    // A point mass in the bearing of the left rod never moves.
+    check(&rods("0.1", "1", "0.5", "0.5"), &["reduced inertia vanishes at left = 0.5", "give a mass or an inertia"]);
+    check(&rods("0.1", "0", "0.5", "0.5"), &["reduced inertia vanishes", "give a mass or an inertia"]);
+    // Flat: parallelogram and antiparallelogram meet.
+    let massive = |text: String| text.replace("\"mass\": 1", "\"mass\": 1, \"shape\": \"uniform_rod\"");
+    check(
+        &massive(rods("0.1", "1", "0", "0")),
+        &["two branches of motion cross at the guess", "guess a position off the crossing", "start may still"],
+    );
+    Model::from_json(&massive(rods("0.1", "1", "0", "0.5"))).unwrap();
+    // The longer rod only swings; where it turns back, nothing with mass moves.
+    let swings = massive(rods("0.15", "1", "3.1", "0.9"));
+    check(&swings, &["reduced inertia vanishes at left = 2.168", "give a mass or an inertia"]);
+    check(
+        &swings.replace("\"right\": { ", "\"right\": { \"inertia\": 0.01, "),
+        &["left.start_angle = 3.1", "cannot be reached", "moves from", "to"],
+    );
+}
+
+#[test]
+fn starts_that_contradict_themselves() {
+    let start = "{ \"body\": \"crank\", \"angle\": 0.8, \"speed\": 0 }";
+    for (to, fragments) in [
+        ("{ \"body\": \"crank\" }", &["start", "body and angle, or joint and position"][..]),
+        ("{ \"joint\": \"joint1\", \"position\": 0.8 }", &["start.joint", "prismatic"]),
+        ("{ \"joint\": \"slot\", \"position\": 0.8 }", &["start.joint", "\"slot\"", "joint1, joint2"]),
+        ("{ \"body\": \"ground\", \"angle\": 0.8 }", &["start", "ground", "crank, coupler, follower"]),
+        ("{ \"body\": \"crank\", \"angle\": 0.8, \"velocity\": 1 }", &["start.velocity", "`velocity`", "`speed`"]),
+    ] {
+        check(&changed(start, to), fragments);
+    }
+}
+
+/// A byte order mark, which some editors write, is no fault.
+#[test]
+fn a_byte_order_mark_is_read_over() {
+    Model::from_json(&format!("\u{feff}{GEAR}")).unwrap();
+}
+
+const SLIDER_CRANK: &str = r#"{
+  "name": "SliderCrank", "bodies": {
+    "ground": {}, "crank": { "length": 0.1, "mass": 1, "shape": "uniform_rod" }, "rod": { "length": 0.3, "mass": 1 },
+    "hub": { "fixed_to": "crank.origin", "angle": 1 }, "slider": { "mass": 0.5 }
+  },
+  "joints": {
+    "bearing": { "type": "revolute", "first": "ground.origin", "second": "crank.origin", "pin_radius": 0 },
+    "pin": { "type": "revolute", "first": "crank.end", "second": "rod.origin" },
+    "wrist": { "type": "revolute", "first": "rod.end", "second": "slider.origin" },
+    "guide": { "type": "prismatic", "first": "ground.origin", "second": "slider.origin" }
+  },
+  "start": { "body": "crank", "angle": 0.5 }, "guess": { "crank": 0.5, "rod": -0.16, "guide": 0.38 }
+}"#;
+
+/// The slider-crank with these keys and values set, `section.name` and so on.
+fn slider_crank(changes: &[(&str, serde_json::Value)]) -> String {
+    let mut mechanism: serde_json::Value = serde_json::from_str(SLIDER_CRANK).unwrap();
+    for (path, value) in changes {
+        let entry = path.split('.').fold(&mut mechanism, |object, key| &mut object[key]);
+        *entry = value.clone();
+    }
+    mechanism.to_string()
+}
+
+#[test]
+fn locks_that_cannot_act() {
+    for (at, fragments) in [
+        (
+            "ground.end",
+            &["locks.uplock.at", "ground.end is on the ground", "cannot act", "name a point that moves"][..],
+        ),
+        ("crank.origin", &["locks.uplock.at", "stands still where upstop is, near crank = -1.3", "name a point that"]),
+    ] {
+        let lock = format!("\"uplock\": {{ \"stop\": \"upstop\", \"at\": \"{at}\" }}");
+        check(&changed("\"uplock\": { \"stop\": \"upstop\", \"at\": \"wheel.origin\" }", &lock), fragments);
+    }
+    // At its dead centre a slider cannot be held by a force on it; a degree away from there it can.
+    let held = |angle: f64, at: &str| {
+        slider_crank(&[
+            ("stops", serde_json::json!({ "far": { "body": "crank", "limit": "upper", "angle": angle } })),
+            ("locks", serde_json::json!({ "latch": { "stop": "far", "at": at } })),
+        ])
+    };
+    let dead_centre = std::f64::consts::PI;
+    check(&held(dead_centre, "slider.origin"), &["locks.latch.at", "stands still where far is, near crank = 3.14"]);
+    Model::from_json(&held(dead_centre, "crank.end")).unwrap();
+    Model::from_json(&held(dead_centre - 0.017, "slider.origin")).unwrap();
+}
+
+/// The position in a message is that of the outputs, whole turns included.
+#[test]
+fn positions_in_messages_are_those_of_the_outputs() {
+    let friction = serde_json::json!({ "enabled": true, "static_coefficient": 0.1, "kinetic_coefficient": 0.1 });
+    let text = slider_crank(&[
+        ("joints.bearing.pin_radius", 1e9.into()),
+        ("friction", friction),
+        ("start.speed", 1.into()),
+        ("start.angle", 13.0.into()),
+    ]);
+    let mut run = Run::new(&text).started();
+    let line = run.0.get("crank.acceleration").unwrap_err().to_string();
+    let position = format!("near crank = {:.6} rad, rod = {:.6} rad", run.get("crank.angle"), run.get("rod.angle"));
+    assert!(line.contains(&position) && position.contains("13.000000"), "`{line}` lacks `{position}`");
+}
+
+#[test]
+fn starts_out_of_reach() {
+    // With its stops the gear moves from one to the other; without the lower one as far as its toggle.
+    let start = |stated: &str| changed("\"angle\": 0.8, \"speed\"", &format!("\"angle\": {stated}, \"speed\""));
+    let free = |text: &str| text.replace("\"angle\": -1.3, ", "\"angle\": -1.3, \"enabled\": false, ");
+    check(&start("0.9"), &["downstop.angle = 0.8", "the start, at 0.9, is beyond this stop"]);
+    check(&start("-1.4"), &["upstop.angle = -1.3", "the start, at -1.4, is beyond this stop"]);
+    check(&free(&start("-1.4")), &["crank.start_angle = -1.4 cannot", "moves from -1.325844931 to 0.8"]);
+    // Stated by another body of the same group, in whose angle the range then is.
+    let by_leg = start("-3.8").replace("\"start\": { \"body\": \"crank\"", "\"start\": { \"body\": \"leg\"");
+    check(&free(&by_leg), &["leg.start_angle = -3.8 cannot", "moves from -3.725844931 to -1.6"]);
+    // The follower has no stop of its own, but cannot leave the crank's.
+    let by_follower = start("4.5").replace("\"start\": { \"body\": \"crank\"", "\"start\": { \"body\": \"follower\"");
+    check(&by_follower, &["follower.start_angle = 4.5 cannot be reached", "moves from 2.409512947 to 3.350866873"]);
+    // Whole turns away is the same position, but another angle.
+    let around = start("7.0");
+    let text = around
+        .replace("\"limit\": \"upper\", \"angle\": 0.8", "\"limit\": \"upper\", \"enabled\": false, \"angle\": 0.8");
+    check(&text, &["crank.start_angle = 7 cannot be reached", "where 0.7168146928 is the same position: state that"]);
+    // A crank that turns fully round may start in any turn.
+    Model::from_json(&slider_crank(&[("start.angle", 700.into())])).unwrap();
+}
+
+#[test]
+fn angles_that_count_too_many_turns() {
+    for (path, line) in [
+        ("guess.crank", "guess.crank = 1000000000: must be an angle from -1e6 to 1e6 rad"),
+        ("start.angle", "start.angle = 1000000000: must be an angle from -1e6 to 1e6 rad"),
+    ] {
+        assert_eq!(refusal(&slider_crank(&[(path, 1e9.into())])), line);
+    }
+    Model::from_json(&slider_crank(&[("guess.crank", (0.5 + 2e3 * std::f64::consts::TAU).into())])).unwrap();
+}
+
+#[test]
+fn huge_and_tiny_numbers_are_written_with_exponents() {
+    for (path, value, fragment) in [
+        ("solver", serde_json::json!({ "tolerance": 1e300 }), "solver.tolerance = 1e300: must be"),
+        ("solver", serde_json::json!({ "tolerance": 1e-20 }), "solver.tolerance = 1e-20: must be"),
+        ("bodies.crank.length", 1e200.into(), "bodies.crank.length = 1e200: must be a number > 0 and <= 1e100"),
+        (
+            "experiment",
+            serde_json::json!({ "stop_time": -1e250, "step_size": 1 }),
+            "experiment.stop_time = -1e250: must",
+        ),
+    ] {
+        check(&slider_crank(&[(path, value)]), &[fragment]);
+    }
+}

@@ -1,0 +1,185 @@
+//! Drag of the air on the gear: force and moment, acceleration, reactions and energy against formulas written out here.
+
+use crate::support::{GEAR, Run, changed};
+use proptest::prelude::*;
+use serde_json::json;
+use std::sync::OnceLock;
+
+/// Density [kg/m3], drag coefficient of both, length and width of the leg [m], area of the wheel [m2].
+const DENSITY: f64 = 1.225;
+const COEFFICIENT: f64 = 0.5;
+const LEG: f64 = 0.759;
+const WIDTH: f64 = 0.10;
+const AREA: f64 = 0.09;
+/// The air flows along the aircraft's axis, normal to the upward direction 1.13 rad.
+const FLOW: f64 = 1.13 - std::f64::consts::FRAC_PI_2;
+/// Of the largest reaction or acceleration: tables agree with the exact evaluator to 1e-13 of their largest value, and the
+/// gear's reactions are sums of a few terms up to a hundred times larger than they are.
+const TABLES: f64 = 1e-10;
+
+type Vector = [f64; 2];
+
+fn turned(angle: f64) -> Vector {
+    [angle.cos(), angle.sin()]
+}
+
+fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+fn cross(a: Vector, b: Vector) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+fn scaled(a: Vector, by: f64) -> Vector {
+    [a[0] * by, a[1] * by]
+}
+
+const NO_STOPS: [(&str, bool); 2] = [("upstop.enabled", false), ("downstop.enabled", false)];
+
+/// The gear without its stops; the motion of leg and wheel counts or not.
+fn gear(relative: bool) -> Run {
+    static RUNS: [OnceLock<Run>; 2] = [OnceLock::new(), OnceLock::new()];
+    let build = || Run::new(GEAR).with(&NO_STOPS).with(&[("air.relative_wind", relative)]).started();
+    RUNS[usize::from(relative)].get_or_init(build).clone()
+}
+
+/// The gear without its stops; a force at the leg's middle and a torque on the leg are further inputs.
+fn pushed() -> Run {
+    static RUN: OnceLock<Run> = OnceLock::new();
+    let build = || {
+        let text = changed(GEAR, |m| {
+            m["bodies"]["leg"]["points"] = json!({ "middle": [0.5 * LEG, 0.0] });
+            m["forces"]["push"] = json!({ "at": "leg.middle" });
+            m["torques"]["twist"] = json!({ "on": "leg" });
+        });
+        Run::new(&text).with(&NO_STOPS).started()
+    };
+    RUN.get_or_init(build).clone()
+}
+
+/// The gear at this angle and speed of the crank.
+fn at(mut gear: Run, (angle, speed): (f64, f64)) -> Run {
+    gear.place(("crank.start_angle", angle), ("crank.start_speed", speed));
+    gear
+}
+
+/// Force on the leg, its moment about the crank's pivot, and force on the wheel, at this angle and speed of the crank.
+///
+/// dF = 1/2 rho c w |n . u| u ds. Where n . u keeps its sign the moment's integrand is a cubic: two Gauss points are exact.
+fn drag(angle: f64, speed: f64, airspeed: f64, relative: bool) -> (Vector, f64, Vector) {
+    let along = turned(angle - 2.4);
+    let normal = [-along[1], along[0]];
+    let omega = if relative { speed } else { 0.0 };
+    let wind = |s: f64| {
+        let flow = scaled(turned(FLOW), airspeed);
+        [flow[0] - omega * s * normal[0], flow[1] - omega * s * normal[1]]
+    };
+    let pressure = |s: f64| scaled(wind(s), 0.5 * DENSITY * COEFFICIENT * dot(normal, wind(s)).abs());
+    let (a, b) = (dot(normal, wind(0.0)), dot(normal, wind(LEG)));
+    let reversal = if a * b < 0.0 { LEG * a / (a - b) } else { 0.0 };
+    let (mut force, mut moment) = ([0.0; 2], 0.0);
+    for (from, to) in [(0.0, reversal), (reversal, LEG)] {
+        for side in [-1.0, 1.0] {
+            let s = 0.5 * (from + to) + side * (to - from) / 12_f64.sqrt();
+            let part = scaled(pressure(s), 0.5 * (to - from) * WIDTH);
+            force = [force[0] + part[0], force[1] + part[1]];
+            moment += s * cross(along, part);
+        }
+    }
+    (force, moment, scaled(pressure(LEG), AREA))
+}
+
+fn near(a: f64, b: f64, of: f64) -> Result<(), TestCaseError> {
+    prop_assert!((a - b).abs() <= TABLES * of, "{a} {b}, {:e} of {of}", (a - b).abs() / of);
+    Ok(())
+}
+
+/// PHYSICS: 1/2 rho v2 S c with S = S0 |sin| at the start, gear down.
+#[test]
+fn drag_at_the_start_by_hand() {
+    let mut gear = at(gear(false), (0.8, 0.0));
+    assert_eq!((gear.get("leg.drag"), gear.get("wheel.drag")), (0.0, 0.0));
+    gear.set("airspeed", 70.0);
+    let facing = (0.8 - 2.4 - FLOW).sin().abs();
+    for (name, area) in [("leg.drag", LEG * WIDTH), ("wheel.drag", AREA)] {
+        let expected = 0.5 * 1.225 * 70.0 * 70.0 * area * 0.5 * facing;
+        assert!((gear.get(name) - expected).abs() < 1e-12 * expected, "{} {expected}", gear.get(name));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Virtual work: with the crank's rate as the only one, the moment of all drag about its pivot is the generalised
+    /// force; divided by I = 2 T / omega2 it is the change of the acceleration. Reactions are those under the same forces
+    /// from outside.
+    #[test]
+    fn drag_acts_as_its_force_and_moment(
+        angle in -1.3..1.3f64,
+        speed in prop_oneof![-40.0..-0.1f64, 0.1..40.0f64],
+        airspeed in -90.0..90.0f64,
+        relative in any::<bool>(),
+    ) {
+        let state = (angle, speed);
+        let mut still = at(gear(false), state);
+        let mut blown = at(gear(relative).with(&[("airspeed", airspeed)]), state);
+        let (leg, moment, wheel) = drag(angle, speed, airspeed, relative);
+        let size = 0.5 * DENSITY * COEFFICIENT * AREA * (airspeed.abs() + 0.759 * speed.abs()).powi(2);
+        near(blown.get("leg.drag"), dot(leg, turned(FLOW)), size)?;
+        near(blown.get("wheel.drag"), dot(wheel, turned(FLOW)), size)?;
+        let torque = moment + LEG * cross(turned(angle - 2.4), wheel);
+        let inertia = 2.0 * still.get("energy.kinetic") / (speed * speed);
+        let (before, after) = (still.get("crank.acceleration"), blown.get("crank.acceleration"));
+        near(after - before, torque / inertia, before.abs().max(torque.abs() / inertia))?;
+        let forces = [
+            ("push.force_x", leg[0]),
+            ("push.force_y", leg[1]),
+            ("twist.torque", moment - 0.5 * LEG * cross(turned(angle - 2.4), leg)),
+            ("wheel.force_x", wheel[0]),
+            ("wheel.force_y", wheel[1]),
+        ];
+        let mut pushed = at(pushed().with(&forces), state);
+        near(after, pushed.get("crank.acceleration"), before.abs() + torque.abs() / inertia)?;
+        let names = (1..=4).flat_map(|joint| ["x", "y"].map(|axis| format!("joint{joint}.force_{axis}")));
+        let forces: Vec<[f64; 2]> = names.map(|name| [blown.get(&name), pushed.get(&name)]).collect();
+        let largest = forces.iter().fold(0.0, |a: f64, [_, force]| a.max(force.abs()));
+        for [blown, pushed] in forces {
+            near(blown, pushed, largest)?;
+        }
+    }
+}
+
+/// Energy now less energy at the start is the actuator's work plus that of the drag: by Simpson's rule over the power of
+/// the forces above, and as in `energy.drift`.
+#[test]
+fn drag_takes_its_power() {
+    const STEPS: usize = 2600;
+    let (stop, airspeed, force) = (0.13, 70.0, 30_000.0);
+    for relative in [false, true] {
+        let settings = [("airspeed", airspeed), ("solver.tolerance", 1e-12)];
+        let mut gear = at(gear(relative).with(&settings), (0.8, 0.0));
+        let energy =
+            |g: &mut Run| g.get("energy.kinetic") + g.get("energy.potential") - force * g.get("actuator.length");
+        let power = |g: &mut Run| {
+            let (angle, speed) = (g.get("crank.angle"), g.get("crank.speed"));
+            let (_, moment, wheel) = drag(angle, speed, airspeed, relative);
+            speed * (moment + LEG * cross(turned(angle - 2.4), wheel))
+        };
+        let (before, length) = (energy(&mut gear), gear.get("actuator.length"));
+        let mut work = power(&mut gear);
+        for i in 1..=STEPS {
+            gear.step(stop / STEPS as f64);
+            let weight = if i == STEPS { 1.0 } else { (2 + 2 * (i % 2)) as f64 };
+            work += weight * power(&mut gear);
+        }
+        work *= stop / STEPS as f64 / 3.0;
+        let done = force * (gear.get("actuator.length") - length);
+        // Drag works against the retraction.
+        assert!(work < -100.0 && done > 8000.0, "{work} {done}");
+        let (drift, change) = (gear.get("energy.drift"), energy(&mut gear) - before);
+        // The promise at tolerance 1e-12: 1e-9 of the work; Simpson's rule errs by far less.
+        assert!(drift.abs() < 1e-9 * done, "drift {drift:e} of {done}");
+        assert!((change - work).abs() < 1e-9 * done, "{change} {work}");
+    }
+}

@@ -1,0 +1,398 @@
+//! Several drives, some with losses: the required force of each follows from the state and the other inputs alone, and
+//! gives the demanded acceleration.
+
+use crate::support::{Run, TWO_DRIVES, reals, values};
+use linkage_fmu::mechanism::ModelError;
+use linkage_fmu::simulation::SimulationError;
+use linkage_fmu::variables::Causality;
+use proptest::prelude::*;
+use serde_json::{Value, json};
+
+/// Rounding of the tables (1e-13 of their largest values) and of sums in which the drives' forces cancel.
+const ACCURACY: f64 = 1e-10;
+/// Coefficient of friction in every joint, the same at rest and in motion.
+const MU: f64 = 0.05;
+/// V_S [m/s]: so small that pins beyond it need no speed to speak of.
+const STATIC_SPEED: f64 = 1e-15;
+/// Start speed at which every pin slips faster than V_S, while what grows with the square of the speed is rounding.
+const SLOW: f64 = 1e-6;
+
+/// A drive: its name, and whether it is rotary.
+type Drive = (&'static str, bool);
+
+fn slider_crank() -> (Value, Vec<Drive>) {
+    let mut definition: Value = serde_json::from_str(TWO_DRIVES).unwrap();
+    definition["joints"]["pin"]["pin_radius"] = json!(0.01);
+    definition["joints"]["wrist"]["pin_radius"] = json!(0.008);
+    (definition, vec![("servo", true), ("ram", false)])
+}
+
+fn quick_return() -> (Value, Vec<Drive>) {
+    let definition = json!({
+        "name": "ThreeDrives",
+        "gravity": { "acceleration": 9.81, "up_angle": 1.2 },
+        "bodies": {
+            "ground": { "length": 0.25, "points": { "bracket": [0.6, 0.1] } },
+            "crank": { "length": 0.1, "mass": 1, "shape": "uniform_rod" },
+            "lever": { "length": 0.4, "mass": 2, "shape": "uniform_rod", "points": { "eye": [0.2, 0] } },
+            "block": { "mass": 0.2 }
+        },
+        "joints": {
+            "bearing": { "type": "revolute", "first": "ground.origin", "second": "crank.origin", "pin_radius": 0.012 },
+            "pivot": { "type": "revolute", "first": "ground.end", "second": "lever.origin", "pin_radius": 0.01 },
+            "slot": { "type": "prismatic", "first": "lever.origin", "second": "block.origin" },
+            "pin": { "type": "revolute", "first": "crank.end", "second": "block.origin", "pin_radius": 0.006 }
+        },
+        "actuators": {
+            "servo": { "joint": "bearing", "torque": 3 },
+            "cylinder": { "first": "ground.bracket", "second": "lever.eye", "force": 20 },
+            "linear": { "joint": "slot", "force": -5 }
+        },
+        "springs": { "gas_spring": {
+            "first": "ground.origin", "second": "lever.end", "stiffness": 40, "damping": 2, "free_length": 0.3, "preload": -10
+        } },
+        "start": { "body": "crank", "angle": 1 },
+        "guess": { "crank": 1, "lever": 2.74, "slot": 0.21 }
+    });
+    (definition, vec![("servo", true), ("cylinder", false), ("linear", false)])
+}
+
+/// Two loops and a drive in a joint between moving bodies.
+fn six_bar() -> (Value, Vec<Drive>) {
+    let definition = json!({
+        "name": "SixBar",
+        "gravity": { "acceleration": 9.81, "up_angle": 1.2 },
+        "bodies": {
+            "ground": { "length": 0.5, "points": { "far": [0.62, 0.35], "bracket": [-0.1, 0.4] } },
+            "crank": { "length": 0.12, "mass": 1.1, "center": [0.05, 0.01], "inertia": 0.004 },
+            "coupler": { "length": 0.45, "mass": 0.9, "shape": "uniform_rod", "points": { "eye": [0.2, 0.15] } },
+            "rocker": { "length": 0.3, "mass": 0.7, "shape": "uniform_rod" },
+            "link": { "length": 0.35, "mass": 0.4, "center": [0.1, -0.02], "inertia": 0.003 },
+            "out": { "length": 0.25, "mass": 0.6, "shape": "uniform_rod", "points": { "tip": [0.3, 0.05] } }
+        },
+        "joints": {
+            "A": { "type": "revolute", "first": "ground.origin", "second": "crank.origin", "pin_radius": 0.01 },
+            "B": { "type": "revolute", "first": "coupler.origin", "second": "crank.end", "pin_radius": 0.012 },
+            "C": { "type": "revolute", "first": "coupler.end", "second": "rocker.end", "pin_radius": 0.008 },
+            "D": { "type": "revolute", "first": "rocker.origin", "second": "ground.end" },
+            "E": { "type": "revolute", "first": "coupler.eye", "second": "link.origin", "pin_radius": 0.01 },
+            "F": { "type": "revolute", "first": "link.end", "second": "out.end", "pin_radius": 0.01 },
+            "G": { "type": "revolute", "first": "ground.far", "second": "out.origin", "pin_radius": 0.01 }
+        },
+        "actuators": {
+            "cylinder": { "first": "ground.bracket", "second": "out.tip", "force": 50 },
+            "servo": { "joint": "A", "torque": 3 },
+            "motor": { "joint": "B", "torque": 0.7 }
+        },
+        "start": { "body": "crank", "angle": 1 },
+        "guess": { "crank": 1, "coupler": 0.5, "rocker": 1.6, "link": -1, "out": -2 }
+    });
+    (definition, vec![("cylinder", false), ("servo", true), ("motor", true)])
+}
+
+/// Angle and speed of the crank, forces of the drives, efficiency of each drive that has one, demanded acceleration.
+#[derive(Clone, Debug)]
+struct Case {
+    mechanism: usize,
+    friction: bool,
+    angle: f64,
+    speed: f64,
+    forces: [f64; 3],
+    efficiencies: [Option<f64>; 3],
+    demand: f64,
+}
+
+fn cases() -> impl Strategy<Value = Case> {
+    let speeds = prop_oneof![Just(0.0), -5.0..5.0f64, -0.01..0.01f64];
+    let demands = prop_oneof![Just(0.0), -30.0..30.0f64, -1e-3..1e-3f64];
+    let efficiency = || prop_oneof![1 => Just(None), 2 => (0.3..1.0f64).prop_map(Some)];
+    let forces = [-20.0..20.0f64, -20.0..20.0f64, -20.0..20.0f64];
+    let efficiencies = [efficiency(), efficiency(), efficiency()];
+    let all = (0..3usize, any::<bool>(), 0.1..2.4f64, speeds, forces, efficiencies, demands);
+    all.prop_map(|(mechanism, friction, angle, speed, forces, efficiencies, demand)| Case {
+        mechanism,
+        friction,
+        angle,
+        speed,
+        forces,
+        efficiencies,
+        demand,
+    })
+}
+
+/// A case's mechanism at its start, with its drives.
+fn started(case: &Case) -> (Run, Vec<Drive>) {
+    let (mut definition, drives) = [slider_crank, quick_return, six_bar][case.mechanism]();
+    for ((name, _), efficiency) in drives.iter().zip(case.efficiencies) {
+        if let Some(efficiency) = efficiency {
+            definition["actuators"][name]["efficiency"] = json!(efficiency);
+        }
+    }
+    definition["friction"] = json!({
+        "enabled": case.friction, "static_coefficient": MU, "kinetic_coefficient": MU, "static_speed": STATIC_SPEED,
+    });
+    definition["start"]["angle"] = json!(case.angle);
+    definition["start"]["speed"] = json!(case.speed);
+    let mut run = Run::new(&definition.to_string());
+    drives.iter().zip(case.forces).for_each(|(drive, force)| run.set(&input(*drive), force));
+    (run.started(), drives)
+}
+
+/// An output's value; None where friction locks, near a dead centre.
+fn find(run: &mut Run, name: &str) -> Option<f64> {
+    match run.0.get(name) {
+        Err(SimulationError::Model(ModelError::Locked { .. })) => None,
+        value => Some(value.unwrap()),
+    }
+}
+
+/// A size of the forces at work as a drive sees them: all of them reduced to it, lossless.
+fn size(run: &mut Run, drives: &[Drive], drive: Drive, case: &Case) -> f64 {
+    let worst = case.efficiencies.iter().flatten().fold(1.0, |a: f64, b| a.min(*b));
+    let scale = |run: &mut Run, drive: Drive| (worst * run.get(&reduced(drive))).sqrt().recip();
+    let own = scale(run, drive);
+    let forces: f64 = drives.iter().zip(case.forces).map(|(other, force)| force.abs() * scale(run, *other)).sum();
+    let holding = run.get(&holding(drive)).abs();
+    10.0 * (forces / own + holding + (case.demand.abs() + 10.0 * case.speed.abs().powi(2)) / (own * own))
+}
+
+fn reduced((name, is_rotary): Drive) -> String {
+    format!("{name}.reduced_{}", if is_rotary { "inertia" } else { "mass" })
+}
+
+fn input((name, is_rotary): Drive) -> String {
+    format!("{name}.{}", if is_rotary { "torque" } else { "force" })
+}
+
+fn holding((name, is_rotary): Drive) -> String {
+    format!("{name}.holding_{}", if is_rotary { "torque" } else { "force" })
+}
+
+fn breakaway((name, is_rotary): Drive, forward: bool) -> String {
+    let (force, way) = (if is_rotary { "torque" } else { "force" }, if forward { "forward" } else { "backward" });
+    format!("{name}.breakaway_{force}_{way}")
+}
+
+fn acceleration((name, _): Drive) -> String {
+    format!("{name}.acceleration")
+}
+
+/// The servo's terms beside a ram that loses half of its power, at rest at 0.9 rad; the ram's force is S, the angles are
+/// theta of the crank and phi of the rod.
+#[test]
+fn a_drive_with_losses_beside_another_has_its_closed_form() {
+    let case = Case {
+        mechanism: 0,
+        friction: false,
+        angle: 0.9,
+        speed: 0.0,
+        forces: [3.0, 50.0, 0.0],
+        efficiencies: [None, Some(0.5), None],
+        demand: 0.0,
+    };
+    let (mut run, _) = started(&case);
+    let (sin, cos) = 0.9_f64.sin_cos();
+    let phi = (-sin / 3.0).asin();
+    let rod = -0.1 * cos / (0.3 * phi.cos());
+    let slide = -0.1 * sin - 0.3 * phi.sin() * rod;
+    // Gravity's work for each rad, on the middles of crank and rod.
+    let weight = -9.81 * (1.2 * 0.05 * cos + 0.9 * (0.1 * cos + 0.15 * phi.cos() * rod));
+    let holds = |part: f64| -(weight + 50.0 * part * slide);
+    // The ram pushes against a crank that turns forward: it is driven back then.
+    let (all, forward, backward) = (holds(1.0), holds(2.0), holds(0.5));
+    for torque in [-5.0, 0.0, 1.5, 3.0, 4.0, 5.0, 6.0, 10.0, 20.0] {
+        run.set("servo.torque", torque);
+        let near = |reported: f64, expected: f64, what: &str| {
+            assert!((reported - expected).abs() < 1e-12 * forward, "{what} at {torque}: {reported}, not {expected}");
+        };
+        near(run.get("servo.holding_torque"), all, "holding");
+        near(run.get("servo.breakaway_torque_forward"), forward, "forward");
+        near(run.get("servo.breakaway_torque_backward"), backward, "backward");
+        let inertia = run.get("servo.reduced_inertia");
+        for (demand, border) in [(20.0, forward), (-20.0, backward), (0.0, all)] {
+            run.set("servo.demanded_acceleration", demand);
+            let reported = run.get("servo.required_force");
+            near(reported, border + inertia * demand, "required");
+            run.set("servo.torque", reported);
+            assert!((run.get("servo.acceleration") - demand).abs() < 1e-10, "{demand} at {torque}");
+            run.set("servo.torque", torque);
+        }
+        // The drive's own torque shows in the present load: the ram gives way to it as long as it holds.
+        let load = run.get("servo.static_load");
+        near(load, torque.clamp(backward, forward), "load");
+    }
+}
+
+fn locked() -> TestCaseError {
+    TestCaseError::reject("friction locks")
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 250, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Inverse, then forward dynamics, at rest and in motion.
+    #[test]
+    fn the_required_force_gives_the_demanded_acceleration(case in cases(), other in -20.0..20.0f64) {
+        let (mut run, drives) = started(&case);
+        for (&drive, own) in drives.iter().zip(case.forces) {
+            let size = size(&mut run, &drives, drive, &case);
+            let (name, mass) = (drive.0, run.get(&reduced(drive)));
+            prop_assume!(mass < 1e3);
+            run.set(&format!("{name}.demanded_acceleration"), case.demand);
+            let Some(reported) = find(&mut run, &format!("{name}.required_force")) else { return Err(locked()) };
+            run.set(&input(drive), other);
+            let Some(again) = find(&mut run, &format!("{name}.required_force")) else { return Err(locked()) };
+            let slack = ACCURACY * (size + own.abs() + other.abs());
+            prop_assert!((reported - again).abs() < slack, "{name} with {own}: {reported}, with {other}: {again}");
+            run.set(&input(drive), reported);
+            let Some(given) = find(&mut run, &acceleration(drive)) else { return Err(locked()) };
+            prop_assert!((given - case.demand).abs() * mass < slack, "{name}: {given}, not {}", case.demand);
+            run.set(&input(drive), own);
+        }
+    }
+
+    #[test]
+    fn the_holding_force_lies_between_the_breakaway_forces(case in cases(), other in -20.0..20.0f64) {
+        let case = Case { speed: 0.0, ..case };
+        let (mut run, drives) = started(&case);
+        for (&drive, own) in drives.iter().zip(case.forces) {
+            let slack = ACCURACY * (size(&mut run, &drives, drive, &case) + own.abs() + other.abs());
+            let names = [breakaway(drive, false), holding(drive), breakaway(drive, true)];
+            let reported = names.clone().map(|name| find(&mut run, &name));
+            prop_assume!(reported.iter().all(Option::is_some));
+            let reported = reported.map(Option::unwrap);
+            run.set(&input(drive), other);
+            let again = names.clone().map(|name| run.get(&name));
+            for k in 0..3 {
+                prop_assert!((reported[k] - again[k]).abs() < slack, "{} {} {}", names[k], reported[k], again[k]);
+            }
+            prop_assert!(reported[0] < reported[1] + slack && reported[1] < reported[2] + slack, "{} {reported:?}", drive.0);
+            run.set(&input(drive), reported[1]);
+            let given = run.get(&acceleration(drive));
+            let mass = run.get(&reduced(drive));
+            prop_assert!(given.abs() * mass < slack, "{}: {given}", drive.0);
+            run.set(&input(drive), own);
+        }
+    }
+
+    /// Once every pin slips, a little more than the breakaway force speeds the motion up, a little less slows it down.
+    #[test]
+    fn the_breakaway_force_overcomes_friction_and_losses(case in cases(), forward in any::<bool>()) {
+        let case = Case { speed: 0.0, ..case };
+        let (mut rest, drives) = started(&case);
+        for &drive in &drives {
+            let Some(reported) = find(&mut rest, &breakaway(drive, forward)) else { return Err(locked()) };
+            let sign = if forward { 1.0 } else { -1.0 };
+            let size = size(&mut rest, &drives, drive, &case);
+            let mass = rest.get(&reduced(drive));
+            prop_assume!(mass < 1e3);
+            for (more, sets_off) in [(1e-6, true), (-1e-6, false)] {
+                let mut run = rest.clone();
+                run.set(&input(drive), reported + more * sign * size);
+                if !case.friction {
+                    let given = run.get(&acceleration(drive)) * sign;
+                    prop_assert!((given > 0.0) == sets_off, "at rest: {} {reported}, {more} beyond: {given}", drive.0);
+                }
+                let mut run = run.with(&[("crank.start_speed", SLOW)]).started();
+                if run.get(&format!("{}.speed", drive.0)) * sign < 0.0 {
+                    run = run.with(&[("crank.start_speed", -SLOW)]).started();
+                }
+                let Some(given) = find(&mut run, &acceleration(drive)) else { return Err(locked()) };
+                prop_assert!((given * sign > 0.0) == sets_off, "{} {reported}, {more} beyond: {given}", drive.0);
+            }
+        }
+    }
+}
+
+/// Just below the breakaway torque the mechanism creeps, some pin slower than V_S; just above it every pin slips faster.
+#[test]
+fn below_the_breakaway_torque_the_mechanism_creeps() {
+    const STATIC: f64 = 1e-5;
+    let rest = |torque: f64| {
+        let (mut definition, _) = slider_crank();
+        definition["actuators"]["ram"]["efficiency"] = json!(0.5);
+        definition["friction"] = json!({
+            "enabled": true, "static_coefficient": 0.1, "kinetic_coefficient": 0.08, "static_speed": STATIC, "kinetic_speed": 0.1,
+        });
+        Run::new(&definition.to_string()).with(&[("servo.torque", torque)]).started()
+    };
+    let reported = [4.5, 10.0, 12.0].map(|torque| rest(torque).get("servo.breakaway_torque_forward"));
+    assert!(reported.iter().all(|t| (t - reported[0]).abs() < 1e-12 * reported[0]), "{reported:?}");
+    for (part, goes) in [(0.9, false), (0.999, false), (1.001, true), (1.1, true)] {
+        let mut run = rest(part * reported[0]);
+        run.step(0.1);
+        let (crank, rod, guide) = (run.get("crank.speed"), run.get("rod.speed"), run.get("guide.speed"));
+        let slips = [0.01 * crank, 0.01 * (rod - crank), 0.008 * rod, guide].map(f64::abs);
+        assert_eq!(slips.iter().all(|v| *v > STATIC), goes, "{part} of {}: {slips:?} m/s", reported[0]);
+    }
+}
+
+/// The listed inputs of a drive's terms are those that change them, over states at rest and in motion, with drives that
+/// hold and drives that don't.
+#[test]
+fn dependencies_of_drives_are_true() {
+    let efficiencies = [None, Some(0.5), Some(0.8)];
+    for mechanism in 0..3 {
+        let case =
+            |speed, forces| Case { mechanism, friction: false, angle: 0.9, speed, forces, efficiencies, demand: 0.0 };
+        let cases = [
+            case(0.0, [3.0, 50.0, -4.0]),
+            case(0.0, [0.5, 1.0, 0.7]),
+            case(0.0, [3.0, -9.0, 4.0]),
+            case(0.7, [3.0, 50.0, -4.0]),
+            case(-0.7, [-3.0, 50.0, 4.0]),
+        ];
+        let (model, _) = started(&cases[0]);
+        let list = model.variables().list();
+        let outputs = reals(&model, Causality::Output);
+        for input in reals(&model, Causality::Input) {
+            let mut seen = vec![false; outputs.len()];
+            for mut run in cases.iter().map(|case| started(case).0) {
+                let value = run.real(input).unwrap();
+                let mut all = |value: f64| -> Vec<f64> {
+                    run.set_real(input, value).unwrap();
+                    values(&mut run, &outputs)
+                };
+                let before = all(value);
+                for other in [-value, value + 1.0, value - 2.0, 3.0 * value, 30.0, -30.0] {
+                    let after = all(other);
+                    for (seen, (a, b)) in seen.iter_mut().zip(before.iter().zip(&after)) {
+                        *seen |= (a - b).abs() > 1e-9 * (1.0 + a.abs() + b.abs());
+                    }
+                }
+            }
+            for (&output, seen) in outputs.iter().zip(seen) {
+                let output = &list[output as usize];
+                let listed = output.dependencies.contains(&input);
+                let terms = ["static_load", "required_force", ".holding_", ".breakaway_"];
+                let exactly = terms.iter().any(|term| output.name.contains(term));
+                let name = &list[input as usize].name;
+                assert!(seen == listed || (listed && !exactly), "{} on {name}: listed {listed}", output.name);
+            }
+        }
+    }
+}
+
+/// The holding force, which is without losses, follows from no efficiency; the breakaway forces do.
+#[test]
+fn the_holding_force_depends_on_no_efficiency() {
+    let (forces, efficiencies) = ([3.0, 20.0, -5.0], [Some(0.9), Some(0.5), None]);
+    let case = Case { mechanism: 1, friction: true, angle: 0.9, speed: 0.0, forces, efficiencies, demand: 0.0 };
+    let (mut run, _) = started(&case);
+    let initial = run.initial_dependencies().unwrap();
+    let parameters = ["servo.efficiency", "cylinder.efficiency"];
+    for (output, on) in [
+        ("servo.holding_torque", [false, false]),
+        ("linear.holding_force", [false, false]),
+        ("servo.breakaway_torque_forward", [true, true]),
+        ("linear.breakaway_force_backward", [true, true]),
+        ("linear.required_force", [true, true]),
+    ] {
+        let reference = |name| run.0.reference(name).unwrap();
+        let listed = parameters.map(|p| initial[reference(output) as usize].contains(&reference(p)));
+        assert_eq!(listed, on, "{output}");
+        let before = run.get(output);
+        let (mut changed, _) = started(&Case { efficiencies: [Some(0.8), Some(0.4), None], ..case.clone() });
+        assert_eq!((changed.get(output) - before).abs() > 1e-9, on[0] && output != "linear.required_force", "{output}");
+    }
+}

@@ -1,0 +1,113 @@
+//! Joint friction: the paper's gear, its loop, its energy, its stiffness.
+
+use crate::support::Run;
+use linkage_fmu::integrator::Method;
+
+fn gear(values: &[(&str, f64)]) -> Run {
+    Run::gear().with(&[("friction.enabled", true)]).with(values).started()
+}
+
+/// Time at which the crank reaches this angle, found by one step to it and Newton's method on fresh runs.
+fn time_at(angle: f64, first: f64, values: &[(&str, f64)]) -> f64 {
+    let mut t = first;
+    for _ in 0..20 {
+        let mut gear = gear(values);
+        gear.step(t);
+        let step = (angle - gear.get("crank.angle")) / gear.get("crank.speed");
+        t += step;
+        if step.abs() < 1e-13 {
+            break;
+        }
+    }
+    t
+}
+
+#[test]
+fn the_gear_takes_as_long_as_the_reference() {
+    // PHYSICS: mu 0.19 and 0.026, V_S 0.01, V_d 1.0 m/s, pins of 35 and 30 mm: 0.134488353 s.
+    let stops = [("upstop.angle", -1.31), ("solver.tolerance", 1e-11)];
+    let t = time_at(-1.3, 0.1344, &stops);
+    println!("{t}");
+    assert!((t - 0.134488353).abs() < 1e-8, "{t}");
+}
+
+/// Kinks of the law are events, so the error follows the tolerance whatever the slip speed V_S.
+#[test]
+fn errors_stay_within_the_tolerance_at_every_static_speed() {
+    for static_speed in [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0] {
+        let start = gear(&[("friction.static_speed", static_speed), ("friction.kinetic_speed", 2.0)]);
+        let run = |tolerance: f64| {
+            let mut gear = start.clone().with(&[("solver.tolerance", tolerance)]).started();
+            gear.step(0.13);
+            let work = 30_000.0 * (gear.get("actuator.length") - 0.418_49);
+            (gear.get("crank.angle"), gear.get("energy.drift") / work)
+        };
+        let tight = run(1e-13).0;
+        for tolerance in [1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12] {
+            let (angle, drift) = run(tolerance);
+            let error = (angle - tight).abs();
+            assert!(error < 100.0 * tolerance, "V_S {static_speed}, tolerance {tolerance:e}: {error:e}");
+            assert!(tolerance > 1e-12 || drift.abs() < 1e-9, "V_S {static_speed}: {drift:e}");
+        }
+    }
+}
+
+/// Creeping: the drive does not overcome static friction, so the gear creeps in the steep ramp of the law for a second.
+/// The rate is then that at which the ramp's friction balances the drive, and the implicit method is at work.
+#[test]
+fn creeping_in_the_ramp_is_stiff_and_is_integrated_implicitly() {
+    let start = gear(&[("friction.static_speed", 1e-6), ("crank.start_angle", 0.3)]);
+    let mut at_rest = start.clone();
+    let [forward, backward, hold] = ["breakaway_force_forward", "breakaway_force_backward", "holding_force"]
+        .map(|force| at_rest.get(&format!("actuator.{force}")));
+    assert!(backward < hold && hold < forward);
+    let mut gear = start.with(&[("actuator.force", 0.5 * (hold + forward))]).started();
+    gear.step(1.0);
+    let statistics = gear.statistics();
+    let moved = gear.get("crank.angle") - 0.3;
+    // A pin of 15 mm that slips at less than 1e-6 m/s turns by less than 1e-4 rad in a second.
+    assert!(moved < 0.0 && moved > -1e-4, "{moved}");
+    assert!(statistics.accepted_by(Method::Radau) > 0, "{statistics:?}");
+    assert!(statistics.evaluations < 20_000, "{statistics:?}");
+}
+
+/// A rod between a slider with friction and a heavy one that slides upright without: where the heavy one falls, friction can take
+/// most of the reaction away that causes it. With N = N_0 + k |N|, k < -1, the reaction is still N_0 / (1 - k).
+#[test]
+fn friction_that_relieves_its_reaction_does_not_lock() {
+    const TRAMMEL: &str = r#"{
+        "name": "Trammel", "gravity": { "acceleration": 9.81, "up_angle": 1.5707963267948966 },
+        "bodies": { "ground": {}, "a": { "mass": 0.1 }, "b": { "mass": 5 },
+            "rod": { "length": 1, "mass": 0.1, "shape": "uniform_rod" } },
+        "joints": {
+            "guide": { "type": "prismatic", "first": "ground.origin", "second": "a.origin" },
+            "column": { "type": "prismatic", "first": "ground.origin", "second": "b.origin",
+                "axis_angle": 1.5707963267948966, "static_coefficient": 0, "kinetic_coefficient": 0 },
+            "pa": { "type": "revolute", "first": "a.origin", "second": "rod.origin" },
+            "pb": { "type": "revolute", "first": "rod.end", "second": "b.origin" } },
+        "friction": { "enabled": true, "static_coefficient": 0.5, "kinetic_coefficient": 0.5, "static_speed": 1e-3, "kinetic_speed": 2e-3 },
+        "start": { "body": "rod", "angle": 2.0, "speed": -1 }, "guess": { "rod": 2.0, "guide": 0.42, "column": 0.91 } }"#;
+    let (light, heavy, rod, g, mu) = (0.1, 5.0, 0.1, 9.81, 0.5);
+    let trammel = Run::new(TRAMMEL);
+    let mut relieved = 0;
+    for i in 0..=60 {
+        let theta = 2.2 - 0.01 * f64::from(i);
+        let mut run = trammel.clone().with(&[("rod.start_angle", theta)]).started();
+        let (sin, cos) = theta.sin_cos();
+        // M alpha + M' / 2 = -(heavy + rod / 2) g cos + mu |N| sin, N = weight + (heavy + rod / 2) (cos alpha - sin).
+        let (inertia, lever) = (light * sin * sin + heavy * cos * cos + rod / 3.0, heavy + 0.5 * rod);
+        let free = (-(light - heavy) * sin * cos - lever * g * cos) / inertia;
+        let normal = (light + heavy + rod) * g + lever * (cos * free - sin);
+        let k = lever * cos * mu * sin / inertia;
+        let size = if normal > 0.0 { normal / (1.0 - k) } else { -normal / (1.0 + k) };
+        relieved += usize::from(normal > 0.0 && k < -1.0);
+        let (acceleration, exact) = (run.get("rod.acceleration"), free + mu * size * sin / inertia);
+        assert!((acceleration - exact).abs() < 1e-10 * exact.abs(), "{theta}: {acceleration}, not {exact}; k {k}");
+    }
+    assert!(relieved > 20, "{relieved}");
+    // Through that region, until the rod creeps.
+    let mut run = trammel.with(&[("rod.start_angle", 1.95)]).started();
+    (0..100).for_each(|_| run.step(1e-3));
+    let (drift, speed) = (run.get("energy.drift"), run.get("rod.speed"));
+    assert!(speed.abs() < 1e-3 && drift.abs() < 1e-9, "{speed}, drift {drift:e}");
+}

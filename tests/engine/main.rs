@@ -1,0 +1,28 @@
+//! The engine without an FMI: one binary, one module a file. While working: `cargo test --test engine stops`.
+#![allow(clippy::unwrap_used)]
+
+mod bad_input;
+mod benchmarks;
+mod derivatives;
+mod drag;
+mod drives;
+mod exact;
+mod friction;
+mod friction_balance;
+mod gear_retraction;
+mod input_derivatives;
+mod interface;
+mod look_ahead;
+mod mechanism_fuzz;
+mod newton_euler;
+mod one_element;
+mod pay_per_use;
+mod random_linkages;
+mod redundant;
+mod rigid_fem;
+mod singular;
+mod solver_method;
+mod start_at_guess;
+mod stops;
+#[path = "../support/mod.rs"]
+mod support;

@@ -1,0 +1,298 @@
+//! Spoiled `mechanism.json` texts: each is a mechanism or a message, without a panic and in bounded time.
+//!
+//! The same texts each time, unless LINKAGE_FMU_CASES sets the number of each kind:
+//! `LINKAGE_FMU_CASES=20000 cargo test --test engine mechanism_fuzz -- --nocapture`.
+
+use crate::support::{CRANE, FOUR_BAR, GEAR, JIB, SLIDER_CRANK, cases, reals};
+use linkage_fmu::mechanism::Model;
+use linkage_fmu::variables::Causality;
+use proptest::prelude::*;
+use proptest::sample::{Index, select};
+use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+use serde_json::Value;
+use std::cell::Cell;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::{Duration, Instant};
+
+/// Texts of each kind if nothing else is asked for.
+const CASES: u32 = 150;
+/// Longest time for one text, on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+const MECHANISMS: [&str; 5] = [GEAR, SLIDER_CRANK, FOUR_BAR, JIB, CRANE];
+
+/// What a spoiled number may look like.
+const NUMBERS: &str = "0 -0 -1 1 1e-6 1e-3 1e3 -1e3 1e6 1e999 NaN Infinity -Infinity 0x1 true \"1\" null";
+/// Numbers that are none for a mechanism, but fit in 64 bits.
+const ABSURD: [&str; 10] =
+    ["1e17", "-1e17", "1e150", "-1e155", "1e200", "1e308", "-1e308", "1e-160", "1e-308", "5e-324"];
+
+/// A worker that reads texts: the outcome, or the text of a panic.
+struct Worker {
+    texts: Sender<String>,
+    outcomes: Receiver<Result<bool, String>>,
+}
+
+impl Worker {
+    fn new() -> Self {
+        let (texts, inbox) = channel::<String>();
+        let (outbox, outcomes) = channel();
+        std::thread::spawn(move || {
+            for text in inbox {
+                let outcome = catch_unwind(AssertUnwindSafe(|| read(&text)));
+                let _ = outbox.send(outcome.map_err(|payload| {
+                    let message = payload.downcast_ref::<String>().cloned();
+                    message
+                        .or_else(|| payload.downcast_ref::<&str>().map(|text| (*text).to_owned()))
+                        .unwrap_or_default()
+                }));
+            }
+        });
+        Worker { texts, outcomes }
+    }
+}
+
+/// Read a text, and put the mechanism at its start if it is one. Whether it is.
+fn read(text: &str) -> bool {
+    let mut model = match Model::from_json(text) {
+        Ok(model) => model,
+        Err(error) => {
+            let message = error.to_string();
+            assert!(!message.is_empty() && !message.contains('\n'), "{message}");
+            return false;
+        }
+    };
+    model.initialize().unwrap();
+    for reference in reals(&model, Causality::Output) {
+        let name = &model.variables().list()[reference as usize].name;
+        // Forces and moments would build the tables of the reactions.
+        if name.contains("force") || name.contains("moment") {
+            continue;
+        }
+        if let Ok(value) = model.real(reference) {
+            assert!(value.is_finite());
+        }
+    }
+    true
+}
+
+/// Run texts of one kind.
+fn run(kind: &str, texts: impl Strategy<Value = String>) {
+    let asked = cases();
+    let cases = asked.unwrap_or(CASES);
+    let worker = Worker::new();
+    let (mechanisms, longest) = (Cell::new(0_u32), Cell::new(Duration::ZERO));
+    let config = Config { cases, failure_persistence: None, max_shrink_time: 60_000, ..Config::default() };
+    let start = Instant::now();
+    let mut runner = match asked {
+        Some(_) => TestRunner::new(config),
+        None => TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha)),
+    };
+    let result = runner.run(&texts, |text| {
+        let start = Instant::now();
+        worker.texts.send(text.clone()).unwrap();
+        // Past this the worker never answers again: the text is printed as it is, not shrunk.
+        let outcome = worker.outcomes.recv_timeout(PATIENCE).unwrap_or_else(|_| {
+            eprintln!("{kind}: no answer within {PATIENCE:?} to\n{text}");
+            std::process::exit(101);
+        });
+        longest.set(longest.get().max(start.elapsed()));
+        match outcome {
+            Ok(is_mechanism) => mechanisms.set(mechanisms.get() + u32::from(is_mechanism)),
+            Err(message) => return Err(TestCaseError::fail(format!("panic: {message}"))),
+        }
+        Ok(())
+    });
+    println!(
+        "{kind}: {cases} texts, {} of them mechanisms, {:.1} s, longest {:.2?}",
+        mechanisms.get(),
+        start.elapsed().as_secs_f64(),
+        longest.get()
+    );
+    result.unwrap_or_else(|error| panic!("{kind}: {error}"));
+}
+
+fn mechanism() -> impl Strategy<Value = &'static str> {
+    select(&MECHANISMS[..])
+}
+
+/// First and last byte of every number in a text, none inside strings.
+fn numbers(text: &str) -> Vec<(usize, usize)> {
+    let (mut found, mut quoted, mut start) = (Vec::new(), false, None);
+    for (at, c) in text.char_indices() {
+        quoted ^= c == '"';
+        let part = !quoted && (c.is_ascii_digit() || "+-.eE".contains(c));
+        match (part, start) {
+            (true, None) if c.is_ascii_digit() || c == '-' => start = Some(at),
+            (false, Some(first)) => {
+                found.push((first, at));
+                start = None;
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+#[test]
+fn bytes_are_changed() {
+    let edit = (any::<Index>(), prop_oneof![any::<u8>(), select(&b"{}[]\",:0123456789-.eE \\u"[..])], 0..3);
+    let text = (mechanism(), prop::collection::vec(edit, 1..6)).prop_map(|(text, edits)| {
+        let mut bytes = text.as_bytes().to_vec();
+        for (index, byte, kind) in edits {
+            let at = index.index(bytes.len());
+            match kind {
+                0 => bytes[at] = byte,
+                1 => bytes.insert(at, byte),
+                _ => drop(bytes.remove(at)),
+            }
+        }
+        String::from_utf8_lossy(&bytes).into_owned()
+    });
+    run("bytes", text);
+}
+
+/// Texts with some numbers replaced: `write` gives the text in place of a number.
+fn edited<T: std::fmt::Debug>(
+    edit: impl Strategy<Value = T>,
+    write: impl Fn(&str, T) -> String,
+) -> impl Strategy<Value = String> {
+    (mechanism(), prop::collection::vec((any::<Index>(), edit), 1..4)).prop_map(move |(text, edits)| {
+        edits.into_iter().fold(text.to_owned(), |text, (index, edit)| {
+            let numbers = numbers(&text);
+            let (first, last) = numbers[index.index(numbers.len())];
+            format!("{}{}{}", &text[..first], write(&text[first..last], edit), &text[last..])
+        })
+    })
+}
+
+fn replaced(number: impl Strategy<Value = String>) -> impl Strategy<Value = String> {
+    edited(number, |_, number| number)
+}
+
+#[test]
+fn numbers_are_replaced() {
+    let odd = select(NUMBERS.split(' ').collect::<Vec<_>>()).prop_map(str::to_owned);
+    run("numbers", replaced(prop_oneof![odd, (-3.0..3.0).prop_map(|x: f64| x.to_string())]));
+}
+
+#[test]
+fn numbers_are_scaled() {
+    let scaled =
+        |number: &str, exponent: f64| format!("{:e}", number.parse::<f64>().unwrap_or(1.0) * 10_f64.powf(exponent));
+    run("scales", edited(-4.0..4.0, scaled));
+}
+
+#[test]
+fn numbers_are_absurd() {
+    let absurd = select(&ABSURD[..]).prop_map(str::to_owned);
+    run("absurd", replaced(prop_oneof![absurd, any::<f64>().prop_map(|x| format!("{x:e}"))]));
+}
+
+#[test]
+fn a_length_that_overflows_when_squared() {
+    let text = MECHANISMS[2].replace("\"ground\": { \"length\": 0.3 }", "\"ground\": { \"length\": 1e308 }");
+    assert_ne!(text, MECHANISMS[2]);
+    run("overflow", Just(text));
+}
+
+#[test]
+fn lengths_of_very_different_size() {
+    let text =
+        MECHANISMS[1].replace("\"length\": 0.05", "\"length\": 1e3").replace("\"length\": 0.2", "\"length\": 1e308");
+    assert_ne!(text, MECHANISMS[1]);
+    run("graded", Just(text));
+}
+
+/// The members of all objects, by their JSON pointers.
+fn pointers(value: &Value, at: &str, found: &mut Vec<String>) {
+    if let Value::Object(members) = value {
+        for (key, member) in members {
+            let pointer = format!("{at}/{}", key.replace('~', "~0").replace('/', "~1"));
+            found.push(pointer.clone());
+            pointers(member, &pointer, found);
+        }
+    }
+}
+
+/// Text with the member at `pointer` removed, or written twice.
+fn with_member(value: &Value, pointer: &str, copies: usize) -> String {
+    fn write(value: &Value, at: &str, pointer: &str, copies: usize, out: &mut String) {
+        let Value::Object(members) = value else {
+            out.push_str(&value.to_string());
+            return;
+        };
+        out.push('{');
+        for (key, member) in members {
+            let here = format!("{at}/{}", key.replace('~', "~0").replace('/', "~1"));
+            for _ in 0..if here == pointer { copies } else { 1 } {
+                if !out.ends_with('{') {
+                    out.push(',');
+                }
+                out.push_str(&format!("{}:", Value::from(key.as_str())));
+                write(member, &here, pointer, copies, out);
+            }
+        }
+        out.push('}');
+    }
+    let mut out = String::new();
+    write(value, "", pointer, copies, &mut out);
+    out
+}
+
+fn members(text: &str) -> (Value, Vec<String>) {
+    let value: Value = serde_json::from_str(text).unwrap();
+    let mut found = Vec::new();
+    pointers(&value, "", &mut found);
+    (value, found)
+}
+
+#[test]
+fn members_are_removed_or_doubled() {
+    let text = (mechanism(), any::<Index>(), select(&[0_usize, 0, 2][..])).prop_map(|(text, index, copies)| {
+        let (value, found) = members(text);
+        with_member(&value, &found[index.index(found.len())], copies)
+    });
+    run("members", text);
+}
+
+#[test]
+fn members_are_exchanged() {
+    let text = (mechanism(), mechanism(), any::<Index>(), any::<Index>()).prop_map(|(text, other, index, source)| {
+        let (mut value, found) = members(text);
+        let (other, sources) = members(other);
+        let member = other.pointer(&sources[source.index(sources.len())]).unwrap().clone();
+        *value.pointer_mut(&found[index.index(found.len())]).unwrap() = member;
+        value.to_string()
+    });
+    run("exchanges", text);
+}
+
+/// Names of bodies and points, one in place of another: joints between wrong bodies, circles, loose parts.
+#[test]
+fn names_are_exchanged() {
+    let text =
+        (mechanism(), prop::collection::vec((any::<Index>(), any::<Index>()), 1..4)).prop_map(|(text, edits)| {
+            edits.into_iter().fold(text.to_owned(), |text, (index, source)| {
+                let quotes: Vec<_> = text.match_indices('"').map(|(at, _)| at).collect();
+                let strings: Vec<_> = quotes.chunks_exact(2).map(|pair| (pair[0], pair[1] + 1)).collect();
+                let ((a, b), (c, d)) = (strings[index.index(strings.len())], strings[source.index(strings.len())]);
+                format!("{}{}{}", &text[..a], &text[c..d], &text[b..])
+            })
+        });
+    run("names", text);
+}
+
+#[test]
+fn texts_are_cut_nested_or_made_up() {
+    let nested = (select(&["[", "{\"a\":", "{\"bodies\":{\"ground\":"][..]), 1..100_000_usize)
+        .prop_map(|(open, depth)| open.repeat(depth));
+    let inside = (mechanism(), any::<Index>(), 1..10_000_usize).prop_map(|(text, index, depth)| {
+        let numbers = numbers(text);
+        let (first, last) = numbers[index.index(numbers.len())];
+        format!("{}{}1{}{}", &text[..first], "[".repeat(depth), "]".repeat(depth), &text[last..])
+    });
+    let cut = (mechanism(), any::<Index>()).prop_map(|(text, index)| text[..index.index(text.len())].to_owned());
+    run("cut or nested", prop_oneof![nested, inside, cut, "\\PC{0,200}", "[\\[\\]{}:,\"0-9a-z ]{0,80}"]);
+}

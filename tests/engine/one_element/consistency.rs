@@ -1,0 +1,138 @@
+//! Forward and inverse use of eqs. (16), (17), (37), (38) undo each other, for any state and loads of every mechanism.
+use super::worst::{ACCURACY, Worst};
+use crate::support::{CRANE, FOUR_BAR, GEAR, JIB, Run, SLIDER_CRANK};
+use proptest::prelude::*;
+use std::sync::OnceLock;
+
+/// A mechanism, its drive, whether the drive is rotary, the range of the stated start, the largest start speed, and inputs.
+struct Case {
+    json: &'static str,
+    drive: &'static str,
+    is_rotary: bool,
+    start: (&'static str, f64, f64),
+    speed: (&'static str, f64),
+    inputs: &'static [(&'static str, f64)],
+}
+
+/// Ranges keep away from the drives' dead centres, where no finite force has the effect.
+const CASES: [Case; 5] = [
+    Case {
+        json: GEAR,
+        drive: "actuator",
+        is_rotary: false,
+        start: ("crank.start_angle", -1.3, 0.8),
+        speed: ("crank.start_speed", 40.0),
+        inputs: &[
+            ("actuator.force", 4e4),
+            ("load_factor", 6.0),
+            ("wheel.force_x", 5e3),
+            ("wheel.force_y", 5e3),
+            ("crank.torque", 4e3),
+            ("follower.torque", 4e3),
+        ],
+    },
+    Case {
+        json: SLIDER_CRANK,
+        drive: "drive",
+        is_rotary: true,
+        start: ("crank.start_angle", -4.0, 4.0),
+        speed: ("crank.start_speed", 300.0),
+        inputs: &[("drive.torque", 50.0), ("load_factor", 3.0), ("piston.force_x", 1e3), ("piston.force_y", 3e3)],
+    },
+    Case {
+        json: FOUR_BAR,
+        drive: "drive",
+        is_rotary: true,
+        start: ("crank.start_angle", -4.0, 4.0),
+        speed: ("crank.start_speed", 40.0),
+        inputs: &[
+            ("drive.torque", 20.0),
+            ("load_factor", 3.0),
+            ("C.force_x", 300.0),
+            ("C.force_y", 300.0),
+            ("coupler.torque", 20.0),
+        ],
+    },
+    Case {
+        json: CRANE,
+        drive: "cylinder",
+        is_rotary: false,
+        start: ("jib.start_angle", 1.0, 1.5),
+        speed: ("jib.start_speed", 0.4),
+        inputs: &[
+            ("cylinder.force", 2e5),
+            ("load_factor", 2.0),
+            ("hook.force_x", 1e4),
+            ("hook.force_y", 3e4),
+            ("C.force_x", 1e4),
+            ("C.force_y", 1e4),
+            ("beak.torque", 5e4),
+        ],
+    },
+    Case {
+        json: JIB,
+        drive: "cylinder",
+        is_rotary: false,
+        start: ("jib.start_angle", -0.299, 0.706),
+        speed: ("jib.start_speed", 0.5),
+        inputs: &[("cylinder.force", 6e4), ("load_factor", 2.0), ("tip.force_x", 4e3), ("tip.force_y", 4e3)],
+    },
+];
+
+/// Shared by the states: the tables are built once. With the efficiency given, 1 where the drive has none.
+fn run(case: usize, efficiency: f64) -> Run {
+    static RUNS: OnceLock<Vec<Run>> = OnceLock::new();
+    let runs = RUNS.get_or_init(|| {
+        let with = |efficiency: &str| -> Vec<Run> {
+            let text = |json: &str| json.replace("\"efficiency\": 1", &format!("\"efficiency\": {efficiency}"));
+            CASES.iter().map(|c| Run::new(&text(c.json))).collect()
+        };
+        [with("1"), with("0.7")].concat()
+    });
+    runs[if efficiency == 1.0 { case } else { CASES.len() + case }].clone()
+}
+
+fn check(index: usize, part: f64, speed: f64, sizes: &[f64], efficiency: f64) {
+    let case = &CASES[index];
+    let mut run = self::run(index, efficiency);
+    for ((name, largest), size) in case.inputs.iter().zip(sizes) {
+        run.set(name, largest * size);
+    }
+    let (name, low, high) = case.start;
+    run.place((name, low + (high - low) * part), (case.speed.0, case.speed.1 * speed));
+    let (force, mass) = if case.is_rotary { ("torque", "inertia") } else { ("force", "mass") };
+    let name = |suffix: &str| format!("{}.{suffix}", case.drive);
+    let present = run.get(&name(force));
+    let acceleration = run.get(&name("acceleration"));
+    run.set(&name("demanded_acceleration"), acceleration);
+    let reduced = run.get(&name(&format!("reduced_{mass}")));
+    let (load, additional) = (run.get(&name("static_load")), run.get(&name(&format!("additional_{force}"))));
+    let v = run.get(&name("speed"));
+    let size = [present, reduced * acceleration, load, additional].into_iter().fold(0.0, |a: f64, x| a.max(x.abs()));
+    let mut worst = Worst::default();
+    worst.compare("inverse undoes forward", run.get(&name("required_force")), present, size);
+    worst.compare("(16), (37)", load + reduced * acceleration - additional, present, size);
+    if efficiency == 1.0 {
+        worst.compare("T", 0.5 * reduced * v * v, run.get("energy.kinetic"), 0.0);
+        // At rest, the holding force gives no acceleration.
+        run.place((case.start.0, case.start.1 + (case.start.2 - case.start.1) * part), (case.speed.0, 0.0));
+        let holding = run.get(&name(&format!("holding_{force}")));
+        run.set(&name(force), holding);
+        worst.compare("held", reduced * run.get(&name("acceleration")), 0.0, size.max(holding.abs()));
+    }
+    worst.assert_within(ACCURACY);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+    #[test]
+    fn the_required_drive_for_the_present_acceleration_is_the_present_drive(
+        case in 0..CASES.len(),
+        part in 0.0..1.0f64,
+        speed in -1.0..1.0f64,
+        sizes in [-1.0..1.0f64, -1.0..1.0f64, -1.0..1.0f64, -1.0..1.0f64, -1.0..1.0f64, -1.0..1.0f64, -1.0..1.0f64],
+    ) {
+        check(case, part, speed, &sizes, 1.0);
+        check(case, part, speed, &sizes, 0.7);
+    }
+}

@@ -1,0 +1,10 @@
+//! The one-element model against Cink and Kosucki (2016), [CK16]: closed forms with their errata, efficiency, damping.
+
+mod consistency;
+mod damping;
+mod efficiency;
+mod four_bar;
+mod jib;
+mod slider;
+mod slider_crank;
+mod worst;

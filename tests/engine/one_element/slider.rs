@@ -1,0 +1,67 @@
+//! A block on a rail, with a drive, a load, a spring and a damper: motions in closed form.
+use crate::support::Run;
+
+pub const MASS: f64 = 2.0;
+
+/// The block's state and what acts on it.
+#[derive(Default)]
+pub struct Slider {
+    pub x: f64,
+    pub v: f64,
+    /// Efficiency of the drive, none given where absent.
+    pub eta: Option<f64>,
+    /// Stiffness and damping between ground and block, free length 0.
+    pub stiffness: f64,
+    pub damping: f64,
+}
+
+impl Slider {
+    pub fn run(&self, tolerance: f64) -> Run {
+        let efficiency = self.eta.map_or(String::new(), |eta| format!(", \"efficiency\": {eta}"));
+        let damping = if self.damping == 0.0 { String::new() } else { format!(", \"damping\": {}", self.damping) };
+        let mut run = Run::new(&format!(
+            r#"{{
+                "name": "Slider",
+                "bodies": {{ "ground": {{}}, "block": {{ "mass": {MASS} }} }},
+                "joints": {{ "rail": {{ "type": "prismatic", "first": "ground.origin", "second": "block.origin" }} }},
+                "actuators": {{ "drive": {{ "joint": "rail"{efficiency} }} }},
+                "forces": {{ "load": {{ "at": "block.origin" }} }},
+                "springs": {{ "spring": {{ "joint": "rail", "stiffness": {}{damping} }} }},
+                "start": {{ "joint": "rail", "position": 0.1 }},
+                "guess": {{ "rail": 0 }}
+            }}"#,
+            self.stiffness
+        ));
+        run.set("solver.tolerance", tolerance);
+        run
+    }
+
+    /// Move for h [s] under a push through the drive with losses and a constant load, without spring; the number of stops.
+    pub fn advance(&mut self, push: f64, load: f64, h: f64) -> u32 {
+        let eta = self.eta.unwrap_or(1.0);
+        let along = |direction: f64| (load + if push * direction > 0.0 { push * eta } else { push / eta }) / MASS;
+        let (mut left, mut stops) = (h, 0);
+        while left > 0.0 {
+            let direction = if self.v != 0.0 {
+                self.v.signum()
+            } else if along(1.0) > 0.0 {
+                1.0
+            } else if along(-1.0) < 0.0 {
+                -1.0
+            } else {
+                return stops;
+            };
+            let a = along(direction);
+            let until_stop = if a * direction < 0.0 { -self.v / a } else { f64::INFINITY };
+            let t = left.min(until_stop);
+            self.x += self.v * t + 0.5 * a * t * t;
+            self.v += a * t;
+            left -= t;
+            if t == until_stop {
+                self.v = 0.0;
+                stops += 1;
+            }
+        }
+        stops
+    }
+}

@@ -1,0 +1,69 @@
+//! One model of a random linkage, read by the names of its variables.
+use super::linkage::{Coordinate, Freedom, Linkage, Vec2};
+use super::oracle::Motion;
+use linkage_fmu::simulation::{Simulation, SimulationError};
+
+/// A simulation with the linkage that it was made from.
+#[derive(Clone)]
+pub struct Run<'a> {
+    linkage: &'a Linkage,
+    pub simulation: Simulation,
+}
+
+/// Value, speed and acceleration of every coordinate.
+pub type State = Vec<[f64; 3]>;
+
+impl<'a> Run<'a> {
+    pub fn new(linkage: &'a Linkage) -> Result<Self, SimulationError> {
+        let mut simulation = Simulation::open(&linkage.json())?;
+        simulation.initialize()?;
+        Ok(Self { linkage, simulation })
+    }
+
+    pub fn state(&mut self) -> Result<State, SimulationError> {
+        let mut state = Vec::new();
+        for coordinate in self.linkage.coordinates() {
+            let name = self.linkage.name(coordinate);
+            let value = if matches!(coordinate, Coordinate::Angle(_)) { "angle" } else { "position" };
+            let mut get = |quantity| self.simulation.get(&format!("{name}.{quantity}"));
+            state.push([get(value)?, get("speed")?, get("acceleration")?]);
+        }
+        Ok(state)
+    }
+
+    /// The oracle's view of a state.
+    pub fn motion(&self, state: &State) -> Motion<'a> {
+        Motion::of(self.linkage, state)
+    }
+
+    /// Force and moment in every joint.
+    pub fn reactions(&mut self) -> Result<Vec<(Vec2, f64)>, SimulationError> {
+        let mut reactions = Vec::new();
+        for (j, joint) in self.linkage.joints.iter().enumerate() {
+            let name = Linkage::joint_name(j);
+            let force = Vec2::new(
+                self.simulation.get(&format!("{name}.force_x"))?,
+                self.simulation.get(&format!("{name}.force_y"))?,
+            );
+            let moment = match joint.freedom {
+                Freedom::Prismatic { .. } => self.simulation.get(&format!("{name}.torque"))?,
+                Freedom::Revolute => 0.0,
+            };
+            reactions.push((force, moment));
+        }
+        Ok(reactions)
+    }
+
+    /// The end of a motion that starts off the stated start by these amounts, in these steps.
+    pub fn end(&self, off: [f64; 2], steps: &[f64]) -> Result<(State, u64), SimulationError> {
+        let mut run = self.clone();
+        let (_, value, speed) = self.linkage.start;
+        run.simulation.set(&self.linkage.start_name(false), value + off[0])?;
+        run.simulation.set(&self.linkage.start_name(true), speed + off[1])?;
+        run.simulation.initialize()?;
+        for h in steps {
+            run.simulation.step(*h)?;
+        }
+        Ok((run.state()?, run.simulation.model().statistics().accepted))
+    }
+}

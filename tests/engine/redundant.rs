@@ -1,0 +1,114 @@
+//! Redundant joints: accepted where they fit everywhere, with the reactions of least norm; refused by name where not.
+
+use crate::support::Run;
+use linkage_fmu::mechanism::Model;
+use nalgebra::{DMatrix, DVector};
+
+/// A parallelogram with a third bar in the middle; `third` is its length. The plate is the coupler, 2 m long.
+fn three_bars(third: f64) -> String {
+    format!(
+        r#"{{ "name": "ThreeBars",
+        "gravity": {{ "acceleration": 9.81, "up_angle": 1.5707963267948966 }},
+        "bodies": {{ "ground": {{ "length": 2, "points": {{ "middle": [0.8, 0] }} }},
+            "left": {{ "length": 1, "mass": 1, "shape": "uniform_rod" }},
+            "right": {{ "length": 1, "mass": 2, "shape": "uniform_rod" }},
+            "third": {{ "length": {third}, "mass": 0.5, "shape": "uniform_rod" }},
+            "plate": {{ "length": 2, "mass": 5, "center": [0.7, 0.1], "inertia": 1.5, "points": {{ "middle": [0.8, 0] }} }} }},
+        "joints": {{
+            "a1": {{ "type": "revolute", "first": "ground.origin", "second": "left.origin" }},
+            "b1": {{ "type": "revolute", "first": "ground.end", "second": "right.origin" }},
+            "c1": {{ "type": "revolute", "first": "ground.middle", "second": "third.origin" }},
+            "a2": {{ "type": "revolute", "first": "left.end", "second": "plate.origin" }},
+            "b2": {{ "type": "revolute", "first": "right.end", "second": "plate.end" }},
+            "c2": {{ "type": "revolute", "first": "third.end", "second": "plate.middle" }} }},
+        "forces": {{ "tip": {{ "at": "plate.end", "force": [30, -20] }} }},
+        "start": {{ "body": "left", "angle": 1.1, "speed": 2 }},
+        "guess": {{ "left": 1.1, "right": 1.1, "third": 1.1, "plate": 0 }},
+        "solver": {{ "tolerance": 1e-12 }} }}"#
+    )
+}
+
+#[test]
+fn reactions_of_a_third_bar_are_those_of_least_norm() {
+    let mut run = Run::new(&three_bars(1.0)).started();
+    for _ in 0..40 {
+        run.step(0.01);
+        let angle = run.get("left.angle");
+        assert!((run.get("third.angle") - angle).abs() < 1e-12 && run.get("plate.angle").abs() < 1e-12);
+        let (omega, alpha) = (run.get("left.speed"), run.get("left.acceleration"));
+        let (s, c) = angle.sin_cos();
+        // Newton and Euler of left, right, third, plate: 12 equations for 12 components, of rank 11. Components: a1, b1,
+        // c1, a2, b2, c2, each the force on the second-named body.
+        let mut matrix = DMatrix::<f64>::zeros(12, 12);
+        let mut right = DVector::<f64>::zeros(12);
+        for (bar, mass) in [(0, 1.0), (1, 2.0), (2, 0.5)] {
+            let (row, lower, upper) = (3 * bar, 2 * bar, 6 + 2 * bar);
+            for k in 0..2 {
+                matrix[(row + k, lower + k)] = 1.0;
+                matrix[(row + k, upper + k)] = -1.0;
+            }
+            // Moments about the centre: the ends are at -/+ (c, s) / 2.
+            for end in [lower, upper] {
+                matrix[(row + 2, end)] = 0.5 * s;
+                matrix[(row + 2, end + 1)] = -0.5 * c;
+            }
+            right[row] = mass * 0.5 * (-alpha * s - omega * omega * c);
+            right[row + 1] = mass * (0.5 * (alpha * c - omega * omega * s) + 9.81);
+            right[row + 2] = mass * alpha / 12.0;
+        }
+        // The plate moves like the bars' tips and does not turn; its centre is at (0.7, 0.1).
+        for (joint, x) in [(6, 0.0), (8, 2.0), (10, 0.8)] {
+            matrix[(9, joint)] = 1.0;
+            matrix[(10, joint + 1)] = 1.0;
+            matrix[(11, joint)] = 0.1;
+            matrix[(11, joint + 1)] = x - 0.7;
+        }
+        right[9] = 5.0 * (-alpha * s - omega * omega * c) - 30.0;
+        right[10] = 5.0 * (alpha * c - omega * omega * s + 9.81) + 20.0;
+        right[11] = -((2.0 - 0.7) * -20.0 + 0.1 * 30.0);
+        let least = matrix.clone().svd(true, true).solve(&right, 1e-9).unwrap();
+        assert!((&matrix * &least - &right).norm() < 1e-9, "the engine's accelerations must allow a balance");
+        for (index, joint) in ["a1", "b1", "c1", "a2", "b2", "c2"].iter().enumerate() {
+            for (k, axis) in ["x", "y"].iter().enumerate() {
+                let value = run.get(&format!("{joint}.force_{axis}"));
+                let error = (value - least[2 * index + k]).abs();
+                assert!(error < 1e-9 * least.norm(), "{joint}.{axis}: {value} against {}", least[2 * index + k]);
+            }
+        }
+        assert!(run.get("energy.drift").abs() < 1e-9);
+    }
+}
+
+#[test]
+fn a_third_bar_that_does_not_fit_is_refused() {
+    // 1 mm too long: it fits at no position near the guess but where the linkage is then rigid.
+    let error = Model::from_json(&three_bars(1.001)).unwrap_err().to_string();
+    let named =
+        error.contains("0 degrees of freedom") || error.contains("do not close") || error.contains("redundant joint");
+    assert!(named, "{error}");
+}
+
+#[test]
+fn wedges_move_although_their_sliders_hold_the_angle_twice() {
+    // Two blocks on the ground, sliding on one another at 0.6 rad: y = tan(0.6) x.
+    let text = r#"{ "name": "Wedges",
+        "gravity": { "acceleration": 9.81, "up_angle": 1.5707963267948966 },
+        "bodies": { "ground": {}, "a": { "mass": 1 }, "b": { "mass": 2 } },
+        "joints": { "x": { "type": "prismatic", "first": "ground.origin", "second": "a.origin" },
+            "y": { "type": "prismatic", "first": "ground.origin", "second": "b.origin", "axis_angle": 1.5707963267948966 },
+            "z": { "type": "prismatic", "first": "a.origin", "second": "b.origin", "axis_angle": 0.6 } },
+        "start": { "joint": "x", "position": 0 }, "guess": { "x": 0, "y": 0 },
+        "solver": { "tolerance": 1e-12 } }"#;
+    let mut run = Run::new(text).started();
+    run.step(0.3);
+    // b slides down along y while a moves in x: the second point lies on the axis through the first, y = -tan(0.6) x.
+    let (x, y) = (run.get("x.position"), run.get("y.position"));
+    let slope = -0.6f64.tan();
+    assert!((y - slope * x).abs() < 1e-13, "{x} {y}");
+    let acceleration = -2.0 * 9.81 * slope / (1.0 + 2.0 * slope * slope);
+    assert!((x - 0.5 * acceleration * 0.09).abs() < 1e-11, "{x}");
+    // Each guide carries what its block needs; the force between the blocks is normal to their contact.
+    let (fx, fy) = (run.get("z.force_x"), run.get("z.force_y"));
+    assert!((fx * 0.6f64.cos() + fy * 0.6f64.sin()).abs() < 1e-9);
+    assert!((fx + acceleration).abs() < 1e-9, "on b; a needs 1 kg times its acceleration: {fx}");
+}

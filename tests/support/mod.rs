@@ -1,0 +1,174 @@
+//! What tests share: the definitions in the repository, and a simulation whose refusals end the test.
+#![allow(clippy::unwrap_used)]
+
+use linkage_fmu::mechanism::Model;
+use linkage_fmu::simulation::{Settable, Simulation};
+use linkage_fmu::variables::{Causality, Kind, Reference};
+use serde_json::Value;
+use std::ops::{Deref, DerefMut};
+
+macro_rules! mechanism {
+    ($name:literal) => {
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/modelDescription/", $name, "/resources/mechanism.json"))
+    };
+}
+
+pub const ANDREWS: &str = mechanism!("AndrewsSqueezer");
+pub const CHAIN: &str = mechanism!("FourBarChain");
+pub const CRANE: &str = mechanism!("CraneJib");
+pub const FOUR_BAR: &str = mechanism!("FourBar");
+pub const GEAR: &str = mechanism!("LandingGearRetraction");
+pub const JIB: &str = mechanism!("Jib");
+pub const SL_CRANK: &str = mechanism!("SlCrank");
+pub const SLIDER_CRANK: &str = mechanism!("SliderCrank");
+
+/// A slider-crank with a servo on its crank and a ram on its slider.
+pub const TWO_DRIVES: &str = include_str!("../fixtures/two_drives.json");
+
+/// A definition with a change; its keys are then in alphabetical order.
+pub fn changed(text: &str, change: impl FnOnce(&mut Value)) -> String {
+    let mut value: Value = serde_json::from_str(text).unwrap();
+    change(&mut value);
+    value.to_string()
+}
+
+/// A definition with pieces of its text replaced.
+pub fn replaced(text: &str, changes: &[(&str, &str)]) -> String {
+    changes.iter().fold(text.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "no {from} in the definition");
+        text.replace(from, to)
+    })
+}
+
+/// The gear without its stops.
+pub fn without_stops() -> String {
+    replaced(GEAR, &[("\"flag\"", "\"enabled\": false, \"flag\"")])
+}
+
+/// Number of random cases of each kind that the environment asks for.
+pub fn cases() -> Option<u32> {
+    std::env::var("LINKAGE_FMU_CASES").ok().map(|text| text.parse().unwrap())
+}
+
+/// The Reals of this causality.
+pub fn reals(model: &Model, causality: Causality) -> Vec<Reference> {
+    let list = model.variables().list().iter().zip(0..);
+    list.filter(|(v, _)| v.causality == causality && v.kind == Kind::Real).map(|(_, reference)| reference).collect()
+}
+
+/// Values of these Reals.
+pub fn values(model: &mut Model, references: &[Reference]) -> Vec<f64> {
+    references.iter().map(|&reference| model.real(reference).unwrap()).collect()
+}
+
+/// A simulation of which every call must succeed; the calls of `.0` give their errors.
+#[derive(Clone)]
+pub struct Run(pub Simulation);
+
+impl Run {
+    #[track_caller]
+    pub fn new(definition: &str) -> Self {
+        Self(Simulation::open(definition).unwrap_or_else(|e| panic!("{e}")))
+    }
+
+    /// A definition with pieces of its text replaced.
+    #[track_caller]
+    pub fn replaced(definition: &str, changes: &[(&str, &str)]) -> Self {
+        Self::new(&replaced(definition, changes))
+    }
+
+    /// The landing gear, read once.
+    pub fn gear() -> Self {
+        static GEAR: std::sync::OnceLock<Run> = std::sync::OnceLock::new();
+        GEAR.get_or_init(|| Self::new(self::GEAR)).clone()
+    }
+
+    #[track_caller]
+    pub fn get(&mut self, name: &str) -> f64 {
+        self.0.get(name).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    #[track_caller]
+    pub fn is(&mut self, name: &str) -> bool {
+        self.0.boolean(name).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    #[track_caller]
+    pub fn set(&mut self, name: &str, value: impl Settable) {
+        self.0.set(name, value).unwrap_or_else(|e| panic!("{name}: {e}"));
+    }
+
+    #[track_caller]
+    pub fn set_all<T: Settable + Copy>(&mut self, values: &[(&str, T)]) {
+        values.iter().for_each(|(name, value)| self.set(name, *value));
+    }
+
+    /// With these values set.
+    #[track_caller]
+    pub fn with<T: Settable + Copy>(mut self, values: &[(&str, T)]) -> Self {
+        self.set_all(values);
+        self
+    }
+
+    #[track_caller]
+    pub fn initialize(&mut self) {
+        self.0.initialize().unwrap_or_else(|e| panic!("{e}"));
+    }
+
+    /// At its start.
+    #[track_caller]
+    pub fn started(mut self) -> Self {
+        self.initialize();
+        self
+    }
+
+    /// Put the stated body or joint at a position with a speed.
+    #[track_caller]
+    pub fn place(&mut self, position: (&str, f64), speed: (&str, f64)) {
+        self.set_all(&[position, speed]);
+        self.initialize();
+    }
+
+    /// Set a derivative of an input for the next step.
+    #[track_caller]
+    pub fn set_derivative(&mut self, name: &str, order: i32, value: f64) {
+        self.0.set_derivative(name, order, value).unwrap_or_else(|e| panic!("{name}: {e}"));
+    }
+
+    /// Rate of an output.
+    #[track_caller]
+    pub fn derivative(&mut self, name: &str) -> f64 {
+        self.0.derivative(name).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    #[track_caller]
+    pub fn step(&mut self, h: f64) {
+        self.0.step(h).unwrap_or_else(|e| panic!("{e}"));
+    }
+
+    /// A span in this many equal steps.
+    #[track_caller]
+    pub fn steps(&mut self, count: u32, span: f64) {
+        (0..count).for_each(|_| self.step(span / f64::from(count)));
+    }
+
+    /// Message of the initialisation's error.
+    #[track_caller]
+    pub fn refusal(&mut self) -> String {
+        self.0.initialize().unwrap_err().to_string()
+    }
+}
+
+impl Deref for Run {
+    type Target = Model;
+
+    fn deref(&self) -> &Model {
+        self.0.model()
+    }
+}
+
+impl DerefMut for Run {
+    fn deref_mut(&mut self) -> &mut Model {
+        self.0.model_mut()
+    }
+}
