@@ -1,6 +1,6 @@
 //! One accepted step, whatever the method.
 use super::methods::{dop853::Dop853, dopri5::Dopri5, radau::Radau, rk4::Rk4, rkn86::Rkn86};
-use super::pair::{Path, Start};
+use super::pair::{Outcome, Path, Start};
 use super::{Dense, Method, System};
 
 /// One accepted step from t to t + h.
@@ -57,11 +57,11 @@ macro_rules! into_stages {
 into_stages!(Rk4: Rk4<N>, Dopri5: Dopri5<N>, Dop853: Dop853<N>, Rkn86: Rkn86, Radau: Radau<N>);
 
 impl<const N: usize> Step<N> {
-    /// The step of size h from `start` to `end`, inside its span.
+    /// The step of size h from `start`; `reached`: whether it ends at the end of the span.
     #[inline]
-    pub(super) fn new(start: &Start<N>, h: f64, end: [f64; N], stages: impl Into<Stages<N>>) -> Self {
+    pub(super) fn new<P: Into<Stages<N>>>(start: &Start<N>, h: f64, reached: bool, outcome: Outcome<P, N>) -> Self {
         let &Start { t, y, carry, .. } = start;
-        Self { t, h, reached: false, start: y, end, carry, stages: stages.into() }
+        Self { t, h, reached, start: y, end: outcome.end, carry, stages: outcome.stages.into() }
     }
 
     /// The start of the step.

@@ -19,7 +19,7 @@ pub struct Begin<const N: usize> {
     /// Sizes of the components.
     pub scale: [f64; N],
     /// Step size that the error control proposes [s].
-    pub proposed: f64,
+    pub wish: f64,
 }
 
 /// Memory of the integration between spans: proposed step size, last derivative, compensation of the sums, and the history
@@ -141,12 +141,11 @@ impl<const N: usize> Integrator<N> {
 
     /// Go on from the end of a step.
     #[inline]
-    pub(super) fn arrive<P: Into<Stages<N>>>(&mut self, start: &Start<N>, h: f64, outcome: Outcome<P, N>) -> Step<N> {
+    pub(super) fn arrive<P>(&mut self, outcome: &Outcome<P, N>) {
         (self.derivative, self.carry) = (Some(outcome.last), outcome.carry);
-        Step::new(start, h, outcome.end, outcome.stages)
     }
 
-    /// [`Self::arrive`] at the end of an accepted step.
+    /// Go on from the end of an accepted step.
     #[inline]
     pub(super) fn accept<P: Path<N> + Into<Stages<N>>>(
         &mut self,
@@ -154,9 +153,10 @@ impl<const N: usize> Integrator<N> {
         h: f64,
         outcome: Outcome<P, N>,
     ) -> Step<N> {
+        self.arrive(&outcome);
         self.method = P::METHOD;
         self.statistics.accept(P::METHOD);
-        Step { reached: h == begin.rest, ..self.arrive(&begin.start, h, outcome) }
+        Step::new(&begin.start, h, h == begin.rest, outcome)
     }
 
     /// An explicit step has been accepted: no step of Radau precedes the next, and cheaper methods are tried again sooner.

@@ -36,7 +36,7 @@ impl<const N: usize> Integrator<N> {
         end: f64,
         tolerance: f64,
     ) -> Result<Step<N>, IntegrationError> {
-        let &Begin { ref start, rest, ref scale, proposed: mut wish } = begin;
+        let &Begin { ref start, rest, ref scale, mut wish } = begin;
         let mut grow_most = GROW_MOST;
         loop {
             let h = fitted(wish, rest);
@@ -74,6 +74,7 @@ impl<const N: usize> Integrator<N> {
     }
 
     /// One accepted step of Radau.
+    #[inline(never)]
     pub(super) fn implicit_step<S: System<N>>(
         &mut self,
         system: &mut S,
@@ -81,7 +82,7 @@ impl<const N: usize> Integrator<N> {
         end: f64,
         tolerance: f64,
     ) -> Result<Step<N>, IntegrationError> {
-        let &Begin { ref start, rest, ref scale, proposed: mut wish } = begin;
+        let &Begin { ref start, rest, ref scale, mut wish } = begin;
         let jacobian = system.jacobian(start.t, &start.y);
         self.statistics.jacobians += 1;
         self.last = None;

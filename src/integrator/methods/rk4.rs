@@ -56,7 +56,7 @@ impl<const N: usize> Pair<N> for Rk4<N> {
     const EVALUATIONS: u64 = 4;
     const ERROR_POWER: f64 = 8.0;
 
-    #[inline]
+    #[inline(always)]
     fn attempt<S: System<N>>(system: &mut S, start: &Start<N>, h: f64) -> Outcome<Self, N> {
         let &Start { t, ref y, ref first, ref carry } = start;
         let mut stage = |c: f64, before: &[f64; N]| {
