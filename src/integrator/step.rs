@@ -81,8 +81,9 @@ impl<const N: usize> Step<N> {
         on_stages!(self, stages => stages.rates())
     }
 
-    /// Largest distance of component n, within the step, from the range of its start and its end. It is an estimate with a
-    /// margin, as the rates are known at the stages only; infinite where it is unknown and the interpolant costs nothing.
+    /// Largest distance of component n, within the step, from the range of its start and its end. It is an estimate
+    /// with a margin, as the rates are known at the stages only; infinite where it is unknown and the interpolant costs
+    /// nothing.
     #[inline]
     pub fn bulge(&self, n: usize) -> f64 {
         on_stages!(self, stages => stages.bulge(n, self.h, [&self.start, &self.end]))
@@ -98,8 +99,8 @@ impl<const N: usize> Step<N> {
         on_stages!(self, stages => Path::<N>::interpolates(stages))
     }
 
-    /// Interpolant over this step: of order 7 after DOP853, for three evaluations; of order 6 after RKN8(6); of order 4 after
-    /// DOPRI5; of order 3 after RK4 (Hermite's cubic) and after Radau (the collocation polynomial).
+    /// Interpolant over this step: of order 7 after DOP853, for three evaluations; of order 6 after RKN8(6); of order 4
+    /// after DOPRI5; of order 3 after RK4 (Hermite's cubic) and after Radau (the collocation polynomial).
     pub fn dense<S: System<N>>(&self, system: &mut S) -> Dense<N> {
         on_stages!(self, stages => stages.dense(system, self.t, self.h, [&self.start, &self.end]))
     }

@@ -77,7 +77,8 @@ impl<const N: usize> Integrator<N> {
         }
     }
 
-    /// The step of exactly size h [s], 0 < h <= step.h, from the start of `step`, by its method and without error control;
+    /// The step of exactly size h [s], 0 < h <= step.h, from the start of `step`, by its method and without error
+    /// control;
     /// `step` is the last one made. The integration goes on from its end: as it is, or after [`Self::refresh`] or
     /// [`Self::restart`].
     pub fn retake<S: System<N>>(&mut self, system: &mut S, step: &Step<N>, h: f64) -> Step<N> {

@@ -9,15 +9,16 @@ use crate::integrator::{Method, System};
 const RK4_BELOW: f64 = 4.0;
 /// The same for DOPRI5.
 const DOPRI5_BELOW: f64 = 1.5;
-/// Least ratio of the proposed step to a span that a step may go beyond: a step with its interpolant costs about as many short
-/// steps.
+/// Least ratio of the proposed step to a span that a step may go beyond: a step with its interpolant costs about as
+/// many short steps.
 const BEYOND: f64 = 3.0;
 
 impl<const N: usize> Integrator<N> {
-    /// Method of the next step, with `span` [s] to go and a step size `wish` [s] that the error control proposes; the first that suits:
+    /// Method of the next step, with `span` [s] to go and a step size `wish` [s] that the error control proposes; the
+    /// first that suits:
     /// - Radau IIA while stiffness holds explicit steps back.
-    /// - RK4 over spans at least 4 times shorter than the proposed step, up to the longest that met its share of the tolerance:
-    ///   4 evaluations instead of 8 or 12.
+    /// - RK4 over spans at least 4 times shorter than the proposed step, up to the longest that met its share of the
+    ///   tolerance: 4 evaluations instead of 8 or 12.
     /// - RKN8(6) where the force does not depend on the speed: 8 evaluations instead of 12, little more than DOPRI5.
     /// - DOPRI5 over spans at least 1.5 times shorter, likewise: 6 evaluations instead of 12.
     /// - DOP853.
@@ -37,14 +38,14 @@ impl<const N: usize> Integrator<N> {
         }
     }
 
-    /// Whether a step should be let go on beyond the end of a span, as it would be cut much shorter than possible otherwise; only
-    /// explicit ones, as the interpolants of others are less exact than they.
+    /// Whether a step should be let go on beyond the end of a span, as it would be cut much shorter than possible
+    /// otherwise; only explicit ones, as the interpolants of others are less exact than they.
     pub fn outlasts(&self, span: f64) -> bool {
         !self.stiffness.implicit && self.proposal.is_some_and(|h| h > BEYOND * span)
     }
 
-    /// Whether a step of a cheap pair over the whole span errs no more than its share; if it does, that shortens the longest
-    /// span of the pair.
+    /// Whether a step of a cheap pair over the whole span errs no more than its share; if it does, that shortens the
+    /// longest span of the pair.
     #[inline]
     pub(super) fn is_good<P: Pair<N>, S: System<N>>(
         &mut self,

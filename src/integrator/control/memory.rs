@@ -22,8 +22,8 @@ pub struct Begin<const N: usize> {
     pub wish: f64,
 }
 
-/// Memory of the integration between spans: proposed step size, last derivative, compensation of the sums, and the history
-/// that the choice of the method needs.
+/// Memory of the integration between spans: proposed step size, last derivative, compensation of the sums, and the
+/// history that the choice of the method needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Integrator<const N: usize> {
     /// Step size that the error control proposes next [s]; none before the first step.
@@ -35,7 +35,8 @@ pub struct Integrator<const N: usize> {
     pub(super) stiffness: Stiffness,
     /// Span up to which one step of RK4, and one of DOPRI5, has met its share of the tolerance, as far as is known [s].
     pub(super) longest_span: [f64; WHOLE_SPAN],
-    /// Size [s] of the last step, and the factor by which it could have been larger; none if that is unknown, as after Radau.
+    /// Size [s] of the last step, and the factor by which it could have been larger; none if that is unknown, as after
+    /// Radau.
     pub(super) last: Option<(f64, f64)>,
     /// The last step, if it was one of Radau.
     pub(super) before: Option<Collocation<N>>,
@@ -94,8 +95,8 @@ impl<const N: usize> Integrator<N> {
         self.statistics.record(record)
     }
 
-    /// Become the same as another one: as by assignment, but the stages of an implicit step, more than all the rest, are
-    /// copied only if there are some.
+    /// Become the same as another one: as by assignment, but the stages of an implicit step, more than all the rest,
+    /// are copied only if there are some.
     #[inline]
     pub fn copy_from(&mut self, other: &Self) {
         let Self { proposal, derivative, carry, stiffness, longest_span, last, before, method, statistics } = self;
@@ -159,7 +160,8 @@ impl<const N: usize> Integrator<N> {
         Step::new(&begin.start, h, h == begin.rest, outcome)
     }
 
-    /// An explicit step has been accepted: no step of Radau precedes the next, and cheaper methods are tried again sooner.
+    /// An explicit step has been accepted: no step of Radau precedes the next, and cheaper methods are tried again
+    /// sooner.
     #[inline]
     pub(super) fn after_explicit<P: Pair<N>, S: System<N>>(&mut self) {
         if S::CAN_BE_STIFF {

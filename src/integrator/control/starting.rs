@@ -9,8 +9,8 @@ use crate::integrator::{IntegrationError, Statistics, System};
 /// Order of the explicit pairs.
 const ORDER: f64 = 8.0;
 
-/// First step size: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.4, with the error of an explicit Euler step as the
-/// guide; for a system that can be stiff, one at which DOP853 is stable.
+/// First step size: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.4, with the error of an explicit Euler step as
+/// the guide; for a system that can be stiff, one at which DOP853 is stable.
 ///
 /// # Errors
 /// The rates are so large that the step vanishes.
