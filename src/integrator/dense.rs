@@ -2,8 +2,9 @@
 
 use crate::codec::record::{Damaged, Record};
 
-/// Stages within a step, of a lower order than its end, are off its interpolant by some ten times the tolerance where that errs by
-/// half of it; where a motion is damped that is much faster than the step, the interpolant errs as much as they.
+/// Stages within a step, of a lower order than its end, are off its interpolant by some ten times the tolerance where
+/// that errs by half of it; where a motion is damped that is much faster than the step, the interpolant errs as much as
+/// they.
 const OFF: f64 = 30.0;
 
 /// Polynomial of degree 7 at most over one step, in the nested form of Hairer, Norsett, Wanner, Solving ODEs I (1993),
@@ -62,8 +63,8 @@ impl<const N: usize> Dense<N> {
     }
 }
 
-/// The first three terms of one component's interpolant, Hermite's cubic, from its values and rates at both ends: II.6, eq.
-/// (6.7).
+/// The first three terms of one component's interpolant, Hermite's cubic, from its values and rates at both ends: II.6,
+/// eq. (6.7).
 #[inline]
 pub(super) fn hermite(h: f64, [start, end]: [f64; 2], [first, last]: [f64; 2]) -> [f64; 3] {
     let delta = end - start;

@@ -1,9 +1,9 @@
 //! Adaptive integration of y' = f(t, y) by five one-step methods. Explicit where possible: RK4 over very short spans, a
-//! Nystroem pair for forces that do not depend on the speed, DOPRI5 over short spans, else DOP853. Implicit (Radau IIA) where
-//! the system is stiff.
+//! Nystroem pair for forces that do not depend on the speed, DOPRI5 over short spans, else DOP853. Implicit (Radau IIA)
+//! where the system is stiff.
 //!
-//! In: a first-order system, a start, a span, a tolerance. Out: y at the exact end of the span; for each step, on request,
-//! the interpolant and where it passes a level. It must not know what y means.
+//! In: a first-order system, a start, a span, a tolerance. Out: y at the exact end of the span; for each step, on
+//! request, the interpolant and where it passes a level. It must not know what y means.
 mod control;
 mod dense;
 mod error;

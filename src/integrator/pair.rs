@@ -1,4 +1,6 @@
 //! One step of any method: what the control of step sizes asks of a method, and what the events ask of a step.
+//!
+//! In: a system, a start, a step size. Out: the end of the step, its error, its path. It must not know any method.
 use super::{Dense, Method, System};
 
 /// Start of a step.
@@ -77,7 +79,8 @@ pub trait Pair<const N: usize>: Path<N> + Sized {
     /// A power of the ratio of the error estimate to the tolerance: up to 1 the step is good.
     fn error(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64;
 
-    /// h |lambda| of the stiffest component in a step between the states `ends`; 0 for a pair that no stiff system is given to.
+    /// h |lambda| of the stiffest component in a step between the states `ends`; 0 for a pair that no stiff system is
+    /// given to.
     fn stiffness(&self, _h: f64, _ends: [&[f64; N]; 2], _scale: &[f64; N]) -> f64 {
         0.0
     }
@@ -92,8 +95,8 @@ pub fn mean_square<const N: usize>(scale: &[f64; N], error: impl Fn(usize) -> f6
 /// Factor on [`bulge`], as the rates between the stages are not known.
 pub const BULGE_MARGIN: f64 = 1.5;
 
-/// [`Path::bulge`] from the least and the largest rate: a path whose rate is between f_1 and f_2 is at most h (f_2 - f_1) / 4
-/// off the straight line between its ends.
+/// [`Path::bulge`] from the least and the largest rate: a path whose rate is between f_1 and f_2 is at most h (f_2 -
+/// f_1) / 4 off the straight line between its ends.
 #[inline]
 pub fn bulge(h: f64, [least, most]: [f64; 2]) -> f64 {
     BULGE_MARGIN * 0.25 * h * (most - least)

@@ -1,9 +1,10 @@
 //! Where the interpolant of a step first passes a level.
 //!
-//! On [0, 1] a polynomial lies within the range of its Bernstein coefficients, and it has at most as many roots in (0, 1) as
-//! they change sign (equal for one change). Halving the interval (de Casteljau) until each part has one change at most
-//! finds every root; the parts are gone through from left to right.
-//! Source: Farouki, The Bernstein polynomial basis: a centennial retrospective, Comput. Aided Geom. Des. 29 (2012), 379.
+//! On [0, 1] a polynomial lies within the range of its Bernstein coefficients, and it has at most as many roots in (0,
+//! 1) as they change sign (equal for one change). Halving the interval (de Casteljau) until each part has one change at
+//! most finds every root; the parts are gone through from left to right.
+//! Source: Farouki, The Bernstein polynomial basis: a centennial retrospective, Comput. Aided Geom. Des. 29 (2012),
+//! 379.
 use super::Dense;
 use super::dense::TERMS;
 
@@ -25,12 +26,13 @@ const DEEPEST: u32 = 50;
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 impl<const N: usize> Dense<N> {
-    /// The first s in (0, 1] at which this component passes the level in this direction; none if it does not. A touch that
-    /// does not pass is no passage; an end exactly on the level is one, as the polynomial does not tell what follows.
+    /// The first s in (0, 1] at which this component passes the level in this direction; none if it does not. A touch
+    /// that does not pass is no passage; an end exactly on the level is one, as the polynomial does not tell what
+    /// follows.
     ///
-    /// With `leaving` the step starts on the level, up to rounding, and that is no passage: neither with a speed away from
-    /// it nor with the speed 0 and an acceleration. Without, the signs at the two ends are those of the exact states, so
-    /// no passage is lost between one step and the next.
+    /// With `leaving` the step starts on the level, up to rounding, and that is no passage: neither with a speed away
+    /// from it nor with the speed 0 and an acceleration. Without, the signs at the two ends are those of the exact
+    /// states, so no passage is lost between one step and the next.
     pub fn first_passage(&self, component: usize, level: f64, direction: Direction, leaving: bool) -> Option<f64> {
         let sign = match direction {
             Direction::Rising => 1.0,
@@ -141,7 +143,8 @@ fn halves(b: &Coefficients) -> (Coefficients, Coefficients) {
     (left, right)
 }
 
-/// The one root in (0, 1] of a polynomial whose coefficients change sign once, from below: Illinois, kept between bounds.
+/// The one root in (0, 1] of a polynomial whose coefficients change sign once, from below: Illinois, kept between
+/// bounds.
 fn root(b: &Coefficients) -> f64 {
     let at = |s: f64| {
         let mut b = *b;

@@ -2,7 +2,8 @@
 
 use crate::codec::record::{Damaged, Record};
 
-/// A method of integration; those that try to reach the end of a span in one cheap step come first, the cheapest of all before.
+/// A method of integration; those that try to reach the end of a span in one cheap step come first, the cheapest of all
+/// before.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
     /// Explicit Runge-Kutta of order 4, the classical one.

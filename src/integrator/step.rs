@@ -1,6 +1,6 @@
 //! One accepted step, whatever the method.
 use super::methods::{dop853::Dop853, dopri5::Dopri5, radau::Radau, rk4::Rk4, rkn86::Rkn86};
-use super::pair::{Path, Start};
+use super::pair::{Outcome, Path, Start};
 use super::{Dense, Method, System};
 
 /// One accepted step from t to t + h.
@@ -57,11 +57,11 @@ macro_rules! into_stages {
 into_stages!(Rk4: Rk4<N>, Dopri5: Dopri5<N>, Dop853: Dop853<N>, Rkn86: Rkn86, Radau: Radau<N>);
 
 impl<const N: usize> Step<N> {
-    /// The step of size h from `start` to `end`, inside its span.
+    /// The step of size h from `start`; `reached`: whether it ends at the end of the span.
     #[inline]
-    pub(super) fn new(start: &Start<N>, h: f64, end: [f64; N], stages: impl Into<Stages<N>>) -> Self {
+    pub(super) fn new<P: Into<Stages<N>>>(start: &Start<N>, h: f64, reached: bool, outcome: Outcome<P, N>) -> Self {
         let &Start { t, y, carry, .. } = start;
-        Self { t, h, reached: false, start: y, end, carry, stages: stages.into() }
+        Self { t, h, reached, start: y, end: outcome.end, carry, stages: outcome.stages.into() }
     }
 
     /// The start of the step.
@@ -81,8 +81,9 @@ impl<const N: usize> Step<N> {
         on_stages!(self, stages => stages.rates())
     }
 
-    /// Largest distance of component n, within the step, from the range of its start and its end. It is an estimate with a
-    /// margin, as the rates are known at the stages only; infinite where it is unknown and the interpolant costs nothing.
+    /// Largest distance of component n, within the step, from the range of its start and its end. It is an estimate
+    /// with a margin, as the rates are known at the stages only; infinite where it is unknown and the interpolant costs
+    /// nothing.
     #[inline]
     pub fn bulge(&self, n: usize) -> f64 {
         on_stages!(self, stages => stages.bulge(n, self.h, [&self.start, &self.end]))
@@ -98,8 +99,8 @@ impl<const N: usize> Step<N> {
         on_stages!(self, stages => Path::<N>::interpolates(stages))
     }
 
-    /// Interpolant over this step: of order 7 after DOP853, for three evaluations; of order 6 after RKN8(6); of order 4 after
-    /// DOPRI5; of order 3 after RK4 (Hermite's cubic) and after Radau (the collocation polynomial).
+    /// Interpolant over this step: of order 7 after DOP853, for three evaluations; of order 6 after RKN8(6); of order 4
+    /// after DOPRI5; of order 3 after RK4 (Hermite's cubic) and after Radau (the collocation polynomial).
     pub fn dense<S: System<N>>(&self, system: &mut S) -> Dense<N> {
         on_stages!(self, stages => stages.dense(system, self.t, self.h, [&self.start, &self.end]))
     }

@@ -34,7 +34,7 @@ impl<const N: usize> Integrator<N> {
     ///
     /// # Errors
     /// [`IntegrationError::StepTooSmall`].
-    #[inline]
+    #[inline(never)]
     pub fn step<S: System<N>>(
         &mut self,
         system: &mut S,
@@ -43,31 +43,6 @@ impl<const N: usize> Integrator<N> {
         end: f64,
         tolerance: f64,
     ) -> Result<Step<N>, IntegrationError> {
-        let begin = self.begin(system, t, y, end, tolerance)?;
-        loop {
-            let taken = match self.choose::<S>(begin.rest, begin.proposed) {
-                Method::Rk4 => self.whole_span::<Rk4<N>, S>(system, &begin, tolerance),
-                Method::Dopri5 => self.whole_span::<Dopri5<N>, S>(system, &begin, tolerance),
-                Method::Dop853 => return self.explicit_step::<Dop853<N>, S>(system, &begin, end, tolerance),
-                Method::Rkn86 => return self.explicit_step::<Rkn86, S>(system, &begin, end, tolerance),
-                Method::Radau => return self.implicit_step(system, &begin, end, tolerance),
-            };
-            if let Some(step) = taken {
-                return Ok(step);
-            }
-        }
-    }
-
-    /// What a step from (t, y) towards `end` starts with.
-    #[inline(always)]
-    fn begin<S: System<N>>(
-        &mut self,
-        system: &mut S,
-        t: f64,
-        y: &[f64; N],
-        end: f64,
-        tolerance: f64,
-    ) -> Result<Begin<N>, IntegrationError> {
         let first = match self.derivative {
             Some(f) => f,
             None => {
@@ -75,16 +50,35 @@ impl<const N: usize> Integrator<N> {
                 system.derivative(t, y)
             }
         };
-        let (rest, scale) = (end - t, system.scale(y, &first));
-        let start = Start { t, y: *y, first, carry: self.carry };
-        let proposed = match self.proposal {
+        let scale = system.scale(y, &first);
+        let mut begin = Begin { start: Start { t, y: *y, first, carry: self.carry }, rest: end - t, scale, wish: 0.0 };
+        begin.wish = match self.proposal {
             Some(h) => h,
-            None => starting_step(system, &start, &scale, rest, tolerance, &mut self.statistics)?,
+            None => starting_step(system, &begin, tolerance, &mut self.statistics)?,
         };
-        Ok(Begin { start, rest, scale, proposed })
+        loop {
+            match self.choose::<S>(begin.rest, begin.wish) {
+                Method::Rk4 => {
+                    let outcome = Rk4::attempt(system, &begin.start, begin.rest);
+                    if self.is_good::<_, S>(&begin, &outcome, tolerance) {
+                        return Ok(self.accept(&begin, begin.rest, outcome));
+                    }
+                }
+                Method::Dopri5 => {
+                    let outcome = Dopri5::attempt(system, &begin.start, begin.rest);
+                    if self.is_good::<_, S>(&begin, &outcome, tolerance) {
+                        return Ok(self.accept(&begin, begin.rest, outcome));
+                    }
+                }
+                Method::Dop853 => return self.explicit_step::<Dop853<N>, S>(system, &begin, end, tolerance),
+                Method::Rkn86 => return self.explicit_step::<Rkn86, S>(system, &begin, end, tolerance),
+                Method::Radau => return self.implicit_step(system, &begin, end, tolerance),
+            }
+        }
     }
 
-    /// The step of exactly size h [s], 0 < h <= step.h, from the start of `step`, by its method and without error control;
+    /// The step of exactly size h [s], 0 < h <= step.h, from the start of `step`, by its method and without error
+    /// control;
     /// `step` is the last one made. The integration goes on from its end: as it is, or after [`Self::refresh`] or
     /// [`Self::restart`].
     pub fn retake<S: System<N>>(&mut self, system: &mut S, step: &Step<N>, h: f64) -> Step<N> {
@@ -97,7 +91,8 @@ impl<const N: usize> Integrator<N> {
                 let (start, whole) = (step.begin(), stages.collocation(step.h, [&step.start, &step.end]));
                 let outcome = stages.shorten(system, &start, &whole, h, &mut self.statistics);
                 self.before = Some(outcome.stages.collocation(h, [&start.y, &outcome.end]));
-                self.arrive(&start, h, outcome)
+                self.arrive(&outcome);
+                Step::new(&start, h, false, outcome)
             }
         }
     }
@@ -112,7 +107,8 @@ impl<const N: usize> Integrator<N> {
         self.statistics.evaluations += P::EVALUATIONS;
         let start = step.begin();
         let outcome = P::attempt(system, &start, h);
-        self.arrive(&start, h, outcome)
+        self.arrive(&outcome);
+        Step::new(&start, h, false, outcome)
     }
 
     /// [`Step::dense`], its evaluations counted.

@@ -6,12 +6,12 @@ const DIGITS: u32 = 52;
 const BIAS: f64 = 1023.0;
 const MANTISSA: u64 = (1 << DIGITS) - 1;
 
-/// x^(-1/n), within a part in 200 for n >= 4 and x > 0, normal; for smaller x, 0 among them, something larger than for any
-/// normal x, and finite.
+/// x^(-1/n), within a part in 200 for n >= 4 and x > 0, normal; for smaller x, 0 among them, something larger than for
+/// any normal x, and finite.
 ///
 /// Step sizes need no more, and every step pays for it. It is 2^(-log2(x) / n): with x = 2^e (1 + m), 0 <= m < 1,
-/// log2(1 + m) is m + 0.3463 m (1 - m) within 0.007; 2^m, |m| <= 1/2, is its series up to m^3 within 0.0008. Unlike the power
-/// of a mathematical library it is the same number on every platform.
+/// log2(1 + m) is m + 0.3463 m (1 - m) within 0.007; 2^m, |m| <= 1/2, is its series up to m^3 within 0.0008. Unlike the
+/// power of a mathematical library it is the same number on every platform.
 #[inline]
 pub fn inverse_root(x: f64, n: f64) -> f64 {
     const LOGARITHM: f64 = 0.3463;

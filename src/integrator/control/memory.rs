@@ -19,11 +19,11 @@ pub struct Begin<const N: usize> {
     /// Sizes of the components.
     pub scale: [f64; N],
     /// Step size that the error control proposes [s].
-    pub proposed: f64,
+    pub wish: f64,
 }
 
-/// Memory of the integration between spans: proposed step size, last derivative, compensation of the sums, and the history
-/// that the choice of the method needs.
+/// Memory of the integration between spans: proposed step size, last derivative, compensation of the sums, and the
+/// history that the choice of the method needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Integrator<const N: usize> {
     /// Step size that the error control proposes next [s]; none before the first step.
@@ -35,7 +35,8 @@ pub struct Integrator<const N: usize> {
     pub(super) stiffness: Stiffness,
     /// Span up to which one step of RK4, and one of DOPRI5, has met its share of the tolerance, as far as is known [s].
     pub(super) longest_span: [f64; WHOLE_SPAN],
-    /// Size [s] of the last step, and the factor by which it could have been larger; none if that is unknown, as after Radau.
+    /// Size [s] of the last step, and the factor by which it could have been larger; none if that is unknown, as after
+    /// Radau.
     pub(super) last: Option<(f64, f64)>,
     /// The last step, if it was one of Radau.
     pub(super) before: Option<Collocation<N>>,
@@ -94,8 +95,8 @@ impl<const N: usize> Integrator<N> {
         self.statistics.record(record)
     }
 
-    /// Become the same as another one: as by assignment, but the stages of an implicit step, more than all the rest, are
-    /// copied only if there are some.
+    /// Become the same as another one: as by assignment, but the stages of an implicit step, more than all the rest,
+    /// are copied only if there are some.
     #[inline]
     pub fn copy_from(&mut self, other: &Self) {
         let Self { proposal, derivative, carry, stiffness, longest_span, last, before, method, statistics } = self;
@@ -141,12 +142,11 @@ impl<const N: usize> Integrator<N> {
 
     /// Go on from the end of a step.
     #[inline]
-    pub(super) fn arrive<P: Into<Stages<N>>>(&mut self, start: &Start<N>, h: f64, outcome: Outcome<P, N>) -> Step<N> {
+    pub(super) fn arrive<P>(&mut self, outcome: &Outcome<P, N>) {
         (self.derivative, self.carry) = (Some(outcome.last), outcome.carry);
-        Step::new(start, h, outcome.end, outcome.stages)
     }
 
-    /// [`Self::arrive`] at the end of an accepted step.
+    /// Go on from the end of an accepted step.
     #[inline]
     pub(super) fn accept<P: Path<N> + Into<Stages<N>>>(
         &mut self,
@@ -154,12 +154,14 @@ impl<const N: usize> Integrator<N> {
         h: f64,
         outcome: Outcome<P, N>,
     ) -> Step<N> {
+        self.arrive(&outcome);
         self.method = P::METHOD;
         self.statistics.accept(P::METHOD);
-        Step { reached: h == begin.rest, ..self.arrive(&begin.start, h, outcome) }
+        Step::new(&begin.start, h, h == begin.rest, outcome)
     }
 
-    /// An explicit step has been accepted: no step of Radau precedes the next, and cheaper methods are tried again sooner.
+    /// An explicit step has been accepted: no step of Radau precedes the next, and cheaper methods are tried again
+    /// sooner.
     #[inline]
     pub(super) fn after_explicit<P: Pair<N>, S: System<N>>(&mut self) {
         if S::CAN_BE_STIFF {

@@ -1,7 +1,7 @@
 //! Step sizes under error control.
 //!
-//! Source: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.4 (step-size control); Hairer, Wanner, Solving ODEs II (1996),
-//! IV.2 (detecting stiffness), IV.8 (Radau, step sizes).
+//! Source: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.4 (step-size control); Hairer, Wanner, Solving ODEs II
+//! (1996), IV.2 (detecting stiffness), IV.8 (Radau, step sizes).
 use super::inverse_root::inverse_root;
 use super::memory::{Begin, Integrator};
 use super::stiffness::largest_eigenvalue;
@@ -10,8 +10,8 @@ use crate::integrator::pair::Pair;
 use crate::integrator::step::{Stages, Step};
 use crate::integrator::{IntegrationError, System};
 
-/// Limits of the step-size control as in DOP853; its safety factor is 0.9, at which the retraction at tolerance 1e-12 takes
-/// a quarter more evaluations, in rejected steps.
+/// Limits of the step-size control as in DOP853; its safety factor is 0.9, at which the retraction at tolerance 1e-12
+/// takes a quarter more evaluations, in rejected steps.
 const SAFETY: f64 = 0.8;
 const SHRINK_MOST: f64 = 1.0 / 3.0;
 pub const GROW_MOST: f64 = 6.0;
@@ -21,8 +21,8 @@ pub const SHRINK_INFINITE: f64 = 0.1;
 const SHRINK_UNSOLVED: f64 = 0.25;
 /// Largest factor by which a step could have been larger that still shows how the error grows.
 const LARGEST_GROWTH: f64 = 10.0;
-/// Least part of a span that a step may be: less is round-off in time. Of a span longer than [`LONG`], the part of that: spans
-/// so long are asked for at rest.
+/// Least part of a span that a step may be: less is round-off in time. Of a span longer than [`LONG`], the part of
+/// that: spans so long are asked for at rest.
 const SMALLEST: f64 = 1e-14;
 const LONG: f64 = 1e3;
 
@@ -36,7 +36,7 @@ impl<const N: usize> Integrator<N> {
         end: f64,
         tolerance: f64,
     ) -> Result<Step<N>, IntegrationError> {
-        let &Begin { ref start, rest, ref scale, proposed: mut wish } = begin;
+        let &Begin { ref start, rest, ref scale, mut wish } = begin;
         let mut grow_most = GROW_MOST;
         loop {
             let h = fitted(wish, rest);
@@ -65,8 +65,8 @@ impl<const N: usize> Integrator<N> {
         }
     }
 
-    /// Growth at which the next step would just be good, after one of size h that could have grown by `growth`. Where the
-    /// error per step has been growing, it is taken to go on so: Solving ODEs II (1996), IV.8, eq. (8.25).
+    /// Growth at which the next step would just be good, after one of size h that could have grown by `growth`. Where
+    /// the error per step has been growing, it is taken to go on so: Solving ODEs II (1996), IV.8, eq. (8.25).
     fn foreseen(&mut self, h: f64, growth: f64) -> f64 {
         let growth = growth.min(LARGEST_GROWTH);
         let last = self.last.replace((h, growth));
@@ -74,6 +74,7 @@ impl<const N: usize> Integrator<N> {
     }
 
     /// One accepted step of Radau.
+    #[inline(never)]
     pub(super) fn implicit_step<S: System<N>>(
         &mut self,
         system: &mut S,
@@ -81,7 +82,7 @@ impl<const N: usize> Integrator<N> {
         end: f64,
         tolerance: f64,
     ) -> Result<Step<N>, IntegrationError> {
-        let &Begin { ref start, rest, ref scale, proposed: mut wish } = begin;
+        let &Begin { ref start, rest, ref scale, mut wish } = begin;
         let jacobian = system.jacobian(start.t, &start.y);
         self.statistics.jacobians += 1;
         self.last = None;
@@ -106,7 +107,8 @@ impl<const N: usize> Integrator<N> {
         }
     }
 
-    /// Propose the next step size after an accepted step of size h that was to have the size `wish` and could grow by `grow`.
+    /// Propose the next step size after an accepted step of size h that was to have the size `wish` and could grow by
+    /// `grow`.
     #[inline]
     fn propose(&mut self, h: f64, wish: f64, grow: f64) {
         // A step cut short by the end of the span says little about the size that is possible.

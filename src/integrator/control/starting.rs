@@ -1,5 +1,6 @@
 //! The first step size.
 use super::inverse_root::inverse_root;
+use super::memory::Begin;
 use super::stiffness::largest_eigenvalue;
 use crate::integrator::methods::dop853::STABLE_TO;
 use crate::integrator::pair::Start;
@@ -8,8 +9,8 @@ use crate::integrator::{IntegrationError, Statistics, System};
 /// Order of the explicit pairs.
 const ORDER: f64 = 8.0;
 
-/// First step size: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.4, with the error of an explicit Euler step as the
-/// guide; for a system that can be stiff, one at which DOP853 is stable.
+/// First step size: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.4, with the error of an explicit Euler step as
+/// the guide; for a system that can be stiff, one at which DOP853 is stable.
 ///
 /// # Errors
 /// The rates are so large that the step vanishes.
@@ -17,13 +18,11 @@ const ORDER: f64 = 8.0;
 #[inline(never)]
 pub fn starting_step<S: System<N>, const N: usize>(
     system: &mut S,
-    start: &Start<N>,
-    scale: &[f64; N],
-    rest: f64,
+    begin: &Begin<N>,
     tolerance: f64,
     statistics: &mut Statistics,
 ) -> Result<f64, IntegrationError> {
-    let &Start { t, ref y, ref first, .. } = start;
+    let &Begin { start: Start { t, ref y, ref first, .. }, ref scale, rest, .. } = begin;
     let weight = scale.map(|s| 1.0 / s);
     let square = |v: &[f64; N]| (0..N).map(|i| (v[i] * weight[i]).powi(2)).sum::<f64>();
     let slope = square(first);

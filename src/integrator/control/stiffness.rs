@@ -1,9 +1,10 @@
 //! When DOP853 gives way to Radau, and Radau to DOP853.
 //!
-//! DOP853 held back by stiffness cannot lengthen its steps though h |lambda| is about 1 or more: near 6 at the end of its
-//! interval of stability, less at tight tolerances, where the stiff components spoil its stages first. Once it has been so
-//! for a few steps Radau takes over. It gives back when, for a few, its steps are shorter than those of DOP853 were. A
-//! change that did not pay doubles the number of steps before the next one, so that trials stay a small part of the work.
+//! DOP853 held back by stiffness cannot lengthen its steps though h |lambda| is about 1 or more: near 6 at the end of
+//! its interval of stability, less at tight tolerances, where the stiff components spoil its stages first. Once it has
+//! been so for a few steps Radau takes over. It gives back when, for a few, its steps are shorter than those of DOP853
+//! were. A change that did not pay doubles the number of steps before the next one, so that trials stay a small part of
+//! the work.
 
 use crate::codec::record::{Damaged, Record};
 

@@ -1,9 +1,9 @@
-//! One step of Dormand and Prince's pair of order 5(4), for spans that are longer than RK4 is good for and still short against
-//! the motion.
+//! One step of Dormand and Prince's pair of order 5(4), for spans that are longer than RK4 is good for and still short
+//! against the motion.
 //!
-//! The last stage is f at the end of the step, which the next one starts with: six evaluations a step. Coefficients and the
-//! interpolant: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.5, table 5.2, and II.6, CONTD5; their order conditions
-//! are tested.
+//! The last stage is f at the end of the step, which the next one starts with: six evaluations a step. Coefficients and
+//! the interpolant: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.5, table 5.2, and II.6, CONTD5; their order
+//! conditions are tested.
 use crate::integrator::dense::TERMS;
 use crate::integrator::pair::{Outcome, Pair, Path, Start, bulge, extremes, mean_square};
 use crate::integrator::sum::add_compensated;

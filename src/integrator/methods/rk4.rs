@@ -1,8 +1,8 @@
 //! One step of the classical Runge-Kutta method of order 4, for spans that are short against the motion.
 //!
 //! With f at the end of the step, which the next one starts with, as a fifth stage: four evaluations a step. Giving the
-//! weight of the fourth stage to the fifth makes an embedded method of order 3. Coefficients: Hairer, Norsett, Wanner, Solving
-//! ODEs I (1993), II.1, table 1.2; the pair's order conditions, II.1, theorem 2.1 and eq. (1.11), are tested.
+//! weight of the fourth stage to the fifth makes an embedded method of order 3. Coefficients: Hairer, Norsett, Wanner,
+//! Solving ODEs I (1993), II.1, table 1.2; the pair's order conditions, II.1, theorem 2.1 and eq. (1.11), are tested.
 use crate::integrator::dense::{TERMS, hermite};
 use crate::integrator::pair::{Outcome, Pair, Path, Start, bulge, extremes, mean_square};
 use crate::integrator::sum::add_compensated;
@@ -14,8 +14,8 @@ pub const C: [f64; 5] = [0.0, 0.5, 0.5, 1.0, 1.0];
 pub const B: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
 /// What the embedded method gives less to the fourth stage and more to the fifth.
 pub const E: f64 = B[3];
-/// Part of the tolerance that the estimate may use: at the largest such step the error of the harmonic oscillator grows as that
-/// of long steps of DOP853, at 0.035 of the tolerance a radian.
+/// Part of the tolerance that the estimate may use: at the largest such step the error of the harmonic oscillator grows
+/// as that of long steps of DOP853, at 0.035 of the tolerance a radian.
 const MARGIN: f64 = 0.04;
 
 /// f at the start, at the fourth stage and at the end.
@@ -56,7 +56,7 @@ impl<const N: usize> Pair<N> for Rk4<N> {
     const EVALUATIONS: u64 = 4;
     const ERROR_POWER: f64 = 8.0;
 
-    #[inline]
+    #[inline(always)]
     fn attempt<S: System<N>>(system: &mut S, start: &Start<N>, h: f64) -> Outcome<Self, N> {
         let &Start { t, ref y, ref first, ref carry } = start;
         let mut stage = |c: f64, before: &[f64; N]| {
@@ -75,10 +75,10 @@ impl<const N: usize> Pair<N> for Rk4<N> {
 
     /// Square of the estimate e, relative to the scales, over that of the tolerance with a margin.
     ///
-    /// e is the local error of order 3: it falls as h^4, so the motion changes within T = h / e^(1/4), and the step, of order
-    /// 4, errs by about e h / T. The tolerance is meant for a step of about the length T; each of many short steps has its
-    /// share tolerance h / T, so that the sum of their errors is that of a few long steps however short they are. So
-    /// e <= tolerance.
+    /// e is the local error of order 3: it falls as h^4, so the motion changes within T = h / e^(1/4), and the step, of
+    /// order 4, errs by about e h / T. The tolerance is meant for a step of about the length T; each of many short
+    /// steps has its share tolerance h / T, so that the sum of their errors is that of a few long steps however short
+    /// they are. So e <= tolerance.
     #[inline]
     fn error(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
         mean_square(scale, |n| E * h * (self.fourth[n] - self.last[n])) * (MARGIN * tolerance).powi(-2)

@@ -44,7 +44,7 @@ pub fn implicitly<S: System<N>, const N: usize>(system: &mut S, t: f64, y: &[f64
     let (start, jacobian) = (start(system, t, y), system.jacobian(t, y));
     let newton = Newton { jacobian: &jacobian, scale: &[1.0; N], tolerance: 1e-14, before: None };
     let outcome = Radau::attempt(system, &start, &newton, h, &mut Statistics::default()).unwrap().0;
-    Step::new(&start, h, outcome.end, outcome.stages)
+    Step::new(&start, h, false, outcome)
 }
 
 /// One step of an explicit pair of size h, without error control.
@@ -55,8 +55,7 @@ pub fn explicitly<P: Pair<N> + Into<Stages<N>>, S: System<N>, const N: usize>(
     h: f64,
 ) -> Step<N> {
     let start = start(system, t, y);
-    let outcome = P::attempt(system, &start, h);
-    Step::new(&start, h, outcome.end, outcome.stages)
+    Step::new(&start, h, false, P::attempt(system, &start, h))
 }
 
 /// A start whose sums have lost nothing.

@@ -131,7 +131,8 @@ fn a_step_cut_short_is_the_step_of_that_size() {
     }
 }
 
-/// The steps shrink by a steady ratio towards the pole of q = 1 / (1 - t); that is foreseen, not found out by rejections.
+/// The steps shrink by a steady ratio towards the pole of q = 1 / (1 - t); that is foreseen, not found out by
+/// rejections.
 #[test]
 fn shrinking_steps_are_foreseen() {
     struct Pole;

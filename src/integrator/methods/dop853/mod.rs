@@ -1,6 +1,7 @@
 //! One step of the explicit Runge-Kutta pair of order 8 with an interpolant of order 7 (DOP853).
 //!
-//! In: a system, a point, a step size. Out: the step with its error estimate, its interpolant, what it feels of stiffness.
+//! In: a system, a point, a step size. Out: the step with its error estimate, its interpolant, what it feels of
+//! stiffness.
 //! Source: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.5, II.6 (dense output), II.10 (error).
 pub mod tableau;
 

@@ -1,7 +1,8 @@
 //! Coefficients of the explicit Runge-Kutta pair of order 8(5, 3) by Dormand and Prince.
 //!
-//! Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, 2nd ed. (1993), section II.5 (the method,
-//! its order conditions and both error estimators) and II.6 (the interpolant of order 7); numbers as in their DOP853.
+//! Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, 2nd ed. (1993), section II.5 (the
+//! method, its order conditions and both error estimators) and II.6 (the interpolant of order 7); numbers as in their
+//! DOP853.
 
 /// Stages of the step.
 pub const STAGES: usize = 12;

@@ -1,7 +1,7 @@
 //! One step of the implicit Runge-Kutta method Radau IIA of order 5, L-stable, by collocation at three points.
 //!
-//! In: a system with its Jacobian, a point, a step size. Out: the step with its error estimate, or that Newton's method did
-//! not converge; the collocation polynomial.
+//! In: a system with its Jacobian, a point, a step size. Out: the step with its error estimate, or that Newton's method
+//! did not converge; the collocation polynomial.
 //! Source: Hairer, Wanner, Solving ODEs II (1996), IV.5 (method), IV.8 (Newton's method, starting values, error).
 pub mod coefficients;
 
@@ -127,9 +127,8 @@ impl<const N: usize> Radau<N> {
         Some((Self::outcome(system, start, newton.tolerance, h, &z, statistics), error))
     }
 
-    /// The step of size h, shorter than the step of size `whole` between the states `ends` that these are the stages of, from
-    /// time t, where the sums have lost `carry`. Where Newton's method does not converge, the collocation polynomial of the
-    /// whole step is taken: it has met the tolerance.
+    /// The step of size h, shorter than the step of these stages and from the same start. `whole` is the collocation
+    /// polynomial of the longer step: it has met the tolerance, so it is taken where Newton's method does not converge.
     pub fn shorten<S: System<N>>(
         &self,
         system: &mut S,
@@ -172,8 +171,8 @@ fn transformed<const N: usize>(matrix: &[[f64; STAGES]; STAGES], z: &Increments<
     std::array::from_fn(|i| std::array::from_fn(|n| (0..STAGES).map(|j| matrix[i][j] * z[j][n]).sum()))
 }
 
-/// Solve the collocation equations z = h (A x I) F(y + z) by the simplified Newton method, transformed to one real and one
-/// complex system; eqs. (8.4) to (8.13). Also the factors of the real one.
+/// Solve the collocation equations z = h (A x I) F(y + z) by the simplified Newton method, transformed to one real and
+/// one complex system; eqs. (8.4) to (8.13). Also the factors of the real one.
 ///
 /// It stops when the estimated remaining error is below `NEWTON` of the tolerance or at rounding.
 fn collocate<S: System<N>, const N: usize>(
@@ -247,8 +246,8 @@ fn collocate<S: System<N>, const N: usize>(
 }
 
 /// Error over the tolerance: the embedded formula of order 3, damped as (gamma_0^-1 I / h - J)^-1, eq. (8.19). RADAU5
-/// damps a second time after a rejection, eq. (8.20); here the estimate must hold for the slow error of a stiff component
-/// too, which that makes h |lambda| times smaller than it is.
+/// damps a second time after a rejection, eq. (8.20); here the estimate must hold for the slow error of a stiff
+/// component too, which that makes h |lambda| times smaller than it is.
 fn error<const N: usize>(
     start: &Start<N>,
     newton: &Newton<N>,

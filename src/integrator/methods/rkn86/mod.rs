@@ -1,7 +1,8 @@
 //! One step of the explicit Runge-Kutta-Nystroem pair of order 8(6) for q'' = f(t, q), with an interpolant.
 //!
-//! A force that does not depend on the speed needs eight evaluations for order 8 where DOP853 needs twelve, and half the sums
-//! of stages. In: a system of that kind, a point, a step size. Out: the step with its error estimate and its interpolant.
+//! A force that does not depend on the speed needs eight evaluations for order 8 where DOP853 needs twelve, and half
+//! the sums of stages. In: a system of that kind, a point, a step size. Out: the step with its error estimate and its
+//! interpolant.
 pub mod tableau;
 
 use crate::integrator::dense::{TERMS, hermite};
@@ -38,9 +39,9 @@ impl<const N: usize> Path<N> for Rkn86 {
         bulge(h, [0.0, h * most.max(-least)])
     }
 
-    /// q has the values, rates and accelerations of both ends and the accelerations of the stages at 0.3 h and 0.5 h, which
-    /// are good to h^5 (row sums with c^2 hold there): of degree 7, good to h^7. q' has the values and rates of both ends and
-    /// the same two accelerations: of degree 5. No evaluation.
+    /// q has the values, rates and accelerations of both ends and the accelerations of the stages at 0.3 h and 0.5 h,
+    /// which are good to h^5 (row sums with c^2 hold there): of degree 7, good to h^7. q' has the values and rates of
+    /// both ends and the same two accelerations: of degree 5. No evaluation.
     fn dense<S: System<N>>(&self, _system: &mut S, _t: f64, h: f64, [start, end]: [&[f64; N]; 2]) -> Dense<N> {
         let (k, last) = (&self.0, self.0[STAGES - 1]);
         let mut terms = [[0.0; N]; TERMS];
@@ -49,7 +50,8 @@ impl<const N: usize> Path<N> for Rkn86 {
         let square = h * h;
         let t3 = 0.5 * square * k[0] + t1 - t2;
         let t4 = 0.5 * square * last + t1 + 2.0 * t2 - t3;
-        // What is left of the acceleration at s: h^2 k less that of all terms so far; the second derivatives of s^i (1 - s)^j.
+        // What is left of the acceleration at s: h^2 k less that of all terms so far; the second derivatives of s^i (1
+        // - s)^j.
         let left = |k: f64, s: f64| {
             let third = 2.0 + s * (12.0 * s - 12.0);
             let fourth = s * (6.0 + s * (20.0 * s - 24.0));
@@ -116,9 +118,9 @@ impl<const N: usize> Pair<N> for Rkn86 {
         Outcome { stages: Self(k), end, last, carry: lost }
     }
 
-    /// Error estimate over the tolerance, to the power of 14. The difference e of the pair, relative to the scales, is the error
-    /// of order 6, which falls as h^7. So relative to the scales the motion changes within h / e^(1/7), and the step of order 8
-    /// errs by about e^(9/7). To the power of 14 that needs no root, and of e its square.
+    /// Error estimate over the tolerance, to the power of 14. The difference e of the pair, relative to the scales, is
+    /// the error of order 6, which falls as h^7. So relative to the scales the motion changes within h / e^(1/7), and
+    /// the step of order 8 errs by about e^(9/7). To the power of 14 that needs no root, and of e its square.
     #[inline]
     fn error(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
         // Quotients that do not wait for the accelerations.
