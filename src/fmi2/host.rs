@@ -10,7 +10,8 @@ use super::types::{
     ValueReference,
 };
 use super::*;
-use crate::mechanism::Model;
+use crate::component;
+use crate::variables::Interface;
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_int};
 use std::path::Path;
@@ -75,34 +76,35 @@ pub fn callbacks(logger: Option<LoggerCallback>, log: &Log) -> CallbackFunctions
 /// What an importer knows of an FMU before it makes an instance: variables, GUID, resource location.
 #[derive(Debug)]
 pub struct Description {
-    model: Model,
+    component: component::Component,
     guid: CString,
     location: CString,
 }
 
 impl Description {
-    /// The FMU of a folder with `resources/mechanism.json`.
+    /// The FMU of a folder with a definition file in `resources`.
     ///
     /// # Errors
-    /// The file cannot be read or holds no mechanism.
+    /// The file cannot be read or defines no model.
     pub fn read(folder: &Path) -> Result<Arc<Self>, String> {
         let resources = folder.join("resources");
-        let file = resources.join("mechanism.json");
-        let text = std::fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))?;
-        let model = Model::from_json(&text).map_err(|e| e.to_string())?;
+        let name = component::Component::definition_files().into_iter().find(|name| resources.join(name).is_file());
+        let name = name.ok_or_else(|| format!("{}: no definition file", resources.display()))?;
+        let text = std::fs::read_to_string(resources.join(name)).map_err(|e| format!("{name}: {e}"))?;
+        let component = component::Component::from_definition(name, &text).map_err(|e| e.0)?;
         let location = resources.canonicalize().map_err(|e| e.to_string())?;
-        let (guid, location) = (terminated(model.variables().guid()), terminated(&location.to_string_lossy()));
-        Ok(Arc::new(Self { model, guid, location }))
+        let (guid, location) = (terminated(component.interface().guid()), terminated(&location.to_string_lossy()));
+        Ok(Arc::new(Self { component, guid, location }))
     }
 
-    /// The mechanism in its initial state.
-    pub fn model(&self) -> &Model {
-        &self.model
+    /// The variables of the FMU.
+    pub fn interface(&self) -> &Interface {
+        self.component.interface()
     }
 
     /// Value reference of a variable; `u32::MAX`, which no variable has, for a name that does not exist.
     pub fn reference(&self, name: &str) -> ValueReference {
-        self.model.variables().find(name).unwrap_or(ValueReference::MAX)
+        self.interface().find(name).unwrap_or(ValueReference::MAX)
     }
 
     /// New instance named `gear`.
@@ -176,7 +178,7 @@ impl Host {
 
     /// Number of variables, which is the first value reference that does not exist.
     pub fn count(&self) -> u32 {
-        self.description.model.variables().list().len() as u32
+        self.description.interface().list().len() as u32
     }
 
     /// `fmi2GetReal`. Both slices have one length.

@@ -11,6 +11,7 @@ use host::Gear;
 use linkage_fmu::fmi2::host::State;
 use linkage_fmu::fmi2::types::Status;
 use linkage_fmu::fmi2::{fmi2GetDirectionalDerivative, fmi2GetRealOutputDerivatives, fmi2SetRealInputDerivatives};
+use linkage_fmu::mechanism::Model;
 
 /// Most allocations and bytes of a saved state.
 const STATE_BLOCKS: usize = 8;
@@ -91,7 +92,7 @@ fn nor_do_saving_and_restoring_in_a_state_that_is_used_again() {
 #[test]
 fn a_state_costs_no_evaluation_and_few_bytes() {
     let statistics = |friction: bool, with_state: bool| {
-        let mut model = host::gear().clone();
+        let mut model = Model::from_json(&host::mechanism()).unwrap();
         let reference = model.variables().find("friction.enabled").unwrap();
         model.set_boolean(reference, friction).unwrap();
         model.initialize().unwrap();

@@ -4,7 +4,7 @@
 use linkage_fmu::fmi2::host::{Description, Host, Log, State, callbacks, logger};
 use linkage_fmu::fmi2::types::{LoggerCallback, Status};
 use linkage_fmu::fmi2::{fmi2FreeInstance, fmi2Instantiate};
-use linkage_fmu::mechanism::Model;
+use linkage_fmu::variables::Interface;
 use std::ffi::{CString, c_char, c_int};
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
@@ -20,9 +20,9 @@ fn description() -> &'static Arc<Description> {
     GEAR.get_or_init(|| Description::read(Path::new(FOLDER)).unwrap())
 }
 
-/// The landing gear in the engine.
-pub fn gear() -> &'static Model {
-    description().model()
+/// The variables of the landing gear.
+pub fn interface() -> &'static Interface {
+    description().interface()
 }
 
 /// Text of the landing gear's file.
@@ -64,7 +64,7 @@ impl Gear {
     }
 
     pub fn find(&self, name: &str) -> Option<u32> {
-        gear().variables().find(name)
+        interface().find(name)
     }
 
     pub fn vr(&self, name: &str) -> u32 {
@@ -112,7 +112,7 @@ pub struct Arguments {
 
 impl Arguments {
     pub fn new() -> Self {
-        let guid = Some(c(gear().variables().guid()));
+        let guid = Some(c(interface().guid()));
         Arguments { name: c"gear".as_ptr(), fmu_type: 1, guid, location: Some(c(RESOURCES)) }
     }
 

@@ -1,6 +1,6 @@
 //! `fmi2Instantiate`, the resource location, the logger, and the shared library as a host loads it.
 
-use crate::host::{Arguments, Folder, Gear, RESOURCES, c, gear, mechanism};
+use crate::host::{Arguments, Folder, Gear, RESOURCES, c, interface, mechanism};
 use crate::hostile::standard::{ALWAYS, TABLE};
 use linkage_fmu::fmi2::host::{Log, callbacks, logger};
 use linkage_fmu::fmi2::types::{CallbackFunctions, Component, Status, Text};
@@ -31,7 +31,7 @@ fn a_bad_argument_is_logged_and_answered_with_null() {
 
 #[test]
 fn null_callbacks_give_null_and_null_members_are_fine() {
-    let (guid, location) = (c(gear().variables().guid()), c(RESOURCES));
+    let (guid, location) = (c(interface().guid()), c(RESOURCES));
     // SAFETY: all pointers are NULL or live during the call.
     let component = unsafe { fmi2Instantiate(c"x".as_ptr(), 1, guid.as_ptr(), location.as_ptr(), null(), 0, 1) };
     assert!(component.is_null());
@@ -150,7 +150,7 @@ fn the_shared_library_exports_everything_and_finds_its_resources() {
 
     let log = Log::default();
     let functions = callbacks(Some(logger()), &log);
-    let (file, guid) = (c(binaries.join("Gear.so").to_str().unwrap()), c(gear().variables().guid()));
+    let (file, guid) = (c(binaries.join("Gear.so").to_str().unwrap()), c(interface().guid()));
     // SAFETY: the library is this project's; its functions have the types of the rlib's.
     unsafe {
         let handle = libc::dlopen(file.as_ptr(), libc::RTLD_NOW | libc::RTLD_LOCAL);

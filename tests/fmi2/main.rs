@@ -6,4 +6,5 @@ mod clock;
 mod host;
 mod hostile;
 mod instantiate;
+mod method;
 mod state;

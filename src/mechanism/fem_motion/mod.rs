@@ -12,6 +12,8 @@ pub use saved::SavedRigidFem;
 
 use crate::integrator::Statistics;
 use crate::mechanism::definition::{DefinitionError, Mechanism, Solver};
+use crate::mechanism::dynamics::inputs::Inputs;
+use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::laws::stop::Stop;
 use crate::mechanism::motion::contact::Contact;
 use crate::mechanism::motion::state::State;
@@ -19,7 +21,6 @@ use crate::mechanism::outputs::ReducedMotion;
 use crate::mechanism::reactions::Reaction;
 use crate::mechanism::reduced::Reduced;
 use crate::mechanism::rigid_fem::{self, RigidFem, RigidFemError, Scratch};
-use crate::mechanism::{ModelError, dynamics::inputs::Inputs};
 use crate::numerics::plane::Vec2;
 use refusals::{refuse_locks, refuse_losses, refuse_passing};
 use std::sync::Arc;

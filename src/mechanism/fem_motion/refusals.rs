@@ -1,6 +1,8 @@
 //! Refusals, by name, value and remedy, of the parameters and inputs that the finite elements do not have.
+use crate::mechanism::dynamics::inputs::Inputs;
+use crate::mechanism::error::ModelError;
+use crate::mechanism::motion::state::State;
 use crate::mechanism::reduced::Reduced;
-use crate::mechanism::{ModelError, dynamics::inputs::Inputs, motion::state::State};
 
 /// Rounding of a stop's quantity, relative to 1 and its value [rad or m].
 const AT: f64 = 1e-10;

@@ -4,10 +4,11 @@
 use super::{RigidFemMotion, fem_step, finite_elements};
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::definition::Mechanism;
+use crate::mechanism::dynamics::inputs::Inputs;
+use crate::mechanism::error::ModelError;
 use crate::mechanism::reactions::Reaction;
 use crate::mechanism::reduced::Reduced;
 use crate::mechanism::rigid_fem::{self, RigidFem};
-use crate::mechanism::{ModelError, dynamics::inputs::Inputs};
 use crate::mechanism::{motion::SavedState, outputs::ReducedMotion};
 use std::sync::Arc;
 

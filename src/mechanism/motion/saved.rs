@@ -6,13 +6,14 @@ use super::memory::Memory;
 use super::state::{State, blows, state_loads, state_loads_in_air};
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::dynamics::equation::Scratch;
+use crate::mechanism::dynamics::inputs::Inputs;
+use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::contact::Contact;
 use crate::mechanism::motion::ends::{End, StopKind, Travel};
 use crate::mechanism::motion::events::Event;
 use crate::mechanism::motion::step_ahead::{Lookahead, StepAhead};
 use crate::mechanism::motion::travel::stop_kind;
 use crate::mechanism::reduced::Reduced;
-use crate::mechanism::{ModelError, dynamics::inputs::Inputs};
 use crate::numerics::bits::{become_same, same_bits};
 
 /// Part of a closed curve's length by which sigma may be beyond its ends by rounding.

@@ -5,8 +5,10 @@
 use crate::integrator::Statistics;
 use crate::mechanism::definition::{DefinitionError, Mechanism};
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
+use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::dynamics::state_loads::Mode;
+use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::motion::advance::{Advance, Progress, Stopped};
 use crate::mechanism::motion::contact::Contact;
@@ -15,7 +17,6 @@ use crate::mechanism::motion::memory::Memory;
 use crate::mechanism::motion::step_ahead::{Conditions, Lookahead};
 use crate::mechanism::motion::travel::{beyond_stop, can_hold, travel};
 use crate::mechanism::reduced::{Reduced, ReductionError, StateLoads};
-use crate::mechanism::{ModelError, dynamics::inputs::Inputs};
 use crate::numerics::table::Unresolved;
 
 /// The state of motion, with the memory of the integration.

@@ -1,7 +1,7 @@
 //! The travel: how far the mechanism can move from its start, and what holds it at the ends.
 //!
 //! In: the reduced model, its stops, the start. Out: the position of each end on the curve. It must not know time.
-use crate::mechanism::ModelError;
+use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::laws::stop::Stop;
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::motion::ends::{End, StopKind, Travel};

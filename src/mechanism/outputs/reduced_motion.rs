@@ -1,9 +1,9 @@
 //! The reduced model's motion with its outputs: the state, and beside it what outputs of this state share.
 //!
 //! In: steps, changed inputs, saved states. Out: the state with a cache that belongs to it. It must not know any law.
-use crate::mechanism::ModelError;
 use crate::mechanism::definition::Mechanism;
 use crate::mechanism::dynamics::inputs::Inputs;
+use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::SavedState;
 use crate::mechanism::motion::state::{State, state_loads_under};
 use crate::mechanism::outputs::cache::{Computed, Direction, OutputCache};
