@@ -101,8 +101,8 @@ impl<T: Number> EquationOfMotion<'_, T> {
         Ok(0.0)
     }
 
-    /// Acceleration at any state, with the delivered force of every drive. The mode's direction is then that of the drives,
-    /// 0 where they hold the mechanism at rest.
+    /// Acceleration at any state, with the delivered force of every drive. The mode's direction is then that of the
+    /// drives, 0 where they hold the mechanism at rest.
     ///
     /// # Errors
     /// [`Locked`].
@@ -112,8 +112,8 @@ impl<T: Number> EquationOfMotion<'_, T> {
         self.settle_in(direction, sigma, sigma_dot)
     }
 
-    /// [`Self::settle`] in a known direction. Where drives hold the mechanism at rest, each delivers a force between its
-    /// forward and its backward value: the common share at which all is in balance.
+    /// [`Self::settle`] in a known direction. Where drives hold the mechanism at rest, each delivers a force between
+    /// its forward and its backward value: the common share at which all is in balance.
     ///
     /// # Errors
     /// [`Locked`].

@@ -1,14 +1,14 @@
 //! The position on the curve that fits a finite-element state best.
 //!
-//! In: the bodies' angles and speeds. Out: sigma, the minimum of 1/2 sum (q(sigma) - q_fem)^2 next to the last sigma, and
-//! sigma_dot, the projection of the speeds: sum q_sigma q_dot / sum q_sigma^2. It must not know forces.
+//! In: the bodies' angles and speeds. Out: sigma, the minimum of 1/2 sum (q(sigma) - q_fem)^2 next to the last sigma,
+//! and sigma_dot, the projection of the speeds: sum q_sigma q_dot / sum q_sigma^2. It must not know forces.
 use crate::mechanism::reduced::Reduced;
 use crate::mechanism::rigid_fem::{self, RigidFem};
 use crate::mechanism::{ModelError, motion::state::State};
 use crate::numerics::table::Table;
 
-/// Newton's corrections in each step: the prediction has an error of about (sigma_dot h)^2, the second correction one of
-/// rounding.
+/// Newton's corrections in each step: the prediction has an error of about (sigma_dot h)^2, the second correction one
+/// of rounding.
 const CORRECTIONS: usize = 3;
 
 /// Follows the curve from step to step.

@@ -1,6 +1,7 @@
 //! The reduced model in one state, read in numbers N: values, or values with derivatives along a direction.
 //!
-//! In: the state, the inputs, the tables. Out: [`Kinematics`], forces and accelerations. It must not know which output asks.
+//! In: the state, the inputs, the tables. Out: [`Kinematics`], forces and accelerations. It must not know which output
+//! asks.
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
