@@ -345,8 +345,8 @@ impl Model {
         self.state().map(|_| ())
     }
 
-    /// Advance by exactly `h` [s], > 0, under the present inputs with the derivatives of [`Self::set_input_derivative`]; the
-    /// inputs keep their values at the end. On an error the state is what it was.
+    /// Advance by exactly `h` [s], > 0, under the present inputs with the derivatives of
+    /// [`Self::set_input_derivative`]; the inputs keep their values at the end. On an error the state is what it was.
     ///
     /// # Errors
     /// Not initialised, h out of range, the integration stopped, or the travel ended.

@@ -43,7 +43,8 @@ pub enum Output {
         /// Part of the reaction.
         part: ReactionPart,
     },
-    /// Displacement of a drive's or a spring's load - length, angle or position - or its first or second time derivative.
+    /// Displacement of a drive's or a spring's load - length, angle or position - or its first or second time
+    /// derivative.
     Displacement {
         /// Index of the load.
         load: usize,
@@ -110,14 +111,14 @@ pub enum OneElement {
     StaticLoad,
     /// Delta F_S or Delta T_S, eqs. (15), (36).
     AdditionalForce,
-    /// F_S or T_S for the demanded acceleration, eqs. (16), (37): inverse dynamics. The other drives lose as in the direction
-    /// of motion, at rest as in the direction of setting off; they lose nothing at rest without a demand.
+    /// F_S or T_S for the demanded acceleration, eqs. (16), (37): inverse dynamics. The other drives lose as in the
+    /// direction of motion, at rest as in the direction of setting off; they lose nothing at rest without a demand.
     RequiredForce,
-    /// Force that holds the mechanism at rest under the present loads, without friction and losses of drives; it lies between
-    /// the two breakaway forces.
+    /// Force that holds the mechanism at rest under the present loads, without friction and losses of drives; it lies
+    /// between the two breakaway forces.
     HoldingForce,
-    /// Force that begins to move the mechanism from rest forward along the drive, against static friction and the losses of
-    /// all drives in this direction.
+    /// Force that begins to move the mechanism from rest forward along the drive, against static friction and the
+    /// losses of all drives in this direction.
     BreakawayForward,
     /// Force that begins to move the mechanism from rest backward along the drive.
     BreakawayBackward,

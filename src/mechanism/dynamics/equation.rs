@@ -116,8 +116,8 @@ impl<T: Number> EquationOfMotion<'_, T> {
         self.settle_in(direction, sigma, sigma_dot)
     }
 
-    /// [`Self::settle`] in a known direction. Where drives hold the mechanism at rest, each delivers a force between its
-    /// forward and its backward value: the common share at which all is in balance.
+    /// [`Self::settle`] in a known direction. Where drives hold the mechanism at rest, each delivers a force between
+    /// its forward and its backward value: the common share at which all is in balance.
     ///
     /// # Errors
     /// [`Locked`].

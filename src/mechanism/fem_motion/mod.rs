@@ -1,8 +1,8 @@
 //! The motion by rigid finite elements: the state, its steps and its refusals.
 //!
-//! In: the reduced model, inputs, steps. Out: the state of the finite elements, and the sigma and sigma_dot of the reduced
-//! model that fit this state best. Friction, air, stops, locks and losses in drives, which the finite elements do not have,
-//! are refused when they would begin to act. It must not know the reduced model's integration.
+//! In: the reduced model, inputs, steps. Out: the state of the finite elements, and the sigma and sigma_dot of the
+//! reduced model that fit this state best. Friction, air, stops, locks and losses in drives, which the finite elements
+//! do not have, are refused when they would begin to act. It must not know the reduced model's integration.
 mod outputs;
 mod refusals;
 mod saved;
@@ -60,8 +60,8 @@ impl RigidFemMotion {
     /// The state that the definition states, with the stretch that its own forces give.
     ///
     /// # Errors
-    /// The mechanism has friction, air, a lock or an efficiency; the linkage is not of binary links; a body has no axial
-    /// stiffness; as [`ReducedMotion::at_start`].
+    /// The mechanism has friction, air, a lock or an efficiency; the linkage is not of binary links; a body has no
+    /// axial stiffness; as [`ReducedMotion::at_start`].
     pub fn at_start(reduced: &Reduced, mechanism: &Mechanism, inputs: &Inputs) -> Result<Self, ModelError> {
         refuse_losses(reduced, inputs)?;
         let mut rigid = ReducedMotion::at_start(reduced, mechanism, inputs)?;
@@ -164,8 +164,8 @@ impl RigidFemMotion {
         Statistics { accepted: self.steps, ..Statistics::default() }
     }
 
-    /// Apply the present sizes: the change of the loads' potential since the last step is work from outside. Returns whether
-    /// a size has changed.
+    /// Apply the present sizes: the change of the loads' potential since the last step is work from outside. Returns
+    /// whether a size has changed.
     fn apply(&mut self, reduced: &Reduced) -> Result<bool, ModelError> {
         let mut work = 0.0;
         let mut changed = false;

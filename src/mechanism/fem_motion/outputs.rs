@@ -1,5 +1,5 @@
-//! The rigid finite elements behind the laws of outputs. One-element terms are the reduced model's, at the sigma that fits
-//! best. No mesh has a prismatic joint; friction, drag, stops and locks are refused before they act.
+//! The rigid finite elements behind the laws of outputs. One-element terms are the reduced model's, at the sigma that
+//! fits best. No mesh has a prismatic joint; friction, drag, stops and locks are refused before they act.
 use super::RigidFemMotion;
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::outputs::{Kinematics, OutputError, evaluate};

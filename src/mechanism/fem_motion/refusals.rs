@@ -46,8 +46,8 @@ pub fn refuse_locks(reduced: &Reduced, inputs: &Inputs, rigid: &State) -> Result
     }
 }
 
-/// Refuse a state beyond a stop, `time` [s] into the step and `substep` [s] after the last one. `displacement` gives S and
-/// S_dot of a load.
+/// Refuse a state beyond a stop, `time` [s] into the step and `substep` [s] after the last one. `displacement` gives S
+/// and S_dot of a load.
 ///
 /// # Errors
 /// [`ModelError::StopPassed`].

@@ -1,6 +1,7 @@
 //! The saved state of a motion by rigid finite elements.
 //!
-//! In: a motion, or a record. Out: the fields that decide its next steps, and the motion again. It must not know outputs.
+//! In: a motion, or a record. Out: the fields that decide its next steps, and the motion again. It must not know
+//! outputs.
 use super::{RigidFemMotion, fem_step, finite_elements};
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::definition::Mechanism;
@@ -73,7 +74,8 @@ impl RigidFemMotion {
         })
     }
 
-    /// [`Self::from_saved`] in place, with the same reduced model; without allocation if the finite elements are the same.
+    /// [`Self::from_saved`] in place, with the same reduced model; without allocation if the finite elements are the
+    /// same.
     ///
     /// # Errors
     /// As [`Self::from_saved`]; nothing has changed.

@@ -8,8 +8,8 @@ use crate::mechanism::reduced::Reduced;
 use crate::mechanism::rigid_fem::{self, RigidFem};
 use crate::numerics::table::Table;
 
-/// Newton's corrections in each step: the prediction has an error of about (sigma_dot h)^2, the second correction one of
-/// rounding.
+/// Newton's corrections in each step: the prediction has an error of about (sigma_dot h)^2, the second correction one
+/// of rounding.
 const CORRECTIONS: usize = 3;
 
 /// Follows the curve from step to step.

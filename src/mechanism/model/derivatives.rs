@@ -1,7 +1,7 @@
 //! Derivatives as a host asks for them: of outputs by inputs, of outputs in time, and those of inputs that it sets.
 //!
-//! In: references, orders, seeds. Out: derivatives by the outputs' sensitivity, or a refusal by name. It must not know any
-//! law.
+//! In: references, orders, seeds. Out: derivatives by the outputs' sensitivity, or a refusal by name. It must not know
+//! any law.
 use super::{Formulation, Model, ModelError};
 use crate::mechanism::definition::Method;
 use crate::mechanism::quantity::Quantity;
@@ -13,8 +13,8 @@ pub const OUTPUT_ORDER: i32 = 1;
 pub const INPUT_ORDER: i32 = 2;
 
 impl Model {
-    /// Directional derivatives of outputs at the present state: for each unknown the sum over the knowns of dy / du times
-    /// the seed. `report` is called once for each unknown, with its index.
+    /// Directional derivatives of outputs at the present state: for each unknown the sum over the knowns of dy / du
+    /// times the seed. `report` is called once for each unknown, with its index.
     ///
     /// # Errors
     /// An unknown that is no continuous output, a known that is no continuous input, an output without a value,
@@ -52,7 +52,8 @@ impl Model {
         Ok(())
     }
 
-    /// Rate of a continuous output in time, under inputs that change at the rates set by [`Self::set_input_derivative`].
+    /// Rate of a continuous output in time, under inputs that change at the rates set by
+    /// [`Self::set_input_derivative`].
     ///
     /// # Errors
     /// No continuous output has this reference, another order than 1, an output without a value, `solver.method` =

@@ -1,15 +1,15 @@
 //! The laws of outputs, each written once: for values and exact derivatives, for the reduced model and the rigid finite
 //! elements.
 //!
-//! In: an output, and a formulation of the motion as [`Kinematics`]. Out: the output in numbers N. It must not know how a
-//! formulation finds what it gives.
+//! In: an output, and a formulation of the motion as [`Kinematics`]. Out: the output in numbers N. It must not know how
+//! a formulation finds what it gives.
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::outputs::error::OutputError;
 use crate::mechanism::quantity::{OneElement, Output, ReactionPart};
 use crate::numerics::dual::Number;
 
-/// What a formulation of the motion gives to the laws, in one state under the present inputs. `order` 0, 1 or 2 is that of the
-/// time derivative. What a formulation does not have is 0.
+/// What a formulation of the motion gives to the laws, in one state under the present inputs. `order` 0, 1 or 2 is that
+/// of the time derivative. What a formulation does not have is 0.
 ///
 /// # Errors
 /// [`OutputError`], of all methods.
@@ -132,8 +132,8 @@ fn potential<N: Number, K: Kinematics<N>>(motion: &mut K, loading: &Loading) -> 
     })
 }
 
-/// At a dead centre of a drive no finite force or mass has the effect, and at some flat positions no finite reaction: the
-/// largest finite number stands for it, without derivatives.
+/// At a dead centre of a drive no finite force or mass has the effect, and at some flat positions no finite reaction:
+/// the largest finite number stands for it, without derivatives.
 #[inline]
 pub fn finite<N: Number>(value: N) -> N {
     match value.value() {

@@ -1,6 +1,7 @@
 //! Outputs on demand, at the present state under the present inputs.
 //!
-//! In: a formulation of the motion. Out: values of outputs and their exact derivatives. It must not know references or FMI.
+//! In: a formulation of the motion. Out: values of outputs and their exact derivatives. It must not know references or
+//! FMI.
 mod cache;
 mod error;
 mod evaluator;

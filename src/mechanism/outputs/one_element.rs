@@ -1,7 +1,7 @@
 //! The mechanism reduced to one of its drives. Source: [CK16] sections 2 and 3.
 //!
-//! In: the reduced model in one state. Out: reduced mass, loads and forces along the drive. It must not know the drive's
-//! kind.
+//! In: the reduced model in one state. Out: reduced mass, loads and forces along the drive. It must not know the
+//! drive's kind.
 use crate::mechanism::outputs::error::OutputError;
 use crate::mechanism::outputs::evaluator::finite;
 use crate::mechanism::outputs::view::{Reading, View};
@@ -66,9 +66,9 @@ impl<N: Reading> View<'_, N> {
         Ok(at_rest - self.delivered(drive) * influence)
     }
 
-    /// Force along sigma that a drive must give, where friction depends on it: for an acceleration along the curve, or with
-    /// `breakaway` to begin to move in this direction. The other drives lose as in a motion in `direction`, whatever this
-    /// drive gives at present.
+    /// Force along sigma that a drive must give, where friction depends on it: for an acceleration along the curve, or
+    /// with `breakaway` to begin to move in this direction. The other drives lose as in a motion in `direction`,
+    /// whatever this drive gives at present.
     fn required(
         &mut self,
         drive: usize,

@@ -60,8 +60,8 @@ impl PanelReaction {
         sigma.chain((sigma.value() - self.center) * self.inverse, self.inverse)
     }
 
-    /// Enter the panel at sigma. `sizes` are those of the applied loads; of the `columns` of each part, they belong to those
-    /// from the column 2 on.
+    /// Enter the panel at sigma. `sizes` are those of the applied loads; of the `columns` of each part, they belong to
+    /// those from the column 2 on.
     #[cold]
     pub fn enter(
         &mut self,

@@ -1,7 +1,7 @@
 //! The reaction of a joint in a state.
 //!
-//! In: its reaction to each load of unit size, the sizes of the loads. Out: force x, force y, moment. It must not know how
-//! the sizes are found.
+//! In: its reaction to each load of unit size, the sizes of the loads. Out: force x, force y, moment. It must not know
+//! how the sizes are found.
 use crate::mechanism::linkage::Freedom;
 use crate::mechanism::outputs::error::OutputError;
 use crate::mechanism::outputs::evaluator::{Kinematics, finite, spring_force};
@@ -102,8 +102,8 @@ impl<N: Reading> View<'_, N> {
         Ok(value)
     }
 
-    /// Add the reaction to a column of this size. Loads that the state sizes come last, in a table of their own, which is
-    /// built when one of them acts.
+    /// Add the reaction to a column of this size. Loads that the state sizes come last, in a table of their own, which
+    /// is built when one of them acts.
     fn add(&self, units: &UnitReactions, column: usize, size: N, value: &mut [N; 3]) -> Result<(), OutputError> {
         if size.value() == 0.0 && size.is_constant() {
             return Ok(());

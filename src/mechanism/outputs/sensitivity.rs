@@ -1,12 +1,13 @@
 //! Exact derivatives of outputs along a direction in which the state and the inputs change.
 //!
-//! In: a direction. Out: dy / d s of an output, by dual numbers through the same laws, state loads and tables as the value.
-//! The directional derivative of FMI 2.0.5, 2.1.9 is one direction, the rate in time of 4.2.1 another. It must not know any
-//! law.
+//! In: a direction. Out: dy / d s of an output, by dual numbers through the same laws, state loads and tables as the
+//! value. The directional derivative of FMI 2.0.5, 2.1.9 is one direction, the rate in time of 4.2.1 another. It must
+//! not know any law.
 //!
-//! Where an output has no derivative, one is chosen: of the size of a reaction that is 0, and of a value at a dead centre
-//! that stands for an infinite one, 0; at the border between two regimes of the law of friction that of the inner regime;
-//! of a drive with an efficiency that in the present direction. What is held at a stop or by a lock stays held.
+//! Where an output has no derivative, one is chosen: of the size of a reaction that is 0, and of a value at a dead
+//! centre that stands for an infinite one, 0; at the border between two regimes of the law of friction that of the
+//! inner regime; of a drive with an efficiency that in the present direction. What is held at a stop or by a lock stays
+//! held.
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::motion::state::state_loads_under;
 use crate::mechanism::outputs::cache::{Direction, OutputCache};

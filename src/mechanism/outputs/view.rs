@@ -1,6 +1,7 @@
 //! The reduced model in one state, read in numbers N: values, or values with derivatives along a direction.
 //!
-//! In: the state, the inputs, the tables. Out: [`Kinematics`], forces and accelerations. It must not know which output asks.
+//! In: the state, the inputs, the tables. Out: [`Kinematics`], forces and accelerations. It must not know which output
+//! asks.
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
@@ -263,7 +264,8 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
 
     fn stop_force(&mut self, stop: usize) -> Result<N, OutputError> {
         let Forces { free, held, by_stop, .. } = self.forces()?;
-        if !by_stop || !held.is_some_and(|side| self.state.travel[side].is_some_and(|end| end.stop == stop)) {
+        let end = held.filter(|_| by_stop).and_then(|side| self.state.travel[side]);
+        if end.is_none_or(|end| end.stop != stop) {
             return Ok(N::constant(0.0));
         }
         let load = self.reduced.loading().stops[stop].load;
