@@ -116,7 +116,6 @@ fn a_state_costs_no_evaluation_and_few_bytes() {
     let before = (allocations(), live());
     let mut state = gear.save();
     let (blocks, bytes) = (allocations() - before.0, live() - before.1);
-    println!("a saved state: {blocks} allocations, {bytes} bytes");
     assert!(blocks <= STATE_BLOCKS && bytes <= STATE_BYTES, "{blocks} allocations, {bytes} bytes");
     assert_eq!(gear.free(&mut state), Status::Ok);
     assert_eq!(live(), before.1);
