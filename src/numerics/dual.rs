@@ -1,10 +1,17 @@
 //! Numbers that may carry derivatives: formulas written once give values, or values and their exact derivatives.
 use std::fmt::Debug;
-use std::ops::{Add, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// What a formula needs of a number.
 pub trait Number:
-    Copy + Debug + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
+    Copy
+    + Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Mul<f64, Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
 {
     /// Whether it carries derivatives.
     const CARRIES: bool;
@@ -12,6 +19,8 @@ pub trait Number:
     fn constant(value: f64) -> Self;
     /// The value.
     fn value(self) -> f64;
+    /// Whether all derivatives are 0.
+    fn is_constant(self) -> bool;
     /// Square root, for a value >= 0; at 0 without derivatives.
     fn sqrt(self) -> Self;
     /// A function of this number, given its value and its derivative.
@@ -23,6 +32,23 @@ pub trait Number:
         values: impl FnOnce(&mut [f64; M]),
         derivatives: impl FnOnce(&mut [f64; M]),
     );
+
+    /// Integer power.
+    #[inline]
+    fn powi(self, n: i32) -> Self {
+        self.chain(self.value().powi(n), f64::from(n) * self.value().powi(n - 1))
+    }
+
+    /// Length of the vector (self, other); at length 0 without derivatives.
+    #[inline]
+    fn hypot(self, other: Self) -> Self {
+        let (x, y) = (self.value(), other.value());
+        let square = x * x + y * y;
+        // Where the squares leave the range of numbers, the slower way.
+        let length = if square.is_normal() { square.sqrt() } else { x.hypot(y) };
+        let inverse = if length > 0.0 { 1.0 / length } else { 0.0 };
+        self.chain(length, x * inverse) + other.chain(0.0, y * inverse)
+    }
 }
 
 impl Number for f64 {
@@ -34,6 +60,10 @@ impl Number for f64 {
 
     fn value(self) -> f64 {
         self
+    }
+
+    fn is_constant(self) -> bool {
+        true
     }
 
     fn sqrt(self) -> Self {
@@ -97,6 +127,23 @@ impl<const N: usize> Mul for Dual<N> {
     }
 }
 
+impl<const N: usize> Mul<f64> for Dual<N> {
+    type Output = Self;
+    fn mul(self, factor: f64) -> Self {
+        self.chain(self.value * factor, factor)
+    }
+}
+
+impl<const N: usize> Div for Dual<N> {
+    type Output = Self;
+    // The quotient rule has a difference.
+    #[allow(clippy::suspicious_arithmetic_impl)]
+    fn div(self, other: Self) -> Self {
+        let value = self.value / other.value;
+        Self { value, slope: std::array::from_fn(|i| (self.slope[i] - value * other.slope[i]) / other.value) }
+    }
+}
+
 impl<const N: usize> Neg for Dual<N> {
     type Output = Self;
     fn neg(self) -> Self {
@@ -113,6 +160,10 @@ impl<const N: usize> Number for Dual<N> {
 
     fn value(self) -> f64 {
         self.value
+    }
+
+    fn is_constant(self) -> bool {
+        self.slope.iter().all(|slope| *slope == 0.0)
     }
 
     fn sqrt(self) -> Self {
@@ -168,5 +219,14 @@ mod tests {
         assert!((f.slope[1] - ((0.49 - 2.0) * root + outer * -1.3 / root)).abs() < 1e-14);
         let sine = x.chain(0.7f64.sin(), 0.7f64.cos());
         assert_eq!(sine.slope, [0.7f64.cos(), 0.0]);
+        let quotient = x * 3.0 / y.powi(2);
+        let expected = [3.0 / 1.69, -2.0 * 2.1 / -1.3f64.powi(3)];
+        assert!((quotient.value - 2.1 / 1.69).abs() < 1e-15);
+        assert!(quotient.slope.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-14));
+        let length = x.hypot(y);
+        assert!((length.value - root).abs() < 1e-15);
+        assert!((length.slope[0] - 0.7 / root).abs() < 1e-15 && (length.slope[1] + 1.3 / root).abs() < 1e-15);
+        let zero = (x * 0.0).hypot(y * 0.0);
+        assert!(zero.is_constant() && zero.value == 0.0);
     }
 }

@@ -14,21 +14,21 @@ use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::dual::{Dual, Number};
 use crate::numerics::table::polynomial;
 
-/// Scratch for evaluations, with the results of the last one.
+/// Scratch of the equation of motion in numbers T, with the results of its last evaluation.
 #[derive(Clone, Debug)]
-pub struct Scratch {
-    /// Applied loads on the panel that was used last.
+pub struct Scratch<T = f64> {
+    /// Applied loads on the panel used last.
     pub panel_force: PanelForce,
-    /// Evaluation of the state loads.
-    pub evaluator: StateLoadEvaluator<f64>,
-    /// Evaluation of the state loads with derivatives along sigma and sigma_dot.
+    /// State loads.
+    pub evaluator: StateLoadEvaluator<T>,
+    /// State loads with derivatives along sigma and sigma_dot.
     tangent: StateLoadEvaluator<Dual<2>>,
-    /// Whether the state loads are those with moving air.
+    /// Whether the state loads include those of moving air.
     pub air: bool,
 }
 
-impl Scratch {
-    /// For these state loads, or none.
+impl<T: Number> Scratch<T> {
+    /// Scratch for these state loads.
     pub fn new(state_loads: Option<&StateLoads>) -> Self {
         let air = state_loads.is_some_and(|s| s.air);
         Self {
@@ -40,8 +40,8 @@ impl Scratch {
     }
 }
 
-/// The equation of motion over one communication step.
-pub struct EquationOfMotion<'a> {
+/// The equation of motion over one communication step, in numbers T.
+pub struct EquationOfMotion<'a, T = f64> {
     /// Tables.
     pub reduced: &'a Reduced,
     /// The loads that the state decides.
@@ -49,16 +49,16 @@ pub struct EquationOfMotion<'a> {
     /// Sizes of the other loads.
     pub applied: AppliedLoads<'a>,
     /// Time since the start of the span [s].
-    pub time: f64,
+    pub time: T,
     /// Constant within a step.
     pub mode: Mode,
     /// Scratch.
-    pub scratch: &'a mut Scratch,
+    pub scratch: &'a mut Scratch<T>,
     /// Whether friction had no solution somewhere.
     pub locked: bool,
 }
 
-impl EquationOfMotion<'_> {
+impl<T: Number> EquationOfMotion<'_, T> {
     #[inline(always)]
     fn locate(&mut self, sigma: f64) -> f64 {
         self.scratch.panel_force.locate(self.reduced, self.state_loads, &self.applied, sigma)
@@ -68,31 +68,15 @@ impl EquationOfMotion<'_> {
     ///
     /// # Errors
     /// [`Locked`].
-    pub fn effect(&mut self, sigma: f64, sigma_dot: f64) -> Result<Evaluation<f64>, Locked> {
-        let x = self.locate(sigma);
+    #[inline]
+    pub fn effect(&mut self, sigma: T, sigma_dot: T) -> Result<Evaluation<T>, Locked> {
+        self.locate(sigma.value());
+        let y = [self.time, sigma, sigma_dot];
         let Scratch { panel_force, evaluator, .. } = &mut *self.scratch;
         match self.state_loads {
-            None if panel_force.changes() => Ok(changing(panel_force, [self.time, sigma, sigma_dot])),
-            None => Ok(Evaluation { acceleration: polynomial(&panel_force.force, x), lost: 0.0 }),
+            None => Ok(of_applied_loads(panel_force, y)),
             Some(state_loads) => {
-                let at = [self.time, sigma, sigma_dot];
-                evaluator.evaluate((self.reduced, state_loads), &self.applied, panel_force, &self.mode, at)
-            }
-        }
-    }
-
-    /// [`Self::effect`] with its derivatives along sigma and sigma_dot.
-    ///
-    /// # Errors
-    /// [`Locked`].
-    pub fn tangent(&mut self, sigma: f64, sigma_dot: f64) -> Result<Evaluation<Dual<2>>, Locked> {
-        self.locate(sigma);
-        let y = [Dual::constant(self.time), Dual::variable(sigma, 0), Dual::variable(sigma_dot, 1)];
-        let Scratch { panel_force, tangent, .. } = &mut *self.scratch;
-        match self.state_loads {
-            None => Ok(changing(panel_force, y)),
-            Some(state_loads) => {
-                tangent.evaluate((self.reduced, state_loads), &self.applied, panel_force, &self.mode, y)
+                evaluator.evaluate((self.reduced, state_loads), &self.applied, panel_force, &self.mode, y)
             }
         }
     }
@@ -107,54 +91,89 @@ impl EquationOfMotion<'_> {
     ///
     /// # Errors
     /// [`Locked`].
-    pub fn start_direction(&mut self, sigma: f64, sigma_dot: f64) -> Result<f64, Locked> {
-        if sigma_dot != 0.0 {
-            return Ok(sigma_dot.signum());
+    pub fn start_direction(&mut self, sigma: T, sigma_dot: T) -> Result<f64, Locked> {
+        if sigma_dot.value() != 0.0 {
+            return Ok(sigma_dot.value().signum());
         }
         for direction in [1.0, -1.0] {
             self.mode.direction = direction;
-            if self.effect(sigma, 0.0)?.acceleration * direction > 0.0 {
+            if self.effect(sigma, sigma_dot)?.acceleration.value() * direction > 0.0 {
                 return Ok(direction);
             }
         }
         Ok(0.0)
     }
 
-    /// Acceleration at any state, with the delivered force of every drive. Where drives hold the mechanism at rest,
-    /// each delivers a force between its forward and its backward one: the common share at which all forces are in
-    /// balance. The mode's direction becomes that of the drives, 0 where they hold.
+    /// Acceleration at any state, with the delivered force of every drive. The mode's direction becomes that of the
+    /// drives, 0 where they hold the mechanism at rest.
     ///
     /// # Errors
     /// [`Locked`].
-    pub fn settle(&mut self, sigma: f64, sigma_dot: f64) -> Result<f64, Locked> {
+    pub fn settle(&mut self, sigma: T, sigma_dot: T) -> Result<T, Locked> {
         self.clear_regimes();
-        if !self.reverses() {
-            return Ok(self.effect(sigma, sigma_dot)?.acceleration);
-        }
-        self.mode.direction = self.start_direction(sigma, sigma_dot)?;
-        if self.mode.direction != 0.0 {
-            return Ok(self.effect(sigma, sigma_dot)?.acceleration);
-        }
-        self.mode.direction = -1.0;
-        let back = self.effect(sigma, 0.0)?.acceleration;
-        self.scratch.evaluator.keep();
-        self.mode.direction = 1.0;
-        let forward = self.effect(sigma, 0.0)?.acceleration;
-        let share = if back > forward { back / (back - forward) } else { 1.0 };
-        self.scratch.evaluator.mix(share);
-        self.mode.direction = 0.0;
-        Ok(0.0)
+        let direction = if self.reverses() { self.start_direction(sigma, sigma_dot)? } else { self.mode.direction };
+        self.settle_in(direction, sigma, sigma_dot)
     }
 
-    /// Acceleration at any state, were the drives with an efficiency to work in this direction; 0: without their
-    /// losses.
+    /// [`Self::settle`] in a known direction. Where drives hold the mechanism at rest, each delivers a force between its
+    /// forward and its backward value: the common share at which all is in balance.
     ///
     /// # Errors
     /// [`Locked`].
-    pub fn heading(&mut self, direction: f64, sigma: f64, sigma_dot: f64) -> Result<f64, Locked> {
+    pub fn settle_in(&mut self, direction: f64, sigma: T, sigma_dot: T) -> Result<T, Locked> {
+        if direction != 0.0 || !self.reverses() {
+            return self.heading(direction, sigma, sigma_dot);
+        }
+        let back = self.heading(-1.0, sigma, sigma_dot)?;
+        self.scratch.evaluator.keep();
+        let forward = self.heading(1.0, sigma, sigma_dot)?;
+        let share = if back.value() > forward.value() { back / (back - forward) } else { T::constant(1.0) };
+        self.scratch.evaluator.mix(share);
+        self.mode.direction = 0.0;
+        Ok(T::constant(0.0))
+    }
+
+    /// Acceleration at any state, were the drives with an efficiency to work in this direction; 0: without their losses.
+    ///
+    /// # Errors
+    /// [`Locked`].
+    pub fn heading(&mut self, direction: f64, sigma: T, sigma_dot: T) -> Result<T, Locked> {
         self.clear_regimes();
         self.mode.direction = direction;
         Ok(self.effect(sigma, sigma_dot)?.acceleration)
+    }
+
+    /// State the regime of a friction joint; with none, it follows from the slip speed in each evaluation.
+    pub fn set_regime(&mut self, friction_joint: usize, regime: Option<Regime>) {
+        if let Some(state_loads) = self.state_loads {
+            self.scratch.evaluator.set_regime(state_loads, friction_joint, regime);
+            self.scratch.tangent.set_regime(state_loads, friction_joint, regime);
+        }
+    }
+
+    /// Let the regimes follow from the slip speeds.
+    fn clear_regimes(&mut self) {
+        for friction_joint in 0..self.state_loads.map_or(0, |s| s.friction_joints.len()) {
+            self.set_regime(friction_joint, None);
+        }
+    }
+}
+
+impl EquationOfMotion<'_> {
+    /// [`Self::effect`] with its derivatives along sigma and sigma_dot.
+    ///
+    /// # Errors
+    /// [`Locked`].
+    pub fn tangent(&mut self, sigma: f64, sigma_dot: f64) -> Result<Evaluation<Dual<2>>, Locked> {
+        self.locate(sigma);
+        let y = [Dual::constant(self.time), Dual::variable(sigma, 0), Dual::variable(sigma_dot, 1)];
+        let Scratch { panel_force, tangent, .. } = &mut *self.scratch;
+        match self.state_loads {
+            None => Ok(of_applied_loads(panel_force, y)),
+            Some(state_loads) => {
+                tangent.evaluate((self.reduced, state_loads), &self.applied, panel_force, &self.mode, y)
+            }
+        }
     }
 
     /// Slip speed of a friction joint [m/s]. Needed at the ends of steps and between them, it leaves the present panel
@@ -184,27 +203,12 @@ impl EquationOfMotion<'_> {
         [influence.value * sigma_dot, rate].map(|v| v * state_loads.friction_joints[friction_joint].radius)
     }
 
-    /// State the regime of a friction joint; with none, it follows from the slip speed in each evaluation.
-    pub fn set_regime(&mut self, friction_joint: usize, regime: Option<Regime>) {
-        if let Some(state_loads) = self.state_loads {
-            self.scratch.evaluator.set_regime(state_loads, friction_joint, regime);
-            self.scratch.tangent.set_regime(state_loads, friction_joint, regime);
-        }
-    }
-
     /// State the regimes of all friction joints at this state.
     pub fn set_regimes(&mut self, sigma: f64, sigma_dot: f64) {
         for friction_joint in 0..self.state_loads.map_or(0, |s| s.friction_joints.len()) {
             let slip = self.slip(friction_joint, sigma, sigma_dot);
             let regime = self.state_loads.map(|s| s.friction_joints[friction_joint].law.regime(slip));
             self.set_regime(friction_joint, regime);
-        }
-    }
-
-    /// Let the regimes follow from the slip speeds.
-    fn clear_regimes(&mut self) {
-        for friction_joint in 0..self.state_loads.map_or(0, |s| s.friction_joints.len()) {
-            self.set_regime(friction_joint, None);
         }
     }
 
@@ -231,8 +235,9 @@ impl EquationOfMotion<'_> {
     }
 }
 
-/// The applied loads alone, at (t, sigma, sigma_dot).
-fn changing<T: Number>(panel_force: &PanelForce, [t, sigma, sigma_dot]: [T; 3]) -> Evaluation<T> {
+/// Evaluation of the applied loads alone, at (t, sigma, sigma_dot).
+#[inline]
+fn of_applied_loads<T: Number>(panel_force: &PanelForce, [t, sigma, sigma_dot]: [T; 3]) -> Evaluation<T> {
     let x = panel_force.x(sigma);
     Evaluation { acceleration: panel_force.at(x, t), lost: -(panel_force.excess(0, x, t) * sigma_dot) }
 }
@@ -291,8 +296,8 @@ impl System<3> for EquationOfMotion<'_> {
     }
 
     fn scale(&mut self, y: &[f64; 3], f: &[f64; 3]) -> [f64; 3] {
-        // Where the loads balance each other, the acceleration does not show how large the forces are, but applied
-        // loads do.
+        // Where the loads balance each other, the acceleration does not show how large the forces are, but applied loads
+        // do.
         let x = self.locate(y[0]);
         let panel_force = &self.scratch.panel_force;
         let force = f[1].abs().max(panel_force.at(x, 0.0).abs()).max(panel_force.excess(0, x, self.time).abs());

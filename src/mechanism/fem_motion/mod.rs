@@ -27,7 +27,7 @@ use track::Track;
 #[derive(Clone, Debug)]
 pub struct RigidFemMotion {
     fem: Arc<RigidFem>,
-    room: Workspace,
+    scratch: Workspace,
     /// Largest step of Newmark's method [s].
     fem_step: f64,
     /// At the last communication point, in balance with the applied sizes.
@@ -77,7 +77,7 @@ impl RigidFemMotion {
             stop.beyond(fem.displacement(&state, stop.load)[0]).max(0.0)
         };
         Ok(Self {
-            room: fem.workspace(),
+            scratch: fem.workspace(),
             fem_step: fem_step(mechanism),
             present: state.clone(),
             balanced: true,
@@ -119,7 +119,7 @@ impl RigidFemMotion {
         let (mut time, mut steps) = (0.0, 0);
         let lost = fem.advance_watched(
             &mut self.state,
-            &mut self.room,
+            &mut self.scratch,
             &self.applied,
             [h, self.fem_step],
             &mut |state, substep| {
@@ -188,7 +188,7 @@ impl RigidFemMotion {
         if changed {
             self.before.0.copy_from_slice(&self.state.accelerations);
             self.before.1.copy_from_slice(&self.applied);
-            self.fem.rebalance(&mut self.state, &mut self.room, &self.sizes, self.fem_step)?;
+            self.fem.rebalance(&mut self.state, &mut self.scratch, &self.sizes, self.fem_step)?;
             self.reference += work;
             self.applied.copy_from_slice(&self.sizes);
         }

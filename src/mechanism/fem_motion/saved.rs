@@ -53,7 +53,7 @@ impl RigidFemMotion {
     /// As [`ReducedMotion::from_saved`].
     pub fn from_saved(saved: &SavedElastic, reduced: &Reduced, inputs: &Inputs) -> Result<Self, ModelError> {
         Ok(Self {
-            room: saved.fem.workspace(),
+            scratch: saved.fem.workspace(),
             fem: Arc::clone(&saved.fem),
             fem_step: saved.fem_step,
             present: saved.state.clone(),

@@ -141,7 +141,7 @@ impl Model {
         let Self { state: Some(Formulation::Reduced(state)), reduced: Some(reduced), inputs, .. } = self else {
             return Err(ModelError::NotInitialised);
         };
-        let slope = state.slope(reduced, inputs, output);
+        let slope = state.derivative(reduced, inputs, output);
         self.told(reference, slope)
     }
 

@@ -1,33 +1,44 @@
 //! What several outputs of one state share, computed when an output first needs it.
-use super::Forces;
-use super::reaction::JointReaction;
-use super::slopes::Slopes;
 use crate::mechanism::dynamics::equation::Scratch;
+use crate::mechanism::outputs::direction::Direction;
 use crate::mechanism::reduced::{Reduced, StateLoads};
-use crate::numerics::dual::same_bits;
+use crate::numerics::dual::Number;
 use crate::numerics::table::TablePosition;
 
-/// Intermediate results of outputs in the present state under the present inputs.
+/// Intermediate results of outputs in the present state under the present inputs, in numbers N.
 #[derive(Clone, Debug)]
-pub struct OutputCache {
+pub struct OutputCache<N> {
+    /// Direction of the derivatives that N carries.
+    pub direction: Direction<N>,
     /// Forces and acceleration, once evaluated in this state.
-    pub(super) effect: Option<Forces>,
+    pub forces: Option<Forces<N>>,
     /// Position in the table of the coordinates, once found in this state.
-    pub(super) spot: Option<TablePosition>,
+    pub position: Option<TablePosition>,
     /// Panel of the table of the coordinates in which sigma was last.
-    pub(super) panel: usize,
-    /// Reactions of the joints.
-    pub(super) reactions: Vec<JointReaction>,
-    /// Whether a reaction has been computed in this state.
-    pub(super) used: bool,
+    pub panel: usize,
+    /// Reaction of each joint, once evaluated in this state.
+    pub reactions: Vec<Option<[N; 3]>>,
+    /// Whether a reaction has been evaluated in this state.
+    pub has_reactions: bool,
     /// Evaluations since the start.
-    pub(super) computed: Computed,
-    /// Sizes of the sized loads under the present inputs.
-    pub(super) sizes: Vec<f64>,
-    /// Right-hand side for these sizes.
-    pub(super) scratch: Scratch,
-    /// Scratch of derivatives, once one has been asked for.
-    pub(super) slopes: Option<Box<Slopes>>,
+    pub computed: Computed,
+    /// Scratch of the equation of motion.
+    pub scratch: Scratch<N>,
+}
+
+/// Accelerations of a state under the present inputs, and what was decided to find them.
+#[derive(Clone, Copy, Debug)]
+pub struct Forces<N> {
+    /// sigma_ddot of the motion.
+    pub acceleration: N,
+    /// sigma_ddot if nothing held the mechanism at an end of its travel.
+    pub free: N,
+    /// Direction in which the drives with an efficiency work; 0 if they hold the mechanism.
+    pub direction: f64,
+    /// End at which the mechanism is held.
+    pub held: Option<usize>,
+    /// Whether the stop at this end holds the mechanism; else a lock.
+    pub by_stop: bool,
 }
 
 /// How often outputs have made something be computed.
@@ -39,58 +50,27 @@ pub struct Computed {
     pub reactions: u64,
 }
 
-impl OutputCache {
-    pub fn new(reduced: &Reduced, state_loads: Option<&StateLoads>, inputs: &[f64]) -> Self {
+impl<N: Number> OutputCache<N> {
+    pub fn new(reduced: &Reduced, state_loads: Option<&StateLoads>, direction: Direction<N>) -> Self {
         Self {
-            effect: None,
-            spot: None,
+            direction,
+            forces: None,
+            position: None,
             panel: 0,
-            reactions: vec![JointReaction::new(); reduced.linkage().joints.len()],
-            used: false,
+            reactions: vec![None; reduced.linkage().joints.len()],
+            has_reactions: false,
             computed: Computed::default(),
-            sizes: reduced.sizes(inputs),
             scratch: Scratch::new(state_loads),
-            slopes: None,
         }
     }
 
-    /// The state has changed.
-    pub fn invalidate(&mut self) {
-        (self.effect, self.spot) = (None, None);
-        if self.used {
-            self.reactions.iter_mut().for_each(|t| t.value = None);
-            self.used = false;
-        }
-    }
-
-    /// An input has changed. `loads` is the number of inputs that size loads; they come first.
-    pub fn set_input(&mut self, input: usize, loads: usize, value: f64) {
-        if input < loads {
-            self.sizes[input] = value;
-            self.invalidate_sizes();
-        }
-        self.invalidate();
-    }
-
-    /// The state and the inputs that size loads have changed.
-    pub fn set_inputs(&mut self, sizes: &[f64]) {
-        if !same_bits(sizes, &self.sizes[..sizes.len()]) {
-            self.sizes[..sizes.len()].copy_from_slice(sizes);
-            self.invalidate_sizes();
-        }
-        self.invalidate();
-    }
-
-    fn invalidate_sizes(&mut self) {
-        self.scratch.panel_force.invalidate();
-        self.reactions.iter_mut().for_each(JointReaction::forget);
-    }
-
-    /// The state has changed from one after so many revolutions to one after another number of them.
+    /// The state, an input or the direction has changed.
     #[inline]
-    pub fn invalidate_revolutions(&mut self, before: f64, now: f64) {
-        if before != now {
-            self.scratch.panel_force.invalidate();
+    pub fn invalidate(&mut self) {
+        (self.forces, self.position) = (None, None);
+        if self.has_reactions {
+            self.reactions.fill(None);
+            self.has_reactions = false;
         }
     }
 }

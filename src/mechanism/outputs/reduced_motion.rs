@@ -1,20 +1,34 @@
 //! The reduced model's motion with its outputs: the state, and beside it what outputs of this state share.
 //!
 //! In: steps, changed inputs, saved states. Out: the state with a cache that belongs to it. It must not know any law.
-use super::cache::{Computed, OutputCache};
 use crate::mechanism::ModelError;
 use crate::mechanism::definition::Mechanism;
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::motion::SavedState;
 use crate::mechanism::motion::state::{State, state_loads_under};
+use crate::mechanism::outputs::cache::{Computed, OutputCache};
+use crate::mechanism::outputs::direction::Direction;
+use crate::mechanism::outputs::error::OutputError;
+use crate::mechanism::outputs::evaluator::evaluate;
+use crate::mechanism::outputs::panel_reaction::PanelReaction;
+use crate::mechanism::outputs::view::View;
+use crate::mechanism::quantity::Output;
 use crate::mechanism::reduced::Reduced;
+use crate::numerics::dual::{Dual, same_bits};
 
-/// The state of motion along the curve and the cache of its outputs.
+/// The state of motion along the curve, and what its outputs share.
 #[derive(Clone, Debug)]
 pub struct ReducedMotion {
-    /// Changed by the methods below only, which keep the cache up to date.
+    /// Changed by the methods below only, which keep the caches up to date.
     pub state: State,
-    pub(super) cache: OutputCache,
+    /// Sizes of the sized loads under the present inputs.
+    pub(super) sizes: Vec<f64>,
+    /// Reactions of the joints to the loads of these sizes.
+    pub(super) panel_reactions: Vec<PanelReaction>,
+    /// Cache of the values.
+    pub(super) cache: OutputCache<f64>,
+    /// Cache of the values with derivatives, once one has been asked for.
+    pub(super) sensitivity: Option<Box<OutputCache<Dual<1>>>>,
 }
 
 impl ReducedMotion {
@@ -37,8 +51,13 @@ impl ReducedMotion {
     fn new(state: State, reduced: &Reduced, inputs: &Inputs) -> Self {
         // Tables that can't be built are reported by the state before, or by the outputs that need them.
         let state_loads = state_loads_under(reduced, inputs).ok().flatten();
-        let cache = OutputCache::new(reduced, state_loads, &inputs.reals);
-        Self { state, cache }
+        Self {
+            state,
+            sizes: reduced.sizes(&inputs.reals),
+            panel_reactions: vec![PanelReaction::new(); reduced.linkage().joints.len()],
+            cache: OutputCache::new(reduced, state_loads, Direction::new(0.0, 0)),
+            sensitivity: None,
+        }
     }
 
     /// [`State::step`].
@@ -49,8 +68,7 @@ impl ReducedMotion {
     pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64, tolerance: f64) -> Result<(), ModelError> {
         let revolutions = self.state.revolutions;
         self.state.step(reduced, inputs, h, tolerance)?;
-        self.cache.invalidate_revolutions(revolutions, self.state.revolutions);
-        self.cache.invalidate();
+        self.invalidate(revolutions);
         Ok(())
     }
 
@@ -62,29 +80,65 @@ impl ReducedMotion {
     pub fn restore(&mut self, saved: &SavedState, reduced: &Reduced, inputs: Option<&[f64]>) -> Result<(), ModelError> {
         let revolutions = self.state.revolutions;
         self.state.restore(saved, reduced)?;
-        self.cache.invalidate_revolutions(revolutions, self.state.revolutions);
-        match inputs {
-            Some(inputs) => self.cache.set_inputs(&inputs[..reduced.loading().inputs.len()]),
-            None => self.cache.invalidate(),
+        if let Some(inputs) = inputs {
+            let sizes = &inputs[..reduced.loading().inputs.len()];
+            if !same_bits(sizes, &self.sizes[..sizes.len()]) {
+                self.sizes[..sizes.len()].copy_from_slice(sizes);
+                self.invalidate_sizes();
+            }
         }
+        self.invalidate(revolutions);
         Ok(())
     }
 
     /// Put the mechanism at another place on the curve.
     pub fn move_to(&mut self, sigma: f64, sigma_dot: f64, revolutions: f64) {
-        self.cache.invalidate_revolutions(self.state.revolutions, revolutions);
+        let before = self.state.revolutions;
         (self.state.sigma, self.state.sigma_dot, self.state.revolutions) = (sigma, sigma_dot, revolutions);
-        self.cache.invalidate();
+        self.invalidate(before);
     }
 
     /// A Real input has changed. `loads` is the number of inputs that size loads; they come first.
     pub fn set_input(&mut self, input: usize, loads: usize, value: f64) {
-        self.cache.set_input(input, loads, value);
+        if input < loads {
+            self.sizes[input] = value;
+            self.invalidate_sizes();
+        }
+        self.cache.invalidate();
     }
 
     /// A Boolean input has changed.
     pub fn set_lock(&mut self) {
         self.cache.invalidate();
+    }
+
+    fn invalidate_sizes(&mut self) {
+        self.cache.scratch.panel_force.invalidate();
+        self.panel_reactions.iter_mut().for_each(PanelReaction::invalidate);
+    }
+
+    /// The state has changed, from one after so many whole revolutions.
+    #[inline]
+    fn invalidate(&mut self, revolutions: f64) {
+        if revolutions != self.state.revolutions {
+            self.cache.scratch.panel_force.invalidate();
+        }
+        self.cache.invalidate();
+    }
+
+    /// Value of an output under these inputs.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    #[inline]
+    pub fn output(&mut self, reduced: &Reduced, inputs: &Inputs, output: Output) -> Result<f64, OutputError> {
+        evaluate(&mut self.view(reduced, inputs), reduced.loading(), output)
+    }
+
+    #[inline]
+    pub(super) fn view<'a>(&'a mut self, reduced: &'a Reduced, inputs: &'a Inputs) -> View<'a, f64> {
+        let Self { state, sizes, panel_reactions, cache, .. } = self;
+        View { reduced, inputs, state, sizes, panel_reactions, cache, values: () }
     }
 
     /// What reading outputs has made be computed since the start.

@@ -1,0 +1,144 @@
+//! The laws of outputs, each written once: for values and exact derivatives, for the reduced model and the rigid finite
+//! elements.
+//!
+//! In: an output, and a formulation of the motion as [`Kinematics`]. Out: the output in numbers N. It must not know how a
+//! formulation finds what it gives.
+use crate::mechanism::loads::resolved::Loading;
+use crate::mechanism::outputs::error::OutputError;
+use crate::mechanism::quantity::{OneElement, Output, ReactionPart};
+use crate::numerics::dual::Number;
+
+/// What a formulation of the motion gives to the laws, in one state under the present inputs. `order` 0, 1 or 2 is that of the
+/// time derivative. What a formulation does not have is 0.
+///
+/// # Errors
+/// [`OutputError`], of all methods.
+pub trait Kinematics<N: Number> {
+    /// Angle of a body [rad].
+    fn angle(&mut self, body: usize, order: usize) -> Result<N, OutputError>;
+
+    /// Position of a prismatic joint [m].
+    fn joint_position(&mut self, _coordinate: usize, _order: usize) -> Result<N, OutputError> {
+        Ok(N::constant(0.0))
+    }
+
+    /// Displacement S of a load [m, rad, or J for gravity].
+    fn displacement(&mut self, load: usize, order: usize) -> Result<N, OutputError>;
+
+    /// Position of a marker along an axis [m].
+    fn marker(&mut self, marker: usize, axis: usize, order: usize) -> Result<N, OutputError>;
+
+    /// Force x, force y [N] and moment [N.m] that a joint transmits.
+    fn reaction(&mut self, joint: usize) -> Result<[N; 3], OutputError>;
+
+    /// Size of a load that an input or a constant sizes.
+    fn size(&self, load: usize) -> N;
+
+    /// Size of a load that the state decides: friction, drag, bumpers.
+    fn state_load(&mut self, _load: usize) -> Result<N, OutputError> {
+        Ok(N::constant(0.0))
+    }
+
+    /// Force or torque with which a rigid stop holds the mechanism at rest.
+    fn stop_force(&mut self, _stop: usize) -> Result<N, OutputError> {
+        Ok(N::constant(0.0))
+    }
+
+    /// Force with which a lock holds the mechanism [N], along the path of its point; positive towards the stop.
+    fn lock_force(&mut self, _lock: usize) -> Result<N, OutputError> {
+        Ok(N::constant(0.0))
+    }
+
+    /// A term of the mechanism reduced to a drive.
+    fn one_element(&mut self, drive: usize, term: OneElement) -> Result<N, OutputError>;
+
+    /// Kinetic energy [J].
+    fn kinetic(&self) -> N;
+
+    /// Energy less that at the start and the work done since [J]; the exact motion has none.
+    fn drift(&self) -> N;
+}
+
+/// An output of a formulation.
+///
+/// # Errors
+/// [`OutputError`].
+#[inline]
+pub fn evaluate<N: Number, K: Kinematics<N>>(
+    motion: &mut K,
+    loading: &Loading,
+    output: Output,
+) -> Result<N, OutputError> {
+    Ok(match output {
+        Output::Angle { body, order } => motion.angle(body, order)?,
+        Output::JointPosition { coordinate, order } => motion.joint_position(coordinate, order)?,
+        Output::Displacement { load, order } => motion.displacement(load, order)?,
+        Output::Marker { marker, axis, order } => motion.marker(marker, axis, order)?,
+        Output::Reaction { joint, part } => {
+            let [x, y, moment] = motion.reaction(joint)?;
+            match part {
+                ReactionPart::X => x,
+                ReactionPart::Y => y,
+                ReactionPart::Magnitude => x.hypot(y),
+                ReactionPart::Moment => moment,
+            }
+        }
+        Output::SpringForce { spring } => spring_force(motion, loading, spring)?,
+        Output::Friction { friction_joint } => match &loading.friction {
+            Some(friction) => motion.state_load(friction.friction_joints[friction_joint].load)?,
+            None => N::constant(0.0),
+        },
+        Output::Drag { surface } => match &loading.air {
+            Some(air) => {
+                let load = air.surfaces[surface].load;
+                motion.state_load(load)? * air.flow.x + motion.state_load(load + 1)? * air.flow.y
+            }
+            None => N::constant(0.0),
+        },
+        Output::Stop { stop } => motion.state_load(loading.stops[stop].load)? + motion.stop_force(stop)?,
+        Output::Lock { lock } => motion.lock_force(lock)?,
+        Output::OneElement { drive, term } => motion.one_element(drive, term)?,
+        Output::Kinetic => motion.kinetic(),
+        Output::Potential => potential(motion, loading)?,
+        Output::Drift => motion.drift(),
+    })
+}
+
+/// Force or torque of a spring and damper.
+pub fn spring_force<N: Number, K: Kinematics<N>>(
+    motion: &mut K,
+    loading: &Loading,
+    spring: usize,
+) -> Result<N, OutputError> {
+    let spring = &loading.springs[spring];
+    let s = motion.displacement(spring.load, 0)?;
+    let at_rest = s.chain(spring.force(s.value()), spring.stiffness);
+    if spring.damping == 0.0 {
+        return Ok(at_rest);
+    }
+    Ok(at_rest + motion.displacement(spring.load, 1)? * spring.damping)
+}
+
+/// Potential of gravity under the present load factor, and of the springs [J].
+fn potential<N: Number, K: Kinematics<N>>(motion: &mut K, loading: &Loading) -> Result<N, OutputError> {
+    let mut springs = N::constant(0.0);
+    for spring in &loading.springs {
+        let s = motion.displacement(spring.load, 0)?;
+        springs = springs + s.chain(spring.energy(s.value()), spring.force(s.value()));
+    }
+    Ok(match loading.gravity {
+        Some(load) => springs - motion.size(load) * motion.displacement(load, 0)?,
+        None => springs,
+    })
+}
+
+/// At a dead centre of a drive no finite force or mass has the effect, and at some flat positions no finite reaction: the
+/// largest finite number stands for it, without derivatives.
+#[inline]
+pub fn finite<N: Number>(value: N) -> N {
+    match value.value() {
+        v if v.is_finite() => value,
+        v if v.is_nan() => N::constant(f64::MAX),
+        v => N::constant(f64::MAX.copysign(v)),
+    }
+}

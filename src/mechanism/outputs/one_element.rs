@@ -1,0 +1,100 @@
+//! The mechanism reduced to one of its drives. Source: [CK16] sections 2 and 3.
+//!
+//! In: the reduced model in one state. Out: reduced mass, loads and forces along the drive. It must not know the drive's
+//! kind.
+use crate::mechanism::outputs::error::OutputError;
+use crate::mechanism::outputs::evaluator::finite;
+use crate::mechanism::outputs::view::{Reading, View};
+use crate::mechanism::quantity::OneElement;
+
+impl<N: Reading> View<'_, N> {
+    /// A term of the mechanism reduced to a drive. With S the drive's displacement, m_zS = 1 / S_sigma^2, because the
+    /// reduced inertia along sigma is 1. At a dead centre, S_sigma = 0, the largest number stands for an infinite term.
+    pub fn drive_term(&mut self, drive: usize, term: OneElement) -> Result<N, OutputError> {
+        let loading = self.reduced.loading();
+        let table = self.reduced.displacement(drive)?;
+        let position = table.spot(self.state.sigma);
+        let slope = self.before_derivative(table, position, 1);
+        let curvature = self.component(table, position, 2);
+        let (sigma_dot, efficiency) = (self.sigma_dot(), loading.drives[drive].efficiency);
+        let speed = (slope * sigma_dot).value();
+        // [CK16] 2.3: eta divides where power flows in and multiplies where it flows back; at rest it divides.
+        let with_efficiency = |power: f64, value: N| match efficiency {
+            Some(eta) if power < 0.0 => value * eta,
+            Some(eta) => value / N::constant(eta),
+            None => value,
+        };
+        let power = self.sizes[drive] * speed;
+        let value = match term {
+            OneElement::ReducedMass => with_efficiency(power, N::constant(1.0) / (slope * slope)),
+            OneElement::ReducedMassDerivative => with_efficiency(power, curvature * -2.0 / slope.powi(4)),
+            OneElement::StaticLoad => {
+                let influence = self.influence(drive);
+                let others = self.forces()?.free - self.delivered(drive) * influence;
+                with_efficiency(power, -others / slope)
+            }
+            OneElement::AdditionalForce => with_efficiency(power, curvature * (sigma_dot / slope).powi(2)),
+            OneElement::RequiredForce => {
+                let input = loading.inputs.len() + drive;
+                let demand = self.cache.direction.input(input, self.inputs.reals[input]);
+                let acceleration = (demand - curvature * sigma_dot * sigma_dot) / slope;
+                let direction = toward(sigma_dot.value(), acceleration.value());
+                let force = self.required(drive, acceleration, direction, None)? / slope;
+                with_efficiency(force.value() * if speed == 0.0 { demand.value() } else { speed }, force)
+            }
+            OneElement::HoldingForce => {
+                let others = self.others_at_rest(drive)?;
+                let zero = N::constant(0.0);
+                if others.value() == 0.0 && slope.value() == 0.0 { zero } else { zero - others / slope }
+            }
+            OneElement::BreakawayForward | OneElement::BreakawayBackward => {
+                let forward = if term == OneElement::BreakawayForward { 1.0 } else { -1.0 };
+                let direction = forward * slope.value().signum();
+                let force = self.required(drive, N::constant(0.0), direction, Some(direction))? / slope;
+                with_efficiency(force.value() * forward, force)
+            }
+        };
+        Ok(finite(value))
+    }
+
+    /// Force along sigma of all loads but one drive, at rest, without friction and losses.
+    fn others_at_rest(&mut self, drive: usize) -> Result<N, OutputError> {
+        let (sigma, influence) = (self.sigma(), self.influence(drive));
+        // The evaluation at rest takes the place of that in motion.
+        self.cache.forces = None;
+        let at_rest = self.equation()?.heading(0.0, sigma, N::constant(0.0))?;
+        Ok(at_rest - self.delivered(drive) * influence)
+    }
+
+    /// Force along sigma that a drive must give, where friction depends on it: for an acceleration along the curve, or with
+    /// `breakaway` to begin to move in this direction. The other drives lose as in a motion in `direction`, whatever this
+    /// drive gives at present.
+    fn required(
+        &mut self,
+        drive: usize,
+        acceleration: N,
+        direction: f64,
+        breakaway: Option<f64>,
+    ) -> Result<N, OutputError> {
+        let (sigma, influence) = (self.sigma(), self.influence(drive));
+        let sigma_dot = if breakaway.is_some() { N::constant(0.0) } else { self.sigma_dot() };
+        self.cache.forces = None;
+        let free = self.equation()?.heading(direction, sigma, sigma_dot)?;
+        let size = self.delivered(drive);
+        let reduced = self.reduced;
+        let Some(state_loads) = reduced.state_loads(self.cache.scratch.air).ok().flatten() else {
+            return Ok(acceleration - (free - size * influence));
+        };
+        let scratch = &mut self.cache.scratch;
+        let load = (drive, size);
+        Ok(scratch.evaluator.required(state_loads, &scratch.panel_force, sigma, load, acceleration, breakaway)?)
+    }
+}
+
+/// Direction in which the mechanism moves, or sets off from rest: that of sigma_ddot; 0 if it stays at rest.
+fn toward(sigma_dot: f64, acceleration: f64) -> f64 {
+    match if sigma_dot == 0.0 { acceleration } else { sigma_dot } {
+        0.0 => 0.0,
+        rate => rate.signum(),
+    }
+}

@@ -1,0 +1,253 @@
+//! The reduced model in one state, read in numbers N: values, or values with derivatives along a direction.
+//!
+//! In: the state, the inputs, the tables. Out: the tables' functions at sigma, forces and accelerations. It must not know
+//! which output asks.
+use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
+use crate::mechanism::dynamics::inputs::Inputs;
+use crate::mechanism::dynamics::panel_force::AppliedLoads;
+use crate::mechanism::dynamics::state_loads::Mode;
+use crate::mechanism::motion::contact::Holder;
+use crate::mechanism::motion::state::{State, airspeed, state_loads_under};
+use crate::mechanism::outputs::cache::{Forces, OutputCache};
+use crate::mechanism::outputs::error::OutputError;
+use crate::mechanism::outputs::evaluator::finite;
+use crate::mechanism::outputs::panel_reaction::PanelReaction;
+use crate::mechanism::reduced::{Reduced, StateLoads};
+use crate::numerics::chebyshev::Series;
+use crate::numerics::dual::{Dual, Number};
+use crate::numerics::table::{Table, TablePosition, polynomial, polynomial_at};
+
+/// The reduced model in one state under the present inputs.
+pub struct View<'a, N: Reading> {
+    pub reduced: &'a Reduced,
+    pub inputs: &'a Inputs,
+    pub state: &'a State,
+    /// Sizes of the sized loads under the present inputs.
+    pub sizes: &'a [f64],
+    /// Reactions of the joints to the loads of these sizes.
+    pub panel_reactions: &'a mut [PanelReaction],
+    pub cache: &'a mut OutputCache<N>,
+    /// Cache of the values, where N carries derivatives.
+    pub values: N::Values<'a>,
+}
+
+/// Numbers in which the reduced model is read.
+pub trait Reading: Number {
+    /// Access to the values beside these numbers.
+    type Values<'a>;
+
+    /// Evaluate forces and acceleration.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    fn forces(view: &mut View<Self>) -> Result<Forces<Self>, OutputError>;
+}
+
+impl Reading for f64 {
+    type Values<'a> = ();
+
+    fn forces(view: &mut View<Self>) -> Result<Forces<Self>, OutputError> {
+        let State { sigma, sigma_dot, contact, .. } = *view.state;
+        let (state, reduced, locks) = (view.state, view.reduced, &view.inputs.locks);
+        let mut motion = view.equation()?;
+        let free = motion.settle(sigma, sigma_dot)?;
+        let direction = motion.mode.direction;
+        let forces = Forces { acceleration: free, free, direction, held: None, by_stop: false };
+        if contact.at_rest().is_none() {
+            return Ok(forces);
+        }
+        match contact.holder(&state.ends(reduced, locks), free) {
+            Some((side, holder)) => {
+                Ok(Forces { acceleration: 0.0, held: Some(side), by_stop: holder == Holder::Stop, ..forces })
+            }
+            None => Ok(forces),
+        }
+    }
+}
+
+/// A mechanism that is held stays held, and drives keep their direction, as decided by the values.
+impl Reading for Dual<1> {
+    type Values<'a> = &'a mut OutputCache<f64>;
+
+    fn forces(view: &mut View<Self>) -> Result<Forces<Self>, OutputError> {
+        let View { reduced, inputs, state, sizes, .. } = *view;
+        let (cache, panel_reactions) = (&mut *view.values, &mut *view.panel_reactions);
+        let values = View { reduced, inputs, state, sizes, panel_reactions, cache, values: () }.forces()?;
+        let (sigma, sigma_dot) = (view.sigma(), view.sigma_dot());
+        let free = view.equation()?.settle_in(values.direction, sigma, sigma_dot)?;
+        let acceleration = if values.held.is_some() { Self::constant(0.0) } else { free };
+        let Forces { direction, held, by_stop, .. } = values;
+        Ok(Forces { acceleration, free, direction, held, by_stop })
+    }
+}
+
+impl<N: Reading> View<'_, N> {
+    /// sigma.
+    #[inline]
+    pub fn sigma(&self) -> N {
+        self.cache.direction.s.chain(self.state.sigma, self.cache.direction.along[0])
+    }
+
+    /// sigma_dot.
+    #[inline]
+    pub fn sigma_dot(&self) -> N {
+        self.cache.direction.s.chain(self.state.sigma_dot, self.cache.direction.along[1])
+    }
+
+    /// Size of a load that an input or a constant sizes.
+    #[inline]
+    pub fn load_size(&self, load: usize) -> N {
+        let size = self.sizes[load];
+        if load < self.reduced.loading().inputs.len() {
+            self.cache.direction.input(load, size)
+        } else {
+            N::constant(size)
+        }
+    }
+
+    /// A polynomial of a panel, at x.
+    #[inline]
+    pub fn polynomial(series: &Series, x: N) -> N {
+        if x.is_constant() { N::constant(polynomial(series, x.value())) } else { polynomial_at(series, x) }
+    }
+
+    /// A component of a table; its derivative along sigma is that of the polynomial.
+    #[inline]
+    pub fn component(&self, table: &Table, position: TablePosition, component: usize) -> N {
+        let (a, b) = table.borders(position.panel);
+        Self::polynomial(table.series(position.panel, component), self.sigma().chain(position.x, 2.0 / (b - a)))
+    }
+
+    /// A component of a table whose derivative along sigma is the next component.
+    #[inline]
+    pub fn before_derivative(&self, table: &Table, position: TablePosition, component: usize) -> N {
+        let sigma = self.sigma();
+        let slope = if sigma.is_constant() { 0.0 } else { table.value(position, component + 1) };
+        sigma.chain(table.value(position, component), slope)
+    }
+
+    /// S_sigma of a sized load.
+    pub fn influence(&self, load: usize) -> N {
+        let table = self.reduced.influence();
+        self.component(table, table.spot(self.state.sigma), load)
+    }
+
+    /// A coordinate or its time derivative.
+    #[inline]
+    pub fn coordinate(&mut self, coordinate: usize, order: usize) -> Result<N, OutputError> {
+        let table = self.reduced.coordinates()?;
+        let position = match self.cache.position {
+            Some(position) => position,
+            None => {
+                let position = table.spot_near(self.state.sigma, self.cache.panel);
+                (self.cache.position, self.cache.panel) = (Some(position), position.panel);
+                position
+            }
+        };
+        let value = self.time_derivative((table, position), 3 * coordinate, order)?;
+        if order > 0 {
+            return Ok(value);
+        }
+        Ok(value + N::constant(self.state.revolutions * self.reduced.growth(coordinate)))
+    }
+
+    /// Time derivative of a function whose table has it and its two derivatives along sigma from component `first` on.
+    #[inline]
+    pub fn time_derivative(
+        &mut self,
+        (table, position): (&Table, TablePosition),
+        first: usize,
+        order: usize,
+    ) -> Result<N, OutputError> {
+        Ok(match order {
+            0 => self.before_derivative(table, position, first),
+            1 => self.before_derivative(table, position, first + 1) * self.sigma_dot(),
+            _ => {
+                let (acceleration, sigma_dot) = (self.forces()?.acceleration, self.sigma_dot());
+                let curvature = self.component(table, position, first + 2);
+                self.before_derivative(table, position, first + 1) * acceleration + curvature * sigma_dot * sigma_dot
+            }
+        })
+    }
+
+    /// The equation of motion under the present inputs.
+    pub fn equation(&mut self) -> Result<EquationOfMotion<'_, N>, OutputError> {
+        let (reduced, inputs, state) = (self.reduced, self.inputs, self.state);
+        let state_loads = state_loads_under(reduced, inputs)?;
+        let OutputCache { scratch, direction, .. } = &mut *self.cache;
+        if state_loads.is_some_and(|s| s.air) != scratch.air {
+            *scratch = Scratch::new(state_loads);
+        }
+        let applied = AppliedLoads {
+            sizes: self.sizes,
+            airspeed: airspeed(reduced, inputs),
+            revolutions: state.revolutions,
+            change: direction.change(reduced.loading()),
+        };
+        let mode = Mode { touching: state.contact.touching(), ..Mode::default() };
+        Ok(EquationOfMotion { reduced, state_loads, applied, time: direction.s, mode, scratch, locked: false })
+    }
+
+    /// Forces and acceleration; evaluated once for a state.
+    #[inline]
+    pub fn forces(&mut self) -> Result<Forces<N>, OutputError> {
+        match self.cache.forces {
+            Some(forces) => Ok(forces),
+            None => self.find_forces(),
+        }
+    }
+
+    fn find_forces(&mut self) -> Result<Forces<N>, OutputError> {
+        let forces = N::forces(self)?;
+        self.cache.forces = Some(forces);
+        self.cache.computed.effects += 1;
+        Ok(forces)
+    }
+
+    /// State loads of the last evaluation.
+    pub fn state_loads(&self) -> Option<&StateLoads> {
+        self.reduced.state_loads(self.cache.scratch.air).ok().flatten()
+    }
+
+    /// Size of a load that the state decides, as last evaluated.
+    pub fn state_load_size(&self, load: usize) -> N {
+        let index = self.state_loads().and_then(|s| s.loads.iter().position(|l| *l == load));
+        index.map_or(N::constant(0.0), |k| self.cache.scratch.evaluator.loads[k])
+    }
+
+    /// Delivered force of a sized load, after the loss of its drive if it has one; as last evaluated.
+    pub fn delivered(&self, load: usize) -> N {
+        let index = self.state_loads().and_then(|s| s.drives_with_efficiency.iter().position(|l| *l == load));
+        index.map_or_else(|| self.load_size(load), |k| self.cache.scratch.evaluator.delivered[k])
+    }
+
+    /// Force or torque with which a rigid stop holds the mechanism at rest.
+    pub fn holding_stop(&mut self, stop: usize) -> Result<N, OutputError> {
+        let Forces { free, held, by_stop, .. } = self.forces()?;
+        if !by_stop || !held.is_some_and(|side| self.state.travel[side].is_some_and(|end| end.stop == stop)) {
+            return Ok(N::constant(0.0));
+        }
+        let load = self.reduced.loading().stops[stop].load;
+        let slope = match self.reduced.displacement(load) {
+            Ok(table) => self.before_derivative(table, table.spot(self.state.sigma), 1),
+            Err(_) => N::constant(f64::NAN),
+        };
+        Ok(finite(-free / slope))
+    }
+
+    /// Force with which a lock holds the mechanism, along the path of its point; positive towards the stop.
+    pub fn holding_lock(&mut self, lock: usize) -> Result<N, OutputError> {
+        let Forces { free, held, by_stop, .. } = self.forces()?;
+        let (all, engaged) = (&self.reduced.loading().locks, &self.inputs.locks);
+        let stop = all[lock].stop;
+        let holds = |side: &usize| self.state.travel[*side].is_some_and(|end| end.stop == stop);
+        let Some(side) = held.filter(holds).filter(|_| !by_stop && engaged[lock]) else {
+            return Ok(N::constant(0.0));
+        };
+        let outward = if side == 0 { -1.0 } else { 1.0 };
+        // Several locks at one stop share the load evenly along the curve.
+        let sharing = all.iter().zip(engaged).filter(|(lock, engaged)| **engaged && lock.stop == stop).count();
+        let path = self.reduced.lock_path(lock, self.state.sigma);
+        Ok(finite(-free * outward / N::constant(path.norm() * sharing as f64)))
+    }
+}
