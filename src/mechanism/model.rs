@@ -8,6 +8,7 @@ use super::dynamics::inputs::Inputs;
 use super::error::ModelError;
 use super::fem_motion::RigidFemMotion;
 use super::interface;
+use super::motion::state::State;
 use super::outputs::{Computed, OutputError, ReducedMotion};
 use super::parameters::ParameterValues;
 use super::quantity::Quantity;
@@ -21,37 +22,36 @@ use std::sync::{Arc, OnceLock};
 /// One mechanism with its parameters, inputs and state.
 #[derive(Clone, Debug)]
 pub struct Model {
-    /// As read: what reset returns to.
+    /// As read; [`Self::reset`] returns to it.
     pub(super) original: Arc<Original>,
     /// The present parameters; shared with the snapshots that were taken under them.
     pub(super) parameter_values: Arc<ParameterValues>,
     pub(super) inputs: Inputs,
-    /// For the present parameters; none after one of them has changed.
+    /// The reduced model for the present parameters; none after one of them has changed.
     pub(super) reduced: Option<Arc<Reduced>>,
-    /// The last one that was built, of which the next one keeps what it can.
+    /// The reduced model built last; the next one keeps its curve and tables where nothing has changed.
     pub(super) last: Arc<Reduced>,
     pub(super) state: Option<Formulation>,
 }
 
 /// The state of motion in the formulation that solver.method chose.
-// The reduced model's steps pay for no indirection.
-#[allow(clippy::large_enum_variant)]
+#[expect(clippy::large_enum_variant, reason = "the reduced model's steps pay for no indirection")]
 #[derive(Clone, Debug)]
 pub(super) enum Formulation {
-    /// Along the curve.
+    /// By the reduced model, along the curve.
     Reduced(ReducedMotion),
     /// By rigid finite elements.
     RigidFem(Box<RigidFemMotion>),
 }
 
-/// What a definition gives, before any value is set.
+/// A definition as read, before any value is set.
 #[derive(Debug)]
 pub(super) struct Original {
     pub(super) parameter_values: Arc<ParameterValues>,
     pub(super) variables: Variables<Quantity>,
     pub(super) ranges: Vec<(Range, Role)>,
     pub(super) inputs: Inputs,
-    /// What a snapshot must have been taken of, found when the first one is.
+    /// Identity of the mechanism for snapshots, found when the first one is taken.
     pub(super) identity: OnceLock<[u64; 2]>,
     pub(super) reduced: Arc<Reduced>,
 }
@@ -60,7 +60,7 @@ impl Model {
     /// Read a mechanism from the text of its `mechanism.json`, assemble it and trace its motion.
     ///
     /// # Errors
-    /// What is wrong with the definition, or why it gives no mechanism.
+    /// The definition is wrong, or gives no mechanism.
     pub fn from_json(text: &str) -> Result<Self, ModelError> {
         let mut mechanism = Mechanism::from_json(text)?;
         let variables = interface::variables(&mechanism)?;
@@ -102,7 +102,7 @@ impl Model {
         &self.original.parameter_values.mechanism.description
     }
 
-    /// What the host can see.
+    /// The variables that the host sees.
     pub fn variables(&self) -> &Variables<Quantity> {
         &self.original.variables
     }
@@ -123,7 +123,7 @@ impl Model {
     /// The reduced model for the present parameters.
     ///
     /// # Errors
-    /// Why the present parameters give none.
+    /// The present parameters give no mechanism.
     pub fn reduced(&mut self) -> Result<&Arc<Reduced>, ModelError> {
         if self.reduced.is_none() {
             self.last = Arc::new(self.last.renewed(&self.parameter_values.mechanism)?);
@@ -149,35 +149,33 @@ impl Model {
                     return Err(ModelError::NotInitialised);
                 };
                 let value = match state {
-                    Formulation::Reduced(state) => state.output(reduced, &self.inputs, output),
-                    Formulation::RigidFem(state) => state.output(reduced, &self.inputs, output),
+                    Formulation::Reduced(motion) => motion.output(reduced, &self.inputs, output),
+                    Formulation::RigidFem(motion) => motion.output(reduced, &self.inputs, output),
                 };
                 match value {
                     Ok(value) if value.is_finite() => Ok(value),
-                    value => self.told(reference, value),
+                    value => self.report(reference, value),
                 }
             }
-            Some(Quantity::Flag(_) | Quantity::Lock(_) | Quantity::AtStop(_) | Quantity::Method) | None => {
-                Err(self.no_such(reference, "Real"))
-            }
+            _ => Err(self.no_such(reference, "Real")),
         }
     }
 
-    /// What was found out about a variable, as it is told to the host.
+    /// A finite value, or why there is none, in the host's words.
     #[cold]
-    fn told(&self, reference: Reference, value: Result<f64, OutputError>) -> Result<f64, ModelError> {
-        let name = || self.original.variables.list()[reference as usize].name.clone();
+    fn report(&self, reference: Reference, value: Result<f64, OutputError>) -> Result<f64, ModelError> {
         let (Some(state), Some(reduced)) = (&self.state, &self.reduced) else {
             return Err(ModelError::NotInitialised);
         };
+        let name = || self.name_of(reference);
         match value {
             Ok(value) if value.is_finite() => Ok(value),
             Ok(_) => Err(ModelError::Overflow { name: name() }),
             Err(OutputError::Table(at)) => Err(ModelError::Table {
                 name: name(),
-                position: reduced.curve().describe(at.sigma, state.revolutions()),
+                position: reduced.curve().describe(at.sigma, state.along_curve().revolutions()),
             }),
-            Err(OutputError::Locked) => Err(ModelError::Locked { position: state.describe(reduced) }),
+            Err(OutputError::Locked) => Err(ModelError::Locked { position: state.along_curve().describe(reduced) }),
             Err(OutputError::RigidFem(error)) => Err(error.into()),
         }
     }
@@ -187,14 +185,12 @@ impl Model {
     /// # Errors
     /// No Real has this reference, it is an output, or the value is out of range.
     pub fn check_real(&self, reference: Reference, value: f64) -> Result<(), ModelError> {
-        let name = || self.original.variables.list()[reference as usize].name.clone();
+        let name = || self.name_of(reference);
         let range = match self.original.variables.quantity(reference) {
             Some(Quantity::Parameter(i)) => self.original.ranges[i].0,
             Some(Quantity::Input(_)) => Range::Finite,
             Some(Quantity::Output(_)) => return Err(ModelError::Output { name: name() }),
-            Some(Quantity::Flag(_) | Quantity::Lock(_) | Quantity::AtStop(_) | Quantity::Method) | None => {
-                return Err(self.no_such(reference, "Real"));
-            }
+            _ => return Err(self.no_such(reference, "Real")),
         };
         if range.contains(value) {
             return Ok(());
@@ -217,8 +213,8 @@ impl Model {
                 if let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) {
                     let loads = reduced.loading().inputs.len();
                     match state {
-                        Formulation::Reduced(state) => state.set_input(i, loads, value),
-                        Formulation::RigidFem(state) => state.set_input(i, loads, value),
+                        Formulation::Reduced(motion) => motion.set_input(i, loads, value),
+                        Formulation::RigidFem(motion) => motion.set_input(i, loads, value),
                     }
                 }
             }
@@ -244,7 +240,7 @@ impl Model {
             Some(Quantity::Lock(i)) => Ok(self.inputs.locks[i]),
             Some(Quantity::AtStop(stop)) => {
                 let reduced = Arc::clone(self.reduced()?);
-                Ok(self.state()?.at_stop(&reduced, stop))
+                Ok(self.state()?.along_curve().at_stop(&reduced, stop))
             }
             _ => Err(self.no_such(reference, "Boolean")),
         }
@@ -257,9 +253,7 @@ impl Model {
     pub fn check_boolean(&self, reference: Reference, _value: bool) -> Result<(), ModelError> {
         match self.original.variables.quantity(reference) {
             Some(Quantity::Flag(_) | Quantity::Lock(_)) => Ok(()),
-            Some(Quantity::AtStop(_)) => {
-                Err(ModelError::Output { name: self.original.variables.list()[reference as usize].name.clone() })
-            }
+            Some(Quantity::AtStop(_)) => Err(ModelError::Output { name: self.name_of(reference) }),
             _ => Err(self.no_such(reference, "Boolean")),
         }
     }
@@ -274,8 +268,8 @@ impl Model {
             Some(Quantity::Lock(i)) if self.inputs.locks[i] != value => {
                 self.inputs.locks[i] = value;
                 match &mut self.state {
-                    Some(Formulation::Reduced(state)) => state.set_lock(),
-                    Some(Formulation::RigidFem(state)) => state.set_lock(),
+                    Some(Formulation::Reduced(motion)) => motion.set_lock(),
+                    Some(Formulation::RigidFem(motion)) => motion.set_lock(),
                     None => {}
                 }
             }
@@ -325,8 +319,7 @@ impl Model {
         match self.original.variables.quantity(reference) {
             Some(Quantity::Method) => Method::of_word(value).ok_or_else(|| {
                 let words = Method::ALL.map(|method| format!("\"{}\"", method.word()));
-                let name = self.original.variables.list()[reference as usize].name.clone();
-                ModelError::Text { name, value: value.into(), allowed: words.join(" or ") }
+                ModelError::Text { name: self.name_of(reference), value: value.into(), allowed: words.join(" or ") }
             }),
             _ => Err(self.no_such(reference, "String")),
         }
@@ -352,8 +345,8 @@ impl Model {
         self.state().map(|_| ())
     }
 
-    /// Advance by exactly `h` [s], > 0, under the present inputs, which change as [`Self::set_input_derivative`] has said and
-    /// stay where they are at the end. On an error the state is what it was.
+    /// Advance by exactly `h` [s], > 0, under the present inputs with the derivatives of [`Self::set_input_derivative`]; the
+    /// inputs keep their values at the end. On an error the state is what it was.
     ///
     /// # Errors
     /// Not initialised, h out of range, the integration stopped, or the travel ended.
@@ -369,8 +362,8 @@ impl Model {
             return Err(ModelError::NotInitialised);
         };
         match state {
-            Formulation::Reduced(state) => state.step(reduced, &self.inputs, h, tolerance),
-            Formulation::RigidFem(state) => state.step(reduced, &self.inputs, h),
+            Formulation::Reduced(motion) => motion.step(reduced, &self.inputs, h, tolerance),
+            Formulation::RigidFem(motion) => motion.step(reduced, &self.inputs, h),
         }?;
         if self.inputs.signal.ahead {
             self.leave_inputs_at(h);
@@ -391,10 +384,10 @@ impl Model {
         self.state.as_ref().map_or_else(Statistics::default, Formulation::statistics)
     }
 
-    /// What reading outputs has made be computed since initialisation; the finite elements do not count it.
+    /// Evaluations made for outputs since initialisation; those of the finite elements are not counted.
     pub fn computed(&self) -> Computed {
         match &self.state {
-            Some(Formulation::Reduced(state)) => state.computed(),
+            Some(Formulation::Reduced(motion)) => motion.computed(),
             _ => Computed::default(),
         }
     }
@@ -414,6 +407,11 @@ impl Model {
         self.state.as_mut().ok_or(ModelError::NotInitialised)
     }
 
+    /// Name of a variable; empty if there is none.
+    fn name_of(&self, reference: Reference) -> String {
+        self.original.variables.get(reference).map_or_else(String::new, |v| v.name.clone())
+    }
+
     fn no_such(&self, reference: Reference, kind: &'static str) -> ModelError {
         ModelError::Reference { reference, kind, count: self.original.variables.list().len() }
     }
@@ -428,29 +426,15 @@ impl Formulation {
     fn statistics(&self) -> Statistics {
         match self {
             Self::Reduced(motion) => motion.state.statistics(),
-            Self::RigidFem(state) => state.statistics(),
+            Self::RigidFem(motion) => motion.statistics(),
         }
     }
 
-    /// Turns of the curve so far, from its beginning.
-    fn revolutions(&self) -> f64 {
+    /// The state along the curve; that of the finite elements where it fits best.
+    fn along_curve(&self) -> &State {
         match self {
-            Self::Reduced(motion) => motion.state.revolutions(),
-            Self::RigidFem(state) => state.revolutions(),
-        }
-    }
-
-    fn describe(&self, reduced: &Reduced) -> String {
-        match self {
-            Self::Reduced(motion) => motion.state.describe(reduced),
-            Self::RigidFem(state) => state.describe(reduced),
-        }
-    }
-
-    fn at_stop(&self, reduced: &Reduced, stop: usize) -> bool {
-        match self {
-            Self::Reduced(motion) => motion.state.at_stop(reduced, stop),
-            Self::RigidFem(state) => state.at_stop(reduced, stop),
+            Self::Reduced(motion) => &motion.state,
+            Self::RigidFem(motion) => motion.along_curve(),
         }
     }
 }

@@ -1,15 +1,15 @@
-//! What a variable of a mechanism stands for.
+//! The quantity of each variable of a mechanism.
 
-/// What the model looks up or computes for a variable.
+/// Quantity of a variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Quantity {
-    /// A number of the definition, by its place among the parameters.
+    /// A number of the definition, by its index among the parameters.
     Parameter(usize),
-    /// A Real that the host sets between steps, by its place.
+    /// A Real that the host sets between steps, by its index.
     Input(usize),
-    /// A Boolean of the definition, by its place among those.
+    /// A Boolean of the definition, by its index among the Boolean parameters.
     Flag(usize),
-    /// The formulation of the motion, by its word.
+    /// The formulation of the motion: `solver.method`.
     Method,
     /// Whether a lock is engaged.
     Lock(usize),
@@ -24,7 +24,7 @@ pub enum Quantity {
 pub enum Output {
     /// Angle of a body, or its first or second time derivative.
     Angle {
-        /// Place of the body in the linkage.
+        /// Index of the body in the linkage.
         body: usize,
         /// 0, 1 or 2.
         order: usize,
@@ -38,57 +38,57 @@ pub enum Output {
     },
     /// Reaction in a joint.
     Reaction {
-        /// Place of the joint.
+        /// Index of the joint.
         joint: usize,
-        /// Which part of it.
+        /// Part of the reaction.
         part: ReactionPart,
     },
     /// Displacement of a drive's or a spring's load - length, angle or position - or its first or second time derivative.
     Displacement {
-        /// Place of the load.
+        /// Index of the load.
         load: usize,
         /// 0, 1 or 2.
         order: usize,
     },
     /// A term of the mechanism reduced to a drive.
     OneElement {
-        /// Place of the drive, and of its load.
+        /// Index of the drive, and of its load.
         drive: usize,
-        /// Which term.
+        /// Term of the one-element model.
         term: OneElement,
     },
-    /// Pull of a spring and damper.
+    /// Force or torque of a spring and damper.
     SpringForce {
-        /// Place of the spring.
+        /// Index of the spring.
         spring: usize,
     },
     /// Position of a marker, or its first or second time derivative.
     Marker {
-        /// Its place.
+        /// Index of the marker.
         marker: usize,
         /// 0 for x, 1 for y.
         axis: usize,
         /// 0, 1 or 2.
         order: usize,
     },
-    /// Friction in a joint: on the second-named body.
+    /// Friction force or torque of a joint on the second-named body.
     Friction {
-        /// Place among the joints with friction.
+        /// Index among the joints with friction.
         friction_joint: usize,
     },
     /// Drag on a surface, along the flow.
     Drag {
-        /// Place of the surface.
+        /// Index of the surface.
         surface: usize,
     },
     /// Force or torque of a stop.
     Stop {
-        /// Place of the stop.
+        /// Index of the stop.
         stop: usize,
     },
     /// Force of a lock.
     Lock {
-        /// Place of the lock.
+        /// Index of the lock.
         lock: usize,
     },
     /// Kinetic energy.
@@ -104,22 +104,22 @@ pub enum Output {
 pub enum OneElement {
     /// m_zS or I_zS, eqs. (12), (33).
     ReducedMass,
-    /// Its derivative along the drive.
+    /// Derivative of the reduced mass or inertia along the drive.
     ReducedMassDerivative,
-    /// F_Su or T_Su, eqs. (11), (32), under all present loads but the drive's own.
+    /// F_Su or T_Su, eqs. (11), (32): all present loads but the drive's own.
     StaticLoad,
     /// Delta F_S or Delta T_S, eqs. (15), (36).
     AdditionalForce,
-    /// F_S or T_S for the demanded acceleration, eqs. (16), (37): inverse dynamics. The other drives lose what the direction
-    /// of the motion says, at rest that in which it sets off; without a demand at rest they lose nothing.
+    /// F_S or T_S for the demanded acceleration, eqs. (16), (37): inverse dynamics. The other drives lose as in the direction
+    /// of motion, at rest as in the direction of setting off; they lose nothing at rest without a demand.
     RequiredForce,
-    /// What holds the mechanism still here under the present loads, without friction and without the losses of any drive: it
-    /// lies between what sets off backward and forward.
+    /// Force that holds the mechanism at rest under the present loads, without friction and losses of drives; it lies between
+    /// the two breakaway forces.
     HoldingForce,
-    /// What begins to move the mechanism here from rest, forward along the drive, against static friction and against the
-    /// losses of all drives in a motion that way.
+    /// Force that begins to move the mechanism from rest forward along the drive, against static friction and the losses of
+    /// all drives in this direction.
     BreakawayForward,
-    /// The same backward.
+    /// Force that begins to move the mechanism from rest backward along the drive.
     BreakawayBackward,
 }
 

@@ -8,7 +8,7 @@ use super::error::ModelError;
 use super::model::{Formulation, Model, is_reduced};
 use crate::codec::record::{Damaged, Record, fnv1a};
 use crate::mechanism::definition::Method;
-use crate::mechanism::fem_motion::{RigidFemMotion, SavedElastic};
+use crate::mechanism::fem_motion::{RigidFemMotion, SavedRigidFem};
 use crate::mechanism::motion::SavedState;
 use crate::mechanism::outputs::ReducedMotion;
 use crate::mechanism::parameters::{ParameterValues, fingerprint};
@@ -30,7 +30,7 @@ pub struct Snapshot {
 #[derive(Clone, Debug)]
 enum SavedFormulation {
     Reduced(SavedState),
-    RigidFem(SavedElastic),
+    RigidFem(SavedRigidFem),
 }
 
 impl Snapshot {
@@ -205,7 +205,7 @@ impl Model {
             Some(match method {
                 Method::Reduced => SavedFormulation::Reduced(SavedState::read(record, reduced)?),
                 Method::RigidFem => {
-                    SavedFormulation::RigidFem(SavedElastic::read(record, reduced, &parameter_values.mechanism)?)
+                    SavedFormulation::RigidFem(SavedRigidFem::read(record, reduced, &parameter_values.mechanism)?)
                 }
             })
         } else {

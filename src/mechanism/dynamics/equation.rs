@@ -12,7 +12,7 @@ use crate::mechanism::dynamics::state_loads::{Evaluation, Mode, StateLoadEvaluat
 use crate::mechanism::loads::laws::friction::{Locked, Regime};
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::dual::{Dual, Number};
-use crate::numerics::table::polynomial;
+use crate::numerics::table::{polynomial, polynomial_at};
 
 /// Scratch of the equation of motion in numbers T, with the results of its last evaluation.
 #[derive(Clone, Debug)]
@@ -239,7 +239,12 @@ impl EquationOfMotion<'_> {
 #[inline]
 fn of_applied_loads<T: Number>(panel_force: &PanelForce, [t, sigma, sigma_dot]: [T; 3]) -> Evaluation<T> {
     let x = panel_force.x(sigma);
-    Evaluation { acceleration: panel_force.at(x, t), lost: -(panel_force.excess(0, x, t) * sigma_dot) }
+    let (acceleration, zero) = (polynomial_at(&panel_force.force, x), T::constant(0.0));
+    if !panel_force.changes() {
+        return Evaluation { acceleration, lost: zero };
+    }
+    let gained = panel_force.excess(0, x, t);
+    Evaluation { acceleration: acceleration + gained, lost: -(gained * sigma_dot) }
 }
 
 /// No loss of power and constant inputs: (sigma, sigma_dot).

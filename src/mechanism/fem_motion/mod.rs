@@ -1,19 +1,21 @@
 //! The motion by rigid finite elements: the state, its steps and its refusals.
 //!
-//! In: the reduced model, inputs, steps. Out: a state in the finite elements' terms, and the sigma and sigma_dot of the
-//! reduced model that fit it best. What the finite elements do not have - friction, air, stops, locks, losses in drives - is
-//! refused where it would begin to matter. It must not know the reduced model's integration.
+//! In: the reduced model, inputs, steps. Out: the state of the finite elements, and the sigma and sigma_dot of the reduced
+//! model that fit this state best. Friction, air, stops, locks and losses in drives, which the finite elements do not have,
+//! are refused when they would begin to act. It must not know the reduced model's integration.
 mod outputs;
 mod refusals;
 mod saved;
 mod track;
 
-pub use saved::SavedElastic;
+pub use saved::SavedRigidFem;
 
 use crate::integrator::Statistics;
 use crate::mechanism::definition::{DefinitionError, Mechanism, Solver};
 use crate::mechanism::linkage::Vec2;
+use crate::mechanism::loads::resolved::Stop;
 use crate::mechanism::motion::contact::Contact;
+use crate::mechanism::motion::state::State;
 use crate::mechanism::outputs::ReducedMotion;
 use crate::mechanism::reactions::Reaction;
 use crate::mechanism::reduced::Reduced;
@@ -23,30 +25,30 @@ use refusals::{refuse_locks, refuse_losses, refuse_passing};
 use std::sync::Arc;
 use track::Track;
 
-/// The state of motion, with room for its steps.
+/// The state of motion by rigid finite elements, with the scratch of its steps.
 #[derive(Clone, Debug)]
 pub struct RigidFemMotion {
     fem: Arc<RigidFem>,
     scratch: Workspace,
     /// Largest step of Newmark's method [s].
     fem_step: f64,
-    /// At the last communication point, in balance with the applied sizes.
+    /// State at the last communication point, in balance with the applied sizes.
     state: rigid_fem::State,
-    /// The same with the accelerations that are in balance with the present sizes.
+    /// The same state with accelerations in balance with the present sizes.
     present: rigid_fem::State,
     /// Whether `present` is up to date.
     balanced: bool,
-    /// Sizes of the loads in the last step: those that the energy balance knows.
+    /// Sizes of the loads in the last step, with which the energy balance is made.
     applied: Vec<f64>,
-    /// Accelerations and sizes before the last change of them: what a step that fails returns to.
+    /// Accelerations and applied sizes before the last change of sizes; a step that fails returns to them.
     before: (Vec<Vec2>, Vec<f64>),
-    /// Sizes under the present inputs.
+    /// Sizes of the loads under the present inputs.
     sizes: Vec<f64>,
-    /// Joint reactions, and whether they are those of the present sizes.
+    /// Whether the reactions are those of the present sizes, and the reactions of the joints.
     reactions: (bool, Vec<Reaction>),
     /// Energy at the start, plus the work of changing sizes, less the energy lost since [J].
     reference: f64,
-    /// How far each stop may be passed: where the mechanism starts at it, by the stretch there [rad or m].
+    /// Allowed passing of each stop [rad or m]: the stretch at the start, of a mechanism that starts at the stop.
     slack: Vec<f64>,
     /// The reduced model at the sigma and sigma_dot that fit best.
     rigid: ReducedMotion,
@@ -57,12 +59,12 @@ impl RigidFemMotion {
     /// The state that the definition states, with the stretch that its own forces give.
     ///
     /// # Errors
-    /// What the finite elements do not have, a linkage that they cannot do, a body without axial stiffness; as
-    /// [`ReducedMotion::at_start`].
+    /// The mechanism has friction, air, a lock or an efficiency; the linkage is not of binary links; a body has no axial
+    /// stiffness; as [`ReducedMotion::at_start`].
     pub fn at_start(reduced: &Reduced, mechanism: &Mechanism, inputs: &Inputs) -> Result<Self, ModelError> {
         refuse_losses(reduced, inputs)?;
         let mut rigid = ReducedMotion::at_start(reduced, mechanism, inputs)?;
-        // No stop holds it.
+        // No stop holds the finite elements.
         rigid.state.contact = Contact::default();
         refuse_locks(reduced, inputs, &rigid.state)?;
         let linkage = reduced.linkage();
@@ -73,9 +75,7 @@ impl RigidFemMotion {
         let q_dot: Vec<f64> = c.q_sigma.iter().map(|slope| slope * rigid.state.sigma_dot).collect();
         let sizes = reduced.sizes(&inputs.reals);
         let state = fem.start(linkage, &q, &q_dot, &sizes)?;
-        let beyond = |stop: &crate::mechanism::loads::resolved::Stop| {
-            stop.beyond(fem.displacement(&state, stop.load)[0]).max(0.0)
-        };
+        let beyond = |stop: &Stop| stop.beyond(fem.displacement(&state, stop.load)[0]).max(0.0);
         Ok(Self {
             scratch: fem.workspace(),
             fem_step: fem_step(mechanism),
@@ -97,7 +97,7 @@ impl RigidFemMotion {
     /// Advance by exactly `h` [s] under these inputs. On an error the state is what it was.
     ///
     /// # Errors
-    /// No equilibrium or too large a strain; a stop is reached; what the finite elements do not have has been switched on.
+    /// No equilibrium or too large a strain; a stop is reached; friction, air or a lock has been switched on.
     pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64) -> Result<(), ModelError> {
         refuse_losses(reduced, inputs)?;
         refuse_locks(reduced, inputs, &self.rigid.state)?;
@@ -112,7 +112,7 @@ impl RigidFemMotion {
         })
     }
 
-    /// [`Self::step`] under the applied sizes.
+    /// [`Self::step`] at the applied sizes.
     fn advance(&mut self, reduced: &Reduced, h: f64) -> Result<(), ModelError> {
         let mut track = Track::new(reduced, &self.rigid.state)?;
         let (fem, slack) = (&self.fem, &self.slack);
@@ -131,14 +131,14 @@ impl RigidFemMotion {
         )?;
         self.reference -= lost;
         self.steps += steps;
-        let (sigma, sigma_dot, revolutions) = track.place();
+        let (sigma, sigma_dot, revolutions) = track.position();
         self.rigid.move_to(sigma, sigma_dot, revolutions);
         self.balanced = false;
         self.reactions.0 = false;
         Ok(())
     }
 
-    /// An input has changed; those beyond the sized loads size nothing.
+    /// A Real input has changed. `loads` is the number of inputs that size loads; they come first.
     pub fn set_input(&mut self, input: usize, loads: usize, value: f64) {
         if input < loads {
             self.sizes[input] = value;
@@ -153,9 +153,9 @@ impl RigidFemMotion {
         self.rigid.set_lock();
     }
 
-    /// Whether the sigma that fits best is at a stop.
-    pub fn at_stop(&self, reduced: &Reduced, stop: usize) -> bool {
-        self.rigid.state.at_stop(reduced, stop)
+    /// The reduced model's state that fits best.
+    pub fn along_curve(&self) -> &State {
+        &self.rigid.state
     }
 
     /// Steps of Newmark's method so far.
@@ -163,18 +163,8 @@ impl RigidFemMotion {
         Statistics { accepted: self.steps, ..Statistics::default() }
     }
 
-    /// Turns of the curve so far, from its beginning.
-    pub fn revolutions(&self) -> f64 {
-        self.rigid.state.revolutions()
-    }
-
-    /// Where the linkage is.
-    pub fn describe(&self, reduced: &Reduced) -> String {
-        self.rigid.state.describe(reduced)
-    }
-
-    /// Take up sizes that have changed since the last step: the change of the loads' potential is work from outside. Tells
-    /// whether any has.
+    /// Apply the present sizes: the change of the loads' potential since the last step is work from outside. Returns whether
+    /// a size has changed.
     fn apply(&mut self, reduced: &Reduced) -> Result<bool, ModelError> {
         let mut work = 0.0;
         let mut changed = false;

@@ -1,11 +1,11 @@
-//! What the finite elements do not have, refused by name, value and remedy.
+//! Refusals, by name, value and remedy, of the parameters and inputs that the finite elements do not have.
 use crate::mechanism::reduced::Reduced;
 use crate::mechanism::{ModelError, dynamics::inputs::Inputs, motion::state::State};
 
 /// Rounding of a stop's quantity, relative to 1 and its value [rad or m].
 const AT: f64 = 1e-10;
 
-/// Refuse friction that is enabled, and air that drags. Losses in drives are refused with the mesh.
+/// Refuse friction that is enabled, and air with drag. The mesh refuses losses in drives.
 ///
 /// # Errors
 /// [`ModelError::NotInRigidFem`].
@@ -28,7 +28,7 @@ pub fn refuse_losses(reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelErro
     Ok(())
 }
 
-/// Refuse a lock that is engaged where it takes hold: at its stop.
+/// Refuse a lock that is engaged at its stop.
 ///
 /// # Errors
 /// [`ModelError::NotInRigidFem`].

@@ -1,4 +1,6 @@
-//! What of a state by rigid finite elements decides how it goes on.
+//! The saved state of a motion by rigid finite elements.
+//!
+//! In: a motion, or a record. Out: the fields that decide its next steps, and the motion again. It must not know outputs.
 use super::{RigidFemMotion, fem_step, finite_elements};
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::definition::Mechanism;
@@ -9,9 +11,9 @@ use crate::mechanism::{ModelError, dynamics::inputs::Inputs};
 use crate::mechanism::{motion::SavedState, outputs::ReducedMotion};
 use std::sync::Arc;
 
-/// An [`RigidFemMotion`] without what is found anew from it.
+/// The fields of a [`RigidFemMotion`] from which all others follow.
 #[derive(Clone, Debug)]
-pub struct SavedElastic {
+pub struct SavedRigidFem {
     fem: Arc<RigidFem>,
     fem_step: f64,
     state: rigid_fem::State,
@@ -23,9 +25,9 @@ pub struct SavedElastic {
 }
 
 impl RigidFemMotion {
-    /// What decides how it goes on.
-    pub fn saved(&self) -> SavedElastic {
-        SavedElastic {
+    /// The fields that decide the next steps.
+    pub fn saved(&self) -> SavedRigidFem {
+        SavedRigidFem {
             fem: Arc::clone(&self.fem),
             fem_step: self.fem_step,
             state: self.state.clone(),
@@ -38,7 +40,7 @@ impl RigidFemMotion {
     }
 
     /// [`Self::saved`] in the place of another one, without allocation.
-    pub fn save(&self, saved: &mut SavedElastic) {
+    pub fn save(&self, saved: &mut SavedRigidFem) {
         saved.fem.clone_from(&self.fem);
         saved.state.copy_from(&self.state);
         saved.applied.clone_from(&self.applied);
@@ -47,11 +49,11 @@ impl RigidFemMotion {
         self.rigid.state.save(&mut saved.rigid);
     }
 
-    /// A state that goes on as the saved one did, under these inputs.
+    /// A motion that continues as the saved one did, under these inputs.
     ///
     /// # Errors
     /// As [`ReducedMotion::from_saved`].
-    pub fn from_saved(saved: &SavedElastic, reduced: &Reduced, inputs: &Inputs) -> Result<Self, ModelError> {
+    pub fn from_saved(saved: &SavedRigidFem, reduced: &Reduced, inputs: &Inputs) -> Result<Self, ModelError> {
         Ok(Self {
             scratch: saved.fem.workspace(),
             fem: Arc::clone(&saved.fem),
@@ -74,7 +76,7 @@ impl RigidFemMotion {
     ///
     /// # Errors
     /// As [`Self::from_saved`]; nothing has changed.
-    pub fn restore(&mut self, saved: &SavedElastic, reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
+    pub fn restore(&mut self, saved: &SavedRigidFem, reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
         self.rigid.restore(&saved.rigid, reduced, Some(&inputs.reals))?;
         self.fem.clone_from(&saved.fem);
         self.state.copy_from(&saved.state);
@@ -88,11 +90,11 @@ impl RigidFemMotion {
     }
 }
 
-impl SavedElastic {
-    /// Read one for these parameters.
+impl SavedRigidFem {
+    /// Read a saved state for these parameters.
     ///
     /// # Errors
-    /// A field is not what this mechanism can have; it has no finite elements.
+    /// A field is out of the mechanism's range; the mechanism has no finite elements.
     pub fn read(record: &mut Record, reduced: &Reduced, mechanism: &Mechanism) -> Result<Self, ModelError> {
         let fem = Arc::new(finite_elements(reduced, mechanism)?);
         let mut saved = Self {
@@ -112,7 +114,7 @@ impl SavedElastic {
     /// All fields, written.
     ///
     /// # Errors
-    /// A count of work done is near overflow.
+    /// The count of steps is near overflow.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         self.rigid.record(record)?;
         self.own(record)

@@ -1,13 +1,14 @@
-//! The place on the curve that fits a finite-element state best.
+//! The position on the curve that fits a finite-element state best.
 //!
-//! In: the bodies' angles and speeds. Out: sigma, the least of 1/2 sum (q(sigma) - q_fem)^2 next to the last one, and
-//! sigma_dot, the projection of the speeds: sum q_sigma q_dot / sum q_sigma^2.
+//! In: the bodies' angles and speeds. Out: sigma, the minimum of 1/2 sum (q(sigma) - q_fem)^2 next to the last sigma, and
+//! sigma_dot, the projection of the speeds: sum q_sigma q_dot / sum q_sigma^2. It must not know forces.
 use crate::mechanism::reduced::Reduced;
 use crate::mechanism::rigid_fem::{self, RigidFem};
 use crate::mechanism::{ModelError, motion::state::State};
 use crate::numerics::table::Table;
 
-/// Newton's corrections in each step; the prediction is off by some (sigma_dot h)^2, the second correction by rounding.
+/// Newton's corrections in each step: the prediction has an error of about (sigma_dot h)^2, the second correction one of
+/// rounding.
 const CORRECTIONS: usize = 3;
 
 /// Follows the curve from step to step.
@@ -31,7 +32,7 @@ struct Sums {
 }
 
 impl<'a> Track<'a> {
-    /// From the last place.
+    /// Start from the last position.
     ///
     /// # Errors
     /// The coordinates are not smooth along the curve.
@@ -43,10 +44,10 @@ impl<'a> Track<'a> {
         Ok(Self { table, sigma: rigid.sigma, sigma_dot: rigid.sigma_dot, revolutions: rigid.revolutions })
     }
 
-    /// The place for a state that is `h` [s] after the last.
+    /// Move to the position of a state that is `h` [s] after the last.
     ///
     /// # Errors
-    /// The state has left the stretch that was traced.
+    /// The state has left the traced part of the curve.
     pub fn follow(
         &mut self,
         reduced: &Reduced,
@@ -65,28 +66,28 @@ impl<'a> Track<'a> {
         self.wrap(reduced)
     }
 
-    /// Sigma, sigma_dot and whole revolutions of the place reached.
-    pub fn place(&self) -> (f64, f64, f64) {
+    /// sigma, sigma_dot and whole revolutions.
+    pub fn position(&self) -> (f64, f64, f64) {
         (self.sigma, self.sigma_dot, self.revolutions)
     }
 
     fn sums(&self, reduced: &Reduced, fem: &RigidFem, state: &rigid_fem::State) -> Sums {
-        let spot = self.table.spot(self.sigma);
+        let position = self.table.spot(self.sigma);
         let mut sums = Sums { gradient: 0.0, curvature: 0.0, square: 0.0, along: 0.0 };
-        for (place, body) in reduced.linkage().bodies.iter().enumerate() {
-            let Some(turn) = body.angle_coordinate else { continue };
-            let q = self.table.value(spot, 3 * turn) + self.revolutions * reduced.growth(turn);
-            let (q_sigma, q_second) = (self.table.value(spot, 3 * turn + 1), self.table.value(spot, 3 * turn + 2));
-            let miss = q - (fem.angle(state, place) - body.offset);
+        for (index, body) in reduced.linkage().bodies.iter().enumerate() {
+            let Some(angle) = body.angle_coordinate else { continue };
+            let [q, q_sigma, q_second] = [0, 1, 2].map(|order| self.table.value(position, 3 * angle + order));
+            let q = q + self.revolutions * reduced.growth(angle);
+            let miss = q - (fem.angle(state, index) - body.offset);
             sums.gradient += miss * q_sigma;
             sums.curvature += q_sigma * q_sigma + miss * q_second;
             sums.square += q_sigma * q_sigma;
-            sums.along += q_sigma * fem.speed(state, place);
+            sums.along += q_sigma * fem.speed(state, index);
         }
         sums
     }
 
-    /// On a closed curve back into the first turn.
+    /// On a closed curve back into the first revolution.
     fn wrap(&mut self, reduced: &Reduced) -> Result<(), ModelError> {
         let (first, last) = reduced.curve().range();
         if (first..=last).contains(&self.sigma) {

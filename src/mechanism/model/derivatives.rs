@@ -1,29 +1,30 @@
 //! Derivatives as a host asks for them: of outputs by inputs, of outputs in time, and those of inputs that it sets.
 //!
-//! In: references, orders, seeds. Out: what `slopes.rs` finds, or a refusal by name. It must not know any law.
+//! In: references, orders, seeds. Out: derivatives by the outputs' sensitivity, or a refusal by name. It must not know any
+//! law.
 use super::{Formulation, Model, ModelError};
 use crate::mechanism::definition::Method;
 use crate::mechanism::quantity::Quantity;
 use crate::variables::{Causality, Kind, Reference};
 
-/// The order of derivatives of outputs that can be told.
+/// Order of the derivatives of outputs in time.
 pub const OUTPUT_ORDER: i32 = 1;
-/// The largest order of derivatives of inputs that can be set.
+/// Largest order of the derivatives of inputs in time.
 pub const INPUT_ORDER: i32 = 2;
 
 impl Model {
-    /// Directional derivatives of outputs: told with its place, for each unknown the sum over the knowns of
-    /// dy / du times the seed, at the present state. `tell` is called once for each unknown.
+    /// Directional derivatives of outputs at the present state: for each unknown the sum over the knowns of dy / du times
+    /// the seed. `report` is called once for each unknown, with its index.
     ///
     /// # Errors
-    /// An unknown that is no continuous output, a known that is no continuous input, an output that cannot be told,
+    /// An unknown that is no continuous output, a known that is no continuous input, an output without a value,
     /// `solver.method` = "`rigid_fem`".
     pub fn directional_derivative(
         &mut self,
         unknowns: &[Reference],
         knowns: &[Reference],
         seeds: &[f64],
-        tell: &mut dyn FnMut(usize, f64),
+        report: &mut dyn FnMut(usize, f64),
     ) -> Result<(), ModelError> {
         for &known in knowns {
             self.continuous(known, Causality::Input, "a known must be a continuous input")?;
@@ -36,17 +37,17 @@ impl Model {
             return Err(ModelError::Value { name, value: *seed, allowed: "finite, as a seed".into() });
         }
         self.reducible("providesDirectionalDerivative")?;
-        // References of inputs are their places: they come first.
+        // The reference of an input is its index: inputs come first.
         let sum = |input: usize| -> f64 {
             knowns.iter().zip(seeds).filter(|(known, _)| **known as usize == input).map(|(_, seed)| seed).sum()
         };
-        if let (Some(Formulation::Reduced(state)), Some(reduced)) = (&mut self.state, &self.reduced) {
-            state.head_for_inputs(reduced, &self.inputs, &sum);
+        if let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) {
+            motion.head_for_inputs(reduced, &self.inputs, &sum);
         }
-        for (place, &unknown) in unknowns.iter().enumerate() {
+        for (index, &unknown) in unknowns.iter().enumerate() {
             let dependencies = &self.original.variables.list()[unknown as usize].dependencies;
             let depends = knowns.iter().any(|known| dependencies.contains(known));
-            tell(place, if depends { self.slope(unknown)? } else { 0.0 });
+            report(index, if depends { self.derivative(unknown)? } else { 0.0 });
         }
         Ok(())
     }
@@ -54,7 +55,7 @@ impl Model {
     /// Rate of a continuous output in time, under inputs that change at the rates set by [`Self::set_input_derivative`].
     ///
     /// # Errors
-    /// No continuous output has this reference, another order than 1, an output that cannot be told, `solver.method` =
+    /// No continuous output has this reference, another order than 1, an output without a value, `solver.method` =
     /// "`rigid_fem`".
     pub fn output_derivative(&mut self, reference: Reference, order: i32) -> Result<f64, ModelError> {
         self.continuous(reference, Causality::Output, "derivatives are told of continuous outputs")?;
@@ -66,12 +67,12 @@ impl Model {
             });
         }
         self.reducible("maxOutputDerivativeOrder")?;
-        let Self { state: Some(Formulation::Reduced(state)), reduced: Some(reduced), inputs, .. } = self else {
+        let Self { state: Some(Formulation::Reduced(motion)), reduced: Some(reduced), inputs, .. } = self else {
             return Err(ModelError::NotInitialised);
         };
-        let headed = state.head_for_time(reduced, inputs);
-        self.told(reference, headed.map(|()| 0.0))?;
-        self.slope(reference)
+        let headed = motion.head_for_time(reduced, inputs);
+        self.report(reference, headed.map(|()| 0.0))?;
+        self.derivative(reference)
     }
 
     /// Whether [`Self::set_input_derivative`] would accept this; changes nothing.
@@ -92,7 +93,7 @@ impl Model {
         self.not_rigid_fem("canInterpolateInputs")
     }
 
-    /// Set the derivative of an input at the beginning of the next step, for that step.
+    /// Set a derivative of an input in time at the beginning of the next step; it holds for one step.
     ///
     /// # Errors
     /// As [`Self::check_input_derivative`].
@@ -119,37 +120,34 @@ impl Model {
         Ok(())
     }
 
-    /// A step of size h is done: the inputs have come to where they stay.
+    /// A step of size h is done: the inputs keep their values at its end.
     pub(super) fn leave_inputs_at(&mut self, h: f64) {
         let loads = self.reduced.as_ref().map_or(0, |reduced| reduced.loading().inputs.len());
         for (i, value) in self.inputs.reals.iter_mut().enumerate() {
             let end = self.inputs.signal.at(i, *value, h);
             if end.to_bits() != value.to_bits() {
                 *value = end;
-                if let Some(Formulation::Reduced(state)) = &mut self.state {
-                    state.set_input(i, loads, end);
+                if let Some(Formulation::Reduced(motion)) = &mut self.state {
+                    motion.set_input(i, loads, end);
                 }
             }
         }
         self.inputs.signal.end(h);
     }
 
-    fn slope(&mut self, reference: Reference) -> Result<f64, ModelError> {
+    /// Derivative of an output in the direction last headed for.
+    fn derivative(&mut self, reference: Reference) -> Result<f64, ModelError> {
         let Some(Quantity::Output(output)) = self.original.variables.quantity(reference) else {
             return Err(self.no_such(reference, "Real"));
         };
-        let Self { state: Some(Formulation::Reduced(state)), reduced: Some(reduced), inputs, .. } = self else {
+        let Self { state: Some(Formulation::Reduced(motion)), reduced: Some(reduced), inputs, .. } = self else {
             return Err(ModelError::NotInitialised);
         };
-        let slope = state.derivative(reduced, inputs, output);
-        self.told(reference, slope)
+        let derivative = motion.derivative(reduced, inputs, output);
+        self.report(reference, derivative)
     }
 
-    fn name_of(&self, reference: Reference) -> String {
-        self.original.variables.get(reference).map_or_else(String::new, |v| v.name.clone())
-    }
-
-    /// Refuse what is no Real of this causality.
+    /// Refuse a variable that is not a Real of this causality.
     fn continuous(&self, reference: Reference, causality: Causality, rule: &str) -> Result<(), ModelError> {
         match self.original.variables.get(reference) {
             Some(v) if v.causality == causality && v.kind == Kind::Real => Ok(()),
@@ -161,18 +159,18 @@ impl Model {
         }
     }
 
-    /// Put the mechanism at its start if it is nowhere yet, and refuse the finite elements.
+    /// Refuse the finite elements, and put the mechanism at its start if it has no state yet.
     fn reducible(&mut self, capability: &str) -> Result<(), ModelError> {
         self.not_rigid_fem(capability)?;
         self.state().map(|_| ())
     }
 
     fn not_rigid_fem(&self, capability: &str) -> Result<(), ModelError> {
-        let elastic = match &self.state {
+        let rigid_fem = match &self.state {
             Some(state) => matches!(state, Formulation::RigidFem(_)),
             None => self.parameter_values.method() == Method::RigidFem,
         };
-        if elastic {
+        if rigid_fem {
             let reason = "solver.method = \"rigid_fem\" does not have it; choose solver.method = \"reduced\"".into();
             return Err(ModelError::Derivative { what: capability.into(), reason });
         }

@@ -2,10 +2,8 @@
 //!
 //! In: a formulation of the motion. Out: values of outputs and their exact derivatives. It must not know references or FMI.
 mod cache;
-mod direction;
 mod error;
 mod evaluator;
-mod kinematics;
 mod one_element;
 mod panel_reaction;
 mod reaction;

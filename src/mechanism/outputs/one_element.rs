@@ -24,7 +24,7 @@ impl<N: Reading> View<'_, N> {
             Some(eta) => value / N::constant(eta),
             None => value,
         };
-        let power = self.sizes[drive] * speed;
+        let power = self.loads.sizes[drive] * speed;
         let value = match term {
             OneElement::ReducedMass => with_efficiency(power, N::constant(1.0) / (slope * slope)),
             OneElement::ReducedMassDerivative => with_efficiency(power, curvature * -2.0 / slope.powi(4)),
@@ -81,8 +81,7 @@ impl<N: Reading> View<'_, N> {
         self.cache.forces = None;
         let free = self.equation()?.heading(direction, sigma, sigma_dot)?;
         let size = self.delivered(drive);
-        let reduced = self.reduced;
-        let Some(state_loads) = reduced.state_loads(self.cache.scratch.air).ok().flatten() else {
+        let Some(state_loads) = self.state_loads() else {
             return Ok(acceleration - (free - size * influence));
         };
         let scratch = &mut self.cache.scratch;

@@ -3,7 +3,23 @@
 //! In: the table of the reaction to each load, the sizes. Out: one polynomial for each part of the reaction, as in the
 //! right-hand side. It must not know the state.
 use crate::numerics::chebyshev::{NODES, Series};
-use crate::numerics::table::{Table, TablePosition};
+use crate::numerics::dual::Number;
+use crate::numerics::table::Table;
+
+/// The sized loads under the present inputs.
+#[derive(Clone, Debug)]
+pub struct PresentLoads {
+    /// Sizes of the loads.
+    pub sizes: Vec<f64>,
+    /// Reactions of the joints to the loads of these sizes.
+    pub reactions: Vec<PanelReaction>,
+}
+
+impl PresentLoads {
+    pub fn new(sizes: Vec<f64>, joints: usize) -> Self {
+        Self { sizes, reactions: vec![PanelReaction::new(); joints] }
+    }
+}
 
 /// Polynomials of a joint's reaction to all applied loads on one panel of its table.
 #[derive(Clone, Debug)]
@@ -14,7 +30,8 @@ pub struct PanelReaction {
     center: f64,
     /// 2 / width of the panel.
     inverse: f64,
-    panel: usize,
+    /// Panel of the table.
+    pub panel: usize,
     /// Force x, force y, moment.
     pub applied: [Series; 3],
 }
@@ -31,24 +48,22 @@ impl PanelReaction {
         (self.low, self.high) = (f64::INFINITY, f64::NEG_INFINITY);
     }
 
-    /// Position of sigma in the table, and dx / d sigma there. Another panel is entered: `sizes` are those of the applied
-    /// loads, which are columns of each part from the column 2 on; a part has `columns`.
+    /// Whether the polynomials hold at sigma.
     #[inline]
-    pub fn position(
-        &mut self,
-        table: &Table,
-        sigma: f64,
-        (parts, columns): (usize, usize),
-        sizes: impl Iterator<Item = f64> + Clone,
-    ) -> (TablePosition, f64) {
-        if !(self.low <= sigma && sigma < self.high) {
-            self.enter(table, sigma, (parts, columns), sizes);
-        }
-        (TablePosition { panel: self.panel, x: (sigma - self.center) * self.inverse }, self.inverse)
+    pub fn holds(&self, sigma: f64) -> bool {
+        self.low <= sigma && sigma < self.high
     }
 
+    /// x on the panel at sigma.
+    #[inline]
+    pub fn x<N: Number>(&self, sigma: N) -> N {
+        sigma.chain((sigma.value() - self.center) * self.inverse, self.inverse)
+    }
+
+    /// Enter the panel at sigma. `sizes` are those of the applied loads; of the `columns` of each part, they belong to those
+    /// from the column 2 on.
     #[cold]
-    fn enter(
+    pub fn enter(
         &mut self,
         table: &Table,
         sigma: f64,

@@ -4,7 +4,8 @@
 //! the sizes are found.
 use crate::mechanism::linkage::Freedom;
 use crate::mechanism::outputs::error::OutputError;
-use crate::mechanism::outputs::evaluator::{finite, spring_force};
+use crate::mechanism::outputs::evaluator::{Kinematics, finite, spring_force};
+use crate::mechanism::outputs::panel_reaction::PresentLoads;
 use crate::mechanism::outputs::view::{Reading, View};
 use crate::mechanism::reactions::Reaction;
 use crate::numerics::table::{Table, Unresolved};
@@ -20,20 +21,13 @@ struct UnitReactions<'a> {
 }
 
 impl<N: Reading> View<'_, N> {
-    /// Force x, force y [N] and moment [N.m] that a joint transmits; evaluated once for a state.
-    pub fn joint_reaction(&mut self, joint: usize) -> Result<[N; 3], OutputError> {
-        match self.cache.reactions[joint] {
-            Some(value) => Ok(value),
-            None => self.find_reaction(joint),
-        }
-    }
-
-    fn find_reaction(&mut self, joint: usize) -> Result<[N; 3], OutputError> {
+    /// Force x, force y [N] and moment [N.m] that a joint transmits.
+    pub fn find_reaction(&mut self, joint: usize) -> Result<[N; 3], OutputError> {
         let forces = self.forces()?;
         let (reduced, sigma, sigma_dot) = (self.reduced, self.sigma(), self.sigma_dot());
         let loading = reduced.loading();
         let sized = reduced.components().sized;
-        let state_loads = reduced.state_loads(self.cache.scratch.air).ok().flatten();
+        let state_loads = self.state_loads();
         // The state decides the delivered force of a drive with an efficiency.
         let with_efficiency = state_loads.map_or(&[][..], |s| &s.drives_with_efficiency);
         let table = reduced.reaction(joint);
@@ -48,13 +42,16 @@ impl<N: Reading> View<'_, N> {
         let square = sigma_dot * sigma_dot;
         if let Ok(table) = table {
             let columns = 2 + loading.base();
-            let sizes = self.sizes[..sized].iter().enumerate();
+            let PresentLoads { sizes, reactions } = &mut *self.loads;
+            let sizes = sizes[..sized].iter().enumerate();
             let sizes = sizes.map(|(load, size)| if with_efficiency.contains(&load) { 0.0 } else { *size });
-            let panel = &mut self.panel_reactions[joint];
-            let (position, slope) = panel.position(table, self.state.sigma, (parts, columns), sizes);
-            let x = sigma.chain(position.x, slope);
+            let panel = &mut reactions[joint];
+            if !panel.holds(self.state.sigma) {
+                panel.enter(table, self.state.sigma, (parts, columns), sizes);
+            }
+            let x = panel.x(sigma);
             for (part, value) in value.iter_mut().enumerate().take(parts) {
-                let unit = |column: usize| Self::polynomial(table.series(position.panel, part * columns + column), x);
+                let unit = |column: usize| Self::polynomial(table.series(panel.panel, part * columns + column), x);
                 let applied = Self::polynomial(&panel.applied[part], x);
                 *value = applied + forces.acceleration * unit(0) + square * unit(1);
             }
@@ -66,7 +63,7 @@ impl<N: Reading> View<'_, N> {
         }
         if N::CARRIES || units.table.is_err() {
             for load in (0..sized).filter(|load| !with_efficiency.contains(load)) {
-                let size = self.load_size(load);
+                let size = self.size(load);
                 // The polynomials have the values.
                 let size = if units.table.is_ok() { size - N::constant(size.value()) } else { size };
                 self.add(&units, 2 + load, size, &mut value)?;
@@ -84,12 +81,12 @@ impl<N: Reading> View<'_, N> {
         }
         if let Some(side) = forces.held {
             if let Some(end) = self.state.travel[side].filter(|_| forces.by_stop) {
-                let force = self.holding_stop(end.stop)?;
+                let force = self.stop_force(end.stop)?;
                 self.add(&units, 2 + loading.stops[end.stop].load, force, &mut value)?;
             }
             let outward = if side == 0 { -1.0 } else { 1.0 };
             for lock in 0..loading.locks.len() {
-                let force = self.holding_lock(lock)?;
+                let force = self.lock_force(lock)?;
                 if force.value() != 0.0 || !force.is_constant() {
                     let unit = reduced.lock_reaction(lock, self.state.sigma, joint);
                     for (part, sum) in value.iter_mut().enumerate().take(parts) {

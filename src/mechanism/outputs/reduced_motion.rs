@@ -6,11 +6,10 @@ use crate::mechanism::definition::Mechanism;
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::motion::SavedState;
 use crate::mechanism::motion::state::{State, state_loads_under};
-use crate::mechanism::outputs::cache::{Computed, OutputCache};
-use crate::mechanism::outputs::direction::Direction;
+use crate::mechanism::outputs::cache::{Computed, Direction, OutputCache};
 use crate::mechanism::outputs::error::OutputError;
 use crate::mechanism::outputs::evaluator::evaluate;
-use crate::mechanism::outputs::panel_reaction::PanelReaction;
+use crate::mechanism::outputs::panel_reaction::{PanelReaction, PresentLoads};
 use crate::mechanism::outputs::view::View;
 use crate::mechanism::quantity::Output;
 use crate::mechanism::reduced::Reduced;
@@ -21,10 +20,7 @@ use crate::numerics::dual::{Dual, same_bits};
 pub struct ReducedMotion {
     /// Changed by the methods below only, which keep the caches up to date.
     pub state: State,
-    /// Sizes of the sized loads under the present inputs.
-    pub(super) sizes: Vec<f64>,
-    /// Reactions of the joints to the loads of these sizes.
-    pub(super) panel_reactions: Vec<PanelReaction>,
+    pub(super) loads: PresentLoads,
     /// Cache of the values.
     pub(super) cache: OutputCache<f64>,
     /// Cache of the values with derivatives, once one has been asked for.
@@ -53,8 +49,7 @@ impl ReducedMotion {
         let state_loads = state_loads_under(reduced, inputs).ok().flatten();
         Self {
             state,
-            sizes: reduced.sizes(&inputs.reals),
-            panel_reactions: vec![PanelReaction::new(); reduced.linkage().joints.len()],
+            loads: PresentLoads::new(reduced.sizes(&inputs.reals), reduced.linkage().joints.len()),
             cache: OutputCache::new(reduced, state_loads, Direction::new(0.0, 0)),
             sensitivity: None,
         }
@@ -64,7 +59,7 @@ impl ReducedMotion {
     ///
     /// # Errors
     /// As [`State::step`].
-    #[inline]
+    #[inline(always)]
     pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64, tolerance: f64) -> Result<(), ModelError> {
         let revolutions = self.state.revolutions;
         self.state.step(reduced, inputs, h, tolerance)?;
@@ -82,8 +77,8 @@ impl ReducedMotion {
         self.state.restore(saved, reduced)?;
         if let Some(inputs) = inputs {
             let sizes = &inputs[..reduced.loading().inputs.len()];
-            if !same_bits(sizes, &self.sizes[..sizes.len()]) {
-                self.sizes[..sizes.len()].copy_from_slice(sizes);
+            if !same_bits(sizes, &self.loads.sizes[..sizes.len()]) {
+                self.loads.sizes[..sizes.len()].copy_from_slice(sizes);
                 self.invalidate_sizes();
             }
         }
@@ -101,7 +96,7 @@ impl ReducedMotion {
     /// A Real input has changed. `loads` is the number of inputs that size loads; they come first.
     pub fn set_input(&mut self, input: usize, loads: usize, value: f64) {
         if input < loads {
-            self.sizes[input] = value;
+            self.loads.sizes[input] = value;
             self.invalidate_sizes();
         }
         self.cache.invalidate();
@@ -114,7 +109,7 @@ impl ReducedMotion {
 
     fn invalidate_sizes(&mut self) {
         self.cache.scratch.panel_force.invalidate();
-        self.panel_reactions.iter_mut().for_each(PanelReaction::invalidate);
+        self.loads.reactions.iter_mut().for_each(PanelReaction::invalidate);
     }
 
     /// The state has changed, from one after so many whole revolutions.
@@ -137,8 +132,8 @@ impl ReducedMotion {
 
     #[inline]
     pub(super) fn view<'a>(&'a mut self, reduced: &'a Reduced, inputs: &'a Inputs) -> View<'a, f64> {
-        let Self { state, sizes, panel_reactions, cache, .. } = self;
-        View { reduced, inputs, state, sizes, panel_reactions, cache, values: () }
+        let Self { state, loads, cache, .. } = self;
+        View { reduced, inputs, state, loads, cache, values: () }
     }
 
     /// What reading outputs has made be computed since the start.

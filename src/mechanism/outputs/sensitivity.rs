@@ -9,8 +9,7 @@
 //! of a drive with an efficiency that in the present direction. What is held at a stop or by a lock stays held.
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::motion::state::state_loads_under;
-use crate::mechanism::outputs::cache::OutputCache;
-use crate::mechanism::outputs::direction::Direction;
+use crate::mechanism::outputs::cache::{Direction, OutputCache};
 use crate::mechanism::outputs::error::OutputError;
 use crate::mechanism::outputs::evaluator::evaluate;
 use crate::mechanism::outputs::reduced_motion::ReducedMotion;
@@ -56,9 +55,9 @@ impl ReducedMotion {
     /// # Errors
     /// [`OutputError`].
     pub fn derivative(&mut self, reduced: &Reduced, inputs: &Inputs, output: Output) -> Result<f64, OutputError> {
-        let Self { state, sizes, panel_reactions, cache: values, sensitivity } = self;
+        let Self { state, loads, cache: values, sensitivity } = self;
         let Some(cache) = sensitivity else { return Ok(0.0) };
-        let mut view = View { reduced, inputs, state, sizes, panel_reactions, cache, values };
+        let mut view = View { reduced, inputs, state, loads, cache, values };
         Ok(evaluate(&mut view, reduced.loading(), output)?.slope[0])
     }
 }

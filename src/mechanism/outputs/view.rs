@@ -1,7 +1,6 @@
 //! The reduced model in one state, read in numbers N: values, or values with derivatives along a direction.
 //!
-//! In: the state, the inputs, the tables. Out: the tables' functions at sigma, forces and accelerations. It must not know
-//! which output asks.
+//! In: the state, the inputs, the tables. Out: [`Kinematics`], forces and accelerations. It must not know which output asks.
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
@@ -10,8 +9,9 @@ use crate::mechanism::motion::contact::Holder;
 use crate::mechanism::motion::state::{State, airspeed, state_loads_under};
 use crate::mechanism::outputs::cache::{Forces, OutputCache};
 use crate::mechanism::outputs::error::OutputError;
-use crate::mechanism::outputs::evaluator::finite;
-use crate::mechanism::outputs::panel_reaction::PanelReaction;
+use crate::mechanism::outputs::evaluator::{Kinematics, finite};
+use crate::mechanism::outputs::panel_reaction::PresentLoads;
+use crate::mechanism::quantity::OneElement;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::chebyshev::Series;
 use crate::numerics::dual::{Dual, Number};
@@ -22,10 +22,7 @@ pub struct View<'a, N: Reading> {
     pub reduced: &'a Reduced,
     pub inputs: &'a Inputs,
     pub state: &'a State,
-    /// Sizes of the sized loads under the present inputs.
-    pub sizes: &'a [f64],
-    /// Reactions of the joints to the loads of these sizes.
-    pub panel_reactions: &'a mut [PanelReaction],
+    pub loads: &'a mut PresentLoads,
     pub cache: &'a mut OutputCache<N>,
     /// Cache of the values, where N carries derivatives.
     pub values: N::Values<'a>,
@@ -46,6 +43,7 @@ pub trait Reading: Number {
 impl Reading for f64 {
     type Values<'a> = ();
 
+    #[inline(always)]
     fn forces(view: &mut View<Self>) -> Result<Forces<Self>, OutputError> {
         let State { sigma, sigma_dot, contact, .. } = *view.state;
         let (state, reduced, locks) = (view.state, view.reduced, &view.inputs.locks);
@@ -70,9 +68,9 @@ impl Reading for Dual<1> {
     type Values<'a> = &'a mut OutputCache<f64>;
 
     fn forces(view: &mut View<Self>) -> Result<Forces<Self>, OutputError> {
-        let View { reduced, inputs, state, sizes, .. } = *view;
-        let (cache, panel_reactions) = (&mut *view.values, &mut *view.panel_reactions);
-        let values = View { reduced, inputs, state, sizes, panel_reactions, cache, values: () }.forces()?;
+        let View { reduced, inputs, state, .. } = *view;
+        let (cache, loads) = (&mut *view.values, &mut *view.loads);
+        let values = View { reduced, inputs, state, loads, cache, values: () }.forces()?;
         let (sigma, sigma_dot) = (view.sigma(), view.sigma_dot());
         let free = view.equation()?.settle_in(values.direction, sigma, sigma_dot)?;
         let acceleration = if values.held.is_some() { Self::constant(0.0) } else { free };
@@ -81,7 +79,7 @@ impl Reading for Dual<1> {
     }
 }
 
-impl<N: Reading> View<'_, N> {
+impl<'a, N: Reading> View<'a, N> {
     /// sigma.
     #[inline]
     pub fn sigma(&self) -> N {
@@ -94,17 +92,6 @@ impl<N: Reading> View<'_, N> {
         self.cache.direction.s.chain(self.state.sigma_dot, self.cache.direction.along[1])
     }
 
-    /// Size of a load that an input or a constant sizes.
-    #[inline]
-    pub fn load_size(&self, load: usize) -> N {
-        let size = self.sizes[load];
-        if load < self.reduced.loading().inputs.len() {
-            self.cache.direction.input(load, size)
-        } else {
-            N::constant(size)
-        }
-    }
-
     /// A polynomial of a panel, at x.
     #[inline]
     pub fn polynomial(series: &Series, x: N) -> N {
@@ -114,8 +101,12 @@ impl<N: Reading> View<'_, N> {
     /// A component of a table; its derivative along sigma is that of the polynomial.
     #[inline]
     pub fn component(&self, table: &Table, position: TablePosition, component: usize) -> N {
+        let sigma = self.sigma();
+        if sigma.is_constant() {
+            return N::constant(table.value(position, component));
+        }
         let (a, b) = table.borders(position.panel);
-        Self::polynomial(table.series(position.panel, component), self.sigma().chain(position.x, 2.0 / (b - a)))
+        polynomial_at(table.series(position.panel, component), sigma.chain(position.x, 2.0 / (b - a)))
     }
 
     /// A component of a table whose derivative along sigma is the next component.
@@ -130,25 +121,6 @@ impl<N: Reading> View<'_, N> {
     pub fn influence(&self, load: usize) -> N {
         let table = self.reduced.influence();
         self.component(table, table.spot(self.state.sigma), load)
-    }
-
-    /// A coordinate or its time derivative.
-    #[inline]
-    pub fn coordinate(&mut self, coordinate: usize, order: usize) -> Result<N, OutputError> {
-        let table = self.reduced.coordinates()?;
-        let position = match self.cache.position {
-            Some(position) => position,
-            None => {
-                let position = table.spot_near(self.state.sigma, self.cache.panel);
-                (self.cache.position, self.cache.panel) = (Some(position), position.panel);
-                position
-            }
-        };
-        let value = self.time_derivative((table, position), 3 * coordinate, order)?;
-        if order > 0 {
-            return Ok(value);
-        }
-        Ok(value + N::constant(self.state.revolutions * self.reduced.growth(coordinate)))
     }
 
     /// Time derivative of a function whose table has it and its two derivatives along sigma from component `first` on.
@@ -171,6 +143,7 @@ impl<N: Reading> View<'_, N> {
     }
 
     /// The equation of motion under the present inputs.
+    #[inline(always)]
     pub fn equation(&mut self) -> Result<EquationOfMotion<'_, N>, OutputError> {
         let (reduced, inputs, state) = (self.reduced, self.inputs, self.state);
         let state_loads = state_loads_under(reduced, inputs)?;
@@ -179,7 +152,7 @@ impl<N: Reading> View<'_, N> {
             *scratch = Scratch::new(state_loads);
         }
         let applied = AppliedLoads {
-            sizes: self.sizes,
+            sizes: &self.loads.sizes,
             airspeed: airspeed(reduced, inputs),
             revolutions: state.revolutions,
             change: direction.change(reduced.loading()),
@@ -205,24 +178,92 @@ impl<N: Reading> View<'_, N> {
     }
 
     /// State loads of the last evaluation.
-    pub fn state_loads(&self) -> Option<&StateLoads> {
+    pub fn state_loads(&self) -> Option<&'a StateLoads> {
         self.reduced.state_loads(self.cache.scratch.air).ok().flatten()
-    }
-
-    /// Size of a load that the state decides, as last evaluated.
-    pub fn state_load_size(&self, load: usize) -> N {
-        let index = self.state_loads().and_then(|s| s.loads.iter().position(|l| *l == load));
-        index.map_or(N::constant(0.0), |k| self.cache.scratch.evaluator.loads[k])
     }
 
     /// Delivered force of a sized load, after the loss of its drive if it has one; as last evaluated.
     pub fn delivered(&self, load: usize) -> N {
         let index = self.state_loads().and_then(|s| s.drives_with_efficiency.iter().position(|l| *l == load));
-        index.map_or_else(|| self.load_size(load), |k| self.cache.scratch.evaluator.delivered[k])
+        index.map_or_else(|| self.size(load), |k| self.cache.scratch.evaluator.delivered[k])
+    }
+}
+
+impl<N: Reading> Kinematics<N> for View<'_, N> {
+    #[inline]
+    fn angle(&mut self, body: usize, order: usize) -> Result<N, OutputError> {
+        let body = &self.reduced.linkage().bodies[body];
+        let Some(coordinate) = body.angle_coordinate else { return Ok(N::constant(0.0)) };
+        let value = self.joint_position(coordinate, order)?;
+        Ok(if order == 0 { value + N::constant(body.offset) } else { value })
     }
 
-    /// Force or torque with which a rigid stop holds the mechanism at rest.
-    pub fn holding_stop(&mut self, stop: usize) -> Result<N, OutputError> {
+    #[inline]
+    fn joint_position(&mut self, coordinate: usize, order: usize) -> Result<N, OutputError> {
+        let table = self.reduced.coordinates()?;
+        let position = match self.cache.position {
+            Some(position) => position,
+            None => {
+                let position = table.spot_near(self.state.sigma, self.cache.panel);
+                (self.cache.position, self.cache.panel) = (Some(position), position.panel);
+                position
+            }
+        };
+        let value = self.time_derivative((table, position), 3 * coordinate, order)?;
+        if order > 0 {
+            return Ok(value);
+        }
+        Ok(value + N::constant(self.state.revolutions * self.reduced.growth(coordinate)))
+    }
+
+    fn displacement(&mut self, load: usize, order: usize) -> Result<N, OutputError> {
+        let (reduced, sigma) = (self.reduced, self.sigma());
+        let table = reduced.displacement(load);
+        if order > 0 {
+            let table = table?;
+            return self.time_derivative((table, table.spot(self.state.sigma)), 0, order);
+        }
+        let slope = match table {
+            _ if sigma.is_constant() => 0.0,
+            Ok(table) => table.value(table.spot(self.state.sigma), 1),
+            Err(_) => {
+                let c = reduced.curve().configuration(self.state.sigma);
+                reduced.loading().loads[load].influence(reduced.linkage(), &c)
+            }
+        };
+        Ok(sigma.chain(self.state.displacement(reduced, load), slope))
+    }
+
+    fn marker(&mut self, marker: usize, axis: usize, order: usize) -> Result<N, OutputError> {
+        let table = self.reduced.marker(marker)?;
+        self.time_derivative((table, table.spot(self.state.sigma)), 3 * axis, order)
+    }
+
+    #[inline]
+    fn reaction(&mut self, joint: usize) -> Result<[N; 3], OutputError> {
+        match self.cache.reactions[joint] {
+            Some(value) => Ok(value),
+            None => self.find_reaction(joint),
+        }
+    }
+
+    #[inline]
+    fn size(&self, load: usize) -> N {
+        let size = self.loads.sizes[load];
+        if load < self.reduced.loading().inputs.len() {
+            self.cache.direction.input(load, size)
+        } else {
+            N::constant(size)
+        }
+    }
+
+    fn state_load(&mut self, load: usize) -> Result<N, OutputError> {
+        self.forces()?;
+        let index = self.state_loads().and_then(|s| s.loads.iter().position(|l| *l == load));
+        Ok(index.map_or(N::constant(0.0), |k| self.cache.scratch.evaluator.loads[k]))
+    }
+
+    fn stop_force(&mut self, stop: usize) -> Result<N, OutputError> {
         let Forces { free, held, by_stop, .. } = self.forces()?;
         if !by_stop || !held.is_some_and(|side| self.state.travel[side].is_some_and(|end| end.stop == stop)) {
             return Ok(N::constant(0.0));
@@ -235,8 +276,7 @@ impl<N: Reading> View<'_, N> {
         Ok(finite(-free / slope))
     }
 
-    /// Force with which a lock holds the mechanism, along the path of its point; positive towards the stop.
-    pub fn holding_lock(&mut self, lock: usize) -> Result<N, OutputError> {
+    fn lock_force(&mut self, lock: usize) -> Result<N, OutputError> {
         let Forces { free, held, by_stop, .. } = self.forces()?;
         let (all, engaged) = (&self.reduced.loading().locks, &self.inputs.locks);
         let stop = all[lock].stop;
@@ -249,5 +289,17 @@ impl<N: Reading> View<'_, N> {
         let sharing = all.iter().zip(engaged).filter(|(lock, engaged)| **engaged && lock.stop == stop).count();
         let path = self.reduced.lock_path(lock, self.state.sigma);
         Ok(finite(-free * outward / N::constant(path.norm() * sharing as f64)))
+    }
+
+    fn one_element(&mut self, drive: usize, term: OneElement) -> Result<N, OutputError> {
+        self.drive_term(drive, term)
+    }
+
+    fn kinetic(&self) -> N {
+        self.sigma_dot() * self.sigma_dot() * 0.5
+    }
+
+    fn drift(&self) -> N {
+        N::constant(self.state.kinetic() + self.state.load_potential(self.reduced) - self.state.reference)
     }
 }
