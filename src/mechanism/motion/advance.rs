@@ -161,6 +161,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         self.progress.t = ahead.rest();
         self.progress.is_settled = true;
         self.dynamics.set_time(self.progress.t);
+        self.dynamics.set_touching(self.contact.touching());
         let middle = ahead.middle();
         self.dynamics.set_regimes(middle[0], middle[1]);
         let event = ahead.event;
@@ -189,7 +190,10 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// [`Locked`].
     fn instant(&mut self, z: &mut [f64; N], span: f64) -> Result<Instant, Locked> {
         self.dynamics.set_time(self.progress.t);
-        if let Some(side) = self.contact.at_rest() {
+        // Contact changes with a jump only, so a settled mechanism does not rest.
+        if !self.progress.is_settled
+            && let Some(side) = self.contact.at_rest()
+        {
             return self.rest(side, z[0], span);
         }
         if let Some(side) = self.pushed_end(z) {
@@ -206,9 +210,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                     return Ok(Instant::Changed);
                 }
             }
-        }
-        self.dynamics.set_touching(self.contact.touching());
-        if !self.progress.is_settled {
+            self.dynamics.set_touching(self.contact.touching());
             self.dynamics.set_regimes(z[0], z[1]);
             self.progress.is_settled = true;
         }
@@ -292,9 +294,8 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
 
     /// A mechanism that sets out outward from the end where a bumper begins presses that bumper from the start.
     fn touch_bumpers(&mut self, z: &[f64; N]) -> Result<(), Locked> {
-        for side in 0..2 {
-            let touches = self.contact.touching()[side].is_some();
-            if let (true, false, Some(bumper)) = (self.ends.is_at(side, z[0]), touches, self.ends.bumper(side)) {
+        for side in (0..2).filter(|&side| self.ends.is_at(side, z[0])) {
+            if let (None, Some(bumper)) = (self.contact.touching()[side], self.ends.bumper(side)) {
                 let outward = outward(side);
                 let sets_out = |dynamics: &mut D| Ok(dynamics.free_acceleration(z[0], 0.0)? * outward > 0.0);
                 if z[1] * outward > 0.0 || (z[1] == 0.0 && sets_out(self.dynamics)?) {
