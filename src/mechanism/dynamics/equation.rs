@@ -18,18 +18,18 @@ use crate::numerics::table::{polynomial, polynomial_at};
 /// Scratch of the equation of motion in numbers T, with the results of its last evaluation.
 #[derive(Clone, Debug)]
 pub struct Scratch<T = f64> {
-    /// Applied loads on the panel that was used last.
+    /// Applied loads on the panel used last.
     pub panel_force: PanelForce,
-    /// Evaluation of the state loads.
+    /// State loads.
     pub evaluator: StateLoadEvaluator<T>,
-    /// Evaluation of the state loads with derivatives along sigma and sigma_dot.
+    /// State loads with derivatives along sigma and sigma_dot.
     tangent: StateLoadEvaluator<Dual<2>>,
-    /// Whether the state loads are those with moving air.
+    /// Whether the state loads include those of moving air.
     pub air: bool,
 }
 
 impl<T: Number> Scratch<T> {
-    /// For these state loads, or none.
+    /// Scratch for these state loads.
     pub fn new(state_loads: Option<&StateLoads>) -> Self {
         let air = state_loads.is_some_and(|s| s.air);
         Self {
@@ -134,8 +134,7 @@ impl<T: Number> EquationOfMotion<'_, T> {
         Ok(T::constant(0.0))
     }
 
-    /// Acceleration at any state, were the drives with an efficiency to work in this direction; 0: without their
-    /// losses.
+    /// Acceleration at any state, were the drives with an efficiency to work in this direction; 0: without their losses.
     ///
     /// # Errors
     /// [`Locked`].
@@ -303,8 +302,8 @@ impl System<3> for EquationOfMotion<'_> {
     }
 
     fn scale(&mut self, y: &[f64; 3], f: &[f64; 3]) -> [f64; 3] {
-        // Where the loads balance each other, the acceleration does not show how large the forces are, but applied
-        // loads do.
+        // Where the loads balance each other, the acceleration does not show how large the forces are, but applied loads
+        // do.
         let x = self.locate(y[0]);
         let panel_force = &self.scratch.panel_force;
         let force = f[1].abs().max(panel_force.at(x, 0.0).abs()).max(panel_force.excess(0, x, self.time).abs());

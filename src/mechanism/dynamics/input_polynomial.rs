@@ -69,10 +69,14 @@ impl InputPolynomial {
 
     /// Input derivatives for the next step; None if all inputs are constant. `loads`: number of inputs that scale
     /// loads, which come first; `air`: whether the last input is the airspeed.
+    #[inline]
     pub fn change(&self, loads: usize, air: bool) -> Option<Change<'_>> {
+        if !self.ahead {
+            return None;
+        }
         let last = self.first.len().wrapping_sub(1);
         let airspeed = if air { [self.first[last], self.second[last]] } else { [0.0; 2] };
-        self.ahead.then(|| Change { first: &self.first[..loads], second: &self.second[..loads], airspeed })
+        Some(Change { first: &self.first[..loads], second: &self.second[..loads], airspeed })
     }
 
     /// u(h) of an input that begins with u_0.

@@ -19,6 +19,7 @@ pub struct Inputs {
 
 impl Inputs {
     /// Input derivatives for the next step; None if all inputs are constant.
+    #[inline]
     pub fn change(&self, reduced: &Reduced) -> Option<Change<'_>> {
         let loading = reduced.loading();
         self.signal.change(loading.inputs.len(), loading.air.is_some())

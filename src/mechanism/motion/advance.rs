@@ -79,6 +79,7 @@ enum Instant {
     Moves,
 }
 
+// All is inlined into `run`, so that no reference to the advance escapes and its fields stay in registers.
 impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// Advance z = (sigma, sigma_dot, energy lost if N = 3) by exactly `span` [s]; returns the energy lost in impacts
     /// [J].
@@ -151,6 +152,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
 
     /// Go on from a step that went beyond the last span: read the state at the end of this span from it and return
     /// true, or go to the end of that step.
+    #[inline(always)]
     fn resume(&mut self, z: &mut [f64; N], span: f64) -> Result<bool, Locked> {
         let Some(ahead) = &mut self.lookahead.step_ahead else { return Ok(false) };
         if span < ahead.rest() {
@@ -161,6 +163,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         self.progress.t = ahead.rest();
         self.progress.is_settled = true;
         self.dynamics.set_time(self.progress.t);
+        self.dynamics.set_touching(self.contact.touching());
         let middle = ahead.middle();
         self.dynamics.set_regimes(middle[0], middle[1]);
         let event = ahead.event;
@@ -172,12 +175,14 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     }
 
     /// A step beyond the span was in vain: the next ones end with it.
+    #[inline(always)]
     fn stay_within(&mut self) {
         self.lookahead.failed();
         self.progress.may_pass = false;
     }
 
     /// The state has jumped.
+    #[inline(always)]
     fn jumped(&mut self) {
         self.integrator.restart();
         self.progress.is_settled = false;
@@ -187,9 +192,13 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     ///
     /// # Errors
     /// [`Locked`].
+    #[inline(always)]
     fn instant(&mut self, z: &mut [f64; N], span: f64) -> Result<Instant, Locked> {
         self.dynamics.set_time(self.progress.t);
-        if let Some(side) = self.contact.at_rest() {
+        // Contact changes with a jump only, so a settled mechanism does not rest.
+        if !self.progress.is_settled
+            && let Some(side) = self.contact.at_rest()
+        {
             return self.rest(side, z[0], span);
         }
         if let Some(side) = self.pushed_end(z) {
@@ -206,9 +215,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                     return Ok(Instant::Changed);
                 }
             }
-        }
-        self.dynamics.set_touching(self.contact.touching());
-        if !self.progress.is_settled {
+            self.dynamics.set_touching(self.contact.touching());
             self.dynamics.set_regimes(z[0], z[1]);
             self.progress.is_settled = true;
         }
@@ -219,6 +226,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     }
 
     /// At rest at an end: held by a lock, or by a stop until the loads no longer press the mechanism against it.
+    #[inline(always)]
     fn rest(&mut self, side: usize, sigma: f64, span: f64) -> Result<Instant, Locked> {
         if self.contact.is_latched(side) {
             return Ok(Instant::Held);
@@ -240,6 +248,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     }
 
     /// Held at rest by drives with an efficiency, until the loads overcome them in one direction.
+    #[inline(always)]
     fn wait_for_drives(&mut self, sigma: f64, span: f64) -> Result<Instant, Locked> {
         let excess = |dynamics: &mut D| {
             let mut most = f64::NEG_INFINITY;
@@ -258,6 +267,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// Go on in time, at rest, to where `excess`, <= 0 while the mechanism is held, becomes positive under inputs that
     /// change with time; false if it does not before the end of the span. At rest the excess is a parabola in time for
     /// every direction of the drives and without air; a passage there and back within a 64th of the time is not seen.
+    #[inline(always)]
     fn wait_until(&mut self, span: f64, mut excess: impl FnMut(&mut D) -> Result<f64, Locked>) -> Result<bool, Locked> {
         const SAMPLES: usize = 64;
         const CLOSE: f64 = 1e-15;
@@ -277,11 +287,13 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     }
 
     /// Whether the loads press a mechanism at rest at an end against a rigid stop.
+    #[inline(always)]
     fn is_pressed(&mut self, side: usize, sigma: f64) -> Result<bool, Locked> {
         Ok(self.ends.is_rigid(side) && self.ends.is_pressed(side, self.dynamics.free_acceleration(sigma, 0.0)?))
     }
 
     /// Side on which the mechanism is at a rigid stop and moves outward.
+    #[inline(always)]
     fn pushed_end(&self, z: &[f64; N]) -> Option<usize> {
         (0..2).find(|&side| {
             let moves = z[1] * outward(side) > 0.0;
@@ -291,10 +303,10 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     }
 
     /// A mechanism that sets out outward from the end where a bumper begins presses that bumper from the start.
+    #[inline(always)]
     fn touch_bumpers(&mut self, z: &[f64; N]) -> Result<(), Locked> {
-        for side in 0..2 {
-            let touches = self.contact.touching()[side].is_some();
-            if let (true, false, Some(bumper)) = (self.ends.is_at(side, z[0]), touches, self.ends.bumper(side)) {
+        for side in (0..2).filter(|&side| self.ends.is_at(side, z[0])) {
+            if let (None, Some(bumper)) = (self.contact.touching()[side], self.ends.bumper(side)) {
                 let outward = outward(side);
                 let sets_out = |dynamics: &mut D| Ok(dynamics.free_acceleration(z[0], 0.0)? * outward > 0.0);
                 if z[1] * outward > 0.0 || (z[1] == 0.0 && sets_out(self.dynamics)?) {
@@ -306,6 +318,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     }
 
     /// Whether states may be taken from the interpolant of a step.
+    #[inline(always)]
     fn is_exact(&mut self, step: &Step<N>, dense: &Dense<N>) -> bool {
         let Some([first, _]) = step.rates() else { return false };
         let scale = self.dynamics.scale(&step.start, first);
@@ -314,6 +327,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
 
     /// Locate an event: on the interpolant if that is exact, or by a step that ends there, which is returned; an end of
     /// the travel to the last digit.
+    #[inline(always)]
     fn locate(&mut self, step: &Step<N>, found: &Found<N>, dense: Option<&Dense<N>>) -> Option<Step<N>> {
         let is_smooth = matches!(found.event, Event::Regime(_) | Event::Bumper(_) | Event::Reversal);
         if is_smooth && dense.is_some_and(|dense| self.is_exact(step, dense)) {
@@ -341,6 +355,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     ///
     /// # Errors
     /// [`Locked`].
+    #[inline(always)]
     fn apply_event(&mut self, event: Event, at_once: bool, z: &mut [f64; N]) -> Result<(), Locked> {
         match event {
             Event::Undefined => self.integrator.refresh(),
@@ -372,6 +387,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     ///
     /// # Errors
     /// [`Locked`].
+    #[inline(always)]
     fn impact(&mut self, side: usize, z: &mut [f64; N]) -> Result<(), Locked> {
         let Some(end) = self.ends.travel[side] else { return Ok(()) };
         z[0] = end.position;
@@ -400,6 +416,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     ///
     /// # Errors
     /// [`Locked`].
+    #[inline(always)]
     fn end_bouncing(&mut self, side: usize, z: &mut [f64; N]) -> Result<f64, Locked> {
         let speed = -z[1] * outward(side);
         if speed < 0.0 {

@@ -52,13 +52,15 @@ impl Reading for f64 {
         let free = motion.settle(sigma, sigma_dot)?;
         let direction = motion.mode.direction;
         let forces = Forces { acceleration: free, free, direction, held: None, by_stop: false };
-        let ends = contact.at_rest().map(|_| state.ends(reduced, locks));
-        Ok(match ends.and_then(|ends| contact.holder(&ends, free)) {
+        if contact.at_rest().is_none() {
+            return Ok(forces);
+        }
+        match contact.holder(&state.ends(reduced, locks), free) {
             Some((side, holder)) => {
-                Forces { acceleration: 0.0, held: Some(side), by_stop: holder == Holder::Stop, ..forces }
+                Ok(Forces { acceleration: 0.0, held: Some(side), by_stop: holder == Holder::Stop, ..forces })
             }
-            None => forces,
-        })
+            None => Ok(forces),
+        }
     }
 }
 
