@@ -77,6 +77,11 @@ pub enum Output {
         /// Index among the joints with friction.
         friction_joint: usize,
     },
+    /// Slip speed in a joint with friction.
+    SlipSpeed {
+        /// Index among the joints with friction.
+        friction_joint: usize,
+    },
     /// Drag on a surface, along the flow.
     Drag {
         /// Index of the surface.

@@ -22,6 +22,23 @@ fn time_at(angle: f64, first: f64, values: &[(&str, f64)]) -> f64 {
     t
 }
 
+/// Pins of 35 mm in joint 1 and 30 mm in the others (PHYSICS) slip at their radius times the relative angular speed, with
+/// friction enabled or not.
+#[test]
+fn pins_slip_at_their_radius_times_the_relative_angular_speed() {
+    for enabled in [false, true] {
+        let mut gear = gear(&[]).with(&[("friction.enabled", enabled)]).started();
+        gear.step(0.1);
+        let [crank, coupler, follower] =
+            ["crank", "coupler", "follower"].map(|body| gear.get(&format!("{body}.speed")));
+        let expected = [0.0175 * crank, 0.015 * (coupler - crank), 0.015 * (follower - coupler), 0.015 * follower];
+        for (joint, expected) in (1..).zip(expected) {
+            let slip = gear.get(&format!("joint{joint}.slip_speed"));
+            assert!((slip - expected).abs() < 1e-13 * expected.abs().max(0.1), "joint{joint}: {slip}, {expected}");
+        }
+    }
+}
+
 #[test]
 fn the_gear_takes_as_long_as_the_reference() {
     // PHYSICS: mu 0.19 and 0.026, V_S 0.01, V_d 1.0 m/s, pins of 35 and 30 mm: 0.134488353 s.

@@ -114,7 +114,7 @@ impl<'a> Builder<'a> {
 
 /// Whether the stretch of rods changes an output. Terms of the mechanism as one element are those of rigid bodies.
 fn is_stretched(quantity: Quantity) -> bool {
-    use Output::{Angle, Displacement, JointPosition, Kinetic, Marker, Potential, Reaction, SpringForce};
+    use Output::{Angle, Displacement, JointPosition, Kinetic, Marker, Potential, Reaction, SlipSpeed, SpringForce};
     let Quantity::Output(output) = quantity else { return false };
     matches!(
         output,
@@ -122,6 +122,7 @@ fn is_stretched(quantity: Quantity) -> bool {
             | JointPosition { .. }
             | Reaction { .. }
             | Displacement { .. }
+            | SlipSpeed { .. }
             | SpringForce { .. }
             | Marker { .. }
             | Kinetic

@@ -72,6 +72,11 @@ fn differences(one: &Source, other: &Source) -> Vec<Cause> {
     for (m, (a, b)) in one.markers.iter().zip(&other.markers).enumerate() {
         add(a != b, Cause::Marker(m));
     }
+    let joints =
+        |loading: &Loading| loading.friction.iter().flat_map(|f| f.friction_joints.clone()).collect::<Vec<_>>();
+    for (a, b) in joints(&one.loading).into_iter().zip(joints(&other.loading)) {
+        add(a.radius != b.radius, Cause::Radius(a.load));
+    }
     add(statics(&one.loading) != statics(&other.loading), Cause::Statics);
     causes
 }

@@ -40,5 +40,8 @@ pub(super) fn add_reactions(b: &mut Builder) {
             true => add("friction_torque", "Friction torque", NewtonMetre, friction),
             false => add("friction_force", "Friction force along the axis", Newton, friction),
         }
+        let text = ["Slip speed of ", body(j.second.body), " on ", body(j.first.body), " in ", n];
+        let needs = s.slip_speed(friction_joints[friction_joint].load);
+        b.output(n, "slip_speed", &text, MetrePerSecond, Output::SlipSpeed { friction_joint }, needs);
     }
 }

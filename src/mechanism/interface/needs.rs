@@ -23,6 +23,8 @@ pub(super) struct Needs<'a> {
     pub lossless: bool,
     /// Point of this marker.
     pub marker: Option<usize>,
+    /// Pin radius of the friction joint with this load.
+    pub radius: Option<usize>,
     /// Static friction of the joints.
     pub statics: bool,
     /// The stretch of bodies as rods.
@@ -41,6 +43,7 @@ pub(super) const NONE: Needs<'static> = Needs {
     loads: &[],
     lossless: false,
     marker: None,
+    radius: None,
     statics: false,
     elasticity: false,
 };
@@ -60,6 +63,8 @@ pub(super) enum Cause {
     /// Of the drive with this load.
     Efficiency(usize),
     Marker(usize),
+    /// Of the friction joint with this load.
+    Radius(usize),
     Statics,
     Elasticity,
 }
@@ -76,6 +81,7 @@ impl Needs<'_> {
             Cause::Load(load) => self.loads.contains(load),
             Cause::Efficiency(load) => !self.lossless && self.loads.contains(load),
             Cause::Marker(marker) => self.marker == Some(*marker),
+            Cause::Radius(load) => self.radius == Some(*load),
             Cause::Statics => self.statics,
             Cause::Elasticity => self.elasticity,
         })

@@ -71,6 +71,13 @@ impl<'a> Source<'a> {
         if joint.is_some() { Needs { joint, position: true, ..NONE } } else { PLACED }
     }
 
+    /// What the slip speed of the friction joint with this load follows from: the stated start speed and the pin radius
+    /// if the joint holds the body that states the start to the ground, else the configuration too.
+    pub fn slip_speed(&self, load: usize) -> Needs<'static> {
+        let placed = if self.displacement(load).closure { PLACED } else { NONE };
+        Needs { speed: true, radius: Some(load), ..placed }
+    }
+
     /// What the displacement of a load follows from, apart from its own constants.
     pub fn displacement(&self, load: usize) -> Needs<'static> {
         match self.loading.loads[load] {

@@ -88,6 +88,13 @@ pub fn evaluate<N: Number, K: Kinematics<N>>(
             Some(friction) => motion.state_load(friction.friction_joints[friction_joint].load)?,
             None => N::constant(0.0),
         },
+        Output::SlipSpeed { friction_joint } => match &loading.friction {
+            Some(friction) => {
+                let joint = &friction.friction_joints[friction_joint];
+                motion.displacement(joint.load, 1)? * joint.radius
+            }
+            None => N::constant(0.0),
+        },
         Output::Drag { surface } => match &loading.air {
             Some(air) => {
                 let load = air.surfaces[surface].load;
