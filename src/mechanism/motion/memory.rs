@@ -7,22 +7,20 @@ use crate::mechanism::motion::step_ahead::Lookahead;
 /// Memory of the integration.
 #[expect(clippy::large_enum_variant, reason = "a step allocates nothing, so there is no box")]
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Memory {
+pub enum Memory {
     /// No power is lost: the state is (sigma, sigma_dot).
     Conservative(Integrator<2>),
     /// The energy lost is integrated too, and steps may go on beyond the present.
     WithDissipation(Integrator<3>, Lookahead<3>),
 }
 
-impl Memory {
-    pub fn new(with_dissipation: bool) -> Self {
-        if with_dissipation {
-            Self::WithDissipation(Integrator::default(), Lookahead::default())
-        } else {
-            Self::Conservative(Integrator::default())
-        }
+impl Default for Memory {
+    fn default() -> Self {
+        Self::Conservative(Integrator::default())
     }
+}
 
+impl Memory {
     /// Integrate the energy lost or not: it counts in steps with loads that the state decides or with inputs that
     /// change.
     pub fn set_dissipation(&mut self, with_dissipation: bool) {
@@ -35,6 +33,7 @@ impl Memory {
         }
     }
 
+    /// Counts of the integration's work since the start.
     pub fn statistics(&self) -> Statistics {
         match self {
             Self::Conservative(i) => i.statistics(),

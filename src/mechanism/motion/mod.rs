@@ -3,7 +3,6 @@ pub mod advance;
 pub mod contact;
 pub mod dynamics;
 pub mod ends;
-mod energy;
 pub mod events;
 mod memory;
 mod saved;

@@ -20,10 +20,7 @@ pub fn travel(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<Travel,
     let mut out = [None; 2];
     for (index, stop) in reduced.loading().stops.iter().enumerate().filter(|(_, s)| s.enabled) {
         let name = format!("{}.{}", stop.name, stop.quantity);
-        let table = reduced.displacement(stop.load).map_err(|e| ModelError::Table {
-            name: name.clone(),
-            position: reduced.curve().describe(e.sigma, revolutions),
-        })?;
+        let table = reduced.displacement(stop.load).map_err(|at| ModelError::table(reduced, &name, at, revolutions))?;
         let growth = reduced.load_growth(stop.load);
         let at = table.position(sigma);
         let (s, slope) = (table.value(at, 0) + revolutions * growth, table.value(at, 1));
