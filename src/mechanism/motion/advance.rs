@@ -6,9 +6,8 @@
 //! polished on the integration itself. A step may go on beyond the span (`step_ahead.rs`). It must not know what moves.
 use crate::integrator::{Dense, IntegrationError, Integrator, Step};
 use crate::mechanism::loads::friction_loop::Locked;
-use crate::mechanism::motion::contact::Contact;
+use crate::mechanism::motion::contact::{Contact, Ends, outward};
 use crate::mechanism::motion::dynamics::Dynamics;
-use crate::mechanism::motion::ends::{Ends, outward};
 use crate::mechanism::motion::events::{Event, Found, REGIME_TOLERANCE, earliest_event};
 use crate::mechanism::motion::step_ahead::{Lookahead, StepAhead};
 use crate::numerics::bracket::first_rise;
@@ -372,7 +371,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                 self.jumped();
                 match (self.contact.touching()[side], self.ends.bumper(side)) {
                     (None, Some(bumper)) => self.contact.touched(side, bumper),
-                    _ => self.contact.left(side),
+                    _ => self.contact.released(side),
                 }
             }
             Event::End(side) => {

@@ -5,9 +5,8 @@
 //! an event.
 use crate::codec::record::{Damaged, Record};
 use crate::integrator::{Dense, Direction, Integrator, Step};
-use crate::mechanism::motion::contact::Contact;
+use crate::mechanism::motion::contact::{Contact, Ends, outward};
 use crate::mechanism::motion::dynamics::Dynamics;
-use crate::mechanism::motion::ends::{Ends, outward};
 use crate::numerics::bracket::{bisect, first_rise};
 use std::convert::Infallible;
 

@@ -2,7 +2,6 @@
 pub mod advance;
 pub mod contact;
 pub mod dynamics;
-pub mod ends;
 pub mod events;
 mod memory;
 mod saved;

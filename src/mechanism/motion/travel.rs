@@ -4,7 +4,7 @@
 use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::laws::stop::Stop;
 use crate::mechanism::loads::resolved::Loading;
-use crate::mechanism::motion::ends::{End, StopKind, Travel};
+use crate::mechanism::motion::contact::{End, StopKind, Travel};
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::bracket::bisect;
 use crate::numerics::table::{Table, polynomial};

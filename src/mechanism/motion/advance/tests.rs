@@ -4,7 +4,7 @@
 use super::*;
 use crate::integrator::System;
 use crate::mechanism::loads::laws::friction::{Law, Regime};
-use crate::mechanism::motion::ends::{End, StopKind};
+use crate::mechanism::motion::contact::{End, StopKind};
 use crate::mechanism::motion::step_ahead::Conditions;
 
 const G: f64 = 9.81;
