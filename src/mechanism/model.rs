@@ -3,8 +3,7 @@
 //! In: a definition's text, values set by the host, steps. Out: values by reference. It must not know FMI's life cycle.
 mod derivatives;
 
-use super::dynamics::input_polynomial::InputPolynomial;
-use super::dynamics::inputs::Inputs;
+use super::dynamics::inputs::{InputPolynomial, Inputs};
 use super::error::ModelError;
 use super::fem_motion::RigidFemMotion;
 use super::interface;

@@ -66,9 +66,6 @@ impl<T: Number> EquationOfMotion<'_, T> {
     }
 
     /// Acceleration and power lost, for a motion in the mode's direction.
-    ///
-    /// # Errors
-    /// [`Locked`].
     #[inline]
     pub fn effect(&mut self, sigma: T, sigma_dot: T) -> Result<Evaluation<T>, Locked> {
         self.locate(sigma.value());
@@ -85,9 +82,6 @@ impl<T: Number> EquationOfMotion<'_, T> {
 
     /// Direction of the motion; at rest the direction in which the mechanism sets off, 0 if its drives hold it ([CK16]
     /// 2.3: driven forward they give less, driven back they hold more).
-    ///
-    /// # Errors
-    /// [`Locked`].
     pub fn start_direction(&mut self, sigma: T, sigma_dot: T) -> Result<f64, Locked> {
         if sigma_dot.value() != 0.0 {
             return Ok(sigma_dot.value().signum());
@@ -103,9 +97,6 @@ impl<T: Number> EquationOfMotion<'_, T> {
 
     /// Acceleration at any state, with the delivered force of every drive. The mode's direction becomes that of the
     /// drives, 0 where they hold the mechanism at rest.
-    ///
-    /// # Errors
-    /// [`Locked`].
     pub fn settle(&mut self, sigma: T, sigma_dot: T) -> Result<T, Locked> {
         self.clear_regimes();
         let direction = if self.reverses() { self.start_direction(sigma, sigma_dot)? } else { self.mode.direction };
@@ -114,9 +105,6 @@ impl<T: Number> EquationOfMotion<'_, T> {
 
     /// [`Self::settle`] in a known direction. Where drives hold the mechanism at rest, each delivers a force between
     /// its forward and its backward value: the common share at which all is in balance.
-    ///
-    /// # Errors
-    /// [`Locked`].
     pub fn settle_in(&mut self, direction: f64, sigma: T, sigma_dot: T) -> Result<T, Locked> {
         if direction != 0.0 || !self.reverses() {
             return self.heading(direction, sigma, sigma_dot);
@@ -131,9 +119,6 @@ impl<T: Number> EquationOfMotion<'_, T> {
     }
 
     /// Acceleration at any state, were the drives with an efficiency to work in this direction; 0: without their losses.
-    ///
-    /// # Errors
-    /// [`Locked`].
     pub fn heading(&mut self, direction: f64, sigma: T, sigma_dot: T) -> Result<T, Locked> {
         self.clear_regimes();
         self.mode.direction = direction;
@@ -158,9 +143,6 @@ impl<T: Number> EquationOfMotion<'_, T> {
 
 impl EquationOfMotion<'_> {
     /// [`Self::effect`] with its derivatives along sigma and sigma_dot.
-    ///
-    /// # Errors
-    /// [`Locked`].
     pub fn tangent(&mut self, sigma: f64, sigma_dot: f64) -> Result<Evaluation<Dual<2>>, Locked> {
         self.locate(sigma);
         let y = [Dual::constant(self.time), Dual::variable(sigma, 0), Dual::variable(sigma_dot, 1)];

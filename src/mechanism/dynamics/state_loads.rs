@@ -202,9 +202,6 @@ impl<T: Number> StateLoadEvaluator<T> {
     /// Inverse dynamics with friction: the force along the curve of an applied load with which sigma_ddot is `target`
     /// in the state of the last evaluation. `size` is the load's present size. With `breakaway`, every friction joint
     /// has its static friction against a motion in that direction.
-    ///
-    /// # Errors
-    /// [`Locked`].
     pub fn required(
         &mut self,
         state_loads: &StateLoads,

@@ -82,9 +82,6 @@ enum Instant {
 impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// Advance z = (sigma, sigma_dot, energy lost if N = 3) by exactly `span` [s]; returns the energy lost in impacts
     /// [J].
-    ///
-    /// # Errors
-    /// [`Stopped`].
     pub fn run(mut self, z: &mut [f64; N], span: f64) -> Result<f64, Stopped> {
         if self.resume(z, span)? {
             return Ok(0.0);
@@ -188,9 +185,6 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     }
 
     /// What follows from the state before a step: rest, impacts, bumpers touched, the mode of friction and drives.
-    ///
-    /// # Errors
-    /// [`Locked`].
     #[inline(always)]
     fn instant(&mut self, z: &mut [f64; N], span: f64) -> Result<Instant, Locked> {
         self.dynamics.set_time(self.progress.t);
@@ -351,9 +345,6 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     }
 
     /// The transition that an event at the state z causes. `at_once`: it came at the very start of its step.
-    ///
-    /// # Errors
-    /// [`Locked`].
     #[inline(always)]
     fn apply_event(&mut self, event: Event, at_once: bool, z: &mut [f64; N]) -> Result<(), Locked> {
         match event {
@@ -383,9 +374,6 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     }
 
     /// The mechanism comes to an end of its travel: a lock catches it, it touches a bumper, bounces, or comes to rest.
-    ///
-    /// # Errors
-    /// [`Locked`].
     #[inline(always)]
     fn impact(&mut self, side: usize, z: &mut [f64; N]) -> Result<(), Locked> {
         let Some(end) = self.ends.travel[side] else { return Ok(()) };
@@ -412,9 +400,6 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
 
     /// A mechanism that leaves a rigid stop against the loads comes to rest there if its flight would be too short or
     /// too low. Returns the energy lost by that [J].
-    ///
-    /// # Errors
-    /// [`Locked`].
     #[inline(always)]
     fn end_bouncing(&mut self, side: usize, z: &mut [f64; N]) -> Result<f64, Locked> {
         let speed = -z[1] * outward(side);

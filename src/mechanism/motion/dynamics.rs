@@ -56,17 +56,11 @@ pub trait Dynamics<const N: usize>: System<N> {
 
     /// Find and state that direction: that of sigma_dot, or from rest the one in which the mechanism sets off, 0 if its
     /// drives hold it. Returns it.
-    ///
-    /// # Errors
-    /// [`Locked`].
     fn find_direction(&mut self, _sigma: f64, _sigma_dot: f64) -> Result<f64, Locked> {
         Ok(0.0)
     }
 
     /// sigma_ddot from rest, were the drives with an efficiency to work in this direction.
-    ///
-    /// # Errors
-    /// [`Locked`].
     fn acceleration_from_rest(&mut self, sigma: f64, _direction: f64) -> Result<f64, Locked> {
         self.free_acceleration(sigma, 0.0)
     }
