@@ -26,9 +26,6 @@ impl Inputs {
     }
 
     /// All fields, written or read.
-    ///
-    /// # Errors
-    /// A number is read that is not finite.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.length("inputs", self.reals.len())?;
         record.all_finite("input", &mut self.reals)?;
@@ -134,9 +131,6 @@ impl InputPolynomial {
     }
 
     /// All fields, written or read.
-    ///
-    /// # Errors
-    /// A derivative is read that is not finite.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.all_finite("derivative of an input", &mut self.first)?;
         record.all_finite("second derivative of an input", &mut self.second)?;

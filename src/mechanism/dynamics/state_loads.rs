@@ -40,7 +40,7 @@ pub struct StateLoadEvaluator<T> {
     /// Loop between friction and the reactions that cause it.
     pub friction: FrictionLoop<T>,
     /// Stated regime of each friction joint; where none is stated, it follows from the slip speed.
-    regimes: Vec<Option<Regime>>,
+    pub regimes: Vec<Option<Regime>>,
     /// Arm of each joint's friction in its regime.
     arms: Vec<Cubic>,
     /// Values of [`StateLoads::bundle`].
@@ -75,11 +75,6 @@ impl<T: Number> StateLoadEvaluator<T> {
             kept: vec![zero; drives_with_efficiency + 1 + ROW * reactions],
             scratch: vec![zero; 4 * friction_joints],
         }
-    }
-
-    /// Stated regime of a friction joint, if there is one.
-    pub fn regime(&self, friction_joint: usize) -> Option<Regime> {
-        self.regimes[friction_joint]
     }
 
     /// State the regime of a friction joint; with none, it follows from the slip speed in each evaluation.
@@ -317,15 +312,11 @@ fn balance<'a, T>(
 ) -> Balance<'a, T> {
     let n = state_loads.friction_joints.len();
     let passed = &effects[state_loads.passed()];
-    let half = |both: &'a [T], n: usize| {
-        let (x, y) = both.split_at(n);
-        [x, y]
-    };
     Balance {
-        free: half(&reactions[..2 * n], n),
-        inertial: half(inertial, n),
+        free: reactions[..2 * n].split_at(n).into(),
+        inertial: inertial.split_at(n).into(),
         influence: &effects[state_loads.free()..state_loads.loads.len()],
-        passed: half(passed, passed.len() / 2),
+        passed: passed.split_at(passed.len() / 2).into(),
         groups: &state_loads.groups,
     }
 }

@@ -201,9 +201,6 @@ impl Contact {
     }
 
     /// The state at each end, written or read.
-    ///
-    /// # Errors
-    /// There is no such state.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         for end in &mut self.ends {
             let (mut state, mut bumper) = match *end {

@@ -183,7 +183,7 @@ where
     }
 
     fn slip_range(&self, joint: usize) -> (f64, f64) {
-        let regime = self.scratch.evaluator.regime(joint).unwrap_or(Regime::Viscous);
+        let regime = self.scratch.evaluator.regimes[joint].unwrap_or(Regime::Viscous);
         self.state_loads.map_or((f64::NEG_INFINITY, f64::INFINITY), |s| s.friction_joints[joint].law.range(regime))
     }
 
@@ -198,7 +198,7 @@ where
 
     fn change_regime(&mut self, joint: usize, sigma: f64, sigma_dot: f64) {
         let Some(state_loads) = self.state_loads else { return };
-        let regime = self.scratch.evaluator.regime(joint).unwrap_or(Regime::Viscous);
+        let regime = self.scratch.evaluator.regimes[joint].unwrap_or(Regime::Viscous);
         let slip = Dynamics::<N>::slip(self, joint, sigma, sigma_dot);
         let next = state_loads.friction_joints[joint].law.next(regime, slip);
         self.set_regime(joint, Some(next));

@@ -31,9 +31,6 @@ pub enum Event {
 
 impl Event {
     /// Written or read; [`Self::Undefined`] is not one to keep.
-    ///
-    /// # Errors
-    /// There is no such event.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         let (mut kind, mut index) = match *self {
             Self::End(side) => (0, side),

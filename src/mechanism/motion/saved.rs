@@ -78,9 +78,6 @@ impl SavedState {
     }
 
     /// All fields, written or read.
-    ///
-    /// # Errors
-    /// A field is read that no state has.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.finite("sigma", &mut self.sigma)?;
         record.finite("sigma_dot", &mut self.sigma_dot)?;

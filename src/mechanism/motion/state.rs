@@ -8,12 +8,13 @@ use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::error::ModelError;
+use crate::mechanism::loads::laws::stop::Stop;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::motion::advance::{Advance, Progress, Stopped};
 use crate::mechanism::motion::contact::{Contact, Ends, outward};
 use crate::mechanism::motion::memory::Memory;
 use crate::mechanism::motion::saved::SavedState;
-use crate::mechanism::motion::step_ahead::{Conditions, Lookahead};
+use crate::mechanism::motion::step_ahead::Lookahead;
 use crate::mechanism::motion::travel::{beyond_stop, can_hold, travel};
 use crate::mechanism::reduced::{Reduced, ReductionError, StateLoads};
 use crate::numerics::table::Unresolved;
@@ -77,11 +78,12 @@ impl State {
     pub fn at_start(reduced: &Reduced, mechanism: &Mechanism, inputs: &Inputs) -> Result<Self, ModelError> {
         let start = &mechanism.start;
         let linkage = reduced.linkage();
+        let carrier = start.body.as_ref().and_then(|body| linkage.carrier(mechanism, body));
         let (coordinate, value, name, quantity) = match (&start.body, &start.joint) {
             (Some(body), _) => {
-                let (carrier, angle) = linkage.carrier(mechanism, body).unwrap_or((0, 0.0));
+                let (carrier, own) = carrier.unwrap_or((0, 0.0));
                 let coordinate = linkage.bodies[carrier].angle_coordinate;
-                let value = start.angle.unwrap_or(0.0) - angle - linkage.bodies[carrier].offset;
+                let value = start.angle.unwrap_or(0.0) - own - linkage.bodies[carrier].offset;
                 (coordinate, value, body, "angle")
             }
             (None, Some(joint)) => {
@@ -98,8 +100,11 @@ impl State {
                 allowed: format!("state one of the coordinates {}", linkage.coordinates.join(", ")),
             })
         })?;
-        if let (Some(body), Some(angle)) = (&start.body, start.angle) {
-            not_beyond_stop(reduced, mechanism, body, angle)?;
+        if let (Some((body, own)), Some(angle)) = (carrier, start.angle) {
+            // Before the search for the start, as the curve may end at a stop of the body whose angle states the start.
+            let loading = reduced.loading();
+            let is_own = |stop: &&Stop| stop.enabled && loading.loads[stop.load] == Load::Torque { body };
+            loading.stops.iter().filter(is_own).try_for_each(|stop| beyond_stop(stop, angle - own))?;
         }
         let stated = start.angle.or(start.position).unwrap_or(0.0);
         let (sigma, revolutions) = reduced.find(coordinate, value, &variable).map_err(|e| e.as_stated(stated))?;
@@ -227,7 +232,7 @@ impl State {
                 Ok((y, lost?, contact))
             }
             Memory::WithDissipation(integrator, lookahead) => {
-                if lookahead.begin(Conditions { tolerance, locked: ends.locked }) {
+                if lookahead.begin(tolerance, ends.locked) {
                     integrator.branch_off();
                 }
                 let mut z = [y[0], y[1], 0.0];
@@ -382,14 +387,4 @@ impl State {
         let growth = if self.revolutions == 0.0 { 0.0 } else { self.revolutions * reduced.load_growth(load) };
         reduced.displacement_at(load, self.sigma) + growth
     }
-}
-
-/// Refuse a start beyond a stop of the body whose angle states the start; before the search for the start, as the curve
-/// may end at that stop.
-fn not_beyond_stop(reduced: &Reduced, mechanism: &Mechanism, body: &str, angle: f64) -> Result<(), ModelError> {
-    let Some((carrier, own)) = reduced.linkage().carrier(mechanism, body) else { return Ok(()) };
-    let loading = reduced.loading();
-    let mut stops =
-        loading.stops.iter().filter(|s| s.enabled && loading.loads[s.load] == Load::Torque { body: carrier });
-    stops.try_for_each(|stop| beyond_stop(stop, angle - own))
 }

@@ -57,9 +57,6 @@ pub fn stop_kind(loading: &Loading, stop: usize) -> StopKind {
 }
 
 /// Refuse a start at this displacement of a stop's load if it is beyond the stop.
-///
-/// # Errors
-/// [`ModelError::BeyondStop`].
 pub fn beyond_stop(stop: &Stop, s: f64) -> Result<(), ModelError> {
     if stop.beyond(s) > AT_STOP * (1.0 + stop.value.abs()) {
         let name = format!("{}.{}", stop.name, stop.quantity);
@@ -69,9 +66,6 @@ pub fn beyond_stop(stop: &Stop, s: f64) -> Result<(), ModelError> {
 }
 
 /// Refuse a lock whose point stands still where its stop is: no force there would hold the mechanism.
-///
-/// # Errors
-/// [`ModelError::LockStill`].
 pub fn can_hold(reduced: &Reduced, travel: &Travel) -> Result<(), ModelError> {
     // Part of the mechanism's size below which the path of a point for a motion of one radian is rounding.
     const STILL: f64 = 1e-9;
@@ -107,6 +101,8 @@ impl Search<'_> {
         let table = self.table;
         let period = self.reduced.period();
         let start = table.panel(sigma);
+        let last = table.panels() - 1;
+        let (first, last) = if direction > 0.0 { (0, last) } else { (last, 0) };
         let (mut panel, mut revolution) = (start, revolutions);
         let mut at_start = true;
         loop {
@@ -133,12 +129,10 @@ impl Search<'_> {
                 x0 = x1;
             }
             at_start = false;
-            let last = table.panels() - 1;
-            let at_end = if direction > 0.0 { panel == last } else { panel == 0 };
-            if at_end {
+            if panel == last {
                 period?;
                 revolution += direction;
-                panel = if direction > 0.0 { 0 } else { last };
+                panel = first;
             } else {
                 panel = if direction > 0.0 { panel + 1 } else { panel - 1 };
             }

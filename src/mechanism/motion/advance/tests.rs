@@ -5,7 +5,6 @@ use super::*;
 use crate::integrator::System;
 use crate::mechanism::loads::laws::friction::{Law, Regime};
 use crate::mechanism::motion::contact::{End, StopKind};
-use crate::mechanism::motion::step_ahead::Conditions;
 
 const G: f64 = 9.81;
 const TOLERANCE: f64 = 1e-10;
@@ -173,7 +172,7 @@ impl Run {
     fn step(&mut self, span: f64) {
         let (ends, mut z) = (&self.ends, [self.x, self.v, 0.0]);
         self.contact.locks_set(ends.locked);
-        if self.lookahead.begin(Conditions { tolerance: TOLERANCE, locked: ends.locked }) {
+        if self.lookahead.begin(TOLERANCE, ends.locked) {
             self.integrator.branch_off();
         }
         let advance = Advance {
