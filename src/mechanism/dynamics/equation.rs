@@ -20,7 +20,6 @@ use crate::numerics::table::{polynomial, polynomial_at};
 pub struct Scratch<T = f64> {
     /// Applied loads on the panel used last.
     pub panel_force: PanelForce,
-    /// State loads.
     pub evaluator: StateLoadEvaluator<T>,
     /// State loads with derivatives along sigma and sigma_dot.
     tangent: StateLoadEvaluator<Dual<2>>,
@@ -42,7 +41,6 @@ impl<T: Number> Scratch<T> {
 
 /// The equation of motion over one communication step, in numbers T.
 pub struct EquationOfMotion<'a, T = f64> {
-    /// Tables.
     pub reduced: &'a Reduced,
     /// The loads that the state decides.
     pub state_loads: Option<&'a StateLoads>,
@@ -52,7 +50,6 @@ pub struct EquationOfMotion<'a, T = f64> {
     pub time: T,
     /// Constant within a step.
     pub mode: Mode,
-    /// Scratch.
     pub scratch: &'a mut Scratch<T>,
     /// Whether friction had no solution somewhere.
     pub locked: bool,

@@ -146,10 +146,9 @@ impl PanelForce {
     /// Effect of all applied loads at the time t [s], less that at t = 0: row 0 is the force along the curve, the
     /// others are components of the friction joints' reactions.
     pub fn excess<T: Number>(&self, row: usize, x: T, t: T) -> T {
-        match self.rates.get(row) {
-            Some([first, second]) => t * (polynomial_at(first, x) + t * T::constant(0.5) * polynomial_at(second, x)),
-            None => T::constant(0.0),
-        }
+        self.rates.get(row).map_or(T::constant(0.0), |[first, second]| {
+            t * (polynomial_at(first, x) + t * T::constant(0.5) * polynomial_at(second, x))
+        })
     }
 
     /// One component of the table at any sigma, without leaving the present panel.

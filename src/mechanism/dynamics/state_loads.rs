@@ -273,16 +273,14 @@ impl<T: Number> StateLoadEvaluator<T> {
         let effects = self.effects.as_flattened();
         let first = state_loads.free() - state_loads.bumpers.len();
         for (k, &stop) in state_loads.bumpers.iter().enumerate() {
-            let touches = mode.touching.contains(&Some(k));
-            self.loads[first + k] = if touches {
+            self.loads[first + k] = T::constant(0.0);
+            if mode.touching.contains(&Some(k)) {
                 let stop = &reduced.loading().stops[stop];
                 let wound = panel_force.revolutions * reduced.load_growth(stop.load);
                 let beyond = effects[state_loads.pressed(k)] + T::constant(wound - stop.value);
                 let rate = effects[first + k] * sigma_dot;
-                -stop.push(beyond, rate)
-            } else {
-                T::constant(0.0)
-            };
+                self.loads[first + k] = -stop.push(beyond, rate);
+            }
         }
     }
 

@@ -15,7 +15,6 @@ use crate::numerics::bracket::first_rise;
 /// Why an advance ended early.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stopped {
-    /// The integration stopped.
     Integration(IntegrationError),
     /// Friction and reactions have no common solution.
     Locked,
@@ -35,17 +34,12 @@ const LOWEST_FLIGHT: f64 = 64.0 * f64::EPSILON;
 
 /// The advance of a motion over one span.
 pub struct Advance<'a, D, const N: usize> {
-    /// What moves.
     pub dynamics: &'a mut D,
-    /// What integrates it.
     pub integrator: &'a mut Integrator<N>,
     /// The step that goes on beyond the present, if one does.
     pub lookahead: &'a mut Lookahead<N>,
-    /// The ends of the travel.
     pub ends: &'a Ends,
-    /// Contact there.
     pub contact: &'a mut Contact,
-    /// Relative tolerance.
     pub tolerance: f64,
     /// How far it has come: [`Progress::default`] at the start.
     pub progress: Progress,
@@ -244,11 +238,8 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     #[inline(always)]
     fn wait_for_drives(&mut self, sigma: f64, span: f64) -> Result<Instant, Locked> {
         let excess = |dynamics: &mut D| {
-            let mut most = f64::NEG_INFINITY;
-            for direction in [1.0, -1.0] {
-                most = most.max(dynamics.acceleration_from_rest(sigma, direction)? * direction);
-            }
-            Ok(most)
+            let forward = dynamics.acceleration_from_rest(sigma, 1.0)?;
+            Ok(forward.max(-dynamics.acceleration_from_rest(sigma, -1.0)?))
         };
         if !self.wait_until(span, excess)? {
             return Ok(Instant::Held);

@@ -22,7 +22,6 @@ pub struct End {
     pub position: f64,
     /// Index of its stop.
     pub stop: usize,
-    /// What the stop is.
     pub kind: StopKind,
 }
 
@@ -42,9 +41,8 @@ pub enum StopKind {
 pub type Travel = [Option<End>; 2];
 
 /// The ends of the travel during a step; positions in the frame of sigma.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Ends {
-    /// Ends.
     pub travel: Travel,
     /// Whether a lock is engaged at each.
     pub locked: [bool; 2],

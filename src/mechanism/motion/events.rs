@@ -58,7 +58,6 @@ pub struct Found<const N: usize> {
     pub part: f64,
     /// State there, on the interpolant.
     pub state: [f64; N],
-    /// The event.
     pub event: Event,
 }
 
@@ -107,38 +106,26 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
         }
     }
     for side in (0..2).filter(|&side| is_near[side]) {
-        offer_contacts(dynamics, (ends, contact), side, step, dense, &mut offer);
+        let Some(end) = ends.travel[side] else { continue };
+        let beyond = (step.start[0] - end.position) * outward(side);
+        let leaving = beyond >= 0.0;
+        let touches = contact.touching()[side].is_some();
+        if !touches {
+            let passage = dense.first_passage(0, end.position, towards(outward(side)), leaving);
+            offer(passage, Event::End(side));
+        }
+        let Some(bumper) = ends.bumper(side) else { continue };
+        // Coming from inside, the mechanism meets a bumper at the end of the travel, where a lock may catch it.
+        if touches || leaving {
+            offer(bumper_event(dynamics, dense, bumper, touches), Event::Bumper(side));
+        }
+        // A lock catches a mechanism that comes back from beyond the end, too.
+        if ends.locked[side] && beyond > 0.0 {
+            let passage = dense.first_passage(0, end.position, towards(-outward(side)), false);
+            offer(passage, Event::End(side));
+        }
     }
     earliest.map(|(part, event)| Found { part, state: dense.at(part), event })
-}
-
-/// Offer the events at one end of the travel.
-fn offer_contacts<D: Dynamics<N>, const N: usize>(
-    dynamics: &mut D,
-    (ends, contact): (&Ends, &Contact),
-    side: usize,
-    step: &Step<N>,
-    dense: &Dense<N>,
-    offer: &mut impl FnMut(Option<f64>, Event),
-) {
-    let Some(end) = ends.travel[side] else { return };
-    let beyond = (step.start[0] - end.position) * outward(side);
-    let leaving = beyond >= 0.0;
-    let touches = contact.touching()[side].is_some();
-    if !touches {
-        let passage = dense.first_passage(0, end.position, towards(outward(side)), leaving);
-        offer(passage, Event::End(side));
-    }
-    let Some(bumper) = ends.bumper(side) else { return };
-    // Coming from inside, the mechanism meets a bumper at the end of the travel, where a lock may catch it.
-    if touches || leaving {
-        offer(bumper_event(dynamics, dense, bumper, touches), Event::Bumper(side));
-    }
-    // A lock catches a mechanism that comes back from beyond the end, too.
-    if ends.locked[side] && beyond > 0.0 {
-        let passage = dense.first_passage(0, end.position, towards(-outward(side)), false);
-        offer(passage, Event::End(side));
-    }
 }
 
 fn towards(sign: f64) -> Direction {

@@ -3,7 +3,6 @@ pub mod advance;
 pub mod contact;
 pub mod dynamics;
 pub mod events;
-mod memory;
 mod saved;
 pub mod state;
 pub mod step_ahead;

@@ -1,10 +1,10 @@
-//! Saved states: the part of a state of motion that decides how it continues.
+//! Saved states: the part of a state of motion that decides how it continues, with the memory of the integration.
 //!
 //! In: a state, or a record. Out: a state that continues bit for bit as the saved one would have. It must not know
 //! outputs.
-use super::memory::Memory;
-use super::state::blows;
+use super::state::{blows, state_loads};
 use crate::codec::record::{Damaged, Record};
+use crate::integrator::{Integrator, Statistics};
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::contact::{Contact, End, StopKind, Travel};
 use crate::mechanism::motion::events::Event;
@@ -27,9 +27,7 @@ pub struct SavedState {
     pub sigma_dot: f64,
     /// Whole revolutions of a closed curve made so far.
     pub revolutions: f64,
-    /// Contact at the ends of the travel.
     pub contact: Contact,
-    /// Ends of the travel.
     pub travel: Travel,
     /// Sizes of the loads in the last step, which the integration and the energy balance refer to.
     pub applied: Vec<f64>,
@@ -37,8 +35,90 @@ pub struct SavedState {
     pub airspeed: f64,
     /// Energy at the start, plus the work of changing sizes, less the energy lost since.
     pub reference: f64,
-    /// Memory of the integration.
     pub memory: Memory,
+}
+
+/// Memory of the integration, with or without the energy lost as a component of the state.
+#[expect(clippy::large_enum_variant, reason = "a step allocates nothing, so there is no box")]
+#[derive(Clone, Copy, Debug)]
+pub enum Memory {
+    /// No power is lost: the state is (sigma, sigma_dot).
+    Conservative(Integrator<2>),
+    /// The energy lost is integrated too, and steps may go on beyond the present.
+    WithDissipation(Integrator<3>, Lookahead<3>),
+}
+
+impl Default for Memory {
+    fn default() -> Self {
+        Self::Conservative(Integrator::default())
+    }
+}
+
+impl Memory {
+    /// Integrate the energy lost or not: it counts in steps with loads that the state decides or with inputs that
+    /// change.
+    pub fn set_dissipation(&mut self, with_dissipation: bool) {
+        match self {
+            Self::Conservative(i) if with_dissipation => {
+                *self = Self::WithDissipation(i.with_components(), Lookahead::default())
+            }
+            Self::WithDissipation(i, _) if !with_dissipation => *self = Self::Conservative(i.with_components()),
+            _ => {}
+        }
+    }
+
+    /// Counts of the integration's work since the start.
+    pub fn statistics(&self) -> Statistics {
+        match self {
+            Self::Conservative(i) => i.statistics(),
+            Self::WithDissipation(i, _) => i.statistics(),
+        }
+    }
+
+    /// Become the same as another one; copies no more than that one is.
+    pub fn copy_from(&mut self, other: &Self) {
+        match (self, other) {
+            (Self::Conservative(own), Self::Conservative(other)) => own.copy_from(other),
+            (Self::WithDissipation(own, own_ahead), Self::WithDissipation(other, other_ahead)) => {
+                own.copy_from(other);
+                own_ahead.copy_from(other_ahead);
+            }
+            (own, other) => *own = *other,
+        }
+    }
+
+    /// Clear all but the statistics.
+    pub fn restart(&mut self) {
+        match self {
+            Self::Conservative(i) => i.restart(),
+            Self::WithDissipation(i, ahead) => {
+                i.restart();
+                ahead.invalidate();
+            }
+        }
+    }
+
+    /// sigma is counted from another revolution.
+    pub fn recount(&mut self) {
+        if let Self::WithDissipation(i, ahead) = self
+            && ahead.step_ahead.take().is_some()
+        {
+            i.branch_off();
+        }
+    }
+
+    /// The right-hand side has changed.
+    pub fn refresh(&mut self) {
+        match self {
+            Self::Conservative(i) => i.refresh(),
+            Self::WithDissipation(i, ahead) => {
+                if ahead.invalidate() {
+                    i.branch_off();
+                }
+                i.refresh();
+            }
+        }
+    }
 }
 
 impl SavedState {
@@ -55,12 +135,8 @@ impl SavedState {
     }
 
     /// The loads that the state decides, in air of the last step's speed.
-    ///
-    /// # Errors
-    /// [`ModelError::Table`]: a reaction that causes friction is not smooth.
     pub fn state_loads<'a>(&self, reduced: &'a Reduced) -> Result<Option<&'a StateLoads>, ModelError> {
-        let found = reduced.state_loads(blows(reduced, self.airspeed));
-        found.map_err(|at| ModelError::table(reduced, "friction", at, self.revolutions))
+        state_loads(reduced, blows(reduced, self.airspeed), self.revolutions)
     }
 
     /// Read one for this reduced model.

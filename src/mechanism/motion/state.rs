@@ -12,8 +12,7 @@ use crate::mechanism::loads::laws::stop::Stop;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::motion::advance::{Advance, Progress, Stopped};
 use crate::mechanism::motion::contact::{Contact, Ends, outward};
-use crate::mechanism::motion::memory::Memory;
-use crate::mechanism::motion::saved::SavedState;
+use crate::mechanism::motion::saved::{Memory, SavedState};
 use crate::mechanism::motion::step_ahead::Lookahead;
 use crate::mechanism::motion::travel::{beyond_stop, can_hold, travel};
 use crate::mechanism::reduced::{Reduced, ReductionError, StateLoads};
@@ -60,17 +59,18 @@ pub fn airspeed(reduced: &Reduced, inputs: &Inputs) -> f64 {
 /// # Errors
 /// [`Unresolved`]: a reaction that causes friction is not smooth.
 pub fn state_loads_under<'a>(reduced: &'a Reduced, inputs: &Inputs) -> Result<Option<&'a StateLoads>, &'a Unresolved> {
-    let changes = || inputs.change(reduced).is_some_and(|change| change.airspeed != [0.0; 2]);
-    reduced.state_loads(blows(reduced, airspeed(reduced, inputs)) || (reduced.loading().air.is_some() && changes()))
+    reduced.state_loads(blows_under(reduced, inputs))
 }
 
-/// [`state_loads_under`], with the error located after so many revolutions.
-fn state_loads<'a>(
-    reduced: &'a Reduced,
-    inputs: &Inputs,
-    revolutions: f64,
-) -> Result<Option<&'a StateLoads>, ModelError> {
-    state_loads_under(reduced, inputs).map_err(|at| ModelError::table(reduced, "friction", at, revolutions))
+/// Whether air acts on the surfaces at any time of a step under these inputs.
+fn blows_under(reduced: &Reduced, inputs: &Inputs) -> bool {
+    let changes = || inputs.change(reduced).is_some_and(|change| change.airspeed != [0.0; 2]);
+    blows(reduced, airspeed(reduced, inputs)) || (reduced.loading().air.is_some() && changes())
+}
+
+/// The loads that the state decides, in moving air or not, with an error located after so many revolutions.
+pub(super) fn state_loads(reduced: &Reduced, air: bool, revolutions: f64) -> Result<Option<&StateLoads>, ModelError> {
+    reduced.state_loads(air).map_err(|at| ModelError::table(reduced, "friction", at, revolutions))
 }
 
 impl State {
@@ -124,7 +124,7 @@ impl State {
         let here = sigma + revolutions * reduced.period().unwrap_or(0.0);
         let resting = (0..2).find(|&side| sigma_dot == 0.0 && travel[side].is_some_and(|e| e.position == here));
         can_hold(reduced, &travel)?;
-        let state_loads = state_loads(reduced, inputs, revolutions)?;
+        let state_loads = state_loads(reduced, blows_under(reduced, inputs), revolutions)?;
         let applied = reduced.sizes(&inputs.reals);
         let mut state = Self {
             before: applied.clone(),
@@ -150,7 +150,7 @@ impl State {
     /// # Errors
     /// [`ModelError::Table`]: a reaction that causes friction is not smooth.
     pub fn from_saved(saved: &SavedState, reduced: &Reduced, inputs: &Inputs) -> Result<Self, ModelError> {
-        state_loads(reduced, inputs, saved.revolutions)?;
+        state_loads(reduced, blows_under(reduced, inputs), saved.revolutions)?;
         let scratch = Scratch::new(saved.state_loads(reduced)?);
         Ok(Self { saved: saved.clone(), before: saved.applied.clone(), scratch })
     }
@@ -321,7 +321,7 @@ impl State {
         reduced: &'a Reduced,
         inputs: &Inputs,
     ) -> Result<(Option<&'a StateLoads>, bool), ModelError> {
-        let state_loads = state_loads(reduced, inputs, self.revolutions)?;
+        let state_loads = state_loads(reduced, blows_under(reduced, inputs), self.revolutions)?;
         let loads = reduced.loading().inputs.len();
         let mut work = 0.0;
         let mut changed = false;

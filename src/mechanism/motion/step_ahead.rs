@@ -16,7 +16,6 @@ const MOST_UNCHANGED: u32 = 128;
 /// A step that goes on beyond the present.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepAhead<const N: usize> {
-    /// Interpolant.
     pub dense: Dense<N>,
     /// Time from the start to the end of the interpolant [s].
     pub h: f64,
@@ -24,7 +23,6 @@ pub struct StepAhead<const N: usize> {
     pub end: f64,
     /// State at the end.
     pub end_state: [f64; N],
-    /// Event at the end.
     pub event: Option<Event>,
     /// Time from the start of the interpolant to the present, at most `end` [s].
     pub now: f64,
@@ -99,7 +97,6 @@ pub struct Lookahead<const N: usize> {
     unchanged_steps: u32,
     /// How many of them allow a step beyond the communication point.
     required_steps: u32,
-    /// The step.
     pub step_ahead: Option<StepAhead<N>>,
 }
 

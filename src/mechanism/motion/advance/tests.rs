@@ -97,14 +97,9 @@ impl Dynamics<3> for Particle {
     }
 
     fn find_direction(&mut self, x: f64, v: f64) -> Result<f64, Locked> {
-        let mut direction = if v == 0.0 { 0.0 } else { v.signum() };
-        for way in [1.0, -1.0] {
-            if v == 0.0 && self.acceleration_from_rest(x, way)? * way > 0.0 {
-                direction = way;
-            }
-        }
-        self.direction = direction;
-        Ok(direction)
+        let sets_off = |way: &f64| self.acceleration_from_rest(x, *way).is_ok_and(|a| a * way > 0.0);
+        self.direction = if v == 0.0 { [1.0, -1.0].into_iter().find(sets_off).unwrap_or(0.0) } else { v.signum() };
+        Ok(self.direction)
     }
 
     fn acceleration_from_rest(&mut self, x: f64, direction: f64) -> Result<f64, Locked> {
@@ -142,6 +137,7 @@ impl Dynamics<3> for Particle {
 }
 
 /// A motion of the particle, with the energy that it has lost.
+#[derive(Default)]
 struct Run {
     particle: Particle,
     integrator: Integrator<3>,
@@ -157,16 +153,7 @@ impl Run {
     /// From (x, v), between ends that each have a position and a stop of this kind.
     fn new(particle: Particle, [x, v]: [f64; 2], ends: [Option<(f64, StopKind)>; 2]) -> Self {
         let travel = ends.map(|end| end.map(|(position, kind)| End { position, stop: 0, kind }));
-        Self {
-            particle,
-            integrator: Integrator::default(),
-            lookahead: Lookahead::default(),
-            ends: Ends { travel, locked: [false; 2] },
-            contact: Contact::default(),
-            x,
-            v,
-            lost: 0.0,
-        }
+        Self { particle, ends: Ends { travel, locked: [false; 2] }, x, v, ..Self::default() }
     }
 
     fn step(&mut self, span: f64) {
