@@ -28,7 +28,6 @@ pub struct Scratch<T = f64> {
 }
 
 impl<T: Number> Scratch<T> {
-    /// Scratch for these state loads.
     pub fn new(state_loads: Option<&StateLoads>) -> Self {
         Self {
             panel_force: PanelForce::new(state_loads),

@@ -67,7 +67,6 @@ pub struct PanelForce {
     inverse: f64,
     /// x at the center.
     offset: f64,
-    /// Index of the panel.
     panel: usize,
     /// Whole revolutions before this panel.
     pub revolutions: f64,

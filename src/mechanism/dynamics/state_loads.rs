@@ -35,7 +35,6 @@ pub struct Evaluation<T> {
 pub struct StateLoadEvaluator<T> {
     /// Delivered forces of the drives with an efficiency.
     pub delivered: Vec<T>,
-    /// Sizes of the state loads.
     pub loads: Vec<T>,
     /// Loop between friction and the reactions that cause it.
     pub friction: FrictionLoop<T>,
@@ -56,7 +55,6 @@ pub struct StateLoadEvaluator<T> {
 }
 
 impl<T: Number> StateLoadEvaluator<T> {
-    /// For these state loads, or none.
     pub fn new(state_loads: Option<&StateLoads>) -> Self {
         let zero = T::constant(0.0);
         let (drives_with_efficiency, loads, friction_joints) =
@@ -284,7 +282,6 @@ impl<T: Number> StateLoadEvaluator<T> {
         }
     }
 
-    /// Friction of all friction joints.
     fn friction(&mut self, state_loads: &StateLoads, sigma_dot: T) -> Result<(), Locked> {
         let effects = self.effects.as_flattened();
         let slips = &effects[state_loads.free()..state_loads.loads.len()];

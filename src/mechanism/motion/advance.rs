@@ -292,8 +292,8 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         for side in (0..2).filter(|&side| self.ends.is_at(side, z[0])) {
             if let (None, Some(bumper)) = (self.contact.touching()[side], self.ends.bumper(side)) {
                 let outward = outward(side);
-                let sets_out = |dynamics: &mut D| Ok(dynamics.free_acceleration(z[0], 0.0)? * outward > 0.0);
-                if z[1] * outward > 0.0 || (z[1] == 0.0 && sets_out(self.dynamics)?) {
+                let dynamics = &mut *self.dynamics;
+                if z[1] * outward > 0.0 || (z[1] == 0.0 && dynamics.free_acceleration(z[0], 0.0)? * outward > 0.0) {
                     self.contact.touched(side, bumper);
                 }
             }

@@ -64,13 +64,9 @@ impl Ends {
     /// Coefficient of restitution of the stop at an end, if it is rigid.
     #[inline]
     pub fn restitution(&self, side: usize) -> Option<f64> {
-        match self.travel[side]?.kind {
-            StopKind::Rigid { restitution } => Some(restitution),
-            StopKind::Bumper(_) => None,
-        }
+        if let StopKind::Rigid { restitution } = self.travel[side]?.kind { Some(restitution) } else { None }
     }
 
-    /// Whether the stop at an end is rigid.
     #[inline]
     pub fn is_rigid(&self, side: usize) -> bool {
         self.restitution(side).is_some()
@@ -79,10 +75,7 @@ impl Ends {
     /// Index of the bumper at an end, if there is one.
     #[inline]
     pub fn bumper(&self, side: usize) -> Option<usize> {
-        match self.travel[side]?.kind {
-            StopKind::Rigid { .. } => None,
-            StopKind::Bumper(bumper) => Some(bumper),
-        }
+        if let StopKind::Bumper(bumper) = self.travel[side]?.kind { Some(bumper) } else { None }
     }
 
     /// Whether a mechanism at rest at an end stays there without a lock: the stop is rigid, and `acceleration`,
@@ -136,11 +129,8 @@ impl ContactState {
 impl Contact {
     /// At rest at an end, or at none.
     pub fn at_start(resting: Option<usize>) -> Self {
-        let mut contact = Self::default();
-        if let Some(side) = resting {
-            contact.rests(side, false);
-        }
-        contact
+        let state = |side| if resting == Some(side) { ContactState::Resting } else { ContactState::Free };
+        Self { ends: [0, 1].map(state) }
     }
 
     /// End at which the mechanism rests.

@@ -21,7 +21,6 @@ pub struct StepAhead<const N: usize> {
     pub h: f64,
     /// Time from the start of the interpolant to `end_state`, at most h [s].
     pub end: f64,
-    /// State at the end.
     pub end_state: [f64; N],
     pub event: Option<Event>,
     /// Time from the start of the interpolant to the present, at most `end` [s].
@@ -63,7 +62,6 @@ impl<const N: usize> StepAhead<N> {
         self.dense.at(0.5 * self.end / self.h)
     }
 
-    /// To be read.
     fn blank() -> Self {
         Self::new(Dense::blank(), 1.0, (1.0, [0.0; N]), None)
     }

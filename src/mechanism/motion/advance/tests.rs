@@ -228,12 +228,11 @@ fn a_bouncing_ball_makes_zenos_series_of_impacts() {
             // To the top of the flight after the n-th impact.
             rebound *= restitution;
             ball.steps(rebound / G, count);
-            t += rebound / G;
+            t += 2.0 * rebound / G;
             ball.is_at(0.5 * rebound * rebound / G, 0.0, 1e-11);
             let lost = 0.5 * speed * speed * (1.0 - restitution.powi(2 * n));
             assert!((ball.lost - lost).abs() < 1e-11, "{n}: {} {lost}", ball.lost);
             ball.steps(rebound / G, count);
-            t += rebound / G;
         }
         let rest = speed / G * (1.0 + restitution) / (1.0 - restitution);
         ball.step((rest - 1e-7) - t);
