@@ -211,10 +211,8 @@ impl PanelForce {
             state_loads.caused_by_applied[k].panel(self.panel)
         } else {
             self.exact_applied.clear();
-            side_by_side(
-                (1..state_loads.rows()).map(|row| &self.exact[state_loads.given(row, k)]),
-                &mut self.exact_applied,
-            );
+            let effects = (1..state_loads.rows()).map(|row| &self.exact[state_loads.given(row, k)]);
+            side_by_side(effects, &mut self.exact_applied);
             &self.exact_applied
         };
         add_side_by_side(&mut self.reactions, size, effects);

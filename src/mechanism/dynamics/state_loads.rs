@@ -225,14 +225,13 @@ impl<T: Number> StateLoadEvaluator<T> {
         // the inertial ones.
         let inverse = influence.chain(1.0 / influence.value(), -1.0 / influence.value().powi(2));
         let (reactions, inertial) = self.scratch.split_at_mut(2 * n);
-        for (k, (effect, reaction)) in
-            effects[state_loads.inertial()].iter().zip(self.reactions.as_flattened()).enumerate()
-        {
+        let pairs = effects[state_loads.inertial()].iter().zip(self.reactions.as_flattened());
+        for (k, (effect, reaction)) in pairs.enumerate() {
             let of_load = at(state_loads.given(k + 1, load));
             inertial[k] = *effect - of_load * inverse;
             reactions[k] = *reaction + of_load * (bare * inverse - size);
         }
-        let balance = balance(state_loads, effects, reactions, inertial);
+        let balance = balance(state_loads, [effects, reactions, inertial]);
         self.friction.solve(&balance)?;
         let mut force = bare;
         for j in 0..n {
@@ -293,18 +292,13 @@ impl<T: Number> StateLoadEvaluator<T> {
             self.friction.arm[j] = self.arms[j].at(v);
         }
         let reactions = self.reactions.as_flattened();
-        self.friction.solve(&balance(state_loads, effects, reactions, &effects[state_loads.inertial()]))
+        self.friction.solve(&balance(state_loads, [effects, reactions, &effects[state_loads.inertial()]]))
     }
 }
 
 /// The friction joints' reactions without friction, and the effects of friction and sigma_ddot on them.
 #[inline]
-fn balance<'a, T>(
-    state_loads: &'a StateLoads,
-    effects: &'a [T],
-    reactions: &'a [T],
-    inertial: &'a [T],
-) -> Balance<'a, T> {
+fn balance<'a, T>(state_loads: &'a StateLoads, [effects, reactions, inertial]: [&'a [T]; 3]) -> Balance<'a, T> {
     let n = state_loads.friction_joints.len();
     let passed = &effects[state_loads.passed()];
     Balance {
