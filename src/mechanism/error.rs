@@ -2,9 +2,10 @@
 use crate::codec::record::Damaged;
 use crate::integrator::IntegrationError;
 use crate::mechanism::definition::DefinitionError;
-use crate::mechanism::reduced::ReductionError;
+use crate::mechanism::reduced::{Reduced, ReductionError};
 use crate::mechanism::rigid_fem::RigidFemError;
 use crate::numerics::decimal::Decimal;
+use crate::numerics::table::Unresolved;
 use crate::variables::Reference;
 use std::fmt;
 
@@ -128,6 +129,13 @@ pub enum ModelError {
         /// Position of the linkage at the end of the traced part.
         position: String,
     },
+}
+
+impl ModelError {
+    /// [`Self::Table`] at a point of the curve after so many whole revolutions.
+    pub fn table(reduced: &Reduced, name: &str, at: &Unresolved, revolutions: f64) -> Self {
+        Self::Table { name: name.into(), position: reduced.curve().describe(at.sigma, revolutions) }
+    }
 }
 
 impl fmt::Display for ModelError {

@@ -3,8 +3,7 @@
 //! In: a definition's text, values set by the host, steps. Out: values by reference. It must not know FMI's life cycle.
 mod derivatives;
 
-use super::dynamics::input_polynomial::InputPolynomial;
-use super::dynamics::inputs::Inputs;
+use super::dynamics::inputs::{InputPolynomial, Inputs};
 use super::error::ModelError;
 use super::fem_motion::RigidFemMotion;
 use super::interface;
@@ -171,10 +170,9 @@ impl Model {
         match value {
             Ok(value) if value.is_finite() => Ok(value),
             Ok(_) => Err(ModelError::Overflow { name: name() }),
-            Err(OutputError::Table(at)) => Err(ModelError::Table {
-                name: name(),
-                position: reduced.curve().describe(at.sigma, state.along_curve().revolutions()),
-            }),
+            Err(OutputError::Table(at)) => {
+                Err(ModelError::table(reduced, &name(), &at, state.along_curve().revolutions))
+            }
             Err(OutputError::Locked) => Err(ModelError::Locked { position: state.along_curve().describe(reduced) }),
             Err(OutputError::RigidFem(error)) => Err(error.into()),
         }
@@ -425,7 +423,7 @@ pub(super) fn is_reduced(role: Role) -> bool {
 impl Formulation {
     fn statistics(&self) -> Statistics {
         match self {
-            Self::Reduced(motion) => motion.state.statistics(),
+            Self::Reduced(motion) => motion.state.memory.statistics(),
             Self::RigidFem(motion) => motion.statistics(),
         }
     }

@@ -105,7 +105,9 @@ impl Model {
             (theirs, own) => theirs.clone_from(own),
         }
         match (&self.state, &mut snapshot.motion) {
-            (Some(Formulation::Reduced(motion)), Some(SavedFormulation::Reduced(saved))) => motion.state.save(saved),
+            (Some(Formulation::Reduced(motion)), Some(SavedFormulation::Reduced(saved))) => {
+                saved.copy_from(&motion.state);
+            }
             (Some(Formulation::RigidFem(state)), Some(SavedFormulation::RigidFem(saved))) => state.save(saved),
             (state, motion) => *motion = state.as_ref().map(saved),
         }
@@ -264,7 +266,7 @@ fn share<T>(one: &mut Arc<T>, other: &Arc<T>) {
 #[cold]
 fn saved(motion: &Formulation) -> SavedFormulation {
     match motion {
-        Formulation::Reduced(motion) => SavedFormulation::Reduced(motion.state.saved()),
+        Formulation::Reduced(motion) => SavedFormulation::Reduced(motion.state.saved.clone()),
         Formulation::RigidFem(state) => SavedFormulation::RigidFem(state.saved()),
     }
 }

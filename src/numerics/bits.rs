@@ -6,10 +6,13 @@ pub fn same_bits(a: &[f64], b: &[f64]) -> bool {
     a.len() == b.len() && a.iter().zip(b).fold(0, |differ, (a, b)| differ | (a.to_bits() ^ b.to_bits())) == 0
 }
 
-/// Copy `other` over a list of the same length if they differ; comparing costs less than copying.
+/// Copy `other` over a list of the same length if they differ, and return whether they do; comparing costs less than
+/// copying.
 #[inline]
-pub fn become_same(own: &mut [f64], other: &[f64]) {
-    if !same_bits(own, other) {
+pub fn become_same(own: &mut [f64], other: &[f64]) -> bool {
+    let differ = !same_bits(own, other);
+    if differ {
         own.copy_from_slice(other);
     }
+    differ
 }

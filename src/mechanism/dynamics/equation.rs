@@ -20,7 +20,6 @@ use crate::numerics::table::{polynomial, polynomial_at};
 pub struct Scratch<T = f64> {
     /// Applied loads on the panel used last.
     pub panel_force: PanelForce,
-    /// State loads.
     pub evaluator: StateLoadEvaluator<T>,
     /// State loads with derivatives along sigma and sigma_dot.
     tangent: StateLoadEvaluator<Dual<2>>,
@@ -29,21 +28,18 @@ pub struct Scratch<T = f64> {
 }
 
 impl<T: Number> Scratch<T> {
-    /// Scratch for these state loads.
     pub fn new(state_loads: Option<&StateLoads>) -> Self {
-        let air = state_loads.is_some_and(|s| s.air);
         Self {
             panel_force: PanelForce::new(state_loads),
             evaluator: StateLoadEvaluator::new(state_loads),
             tangent: StateLoadEvaluator::new(state_loads),
-            air,
+            air: state_loads.is_some_and(|s| s.air),
         }
     }
 }
 
 /// The equation of motion over one communication step, in numbers T.
 pub struct EquationOfMotion<'a, T = f64> {
-    /// Tables.
     pub reduced: &'a Reduced,
     /// The loads that the state decides.
     pub state_loads: Option<&'a StateLoads>,
@@ -53,33 +49,26 @@ pub struct EquationOfMotion<'a, T = f64> {
     pub time: T,
     /// Constant within a step.
     pub mode: Mode,
-    /// Scratch.
     pub scratch: &'a mut Scratch<T>,
     /// Whether friction had no solution somewhere.
     pub locked: bool,
 }
 
 impl<T: Number> EquationOfMotion<'_, T> {
+    /// x at sigma on its panel, which is entered if it is not the present one.
     #[inline(always)]
-    fn locate(&mut self, sigma: f64) -> f64 {
+    pub fn locate(&mut self, sigma: f64) -> f64 {
         self.scratch.panel_force.locate(self.reduced, self.state_loads, &self.applied, sigma)
     }
 
     /// Acceleration and power lost, for a motion in the mode's direction.
-    ///
-    /// # Errors
-    /// [`Locked`].
     #[inline]
     pub fn effect(&mut self, sigma: T, sigma_dot: T) -> Result<Evaluation<T>, Locked> {
         self.locate(sigma.value());
         let y = [self.time, sigma, sigma_dot];
         let Scratch { panel_force, evaluator, .. } = &mut *self.scratch;
-        match self.state_loads {
-            None => Ok(of_applied_loads(panel_force, y)),
-            Some(state_loads) => {
-                evaluator.evaluate((self.reduced, state_loads), &self.applied, panel_force, &self.mode, y)
-            }
-        }
+        let Some(state_loads) = self.state_loads else { return Ok(of_applied_loads(panel_force, y)) };
+        evaluator.evaluate((self.reduced, state_loads), &self.applied, panel_force, &self.mode, y)
     }
 
     /// Whether a drive has an efficiency, so that the right-hand side jumps where sigma_dot changes its sign.
@@ -89,9 +78,6 @@ impl<T: Number> EquationOfMotion<'_, T> {
 
     /// Direction of the motion; at rest the direction in which the mechanism sets off, 0 if its drives hold it ([CK16]
     /// 2.3: driven forward they give less, driven back they hold more).
-    ///
-    /// # Errors
-    /// [`Locked`].
     pub fn start_direction(&mut self, sigma: T, sigma_dot: T) -> Result<f64, Locked> {
         if sigma_dot.value() != 0.0 {
             return Ok(sigma_dot.value().signum());
@@ -107,9 +93,6 @@ impl<T: Number> EquationOfMotion<'_, T> {
 
     /// Acceleration at any state, with the delivered force of every drive. The mode's direction becomes that of the
     /// drives, 0 where they hold the mechanism at rest.
-    ///
-    /// # Errors
-    /// [`Locked`].
     pub fn settle(&mut self, sigma: T, sigma_dot: T) -> Result<T, Locked> {
         self.clear_regimes();
         let direction = if self.reverses() { self.start_direction(sigma, sigma_dot)? } else { self.mode.direction };
@@ -118,9 +101,6 @@ impl<T: Number> EquationOfMotion<'_, T> {
 
     /// [`Self::settle`] in a known direction. Where drives hold the mechanism at rest, each delivers a force between
     /// its forward and its backward value: the common share at which all is in balance.
-    ///
-    /// # Errors
-    /// [`Locked`].
     pub fn settle_in(&mut self, direction: f64, sigma: T, sigma_dot: T) -> Result<T, Locked> {
         if direction != 0.0 || !self.reverses() {
             return self.heading(direction, sigma, sigma_dot);
@@ -135,9 +115,6 @@ impl<T: Number> EquationOfMotion<'_, T> {
     }
 
     /// Acceleration at any state, were the drives with an efficiency to work in this direction; 0: without their losses.
-    ///
-    /// # Errors
-    /// [`Locked`].
     pub fn heading(&mut self, direction: f64, sigma: T, sigma_dot: T) -> Result<T, Locked> {
         self.clear_regimes();
         self.mode.direction = direction;
@@ -162,77 +139,20 @@ impl<T: Number> EquationOfMotion<'_, T> {
 
 impl EquationOfMotion<'_> {
     /// [`Self::effect`] with its derivatives along sigma and sigma_dot.
-    ///
-    /// # Errors
-    /// [`Locked`].
     pub fn tangent(&mut self, sigma: f64, sigma_dot: f64) -> Result<Evaluation<Dual<2>>, Locked> {
         self.locate(sigma);
         let y = [Dual::constant(self.time), Dual::variable(sigma, 0), Dual::variable(sigma_dot, 1)];
         let Scratch { panel_force, tangent, .. } = &mut *self.scratch;
-        match self.state_loads {
-            None => Ok(of_applied_loads(panel_force, y)),
-            Some(state_loads) => {
-                tangent.evaluate((self.reduced, state_loads), &self.applied, panel_force, &self.mode, y)
-            }
-        }
-    }
-
-    /// Slip speed of a friction joint [m/s]. Needed at the ends of steps and between them, it leaves the present panel
-    /// as it is.
-    pub fn slip(&mut self, friction_joint: usize, sigma: f64, sigma_dot: f64) -> f64 {
-        let Some(state_loads) = self.state_loads else { return 0.0 };
-        let component = state_loads.free() + friction_joint;
-        let influence = if self.reduced.is_exact() {
-            let x = self.locate(sigma);
-            polynomial(self.scratch.panel_force.series(&state_loads.table, component), x)
-        } else {
-            self.scratch.panel_force.value((self.reduced, &state_loads.table), component, sigma)
-        };
-        influence * sigma_dot * state_loads.friction_joints[friction_joint].radius
-    }
-
-    /// Slip speed of a friction joint [m/s] and its rate [m/s2], at (sigma, sigma_dot, sigma_ddot).
-    pub fn slip_rate(&mut self, friction_joint: usize, [sigma, sigma_dot, sigma_ddot]: [f64; 3]) -> [f64; 2] {
-        let Some(state_loads) = self.state_loads else { return [0.0; 2] };
-        let component = state_loads.free() + friction_joint;
-        let influence = self.scratch.panel_force.value(
-            (self.reduced, &state_loads.table),
-            component,
-            Dual::<1>::variable(sigma, 0),
-        );
-        let rate = influence.slope[0] * sigma_dot * sigma_dot + influence.value * sigma_ddot;
-        [influence.value * sigma_dot, rate].map(|v| v * state_loads.friction_joints[friction_joint].radius)
-    }
-
-    /// State the regimes of all friction joints at this state.
-    pub fn set_regimes(&mut self, sigma: f64, sigma_dot: f64) {
-        for friction_joint in 0..self.state_loads.map_or(0, |s| s.friction_joints.len()) {
-            let slip = self.slip(friction_joint, sigma, sigma_dot);
-            let regime = self.state_loads.map(|s| s.friction_joints[friction_joint].law.regime(slip));
-            self.set_regime(friction_joint, regime);
-        }
-    }
-
-    /// How far the load of a bumper is beyond its stop, and the push of the bumper if it is in contact.
-    pub fn bumper_push(&mut self, bumper: usize, sigma: f64, sigma_dot: f64) -> (f64, f64) {
-        let x = self.locate(sigma);
-        let Some(state_loads) = self.state_loads else { return (0.0, 0.0) };
-        let (panel_force, loading) = (&self.scratch.panel_force, self.reduced.loading());
-        let at = |component: usize| polynomial(panel_force.series(&state_loads.table, component), x);
-        let stop = &loading.stops[state_loads.bumpers[bumper]];
-        let s = at(state_loads.pressed(bumper)) + panel_force.revolutions * self.reduced.load_growth(stop.load);
-        let rate = at(state_loads.free() - state_loads.bumpers.len() + bumper) * sigma_dot;
-        let beyond = stop.beyond(s);
-        let outward = if stop.beyond(1.0) > stop.beyond(0.0) { rate } else { -rate };
-        (beyond, stop.push(beyond, outward))
+        let Some(state_loads) = self.state_loads else { return Ok(of_applied_loads(panel_force, y)) };
+        tangent.evaluate((self.reduced, state_loads), &self.applied, panel_force, &self.mode, y)
     }
 
     /// Scales of sigma and sigma_dot: the length of a motion of the size of one radian; sigma_dot itself, or the speed
     /// that the present force gives over that length.
-    fn scales(&self, sigma_dot: f64, acceleration: f64) -> (f64, f64) {
+    fn scales(&self, sigma_dot: f64, acceleration: f64) -> [f64; 2] {
         let length = self.reduced.scale();
         let fallen = (acceleration.abs() * length).sqrt();
-        (length, sigma_dot.abs().max(fallen).max(1e-12 * length))
+        [length, sigma_dot.abs().max(fallen).max(1e-12 * length)]
     }
 }
 
@@ -267,8 +187,7 @@ impl System<2> for EquationOfMotion<'_> {
     }
 
     fn scale(&mut self, y: &[f64; 2], f: &[f64; 2]) -> [f64; 2] {
-        let (length, speed) = self.scales(y[1], f[1]);
-        [length, speed]
+        self.scales(y[1], f[1])
     }
 }
 
@@ -278,27 +197,21 @@ impl System<3> for EquationOfMotion<'_> {
 
     fn jacobian(&mut self, t: f64, y: &[f64; 3]) -> [[f64; 3]; 3] {
         self.time = t;
-        match self.tangent(y[0], y[1]) {
-            Ok(Evaluation { acceleration: a, lost: l }) => {
-                [[0.0, 1.0, 0.0], [a.slope[0], a.slope[1], 0.0], [l.slope[0], l.slope[1], 0.0]]
-            }
-            Err(Locked) => {
-                self.locked = true;
-                [[f64::NAN; 3]; 3]
-            }
-        }
+        let Ok(Evaluation { acceleration: a, lost: l }) = self.tangent(y[0], y[1]) else {
+            self.locked = true;
+            return [[f64::NAN; 3]; 3];
+        };
+        [[0.0, 1.0, 0.0], [a.slope[0], a.slope[1], 0.0], [l.slope[0], l.slope[1], 0.0]]
     }
 
     fn derivative(&mut self, t: f64, y: &[f64; 3]) -> [f64; 3] {
         self.time = t;
-        match self.effect(y[0], y[1]) {
-            Ok(effect) => [y[1], effect.acceleration, effect.lost],
+        let Ok(Evaluation { acceleration, lost }) = self.effect(y[0], y[1]) else {
             // The step is rejected and tried again, shorter. If none is short enough, this is reported as the reason.
-            Err(Locked) => {
-                self.locked = true;
-                [f64::NAN; 3]
-            }
-        }
+            self.locked = true;
+            return [f64::NAN; 3];
+        };
+        [y[1], acceleration, lost]
     }
 
     fn scale(&mut self, y: &[f64; 3], f: &[f64; 3]) -> [f64; 3] {
@@ -307,7 +220,7 @@ impl System<3> for EquationOfMotion<'_> {
         let x = self.locate(y[0]);
         let panel_force = &self.scratch.panel_force;
         let force = f[1].abs().max(panel_force.at(x, 0.0).abs()).max(panel_force.excess(0, x, self.time).abs());
-        let (length, speed) = self.scales(y[1], force);
+        let [length, speed] = self.scales(y[1], force);
         // Where friction balances the rest, the power lost shows how large the forces are.
         let resisting = if f[2] == 0.0 { 0.0 } else { (f[2] / y[1]).abs() };
         [length, speed, (speed * speed).max(resisting * length)]

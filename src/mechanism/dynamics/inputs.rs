@@ -1,7 +1,7 @@
-//! Inputs: what the host sets between steps.
+//! Inputs: what the host sets between steps, and how the Reals change within a step.
 //!
-//! In: values from the host. Out: sizes of loads, their derivatives, engaged locks. It must not know what they act on.
-use super::input_polynomial::{Change, InputPolynomial};
+//! In: values and derivatives from the host. Out: sizes of loads; for each Real input u(t) = u_0 + u_1 t + u_2 t^2 / 2,
+//! with t [s] counted from the communication point; engaged locks. It must not know what they act on.
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::bits::become_same;
@@ -26,9 +26,6 @@ impl Inputs {
     }
 
     /// All fields, written or read.
-    ///
-    /// # Errors
-    /// A number is read that is not finite.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.length("inputs", self.reals.len())?;
         record.all_finite("input", &mut self.reals)?;
@@ -53,5 +50,146 @@ impl Inputs {
             }
         }
         self.signal.copy_from(&other.signal);
+    }
+}
+
+/// Derivatives of the Real inputs.
+///
+/// FMI 2.0.5, 4.2.1: they are set with respect to the beginning of a communication step, and are 0 until set. The
+/// standard does not say how long they hold. Here they hold for one step, at the end of which the input is u(h) and
+/// stays so unless it is set. The rates at the end of the step are kept for the derivatives of outputs there, until an
+/// input is set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InputPolynomial {
+    /// u_1 [unit/s].
+    pub first: Vec<f64>,
+    /// u_2 [unit/s2].
+    pub second: Vec<f64>,
+    /// Whether they apply to the next step; else they are the rates at the end of the last one.
+    pub ahead: bool,
+    /// Whether any may be other than 0.
+    any: bool,
+}
+
+/// Derivatives of the sizes of loads and of the airspeed, with respect to time or along one direction of the inputs.
+#[derive(Clone, Copy, Debug)]
+pub struct Change<'a> {
+    /// u_1 of the applied loads.
+    pub first: &'a [f64],
+    /// u_2 of the applied loads.
+    pub second: &'a [f64],
+    /// u_1 and u_2 of the airspeed.
+    pub airspeed: [f64; 2],
+}
+
+impl InputPolynomial {
+    /// Constant inputs.
+    pub fn new(count: usize) -> Self {
+        Self { first: vec![0.0; count], second: vec![0.0; count], ahead: false, any: false }
+    }
+
+    /// Set the derivative of order 1 or 2 for the next step.
+    pub fn set(&mut self, input: usize, order: usize, value: f64) {
+        if !self.ahead {
+            self.clear();
+        }
+        let derivatives = if order == 1 { &mut self.first } else { &mut self.second };
+        derivatives[input] = value;
+        self.ahead = self.first.iter().chain(&self.second).any(|u| *u != 0.0);
+        self.any = self.ahead;
+    }
+
+    /// An input was set: its derivatives become 0 unless they apply to the next step.
+    pub fn value_set(&mut self, input: usize) {
+        if self.any && !self.ahead {
+            (self.first[input], self.second[input]) = (0.0, 0.0);
+        }
+    }
+
+    /// Constant inputs again.
+    pub fn clear(&mut self) {
+        self.first.fill(0.0);
+        self.second.fill(0.0);
+        (self.ahead, self.any) = (false, false);
+    }
+
+    /// Input derivatives for the next step; None if all inputs are constant. `loads`: number of inputs that scale
+    /// loads, which come first; `air`: whether the last input is the airspeed.
+    #[inline]
+    pub fn change(&self, loads: usize, air: bool) -> Option<Change<'_>> {
+        if !self.ahead {
+            return None;
+        }
+        let last = self.first.len().wrapping_sub(1);
+        let airspeed = if air { [self.first[last], self.second[last]] } else { [0.0; 2] };
+        Some(Change { first: &self.first[..loads], second: &self.second[..loads], airspeed })
+    }
+
+    /// u(h) of an input that begins with u_0.
+    pub fn at(&self, input: usize, value: f64, h: f64) -> f64 {
+        if self.ahead { value + h * (self.first[input] + 0.5 * h * self.second[input]) } else { value }
+    }
+
+    /// All fields, written or read.
+    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        record.all_finite("derivative of an input", &mut self.first)?;
+        record.all_finite("second derivative of an input", &mut self.second)?;
+        self.any = self.first.iter().chain(&self.second).any(|u| *u != 0.0);
+        record.flag("derivatives of inputs ahead", &mut self.ahead)
+    }
+
+    /// Become the same as another one of as many inputs.
+    #[inline]
+    pub fn copy_from(&mut self, other: &Self) {
+        if self.any || other.any {
+            self.first.copy_from_slice(&other.first);
+            self.second.copy_from_slice(&other.second);
+            self.any = other.any;
+        }
+        self.ahead = other.ahead;
+    }
+
+    /// A step of size h is done.
+    pub fn end(&mut self, h: f64) {
+        if !self.any {
+            return;
+        }
+        for (first, second) in self.first.iter_mut().zip(&mut self.second) {
+            *first += h * *second;
+            *second = 0.0;
+        }
+        self.ahead = false;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn derivatives_hold_for_one_step() {
+        let mut signal = InputPolynomial::new(2);
+        assert!(signal.change(1, false).is_none());
+        signal.set(1, 1, 3.0);
+        signal.set(1, 2, 4.0);
+        signal.value_set(1);
+        assert_eq!(signal.at(1, 2.0, 0.5), 2.0 + 3.0 * 0.5 + 0.5 * 4.0 * 0.25);
+        assert_eq!(signal.change(1, true).unwrap().airspeed, [3.0, 4.0]);
+        signal.end(0.5);
+        assert!(signal.change(1, true).is_none());
+        assert_eq!((signal.at(1, 2.0, 0.5), signal.first[1]), (2.0, 5.0));
+        signal.value_set(1);
+        assert_eq!(signal.first[1], 0.0);
+    }
+
+    #[test]
+    fn rates_at_the_end_of_a_step_become_0_when_one_input_gets_a_derivative() {
+        let mut signal = InputPolynomial::new(2);
+        signal.set(0, 2, 4.0);
+        signal.end(1.0);
+        signal.set(1, 1, 1.0);
+        assert_eq!((signal.first.as_slice(), signal.second.as_slice()), (&[0.0, 1.0][..], &[0.0; 2][..]));
+        signal.set(1, 1, 0.0);
+        assert!(!signal.ahead);
     }
 }

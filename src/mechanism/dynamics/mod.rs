@@ -1,6 +1,5 @@
 //! The equation of motion along the curve.
 pub mod equation;
-pub mod input_polynomial;
 pub mod inputs;
 pub mod panel_force;
 pub mod state_loads;

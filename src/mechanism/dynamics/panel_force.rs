@@ -3,7 +3,7 @@
 //!
 //! In: tables of the reduced model and its state loads, sizes of loads. Out: the force along the curve and the
 //! reactions of friction joints on one panel. It must not know the loads that the state decides.
-use crate::mechanism::dynamics::input_polynomial::Change;
+use crate::mechanism::dynamics::inputs::Change;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::bundle::{Bundle, Row, add_side_by_side, side_by_side};
 use crate::numerics::chebyshev::{NODES, Series};
@@ -57,7 +57,7 @@ fn parabola<T: Number>([first, second]: [f64; 2], t: T) -> T {
 
 /// Forces of the applied loads and springs as polynomials on one panel: the force along the curve, and the reactions of
 /// the friction joints.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct PanelForce {
     /// It holds for low <= sigma < high; both counted on over whole revolutions.
     low: f64,
@@ -67,7 +67,6 @@ pub struct PanelForce {
     inverse: f64,
     /// x at the center.
     offset: f64,
-    /// Index of the panel.
     panel: usize,
     /// Whole revolutions before this panel.
     pub revolutions: f64,
@@ -89,21 +88,7 @@ impl PanelForce {
     /// Holds for no sigma; with scratch for these state loads.
     pub fn new(state_loads: Option<&StateLoads>) -> Self {
         let rows = state_loads.map_or(0, |s| Bundle::rows(s.rows() - 1));
-        Self {
-            low: f64::INFINITY,
-            high: f64::NEG_INFINITY,
-            center: 0.0,
-            inverse: 0.0,
-            offset: 0.0,
-            panel: 0,
-            revolutions: 0.0,
-            force: [0.0; NODES],
-            reactions: Vec::with_capacity(rows),
-            rates: Vec::new(),
-            exact: Vec::new(),
-            exact_bundle: Vec::new(),
-            exact_applied: Vec::new(),
-        }
+        Self { reactions: Vec::with_capacity(rows), ..Self::default() }
     }
 
     /// Hold for no sigma: sizes or revolutions are others.
@@ -160,15 +145,14 @@ impl PanelForce {
     /// Effect of all applied loads at the time t [s], less that at t = 0: row 0 is the force along the curve, the
     /// others are components of the friction joints' reactions.
     pub fn excess<T: Number>(&self, row: usize, x: T, t: T) -> T {
-        match self.rates.get(row) {
-            Some([first, second]) => t * (polynomial_at(first, x) + t * T::constant(0.5) * polynomial_at(second, x)),
-            None => T::constant(0.0),
-        }
+        self.rates.get(row).map_or(T::constant(0.0), |[first, second]| {
+            t * (polynomial_at(first, x) + t * T::constant(0.5) * polynomial_at(second, x))
+        })
     }
 
     /// One component of the table at any sigma, without leaving the present panel.
     pub fn value<T: Number>(&self, (reduced, table): (&Reduced, &Table), component: usize, sigma: T) -> T {
-        let (shift, ..) = around(reduced, sigma.value());
+        let (shift, _) = around(reduced, sigma.value());
         let (first, last) = reduced.curve().range();
         let spot = table.position_near((sigma.value() - shift).clamp(first, last), self.panel);
         let (a, b) = table.borders(spot.panel);
@@ -179,12 +163,12 @@ impl PanelForce {
     fn enter(&mut self, reduced: &Reduced, state_loads: Option<&StateLoads>, applied: &AppliedLoads, sigma: f64) {
         let table = state_loads.map_or(reduced.influence(), |s| &s.table);
         let (first, last) = reduced.curve().range();
-        let (shift, revolutions, period) = around(reduced, sigma);
+        let (shift, revolutions) = around(reduced, sigma);
         self.panel = table.panel_near(sigma - shift, self.panel);
         self.revolutions = applied.revolutions + revolutions;
         let (a, b) = table.borders(self.panel);
         (self.low, self.high, self.center, self.inverse) = (a + shift, b + shift, 0.5 * (a + b) + shift, 2.0 / (b - a));
-        if reduced.period().is_some() {
+        if let Some(period) = reduced.period() {
             // Within rounding of a border, the panel depends on how whole revolutions are counted. There it is always
             // looked up, so that the result does not depend on the panel before.
             let margin = BORDER * (first.abs().max(last.abs()) + shift.abs() + period);
@@ -202,23 +186,20 @@ impl PanelForce {
         }
         let own = [(reduced.components().springs, 1.0), (reduced.components().winding, self.revolutions)];
         let own = own.into_iter().filter_map(|(k, size)| Some((k?, size)));
-        self.force = self.sum(state_loads, table, applied.sizes, 0);
-        for (k, size) in own.clone() {
-            let mut force = self.force;
-            add(&mut force, self.series(table, state_loads.map_or(k, |s| s.given(0, k))), size);
-            self.force = force;
-        }
+        let all = loads(state_loads, applied.sizes).chain(own);
+        self.force = self.sum(state_loads, table, all.clone(), 0);
         if let Some(state_loads) = state_loads.filter(|s| !s.friction_joints.is_empty()) {
             self.reactions.clear();
             self.reactions.resize(Bundle::rows(state_loads.rows() - 1), Row::ZERO);
-            for (k, size) in loads(Some(state_loads), applied.sizes).chain(own) {
+            for (k, size) in all {
                 self.add_reactions(state_loads, k, size);
             }
         }
         self.rates.clear();
         if let Some(change) = &applied.change {
             for row in 0..state_loads.map_or(1, StateLoads::rows) {
-                let rates = [change.first, change.second].map(|sizes| self.sum(state_loads, table, sizes, row));
+                let rate = |sizes| self.sum(state_loads, table, loads(state_loads, sizes), row);
+                let rates = [change.first, change.second].map(rate);
                 self.rates.push(rates);
             }
         }
@@ -230,10 +211,8 @@ impl PanelForce {
             state_loads.caused_by_applied[k].panel(self.panel)
         } else {
             self.exact_applied.clear();
-            side_by_side(
-                (1..state_loads.rows()).map(|row| &self.exact[state_loads.given(row, k)]),
-                &mut self.exact_applied,
-            );
+            let effects = (1..state_loads.rows()).map(|row| &self.exact[state_loads.given(row, k)]);
+            side_by_side(effects, &mut self.exact_applied);
             &self.exact_applied
         };
         add_side_by_side(&mut self.reactions, size, effects);
@@ -264,38 +243,36 @@ impl PanelForce {
         (self.low, self.high, self.center) = (sigma, sigma.next_up(), sigma);
     }
 
-    /// Sum of the effects of the applied loads of these sizes in a row.
-    fn sum(&self, state_loads: Option<&StateLoads>, table: &Table, sizes: &[f64], row: usize) -> Series {
+    /// Sum of the effects of applied loads, given with their sizes, in a row.
+    fn sum(
+        &self,
+        state_loads: Option<&StateLoads>,
+        table: &Table,
+        loads: impl Iterator<Item = (usize, f64)>,
+        row: usize,
+    ) -> Series {
         let mut sum = [0.0; NODES];
-        for (load, size) in loads(state_loads, sizes) {
-            add(&mut sum, self.series(table, state_loads.map_or(load, |s| s.given(row, load))), size);
+        for (load, size) in loads {
+            let series = self.series(table, state_loads.map_or(load, |s| s.given(row, load)));
+            sum.iter_mut().zip(series).for_each(|(sum, c)| *sum += size * c);
         }
         sum
     }
 }
 
 /// The applied loads that act in full, with their sizes: drives with an efficiency do not.
-fn loads<'a>(state_loads: Option<&'a StateLoads>, sizes: &'a [f64]) -> impl Iterator<Item = (usize, f64)> + 'a {
+fn loads<'a>(state_loads: Option<&'a StateLoads>, sizes: &'a [f64]) -> impl Iterator<Item = (usize, f64)> + Clone {
     let sizes = sizes.iter().copied().enumerate();
     sizes.filter(move |(load, size)| {
         *size != 0.0 && !state_loads.is_some_and(|s| s.drives_with_efficiency.contains(load))
     })
 }
 
-/// Length of the whole revolutions before sigma, their number, and the length of one.
-fn around(reduced: &Reduced, sigma: f64) -> (f64, f64, f64) {
+/// Length of the whole revolutions before sigma, and their number.
+fn around(reduced: &Reduced, sigma: f64) -> (f64, f64) {
     let first = reduced.curve().range().0;
-    match reduced.period() {
-        Some(period) => {
-            let revolutions = ((sigma - first) / period).floor();
-            (revolutions * period, revolutions, period)
-        }
-        None => (0.0, 0.0, 0.0),
-    }
-}
-
-fn add(sum: &mut Series, series: &Series, size: f64) {
-    for (sum, c) in sum.iter_mut().zip(series) {
-        *sum += size * c;
-    }
+    reduced.period().map_or((0.0, 0.0), |period| {
+        let revolutions = ((sigma - first) / period).floor();
+        (revolutions * period, revolutions)
+    })
 }

@@ -35,12 +35,11 @@ pub struct Evaluation<T> {
 pub struct StateLoadEvaluator<T> {
     /// Delivered forces of the drives with an efficiency.
     pub delivered: Vec<T>,
-    /// Sizes of the state loads.
     pub loads: Vec<T>,
     /// Loop between friction and the reactions that cause it.
     pub friction: FrictionLoop<T>,
     /// Stated regime of each friction joint; where none is stated, it follows from the slip speed.
-    regimes: Vec<Option<Regime>>,
+    pub regimes: Vec<Option<Regime>>,
     /// Arm of each joint's friction in its regime.
     arms: Vec<Cubic>,
     /// Values of [`StateLoads::bundle`].
@@ -56,7 +55,6 @@ pub struct StateLoadEvaluator<T> {
 }
 
 impl<T: Number> StateLoadEvaluator<T> {
-    /// For these state loads, or none.
     pub fn new(state_loads: Option<&StateLoads>) -> Self {
         let zero = T::constant(0.0);
         let (drives_with_efficiency, loads, friction_joints) =
@@ -75,11 +73,6 @@ impl<T: Number> StateLoadEvaluator<T> {
             kept: vec![zero; drives_with_efficiency + 1 + ROW * reactions],
             scratch: vec![zero; 4 * friction_joints],
         }
-    }
-
-    /// Stated regime of a friction joint, if there is one.
-    pub fn regime(&self, friction_joint: usize) -> Option<Regime> {
-        self.regimes[friction_joint]
     }
 
     /// State the regime of a friction joint; with none, it follows from the slip speed in each evaluation.
@@ -202,9 +195,6 @@ impl<T: Number> StateLoadEvaluator<T> {
     /// Inverse dynamics with friction: the force along the curve of an applied load with which sigma_ddot is `target`
     /// in the state of the last evaluation. `size` is the load's present size. With `breakaway`, every friction joint
     /// has its static friction against a motion in that direction.
-    ///
-    /// # Errors
-    /// [`Locked`].
     pub fn required(
         &mut self,
         state_loads: &StateLoads,
@@ -235,14 +225,13 @@ impl<T: Number> StateLoadEvaluator<T> {
         // the inertial ones.
         let inverse = influence.chain(1.0 / influence.value(), -1.0 / influence.value().powi(2));
         let (reactions, inertial) = self.scratch.split_at_mut(2 * n);
-        for (k, (effect, reaction)) in
-            effects[state_loads.inertial()].iter().zip(self.reactions.as_flattened()).enumerate()
-        {
+        let pairs = effects[state_loads.inertial()].iter().zip(self.reactions.as_flattened());
+        for (k, (effect, reaction)) in pairs.enumerate() {
             let of_load = at(state_loads.given(k + 1, load));
             inertial[k] = *effect - of_load * inverse;
             reactions[k] = *reaction + of_load * (bare * inverse - size);
         }
-        let balance = balance(state_loads, effects, reactions, inertial);
+        let balance = balance(state_loads, [effects, reactions, inertial]);
         self.friction.solve(&balance)?;
         let mut force = bare;
         for j in 0..n {
@@ -281,20 +270,17 @@ impl<T: Number> StateLoadEvaluator<T> {
         let effects = self.effects.as_flattened();
         let first = state_loads.free() - state_loads.bumpers.len();
         for (k, &stop) in state_loads.bumpers.iter().enumerate() {
-            let touches = mode.touching.contains(&Some(k));
-            self.loads[first + k] = if touches {
+            self.loads[first + k] = T::constant(0.0);
+            if mode.touching.contains(&Some(k)) {
                 let stop = &reduced.loading().stops[stop];
                 let wound = panel_force.revolutions * reduced.load_growth(stop.load);
                 let beyond = effects[state_loads.pressed(k)] + T::constant(wound - stop.value);
                 let rate = effects[first + k] * sigma_dot;
-                -stop.push(beyond, rate)
-            } else {
-                T::constant(0.0)
-            };
+                self.loads[first + k] = -stop.push(beyond, rate);
+            }
         }
     }
 
-    /// Friction of all friction joints.
     fn friction(&mut self, state_loads: &StateLoads, sigma_dot: T) -> Result<(), Locked> {
         let effects = self.effects.as_flattened();
         let slips = &effects[state_loads.free()..state_loads.loads.len()];
@@ -306,29 +292,20 @@ impl<T: Number> StateLoadEvaluator<T> {
             self.friction.arm[j] = self.arms[j].at(v);
         }
         let reactions = self.reactions.as_flattened();
-        self.friction.solve(&balance(state_loads, effects, reactions, &effects[state_loads.inertial()]))
+        self.friction.solve(&balance(state_loads, [effects, reactions, &effects[state_loads.inertial()]]))
     }
 }
 
 /// The friction joints' reactions without friction, and the effects of friction and sigma_ddot on them.
 #[inline]
-fn balance<'a, T>(
-    state_loads: &'a StateLoads,
-    effects: &'a [T],
-    reactions: &'a [T],
-    inertial: &'a [T],
-) -> Balance<'a, T> {
+fn balance<'a, T>(state_loads: &'a StateLoads, [effects, reactions, inertial]: [&'a [T]; 3]) -> Balance<'a, T> {
     let n = state_loads.friction_joints.len();
     let passed = &effects[state_loads.passed()];
-    let half = |both: &'a [T], n: usize| {
-        let (x, y) = both.split_at(n);
-        [x, y]
-    };
     Balance {
-        free: half(&reactions[..2 * n], n),
-        inertial: half(inertial, n),
+        free: reactions[..2 * n].split_at(n).into(),
+        inertial: inertial.split_at(n).into(),
         influence: &effects[state_loads.free()..state_loads.loads.len()],
-        passed: half(passed, passed.len() / 2),
+        passed: passed.split_at(passed.len() / 2).into(),
         groups: &state_loads.groups,
     }
 }

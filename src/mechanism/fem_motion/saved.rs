@@ -36,7 +36,7 @@ impl RigidFemMotion {
             applied: self.applied.clone(),
             reference: self.reference,
             slack: self.slack.clone(),
-            rigid: self.rigid.state.saved(),
+            rigid: self.rigid.state.saved.clone(),
             steps: self.steps,
         }
     }
@@ -48,7 +48,7 @@ impl RigidFemMotion {
         saved.applied.clone_from(&self.applied);
         saved.slack.clone_from(&self.slack);
         (saved.fem_step, saved.reference, saved.steps) = (self.fem_step, self.reference, self.steps);
-        self.rigid.state.save(&mut saved.rigid);
+        saved.rigid.copy_from(&self.rigid.state);
     }
 
     /// A motion that continues as the saved one did, under these inputs.

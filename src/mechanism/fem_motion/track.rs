@@ -38,10 +38,8 @@ impl<'a> Track<'a> {
     /// # Errors
     /// The coordinates are not smooth along the curve.
     pub fn new(reduced: &'a Reduced, rigid: &State) -> Result<Self, ModelError> {
-        let table = reduced.coordinates().map_err(|at| ModelError::Table {
-            name: "solver.method".into(),
-            position: reduced.curve().describe(at.sigma, rigid.revolutions),
-        })?;
+        let table = reduced.coordinates();
+        let table = table.map_err(|at| ModelError::table(reduced, "solver.method", at, rigid.revolutions))?;
         Ok(Self { table, sigma: rigid.sigma, sigma_dot: rigid.sigma_dot, revolutions: rigid.revolutions })
     }
 

@@ -6,9 +6,8 @@
 //! polished on the integration itself. A step may go on beyond the span (`step_ahead.rs`). It must not know what moves.
 use crate::integrator::{Dense, IntegrationError, Integrator, Step};
 use crate::mechanism::loads::friction_loop::Locked;
-use crate::mechanism::motion::contact::Contact;
+use crate::mechanism::motion::contact::{Contact, Ends, outward};
 use crate::mechanism::motion::dynamics::Dynamics;
-use crate::mechanism::motion::ends::{Ends, outward};
 use crate::mechanism::motion::events::{Event, Found, REGIME_TOLERANCE, earliest_event};
 use crate::mechanism::motion::step_ahead::{Lookahead, StepAhead};
 use crate::numerics::bracket::first_rise;
@@ -16,7 +15,6 @@ use crate::numerics::bracket::first_rise;
 /// Why an advance ended early.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stopped {
-    /// The integration stopped.
     Integration(IntegrationError),
     /// Friction and reactions have no common solution.
     Locked,
@@ -36,17 +34,12 @@ const LOWEST_FLIGHT: f64 = 64.0 * f64::EPSILON;
 
 /// The advance of a motion over one span.
 pub struct Advance<'a, D, const N: usize> {
-    /// What moves.
     pub dynamics: &'a mut D,
-    /// What integrates it.
     pub integrator: &'a mut Integrator<N>,
     /// The step that goes on beyond the present, if one does.
     pub lookahead: &'a mut Lookahead<N>,
-    /// The ends of the travel.
     pub ends: &'a Ends,
-    /// Contact there.
     pub contact: &'a mut Contact,
-    /// Relative tolerance.
     pub tolerance: f64,
     /// How far it has come: [`Progress::default`] at the start.
     pub progress: Progress,
@@ -83,9 +76,6 @@ enum Instant {
 impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// Advance z = (sigma, sigma_dot, energy lost if N = 3) by exactly `span` [s]; returns the energy lost in impacts
     /// [J].
-    ///
-    /// # Errors
-    /// [`Stopped`].
     pub fn run(mut self, z: &mut [f64; N], span: f64) -> Result<f64, Stopped> {
         if self.resume(z, span)? {
             return Ok(0.0);
@@ -189,9 +179,6 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     }
 
     /// What follows from the state before a step: rest, impacts, bumpers touched, the mode of friction and drives.
-    ///
-    /// # Errors
-    /// [`Locked`].
     #[inline(always)]
     fn instant(&mut self, z: &mut [f64; N], span: f64) -> Result<Instant, Locked> {
         self.dynamics.set_time(self.progress.t);
@@ -251,11 +238,8 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     #[inline(always)]
     fn wait_for_drives(&mut self, sigma: f64, span: f64) -> Result<Instant, Locked> {
         let excess = |dynamics: &mut D| {
-            let mut most = f64::NEG_INFINITY;
-            for direction in [1.0, -1.0] {
-                most = most.max(dynamics.acceleration_from_rest(sigma, direction)? * direction);
-            }
-            Ok(most)
+            let forward = dynamics.acceleration_from_rest(sigma, 1.0)?;
+            Ok(forward.max(-dynamics.acceleration_from_rest(sigma, -1.0)?))
         };
         if !self.wait_until(span, excess)? {
             return Ok(Instant::Held);
@@ -308,8 +292,8 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         for side in (0..2).filter(|&side| self.ends.is_at(side, z[0])) {
             if let (None, Some(bumper)) = (self.contact.touching()[side], self.ends.bumper(side)) {
                 let outward = outward(side);
-                let sets_out = |dynamics: &mut D| Ok(dynamics.free_acceleration(z[0], 0.0)? * outward > 0.0);
-                if z[1] * outward > 0.0 || (z[1] == 0.0 && sets_out(self.dynamics)?) {
+                let dynamics = &mut *self.dynamics;
+                if z[1] * outward > 0.0 || (z[1] == 0.0 && dynamics.free_acceleration(z[0], 0.0)? * outward > 0.0) {
                     self.contact.touched(side, bumper);
                 }
             }
@@ -352,9 +336,6 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     }
 
     /// The transition that an event at the state z causes. `at_once`: it came at the very start of its step.
-    ///
-    /// # Errors
-    /// [`Locked`].
     #[inline(always)]
     fn apply_event(&mut self, event: Event, at_once: bool, z: &mut [f64; N]) -> Result<(), Locked> {
         match event {
@@ -372,7 +353,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                 self.jumped();
                 match (self.contact.touching()[side], self.ends.bumper(side)) {
                     (None, Some(bumper)) => self.contact.touched(side, bumper),
-                    _ => self.contact.left(side),
+                    _ => self.contact.released(side),
                 }
             }
             Event::End(side) => {
@@ -384,9 +365,6 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     }
 
     /// The mechanism comes to an end of its travel: a lock catches it, it touches a bumper, bounces, or comes to rest.
-    ///
-    /// # Errors
-    /// [`Locked`].
     #[inline(always)]
     fn impact(&mut self, side: usize, z: &mut [f64; N]) -> Result<(), Locked> {
         let Some(end) = self.ends.travel[side] else { return Ok(()) };
@@ -413,9 +391,6 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
 
     /// A mechanism that leaves a rigid stop against the loads comes to rest there if its flight would be too short or
     /// too low. Returns the energy lost by that [J].
-    ///
-    /// # Errors
-    /// [`Locked`].
     #[inline(always)]
     fn end_bouncing(&mut self, side: usize, z: &mut [f64; N]) -> Result<f64, Locked> {
         let speed = -z[1] * outward(side);

@@ -1,4 +1,5 @@
-//! Contact at the ends of the travel: one small state machine for each end.
+//! The two ends of the travel: what stands at each, a rigid stop or a bumper and perhaps an engaged lock, and the contact
+//! there, one small state machine for each end.
 //!
 //! | from | to | transition |
 //! |---|---|---|
@@ -8,11 +9,82 @@
 //! | Latched | Resting | [`Contact::locks_set`]: the last lock is disengaged |
 //! | Resting | Free | [`Contact::released`]: the loads no longer press the mechanism against a rigid stop |
 //! | Free | Touching | [`Contact::touched`]: a bumper begins to push |
-//! | Touching | Free | [`Contact::left`]: the bumper would pull |
+//! | Touching | Free | [`Contact::released`]: the bumper would pull |
 //!
-//! In: what happens at an end. Out: the state of contact there. It must not know what causes a transition.
+//! In: positions and stops found at the start (`travel.rs`), locks, what happens at an end. Out: what an end does to a
+//! motion that comes to it, the state of contact there. It must not know time, forces or what causes a transition.
 use crate::codec::record::{Damaged, Record};
-use crate::mechanism::motion::ends::Ends;
+
+/// An end of the travel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct End {
+    /// sigma, counted on over whole revolutions.
+    pub position: f64,
+    /// Index of its stop.
+    pub stop: usize,
+    pub kind: StopKind,
+}
+
+/// What a stop does to a mechanism that comes to it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StopKind {
+    /// It reverses the speed in no time.
+    Rigid {
+        /// Speed after an impact over the speed before [1].
+        restitution: f64,
+    },
+    /// It pushes back by a spring and a damper; index of the bumper among those of the state loads.
+    Bumper(usize),
+}
+
+/// The end at the low and the one at the high side of sigma, if there are such.
+pub type Travel = [Option<End>; 2];
+
+/// The ends of the travel during a step; positions in the frame of sigma.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Ends {
+    pub travel: Travel,
+    /// Whether a lock is engaged at each.
+    pub locked: [bool; 2],
+}
+
+/// Sign of sigma_dot of a motion that comes to the end on this side.
+#[inline]
+pub fn outward(side: usize) -> f64 {
+    if side == 0 { -1.0 } else { 1.0 }
+}
+
+impl Ends {
+    /// Whether sigma is exactly at an end.
+    #[inline]
+    pub fn is_at(&self, side: usize, sigma: f64) -> bool {
+        self.travel[side].is_some_and(|end| sigma == end.position)
+    }
+
+    /// Coefficient of restitution of the stop at an end, if it is rigid.
+    #[inline]
+    pub fn restitution(&self, side: usize) -> Option<f64> {
+        if let StopKind::Rigid { restitution } = self.travel[side]?.kind { Some(restitution) } else { None }
+    }
+
+    #[inline]
+    pub fn is_rigid(&self, side: usize) -> bool {
+        self.restitution(side).is_some()
+    }
+
+    /// Index of the bumper at an end, if there is one.
+    #[inline]
+    pub fn bumper(&self, side: usize) -> Option<usize> {
+        if let StopKind::Bumper(bumper) = self.travel[side]?.kind { Some(bumper) } else { None }
+    }
+
+    /// Whether a mechanism at rest at an end stays there without a lock: the stop is rigid, and `acceleration`,
+    /// sigma_ddot without the stop, does not point away from it.
+    #[inline]
+    pub fn is_pressed(&self, side: usize, acceleration: f64) -> bool {
+        self.is_rigid(side) && acceleration * outward(side) >= 0.0
+    }
+}
 
 /// State of contact at one end of the travel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -57,11 +129,8 @@ impl ContactState {
 impl Contact {
     /// At rest at an end, or at none.
     pub fn at_start(resting: Option<usize>) -> Self {
-        let mut contact = Self::default();
-        if let Some(side) = resting {
-            contact.rests(side, false);
-        }
-        contact
+        let state = |side| if resting == Some(side) { ContactState::Resting } else { ContactState::Free };
+        Self { ends: [0, 1].map(state) }
     }
 
     /// End at which the mechanism rests.
@@ -97,7 +166,7 @@ impl Contact {
         self.ends[side] = ContactState::rest(locked);
     }
 
-    /// Nothing holds the mechanism at an end any longer.
+    /// Nothing holds the mechanism at an end any longer, or the bumper there ceases to push.
     pub fn released(&mut self, side: usize) {
         self.ends[side] = ContactState::Free;
     }
@@ -105,11 +174,6 @@ impl Contact {
     /// The bumper at an end begins to push.
     pub fn touched(&mut self, side: usize, bumper: usize) {
         self.ends[side] = ContactState::Touching(bumper);
-    }
-
-    /// The bumper at an end ceases to push.
-    pub fn left(&mut self, side: usize) {
-        self.ends[side] = ContactState::Free;
     }
 
     /// What holds the mechanism at rest, and at which end, with locks as they are in `ends`. `acceleration` is
@@ -125,9 +189,6 @@ impl Contact {
     }
 
     /// The state at each end, written or read.
-    ///
-    /// # Errors
-    /// There is no such state.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         for end in &mut self.ends {
             let (mut state, mut bumper) = match *end {
@@ -155,7 +216,6 @@ impl Contact {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::mechanism::motion::ends::{End, StopKind};
 
     #[test]
     fn a_lock_latches_only_a_mechanism_at_rest() {

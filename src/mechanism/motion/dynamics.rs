@@ -6,6 +6,8 @@ use crate::integrator::System;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::loads::laws::friction::Regime;
+use crate::numerics::dual::Dual;
+use crate::numerics::table::polynomial;
 
 /// A motion along sigma whose right-hand side is smooth between events. The state is (sigma, sigma_dot), or (sigma,
 /// sigma_dot, energy lost). Bumpers, drives with an efficiency and friction joints are the three kinds of parts that
@@ -54,17 +56,11 @@ pub trait Dynamics<const N: usize>: System<N> {
 
     /// Find and state that direction: that of sigma_dot, or from rest the one in which the mechanism sets off, 0 if its
     /// drives hold it. Returns it.
-    ///
-    /// # Errors
-    /// [`Locked`].
     fn find_direction(&mut self, _sigma: f64, _sigma_dot: f64) -> Result<f64, Locked> {
         Ok(0.0)
     }
 
     /// sigma_ddot from rest, were the drives with an efficiency to work in this direction.
-    ///
-    /// # Errors
-    /// [`Locked`].
     fn acceleration_from_rest(&mut self, sigma: f64, _direction: f64) -> Result<f64, Locked> {
         self.free_acceleration(sigma, 0.0)
     }
@@ -128,7 +124,16 @@ where
     }
 
     fn bumper_push(&mut self, bumper: usize, sigma: f64, sigma_dot: f64) -> (f64, f64) {
-        Self::bumper_push(self, bumper, sigma, sigma_dot)
+        let x = self.locate(sigma);
+        let Some(state_loads) = self.state_loads else { return (0.0, 0.0) };
+        let (panel_force, loading) = (&self.scratch.panel_force, self.reduced.loading());
+        let at = |component: usize| polynomial(panel_force.series(&state_loads.table, component), x);
+        let stop = &loading.stops[state_loads.bumpers[bumper]];
+        let s = at(state_loads.pressed(bumper)) + panel_force.revolutions * self.reduced.load_growth(stop.load);
+        let rate = at(state_loads.free() - state_loads.bumpers.len() + bumper) * sigma_dot;
+        let beyond = stop.beyond(s);
+        let outward = if stop.beyond(1.0) > stop.beyond(0.0) { rate } else { -rate };
+        (beyond, stop.push(beyond, outward))
     }
 
     #[inline]
@@ -157,27 +162,44 @@ where
     }
 
     fn slip(&mut self, joint: usize, sigma: f64, sigma_dot: f64) -> f64 {
-        Self::slip(self, joint, sigma, sigma_dot)
+        // Needed at the ends of steps and between them, it leaves the present panel as it is.
+        let Some(state_loads) = self.state_loads else { return 0.0 };
+        let component = state_loads.free() + joint;
+        let influence = if self.reduced.is_exact() {
+            let x = self.locate(sigma);
+            polynomial(self.scratch.panel_force.series(&state_loads.table, component), x)
+        } else {
+            self.scratch.panel_force.value((self.reduced, &state_loads.table), component, sigma)
+        };
+        influence * sigma_dot * state_loads.friction_joints[joint].radius
     }
 
-    fn slip_rate(&mut self, joint: usize, state: [f64; 3]) -> [f64; 2] {
-        Self::slip_rate(self, joint, state)
+    fn slip_rate(&mut self, joint: usize, [sigma, sigma_dot, sigma_ddot]: [f64; 3]) -> [f64; 2] {
+        let Some(state_loads) = self.state_loads else { return [0.0; 2] };
+        let (table, component) = ((self.reduced, &state_loads.table), state_loads.free() + joint);
+        let influence = self.scratch.panel_force.value(table, component, Dual::<1>::variable(sigma, 0));
+        let rate = influence.slope[0] * sigma_dot * sigma_dot + influence.value * sigma_ddot;
+        [influence.value * sigma_dot, rate].map(|v| v * state_loads.friction_joints[joint].radius)
     }
 
     fn slip_range(&self, joint: usize) -> (f64, f64) {
-        let regime = self.scratch.evaluator.regime(joint).unwrap_or(Regime::Viscous);
+        let regime = self.scratch.evaluator.regimes[joint].unwrap_or(Regime::Viscous);
         self.state_loads.map_or((f64::NEG_INFINITY, f64::INFINITY), |s| s.friction_joints[joint].law.range(regime))
     }
 
     #[inline]
     fn set_regimes(&mut self, sigma: f64, sigma_dot: f64) {
-        Self::set_regimes(self, sigma, sigma_dot);
+        let Some(state_loads) = self.state_loads else { return };
+        for (joint, friction_joint) in state_loads.friction_joints.iter().enumerate() {
+            let slip = Dynamics::<N>::slip(self, joint, sigma, sigma_dot);
+            self.set_regime(joint, Some(friction_joint.law.regime(slip)));
+        }
     }
 
     fn change_regime(&mut self, joint: usize, sigma: f64, sigma_dot: f64) {
         let Some(state_loads) = self.state_loads else { return };
-        let regime = self.scratch.evaluator.regime(joint).unwrap_or(Regime::Viscous);
-        let slip = Self::slip(self, joint, sigma, sigma_dot);
+        let regime = self.scratch.evaluator.regimes[joint].unwrap_or(Regime::Viscous);
+        let slip = Dynamics::<N>::slip(self, joint, sigma, sigma_dot);
         let next = state_loads.friction_joints[joint].law.next(regime, slip);
         self.set_regime(joint, Some(next));
     }

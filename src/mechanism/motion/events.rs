@@ -5,9 +5,8 @@
 //! an event.
 use crate::codec::record::{Damaged, Record};
 use crate::integrator::{Dense, Direction, Integrator, Step};
-use crate::mechanism::motion::contact::Contact;
+use crate::mechanism::motion::contact::{Contact, Ends, outward};
 use crate::mechanism::motion::dynamics::Dynamics;
-use crate::mechanism::motion::ends::{Ends, outward};
 use crate::numerics::bracket::{bisect, first_rise};
 use std::convert::Infallible;
 
@@ -32,9 +31,6 @@ pub enum Event {
 
 impl Event {
     /// Written or read; [`Self::Undefined`] is not one to keep.
-    ///
-    /// # Errors
-    /// There is no such event.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         let (mut kind, mut index) = match *self {
             Self::End(side) => (0, side),
@@ -62,23 +58,7 @@ pub struct Found<const N: usize> {
     pub part: f64,
     /// State there, on the interpolant.
     pub state: [f64; N],
-    /// The event.
     pub event: Event,
-}
-
-/// The earliest of the events offered to it.
-#[derive(Default)]
-struct Earliest(Option<(f64, Event)>);
-
-impl Earliest {
-    /// `part`: where in the step the event is, if it is there.
-    fn offer(&mut self, part: Option<f64>, event: Event) {
-        if let Some(part) = part
-            && self.0.is_none_or(|(other, _)| part < other)
-        {
-            self.0 = Some((part, event));
-        }
-    }
 }
 
 /// The earliest event in a step; `dense` becomes the interpolant of the step if that was needed. The friction joint
@@ -109,49 +89,43 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
     if !dense.at(0.5).iter().all(|y| y.is_finite()) {
         return Some(Found { part: 0.25, state: dense.at(0.25), event: Event::Undefined });
     }
-    let mut earliest = Earliest::default();
+    let mut earliest = None;
+    // `part`: where in the step the event is, if it is there.
+    let mut offer = |part: Option<f64>, event: Event| {
+        if let Some(part) = part.filter(|part| earliest.is_none_or(|(other, _)| *part < other)) {
+            earliest = Some((part, event));
+        }
+    };
     if reverses {
         let passage = dense.first_passage(1, 0.0, towards(-dynamics.direction()), false);
-        earliest.offer(passage, Event::Reversal);
+        offer(passage, Event::Reversal);
     }
     for joint in (changing.unwrap_or(joints)..joints).filter(|joint| held_regime != Some(*joint)) {
         if changing == Some(joint) || may_change_regime(dynamics, joint, step) {
-            earliest.offer(regime_change(dynamics, dense, joint), Event::Regime(joint));
+            offer(regime_change(dynamics, dense, joint), Event::Regime(joint));
         }
     }
     for side in (0..2).filter(|&side| is_near[side]) {
-        offer_contacts(dynamics, (ends, contact), side, step, dense, &mut earliest);
+        let Some(end) = ends.travel[side] else { continue };
+        let beyond = (step.start[0] - end.position) * outward(side);
+        let leaving = beyond >= 0.0;
+        let touches = contact.touching()[side].is_some();
+        if !touches {
+            let passage = dense.first_passage(0, end.position, towards(outward(side)), leaving);
+            offer(passage, Event::End(side));
+        }
+        let Some(bumper) = ends.bumper(side) else { continue };
+        // Coming from inside, the mechanism meets a bumper at the end of the travel, where a lock may catch it.
+        if touches || leaving {
+            offer(bumper_event(dynamics, dense, bumper, touches), Event::Bumper(side));
+        }
+        // A lock catches a mechanism that comes back from beyond the end, too.
+        if ends.locked[side] && beyond > 0.0 {
+            let passage = dense.first_passage(0, end.position, towards(-outward(side)), false);
+            offer(passage, Event::End(side));
+        }
     }
-    earliest.0.map(|(part, event)| Found { part, state: dense.at(part), event })
-}
-
-/// Offer the events at one end of the travel.
-fn offer_contacts<D: Dynamics<N>, const N: usize>(
-    dynamics: &mut D,
-    (ends, contact): (&Ends, &Contact),
-    side: usize,
-    step: &Step<N>,
-    dense: &Dense<N>,
-    earliest: &mut Earliest,
-) {
-    let Some(end) = ends.travel[side] else { return };
-    let beyond = (step.start[0] - end.position) * outward(side);
-    let leaving = beyond >= 0.0;
-    let touches = contact.touching()[side].is_some();
-    if !touches {
-        let passage = dense.first_passage(0, end.position, towards(outward(side)), leaving);
-        earliest.offer(passage, Event::End(side));
-    }
-    let Some(bumper) = ends.bumper(side) else { return };
-    // Coming from inside, the mechanism meets a bumper at the end of the travel, where a lock may catch it.
-    if touches || leaving {
-        earliest.offer(bumper_event(dynamics, dense, bumper, touches), Event::Bumper(side));
-    }
-    // A lock catches a mechanism that comes back from beyond the end, too.
-    if ends.locked[side] && beyond > 0.0 {
-        let passage = dense.first_passage(0, end.position, towards(-outward(side)), false);
-        earliest.offer(passage, Event::End(side));
-    }
+    earliest.map(|(part, event)| Found { part, state: dense.at(part), event })
 }
 
 fn towards(sign: f64) -> Direction {
@@ -172,16 +146,10 @@ fn bumper_event<D: Dynamics<N>, const N: usize>(
         if touches { push < 0.0 } else { beyond > 0.0 && push > 0.0 }
     };
     // At the start, just after an event, it may be so by rounding.
-    let mut before = is_past(0.0);
-    for i in 1..=SAMPLES {
-        let (a, b) = ((i - 1) as f64 / SAMPLES as f64, i as f64 / SAMPLES as f64);
-        let now = is_past(b);
-        if now && !before {
-            return Some(bisect(is_past, a, b)[1]);
-        }
-        before = now;
-    }
-    None
+    let at = |i: usize| i as f64 / SAMPLES as f64;
+    let mut now = is_past(0.0);
+    let end = (1..=SAMPLES).find(|&i| !std::mem::replace(&mut now, is_past(at(i))) && now)?;
+    Some(bisect(is_past, at(end - 1), at(end))[1])
 }
 
 /// Whether the slip speed of a friction joint may leave the range of its regime within a step. Bounds are the Bezier

@@ -2,10 +2,7 @@
 pub mod advance;
 pub mod contact;
 pub mod dynamics;
-pub mod ends;
-mod energy;
 pub mod events;
-mod memory;
 mod saved;
 pub mod state;
 pub mod step_ahead;

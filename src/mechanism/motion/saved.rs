@@ -1,139 +1,150 @@
-//! Saved states: the part of a state of motion that decides how it continues.
+//! Saved states: the part of a state of motion that decides how it continues, with the memory of the integration.
 //!
 //! In: a state, or a record. Out: a state that continues bit for bit as the saved one would have. It must not know
 //! outputs.
-use super::memory::Memory;
-use super::state::{State, blows, state_loads, state_loads_in_air};
+use super::state::{blows, state_loads};
 use crate::codec::record::{Damaged, Record};
-use crate::mechanism::dynamics::equation::Scratch;
-use crate::mechanism::dynamics::inputs::Inputs;
+use crate::integrator::{Integrator, Statistics};
 use crate::mechanism::error::ModelError;
-use crate::mechanism::motion::contact::Contact;
-use crate::mechanism::motion::ends::{End, StopKind, Travel};
+use crate::mechanism::motion::contact::{Contact, End, StopKind, Travel};
 use crate::mechanism::motion::events::Event;
 use crate::mechanism::motion::step_ahead::{Lookahead, StepAhead};
 use crate::mechanism::motion::travel::stop_kind;
-use crate::mechanism::reduced::Reduced;
-use crate::numerics::bits::{become_same, same_bits};
+use crate::mechanism::reduced::{Reduced, StateLoads};
+use crate::numerics::bits::become_same;
 
 /// Part of a closed curve's length by which sigma may be beyond its ends by rounding.
 const ROUNDING: f64 = 1e-12;
 /// Most revolutions, so that one more of them still counts.
 const MOST_REVOLUTIONS: f64 = 1e15;
 
-/// A [`State`] without what is derived from it.
-#[derive(Clone, Debug)]
+/// The part of a state of motion that decides how it continues.
+#[derive(Clone, Debug, Default)]
 pub struct SavedState {
-    sigma: f64,
-    sigma_dot: f64,
-    revolutions: f64,
-    contact: Contact,
-    travel: Travel,
-    applied: Vec<f64>,
-    airspeed: f64,
-    reference: f64,
-    memory: Memory,
+    /// Length along the curve; on a closed curve within its first revolution.
+    pub sigma: f64,
+    /// Its rate.
+    pub sigma_dot: f64,
+    /// Whole revolutions of a closed curve made so far.
+    pub revolutions: f64,
+    pub contact: Contact,
+    pub travel: Travel,
+    /// Sizes of the loads in the last step, which the integration and the energy balance refer to.
+    pub applied: Vec<f64>,
+    /// Airspeed in the last step [m/s].
+    pub airspeed: f64,
+    /// Energy at the start, plus the work of changing sizes, less the energy lost since.
+    pub reference: f64,
+    pub memory: Memory,
 }
 
-impl State {
-    /// The part that decides how the state continues.
-    pub fn saved(&self) -> SavedState {
-        SavedState {
-            sigma: self.sigma,
-            sigma_dot: self.sigma_dot,
-            revolutions: self.revolutions,
-            contact: self.contact,
-            travel: self.travel,
-            applied: self.applied.clone(),
-            airspeed: self.airspeed,
-            reference: self.reference,
-            memory: self.memory,
+/// Memory of the integration, with or without the energy lost as a component of the state.
+#[expect(clippy::large_enum_variant, reason = "a step allocates nothing, so there is no box")]
+#[derive(Clone, Copy, Debug)]
+pub enum Memory {
+    /// No power is lost: the state is (sigma, sigma_dot).
+    Conservative(Integrator<2>),
+    /// The energy lost is integrated too, and steps may go on beyond the present.
+    WithDissipation(Integrator<3>, Lookahead<3>),
+}
+
+impl Default for Memory {
+    fn default() -> Self {
+        Self::Conservative(Integrator::default())
+    }
+}
+
+impl Memory {
+    /// Integrate the energy lost or not: it counts in steps with loads that the state decides or with inputs that
+    /// change.
+    pub fn set_dissipation(&mut self, with_dissipation: bool) {
+        match self {
+            Self::Conservative(i) if with_dissipation => {
+                *self = Self::WithDissipation(i.with_components(), Lookahead::default())
+            }
+            Self::WithDissipation(i, _) if !with_dissipation => *self = Self::Conservative(i.with_components()),
+            _ => {}
         }
     }
 
-    /// [`Self::saved`] written over another one, without allocation.
-    #[inline]
-    pub fn save(&self, saved: &mut SavedState) {
-        (saved.sigma, saved.sigma_dot, saved.revolutions) = (self.sigma, self.sigma_dot, self.revolutions);
-        (saved.contact, saved.travel) = (self.contact, self.travel);
-        become_same(&mut saved.applied, &self.applied);
-        (saved.airspeed, saved.reference) = (self.airspeed, self.reference);
-        saved.memory.copy_from(&self.memory);
+    /// Counts of the integration's work since the start.
+    pub fn statistics(&self) -> Statistics {
+        match self {
+            Self::Conservative(i) => i.statistics(),
+            Self::WithDissipation(i, _) => i.statistics(),
+        }
     }
 
-    /// A state that continues as the saved one did, under these inputs.
-    ///
-    /// # Errors
-    /// [`ModelError::Table`]: a reaction that causes friction is not smooth.
-    pub fn from_saved(saved: &SavedState, reduced: &Reduced, inputs: &Inputs) -> Result<Self, ModelError> {
-        state_loads(reduced, inputs, saved.revolutions)?;
-        let then = state_loads_in_air(reduced, saved.airspeed, saved.revolutions)?;
-        Ok(Self {
-            sigma: saved.sigma,
-            sigma_dot: saved.sigma_dot,
-            revolutions: saved.revolutions,
-            contact: saved.contact,
-            travel: saved.travel,
-            applied: saved.applied.clone(),
-            before: saved.applied.clone(),
-            airspeed: saved.airspeed,
-            reference: saved.reference,
-            memory: saved.memory,
-            scratch: Scratch::new(then),
-        })
+    /// Become the same as another one; copies no more than that one is.
+    pub fn copy_from(&mut self, other: &Self) {
+        match (self, other) {
+            (Self::Conservative(own), Self::Conservative(other)) => own.copy_from(other),
+            (Self::WithDissipation(own, own_ahead), Self::WithDissipation(other, other_ahead)) => {
+                own.copy_from(other);
+                own_ahead.copy_from(other_ahead);
+            }
+            (own, other) => *own = *other,
+        }
     }
 
-    /// [`Self::from_saved`] in place, with the same reduced model; without allocation unless air has begun or ceased to
-    /// act.
-    ///
-    /// # Errors
-    /// As [`Self::from_saved`]; nothing has changed.
-    #[inline]
-    pub fn restore(&mut self, saved: &SavedState, reduced: &Reduced) -> Result<(), ModelError> {
-        if blows(reduced, saved.airspeed) != self.scratch.air {
-            self.renew_scratch(saved, reduced)?;
+    /// Clear all but the statistics.
+    pub fn restart(&mut self) {
+        match self {
+            Self::Conservative(i) => i.restart(),
+            Self::WithDissipation(i, ahead) => {
+                i.restart();
+                ahead.invalidate();
+            }
         }
-        if !same_bits(&saved.applied, &self.applied) {
-            self.applied.copy_from_slice(&saved.applied);
-            self.scratch.panel_force.invalidate();
-        }
-        if saved.revolutions != self.revolutions {
-            self.scratch.panel_force.invalidate();
-        }
-        (self.sigma, self.sigma_dot, self.revolutions) = (saved.sigma, saved.sigma_dot, saved.revolutions);
-        (self.contact, self.travel) = (saved.contact, saved.travel);
-        (self.airspeed, self.reference) = (saved.airspeed, saved.reference);
-        self.memory.copy_from(&saved.memory);
-        Ok(())
     }
 
-    #[cold]
-    fn renew_scratch(&mut self, saved: &SavedState, reduced: &Reduced) -> Result<(), ModelError> {
-        let then = state_loads_in_air(reduced, saved.airspeed, saved.revolutions)?;
-        if then.is_some_and(|s| s.air) != self.scratch.air {
-            self.scratch = Scratch::new(then);
+    /// sigma is counted from another revolution.
+    pub fn recount(&mut self) {
+        if let Self::WithDissipation(i, ahead) = self
+            && ahead.step_ahead.take().is_some()
+        {
+            i.branch_off();
         }
-        Ok(())
+    }
+
+    /// The right-hand side has changed.
+    pub fn refresh(&mut self) {
+        match self {
+            Self::Conservative(i) => i.refresh(),
+            Self::WithDissipation(i, ahead) => {
+                if ahead.invalidate() {
+                    i.branch_off();
+                }
+                i.refresh();
+            }
+        }
     }
 }
 
 impl SavedState {
+    /// Become the same as another one of this mechanism, without allocation. Returns whether the sizes of loads or the
+    /// revolutions were others.
+    #[inline]
+    pub fn copy_from(&mut self, other: &Self) -> bool {
+        let others = become_same(&mut self.applied, &other.applied) || self.revolutions != other.revolutions;
+        (self.sigma, self.sigma_dot, self.revolutions) = (other.sigma, other.sigma_dot, other.revolutions);
+        (self.contact, self.travel) = (other.contact, other.travel);
+        (self.airspeed, self.reference) = (other.airspeed, other.reference);
+        self.memory.copy_from(&other.memory);
+        others
+    }
+
+    /// The loads that the state decides, in air of the last step's speed.
+    pub fn state_loads<'a>(&self, reduced: &'a Reduced) -> Result<Option<&'a StateLoads>, ModelError> {
+        state_loads(reduced, blows(reduced, self.airspeed), self.revolutions)
+    }
+
     /// Read one for this reduced model.
     ///
     /// # Errors
     /// A field is not what this mechanism can have.
     pub fn read(record: &mut Record, reduced: &Reduced) -> Result<Self, ModelError> {
-        let mut saved = Self {
-            sigma: 0.0,
-            sigma_dot: 0.0,
-            revolutions: 0.0,
-            contact: Contact::default(),
-            travel: Travel::default(),
-            applied: vec![0.0; reduced.components().sized],
-            airspeed: 0.0,
-            reference: 0.0,
-            memory: Memory::new(false),
-        };
+        let mut saved = Self { applied: vec![0.0; reduced.components().sized], ..Self::default() };
         saved.record(record)?;
         saved.check(reduced)?;
         for end in saved.travel.iter_mut().flatten() {
@@ -143,9 +154,6 @@ impl SavedState {
     }
 
     /// All fields, written or read.
-    ///
-    /// # Errors
-    /// A field is read that no state has.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.finite("sigma", &mut self.sigma)?;
         record.finite("sigma_dot", &mut self.sigma_dot)?;
@@ -166,9 +174,7 @@ impl SavedState {
         record.finite("energy", &mut self.reference)?;
         let mut with_dissipation = matches!(self.memory, Memory::WithDissipation(..));
         record.flag("lossy", &mut with_dissipation)?;
-        if record.reads() && with_dissipation {
-            self.memory = Memory::new(true);
-        }
+        self.memory.set_dissipation(with_dissipation);
         match &mut self.memory {
             Memory::Conservative(integrator) => integrator.record(record),
             Memory::WithDissipation(integrator, lookahead) => {
@@ -198,7 +204,7 @@ impl SavedState {
         if self.contact.at_rest().is_some_and(|side| self.travel[side].is_none()) {
             return refuse("resting where the travel has no end".into());
         }
-        let state_loads = state_loads_in_air(reduced, self.airspeed, self.revolutions)?;
+        let state_loads = self.state_loads(reduced)?;
         let bumpers = state_loads.map_or(0, |s| s.bumpers.len());
         if let Some(k) = self.contact.touching().into_iter().flatten().find(|k| *k >= bumpers) {
             return refuse(format!("touching = {k}: must be below {bumpers}"));

@@ -2,70 +2,45 @@
 //!
 //! In: a start, inputs, a reduced model. Out: the state after each step, on an error the state before it. It must not
 //! know outputs.
-use crate::integrator::Statistics;
 use crate::mechanism::definition::{DefinitionError, Mechanism};
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::error::ModelError;
+use crate::mechanism::loads::laws::stop::Stop;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::motion::advance::{Advance, Progress, Stopped};
-use crate::mechanism::motion::contact::Contact;
-use crate::mechanism::motion::ends::{Ends, Travel, outward};
-use crate::mechanism::motion::memory::Memory;
-use crate::mechanism::motion::step_ahead::{Conditions, Lookahead};
+use crate::mechanism::motion::contact::{Contact, Ends, outward};
+use crate::mechanism::motion::saved::{Memory, SavedState};
+use crate::mechanism::motion::step_ahead::Lookahead;
 use crate::mechanism::motion::travel::{beyond_stop, can_hold, travel};
 use crate::mechanism::reduced::{Reduced, ReductionError, StateLoads};
 use crate::numerics::table::Unresolved;
+use std::ops::{Deref, DerefMut};
 
 /// The state of motion, with the memory of the integration.
 #[derive(Clone, Debug)]
 pub struct State {
-    /// Length along the curve; on a closed curve within its first revolution.
-    pub sigma: f64,
-    /// Its rate.
-    pub sigma_dot: f64,
-    /// Whole revolutions of a closed curve made so far.
-    pub revolutions: f64,
-    /// Contact at the ends of the travel.
-    pub contact: Contact,
-    /// Ends of the travel.
-    pub travel: Travel,
-    /// Sizes of the loads in the last step, which the integration and the energy balance refer to.
-    pub applied: Vec<f64>,
+    /// The part that decides how the state continues.
+    pub saved: SavedState,
     /// Sizes before their last change, for a step that fails.
-    pub(super) before: Vec<f64>,
-    /// Airspeed in the last step [m/s].
-    pub(super) airspeed: f64,
-    /// Energy at the start, plus the work of changing sizes, less the energy lost since.
-    pub reference: f64,
-    pub(super) memory: Memory,
+    before: Vec<f64>,
     /// Right-hand side for the applied sizes, for the integration.
-    pub(super) scratch: Scratch,
+    scratch: Scratch,
 }
 
-/// The state at the end of a step.
-struct Arrival {
-    /// sigma, perhaps beyond the ends of a closed curve, and sigma_dot.
-    y: [f64; 2],
-    /// Energy lost in the step [J].
-    lost: f64,
-    contact: Contact,
+impl Deref for State {
+    type Target = SavedState;
+
+    fn deref(&self) -> &SavedState {
+        &self.saved
+    }
 }
 
-/// Why a step failed.
-enum Failure {
-    Stopped(Stopped),
-    /// The step would end beyond an open end of the curve.
-    Travel {
-        sigma: f64,
-    },
-}
-
-impl From<Stopped> for Failure {
-    fn from(stopped: Stopped) -> Self {
-        Self::Stopped(stopped)
+impl DerefMut for State {
+    fn deref_mut(&mut self) -> &mut SavedState {
+        &mut self.saved
     }
 }
 
@@ -84,33 +59,18 @@ pub fn airspeed(reduced: &Reduced, inputs: &Inputs) -> f64 {
 /// # Errors
 /// [`Unresolved`]: a reaction that causes friction is not smooth.
 pub fn state_loads_under<'a>(reduced: &'a Reduced, inputs: &Inputs) -> Result<Option<&'a StateLoads>, &'a Unresolved> {
+    reduced.state_loads(blows_under(reduced, inputs))
+}
+
+/// Whether air acts on the surfaces at any time of a step under these inputs.
+fn blows_under(reduced: &Reduced, inputs: &Inputs) -> bool {
     let changes = || inputs.change(reduced).is_some_and(|change| change.airspeed != [0.0; 2]);
-    reduced.state_loads(blows(reduced, airspeed(reduced, inputs)) || (reduced.loading().air.is_some() && changes()))
+    blows(reduced, airspeed(reduced, inputs)) || (reduced.loading().air.is_some() && changes())
 }
 
-/// [`state_loads_under`], with the error located after so many revolutions.
-pub(super) fn state_loads<'a>(
-    reduced: &'a Reduced,
-    inputs: &Inputs,
-    revolutions: f64,
-) -> Result<Option<&'a StateLoads>, ModelError> {
-    state_loads_under(reduced, inputs).map_err(|at| friction_error(reduced, at, revolutions))
-}
-
-/// The loads that the state decides, in air of this speed [m/s].
-///
-/// # Errors
-/// As [`state_loads`].
-pub(super) fn state_loads_in_air(
-    reduced: &Reduced,
-    speed: f64,
-    revolutions: f64,
-) -> Result<Option<&StateLoads>, ModelError> {
-    reduced.state_loads(blows(reduced, speed)).map_err(|at| friction_error(reduced, at, revolutions))
-}
-
-fn friction_error(reduced: &Reduced, at: &Unresolved, revolutions: f64) -> ModelError {
-    ModelError::Table { name: "friction".into(), position: reduced.curve().describe(at.sigma, revolutions) }
+/// The loads that the state decides, in moving air or not, with an error located after so many revolutions.
+pub(super) fn state_loads(reduced: &Reduced, air: bool, revolutions: f64) -> Result<Option<&StateLoads>, ModelError> {
+    reduced.state_loads(air).map_err(|at| ModelError::table(reduced, "friction", at, revolutions))
 }
 
 impl State {
@@ -118,11 +78,12 @@ impl State {
     pub fn at_start(reduced: &Reduced, mechanism: &Mechanism, inputs: &Inputs) -> Result<Self, ModelError> {
         let start = &mechanism.start;
         let linkage = reduced.linkage();
+        let carrier = start.body.as_ref().and_then(|body| linkage.carrier(mechanism, body));
         let (coordinate, value, name, quantity) = match (&start.body, &start.joint) {
             (Some(body), _) => {
-                let (carrier, angle) = linkage.carrier(mechanism, body).unwrap_or((0, 0.0));
+                let (carrier, own) = carrier.unwrap_or((0, 0.0));
                 let coordinate = linkage.bodies[carrier].angle_coordinate;
-                let value = start.angle.unwrap_or(0.0) - angle - linkage.bodies[carrier].offset;
+                let value = start.angle.unwrap_or(0.0) - own - linkage.bodies[carrier].offset;
                 (coordinate, value, body, "angle")
             }
             (None, Some(joint)) => {
@@ -139,8 +100,11 @@ impl State {
                 allowed: format!("state one of the coordinates {}", linkage.coordinates.join(", ")),
             })
         })?;
-        if let (Some(body), Some(angle)) = (&start.body, start.angle) {
-            not_beyond_stop(reduced, mechanism, body, angle)?;
+        if let (Some((body, own)), Some(angle)) = (carrier, start.angle) {
+            // Before the search for the start, as the curve may end at a stop of the body whose angle states the start.
+            let loading = reduced.loading();
+            let is_own = |stop: &&Stop| stop.enabled && loading.loads[stop.load] == Load::Torque { body };
+            loading.stops.iter().filter(is_own).try_for_each(|stop| beyond_stop(stop, angle - own))?;
         }
         let stated = start.angle.or(start.position).unwrap_or(0.0);
         let (sigma, revolutions) = reduced.find(coordinate, value, &variable).map_err(|e| e.as_stated(stated))?;
@@ -148,11 +112,7 @@ impl State {
         if start.speed != 0.0 {
             // The table is exact where branches cross, too. Within some 1e-13 rad of a toggle, where the slope is below
             // 1e-6, the slope is rounding.
-            let table = reduced.coordinates();
-            let table = table.map_err(|at| ModelError::Table {
-                name: variable.clone(),
-                position: reduced.curve().describe(at.sigma, revolutions),
-            })?;
+            let table = reduced.coordinates().map_err(|at| ModelError::table(reduced, &variable, at, revolutions))?;
             let slope = table.value(table.position(sigma), 3 * coordinate + 1);
             if slope.abs() * reduced.scale() < 1e-6 {
                 let name = format!("{name}.start_speed");
@@ -164,23 +124,61 @@ impl State {
         let here = sigma + revolutions * reduced.period().unwrap_or(0.0);
         let resting = (0..2).find(|&side| sigma_dot == 0.0 && travel[side].is_some_and(|e| e.position == here));
         can_hold(reduced, &travel)?;
-        let state_loads = state_loads(reduced, inputs, revolutions)?;
-        let sizes = reduced.sizes(&inputs.reals);
+        let state_loads = state_loads(reduced, blows_under(reduced, inputs), revolutions)?;
+        let applied = reduced.sizes(&inputs.reals);
         let mut state = Self {
-            sigma,
-            sigma_dot,
-            revolutions,
-            contact: Contact::at_start(resting),
-            travel,
-            before: sizes.clone(),
-            applied: sizes,
-            airspeed: airspeed(reduced, inputs),
-            reference: 0.0,
-            memory: Memory::new(state_loads.is_some()),
+            before: applied.clone(),
+            saved: SavedState {
+                sigma,
+                sigma_dot,
+                revolutions,
+                contact: Contact::at_start(resting),
+                travel,
+                applied,
+                airspeed: airspeed(reduced, inputs),
+                ..SavedState::default()
+            },
             scratch: Scratch::new(state_loads),
         };
+        state.memory.set_dissipation(state_loads.is_some());
         state.reference = state.kinetic() + state.load_potential(reduced);
         Ok(state)
+    }
+
+    /// A state that continues as the saved one did, under these inputs.
+    ///
+    /// # Errors
+    /// [`ModelError::Table`]: a reaction that causes friction is not smooth.
+    pub fn from_saved(saved: &SavedState, reduced: &Reduced, inputs: &Inputs) -> Result<Self, ModelError> {
+        state_loads(reduced, blows_under(reduced, inputs), saved.revolutions)?;
+        let scratch = Scratch::new(saved.state_loads(reduced)?);
+        Ok(Self { saved: saved.clone(), before: saved.applied.clone(), scratch })
+    }
+
+    /// [`Self::from_saved`] in place, with the same reduced model; without allocation unless air has begun or ceased to
+    /// act.
+    ///
+    /// # Errors
+    /// As [`Self::from_saved`]; nothing has changed.
+    #[inline]
+    pub fn restore(&mut self, saved: &SavedState, reduced: &Reduced) -> Result<(), ModelError> {
+        if blows(reduced, saved.airspeed) != self.scratch.air {
+            self.renew_scratch(saved.state_loads(reduced)?);
+        }
+        if self.saved.copy_from(saved) {
+            self.scratch.panel_force.invalidate();
+        }
+        Ok(())
+    }
+
+    /// New scratch for these state loads, if air has begun or ceased to act; returns whether it has.
+    #[inline]
+    fn renew_scratch(&mut self, state_loads: Option<&StateLoads>) -> bool {
+        let is_other = state_loads.is_some_and(|s| s.air) != self.scratch.air;
+        if is_other {
+            self.scratch = Scratch::new(state_loads);
+        }
+        is_other
     }
 
     /// Advance by exactly `h` [s] under these inputs. On an error the state is what it was.
@@ -190,24 +188,22 @@ impl State {
     pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64, tolerance: f64) -> Result<(), ModelError> {
         let (airspeed, reference) = (self.airspeed, self.reference);
         let (state_loads, changed) = self.apply(reduced, inputs)?;
-        let advanced = self.advance((reduced, state_loads), inputs, h, tolerance);
+        let advanced = self.advance((reduced, state_loads), inputs, h, tolerance).map_err(|stopped| match stopped {
+            Stopped::Integration(error) => ModelError::Integration(error),
+            Stopped::Locked => ModelError::Locked { position: self.describe(reduced) },
+        });
         if inputs.signal.ahead {
             self.right_hand_side_changed();
         }
         let arrived = advanced.and_then(|arrival| self.arrive(reduced, arrival));
-        arrived.map_err(|failure| {
+        if arrived.is_err() {
             self.undo(reduced, changed, airspeed, reference);
-            match failure {
-                Failure::Stopped(Stopped::Integration(error)) => ModelError::Integration(error),
-                Failure::Stopped(Stopped::Locked) => ModelError::Locked { position: self.describe(reduced) },
-                Failure::Travel { sigma } => {
-                    ModelError::Travel { position: reduced.curve().describe(sigma, self.revolutions) }
-                }
-            }
-        })
+        }
+        arrived
     }
 
-    /// The state at the end of a step of `h` [s], with the loads and the airspeed applied.
+    /// The end of a step of `h` [s], with the loads and the airspeed applied: (sigma, sigma_dot), with sigma perhaps
+    /// beyond the ends of a closed curve; energy lost in the step [J]; contact.
     #[inline]
     fn advance(
         &mut self,
@@ -215,45 +211,55 @@ impl State {
         inputs: &Inputs,
         h: f64,
         tolerance: f64,
-    ) -> Result<Arrival, Failure> {
+    ) -> Result<([f64; 2], f64, Contact), Stopped> {
         let ends = &self.ends(reduced, &inputs.locks);
-        let mut contact = self.contact;
+        let Self { saved, scratch, .. } = self;
+        let (mut y, mut contact) = ([saved.sigma, saved.sigma_dot], saved.contact);
         contact.locks_set(ends.locked);
-        let change = inputs.change(reduced);
-        let applied =
-            AppliedLoads { sizes: &self.applied, airspeed: self.airspeed, revolutions: self.revolutions, change };
-        let (scratch, mode) = (&mut self.scratch, Mode::default());
+        let SavedState { airspeed, revolutions, .. } = *saved;
+        let applied = AppliedLoads { sizes: &saved.applied, airspeed, revolutions, change: inputs.change(reduced) };
+        let mode = Mode::default();
         let dynamics = &mut EquationOfMotion { reduced, state_loads, applied, time: 0.0, mode, scratch, locked: false };
         let progress = Progress::default();
-        let (y, lost) = match &mut self.memory {
+        match &mut saved.memory {
             Memory::Conservative(integrator) => {
-                let mut y = [self.sigma, self.sigma_dot];
                 let lost = if ends.travel.iter().all(Option::is_none) {
                     integrator.advance(dynamics, &mut y, h, tolerance).map(|()| 0.0).map_err(Stopped::Integration)
                 } else {
                     let (lookahead, contact) = (&mut Lookahead::default(), &mut contact);
                     Advance { dynamics, integrator, lookahead, ends, contact, tolerance, progress }.run(&mut y, h)
                 };
-                (y, lost?)
+                Ok((y, lost?, contact))
             }
             Memory::WithDissipation(integrator, lookahead) => {
-                if lookahead.begin(Conditions { tolerance, locked: ends.locked }) {
+                if lookahead.begin(tolerance, ends.locked) {
                     integrator.branch_off();
                 }
-                let mut z = [self.sigma, self.sigma_dot, 0.0];
-                let (ahead, contact) = (&mut *lookahead, &mut contact);
-                let advance = Advance { dynamics, integrator, lookahead: ahead, ends, contact, tolerance, progress };
+                let mut z = [y[0], y[1], 0.0];
+                let (ahead, contact_then) = (&mut *lookahead, &mut contact);
+                let advance = Advance {
+                    dynamics,
+                    integrator,
+                    lookahead: ahead,
+                    ends,
+                    contact: contact_then,
+                    tolerance,
+                    progress,
+                };
                 let lost = advance.run(&mut z, h);
                 lookahead.end();
-                ([z[0], z[1]], lost? + z[2])
+                Ok(([z[0], z[1]], lost? + z[2], contact))
             }
-        };
-        Ok(Arrival { y, lost, contact })
+        }
     }
 
-    /// Take over the state at the end of a step, with sigma within the curve.
+    /// Take over the end of a step, with sigma within the curve.
     #[inline]
-    fn arrive(&mut self, reduced: &Reduced, Arrival { mut y, lost, contact }: Arrival) -> Result<(), Failure> {
+    fn arrive(
+        &mut self,
+        reduced: &Reduced,
+        (mut y, lost, contact): ([f64; 2], f64, Contact),
+    ) -> Result<(), ModelError> {
         let (first, last) = reduced.curve().range();
         match reduced.period() {
             Some(period) if !(first..last).contains(&y[0]) => {
@@ -264,7 +270,9 @@ impl State {
                 self.memory.recount();
                 self.scratch.panel_force.invalidate();
             }
-            None if !(first..=last).contains(&y[0]) => return Err(Failure::Travel { sigma: y[0] }),
+            None if !(first..=last).contains(&y[0]) => {
+                return Err(ModelError::Travel { position: reduced.curve().describe(y[0], self.revolutions) });
+            }
             _ => {}
         }
         [self.sigma, self.sigma_dot] = y;
@@ -301,16 +309,6 @@ impl State {
             .any(|side| self.travel[side].is_some_and(|e| e.stop == stop && (here - e.position) * outward(side) >= 0.0))
     }
 
-    /// Counts of the integration's work since the start.
-    pub fn statistics(&self) -> Statistics {
-        self.memory.statistics()
-    }
-
-    /// Whole revolutions of a closed curve made so far.
-    pub fn revolutions(&self) -> f64 {
-        self.revolutions
-    }
-
     /// Description of the present position, for messages.
     pub fn describe(&self, reduced: &Reduced) -> String {
         reduced.curve().describe(self.sigma, self.revolutions)
@@ -323,7 +321,7 @@ impl State {
         reduced: &'a Reduced,
         inputs: &Inputs,
     ) -> Result<(Option<&'a StateLoads>, bool), ModelError> {
-        let state_loads = state_loads(reduced, inputs, self.revolutions)?;
+        let state_loads = state_loads(reduced, blows_under(reduced, inputs), self.revolutions)?;
         let loads = reduced.loading().inputs.len();
         let mut work = 0.0;
         let mut changed = false;
@@ -334,8 +332,7 @@ impl State {
             }
         }
         let airspeed = airspeed(reduced, inputs);
-        if state_loads.is_some_and(|s| s.air) != self.scratch.air {
-            self.scratch = Scratch::new(state_loads);
+        if self.renew_scratch(state_loads) {
             self.memory.restart();
         }
         self.memory.set_dissipation(state_loads.is_some() || inputs.signal.ahead);
@@ -345,7 +342,7 @@ impl State {
         }
         if changed {
             self.reference += work;
-            self.before.copy_from_slice(&self.applied);
+            self.before.copy_from_slice(&self.saved.applied);
             self.applied[..loads].copy_from_slice(&inputs.reals[..loads]);
         }
         if changed || inputs.signal.ahead {
@@ -361,28 +358,33 @@ impl State {
         if !changed {
             return;
         }
-        self.applied.copy_from_slice(&self.before);
-        self.reference = reference;
-        self.airspeed = airspeed;
+        self.saved.applied.copy_from_slice(&self.before);
+        (self.reference, self.airspeed) = (reference, airspeed);
         // These state loads exist: they were in use before this step.
-        let state_loads = state_loads_in_air(reduced, airspeed, self.revolutions).unwrap_or_default();
-        if state_loads.is_some_and(|s| s.air) != self.scratch.air {
-            self.scratch = Scratch::new(state_loads);
-        }
+        let state_loads = self.state_loads(reduced).unwrap_or_default();
+        self.renew_scratch(state_loads);
         self.memory.set_dissipation(state_loads.is_some());
         self.scratch.panel_force.invalidate();
     }
-}
 
-/// Refuse a start beyond a stop of the body whose angle states the start; before the search for the start, as the curve
-/// may end at that stop.
-fn not_beyond_stop(reduced: &Reduced, mechanism: &Mechanism, body: &str, angle: f64) -> Result<(), ModelError> {
-    let Some((carrier, own)) = reduced.linkage().carrier(mechanism, body) else { return Ok(()) };
-    let loading = reduced.loading();
-    let own_stops =
-        loading.stops.iter().filter(|s| s.enabled && loading.loads[s.load] == Load::Torque { body: carrier });
-    for stop in own_stops {
-        beyond_stop(stop, angle - own)?;
+    /// Kinetic energy T = sigma_dot^2 / 2 [J]: sigma is the length in the kinetic metric.
+    pub fn kinetic(&self) -> f64 {
+        0.5 * self.sigma_dot * self.sigma_dot
     }
-    Ok(())
+
+    /// Potential of all loads at the applied sizes: the springs' energy, less the sum of size times displacement [J].
+    pub fn load_potential(&self, reduced: &Reduced) -> f64 {
+        let springs = reduced.loading().springs.iter();
+        let mut sum = springs.fold(0.0, |sum, spring| sum + spring.energy(self.displacement(reduced, spring.load)));
+        for (load, size) in self.applied.iter().enumerate().filter(|(_, size)| **size != 0.0) {
+            sum -= size * self.displacement(reduced, load);
+        }
+        sum
+    }
+
+    /// Displacement of a load, counted on over whole revolutions.
+    pub fn displacement(&self, reduced: &Reduced, load: usize) -> f64 {
+        let growth = if self.revolutions == 0.0 { 0.0 } else { self.revolutions * reduced.load_growth(load) };
+        reduced.displacement_at(load, self.sigma) + growth
+    }
 }

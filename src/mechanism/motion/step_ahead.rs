@@ -13,27 +13,15 @@ const FEWEST_UNCHANGED: u32 = 2;
 /// Each wasted step doubles that number, up to this one.
 const MOST_UNCHANGED: u32 = 128;
 
-/// What must not change while states are read from a step ahead, besides the inputs.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Conditions {
-    /// Relative tolerance.
-    pub tolerance: f64,
-    /// Whether a lock is engaged at each end of the travel.
-    pub locked: [bool; 2],
-}
-
 /// A step that goes on beyond the present.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepAhead<const N: usize> {
-    /// Interpolant.
     pub dense: Dense<N>,
     /// Time from the start to the end of the interpolant [s].
     pub h: f64,
     /// Time from the start of the interpolant to `end_state`, at most h [s].
     pub end: f64,
-    /// State at the end.
     pub end_state: [f64; N],
-    /// Event at the end.
     pub event: Option<Event>,
     /// Time from the start of the interpolant to the present, at most `end` [s].
     pub now: f64,
@@ -74,7 +62,6 @@ impl<const N: usize> StepAhead<N> {
         self.dense.at(0.5 * self.end / self.h)
     }
 
-    /// To be read.
     fn blank() -> Self {
         Self::new(Dense::blank(), 1.0, (1.0, [0.0; N]), None)
     }
@@ -97,22 +84,25 @@ fn difference<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
     std::array::from_fn(|n| a[n] - b[n])
 }
 
-/// How long conditions and inputs have not changed, and the step that goes on beyond the present, if one does.
+/// How long tolerance, locks and inputs have not changed, and the step that goes on beyond the present, if one does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lookahead<const N: usize> {
-    conditions: Conditions,
-    /// Communication steps under these conditions and inputs, up to `required_steps`.
+    /// Relative tolerance.
+    tolerance: f64,
+    /// Whether a lock is engaged at each end of the travel.
+    locked: [bool; 2],
+    /// Communication steps with this tolerance, these locks and unchanged inputs, up to `required_steps`.
     unchanged_steps: u32,
     /// How many of them allow a step beyond the communication point.
     required_steps: u32,
-    /// The step.
     pub step_ahead: Option<StepAhead<N>>,
 }
 
 impl<const N: usize> Default for Lookahead<N> {
     fn default() -> Self {
         Self {
-            conditions: Conditions::default(),
+            tolerance: 0.0,
+            locked: [false; 2],
             unchanged_steps: 0,
             required_steps: FEWEST_UNCHANGED,
             step_ahead: None,
@@ -122,12 +112,10 @@ impl<const N: usize> Default for Lookahead<N> {
 
 impl<const N: usize> Lookahead<N> {
     /// A communication step begins. Returns whether the present state was read from a step ahead that no longer holds.
-    pub fn begin(&mut self, conditions: Conditions) -> bool {
-        if conditions == self.conditions {
-            return false;
-        }
-        self.conditions = conditions;
-        self.invalidate()
+    pub fn begin(&mut self, tolerance: f64, locked: [bool; 2]) -> bool {
+        let is_other = (tolerance, locked) != (self.tolerance, self.locked);
+        (self.tolerance, self.locked) = (tolerance, locked);
+        is_other && self.invalidate()
     }
 
     /// The inputs have changed: a step ahead no longer holds. Returns as [`Self::begin`].
@@ -160,21 +148,17 @@ impl<const N: usize> Lookahead<N> {
     /// Become the same as another one; copies no more than that one has.
     #[inline]
     pub fn copy_from(&mut self, other: &Self) {
-        (self.conditions, self.unchanged_steps) = (other.conditions, other.unchanged_steps);
-        self.required_steps = other.required_steps;
+        (self.tolerance, self.locked) = (other.tolerance, other.locked);
+        (self.unchanged_steps, self.required_steps) = (other.unchanged_steps, other.required_steps);
         if self.step_ahead.is_some() || other.step_ahead.is_some() {
             self.step_ahead = other.step_ahead;
         }
     }
 
     /// All fields, written or read.
-    ///
-    /// # Errors
-    /// A field is read that no integration leaves.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
-        let Conditions { tolerance, locked } = &mut self.conditions;
-        record.finite("tolerance of the last step", tolerance)?;
-        locked.iter_mut().try_for_each(|locked| record.flag("lock engaged", locked))?;
+        record.finite("tolerance of the last step", &mut self.tolerance)?;
+        self.locked.iter_mut().try_for_each(|locked| record.flag("lock engaged", locked))?;
         record.small("unchanged steps", &mut self.unchanged_steps)?;
         record.small("required unchanged steps", &mut self.required_steps)?;
         record.option("step ahead", &mut self.step_ahead, StepAhead::blank, |record, step| step.record(record))

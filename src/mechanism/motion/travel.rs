@@ -4,7 +4,7 @@
 use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::laws::stop::Stop;
 use crate::mechanism::loads::resolved::Loading;
-use crate::mechanism::motion::ends::{End, StopKind, Travel};
+use crate::mechanism::motion::contact::{End, StopKind, Travel};
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::bracket::bisect;
 use crate::numerics::table::{Table, polynomial};
@@ -20,10 +20,7 @@ pub fn travel(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<Travel,
     let mut out = [None; 2];
     for (index, stop) in reduced.loading().stops.iter().enumerate().filter(|(_, s)| s.enabled) {
         let name = format!("{}.{}", stop.name, stop.quantity);
-        let table = reduced.displacement(stop.load).map_err(|e| ModelError::Table {
-            name: name.clone(),
-            position: reduced.curve().describe(e.sigma, revolutions),
-        })?;
+        let table = reduced.displacement(stop.load).map_err(|at| ModelError::table(reduced, &name, at, revolutions))?;
         let growth = reduced.load_growth(stop.load);
         let at = table.position(sigma);
         let (s, slope) = (table.value(at, 0) + revolutions * growth, table.value(at, 1));
@@ -60,9 +57,6 @@ pub fn stop_kind(loading: &Loading, stop: usize) -> StopKind {
 }
 
 /// Refuse a start at this displacement of a stop's load if it is beyond the stop.
-///
-/// # Errors
-/// [`ModelError::BeyondStop`].
 pub fn beyond_stop(stop: &Stop, s: f64) -> Result<(), ModelError> {
     if stop.beyond(s) > AT_STOP * (1.0 + stop.value.abs()) {
         let name = format!("{}.{}", stop.name, stop.quantity);
@@ -72,9 +66,6 @@ pub fn beyond_stop(stop: &Stop, s: f64) -> Result<(), ModelError> {
 }
 
 /// Refuse a lock whose point stands still where its stop is: no force there would hold the mechanism.
-///
-/// # Errors
-/// [`ModelError::LockStill`].
 pub fn can_hold(reduced: &Reduced, travel: &Travel) -> Result<(), ModelError> {
     // Part of the mechanism's size below which the path of a point for a motion of one radian is rounding.
     const STILL: f64 = 1e-9;
@@ -110,6 +101,8 @@ impl Search<'_> {
         let table = self.table;
         let period = self.reduced.period();
         let start = table.panel(sigma);
+        let last = table.panels() - 1;
+        let (first, last) = if direction > 0.0 { (0, last) } else { (last, 0) };
         let (mut panel, mut revolution) = (start, revolutions);
         let mut at_start = true;
         loop {
@@ -136,12 +129,10 @@ impl Search<'_> {
                 x0 = x1;
             }
             at_start = false;
-            let last = table.panels() - 1;
-            let at_end = if direction > 0.0 { panel == last } else { panel == 0 };
-            if at_end {
+            if panel == last {
                 period?;
                 revolution += direction;
-                panel = if direction > 0.0 { 0 } else { last };
+                panel = first;
             } else {
                 panel = if direction > 0.0 { panel + 1 } else { panel - 1 };
             }

@@ -1,6 +1,6 @@
 //! What several outputs of one state share, computed when an output first needs it.
 use crate::mechanism::dynamics::equation::Scratch;
-use crate::mechanism::dynamics::input_polynomial::Change;
+use crate::mechanism::dynamics::inputs::Change;
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::dual::Number;

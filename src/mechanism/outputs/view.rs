@@ -6,6 +6,7 @@ use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::dynamics::state_loads::Mode;
+use crate::mechanism::motion::SavedState;
 use crate::mechanism::motion::contact::Holder;
 use crate::mechanism::motion::state::{State, airspeed, state_loads_under};
 use crate::mechanism::outputs::cache::{Forces, OutputCache};
@@ -46,7 +47,7 @@ impl Reading for f64 {
 
     #[inline(always)]
     fn forces(view: &mut View<Self>) -> Result<Forces<Self>, OutputError> {
-        let State { sigma, sigma_dot, contact, .. } = *view.state;
+        let SavedState { sigma, sigma_dot, contact, .. } = view.state.saved;
         let (state, reduced, locks) = (view.state, view.reduced, &view.inputs.locks);
         let mut motion = view.equation()?;
         let free = motion.settle(sigma, sigma_dot)?;

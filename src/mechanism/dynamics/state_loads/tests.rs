@@ -43,7 +43,7 @@ proptest! {
         let (friction, n) = (&evaluator.friction, state_loads.friction_joints.len());
         prop_assert!(friction.iterations <= 8, "{} iterations", friction.iterations);
         let (effects, reactions) = (evaluator.effects.as_flattened(), evaluator.reactions.as_flattened());
-        let balance = super::balance(state_loads, effects, reactions, &effects[state_loads.inertial()]);
+        let balance = super::balance(state_loads, [effects, reactions, &effects[state_loads.inertial()]]);
         let largest = friction.size.iter().fold(0.0, |a: f64, s| a.max(*s));
         for i in 0..n {
             let r = [0, 1].map(|axis| {
