@@ -269,7 +269,7 @@ impl Model {
                 self.inputs.locks[i] = value;
                 match &mut self.state {
                     Some(Formulation::Reduced(motion)) => motion.set_lock(),
-                    Some(Formulation::RigidFem(motion)) => motion.set_lock(),
+                    Some(Formulation::RigidFem(motion)) => motion.rigid.set_lock(),
                     None => {}
                 }
             }
@@ -434,7 +434,7 @@ impl Formulation {
     fn along_curve(&self) -> &State {
         match self {
             Self::Reduced(motion) => &motion.state,
-            Self::RigidFem(motion) => motion.along_curve(),
+            Self::RigidFem(motion) => &motion.rigid.state,
         }
     }
 }

@@ -16,7 +16,6 @@ use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::laws::stop::Stop;
 use crate::mechanism::motion::contact::Contact;
-use crate::mechanism::motion::state::State;
 use crate::mechanism::outputs::ReducedMotion;
 use crate::mechanism::reactions::Reaction;
 use crate::mechanism::reduced::Reduced;
@@ -29,30 +28,37 @@ use track::Track;
 /// The state of motion by rigid finite elements, with the scratch of its steps.
 #[derive(Clone, Debug)]
 pub struct RigidFemMotion {
-    fem: Arc<RigidFem>,
+    own: Own,
     scratch: Scratch,
-    /// Largest step of Newmark's method [s].
-    fem_step: f64,
-    /// State at the last communication point, in balance with the applied sizes.
-    state: rigid_fem::State,
     /// The same state with accelerations in balance with the present sizes.
     present: rigid_fem::State,
     /// Whether `present` is up to date.
     balanced: bool,
-    /// Sizes of the loads in the last step, with which the energy balance is made.
-    applied: Vec<f64>,
     /// Accelerations and applied sizes before the last change of sizes; a step that fails returns to them.
     before: (Vec<Vec2>, Vec<f64>),
     /// Sizes of the loads under the present inputs.
     sizes: Vec<f64>,
     /// Whether the reactions are those of the present sizes, and the reactions of the joints.
     reactions: (bool, Vec<Reaction>),
+    /// The reduced model at the sigma and sigma_dot that fit best.
+    pub rigid: ReducedMotion,
+}
+
+/// The fields of a [`RigidFemMotion`] from which, with those of the reduced model, all others follow.
+#[derive(Clone, Debug)]
+struct Own {
+    fem: Arc<RigidFem>,
+    /// Largest step of Newmark's method [s].
+    fem_step: f64,
+    /// State at the last communication point, in balance with the applied sizes.
+    state: rigid_fem::State,
+    /// Sizes of the loads in the last step, with which the energy balance is made.
+    applied: Vec<f64>,
     /// Energy at the start, plus the work of changing sizes, less the energy lost since [J].
     reference: f64,
     /// Allowed passing of each stop [rad or m]: the stretch at the start, of a mechanism that starts at the stop.
     slack: Vec<f64>,
-    /// The reduced model at the sigma and sigma_dot that fit best.
-    rigid: ReducedMotion,
+    /// Steps of Newmark's method so far.
     steps: u64,
 }
 
@@ -76,23 +82,30 @@ impl RigidFemMotion {
         let q_dot: Vec<f64> = c.q_sigma.iter().map(|slope| slope * rigid.state.sigma_dot).collect();
         let sizes = reduced.sizes(&inputs.reals);
         let state = fem.start(linkage, &q, &q_dot, &sizes)?;
-        let beyond = |stop: &Stop| stop.beyond(fem.displacement(&state, stop.load)[0]).max(0.0);
-        Ok(Self {
-            scratch: fem.scratch(),
+        let beyond = |stop: &Stop| stop.beyond(fem.displacement(&state, stop.load, 0)).max(0.0);
+        let own = Own {
             fem_step: fem_step(mechanism),
-            present: state.clone(),
-            balanced: true,
-            before: (state.accelerations.clone(), sizes.clone()),
-            applied: sizes.clone(),
-            reactions: (false, vec![Reaction::default(); linkage.joints.len()]),
             reference: fem.energy(&state, &sizes),
+            applied: sizes,
             slack: reduced.loading().stops.iter().map(beyond).collect(),
-            rigid,
             steps: 0,
-            sizes,
             state,
             fem,
-        })
+        };
+        Ok(Self::new(own, rigid, reduced, inputs))
+    }
+
+    fn new(own: Own, rigid: ReducedMotion, reduced: &Reduced, inputs: &Inputs) -> Self {
+        Self {
+            scratch: own.fem.scratch(),
+            present: own.state.clone(),
+            balanced: false,
+            before: (own.state.accelerations.clone(), own.applied.clone()),
+            reactions: (false, vec![Reaction::default(); reduced.linkage().joints.len()]),
+            sizes: reduced.sizes(&inputs.reals),
+            rigid,
+            own,
+        }
     }
 
     /// Advance by exactly `h` [s] under these inputs. On an error the state is what it was.
@@ -102,13 +115,13 @@ impl RigidFemMotion {
     pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64) -> Result<(), ModelError> {
         refuse_losses(reduced, inputs)?;
         refuse_locks(reduced, inputs, &self.rigid.state)?;
-        let reference = self.reference;
-        let changed = self.apply(reduced)?;
+        let reference = self.own.reference;
+        let changed = self.apply()?;
         self.advance(reduced, h).inspect_err(|_| {
             if changed {
-                self.state.accelerations.copy_from_slice(&self.before.0);
-                self.applied.copy_from_slice(&self.before.1);
-                self.reference = reference;
+                self.own.state.accelerations.copy_from_slice(&self.before.0);
+                self.own.applied.copy_from_slice(&self.before.1);
+                self.own.reference = reference;
             }
         })
     }
@@ -116,26 +129,18 @@ impl RigidFemMotion {
     /// [`Self::step`] at the applied sizes.
     fn advance(&mut self, reduced: &Reduced, h: f64) -> Result<(), ModelError> {
         let mut track = Track::new(reduced, &self.rigid.state)?;
-        let (fem, slack) = (&self.fem, &self.slack);
-        let (mut time, mut steps) = (0.0, 0);
-        let lost = fem.advance_watched(
-            &mut self.state,
-            &mut self.scratch,
-            &self.applied,
-            [h, self.fem_step],
-            &mut |state, substep| {
-                time += substep;
-                steps += 1;
-                refuse_passing(reduced, slack, time, substep, &|load| fem.displacement(state, load))?;
-                track.follow(reduced, fem, state, substep)
-            },
-        )?;
-        self.reference -= lost;
-        self.steps += steps;
-        let (sigma, sigma_dot, revolutions) = track.position();
-        self.rigid.move_to(sigma, sigma_dot, revolutions);
-        self.balanced = false;
-        self.reactions.0 = false;
+        let Own { fem, fem_step, state, applied, reference, slack, steps } = &mut self.own;
+        let (mut time, mut count) = (0.0, 0);
+        let mut watch = |state: &rigid_fem::State, substep| {
+            time += substep;
+            count += 1;
+            refuse_passing(reduced, slack, time, substep, &|load, order| fem.displacement(state, load, order))?;
+            track.follow(reduced, fem, state, substep)
+        };
+        *reference -= fem.advance_watched(state, &mut self.scratch, applied, [h, *fem_step], &mut watch)?;
+        *steps += count;
+        self.rigid.move_to(track.sigma, track.sigma_dot, track.revolutions);
+        (self.balanced, self.reactions.0) = (false, false);
         Ok(())
     }
 
@@ -143,45 +148,34 @@ impl RigidFemMotion {
     pub fn set_input(&mut self, input: usize, loads: usize, value: f64) {
         if input < loads {
             self.sizes[input] = value;
-            self.balanced = false;
-            self.reactions.0 = false;
+            (self.balanced, self.reactions.0) = (false, false);
         }
         self.rigid.set_input(input, loads, value);
     }
 
-    /// A Boolean input has changed.
-    pub fn set_lock(&mut self) {
-        self.rigid.set_lock();
-    }
-
-    /// The reduced model's state that fits best.
-    pub fn along_curve(&self) -> &State {
-        &self.rigid.state
-    }
-
     /// Steps of Newmark's method so far.
     pub fn statistics(&self) -> Statistics {
-        Statistics { accepted: self.steps, ..Statistics::default() }
+        Statistics { accepted: self.own.steps, ..Statistics::default() }
     }
 
     /// Apply the present sizes: the change of the loads' potential since the last step is work from outside. Returns
     /// whether a size has changed.
-    fn apply(&mut self, reduced: &Reduced) -> Result<bool, ModelError> {
+    fn apply(&mut self) -> Result<bool, ModelError> {
+        let Own { fem, fem_step, state, applied, reference, .. } = &mut self.own;
         let mut work = 0.0;
         let mut changed = false;
-        for (load, (size, applied)) in self.sizes.iter().zip(&self.applied).enumerate() {
-            debug_assert!(load < reduced.loading().sized());
+        for (load, (size, applied)) in self.sizes.iter().zip(&*applied).enumerate() {
             if size.to_bits() != applied.to_bits() {
-                work -= (size - applied) * self.fem.displacement(&self.state, load)[0];
+                work -= (size - applied) * fem.displacement(state, load, 0);
                 changed = true;
             }
         }
         if changed {
-            self.before.0.copy_from_slice(&self.state.accelerations);
-            self.before.1.copy_from_slice(&self.applied);
-            self.fem.rebalance(&mut self.state, &mut self.scratch, &self.sizes, self.fem_step)?;
-            self.reference += work;
-            self.applied.copy_from_slice(&self.sizes);
+            self.before.0.copy_from_slice(&state.accelerations);
+            self.before.1.copy_from_slice(applied);
+            fem.rebalance(state, &mut self.scratch, &self.sizes, *fem_step)?;
+            *reference += work;
+            applied.copy_from_slice(&self.sizes);
         }
         Ok(changed)
     }

@@ -47,7 +47,7 @@ pub fn refuse_locks(reduced: &Reduced, inputs: &Inputs, rigid: &State) -> Result
 }
 
 /// Refuse a state beyond a stop, `time` [s] into the step and `substep` [s] after the last one. `displacement` gives S
-/// and S_dot of a load.
+/// of a load, or S_dot for the order 1.
 ///
 /// # Errors
 /// [`ModelError::StopPassed`].
@@ -56,10 +56,10 @@ pub fn refuse_passing(
     slack: &[f64],
     time: f64,
     substep: f64,
-    displacement: &dyn Fn(usize) -> [f64; 2],
+    displacement: &dyn Fn(usize, usize) -> f64,
 ) -> Result<(), ModelError> {
     for (stop, slack) in reduced.loading().stops.iter().zip(slack).filter(|(stop, _)| stop.enabled) {
-        let [s, s_dot] = displacement(stop.load);
+        let [s, s_dot] = [0, 1].map(|order| displacement(stop.load, order));
         let beyond = stop.beyond(s) - slack;
         let outward = s_dot * (stop.beyond(1.0) - stop.beyond(0.0));
         if beyond > AT * (1.0 + stop.value.abs()) && outward > 0.0 {
