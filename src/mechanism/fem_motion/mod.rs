@@ -4,7 +4,6 @@
 //! reduced model that fit this state best. Friction, air, stops, locks and losses in drives, which the finite elements
 //! do not have, are refused when they would begin to act. It must not know the reduced model's integration.
 mod outputs;
-mod refusals;
 mod saved;
 mod track;
 
@@ -16,14 +15,17 @@ use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::laws::stop::Stop;
 use crate::mechanism::motion::contact::Contact;
+use crate::mechanism::motion::state::State;
 use crate::mechanism::outputs::ReducedMotion;
 use crate::mechanism::reactions::Reaction;
 use crate::mechanism::reduced::Reduced;
 use crate::mechanism::rigid_fem::{self, RigidFem, RigidFemError, Scratch};
 use crate::numerics::plane::Vec2;
-use refusals::{refuse_locks, refuse_losses, refuse_passing};
 use std::sync::Arc;
 use track::Track;
+
+/// Rounding of a stop's quantity, relative to 1 and its value [rad or m].
+const AT: f64 = 1e-10;
 
 /// The state of motion by rigid finite elements, with the scratch of its steps.
 #[derive(Clone, Debug)]
@@ -134,7 +136,7 @@ impl RigidFemMotion {
         let mut watch = |state: &rigid_fem::State, substep| {
             time += substep;
             count += 1;
-            refuse_passing(reduced, slack, time, substep, &|load, order| fem.displacement(state, load, order))?;
+            refuse_passing(reduced, slack, time, substep, fem, state)?;
             track.follow(reduced, fem, state, substep)
         };
         *reference -= fem.advance_watched(state, &mut self.scratch, applied, [h, *fem_step], &mut watch)?;
@@ -200,4 +202,68 @@ fn finite_elements(reduced: &Reduced, mechanism: &Mechanism) -> Result<RigidFem,
         }
         error => error.into(),
     })
+}
+
+/// Refuse friction that is enabled, and air with drag. The mesh refuses losses in drives.
+///
+/// # Errors
+/// [`ModelError::NotInRigidFem`].
+fn refuse_losses(reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
+    let refuse = |name: &str, value: String, remedy: &str| {
+        Err(ModelError::NotInRigidFem { name: name.into(), value, remedy: remedy.into() })
+    };
+    let loading = reduced.loading();
+    if loading.friction.as_ref().is_some_and(|f| f.enabled && !f.friction_joints.is_empty()) {
+        return refuse("friction.enabled", "true".into(), "set it to false");
+    }
+    if let Some(air) = loading.air.as_ref().filter(|air| !air.surfaces.is_empty()) {
+        if air.relative_wind {
+            return refuse("air.relative_wind", "true".into(), "set it to false");
+        }
+        if let Some(speed) = inputs.reals.last().filter(|speed| **speed != 0.0) {
+            return refuse("airspeed", format!("{speed}"), "set it to 0");
+        }
+    }
+    Ok(())
+}
+
+/// Refuse a lock that is engaged at its stop.
+///
+/// # Errors
+/// [`ModelError::NotInRigidFem`].
+fn refuse_locks(reduced: &Reduced, inputs: &Inputs, rigid: &State) -> Result<(), ModelError> {
+    let mut locks = reduced.loading().locks.iter().zip(&inputs.locks);
+    match locks.find(|(lock, engaged)| **engaged && rigid.at_stop(reduced, lock.stop)) {
+        Some((lock, _)) => Err(ModelError::NotInRigidFem {
+            name: format!("{}.engage", lock.name),
+            value: "true".into(),
+            remedy: "set it to false before the mechanism is at its stop".into(),
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Refuse a state beyond a stop, `time` [s] into the step and `substep` [s] after the last one.
+///
+/// # Errors
+/// [`ModelError::StopPassed`].
+fn refuse_passing(
+    reduced: &Reduced,
+    slack: &[f64],
+    time: f64,
+    substep: f64,
+    fem: &RigidFem,
+    state: &rigid_fem::State,
+) -> Result<(), ModelError> {
+    for (stop, slack) in reduced.loading().stops.iter().zip(slack).filter(|(stop, _)| stop.enabled) {
+        let [s, s_dot] = [0, 1].map(|order| fem.displacement(state, stop.load, order));
+        let beyond = stop.beyond(s) - slack;
+        let outward = s_dot * (stop.beyond(1.0) - stop.beyond(0.0));
+        if beyond > AT * (1.0 + stop.value.abs()) && outward > 0.0 {
+            let name = format!("{}.{}", stop.name, stop.quantity);
+            let time = time - (beyond / outward).min(substep);
+            return Err(ModelError::StopPassed { name, value: stop.value, time });
+        }
+    }
+    Ok(())
 }
