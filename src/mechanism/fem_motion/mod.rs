@@ -30,9 +30,9 @@ const AT: f64 = 1e-10;
 /// The state of motion by rigid finite elements, with the scratch of its steps.
 #[derive(Clone, Debug)]
 pub struct RigidFemMotion {
-    own: Own,
+    kept: Kept,
     scratch: Scratch,
-    /// The same state with accelerations in balance with the present sizes.
+    /// The state with accelerations in balance with the present sizes.
     present: rigid_fem::State,
     /// Whether `present` is up to date.
     balanced: bool,
@@ -46,9 +46,9 @@ pub struct RigidFemMotion {
     pub rigid: ReducedMotion,
 }
 
-/// The fields of a [`RigidFemMotion`] from which, with those of the reduced model, all others follow.
+/// The fields of a [`RigidFemMotion`] that a saved state keeps; with those of the reduced model all others follow.
 #[derive(Clone, Debug)]
-struct Own {
+struct Kept {
     fem: Arc<RigidFem>,
     /// Largest step of Newmark's method [s].
     fem_step: f64,
@@ -85,7 +85,7 @@ impl RigidFemMotion {
         let sizes = reduced.sizes(&inputs.reals);
         let state = fem.start(linkage, &q, &q_dot, &sizes)?;
         let beyond = |stop: &Stop| stop.beyond(fem.displacement(&state, stop.load, 0)).max(0.0);
-        let own = Own {
+        let kept = Kept {
             fem_step: fem_step(mechanism),
             reference: fem.energy(&state, &sizes),
             applied: sizes,
@@ -94,19 +94,19 @@ impl RigidFemMotion {
             state,
             fem,
         };
-        Ok(Self::new(own, rigid, reduced, inputs))
+        Ok(Self::new(kept, rigid, reduced, inputs))
     }
 
-    fn new(own: Own, rigid: ReducedMotion, reduced: &Reduced, inputs: &Inputs) -> Self {
+    fn new(kept: Kept, rigid: ReducedMotion, reduced: &Reduced, inputs: &Inputs) -> Self {
         Self {
-            scratch: own.fem.scratch(),
-            present: own.state.clone(),
+            scratch: kept.fem.scratch(),
+            present: kept.state.clone(),
             balanced: false,
-            before: (own.state.accelerations.clone(), own.applied.clone()),
+            before: (kept.state.accelerations.clone(), kept.applied.clone()),
             reactions: (false, vec![Reaction::default(); reduced.linkage().joints.len()]),
             sizes: reduced.sizes(&inputs.reals),
             rigid,
-            own,
+            kept,
         }
     }
 
@@ -117,13 +117,13 @@ impl RigidFemMotion {
     pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64) -> Result<(), ModelError> {
         refuse_losses(reduced, inputs)?;
         refuse_locks(reduced, inputs, &self.rigid.state)?;
-        let reference = self.own.reference;
+        let reference = self.kept.reference;
         let changed = self.apply()?;
         self.advance(reduced, h).inspect_err(|_| {
             if changed {
-                self.own.state.accelerations.copy_from_slice(&self.before.0);
-                self.own.applied.copy_from_slice(&self.before.1);
-                self.own.reference = reference;
+                self.kept.state.accelerations.copy_from_slice(&self.before.0);
+                self.kept.applied.copy_from_slice(&self.before.1);
+                self.kept.reference = reference;
             }
         })
     }
@@ -131,7 +131,7 @@ impl RigidFemMotion {
     /// [`Self::step`] at the applied sizes.
     fn advance(&mut self, reduced: &Reduced, h: f64) -> Result<(), ModelError> {
         let mut track = Track::new(reduced, &self.rigid.state)?;
-        let Own { fem, fem_step, state, applied, reference, slack, steps } = &mut self.own;
+        let Kept { fem, fem_step, state, applied, reference, slack, steps } = &mut self.kept;
         let (mut time, mut count) = (0.0, 0);
         let mut watch = |state: &rigid_fem::State, substep| {
             time += substep;
@@ -157,13 +157,13 @@ impl RigidFemMotion {
 
     /// Steps of Newmark's method so far.
     pub fn statistics(&self) -> Statistics {
-        Statistics { accepted: self.own.steps, ..Statistics::default() }
+        Statistics { accepted: self.kept.steps, ..Statistics::default() }
     }
 
     /// Apply the present sizes: the change of the loads' potential since the last step is work from outside. Returns
     /// whether a size has changed.
     fn apply(&mut self) -> Result<bool, ModelError> {
-        let Own { fem, fem_step, state, applied, reference, .. } = &mut self.own;
+        let Kept { fem, fem_step, state, applied, reference, .. } = &mut self.kept;
         let mut work = 0.0;
         let mut changed = false;
         for (load, (size, applied)) in self.sizes.iter().zip(&*applied).enumerate() {

@@ -1,6 +1,6 @@
 //! The rigid finite elements behind the laws of outputs. One-element terms are the reduced model's, at the sigma that
 //! fits best. No mesh has a prismatic joint; friction, drag, stops and locks are refused before they act.
-use super::{Own, RigidFemMotion};
+use super::{Kept, RigidFemMotion};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::outputs::{Kinematics, OutputError, evaluate};
 use crate::mechanism::quantity::{OneElement, Output};
@@ -25,7 +25,7 @@ impl RigidFemMotion {
 
     /// The finite elements and their state; for the order 2 with accelerations in balance with the present sizes.
     fn fem(&mut self, order: usize) -> Result<(&RigidFem, &rigid_fem::State), RigidFemError> {
-        let Own { fem, fem_step, state, applied, .. } = &self.own;
+        let Kept { fem, fem_step, state, applied, .. } = &self.kept;
         if order < 2 {
             return Ok((fem, state));
         }
@@ -59,8 +59,8 @@ impl Kinematics<f64> for View<'_> {
     fn reaction(&mut self, joint: usize) -> Result<[f64; 3], OutputError> {
         if !self.motion.reactions.0 {
             self.motion.fem(2)?;
-            let RigidFemMotion { own, present, scratch, sizes, reactions, .. } = &mut *self.motion;
-            own.fem.reactions(&own.state, present, scratch, sizes, own.fem_step, &mut reactions.1);
+            let RigidFemMotion { kept, present, scratch, sizes, reactions, .. } = &mut *self.motion;
+            kept.fem.reactions(&kept.state, present, scratch, sizes, kept.fem_step, &mut reactions.1);
             reactions.0 = true;
         }
         let reaction = self.motion.reactions.1[joint];
@@ -76,11 +76,11 @@ impl Kinematics<f64> for View<'_> {
     }
 
     fn kinetic(&self) -> f64 {
-        self.motion.own.fem.kinetic(&self.motion.own.state)
+        self.motion.kept.fem.kinetic(&self.motion.kept.state)
     }
 
     fn drift(&self) -> f64 {
-        let Own { fem, state, applied, reference, .. } = &self.motion.own;
+        let Kept { fem, state, applied, reference, .. } = &self.motion.kept;
         fem.energy(state, applied) - reference
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! In: a motion, or a record. Out: the fields that decide its next steps, and the motion again. It must not know
 //! outputs.
-use super::{Own, RigidFemMotion, fem_step, finite_elements};
+use super::{Kept, RigidFemMotion, fem_step, finite_elements};
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::definition::Mechanism;
 use crate::mechanism::dynamics::inputs::Inputs;
@@ -14,19 +14,19 @@ use std::sync::Arc;
 /// A [`RigidFemMotion`] without what is derived from it.
 #[derive(Clone, Debug)]
 pub struct SavedRigidFem {
-    own: Own,
+    kept: Kept,
     rigid: SavedState,
 }
 
 impl RigidFemMotion {
     /// The fields that decide the next steps.
     pub fn saved(&self) -> SavedRigidFem {
-        SavedRigidFem { own: self.own.clone(), rigid: self.rigid.state.saved() }
+        SavedRigidFem { kept: self.kept.clone(), rigid: self.rigid.state.saved() }
     }
 
     /// [`Self::saved`] in the place of another one, without allocation.
     pub fn save(&self, saved: &mut SavedRigidFem) {
-        saved.own.copy_from(&self.own);
+        saved.kept.copy_from(&self.kept);
         self.rigid.state.save(&mut saved.rigid);
     }
 
@@ -36,7 +36,7 @@ impl RigidFemMotion {
     /// As [`ReducedMotion::from_saved`].
     pub fn from_saved(saved: &SavedRigidFem, reduced: &Reduced, inputs: &Inputs) -> Result<Self, ModelError> {
         let rigid = ReducedMotion::from_saved(&saved.rigid, reduced, inputs)?;
-        Ok(Self::new(saved.own.clone(), rigid, reduced, inputs))
+        Ok(Self::new(saved.kept.clone(), rigid, reduced, inputs))
     }
 
     /// [`Self::from_saved`] in place, with the same reduced model; without allocation if the finite elements are the
@@ -46,7 +46,7 @@ impl RigidFemMotion {
     /// As [`Self::from_saved`]; nothing has changed.
     pub fn restore(&mut self, saved: &SavedRigidFem, reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
         self.rigid.restore(&saved.rigid, reduced, Some(&inputs.reals))?;
-        self.own.copy_from(&saved.own);
+        self.kept.copy_from(&saved.kept);
         let loads = reduced.loading().inputs.len();
         self.sizes[..loads].copy_from_slice(&inputs.reals[..loads]);
         (self.balanced, self.reactions.0) = (false, false);
@@ -54,7 +54,7 @@ impl RigidFemMotion {
     }
 }
 
-impl Own {
+impl Kept {
     /// Copy the fields of another motion of this mechanism, without allocation.
     fn copy_from(&mut self, other: &Self) {
         self.fem.clone_from(&other.fem);
@@ -87,7 +87,7 @@ impl SavedRigidFem {
     pub fn read(record: &mut Record, reduced: &Reduced, mechanism: &Mechanism) -> Result<Self, ModelError> {
         let fem = Arc::new(finite_elements(reduced, mechanism)?);
         let rigid = SavedState::read(record, reduced)?;
-        let mut own = Own {
+        let mut kept = Kept {
             state: fem.blank(),
             fem,
             fem_step: fem_step(mechanism),
@@ -96,8 +96,8 @@ impl SavedRigidFem {
             slack: vec![0.0; reduced.loading().stops.len()],
             steps: 0,
         };
-        own.record(record)?;
-        Ok(Self { own, rigid })
+        kept.record(record)?;
+        Ok(Self { kept, rigid })
     }
 
     /// All fields, written.
@@ -106,6 +106,6 @@ impl SavedRigidFem {
     /// The count of steps is near overflow.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         self.rigid.record(record)?;
-        self.own.record(record)
+        self.kept.record(record)
     }
 }
