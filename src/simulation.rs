@@ -30,26 +30,14 @@ pub struct Simulation {
 
 /// Why a call was refused; the simulation is what it was.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the sentence of a variant names its fields")]
 pub enum SimulationError {
-    /// No variable has this name.
-    Name {
-        /// The name.
-        name: String,
-        /// Names of variables that are spelled most alike, the nearest first.
-        nearest: Vec<String>,
-    },
+    /// No variable has this name; names spelled most alike, the nearest first.
+    Name { name: String, nearest: Vec<String> },
     /// The variable has no numbers: only a Real or a Boolean can be a column of a trace.
-    Text {
-        /// The variable.
-        name: String,
-    },
-    /// The span or the step of a run is not finite or not > 0.
-    Span {
-        /// The span [s].
-        span: f64,
-        /// The longest step [s].
-        step: f64,
-    },
+    Text { name: String },
+    /// The span or the longest step of a run [s] is not finite or not > 0.
+    Span { span: f64, step: f64 },
     /// The model refused the call.
     Model(ModelError),
 }
@@ -144,15 +132,12 @@ impl Simulation {
     /// # Errors
     /// No variable has this name.
     pub fn reference(&self, name: &str) -> Result<Reference, SimulationError> {
-        self.model.variables().find(name).ok_or_else(|| self.unknown(name))
-    }
-
-    #[cold]
-    fn unknown(&self, name: &str) -> SimulationError {
-        let mut names: Vec<&str> = self.names().collect();
-        names.sort_by_cached_key(|other| edits(name, other));
-        let nearest = names.into_iter().take(SUGGESTIONS).map(str::to_owned).collect();
-        SimulationError::Name { name: name.into(), nearest }
+        self.model.variables().find(name).ok_or_else(|| {
+            let mut names: Vec<&str> = self.names().collect();
+            names.sort_by_cached_key(|other| edits(name, other));
+            let nearest = names.into_iter().take(SUGGESTIONS).map(str::to_owned).collect();
+            SimulationError::Name { name: name.into(), nearest }
+        })
     }
 
     /// Present value of a Real.

@@ -11,124 +11,50 @@ use std::fmt;
 
 /// A refused call, which leaves the model unchanged. The text names the quantity, the value, the limit and the remedy.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the sentence of a variant names its fields")]
 pub enum ModelError {
     /// The file is not a definition.
     Definition(DefinitionError),
     /// The present parameters give no reduced model or no start.
     Reduction(ReductionError),
-    /// No variable of this kind has this reference.
-    Reference {
-        /// The reference.
-        reference: Reference,
-        /// Kind of variable that was expected.
-        kind: &'static str,
-        /// Number of variables.
-        count: usize,
-    },
-    /// A value out of range.
-    Value {
-        /// Variable.
-        name: String,
-        /// The value.
-        value: f64,
-        /// What is allowed.
-        allowed: String,
-    },
+    /// No variable of this kind has this reference; `count` is the number of variables.
+    Reference { reference: Reference, kind: &'static str, count: usize },
+    /// A value out of the range that `allowed` states.
+    Value { name: String, value: f64, allowed: String },
     /// A text other than the allowed words.
-    Text {
-        /// Variable.
-        name: String,
-        /// The text.
-        value: String,
-        /// What is allowed.
-        allowed: String,
-    },
+    Text { name: String, value: String, allowed: String },
     /// The rigid finite elements refused the mechanism or a step.
     RigidFem(RigidFemError),
-    /// A feature of the reduced model that the rigid finite elements do not have.
-    NotInRigidFem {
-        /// Variable.
-        name: String,
-        /// Value of the variable.
-        value: String,
-        /// Remedy other than the choice of the reduced model.
-        remedy: String,
-    },
-    /// A stop was reached in the formulation with rigid finite elements, which has no stops.
-    StopPassed {
-        /// Quantity that states the stop.
-        name: String,
-        /// Value at the stop.
-        value: f64,
-        /// Time from the beginning of the step [s].
-        time: f64,
-    },
-    /// A derivative that cannot be read or set.
-    Derivative {
-        /// Variable or request.
-        what: String,
-        /// Reason and remedy.
-        reason: String,
-    },
+    /// A feature of the reduced model that the rigid finite elements do not have: a variable, its value, and the remedy
+    /// other than the choice of the reduced model.
+    NotInRigidFem { name: String, value: String, remedy: String },
+    /// A stop was reached in the formulation with rigid finite elements, which has no stops: its quantity, the value at
+    /// the stop, and the time from the beginning of the step [s].
+    StopPassed { name: String, value: f64, time: f64 },
+    /// A derivative that cannot be read or set, with reason and remedy.
+    Derivative { what: String, reason: String },
     /// An output was to be set.
-    Output {
-        /// Variable.
-        name: String,
-    },
-    /// An output is not smooth along the motion.
-    Table {
-        /// Variable.
-        name: String,
-        /// Position of the linkage there.
-        position: String,
-    },
+    Output { name: String },
+    /// An output is not smooth along the motion, near this position of the linkage.
+    Table { name: String, position: String },
     /// An output overflows.
-    Overflow {
-        /// Variable.
-        name: String,
-    },
+    Overflow { name: String },
     /// A step before initialisation.
     NotInitialised,
-    /// A step size that is not finite and positive.
-    StepSize {
-        /// The step [s].
-        h: f64,
-    },
+    /// A step size [s] that is not finite and positive.
+    StepSize { h: f64 },
     /// The integration stopped.
     Integration(IntegrationError),
     /// Friction and reactions have no common solution.
-    Locked {
-        /// Position of the linkage there.
-        position: String,
-    },
-    /// The start is beyond a stop.
-    BeyondStop {
-        /// Quantity that states the stop.
-        name: String,
-        /// Value at the stop.
-        value: f64,
-        /// Value at the start.
-        start: f64,
-    },
+    Locked { position: String },
+    /// The start is beyond a stop: its quantity, the values at the stop and at the start.
+    BeyondStop { name: String, value: f64, start: f64 },
     /// The point of a lock stands still at the position of the stop, so that no force there holds the mechanism.
-    LockStill {
-        /// Lock.
-        name: String,
-        /// Stop of the lock.
-        stop: String,
-        /// Position of the linkage at the stop.
-        position: String,
-    },
-    /// A record that is no snapshot of this mechanism.
-    Saved {
-        /// Fault of the record.
-        what: String,
-    },
+    LockStill { name: String, stop: String, position: String },
+    /// A record that is no snapshot of this mechanism, with its fault.
+    Saved { what: String },
     /// The motion leaves the traced part of the curve.
-    Travel {
-        /// Position of the linkage at the end of the traced part.
-        position: String,
-    },
+    Travel { position: String },
 }
 
 impl ModelError {

@@ -65,27 +65,26 @@ impl Model {
         let variables = interface::variables(&mechanism)?;
         let mut ranges = Vec::new();
         mechanism.parameters(&mut |p, _| ranges.push((p.range, p.role)));
-        let mut inputs = Inputs { reals: Vec::new(), locks: Vec::new(), signal: InputPolynomial::new(0) };
+        let (mut reals, mut locks) = (Vec::new(), Vec::new());
         for v in variables.list().iter().filter(|v| v.causality == Causality::Input) {
             match v.start {
-                Some(Value::Real(x)) => inputs.reals.push(x),
-                Some(Value::Boolean(x)) => inputs.locks.push(x),
+                Some(Value::Real(x)) => reals.push(x),
+                Some(Value::Boolean(x)) => locks.push(x),
                 _ => {}
             }
         }
-        inputs.signal = InputPolynomial::new(inputs.reals.len());
+        let inputs = Inputs { signal: InputPolynomial::new(reals.len()), reals, locks };
         let reduced = Arc::new(Reduced::new(&mechanism)?);
         let parameter_values = Arc::new(ParameterValues::new(mechanism));
-        let original = Original {
-            parameter_values: Arc::clone(&parameter_values),
-            variables,
-            ranges,
-            inputs: inputs.clone(),
-            identity: OnceLock::new(),
-            reduced: Arc::clone(&reduced),
+        let original = Original { parameter_values, variables, ranges, inputs, identity: OnceLock::new(), reduced };
+        let mut model = Self {
+            parameter_values: Arc::clone(&original.parameter_values),
+            inputs: original.inputs.clone(),
+            reduced: Some(Arc::clone(&original.reduced)),
+            last: Arc::clone(&original.reduced),
+            state: None,
+            original: Arc::new(original),
         };
-        let (original, last) = (Arc::new(original), Arc::clone(&reduced));
-        let mut model = Self { original, parameter_values, inputs, reduced: Some(reduced), last, state: None };
         model.state()?;
         model.state = None;
         Ok(model)
@@ -202,11 +201,12 @@ impl Model {
     /// As [`Self::check_real`].
     pub fn set_real(&mut self, reference: Reference, value: f64) -> Result<(), ModelError> {
         self.check_real(reference, value)?;
-        if let Some(Quantity::Input(i)) = self.original.variables.quantity(reference) {
-            self.inputs.signal.value_set(i);
-        }
         match self.original.variables.quantity(reference) {
-            Some(Quantity::Input(i)) if self.inputs.reals[i].to_bits() != value.to_bits() => {
+            Some(Quantity::Input(i)) => {
+                self.inputs.signal.value_set(i);
+                if self.inputs.reals[i].to_bits() == value.to_bits() {
+                    return Ok(());
+                }
                 self.inputs.reals[i] = value;
                 if let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) {
                     let loads = reduced.loading().inputs.len();
@@ -217,7 +217,9 @@ impl Model {
                 }
             }
             Some(Quantity::Parameter(i)) if self.parameter_values.parameters[i].to_bits() != value.to_bits() => {
-                Arc::make_mut(&mut self.parameter_values).set_parameter(i, value);
+                let values = Arc::make_mut(&mut self.parameter_values);
+                values.parameters[i] = value;
+                values.update_mechanism();
                 self.state = None;
                 if is_reduced(self.original.ranges[i].1) {
                     self.reduced = None;
@@ -267,12 +269,14 @@ impl Model {
                 self.inputs.locks[i] = value;
                 match &mut self.state {
                     Some(Formulation::Reduced(motion)) => motion.set_lock(),
-                    Some(Formulation::RigidFem(motion)) => motion.set_lock(),
+                    Some(Formulation::RigidFem(motion)) => motion.rigid.set_lock(),
                     None => {}
                 }
             }
             Some(Quantity::Flag(i)) if self.parameter_values.flags[i] != value => {
-                Arc::make_mut(&mut self.parameter_values).set_flag(i, value);
+                let values = Arc::make_mut(&mut self.parameter_values);
+                values.flags[i] = value;
+                values.update_mechanism();
                 (self.state, self.reduced) = (None, None);
             }
             _ => {}
@@ -379,7 +383,11 @@ impl Model {
 
     /// Right-hand-side evaluations and accepted and rejected integration steps since initialisation.
     pub fn statistics(&self) -> Statistics {
-        self.state.as_ref().map_or_else(Statistics::default, Formulation::statistics)
+        match &self.state {
+            Some(Formulation::Reduced(motion)) => motion.state.memory.statistics(),
+            Some(Formulation::RigidFem(motion)) => motion.statistics(),
+            None => Statistics::default(),
+        }
     }
 
     /// Evaluations made for outputs since initialisation; those of the finite elements are not counted.
@@ -421,18 +429,11 @@ pub(super) fn is_reduced(role: Role) -> bool {
 }
 
 impl Formulation {
-    fn statistics(&self) -> Statistics {
-        match self {
-            Self::Reduced(motion) => motion.state.memory.statistics(),
-            Self::RigidFem(motion) => motion.statistics(),
-        }
-    }
-
     /// The state along the curve; that of the finite elements where it fits best.
     fn along_curve(&self) -> &State {
         match self {
             Self::Reduced(motion) => &motion.state,
-            Self::RigidFem(motion) => motion.along_curve(),
+            Self::RigidFem(motion) => &motion.rigid.state,
         }
     }
 }

@@ -22,16 +22,6 @@ impl ParameterValues {
         Self { mechanism, parameters, flags }
     }
 
-    pub fn set_parameter(&mut self, index: usize, value: f64) {
-        self.parameters[index] = value;
-        self.update_mechanism();
-    }
-
-    pub fn set_flag(&mut self, index: usize, value: bool) {
-        self.flags[index] = value;
-        self.update_mechanism();
-    }
-
     pub fn method(&self) -> Method {
         self.mechanism.solver.method.unwrap_or_default()
     }

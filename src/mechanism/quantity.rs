@@ -19,84 +19,34 @@ pub enum Quantity {
     Output(Output),
 }
 
-/// A computed quantity.
+/// A computed quantity. `order` 0, 1 or 2 is that of the time derivative; the other fields are indices.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the sentence of a variant names its fields")]
 pub enum Output {
-    /// Angle of a body, or its first or second time derivative.
-    Angle {
-        /// Index of the body in the linkage.
-        body: usize,
-        /// 0, 1 or 2.
-        order: usize,
-    },
-    /// Position of a prismatic joint, or its first or second time derivative.
-    JointPosition {
-        /// Coordinate of the linkage.
-        coordinate: usize,
-        /// 0, 1 or 2.
-        order: usize,
-    },
+    /// Angle of a body of the linkage.
+    Angle { body: usize, order: usize },
+    /// Position of a prismatic joint, by its coordinate.
+    JointPosition { coordinate: usize, order: usize },
     /// Reaction in a joint.
-    Reaction {
-        /// Index of the joint.
-        joint: usize,
-        /// Part of the reaction.
-        part: ReactionPart,
-    },
-    /// Displacement of a drive's or a spring's load - length, angle or position - or its first or second time
-    /// derivative.
-    Displacement {
-        /// Index of the load.
-        load: usize,
-        /// 0, 1 or 2.
-        order: usize,
-    },
-    /// A term of the mechanism reduced to a drive.
-    OneElement {
-        /// Index of the drive, and of its load.
-        drive: usize,
-        /// Term of the one-element model.
-        term: OneElement,
-    },
+    Reaction { joint: usize, part: ReactionPart },
+    /// Displacement of a drive's or a spring's load: length, angle or position.
+    Displacement { load: usize, order: usize },
+    /// A term of the mechanism reduced to a drive, which has the index of its load.
+    OneElement { drive: usize, term: OneElement },
     /// Force or torque of a spring and damper.
-    SpringForce {
-        /// Index of the spring.
-        spring: usize,
-    },
-    /// Position of a marker, or its first or second time derivative.
-    Marker {
-        /// Index of the marker.
-        marker: usize,
-        /// 0 for x, 1 for y.
-        axis: usize,
-        /// 0, 1 or 2.
-        order: usize,
-    },
-    /// Friction force or torque of a joint on the second-named body.
-    Friction {
-        /// Index among the joints with friction.
-        friction_joint: usize,
-    },
-    /// Slip speed in a joint with friction.
-    SlipSpeed {
-        /// Index among the joints with friction.
-        friction_joint: usize,
-    },
+    SpringForce { spring: usize },
+    /// Position of a marker along the axis 0 for x or 1 for y.
+    Marker { marker: usize, axis: usize, order: usize },
+    /// Friction force or torque of a joint on the second-named body, by its index among the joints with friction.
+    Friction { friction_joint: usize },
+    /// Slip speed in a joint, by its index among the joints with friction.
+    SlipSpeed { friction_joint: usize },
     /// Drag on a surface, along the flow.
-    Drag {
-        /// Index of the surface.
-        surface: usize,
-    },
+    Drag { surface: usize },
     /// Force or torque of a stop.
-    Stop {
-        /// Index of the stop.
-        stop: usize,
-    },
+    Stop { stop: usize },
     /// Force of a lock.
-    Lock {
-        /// Index of the lock.
-        lock: usize,
-    },
+    Lock { lock: usize },
     /// Kinetic energy.
     Kinetic,
     /// Potential energy under the present load factor.

@@ -12,18 +12,12 @@ use crate::numerics::plane::{Vec2, cross, perp};
 use nalgebra::{DMatrix, DVector};
 
 /// Reaction of a joint: force and moment of its first-named body on its second.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reaction {
     /// Force in the mechanism frame [N].
     pub force: Vec2,
     /// Moment about the second body's point [N.m]; 0 in a revolute joint.
     pub moment: f64,
-}
-
-impl Default for Reaction {
-    fn default() -> Self {
-        Self { force: Vec2::zeros(), moment: 0.0 }
-    }
 }
 
 /// Reactions of all joints, for sigma_ddot = 1, for sigma_dot^2 = 1, then for each load = 1.

@@ -47,12 +47,9 @@ impl Snapshot {
     pub fn write(&self, out: &mut Vec<u8>) -> Result<(), ModelError> {
         let mut copy = self.clone();
         let record = &mut Record::Write(out);
-        record_parameters(
-            record,
-            &mut copy.parameter_values.parameters.clone(),
-            &mut copy.parameter_values.flags.clone(),
-        )?;
-        record.choice("solver.method", &mut (copy.parameter_values.method() as u8), Method::ALL.len())?;
+        let values = &self.parameter_values;
+        record_parameters(record, &mut values.parameters.clone(), &mut values.flags.clone())?;
+        record.choice("solver.method", &mut (values.method() as u8), Method::ALL.len())?;
         copy.inputs.record(record)?;
         record.flag("in motion", &mut copy.has_motion())?;
         match &mut copy.motion {
@@ -85,12 +82,11 @@ impl Model {
 
     /// Snapshot of the present state.
     pub fn snapshot(&self) -> Snapshot {
-        let motion = self.state.as_ref().map(saved);
         Snapshot {
             parameter_values: Arc::clone(&self.parameter_values),
             inputs: self.inputs.clone(),
             reduced: self.reduced.clone(),
-            motion,
+            motion: self.state.as_ref().map(saved),
         }
     }
 
@@ -227,13 +223,11 @@ impl Model {
 
     /// The reduced model for these parameters, if the model has it.
     fn known_reduced(&self, parameter_values: &ParameterValues) -> Option<Arc<Reduced>> {
-        if let Some(reduced) =
-            self.reduced.as_ref().filter(|_| self.shares_reduced(&self.parameter_values, parameter_values))
-        {
-            return Some(Arc::clone(reduced));
-        }
-        let original = self.shares_reduced(&self.original.parameter_values, parameter_values);
-        original.then(|| Arc::clone(&self.original.reduced))
+        let (own, original) = (&self.parameter_values, &self.original);
+        let known = [(own, self.reduced.as_ref()), (&original.parameter_values, Some(&original.reduced))];
+        known
+            .into_iter()
+            .find_map(|(own, reduced)| reduced.filter(|_| self.shares_reduced(own, parameter_values)).cloned())
     }
 
     /// Whether both sets of parameters have the same reduced model.

@@ -4,7 +4,6 @@
 //! reduced model that fit this state best. Friction, air, stops, locks and losses in drives, which the finite elements
 //! do not have, are refused when they would begin to act. It must not know the reduced model's integration.
 mod outputs;
-mod refusals;
 mod saved;
 mod track;
 
@@ -22,37 +21,46 @@ use crate::mechanism::reactions::Reaction;
 use crate::mechanism::reduced::Reduced;
 use crate::mechanism::rigid_fem::{self, RigidFem, RigidFemError, Scratch};
 use crate::numerics::plane::Vec2;
-use refusals::{refuse_locks, refuse_losses, refuse_passing};
 use std::sync::Arc;
 use track::Track;
+
+/// Rounding of a stop's quantity, relative to 1 and its value [rad or m].
+const AT: f64 = 1e-10;
 
 /// The state of motion by rigid finite elements, with the scratch of its steps.
 #[derive(Clone, Debug)]
 pub struct RigidFemMotion {
-    fem: Arc<RigidFem>,
+    kept: Kept,
     scratch: Scratch,
-    /// Largest step of Newmark's method [s].
-    fem_step: f64,
-    /// State at the last communication point, in balance with the applied sizes.
-    state: rigid_fem::State,
-    /// The same state with accelerations in balance with the present sizes.
+    /// The state with accelerations in balance with the present sizes.
     present: rigid_fem::State,
     /// Whether `present` is up to date.
     balanced: bool,
-    /// Sizes of the loads in the last step, with which the energy balance is made.
-    applied: Vec<f64>,
     /// Accelerations and applied sizes before the last change of sizes; a step that fails returns to them.
     before: (Vec<Vec2>, Vec<f64>),
     /// Sizes of the loads under the present inputs.
     sizes: Vec<f64>,
     /// Whether the reactions are those of the present sizes, and the reactions of the joints.
     reactions: (bool, Vec<Reaction>),
+    /// The reduced model at the sigma and sigma_dot that fit best.
+    pub rigid: ReducedMotion,
+}
+
+/// The fields of a [`RigidFemMotion`] that a saved state keeps; with those of the reduced model all others follow.
+#[derive(Clone, Debug)]
+struct Kept {
+    fem: Arc<RigidFem>,
+    /// Largest step of Newmark's method [s].
+    fem_step: f64,
+    /// State at the last communication point, in balance with the applied sizes.
+    state: rigid_fem::State,
+    /// Sizes of the loads in the last step, with which the energy balance is made.
+    applied: Vec<f64>,
     /// Energy at the start, plus the work of changing sizes, less the energy lost since [J].
     reference: f64,
     /// Allowed passing of each stop [rad or m]: the stretch at the start, of a mechanism that starts at the stop.
     slack: Vec<f64>,
-    /// The reduced model at the sigma and sigma_dot that fit best.
-    rigid: ReducedMotion,
+    /// Steps of Newmark's method so far.
     steps: u64,
 }
 
@@ -76,23 +84,30 @@ impl RigidFemMotion {
         let q_dot: Vec<f64> = c.q_sigma.iter().map(|slope| slope * rigid.state.sigma_dot).collect();
         let sizes = reduced.sizes(&inputs.reals);
         let state = fem.start(linkage, &q, &q_dot, &sizes)?;
-        let beyond = |stop: &Stop| stop.beyond(fem.displacement(&state, stop.load)[0]).max(0.0);
-        Ok(Self {
-            scratch: fem.scratch(),
+        let beyond = |stop: &Stop| stop.beyond(fem.displacement(&state, stop.load, 0)).max(0.0);
+        let kept = Kept {
             fem_step: fem_step(mechanism),
-            present: state.clone(),
-            balanced: true,
-            before: (state.accelerations.clone(), sizes.clone()),
-            applied: sizes.clone(),
-            reactions: (false, vec![Reaction::default(); linkage.joints.len()]),
             reference: fem.energy(&state, &sizes),
+            applied: sizes,
             slack: reduced.loading().stops.iter().map(beyond).collect(),
-            rigid,
             steps: 0,
-            sizes,
             state,
             fem,
-        })
+        };
+        Ok(Self::new(kept, rigid, reduced, inputs))
+    }
+
+    fn new(kept: Kept, rigid: ReducedMotion, reduced: &Reduced, inputs: &Inputs) -> Self {
+        Self {
+            scratch: kept.fem.scratch(),
+            present: kept.state.clone(),
+            balanced: false,
+            before: (kept.state.accelerations.clone(), kept.applied.clone()),
+            reactions: (false, vec![Reaction::default(); reduced.linkage().joints.len()]),
+            sizes: reduced.sizes(&inputs.reals),
+            rigid,
+            kept,
+        }
     }
 
     /// Advance by exactly `h` [s] under these inputs. On an error the state is what it was.
@@ -102,13 +117,13 @@ impl RigidFemMotion {
     pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64) -> Result<(), ModelError> {
         refuse_losses(reduced, inputs)?;
         refuse_locks(reduced, inputs, &self.rigid.state)?;
-        let reference = self.reference;
-        let changed = self.apply(reduced)?;
+        let reference = self.kept.reference;
+        let changed = self.apply()?;
         self.advance(reduced, h).inspect_err(|_| {
             if changed {
-                self.state.accelerations.copy_from_slice(&self.before.0);
-                self.applied.copy_from_slice(&self.before.1);
-                self.reference = reference;
+                self.kept.state.accelerations.copy_from_slice(&self.before.0);
+                self.kept.applied.copy_from_slice(&self.before.1);
+                self.kept.reference = reference;
             }
         })
     }
@@ -116,26 +131,18 @@ impl RigidFemMotion {
     /// [`Self::step`] at the applied sizes.
     fn advance(&mut self, reduced: &Reduced, h: f64) -> Result<(), ModelError> {
         let mut track = Track::new(reduced, &self.rigid.state)?;
-        let (fem, slack) = (&self.fem, &self.slack);
-        let (mut time, mut steps) = (0.0, 0);
-        let lost = fem.advance_watched(
-            &mut self.state,
-            &mut self.scratch,
-            &self.applied,
-            [h, self.fem_step],
-            &mut |state, substep| {
-                time += substep;
-                steps += 1;
-                refuse_passing(reduced, slack, time, substep, &|load| fem.displacement(state, load))?;
-                track.follow(reduced, fem, state, substep)
-            },
-        )?;
-        self.reference -= lost;
-        self.steps += steps;
-        let (sigma, sigma_dot, revolutions) = track.position();
-        self.rigid.move_to(sigma, sigma_dot, revolutions);
-        self.balanced = false;
-        self.reactions.0 = false;
+        let Kept { fem, fem_step, state, applied, reference, slack, steps } = &mut self.kept;
+        let (mut time, mut count) = (0.0, 0);
+        let mut watch = |state: &rigid_fem::State, substep| {
+            time += substep;
+            count += 1;
+            refuse_passing(reduced, slack, time, substep, fem, state)?;
+            track.follow(reduced, fem, state, substep)
+        };
+        *reference -= fem.advance_watched(state, &mut self.scratch, applied, [h, *fem_step], &mut watch)?;
+        *steps += count;
+        self.rigid.move_to(track.sigma, track.sigma_dot, track.revolutions);
+        (self.balanced, self.reactions.0) = (false, false);
         Ok(())
     }
 
@@ -143,45 +150,34 @@ impl RigidFemMotion {
     pub fn set_input(&mut self, input: usize, loads: usize, value: f64) {
         if input < loads {
             self.sizes[input] = value;
-            self.balanced = false;
-            self.reactions.0 = false;
+            (self.balanced, self.reactions.0) = (false, false);
         }
         self.rigid.set_input(input, loads, value);
     }
 
-    /// A Boolean input has changed.
-    pub fn set_lock(&mut self) {
-        self.rigid.set_lock();
-    }
-
-    /// The reduced model's state that fits best.
-    pub fn along_curve(&self) -> &State {
-        &self.rigid.state
-    }
-
     /// Steps of Newmark's method so far.
     pub fn statistics(&self) -> Statistics {
-        Statistics { accepted: self.steps, ..Statistics::default() }
+        Statistics { accepted: self.kept.steps, ..Statistics::default() }
     }
 
     /// Apply the present sizes: the change of the loads' potential since the last step is work from outside. Returns
     /// whether a size has changed.
-    fn apply(&mut self, reduced: &Reduced) -> Result<bool, ModelError> {
+    fn apply(&mut self) -> Result<bool, ModelError> {
+        let Kept { fem, fem_step, state, applied, reference, .. } = &mut self.kept;
         let mut work = 0.0;
         let mut changed = false;
-        for (load, (size, applied)) in self.sizes.iter().zip(&self.applied).enumerate() {
-            debug_assert!(load < reduced.loading().sized());
+        for (load, (size, applied)) in self.sizes.iter().zip(&*applied).enumerate() {
             if size.to_bits() != applied.to_bits() {
-                work -= (size - applied) * self.fem.displacement(&self.state, load)[0];
+                work -= (size - applied) * fem.displacement(state, load, 0);
                 changed = true;
             }
         }
         if changed {
-            self.before.0.copy_from_slice(&self.state.accelerations);
-            self.before.1.copy_from_slice(&self.applied);
-            self.fem.rebalance(&mut self.state, &mut self.scratch, &self.sizes, self.fem_step)?;
-            self.reference += work;
-            self.applied.copy_from_slice(&self.sizes);
+            self.before.0.copy_from_slice(&state.accelerations);
+            self.before.1.copy_from_slice(applied);
+            fem.rebalance(state, &mut self.scratch, &self.sizes, *fem_step)?;
+            *reference += work;
+            applied.copy_from_slice(&self.sizes);
         }
         Ok(changed)
     }
@@ -206,4 +202,68 @@ fn finite_elements(reduced: &Reduced, mechanism: &Mechanism) -> Result<RigidFem,
         }
         error => error.into(),
     })
+}
+
+/// Refuse friction that is enabled, and air with drag. The mesh refuses losses in drives.
+///
+/// # Errors
+/// [`ModelError::NotInRigidFem`].
+fn refuse_losses(reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
+    let refuse = |name: &str, value: String, remedy: &str| {
+        Err(ModelError::NotInRigidFem { name: name.into(), value, remedy: remedy.into() })
+    };
+    let loading = reduced.loading();
+    if loading.friction.as_ref().is_some_and(|f| f.enabled && !f.friction_joints.is_empty()) {
+        return refuse("friction.enabled", "true".into(), "set it to false");
+    }
+    if let Some(air) = loading.air.as_ref().filter(|air| !air.surfaces.is_empty()) {
+        if air.relative_wind {
+            return refuse("air.relative_wind", "true".into(), "set it to false");
+        }
+        if let Some(speed) = inputs.reals.last().filter(|speed| **speed != 0.0) {
+            return refuse("airspeed", format!("{speed}"), "set it to 0");
+        }
+    }
+    Ok(())
+}
+
+/// Refuse a lock that is engaged at its stop.
+///
+/// # Errors
+/// [`ModelError::NotInRigidFem`].
+fn refuse_locks(reduced: &Reduced, inputs: &Inputs, rigid: &State) -> Result<(), ModelError> {
+    let mut locks = reduced.loading().locks.iter().zip(&inputs.locks);
+    match locks.find(|(lock, engaged)| **engaged && rigid.at_stop(reduced, lock.stop)) {
+        Some((lock, _)) => Err(ModelError::NotInRigidFem {
+            name: format!("{}.engage", lock.name),
+            value: "true".into(),
+            remedy: "set it to false before the mechanism is at its stop".into(),
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Refuse a state beyond a stop, `time` [s] into the step and `substep` [s] after the last one.
+///
+/// # Errors
+/// [`ModelError::StopPassed`].
+fn refuse_passing(
+    reduced: &Reduced,
+    slack: &[f64],
+    time: f64,
+    substep: f64,
+    fem: &RigidFem,
+    state: &rigid_fem::State,
+) -> Result<(), ModelError> {
+    for (stop, slack) in reduced.loading().stops.iter().zip(slack).filter(|(stop, _)| stop.enabled) {
+        let [s, s_dot] = [0, 1].map(|order| fem.displacement(state, stop.load, order));
+        let beyond = stop.beyond(s) - slack;
+        let outward = s_dot * (stop.beyond(1.0) - stop.beyond(0.0));
+        if beyond > AT * (1.0 + stop.value.abs()) && outward > 0.0 {
+            let name = format!("{}.{}", stop.name, stop.quantity);
+            let time = time - (beyond / outward).min(substep);
+            return Err(ModelError::StopPassed { name, value: stop.value, time });
+        }
+    }
+    Ok(())
 }

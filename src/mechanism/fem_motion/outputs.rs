@@ -1,11 +1,11 @@
 //! The rigid finite elements behind the laws of outputs. One-element terms are the reduced model's, at the sigma that
 //! fits best. No mesh has a prismatic joint; friction, drag, stops and locks are refused before they act.
-use super::RigidFemMotion;
+use super::{Kept, RigidFemMotion};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::outputs::{Kinematics, OutputError, evaluate};
 use crate::mechanism::quantity::{OneElement, Output};
 use crate::mechanism::reduced::Reduced;
-use crate::mechanism::rigid_fem::{self, RigidFemError};
+use crate::mechanism::rigid_fem::{self, RigidFem, RigidFemError};
 
 /// The finite elements in one state under the present inputs.
 struct View<'a> {
@@ -23,51 +23,44 @@ impl RigidFemMotion {
         evaluate(&mut View { motion: self, reduced, inputs }, reduced.loading(), output)
     }
 
-    /// With accelerations in balance with the present sizes, which are needed from order 2 on.
-    fn balanced_for(&mut self, order: usize) -> Result<&mut Self, RigidFemError> {
-        if order > 1 && !self.balanced {
-            rigid_fem::State::copy_from(&mut self.present, &self.state);
-            if self.sizes != self.applied {
-                self.fem.rebalance(&mut self.present, &mut self.scratch, &self.sizes, self.fem_step)?;
+    /// The finite elements and their state; for the order 2 with accelerations in balance with the present sizes.
+    fn fem(&mut self, order: usize) -> Result<(&RigidFem, &rigid_fem::State), RigidFemError> {
+        let Kept { fem, fem_step, state, applied, .. } = &self.kept;
+        if order < 2 {
+            return Ok((fem, state));
+        }
+        if !self.balanced {
+            self.present.copy_from(state);
+            if self.sizes != *applied {
+                fem.rebalance(&mut self.present, &mut self.scratch, &self.sizes, *fem_step)?;
             }
             self.balanced = true;
         }
-        Ok(self)
+        Ok((fem, &self.present))
     }
 }
 
 impl Kinematics<f64> for View<'_> {
     fn angle(&mut self, body: usize, order: usize) -> Result<f64, OutputError> {
-        if self.reduced.linkage().bodies[body].angle_coordinate.is_none() {
-            return Ok(0.0);
-        }
-        let RigidFemMotion { fem, state, present, .. } = self.motion.balanced_for(order)?;
-        Ok(match order {
-            0 => fem.angle(state, body),
-            1 => fem.speed(state, body),
-            _ => fem.acceleration(present, body),
-        })
+        let (fem, state) = self.motion.fem(order)?;
+        Ok(fem.angle(state, body, order))
     }
 
     fn displacement(&mut self, load: usize, order: usize) -> Result<f64, OutputError> {
-        let RigidFemMotion { fem, state, present, .. } = self.motion.balanced_for(order)?;
-        Ok(match order {
-            0 | 1 => fem.displacement(state, load)[order],
-            _ => fem.displacement_acceleration(present, load),
-        })
+        let (fem, state) = self.motion.fem(order)?;
+        Ok(fem.displacement(state, load, order))
     }
 
     fn marker(&mut self, marker: usize, axis: usize, order: usize) -> Result<f64, OutputError> {
-        let RigidFemMotion { fem, state, present, .. } = self.motion.balanced_for(order)?;
-        let state = if order > 1 { present } else { state };
-        Ok(fem.point(state, self.reduced.marker_point(marker))[order][axis])
+        let (fem, state) = self.motion.fem(order)?;
+        Ok(fem.point(state, self.reduced.marker_point(marker), order)[axis])
     }
 
     fn reaction(&mut self, joint: usize) -> Result<[f64; 3], OutputError> {
         if !self.motion.reactions.0 {
-            let RigidFemMotion { fem, state, present, scratch, sizes, fem_step, reactions, .. } =
-                self.motion.balanced_for(2)?;
-            fem.reactions_after(state, present, scratch, sizes, *fem_step, &mut reactions.1);
+            self.motion.fem(2)?;
+            let RigidFemMotion { kept, present, scratch, sizes, reactions, .. } = &mut *self.motion;
+            kept.fem.reactions(&kept.state, present, scratch, sizes, kept.fem_step, &mut reactions.1);
             reactions.0 = true;
         }
         let reaction = self.motion.reactions.1[joint];
@@ -83,10 +76,11 @@ impl Kinematics<f64> for View<'_> {
     }
 
     fn kinetic(&self) -> f64 {
-        self.motion.fem.kinetic(&self.motion.state)
+        self.motion.kept.fem.kinetic(&self.motion.kept.state)
     }
 
     fn drift(&self) -> f64 {
-        self.motion.fem.energy(&self.motion.state, &self.motion.applied) - self.motion.reference
+        let Kept { fem, state, applied, reference, .. } = &self.motion.kept;
+        fem.energy(state, applied) - reference
     }
 }

@@ -15,21 +15,10 @@ const CORRECTIONS: usize = 3;
 /// Follows the curve from step to step.
 pub struct Track<'a> {
     table: &'a Table,
-    sigma: f64,
-    sigma_dot: f64,
-    revolutions: f64,
-}
-
-/// Sums over the coordinates at a sigma.
-struct Sums {
-    /// (q - q_fem) q_sigma.
-    gradient: f64,
-    /// q_sigma^2 + (q - q_fem) q_second.
-    curvature: f64,
-    /// q_sigma^2.
-    square: f64,
-    /// q_sigma q_dot.
-    along: f64,
+    pub sigma: f64,
+    pub sigma_dot: f64,
+    /// Whole revolutions.
+    pub revolutions: f64,
 }
 
 impl<'a> Track<'a> {
@@ -57,33 +46,22 @@ impl<'a> Track<'a> {
         self.sigma += self.sigma_dot * h;
         for _ in 0..CORRECTIONS {
             self.wrap(reduced)?;
-            let sums = self.sums(reduced, fem, state);
-            let curvature = if sums.curvature > 0.0 { sums.curvature } else { sums.square };
-            self.sigma -= sums.gradient / curvature;
-            self.sigma_dot = sums.along / sums.square;
+            let position = self.table.position(self.sigma);
+            let (mut gradient, mut curvature, mut square, mut along) = (0.0, 0.0, 0.0, 0.0);
+            for (index, body) in reduced.linkage().bodies.iter().enumerate() {
+                let Some(angle) = body.angle_coordinate else { continue };
+                let [q, q_sigma, q_second] = [0, 1, 2].map(|order| self.table.value(position, 3 * angle + order));
+                let q = q + self.revolutions * reduced.growth(angle);
+                let miss = q - (fem.angle(state, index, 0) - body.offset);
+                gradient += miss * q_sigma;
+                curvature += q_sigma * q_sigma + miss * q_second;
+                square += q_sigma * q_sigma;
+                along += q_sigma * fem.angle(state, index, 1);
+            }
+            self.sigma -= gradient / if curvature > 0.0 { curvature } else { square };
+            self.sigma_dot = along / square;
         }
         self.wrap(reduced)
-    }
-
-    /// sigma, sigma_dot and whole revolutions.
-    pub fn position(&self) -> (f64, f64, f64) {
-        (self.sigma, self.sigma_dot, self.revolutions)
-    }
-
-    fn sums(&self, reduced: &Reduced, fem: &RigidFem, state: &rigid_fem::State) -> Sums {
-        let position = self.table.position(self.sigma);
-        let mut sums = Sums { gradient: 0.0, curvature: 0.0, square: 0.0, along: 0.0 };
-        for (index, body) in reduced.linkage().bodies.iter().enumerate() {
-            let Some(angle) = body.angle_coordinate else { continue };
-            let [q, q_sigma, q_second] = [0, 1, 2].map(|order| self.table.value(position, 3 * angle + order));
-            let q = q + self.revolutions * reduced.growth(angle);
-            let miss = q - (fem.angle(state, index) - body.offset);
-            sums.gradient += miss * q_sigma;
-            sums.curvature += q_sigma * q_sigma + miss * q_second;
-            sums.square += q_sigma * q_sigma;
-            sums.along += q_sigma * fem.speed(state, index);
-        }
-        sums
     }
 
     /// On a closed curve back into the first revolution.

@@ -3,10 +3,41 @@
 //!
 //! In: an output, and a formulation of the motion as [`Kinematics`]. Out: the output in numbers N. It must not know how
 //! a formulation finds what it gives.
+use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::loads::resolved::Loading;
-use crate::mechanism::outputs::error::OutputError;
 use crate::mechanism::quantity::{OneElement, Output, ReactionPart};
+use crate::mechanism::rigid_fem::RigidFemError;
 use crate::numerics::dual::Number;
+use crate::numerics::table::Unresolved;
+
+/// Why an output has no value.
+#[derive(Clone, Debug, PartialEq)]
+pub enum OutputError {
+    /// The table of a function along the curve cannot be built.
+    Table(Unresolved),
+    /// Friction and reactions have no common solution.
+    Locked,
+    /// The finite elements' forces are not finite.
+    RigidFem(RigidFemError),
+}
+
+impl From<RigidFemError> for OutputError {
+    fn from(error: RigidFemError) -> Self {
+        Self::RigidFem(error)
+    }
+}
+
+impl From<&Unresolved> for OutputError {
+    fn from(at: &Unresolved) -> Self {
+        Self::Table(at.clone())
+    }
+}
+
+impl From<Locked> for OutputError {
+    fn from(_: Locked) -> Self {
+        Self::Locked
+    }
+}
 
 /// What a formulation of the motion gives to the laws, in one state under the present inputs. `order` 0, 1 or 2 is that
 /// of the time derivative. What a formulation does not have is 0.
@@ -119,19 +150,17 @@ pub fn spring_force<N: Number, K: Kinematics<N>>(
 ) -> Result<N, OutputError> {
     let spring = &loading.springs[spring];
     let s = motion.displacement(spring.load, 0)?;
-    let at_rest = s.chain(spring.force(s.value()), spring.stiffness);
-    if spring.damping == 0.0 {
-        return Ok(at_rest);
+    if !spring.is_damped() {
+        return Ok(spring.force(s));
     }
-    Ok(at_rest + motion.displacement(spring.load, 1)? * spring.damping)
+    Ok(spring.force(s) + spring.damping_force(motion.displacement(spring.load, 1)?))
 }
 
 /// Potential of gravity under the present load factor, and of the springs [J].
 fn potential<N: Number, K: Kinematics<N>>(motion: &mut K, loading: &Loading) -> Result<N, OutputError> {
     let mut springs = N::constant(0.0);
     for spring in &loading.springs {
-        let s = motion.displacement(spring.load, 0)?;
-        springs = springs + s.chain(spring.energy(s.value()), spring.force(s.value()));
+        springs = springs + spring.energy(motion.displacement(spring.load, 0)?);
     }
     Ok(match loading.gravity {
         Some(load) => springs - motion.size(load) * motion.displacement(load, 0)?,

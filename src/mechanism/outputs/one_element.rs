@@ -2,8 +2,7 @@
 //!
 //! In: the reduced model in one state. Out: reduced mass, loads and forces along the drive. It must not know the
 //! drive's kind.
-use crate::mechanism::outputs::error::OutputError;
-use crate::mechanism::outputs::evaluator::finite;
+use crate::mechanism::outputs::evaluator::{OutputError, finite};
 use crate::mechanism::outputs::view::{Reading, View};
 use crate::mechanism::quantity::OneElement;
 

@@ -3,9 +3,8 @@
 //! In: its reaction to each load of unit size, the sizes of the loads. Out: force x, force y, moment. It must not know
 //! how the sizes are found.
 use crate::mechanism::linkage::Freedom;
-use crate::mechanism::outputs::error::OutputError;
-use crate::mechanism::outputs::evaluator::{Kinematics, finite, spring_force};
-use crate::mechanism::outputs::panel_reaction::PresentLoads;
+use crate::mechanism::outputs::cache::PresentLoads;
+use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite, spring_force};
 use crate::mechanism::outputs::view::{Reading, View};
 use crate::mechanism::reactions::Reaction;
 use crate::numerics::table::{Table, Unresolved};

@@ -4,81 +4,31 @@ use std::fmt;
 
 /// Error of the rigid-link finite elements. Its text names the quantity, the value, the limit and the remedy.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the sentence of a variant names its fields")]
 pub enum RigidFemError {
     /// A prismatic joint: an element has two revolute joints.
-    Prismatic {
-        /// Name of the joint.
-        joint: String,
-    },
-    /// A moving body that is not a binary link.
-    Nodes {
-        /// Name of the body.
-        body: String,
-        /// Number of different points with joints.
-        count: usize,
-    },
-    /// An axial stiffness E A that is not finite and > 0.
-    AxialStiffness {
-        /// Name of the body.
-        body: String,
-        /// The value [N].
-        value: f64,
-    },
-    /// A node can move without moving any mass: its acceleration is indeterminate.
-    Massless {
-        /// Name of the lightest body at the node.
-        body: String,
-        /// Mass of the body [kg].
-        mass: f64,
-    },
-    /// A drive with losses: its force jumps where the motion reverses.
-    Efficiency {
-        /// Name of the drive.
-        drive: String,
-        /// Efficiency of the drive [1].
-        value: f64,
-    },
-    /// A step that is not finite and > 0.
-    StepSize {
-        /// Name of the step, `h` or `h_fem`.
-        name: &'static str,
-        /// The value [s].
-        value: f64,
-    },
+    Prismatic { joint: String },
+    /// A moving body that is not a binary link: joints hold it at `count` different points.
+    Nodes { body: String, count: usize },
+    /// An axial stiffness E A [N] that is not finite and > 0.
+    AxialStiffness { body: String, value: f64 },
+    /// A node can move without moving any mass, so that its acceleration is indeterminate: the lightest body at the node
+    /// and its mass [kg].
+    Massless { body: String, mass: f64 },
+    /// A drive with losses, here its efficiency [1]: its force jumps where the motion reverses.
+    Efficiency { drive: String, value: f64 },
+    /// A step, `h` or `h_fem` [s], that is not finite and > 0.
+    StepSize { name: &'static str, value: f64 },
     /// A step of too many substeps.
-    Substeps {
-        /// Number of substeps.
-        count: f64,
-        /// Largest allowed number.
-        limit: f64,
-    },
-    /// The equilibrium iterations of a step did not converge, or a force became infinite.
-    Equilibrium {
-        /// The step [s].
-        h: f64,
-        /// Last correction of a node's position [m].
-        correction: f64,
-        /// Correction at which the iterations end [m].
-        limit: f64,
-    },
-    /// The strain of a rod is too large for a rigid link.
-    Strain {
-        /// Name of the body.
-        body: String,
-        /// Strain [1].
-        strain: f64,
-        /// Largest allowed absolute value [1].
-        limit: f64,
-        /// The step [s].
-        h: f64,
-    },
-    /// The iterations for the static strain at the start did not converge.
-    Stretch {
-        /// Last correction of a node's position [m].
-        correction: f64,
-        /// Correction at which the iterations end [m].
-        limit: f64,
-    },
+    Substeps { count: f64, limit: f64 },
+    /// The equilibrium iterations of a step h [s] did not converge, or a force became infinite: the last correction of a
+    /// node's position [m], and that at which the iterations end.
+    Equilibrium { h: f64, correction: f64, limit: f64 },
+    /// The strain [1] of a rod is too large for a rigid link, in steps of h [s].
+    Strain { body: String, strain: f64, limit: f64, h: f64 },
+    /// The iterations for the static strain at the start did not converge: the last correction of a node's position [m],
+    /// and that at which the iterations end.
+    Stretch { correction: f64, limit: f64 },
 }
 
 impl fmt::Display for RigidFemError {

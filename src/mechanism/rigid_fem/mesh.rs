@@ -1,9 +1,9 @@
 //! The mesh: nodes, elements between two nodes, and the weights that give joint forces from forces at nodes.
 //!
 //! In: a linkage of binary links. Out: nodes, elements, points relative to elements. It must not know loads or states.
-use super::element::{Element, Ends, LocalCoordinates};
+use super::element::{Element, Ends, LocalCoordinates, Span};
 use super::error::RigidFemError;
-use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point, Positions};
+use crate::mechanism::linkage::{Freedom, GROUND, Joint, Linkage, Point};
 use crate::numerics::plane::Vec2;
 use nalgebra::DMatrix;
 
@@ -22,6 +22,19 @@ pub enum MeshPoint {
         /// Coordinates in the element.
         local: LocalCoordinates,
     },
+}
+
+/// Motion of the moving nodes, and the angles of the elements.
+#[derive(Clone, Copy, Debug)]
+pub struct Present<'a> {
+    /// Positions [m].
+    pub x: &'a [Vec2],
+    /// Velocities [m/s].
+    pub v: &'a [Vec2],
+    /// Accelerations [m/s2].
+    pub a: &'a [Vec2],
+    /// Angles, with all revolutions counted [rad].
+    pub angles: &'a [f64],
 }
 
 /// Contribution of a node's force to a joint's force.
@@ -123,14 +136,9 @@ impl Mesh {
         }
     }
 
-    /// Positions of the moving nodes for these positions of the bodies [m].
-    pub fn positions(&self, p: &Positions) -> Vec<Vec2> {
-        self.points[..self.moving].iter().map(|&point| p.point(point)).collect()
-    }
-
     /// Positions of an element's nodes.
-    pub fn node_positions(&self, element: usize, positions: &[Vec2]) -> [Vec2; 2] {
-        self.nodes[element].map(|n| if n < self.moving { positions[n] } else { self.fixed[n - self.moving] })
+    fn node_positions(&self, element: usize, x: &[Vec2]) -> [Vec2; 2] {
+        self.nodes[element].map(|n| if n < self.moving { x[n] } else { self.fixed[n - self.moving] })
     }
 
     /// Velocities or accelerations of an element's nodes.
@@ -138,9 +146,42 @@ impl Mesh {
         self.nodes[element].map(|n| if n < self.moving { rates[n] } else { Vec2::zeros() })
     }
 
+    /// Positions, velocities or accelerations of an element's nodes, for the order 0, 1 or 2.
+    pub fn node_motion(&self, element: usize, at: &Present, order: usize) -> [Vec2; 2] {
+        match order {
+            0 => self.node_positions(element, at.x),
+            1 => self.node_rates(element, at.v),
+            _ => self.node_rates(element, at.a),
+        }
+    }
+
     /// Motion of an element's nodes.
-    pub fn ends(&self, element: usize, x: &[Vec2], v: &[Vec2], a: &[Vec2]) -> Ends {
-        Ends { x: self.node_positions(element, x), v: self.node_rates(element, v), a: self.node_rates(element, a) }
+    pub fn ends(&self, element: usize, at: &Present) -> Ends {
+        let [x, v, a] = [0, 1, 2].map(|order| self.node_motion(element, at, order));
+        Ends { x, v, a }
+    }
+
+    /// Present length and direction of an element.
+    pub fn span(&self, element: usize, positions: &[Vec2]) -> Span {
+        Span::new(self.node_positions(element, positions))
+    }
+
+    /// Position of a point [m], or its time derivative of order 1 or 2.
+    pub fn point(&self, point: MeshPoint, at: &Present, order: usize) -> Vec2 {
+        match point {
+            MeshPoint::Fixed(position) if order == 0 => position,
+            MeshPoint::Fixed(_) => Vec2::zeros(),
+            MeshPoint::Moving { element, local } => local.interpolate(self.node_motion(element, at, order)),
+        }
+    }
+
+    /// Angle of an element's body [rad], or its time derivative of order 1 or 2; None is the ground.
+    pub fn angle(&self, element: Option<usize>, at: &Present, order: usize) -> f64 {
+        element.map_or(0.0, |i| match order {
+            0 => at.angles[i] - self.axis[i],
+            1 => self.span(i, at.x).speed(self.node_rates(i, at.v)),
+            _ => self.elements[i].angular_acceleration(&self.ends(i, at)),
+        })
     }
 
     /// Indices of an element's unknowns, each with its index among the element's four components.
@@ -167,8 +208,8 @@ impl Mesh {
             for (row, joint) in joints.iter().enumerate() {
                 for (column, point) in group.iter().enumerate().filter(|(_, p)| p.body != GROUND) {
                     let weight = inverse[(row, column)] - ground.map_or(0.0, |c| inverse[(row, c)]);
-                    let (element, node) = (point.body - 1, self.node(group));
-                    let end = usize::from(self.nodes[element][1] == node);
+                    let element = point.body - 1;
+                    let end = usize::from(self.points[self.nodes[element][1]] == group[0]);
                     if weight.abs() > 1e-12 {
                         out[*joint].push(Share { element, end, weight });
                     }
@@ -176,10 +217,6 @@ impl Mesh {
             }
         }
         out
-    }
-
-    fn node(&self, group: &[Point]) -> usize {
-        self.points.iter().position(|p| *p == group[0]).unwrap_or_default()
     }
 }
 
@@ -200,10 +237,7 @@ fn group(linkage: &Linkage) -> (Vec<Vec<Point>>, Vec<usize>) {
         }
         groups.push(merged);
     }
-    let of_joint = linkage
-        .joints
-        .iter()
-        .map(|j| groups.iter().position(|g| g.iter().any(|p| is_at(p, &j.first))).unwrap_or_default());
-    let of_joint = of_joint.collect();
+    let of = |j: &Joint| groups.iter().position(|g| g.iter().any(|p| is_at(p, &j.first))).unwrap_or_default();
+    let of_joint = linkage.joints.iter().map(of).collect();
     (groups, of_joint)
 }

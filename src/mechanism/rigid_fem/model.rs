@@ -1,10 +1,9 @@
 //! A linkage as rigid-link finite elements, and its state.
 //!
 //! In: a linkage, its loads, axial stiffnesses. Out: forces at the nodes. It must not know time steps.
-use super::element::Span;
 use super::error::RigidFemError;
-use super::mesh::Mesh;
-use super::nodal_load::{NodalForces, NodalLoad, Present};
+use super::mesh::{Mesh, Present};
+use super::nodal_load::{NodalForces, NodalLoad};
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::linkage::Linkage;
 use crate::mechanism::loads::laws::spring::Spring;
@@ -61,7 +60,8 @@ impl State {
     }
 
     pub(super) fn present(&self) -> Present<'_> {
-        Present { x: &self.positions, v: &self.velocities, angles: &self.angles }
+        let Self { positions, velocities, accelerations, angles } = self;
+        Present { x: positions, v: velocities, a: accelerations, angles }
     }
 }
 
@@ -98,11 +98,6 @@ impl RigidFem {
         }
     }
 
-    /// Number of unknowns: two for each moving node.
-    pub fn unknowns(&self) -> usize {
-        self.mesh.unknowns()
-    }
-
     /// Add the forces of all loads of these sizes, and of the springs, to the forces at the nodes of every element [N].
     fn push_loads(&self, at: &Present, sizes: &[f64], forces: &mut NodalForces) {
         for (load, size) in self.loads.iter().zip(sizes) {
@@ -112,21 +107,20 @@ impl RigidFem {
         }
         for spring in &self.springs {
             let load = &self.loads[spring.load];
-            let mut force = spring.force(load.displacement(&self.mesh, at));
+            let mut force = spring.force(load.displacement(&self.mesh, at, 0));
             if spring.is_damped() {
-                force += spring.damping_force(load.rate(&self.mesh, at));
+                force += spring.damping_force(load.displacement(&self.mesh, at, 1));
             }
             load.push(&self.mesh, at, -force, forces);
         }
     }
 
-    /// Forces of the joints on every element at its nodes for the accelerations `a` [N]: inertia, rod's force, less
-    /// loads.
-    pub(super) fn pin_forces(&self, at: &Present, a: &[Vec2], sizes: &[f64], forces: &mut NodalForces) {
+    /// Forces of the joints on every element at its nodes [N]: inertia, rod's force, less loads.
+    pub(super) fn pin_forces(&self, at: &Present, sizes: &[f64], forces: &mut NodalForces) {
         forces.fill([Vec2::zeros(); 2]);
         self.push_loads(at, sizes, forces);
         for (i, (element, force)) in self.mesh.elements.iter().zip(forces).enumerate() {
-            let demand = element.demand(&self.mesh.ends(i, at.x, at.v, a));
+            let demand = element.demand(&self.mesh.ends(i, at));
             *force = [demand[0] - force[0], demand[1] - force[1]];
         }
     }
@@ -146,7 +140,7 @@ impl RigidFem {
 
     /// The angle of an element nearest to `before` [rad].
     pub(super) fn angle_near(&self, element: usize, positions: &[Vec2], before: f64) -> f64 {
-        let along = Span::new(self.mesh.node_positions(element, positions)).along;
+        let along = self.mesh.span(element, positions).along;
         let angle = along.y.atan2(along.x);
         angle + std::f64::consts::TAU * ((before - angle) / std::f64::consts::TAU).round()
     }

@@ -10,11 +10,10 @@
 //! problems it neither damps nor amplifies vibrations, for any h. Here the rods turn, and with h longer than their
 //! periods, in fast motion and after many steps, the energy of their vibrations may grow. Energy drift shows this
 //! early, and a strain beyond that of a rigid link is an error. It must not know events.
-use super::element::Span;
 use super::error::RigidFemError;
 use super::lu::Lu;
+use super::mesh::Present;
 use super::model::{RigidFem, State};
-use super::nodal_load::Present;
 use crate::mechanism::loads::laws::spring::Spring;
 use crate::numerics::plane::Vec2;
 
@@ -37,17 +36,11 @@ pub struct Scratch {
     next: State,
     /// State before the step, restored if a substep fails.
     backup: State,
-    forces: Vec<[Vec2; 2]>,
+    /// Forces at the nodes of every element [N].
+    pub(super) forces: Vec<[Vec2; 2]>,
     residual: Vec<f64>,
     gradient: Vec<f64>,
     tangent: Lu,
-}
-
-impl Scratch {
-    /// Forces at the nodes of every element [N].
-    pub(super) fn forces_mut(&mut self) -> &mut [[Vec2; 2]] {
-        &mut self.forces
-    }
 }
 
 impl RigidFem {
@@ -137,7 +130,7 @@ impl RigidFem {
             return Err(RigidFemError::StepSize { name: "h_fem", value: h });
         }
         scratch.backup.copy_from(state);
-        self.pin_forces(&state.present(), &state.accelerations, sizes, &mut scratch.forces);
+        self.pin_forces(&state.present(), sizes, &mut scratch.forces);
         self.assemble(&scratch.forces, &mut scratch.residual);
         self.assemble_tangent(&state.present(), h, false, &mut scratch.tangent);
         let solved = scratch.tangent.factor();
@@ -158,8 +151,8 @@ impl RigidFem {
         scratch.next.accelerations.copy_from_slice(&state.accelerations);
         for _ in 0..ITERATIONS {
             self.follow(state, &mut scratch.next, h);
-            let (at, a) = (scratch.next.present(), &scratch.next.accelerations);
-            self.pin_forces(&at, a, sizes, &mut scratch.forces);
+            let at = scratch.next.present();
+            self.pin_forces(&at, sizes, &mut scratch.forces);
             self.assemble(&scratch.forces, &mut scratch.residual);
             self.assemble_tangent(&at, h, true, &mut scratch.tangent);
             self.add_springs(&at, h, &mut scratch.forces, &mut scratch.gradient, &mut scratch.tangent);
@@ -191,7 +184,7 @@ impl RigidFem {
 
     fn check_strains(&self, state: &State, h: f64) -> Result<(), RigidFemError> {
         for (i, element) in self.mesh.elements.iter().enumerate() {
-            let length = Span::new(self.mesh.node_positions(i, &state.positions)).length;
+            let length = self.mesh.span(i, &state.positions).length;
             let strain = (length - element.length) / element.length;
             if strain.abs() > STRAIN {
                 return Err(RigidFemError::Strain { body: self.names[i].clone(), strain, limit: STRAIN, h });
@@ -217,7 +210,7 @@ impl RigidFem {
         tangent.clear();
         let part = 0.25 * h * h;
         for (i, element) in self.mesh.elements.iter().enumerate() {
-            let span = Span::new(self.mesh.node_positions(i, at.x));
+            let span = self.mesh.span(i, at.x);
             let k = if geometric { element.stiffness_matrix(&span) } else { element.material_matrix(&span) };
             let k = part * k + element.mass_matrix(span.across);
             for (row, first) in self.mesh.unknowns_of(i) {
@@ -249,7 +242,7 @@ impl RigidFem {
 
     /// Power lost in dampers [W].
     fn lost_power(&self, state: &State) -> f64 {
-        let power = |s: &Spring| s.lost_power(self.loads[s.load].rate(&self.mesh, &state.present()));
+        let power = |s: &Spring| s.lost_power(self.loads[s.load].displacement(&self.mesh, &state.present(), 1));
         self.springs.iter().filter(|s| s.is_damped()).map(power).sum()
     }
 }

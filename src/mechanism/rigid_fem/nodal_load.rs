@@ -2,8 +2,8 @@
 //!
 //! In: a load of unit size. Out: its displacement S and, by virtual work, the forces dS/dx at the nodes of every
 //! element. It must not know the size of the load, nor time.
-use super::element::{Element, Span};
-use super::mesh::{Mesh, MeshPoint};
+use super::element::Element;
+use super::mesh::{Mesh, MeshPoint, Present};
 use crate::mechanism::linkage::{GROUND, Linkage};
 use crate::mechanism::loads::unit_load::Load;
 use crate::numerics::plane::Vec2;
@@ -19,17 +19,6 @@ pub enum NodalLoad {
     Pair(MeshPoint, MeshPoint),
     /// 1 N.m on the second element and -1 N.m on the first; None is the ground. S is the angle between them [rad].
     Couple(Option<usize>, Option<usize>),
-}
-
-/// Positions [m] and velocities [m/s] of the nodes, angles of the elements [rad].
-#[derive(Clone, Copy, Debug)]
-pub struct Present<'a> {
-    /// Positions of the moving nodes.
-    pub x: &'a [Vec2],
-    /// Velocities of the moving nodes.
-    pub v: &'a [Vec2],
-    /// Angles of the elements, with all revolutions counted.
-    pub angles: &'a [f64],
 }
 
 /// Forces at the two nodes of every element [N].
@@ -52,16 +41,27 @@ impl NodalLoad {
         })
     }
 
-    /// S [m, rad or J].
-    pub fn displacement(&self, mesh: &Mesh, at: &Present) -> f64 {
+    /// S [m, rad or J], or its time derivative of order 1 or 2.
+    pub fn displacement(&self, mesh: &Mesh, at: &Present, order: usize) -> f64 {
         match *self {
-            Self::Weight(acceleration) => weight(mesh, acceleration, |i| mesh.node_positions(i, at.x)),
-            Self::Force(point, direction) => direction.dot(&position(mesh, at, point)),
-            Self::Pair(first, second) => (position(mesh, at, second) - position(mesh, at, first)).norm(),
-            Self::Couple(first, second) => {
-                let angle = |e: Option<usize>| e.map_or(0.0, |i| at.angles[i] - mesh.axis[i]);
-                angle(second) - angle(first)
+            Self::Weight(acceleration) => {
+                let center = |i: usize, e: &Element| e.center.interpolate(mesh.node_motion(i, at, order));
+                mesh.elements.iter().enumerate().map(|(i, e)| e.mass * acceleration.dot(&center(i, e))).sum()
             }
+            Self::Force(point, direction) => direction.dot(&mesh.point(point, at, order)),
+            Self::Pair(first, second) => {
+                let apart = |order| mesh.point(second, at, order) - mesh.point(first, at, order);
+                let gap = apart(0);
+                let length = gap.norm();
+                let rate = || gap.dot(&apart(1)) / length;
+                match order {
+                    0 => length,
+                    1 => rate(),
+                    // L^2 = d . d, twice differentiated.
+                    _ => (apart(1).norm_squared() + gap.dot(&apart(2)) - rate() * rate()) / length,
+                }
+            }
+            Self::Couple(first, second) => mesh.angle(second, at, order) - mesh.angle(first, at, order),
         }
     }
 
@@ -75,7 +75,7 @@ impl NodalLoad {
             }
             Self::Force(point, direction) => push_at(point, size * direction, forces),
             Self::Pair(first, second) => {
-                let gap = position(mesh, at, second) - position(mesh, at, first);
+                let gap = mesh.point(second, at, 0) - mesh.point(first, at, 0);
                 let force = (size / gap.norm()) * gap;
                 push_at(second, force, forces);
                 push_at(first, -force, forces);
@@ -83,7 +83,7 @@ impl NodalLoad {
             Self::Couple(first, second) => {
                 for (element, moment) in [(first, -size), (second, size)] {
                     if let Some(i) = element {
-                        let span = Span::new(mesh.node_positions(i, at.x));
+                        let span = mesh.span(i, at.x);
                         let force = (moment / span.length) * span.across;
                         add(&mut forces[i], [-force, force]);
                     }
@@ -91,67 +91,6 @@ impl NodalLoad {
             }
         }
     }
-
-    /// S_dot [m/s, rad/s or W].
-    pub fn rate(&self, mesh: &Mesh, at: &Present) -> f64 {
-        match *self {
-            Self::Weight(acceleration) => weight(mesh, acceleration, |i| mesh.node_rates(i, at.v)),
-            Self::Force(point, direction) => direction.dot(&rate(mesh, at.v, point)),
-            Self::Pair(first, second) => {
-                let gap = position(mesh, at, second) - position(mesh, at, first);
-                gap.dot(&(rate(mesh, at.v, second) - rate(mesh, at.v, first))) / gap.norm()
-            }
-            Self::Couple(first, second) => {
-                let speed = |e: Option<usize>| {
-                    e.map_or(0.0, |i| Span::new(mesh.node_positions(i, at.x)).speed(mesh.node_rates(i, at.v)))
-                };
-                speed(second) - speed(first)
-            }
-        }
-    }
-
-    /// S_ddot [m/s2, rad/s2 or W/s] where the nodes have the accelerations `a`.
-    pub fn acceleration(&self, mesh: &Mesh, at: &Present, a: &[Vec2]) -> f64 {
-        match *self {
-            Self::Weight(acceleration) => weight(mesh, acceleration, |i| mesh.node_rates(i, a)),
-            Self::Force(point, direction) => direction.dot(&rate(mesh, a, point)),
-            Self::Pair(first, second) => {
-                // L^2 = d . d, twice differentiated.
-                let gap = position(mesh, at, second) - position(mesh, at, first);
-                let [speed, change] = [at.v, a].map(|rates| rate(mesh, rates, second) - rate(mesh, rates, first));
-                let length = gap.norm();
-                let along = gap.dot(&speed) / length;
-                (speed.norm_squared() + gap.dot(&change) - along * along) / length
-            }
-            Self::Couple(first, second) => {
-                let of = |e: Option<usize>| {
-                    e.map_or(0.0, |i| mesh.elements[i].angular_acceleration(&mesh.ends(i, at.x, at.v, a)))
-                };
-                of(second) - of(first)
-            }
-        }
-    }
-}
-
-fn position(mesh: &Mesh, at: &Present, point: MeshPoint) -> Vec2 {
-    match point {
-        MeshPoint::Fixed(position) => position,
-        MeshPoint::Moving { element, local } => local.interpolate(mesh.node_positions(element, at.x)),
-    }
-}
-
-/// Velocity or acceleration of a point, for those of the nodes.
-fn rate(mesh: &Mesh, rates: &[Vec2], point: MeshPoint) -> Vec2 {
-    match point {
-        MeshPoint::Fixed(_) => Vec2::zeros(),
-        MeshPoint::Moving { element, local } => local.interpolate(mesh.node_rates(element, rates)),
-    }
-}
-
-/// Sum of m acceleration . s over the elements, with s the value at the centre of mass for values at the nodes.
-fn weight(mesh: &Mesh, acceleration: Vec2, at_nodes: impl Fn(usize) -> [Vec2; 2]) -> f64 {
-    let of = |(i, e): (usize, &Element)| e.mass * acceleration.dot(&e.center.interpolate(at_nodes(i)));
-    mesh.elements.iter().enumerate().map(of).sum()
 }
 
 fn push_at(point: MeshPoint, force: Vec2, forces: &mut NodalForces) {

@@ -3,6 +3,7 @@
 //! In: coordinates and speeds of the rigid linkage, sizes of the loads. Out: a state. It must not know time steps.
 use super::element::{Span, difference};
 use super::error::RigidFemError;
+use super::mesh::Present;
 use super::model::{RigidFem, State};
 use crate::mechanism::linkage::Linkage;
 use crate::numerics::plane::Vec2;
@@ -26,7 +27,7 @@ impl RigidFem {
         let points = &self.mesh.points[..self.mesh.moving];
         let angles = self.mesh.axis.iter().zip(&p.angle[1..]).map(|(axis, angle)| axis + angle).collect();
         State {
-            positions: self.mesh.positions(&p),
+            positions: points.iter().map(|&point| p.point(point)).collect(),
             velocities: points.iter().map(|&point| p.velocity(&rates, point)).collect(),
             accelerations: vec![Vec2::zeros(); points.len()],
             angles,
@@ -61,7 +62,7 @@ impl RigidFem {
         let mut correction = f64::INFINITY;
         for _ in 0..ITERATIONS {
             let system = System::new(self, &state);
-            let n = self.unknowns();
+            let n = self.mesh.unknowns();
             // Velocities at constant lengths.
             let speeds = flat(&rigid.velocities);
             let (change, _) = system.solve(&DVector::zeros(n), &-(&system.rows * &speeds));
@@ -69,12 +70,11 @@ impl RigidFem {
             // Accelerations and forces in the rods: the residual at a = 0 is Q - c less the rods' present forces.
             let mut forces = vec![[Vec2::zeros(); 2]; self.mesh.elements.len()];
             let still = vec![Vec2::zeros(); self.mesh.moving];
-            self.pin_forces(&state.present(), &still, sizes, &mut forces);
+            self.pin_forces(&Present { a: &still, ..state.present() }, sizes, &mut forces);
             let mut residual = vec![0.0; n];
             self.assemble(&forces, &mut residual);
-            let spans: Vec<Span> = (0..self.mesh.elements.len())
-                .map(|i| Span::new(self.mesh.node_positions(i, &state.positions)))
-                .collect();
+            let spans = (0..self.mesh.elements.len()).map(|i| self.mesh.span(i, &state.positions));
+            let spans: Vec<Span> = spans.collect();
             let turning = spans.iter().enumerate().map(|(i, span)| {
                 let omega = span.speed(self.mesh.node_rates(i, &state.velocities));
                 -span.length * omega * omega
@@ -130,11 +130,11 @@ struct System {
 
 impl System {
     fn new(fem: &RigidFem, state: &State) -> Self {
-        let (n, m) = (fem.unknowns(), fem.mesh.elements.len());
+        let (n, m) = (fem.mesh.unknowns(), fem.mesh.elements.len());
         let mut mass = DMatrix::zeros(n, n);
         let mut rows = DMatrix::zeros(m, n);
         for (i, element) in fem.mesh.elements.iter().enumerate() {
-            let span = Span::new(fem.mesh.node_positions(i, &state.positions));
+            let span = fem.mesh.span(i, &state.positions);
             let (own, slopes) = (element.mass_matrix(span.across), difference(span.along));
             for (row, first) in fem.mesh.unknowns_of(i) {
                 rows[(i, row)] = slopes[first];
