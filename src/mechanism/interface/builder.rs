@@ -1,5 +1,5 @@
 //! Collects the variables, each with its quantity and dependencies.
-use super::needs::{Cause, Needs, PLACED};
+use super::needs::{Cause, Needs, placed};
 use super::source::Source;
 use crate::mechanism::quantity::{Output, Quantity};
 use crate::variables::{Causality, Kind, Reference, Unit, Value, Variability, Variable};
@@ -72,7 +72,7 @@ impl<'a> Builder<'a> {
     /// A coordinate and its time derivatives; `stated`: whether the start states this coordinate.
     pub fn motion(&mut self, owner: &str, derivatives: Derivatives, stated: bool, output: impl Fn(usize) -> Output) {
         let all = self.source.acceleration();
-        let position = Needs { closure: !stated, ..PLACED };
+        let position = Needs { closure: !stated, ..placed() };
         let needs = [position, Needs { position: !stated, speed: true, ..position }, all];
         for (order, (suffix, text, unit)) in derivatives.into_iter().enumerate() {
             self.output(owner, suffix, &[text, " ", owner], unit, output(order), needs[order]);
@@ -103,7 +103,7 @@ impl<'a> Builder<'a> {
         // Rods are stretched at the start by all that acts there.
         let stretched = self.source.mechanism.solver.method.is_some() && is_stretched(quantity);
         let loads = if stretched { &self.source.loads[..loading.base()] } else { &[] };
-        let rods = Needs { speed: true, inertia: true, masses: true, elasticity: true, loads, ..PLACED };
+        let rods = Needs { speed: true, inertia: true, masses: true, elasticity: true, loads, ..placed() };
         let inputs = if stretched { loading.inputs.len() } else { 0 };
         let others = needs.inputs.iter().copied().filter(|&i| i >= inputs);
         let meets = |causes: &[Cause]| needs.meet(causes) || (stretched && rods.meet(causes));

@@ -9,13 +9,13 @@ pub(super) fn add(b: &mut Builder) {
     let mut index = || indices.next().unwrap_or_default();
     stated.parameters(&mut |p, value| {
         let start = (Some(p.unit), Value::Real(*value));
-        b.known(p.name(), p.description(), Parameter, start, Quantity::Parameter(index()));
+        b.known(p.name.concat(), p.description.concat(), Parameter, start, Quantity::Parameter(index()));
     });
     let mut indices = 0..;
     let mut index = || indices.next().unwrap_or_default();
     stated.flags(&mut |flag, value| {
         let start = (None, Value::Boolean(*value));
-        b.known(flag.name(), flag.description(), Parameter, start, Quantity::Flag(index()));
+        b.known(flag.name.concat(), flag.description.concat(), Parameter, start, Quantity::Flag(index()));
     });
     if let Some(method) = stated.solver.method {
         let text = ["Formulation of the motion: ", &Method::ALL.map(Method::word).join(" or ")].concat();
