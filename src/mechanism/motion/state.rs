@@ -133,11 +133,8 @@ impl State {
         };
         let variable = format!("{name}.start_{quantity}");
         let coordinate = coordinate.ok_or_else(|| {
-            ModelError::Definition(DefinitionError::Unknown {
-                key: "start".into(),
-                name: name.clone(),
-                allowed: format!("state one of the coordinates {}", linkage.coordinates.join(", ")),
-            })
+            let allowed = format!("state one of the coordinates {}", linkage.coordinates.join(", "));
+            ModelError::Definition(DefinitionError::unknown("start", name, allowed))
         })?;
         if let (Some(body), Some(angle)) = (&start.body, start.angle) {
             not_beyond_stop(reduced, mechanism, body, angle)?;
