@@ -11,7 +11,7 @@ use super::refusal::Refusal;
 use super::saved::Saved;
 use crate::component::{Component, Refused};
 use crate::numerics::decimal::Decimal;
-use crate::variables::{Kind, Reference};
+use crate::variables::{Interface, Kind, Reference};
 use std::borrow::Cow;
 use std::ffi::{CStr, CString, c_char};
 use std::mem::MaybeUninit;
@@ -23,11 +23,11 @@ pub struct Instance {
     /// Where messages go.
     pub logger: Logger,
     /// Whether the experiment was set up.
-    set_up: bool,
+    pub set_up: bool,
     /// Tolerance of the experiment, if it has one. It takes precedence over solver.tolerance.
     tolerance: Option<f64>,
-    clock: Clock,
-    component: Component,
+    pub clock: Clock,
+    pub component: Component,
     /// Texts of the last [`Self::get_string`], whose pointers lead here.
     texts: Vec<CString>,
 }
@@ -62,21 +62,6 @@ impl Instance {
         Ok(())
     }
 
-    /// Whether the experiment was set up.
-    pub fn is_set_up(&self) -> bool {
-        self.set_up
-    }
-
-    /// Time [s] at the end of the last successful step.
-    pub fn time(&self) -> f64 {
-        self.clock.time()
-    }
-
-    /// Begin initialization mode. Nothing is computed until an output is read or the mode ends.
-    pub fn enter_initialization_mode(&mut self) {
-        self.phase = Phase::Initialization;
-    }
-
     /// End initialization mode. After a refusal the mode goes on: parameters can be corrected.
     pub fn exit_initialization_mode(&mut self) -> Result<(), Refusal> {
         if let Some(tolerance) = self.tolerance {
@@ -84,14 +69,14 @@ impl Instance {
         }
         self.component.initialize()?;
         self.phase = Phase::Step;
-        self.logger.event(|| format!("initialized at t = {} s", self.clock.time()));
+        self.logger.event(|| format!("initialized at t = {} s", self.clock.time));
         Ok(())
     }
 
     /// End of the simulation.
     pub fn terminate(&mut self) {
         self.phase = Phase::Terminated;
-        self.logger.event(|| format!("terminated at t = {} s after {}", self.clock.time(), self.component.cost()));
+        self.logger.event(|| format!("terminated at t = {} s after {}", self.clock.time, self.component.cost()));
     }
 
     /// As after instantiation, but for the log categories, which stay as the host chose them.
@@ -122,21 +107,6 @@ impl Instance {
         (self.phase, self.set_up) = (saved.phase, saved.set_up);
         (self.tolerance, self.clock) = (saved.tolerance, saved.clock);
         Ok(())
-    }
-
-    /// Read a serialised state. The instance is unchanged.
-    pub fn deserialize(&self, bytes: &[u8]) -> Result<Saved, Refusal> {
-        Saved::from_bytes(bytes, &self.component)
-    }
-
-    /// Identity of the component: a state must have been saved by one of the same identity.
-    pub fn identity(&self) -> [u64; 2] {
-        self.component.identity()
-    }
-
-    /// Name of the component's definition file.
-    pub fn definition_file(&self) -> &'static str {
-        self.component.definition_file()
     }
 
     /// Read Reals. On an error the array may be filled in part.
@@ -178,14 +148,6 @@ impl Instance {
         Ok(())
     }
 
-    /// Read variables of a kind that no component has: only the empty list can be read.
-    pub fn get_none(&self, references: &[Reference], kind: Kind) -> Result<(), Refusal> {
-        references.iter().try_for_each(|&reference| {
-            access::may_get(self.component.interface(), self.phase, reference, kind)?;
-            Err(Refusal::error(format!("value reference {reference} is a {}, which cannot be read", kind.word())))
-        })
-    }
-
     /// Set Reals, all or none.
     pub fn set_real(&mut self, references: &[Reference], values: &[f64]) -> Result<(), Refusal> {
         self.set(references, values.iter().copied(), Kind::Real, Component::check_real, Component::set_real)
@@ -213,11 +175,18 @@ impl Instance {
         self.set(references, texts.iter().map(Option::as_deref), Kind::String, check, set)
     }
 
-    /// Set variables of a kind that no component has: only the empty list can be set.
-    pub fn set_none(&self, references: &[Reference], kind: Kind) -> Result<(), Refusal> {
+    /// Read or set variables of a kind that no component has: only the empty list is permitted. `action`: `read` or
+    /// `set`, for the message; `may`: the permission for it.
+    pub fn permit_none(
+        &self,
+        references: &[Reference],
+        kind: Kind,
+        may: impl Fn(&Interface, Phase, Reference, Kind) -> Result<(), Refusal>,
+        action: &str,
+    ) -> Result<(), Refusal> {
         references.iter().try_for_each(|&reference| {
-            access::may_set(self.component.interface(), self.phase, reference, kind)?;
-            Err(Refusal::error(format!("value reference {reference} is a {}, which cannot be set", kind.word())))
+            may(self.component.interface(), self.phase, reference, kind)?;
+            Err(Refusal::error(format!("value reference {reference} is a {}, which cannot be {action}", kind.word())))
         })
     }
 
@@ -294,7 +263,7 @@ impl Instance {
             self.phase = Phase::Failed;
             return Err(refused.into());
         }
-        self.clock.advance_to(end);
+        self.clock.time = end;
         Ok(())
     }
 }

@@ -128,5 +128,5 @@ fn record_tolerance(tolerance: &mut Option<f64>, record: &mut Record) -> Result<
 }
 
 fn damaged(damaged: Damaged) -> Refusal {
-    Refusal::error(format!("the state is damaged: {damaged}"))
+    Refusal::error(format!("the state is damaged: {}", damaged.0))
 }

@@ -5,6 +5,7 @@ use super::types::{
     Boolean, Byte, CO_SIMULATION, CallbackFunctions, Component, DO_STEP_STATUS, FALSE, FmuState, Integer,
     LAST_SUCCESSFUL_TIME, MODEL_EXCHANGE, PENDING_STATUS, Real, Status, TERMINATED, Text, ValueReference,
 };
+use crate::fmi::access::{may_get, may_set};
 use crate::fmi::array::{input, output, text};
 use crate::fmi::logger::{Logger, Sink};
 use crate::fmi::phase::{ALIVE, FAILED, Function, INITIALIZATION, INSTANTIATED, Phase, SETTABLE, STEP, STEPPED};
@@ -91,13 +92,13 @@ exported! {
         i.setup_experiment(tolerance, start, (stop_defined != FALSE).then_some(stop))
     };
 
-    /// From here on outputs have values.
+    /// From here on outputs have values; they are computed when one is read, or when the mode ends.
     fn fmi2EnterInitializationMode() in INSTANTIATED => |i| {
-        if !i.is_set_up() {
+        if !i.set_up {
             let message = "fmi2EnterInitializationMode: no fmi2SetupExperiment before; startTime is 0, no stopTime";
             i.logger.log(Verdict::Warning, message);
         }
-        i.enter_initialization_mode();
+        i.phase = Phase::Initialization;
         Ok(())
     };
 
@@ -125,7 +126,7 @@ exported! {
     // SAFETY: both arrays have `count` elements (2.1.7).
     fn fmi2GetInteger(vr: *const ValueReference, count: usize, value: *mut Integer) in ALIVE => |i| {
         output("value", value, count)?;
-        i.get_none(input("vr", vr, count)?, Kind::Integer)
+        i.permit_none(input("vr", vr, count)?, Kind::Integer, may_get, "read")
     };
 
     /// Read Booleans, each 0 or 1. On an error the array may be filled in part.
@@ -148,7 +149,7 @@ exported! {
     // SAFETY: both arrays have `count` elements (2.1.7).
     fn fmi2SetInteger(vr: *const ValueReference, count: usize, value: *const Integer) in SETTABLE => |i| {
         input("value", value, count)?;
-        i.set_none(input("vr", vr, count)?, Kind::Integer)
+        i.permit_none(input("vr", vr, count)?, Kind::Integer, may_set, "set")
     };
 
     /// Set Boolean inputs and parameters, all or none; any number but 0 is true.
@@ -261,7 +262,7 @@ exported! {
     /// `fmi2LastSuccessfulTime`: end of the last successful step [s].
     // SAFETY: `value` leads to memory for one value (4.2.3).
     fn fmi2GetRealStatus(kind: c_int, value: *mut Real) in STEPPED => |i|
-        answer(value, kind, LAST_SUCCESSFUL_TIME, i.time());
+        answer(value, kind, LAST_SUCCESSFUL_TIME, i.clock.time);
 
     /// No status is an Integer: always `fmi2Discard`.
     fn fmi2GetIntegerStatus(kind: c_int, _value: *mut Integer) in STEPPED => |_i| Err(no_such_status(kind));
@@ -273,6 +274,7 @@ exported! {
     /// `fmi2PendingStatus` has no answer, as no step is ever pending: always `fmi2Discard`.
     fn fmi2GetStringStatus(kind: c_int, _value: *mut Text) in STEPPED => |_i| Err(no_such_status(kind));
 
+    // Model exchange (3.2): exported, as hosts look these functions up, and refused.
     fn fmi2EnterEventMode() in ALIVE => |_i| model_exchange();
     fn fmi2NewDiscreteStates(_info: *mut c_void) in ALIVE => |_i| model_exchange();
     fn fmi2EnterContinuousTimeMode() in ALIVE => |_i| model_exchange();

@@ -62,6 +62,14 @@ pub enum Status {
     Pending,
 }
 
+impl Status {
+    /// # Errors
+    /// Any other status.
+    pub(super) fn ok(self) -> Result<(), Self> {
+        if self == Self::Ok { Ok(()) } else { Err(self) }
+    }
+}
+
 impl From<Verdict> for Status {
     #[inline]
     fn from(verdict: Verdict) -> Self {

@@ -12,7 +12,7 @@ pub use parameter::{Flag, Owner, Parameter, Range};
 
 use serde::de::DeserializeOwned;
 use serde_path_to_error::{Path, Segment};
-use std::fmt::{self, Display, Write};
+use std::fmt::{self, Display};
 use strict::Strict;
 
 /// A refused definition; the text names the key, the value and what is allowed.
@@ -37,15 +37,25 @@ impl DefinitionError {
 }
 
 impl Display for DefinitionError {
-    /// A key in the file may hold any character, and a message is one line.
+    /// A key in the file may hold any character.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0
-            .chars()
-            .try_for_each(|c| if c.is_control() { write!(f, "{}", c.escape_default()) } else { f.write_char(c) })
+        f.write_str(&on_one_line(&self.0))
     }
 }
 
 impl std::error::Error for DefinitionError {}
+
+/// A message on one line: control characters are made visible.
+pub(crate) fn on_one_line(message: &str) -> String {
+    let mut line = String::with_capacity(message.len());
+    for c in message.chars() {
+        match c.is_control() {
+            true => line.extend(c.escape_default()),
+            false => line.push(c),
+        }
+    }
+    line
+}
 
 /// Read a definition of a `kind`, a word of the message where the text as a whole is at fault.
 ///
@@ -82,4 +92,14 @@ fn message(error: &serde_json::Error) -> String {
     let message = error.to_string().replace("expected f64", "expected a number");
     let remedy = if message.contains("invalid type: null") { "; leave the key out if it has no value" } else { "" };
     message + remedy
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_is_one_line() {
+        assert_eq!(on_one_line("räder\0 a\r\nb\u{7f} 'c'"), "räder\\u{0} a\\r\\nb\\u{7f} 'c'");
+    }
 }

@@ -89,8 +89,6 @@ impl Variability {
 pub enum Value {
     /// Value of a Real.
     Real(f64),
-    /// Value of an Integer.
-    Integer(i32),
     /// Value of a Boolean.
     Boolean(bool),
     /// Value of a String.

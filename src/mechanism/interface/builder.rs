@@ -46,7 +46,6 @@ impl<'a> Builder<'a> {
     ) {
         let kind = match start {
             Value::Real(_) => Kind::Real,
-            Value::Integer(_) => Kind::Integer,
             Value::Boolean(_) => Kind::Boolean,
             Value::String(_) => Kind::String,
         };
