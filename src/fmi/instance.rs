@@ -3,10 +3,9 @@
 //! In: checked slices and plain numbers. Out: values, or a refusal that leaves the instance unchanged. It must not know
 //! pointers to instances, nor the names and C types of a version.
 
-use super::access;
 use super::clock::Clock;
 use super::logger::Logger;
-use super::phase::Phase;
+use super::phase::{Phase, may_get, may_set};
 use super::refusal::Refusal;
 use super::saved::Saved;
 use crate::component::{Component, Refused};
@@ -112,7 +111,7 @@ impl Instance {
     /// Read Reals. On an error the array may be filled in part.
     pub fn get_real(&mut self, references: &[Reference], values: &mut [MaybeUninit<f64>]) -> Result<(), Refusal> {
         for (&reference, value) in references.iter().zip(values) {
-            access::may_get(self.component.interface(), self.phase, reference, Kind::Real)?;
+            may_get(self.component.interface(), self.phase, reference, Kind::Real)?;
             value.write(self.component.real(reference)?);
         }
         Ok(())
@@ -125,7 +124,7 @@ impl Instance {
         values: &mut [MaybeUninit<B>],
     ) -> Result<(), Refusal> {
         for (&reference, value) in references.iter().zip(values) {
-            access::may_get(self.component.interface(), self.phase, reference, Kind::Boolean)?;
+            may_get(self.component.interface(), self.phase, reference, Kind::Boolean)?;
             value.write(self.component.boolean(reference)?.into());
         }
         Ok(())
@@ -139,7 +138,7 @@ impl Instance {
     ) -> Result<(), Refusal> {
         self.texts.clear();
         for (&reference, value) in references.iter().zip(values) {
-            access::may_get(self.component.interface(), self.phase, reference, Kind::String)?;
+            may_get(self.component.interface(), self.phase, reference, Kind::String)?;
             let text = CString::new(self.component.text(reference)?)
                 .map_err(|_| Refusal::error(format!("value reference {reference}: the text holds a zero byte")))?;
             value.write(text.as_ptr());
@@ -170,7 +169,7 @@ impl Instance {
             component.check_text(reference, text.ok_or_else(|| null(reference))?)
         };
         let set = |component: &mut Component, reference, text: Option<&str>| {
-            component.set_text(reference, text.ok_or_else(|| null(reference))?)
+            component.set_text(reference, text.unwrap_or(""))
         };
         self.set(references, texts.iter().map(Option::as_deref), Kind::String, check, set)
     }
@@ -201,7 +200,7 @@ impl Instance {
         set: impl Fn(&mut Component, Reference, V) -> Result<(), Refused>,
     ) -> Result<(), Refusal> {
         for (&reference, value) in references.iter().zip(values.clone()) {
-            access::may_set(self.component.interface(), self.phase, reference, kind)?;
+            may_set(self.component.interface(), self.phase, reference, kind)?;
             check(&self.component, reference, value)?;
         }
         for (&reference, value) in references.iter().zip(values) {

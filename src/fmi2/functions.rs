@@ -5,10 +5,11 @@ use super::types::{
     Boolean, Byte, CO_SIMULATION, CallbackFunctions, Component, DO_STEP_STATUS, FALSE, FmuState, Integer,
     LAST_SUCCESSFUL_TIME, MODEL_EXCHANGE, PENDING_STATUS, Real, Status, TERMINATED, Text, ValueReference,
 };
-use crate::fmi::access::{may_get, may_set};
 use crate::fmi::array::{input, output, text};
 use crate::fmi::logger::{Logger, Sink};
-use crate::fmi::phase::{ALIVE, FAILED, Function, INITIALIZATION, INSTANTIATED, Phase, SETTABLE, STEP, STEPPED};
+use crate::fmi::phase::{
+    ALIVE, FAILED, Function, INITIALIZATION, INSTANTIATED, Phase, SETTABLE, STEP, STEPPED, may_get, may_set,
+};
 use crate::fmi::refusal::{Refusal, Verdict};
 use crate::fmi::{handle, resources, state_handle};
 use crate::variables::Kind;
