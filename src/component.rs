@@ -102,104 +102,49 @@ impl Component {
     }
 
     questions! {
-        /// Present value of a Real.
-        ///
-        /// # Errors
-        /// No Real has this reference, or the present parameters give no value.
+        /// Present value of a Real. Refused: no such Real, or the present parameters give no value.
         fn real(self: &mut Self, reference: Reference) -> f64;
-
-        /// Present value of a Boolean.
-        ///
-        /// # Errors
-        /// No Boolean has this reference, or the present parameters give no value.
+        /// Present value of a Boolean. Refused: no such Boolean, or the present parameters give no value.
         fn boolean(self: &mut Self, reference: Reference) -> bool;
-
-        /// Present value of a String.
-        ///
-        /// # Errors
-        /// No String has this reference.
+        /// Present value of a String. Refused: no such String.
         fn text(self: &Self, reference: Reference) -> &str;
 
         /// Whether [`Self::set_real`] would accept this value; changes nothing.
-        ///
-        /// # Errors
-        /// No Real has this reference, it is an output, or the value is out of range.
         fn check_real(self: &Self, reference: Reference, value: f64) -> ();
-
         /// Set a Real input or parameter. After a step, a parameter takes effect with the next initialisation only.
-        ///
-        /// # Errors
-        /// As [`Self::check_real`].
+        /// Refused: no such Real, an output, a value out of range.
         fn set_real(self: &mut Self, reference: Reference, value: f64) -> ();
-
         /// Whether [`Self::set_boolean`] would accept this value; changes nothing.
-        ///
-        /// # Errors
-        /// No Boolean has this reference, or it is an output.
         fn check_boolean(self: &Self, reference: Reference, value: bool) -> ();
-
-        /// Set a Boolean input or parameter. After a step, a parameter takes effect with the next initialisation only.
-        ///
-        /// # Errors
-        /// As [`Self::check_boolean`].
+        /// Set a Boolean, as [`Self::set_real`] does.
         fn set_boolean(self: &mut Self, reference: Reference, value: bool) -> ();
-
         /// Whether [`Self::set_text`] would accept this value; changes nothing.
-        ///
-        /// # Errors
-        /// No String has this reference, or the text is none of the allowed words.
         fn check_text(self: &Self, reference: Reference, value: &str) -> ();
-
-        /// Set a String parameter. After a step, it takes effect with the next initialisation only.
-        ///
-        /// # Errors
-        /// As [`Self::check_text`].
+        /// Set a String, as [`Self::set_real`] does. Refused also: none of the allowed words.
         fn set_text(self: &mut Self, reference: Reference, value: &str) -> ();
 
         /// Directional derivatives at the present state: `report` is called once for each unknown, with its index and
-        /// the sum over the knowns of the partial derivative times the seed.
-        ///
-        /// # Errors
-        /// An unknown that is no continuous output, a known that is no continuous input, a model without derivatives.
+        /// the sum over the knowns of the partial derivative times the seed. Refused: an unknown that is no continuous
+        /// output, a known that is no continuous input, a model without derivatives.
         fn directional_derivative(
             self: &mut Self, unknowns: &[Reference], knowns: &[Reference], seeds: &[f64],
             report: &mut dyn FnMut(usize, f64)
         ) -> ();
-
-        /// Time derivative of this order of a continuous output.
-        ///
-        /// # Errors
-        /// No continuous output has this reference, or the order is too high.
+        /// Time derivative of this order of a continuous output. Refused: no such output, or the order is too high.
         fn output_derivative(self: &mut Self, reference: Reference, order: i32) -> f64;
-
         /// Whether [`Self::set_input_derivative`] would accept this value; changes nothing.
-        ///
-        /// # Errors
-        /// No continuous input has this reference, the order is too high, or the value is not finite.
         fn check_input_derivative(self: &Self, reference: Reference, order: i32, value: f64) -> ();
-
-        /// Set the derivative of an input at the beginning of the next step, for that step.
-        ///
-        /// # Errors
-        /// As [`Self::check_input_derivative`].
+        /// Set the derivative of a continuous input at the beginning of the next step, for that step. Refused: no such
+        /// input, the order is too high, or the value is not finite.
         fn set_input_derivative(self: &mut Self, reference: Reference, order: i32, value: f64) -> ();
 
-        /// Override the relative tolerance of the integration.
-        ///
-        /// # Errors
-        /// The tolerance is out of range.
+        /// Override the relative tolerance of the integration. Refused: out of range.
         fn set_tolerance(self: &mut Self, tolerance: f64) -> ();
-
-        /// Take the start state under the present parameters and inputs.
-        ///
-        /// # Errors
-        /// The present parameters give no model, or the start cannot be reached.
+        /// Take the start state under the present parameters and inputs. Refused: the parameters give no model, or the
+        /// start cannot be reached.
         fn initialize(self: &mut Self) -> ();
-
-        /// Advance by exactly `h` [s], > 0. On an error the state is the one before the step.
-        ///
-        /// # Errors
-        /// Not initialised, `h` out of range, or a step that cannot be computed.
+        /// Advance by exactly `h` [s], > 0. Refused, in the state before the step: not initialised, `h` out of range, or
+        /// a step that cannot be computed.
         fn step(self: &mut Self, h: f64) -> ();
     }
 

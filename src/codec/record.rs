@@ -2,23 +2,23 @@
 //!
 //! In: fields in a fixed order. Out: bytes; or the fields again, each checked against its range. The bytes do not
 //! depend on the machine. It must not know what the fields mean.
-use std::fmt;
 
 /// Largest small count in a record. Half of the type's range, so that counting on from it does not overflow.
-const LARGEST: u64 = u32::MAX as u64 / 2;
+const LARGEST: u32 = u32::MAX / 2;
 
-/// A field whose value is outside its range, with the reason.
+/// Why a record cannot be read: it ends too early, or a field is outside its range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Damaged(pub String);
 
-impl fmt::Display for Damaged {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
+impl Damaged {
+    /// Accepts a field for which `allowed` holds.
+    fn unless(allowed: bool, reason: impl FnOnce() -> String) -> Result<(), Self> {
+        if allowed { Ok(()) } else { Err(Self(reason())) }
     }
 }
 
 /// A record being written or read. A field is written unchecked; a field that is read is checked and replaces the
-/// value.
+/// value. Every method refuses a record that has ended, and a field that is out of its range.
 #[derive(Debug)]
 pub enum Record<'a> {
     /// Appends to these bytes.
@@ -48,54 +48,31 @@ impl Record<'_> {
     }
 
     /// Any whole number of 64 bits.
-    ///
-    /// # Errors
-    /// The record has ended.
     pub fn word(&mut self, value: &mut u64) -> Result<(), Damaged> {
         *value = u64::from_le_bytes(self.bytes(value.to_le_bytes())?);
         Ok(())
     }
 
     /// A count of work done, 64 bits.
-    ///
-    /// # Errors
-    /// The record has ended, or the count is near overflow.
     pub fn count(&mut self, name: &str, value: &mut u64) -> Result<(), Damaged> {
         let limit = u64::MAX / 2;
         self.word(value)?;
-        if *value <= limit { Ok(()) } else { Err(Damaged(format!("{name} = {value}: must be at most {limit}"))) }
+        Damaged::unless(*value <= limit, || format!("{name} = {value}: must be at most {limit}"))
     }
 
     /// A small count, 32 bits.
-    ///
-    /// # Errors
-    /// The record has ended, or the count is near overflow.
     pub fn small(&mut self, name: &str, value: &mut u32) -> Result<(), Damaged> {
         *value = u32::from_le_bytes(self.bytes(value.to_le_bytes())?);
-        if u64::from(*value) <= LARGEST {
-            Ok(())
-        } else {
-            Err(Damaged(format!("{name} = {value}: must be at most {LARGEST}")))
-        }
+        Damaged::unless(*value <= LARGEST, || format!("{name} = {value}: must be at most {LARGEST}"))
     }
 
     /// Index of one of `choices` alternatives, as one byte.
-    ///
-    /// # Errors
-    /// The record has ended, or the index is not below `choices`.
     pub fn choice(&mut self, name: &str, value: &mut u8, choices: usize) -> Result<(), Damaged> {
         [*value] = self.bytes([*value])?;
-        if usize::from(*value) < choices {
-            Ok(())
-        } else {
-            Err(Damaged(format!("{name} = {value}: must be below {choices}")))
-        }
+        Damaged::unless(usize::from(*value) < choices, || format!("{name} = {value}: must be below {choices}"))
     }
 
     /// A truth value: a byte, 0 or 1.
-    ///
-    /// # Errors
-    /// The record has ended, or another byte.
     pub fn flag(&mut self, name: &str, value: &mut bool) -> Result<(), Damaged> {
         let mut byte = u8::from(*value);
         self.choice(name, &mut byte, 2)?;
@@ -104,39 +81,23 @@ impl Record<'_> {
     }
 
     /// An index below `count`, as 64 bits.
-    ///
-    /// # Errors
-    /// The record has ended, or the index is not below `count`.
     pub fn place(&mut self, name: &str, value: &mut usize, count: usize) -> Result<(), Damaged> {
         let mut word = *value as u64;
         self.word(&mut word)?;
-        match usize::try_from(word) {
-            Ok(index) if index < count || !self.reads() => {
-                *value = index;
-                Ok(())
-            }
-            _ => Err(Damaged(format!("{name} = {word}: must be below {count}"))),
-        }
+        let allowed = word < count as u64 || !self.reads();
+        Damaged::unless(allowed, || format!("{name} = {word}: must be below {count}"))?;
+        *value = word as usize;
+        Ok(())
     }
 
     /// Length of a list, which the reader knows beforehand.
-    ///
-    /// # Errors
-    /// The record has ended, or another length.
     pub fn length(&mut self, name: &str, known: usize) -> Result<(), Damaged> {
         let mut length = known as u64;
         self.word(&mut length)?;
-        if length == known as u64 {
-            Ok(())
-        } else {
-            Err(Damaged(format!("{length} {name}: this mechanism has {known}")))
-        }
+        Damaged::unless(length == known as u64, || format!("{length} {name}: this mechanism has {known}"))
     }
 
     /// A number for which `allowed` holds; `text` states the condition in a message.
-    ///
-    /// # Errors
-    /// The record has ended, or the number read is not allowed.
     pub fn number(
         &mut self,
         name: &str,
@@ -145,42 +106,28 @@ impl Record<'_> {
         text: &str,
     ) -> Result<(), Damaged> {
         let read = f64::from_le_bytes(self.bytes(value.to_le_bytes())?);
-        if self.reads() && !allowed(read) {
-            return Err(Damaged(format!("{name} = {read}: must be {text}")));
-        }
+        Damaged::unless(!self.reads() || allowed(read), || format!("{name} = {read}: must be {text}"))?;
         *value = read;
         Ok(())
     }
 
     /// A finite number.
-    ///
-    /// # Errors
-    /// As [`Self::number`].
     pub fn finite(&mut self, name: &str, value: &mut f64) -> Result<(), Damaged> {
         self.number(name, value, f64::is_finite, "a finite number")
     }
 
     /// A finite number > 0.
-    ///
-    /// # Errors
-    /// As [`Self::number`].
     pub fn positive(&mut self, name: &str, value: &mut f64) -> Result<(), Damaged> {
         self.number(name, value, |v| v > 0.0 && v.is_finite(), "a finite number > 0")
     }
 
     /// The finite numbers of a slice, without its length.
-    ///
-    /// # Errors
-    /// As [`Self::number`].
     pub fn all_finite(&mut self, name: &str, values: &mut [f64]) -> Result<(), Damaged> {
         values.iter_mut().try_for_each(|value| self.finite(name, value))
     }
 
     /// An optional value: a flag, then the `fields` of the value if it is present. Reading fills the fields of
     /// `blank()`.
-    ///
-    /// # Errors
-    /// As [`Self::flag`] and `fields`.
     pub fn option<T>(
         &mut self,
         name: &str,

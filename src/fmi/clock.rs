@@ -20,19 +20,13 @@ const ROUNDING: f64 = 8.0;
 /// running sum do accumulate: half an epsilon of the time per step. More than this part of a step is not rounding.
 const STOP_SLACK: f64 = 0.25;
 
-/// Time of one instance.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Time of one instance. By default it starts at 0 and has no stop time, as for a host that sets up no experiment.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Clock {
     start: f64,
-    time: f64,
+    /// Present time [s]: end of the last accepted step.
+    pub time: f64,
     stop: Option<f64>,
-}
-
-impl Default for Clock {
-    /// Starts at 0 and has no stop time, as for a host that sets up no experiment.
-    fn default() -> Self {
-        Clock { start: 0.0, time: 0.0, stop: None }
-    }
 }
 
 impl Clock {
@@ -72,11 +66,6 @@ impl Clock {
         )
     }
 
-    /// Present time [s]: end of the last accepted step.
-    pub fn time(&self) -> f64 {
-        self.time
-    }
-
     /// End [s] of the step that the host asks for.
     ///
     /// # Errors
@@ -110,11 +99,6 @@ impl Clock {
         }
     }
 
-    /// Take over the end [s] of a computed step.
-    pub fn advance_to(&mut self, end: f64) {
-        self.time = end;
-    }
-
     fn slack(&self, h: f64) -> f64 {
         STEP_SLACK * h + ROUNDING * f64::EPSILON * self.scale(h)
     }
@@ -137,8 +121,7 @@ mod tests {
     use super::*;
 
     fn step(clock: &mut Clock, point: f64, h: f64) {
-        let end = clock.end_of_step(point, h).unwrap();
-        clock.advance_to(end);
+        clock.time = clock.end_of_step(point, h).unwrap();
     }
 
     #[test]

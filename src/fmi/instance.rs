@@ -3,15 +3,14 @@
 //! In: checked slices and plain numbers. Out: values, or a refusal that leaves the instance unchanged. It must not know
 //! pointers to instances, nor the names and C types of a version.
 
-use super::access;
 use super::clock::Clock;
 use super::logger::Logger;
-use super::phase::Phase;
+use super::phase::{Phase, may_get, may_set};
 use super::refusal::Refusal;
 use super::saved::Saved;
 use crate::component::{Component, Refused};
 use crate::numerics::decimal::Decimal;
-use crate::variables::{Kind, Reference};
+use crate::variables::{Interface, Kind, Reference};
 use std::borrow::Cow;
 use std::ffi::{CStr, CString, c_char};
 use std::mem::MaybeUninit;
@@ -23,11 +22,11 @@ pub struct Instance {
     /// Where messages go.
     pub logger: Logger,
     /// Whether the experiment was set up.
-    set_up: bool,
+    pub set_up: bool,
     /// Tolerance of the experiment, if it has one. It takes precedence over solver.tolerance.
     tolerance: Option<f64>,
-    clock: Clock,
-    component: Component,
+    pub clock: Clock,
+    pub component: Component,
     /// Texts of the last [`Self::get_string`], whose pointers lead here.
     texts: Vec<CString>,
 }
@@ -62,21 +61,6 @@ impl Instance {
         Ok(())
     }
 
-    /// Whether the experiment was set up.
-    pub fn is_set_up(&self) -> bool {
-        self.set_up
-    }
-
-    /// Time [s] at the end of the last successful step.
-    pub fn time(&self) -> f64 {
-        self.clock.time()
-    }
-
-    /// Begin initialization mode. Nothing is computed until an output is read or the mode ends.
-    pub fn enter_initialization_mode(&mut self) {
-        self.phase = Phase::Initialization;
-    }
-
     /// End initialization mode. After a refusal the mode goes on: parameters can be corrected.
     pub fn exit_initialization_mode(&mut self) -> Result<(), Refusal> {
         if let Some(tolerance) = self.tolerance {
@@ -84,14 +68,14 @@ impl Instance {
         }
         self.component.initialize()?;
         self.phase = Phase::Step;
-        self.logger.event(|| format!("initialized at t = {} s", self.clock.time()));
+        self.logger.event(|| format!("initialized at t = {} s", self.clock.time));
         Ok(())
     }
 
     /// End of the simulation.
     pub fn terminate(&mut self) {
         self.phase = Phase::Terminated;
-        self.logger.event(|| format!("terminated at t = {} s after {}", self.clock.time(), self.component.cost()));
+        self.logger.event(|| format!("terminated at t = {} s after {}", self.clock.time, self.component.cost()));
     }
 
     /// As after instantiation, but for the log categories, which stay as the host chose them.
@@ -124,25 +108,10 @@ impl Instance {
         Ok(())
     }
 
-    /// Read a serialised state. The instance is unchanged.
-    pub fn deserialize(&self, bytes: &[u8]) -> Result<Saved, Refusal> {
-        Saved::from_bytes(bytes, &self.component)
-    }
-
-    /// Identity of the component: a state must have been saved by one of the same identity.
-    pub fn identity(&self) -> [u64; 2] {
-        self.component.identity()
-    }
-
-    /// Name of the component's definition file.
-    pub fn definition_file(&self) -> &'static str {
-        self.component.definition_file()
-    }
-
     /// Read Reals. On an error the array may be filled in part.
     pub fn get_real(&mut self, references: &[Reference], values: &mut [MaybeUninit<f64>]) -> Result<(), Refusal> {
         for (&reference, value) in references.iter().zip(values) {
-            access::may_get(self.component.interface(), self.phase, reference, Kind::Real)?;
+            may_get(self.component.interface(), self.phase, reference, Kind::Real)?;
             value.write(self.component.real(reference)?);
         }
         Ok(())
@@ -155,7 +124,7 @@ impl Instance {
         values: &mut [MaybeUninit<B>],
     ) -> Result<(), Refusal> {
         for (&reference, value) in references.iter().zip(values) {
-            access::may_get(self.component.interface(), self.phase, reference, Kind::Boolean)?;
+            may_get(self.component.interface(), self.phase, reference, Kind::Boolean)?;
             value.write(self.component.boolean(reference)?.into());
         }
         Ok(())
@@ -169,21 +138,13 @@ impl Instance {
     ) -> Result<(), Refusal> {
         self.texts.clear();
         for (&reference, value) in references.iter().zip(values) {
-            access::may_get(self.component.interface(), self.phase, reference, Kind::String)?;
+            may_get(self.component.interface(), self.phase, reference, Kind::String)?;
             let text = CString::new(self.component.text(reference)?)
                 .map_err(|_| Refusal::error(format!("value reference {reference}: the text holds a zero byte")))?;
             value.write(text.as_ptr());
             self.texts.push(text);
         }
         Ok(())
-    }
-
-    /// Read variables of a kind that no component has: only the empty list can be read.
-    pub fn get_none(&self, references: &[Reference], kind: Kind) -> Result<(), Refusal> {
-        references.iter().try_for_each(|&reference| {
-            access::may_get(self.component.interface(), self.phase, reference, kind)?;
-            Err(Refusal::error(format!("value reference {reference} is a {}, which cannot be read", kind.word())))
-        })
     }
 
     /// Set Reals, all or none.
@@ -208,16 +169,23 @@ impl Instance {
             component.check_text(reference, text.ok_or_else(|| null(reference))?)
         };
         let set = |component: &mut Component, reference, text: Option<&str>| {
-            component.set_text(reference, text.ok_or_else(|| null(reference))?)
+            component.set_text(reference, text.unwrap_or(""))
         };
         self.set(references, texts.iter().map(Option::as_deref), Kind::String, check, set)
     }
 
-    /// Set variables of a kind that no component has: only the empty list can be set.
-    pub fn set_none(&self, references: &[Reference], kind: Kind) -> Result<(), Refusal> {
+    /// Read or set variables of a kind that no component has: only the empty list is permitted. `action`: `read` or
+    /// `set`, for the message; `may`: the permission for it.
+    pub fn permit_none(
+        &self,
+        references: &[Reference],
+        kind: Kind,
+        may: impl Fn(&Interface, Phase, Reference, Kind) -> Result<(), Refusal>,
+        action: &str,
+    ) -> Result<(), Refusal> {
         references.iter().try_for_each(|&reference| {
-            access::may_set(self.component.interface(), self.phase, reference, kind)?;
-            Err(Refusal::error(format!("value reference {reference} is a {}, which cannot be set", kind.word())))
+            may(self.component.interface(), self.phase, reference, kind)?;
+            Err(Refusal::error(format!("value reference {reference} is a {}, which cannot be {action}", kind.word())))
         })
     }
 
@@ -232,7 +200,7 @@ impl Instance {
         set: impl Fn(&mut Component, Reference, V) -> Result<(), Refused>,
     ) -> Result<(), Refusal> {
         for (&reference, value) in references.iter().zip(values.clone()) {
-            access::may_set(self.component.interface(), self.phase, reference, kind)?;
+            may_set(self.component.interface(), self.phase, reference, kind)?;
             check(&self.component, reference, value)?;
         }
         for (&reference, value) in references.iter().zip(values) {
@@ -294,7 +262,7 @@ impl Instance {
             self.phase = Phase::Failed;
             return Err(refused.into());
         }
-        self.clock.advance_to(end);
+        self.clock.time = end;
         Ok(())
     }
 }

@@ -8,34 +8,25 @@
 //! categories gets exactly these.
 
 use super::refusal::{Refusal, Verdict};
+use crate::format::on_one_line;
 use std::ffi::{CStr, CString};
 
-/// Names of the categories; that of a verdict is at its index.
-const NAMES: [&CStr; 6] =
-    [c"logEvents", c"logStatusWarning", c"logStatusDiscard", c"logStatusError", c"logStatusFatal", c"logAll"];
-
-/// The log categories of the FMU, name and description, in the order of the XML. `logAll` stands for all others.
-pub const LOG_CATEGORIES: [(&str, &str); 6] = [
-    (text(NAMES[0]), "Changes of mode, where the mechanism was read, and what the integration cost"),
-    (text(NAMES[1]), "Calls that were accepted although something about them is unusual"),
-    (text(NAMES[2]), "Questions of the host that have no answer"),
-    (text(NAMES[3]), "Calls that were refused or failed, and why"),
-    (text(NAMES[4]), "Faults inside the FMU; the instance is lost"),
-    (text(NAMES[5]), "All messages"),
+/// The log categories of the FMU, name and description, in the order of the XML. The category of a verdict is at its
+/// index; `logAll` stands for all others.
+pub const LOG_CATEGORIES: [(&CStr, &str); 6] = [
+    (c"logEvents", "Changes of mode, where the mechanism was read, and what the integration cost"),
+    (c"logStatusWarning", "Calls that were accepted although something about them is unusual"),
+    (c"logStatusDiscard", "Questions of the host that have no answer"),
+    (c"logStatusError", "Calls that were refused or failed, and why"),
+    (c"logStatusFatal", "Faults inside the FMU; the instance is lost"),
+    (c"logAll", "All messages"),
 ];
-
-const fn text(name: &'static CStr) -> &'static str {
-    match name.to_str() {
-        Ok(text) => text,
-        Err(_) => panic!("a category is ASCII"),
-    }
-}
 
 const fn bit(verdict: Verdict) -> u8 {
     1 << verdict as u8
 }
 
-const ALL: u8 = (1 << (NAMES.len() - 1)) - 1;
+const ALL: u8 = (1 << (LOG_CATEGORIES.len() - 1)) - 1;
 const FAILURES: u8 = bit(Verdict::Discard) | bit(Verdict::Error) | bit(Verdict::Fatal);
 
 /// Calls the host's logger with a verdict, its category and a message on one line.
@@ -59,7 +50,7 @@ impl Logger {
     pub fn log(&self, verdict: Verdict, message: &str) {
         let (Some(sink), true) = (&self.sink, self.is_on(verdict)) else { return };
         if let Ok(message) = CString::new(on_one_line(message)) {
-            sink(verdict, NAMES[verdict as usize], &message);
+            sink(verdict, LOG_CATEGORIES[verdict as usize].0, &message);
         }
     }
 
@@ -103,25 +94,14 @@ fn unnamed(logging_on: bool) -> u8 {
     if logging_on { ALL } else { FAILURES }
 }
 
-fn on_one_line(message: &str) -> String {
-    let mut line = String::with_capacity(message.len());
-    for c in message.chars() {
-        match c.is_control() {
-            true => line.extend(c.escape_default()),
-            false => line.push(c),
-        }
-    }
-    line
-}
-
 fn bits(category: &CStr) -> Result<u8, Refusal> {
-    match NAMES.iter().position(|name| *name == category) {
-        Some(index) if index == NAMES.len() - 1 => Ok(ALL),
+    match LOG_CATEGORIES.iter().position(|(name, _)| *name == category) {
+        Some(index) if index == LOG_CATEGORIES.len() - 1 => Ok(ALL),
         Some(index) => Ok(1 << index),
         None => Err(Refusal::error(format!(
             "unknown log category '{}'; known are {}",
             category.to_bytes().escape_ascii(),
-            LOG_CATEGORIES.map(|(name, _)| name).join(", ")
+            LOG_CATEGORIES.map(|(name, _)| name.to_string_lossy()).join(", ")
         ))),
     }
 }
@@ -172,18 +152,13 @@ mod tests {
     }
 
     #[test]
-    fn a_message_is_one_line() {
-        assert_eq!(on_one_line("räder\0 a\r\nb\u{7f} 'c'"), "räder\\u{0} a\\r\\nb\\u{7f} 'c'");
-    }
-
-    #[test]
     fn each_verdict_has_its_category() {
         for (verdict, name) in [
-            (Verdict::Ok, "logEvents"),
-            (Verdict::Warning, "logStatusWarning"),
-            (Verdict::Discard, "logStatusDiscard"),
-            (Verdict::Error, "logStatusError"),
-            (Verdict::Fatal, "logStatusFatal"),
+            (Verdict::Ok, c"logEvents"),
+            (Verdict::Warning, c"logStatusWarning"),
+            (Verdict::Discard, c"logStatusDiscard"),
+            (Verdict::Error, c"logStatusError"),
+            (Verdict::Fatal, c"logStatusFatal"),
         ] {
             assert_eq!(LOG_CATEGORIES[verdict as usize].0, name);
         }

@@ -7,7 +7,6 @@
 //! types, the status number of each [`refusal::Verdict`], and a closure that calls the host's logger. Calls go through
 //! [`handle::call`] to an [`instance::Instance`].
 
-pub(crate) mod access;
 pub(crate) mod array;
 pub(crate) mod clock;
 pub(crate) mod handle;

@@ -1,7 +1,11 @@
-//! The phases of an instance, and what a version's table of functions is made of.
+//! The phases of an instance: which function may be called, and which variable may be read or set, in which phase
+//! (FMI 2.0.5, 4.2.4, with the causalities of 2.2.7).
 //!
-//! In: nothing. Out: [`Phase`], sets of phases as bits, and [`Function`]. Each version has a table of its functions;
-//! the rules for single variables are in `access`.
+//! In: the table of variables, the phase, a value reference and the kind that the called function handles. Out:
+//! permission, or a refusal that names the variable. Each version has a table of its functions. This file must not know
+//! how a value is found.
+use super::refusal::Refusal;
+use crate::variables::{Causality, Interface, Kind, Reference, Variable};
 
 /// Phase of an instance; each is one bit, so that a set of phases is a number. The numbers stand in serialised states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,25 +37,25 @@ pub const SETTABLE: u8 = INSTANTIATED | INITIALIZATION | STEP;
 /// All phases after initialization.
 pub const STEPPED: u8 = STEP | TERMINATED | FAILED;
 
-const PHASES: [Phase; 6] =
-    [Phase::Instantiated, Phase::Initialization, Phase::Step, Phase::Terminated, Phase::Failed, Phase::Fatal];
+/// Each phase with its name in messages, in the order of the bits.
+const PHASES: [(Phase, &str); 6] = [
+    (Phase::Instantiated, "instantiated"),
+    (Phase::Initialization, "initialization mode"),
+    (Phase::Step, "step mode"),
+    (Phase::Terminated, "terminated"),
+    (Phase::Failed, "step failed"),
+    (Phase::Fatal, "fatal"),
+];
 
 impl Phase {
     /// The phase of this number, if there is one that a state can be saved in.
     pub fn of_bit(bit: u8) -> Option<Self> {
-        PHASES.into_iter().find(|phase| *phase as u8 == bit && *phase != Phase::Fatal)
+        PHASES.map(|(phase, _)| phase).into_iter().find(|phase| *phase as u8 == bit && *phase != Phase::Fatal)
     }
 
     /// Name in messages.
     pub fn name(self) -> &'static str {
-        match self {
-            Phase::Instantiated => "instantiated",
-            Phase::Initialization => "initialization mode",
-            Phase::Step => "step mode",
-            Phase::Terminated => "terminated",
-            Phase::Failed => "step failed",
-            Phase::Fatal => "fatal",
-        }
+        PHASES[(self as u8).trailing_zeros() as usize].1
     }
 }
 
@@ -77,8 +81,78 @@ impl Function {
 
     /// The legal phases, for messages.
     pub fn legal_phases(&self) -> String {
-        let names: Vec<_> = PHASES.into_iter().filter(|p| self.is_legal_in(*p)).map(Phase::name).collect();
+        let names: Vec<_> =
+            PHASES.iter().filter(|(phase, _)| self.is_legal_in(*phase)).map(|(_, name)| *name).collect();
         names.join(", ")
+    }
+}
+
+/// Permission to read: inputs and parameters always, outputs from initialization mode on.
+///
+/// # Errors
+/// An unknown reference, another type, or an output before initialization mode.
+#[inline]
+pub fn may_get(interface: &Interface, phase: Phase, reference: Reference, kind: Kind) -> Result<(), Refusal> {
+    let early = phase == Phase::Instantiated;
+    match interface.get(reference) {
+        Some(v) if v.kind == kind && !(early && v.causality == Causality::Output) => Ok(()),
+        _ => Err(no_get(interface, reference, kind)),
+    }
+}
+
+/// Reason why a variable may not be read.
+#[cold]
+fn no_get(interface: &Interface, reference: Reference, kind: Kind) -> Refusal {
+    match of_kind(interface, reference, kind) {
+        Ok(variable) => Refusal::error(format!(
+            "'{}' (value reference {reference}) is an output; it has a value from initialization mode on",
+            variable.name
+        )),
+        Err(refusal) => refusal,
+    }
+}
+
+/// Permission to set: inputs always, parameters until initialization mode ends, outputs never.
+///
+/// # Errors
+/// An unknown reference, another type, or a variable that is not the host's to set now.
+pub fn may_set(interface: &Interface, phase: Phase, reference: Reference, kind: Kind) -> Result<(), Refusal> {
+    let variable = of_kind(interface, reference, kind)?;
+    let reason = match (variable.causality, phase) {
+        (Causality::Input, _) => return Ok(()),
+        (Causality::Parameter, Phase::Instantiated | Phase::Initialization) => return Ok(()),
+        (Causality::Parameter, _) => "a parameter; it can be set until initialization mode ends, or after a reset",
+        (Causality::Output, _) => "an output; it cannot be set",
+    };
+    Err(Refusal::error(format!("'{}' (value reference {reference}) is {reason}", variable.name)))
+}
+
+/// The variable with this reference, if it is of this kind.
+fn of_kind(interface: &Interface, reference: Reference, kind: Kind) -> Result<&Variable, Refusal> {
+    let word = kind.word();
+    match interface.get(reference) {
+        Some(variable) if variable.kind == kind => Ok(variable),
+        Some(variable) => Err(Refusal::error(format!(
+            "'{}' (value reference {reference}) is a {}, not a {word}; value references of {word} variables: {}",
+            variable.name,
+            variable.kind.word(),
+            range(interface, kind)
+        ))),
+        None => Err(Refusal::error(format!(
+            "value reference {reference} does not exist; value references of {word} variables: {}",
+            range(interface, kind)
+        ))),
+    }
+}
+
+/// Value references of the variables of a kind, for messages.
+fn range(interface: &Interface, kind: Kind) -> String {
+    let is_of_kind = |variable: &Variable| variable.kind == kind;
+    let list = interface.list();
+    match (list.iter().position(is_of_kind), list.iter().rposition(is_of_kind)) {
+        (Some(first), Some(last)) if first < last => format!("{first} to {last}"),
+        (Some(only), _) => format!("{only}"),
+        (None, _) => "there are none".to_owned(),
     }
 }
 
@@ -87,8 +161,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn phases_are_distinct_bits() {
-        let union = PHASES.iter().fold(0, |bits, phase| bits | *phase as u8);
-        assert_eq!(union.count_ones() as usize, PHASES.len());
+    fn each_phase_is_the_bit_of_its_index() {
+        assert!(PHASES.iter().enumerate().all(|(i, (phase, _))| *phase as u8 == 1 << i));
     }
 }

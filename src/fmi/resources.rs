@@ -80,27 +80,18 @@ fn read(file: &Path) -> Result<String, Refusal> {
 /// # Errors
 /// A scheme other than `file`, another machine, or a path that this platform cannot express.
 fn from_uri(uri: &[u8]) -> Result<PathBuf, Refusal> {
+    let refused = |why: String| Err(Refusal::error(format!("the resource location '{}' {why}", uri.escape_ascii())));
     let Some(rest) = strip_prefix_ignoring_case(uri, b"file:") else {
-        return match scheme(uri) {
-            Some(scheme) => Err(Refusal::error(format!(
-                "the resource location '{}' has the scheme '{}'; only 'file:' URIs and plain paths can be read",
-                uri.escape_ascii(),
-                scheme.escape_ascii()
-            ))),
-            None => path(uri.to_vec()),
-        };
+        let Some(scheme) = scheme(uri) else { return path(uri.to_vec()) };
+        let scheme = scheme.escape_ascii();
+        return refused(format!("has the scheme '{scheme}'; only 'file:' URIs and plain paths can be read"));
     };
     let local = match rest.strip_prefix(b"//") {
         None => rest,
         Some(after) if after.starts_with(b"/") => after,
         Some(after) => match strip_prefix_ignoring_case(after, b"localhost") {
             Some(path) if path.starts_with(b"/") => path,
-            _ => {
-                return Err(Refusal::error(format!(
-                    "the resource location '{}' names another machine; write 'file:///' and an absolute path",
-                    uri.escape_ascii()
-                )));
-            }
+            _ => return refused("names another machine; write 'file:///' and an absolute path".to_owned()),
         },
     };
     path(without_slash_before_drive(percent_decoded(local)))

@@ -47,12 +47,9 @@ impl Saved {
     /// # Errors
     /// A count of work done is near overflow.
     pub fn to_bytes(&self, identity: [u64; 2]) -> Result<Vec<u8>, Refusal> {
-        let mut bytes = Vec::new();
-        bytes.extend_from_slice(&MAGIC);
-        bytes.extend_from_slice(&VERSION.to_le_bytes());
-        bytes.extend_from_slice(&[0; 8]);
-        identity.iter().for_each(|hash| bytes.extend_from_slice(&hash.to_le_bytes()));
-        bytes.extend_from_slice(&[self.phase as u8, u8::from(self.set_up)]);
+        let [guid, structure] = identity.map(u64::to_le_bytes);
+        let phases = [self.phase as u8, u8::from(self.set_up)];
+        let mut bytes = [&MAGIC[..], &VERSION.to_le_bytes(), &[0; 8], &guid, &structure, &phases].concat();
         let mut record = Record::Write(&mut bytes);
         record_tolerance(&mut self.tolerance.clone(), &mut record).map_err(damaged)?;
         self.clock.clone().record(&mut record).map_err(damaged)?;
@@ -128,5 +125,5 @@ fn record_tolerance(tolerance: &mut Option<f64>, record: &mut Record) -> Result<
 }
 
 fn damaged(damaged: Damaged) -> Refusal {
-    Refusal::error(format!("the state is damaged: {damaged}"))
+    Refusal::error(format!("the state is damaged: {}", damaged.0))
 }

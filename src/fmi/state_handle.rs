@@ -35,7 +35,7 @@ struct Kept {
 
 /// A new state for the host to keep.
 fn keep(saved: Saved, instance: &Instance) -> State {
-    let kept = Kept { word: AtomicU64::new(ALIVE), identity: instance.identity(), saved };
+    let kept = Kept { word: AtomicU64::new(ALIVE), identity: instance.component.identity(), saved };
     Box::into_raw(Box::new(kept)).cast()
 }
 
@@ -60,10 +60,10 @@ unsafe fn kept<'a>(state: State, instance: &Instance) -> Result<&'a mut Kept, Re
     }
     // SAFETY: only `keep` writes this word, in front of a whole state; the caller promises that nobody else uses it.
     let kept = unsafe { &mut *kept };
-    if kept.identity != instance.identity() {
+    if kept.identity != instance.component.identity() {
         return Err(Refusal::error(format!(
             "the state was saved by another FMU, or with another {}",
-            instance.definition_file()
+            instance.component.definition_file()
         )));
     }
     Ok(kept)
@@ -146,6 +146,6 @@ pub unsafe fn serialize_to(instance: &Instance, state: State, bytes: *mut u8, si
 pub unsafe fn deserialize(instance: &Instance, bytes: &[u8], state: *mut State) -> Result<(), Refusal> {
     // SAFETY: the caller's promise.
     let state = unsafe { output("FMUstate", state, 1) }?;
-    state[0].write(keep(instance.deserialize(bytes)?, instance));
+    state[0].write(keep(Saved::from_bytes(bytes, &instance.component)?, instance));
     Ok(())
 }

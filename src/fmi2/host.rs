@@ -3,7 +3,8 @@
 //! In: a folder with `resources/mechanism.json`. Out: instances driven through the C functions; statuses, values, saved
 //! states, messages. It must not know how a call is answered. Each method is one call, and is safe to use: arrays have
 //! the lengths that are passed, states come from this library. A name that the mechanism does not have becomes a value
-//! reference that does not exist, so the call answers `fmi2Error`.
+//! reference that does not exist, so the call answers `fmi2Error`. A call with a result answers with its status if that is
+//! not `fmi2OK`.
 
 use super::types::{
     Boolean, CO_SIMULATION, CallbackFunctions, Component, Environment, FALSE, FmuState, LoggerCallback, Status, Text,
@@ -207,15 +208,10 @@ impl Host {
     }
 
     /// Value of one Real.
-    ///
-    /// # Errors
-    /// The status if it is not `fmi2OK`.
     pub fn get(&self, name: &str) -> Result<f64, Status> {
         let mut value = f64::NAN;
-        match self.reals(&[self.reference(name)], std::slice::from_mut(&mut value)) {
-            Status::Ok => Ok(value),
-            status => Err(status),
-        }
+        self.reals(&[self.reference(name)], std::slice::from_mut(&mut value)).ok()?;
+        Ok(value)
     }
 
     /// Set one Real.
@@ -230,16 +226,11 @@ impl Host {
     }
 
     /// Value of one String.
-    ///
-    /// # Errors
-    /// The status if it is not `fmi2OK`.
     pub fn get_text(&self, name: &str) -> Result<String, Status> {
         let mut value = null();
         // SAFETY: the component is valid; one reference, one value, which is copied before the next call.
-        match unsafe { fmi2GetString(self.c, &self.reference(name), 1, &mut value) } {
-            Status::Ok => Ok(owned(value)),
-            status => Err(status),
-        }
+        unsafe { fmi2GetString(self.c, &self.reference(name), 1, &mut value) }.ok()?;
+        Ok(owned(value))
     }
 
     /// Set one String.
@@ -259,10 +250,7 @@ impl Host {
 
     /// From the instantiated phase into step mode: the status of the first call that is not answered with `fmi2OK`.
     pub fn initialize(&self) -> Status {
-        match self.enter() {
-            Status::Ok => self.exit(),
-            refused => refused,
-        }
+        self.enter().ok().map_or_else(|refused| refused, |()| self.exit())
     }
 
     /// `fmi2DoStep` of size `h` [s] from a communication point [s].
@@ -293,41 +281,26 @@ impl Host {
     }
 
     /// A state in bytes.
-    ///
-    /// # Errors
-    /// The status if it is not `fmi2OK`.
     pub fn serialize(&self, state: &State) -> Result<Vec<u8>, Status> {
         let mut size = 0;
         // SAFETY: component and state are valid; the array has the size that is passed.
         unsafe {
-            match fmi2SerializedFMUstateSize(self.c, state.0, &mut size) {
-                Status::Ok => {}
-                status => return Err(status),
-            }
+            fmi2SerializedFMUstateSize(self.c, state.0, &mut size).ok()?;
             let mut bytes = vec![0_u8; size];
-            match fmi2SerializeFMUstate(self.c, state.0, bytes.as_mut_ptr().cast(), size) {
-                Status::Ok => Ok(bytes),
-                status => Err(status),
-            }
+            fmi2SerializeFMUstate(self.c, state.0, bytes.as_mut_ptr().cast(), size).ok()?;
+            Ok(bytes)
         }
     }
 
     /// The state of some bytes.
-    ///
-    /// # Errors
-    /// The status if it is not `fmi2OK`.
     pub fn deserialize(&self, bytes: &[u8]) -> Result<State, Status> {
         // A refused call leaves the pointer as it was.
         let untouched: FmuState = null_mut::<u8>().wrapping_add(64).cast();
         let mut state = untouched;
         // SAFETY: the component is valid, the array has the length that is passed; the pointer is written, not read.
-        match unsafe { fmi2DeSerializeFMUstate(self.c, bytes.as_ptr().cast(), bytes.len(), &mut state) } {
-            Status::Ok => Ok(State(state)),
-            status => {
-                assert_eq!(state, untouched);
-                Err(status)
-            }
-        }
+        let status = unsafe { fmi2DeSerializeFMUstate(self.c, bytes.as_ptr().cast(), bytes.len(), &mut state) };
+        assert!(status == Status::Ok || state == untouched);
+        status.ok().map(|()| State(state))
     }
 }
 

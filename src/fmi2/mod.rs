@@ -8,7 +8,7 @@
 //!
 //! # Safety
 //! All functions share one contract, the standard's own. A component is NULL or comes from [`fmi2Instantiate`], has not
-//! been freed, and is used by one thread at a time (2.1.5). An array argument has as many elements as its count says,
+//! been freed, and is used by one thread at a time (2.1.5); so is a state while it is written or freed (2.1.8). An array argument has as many elements as its count says,
 //! and a string ends with a zero byte (2.1.4, 2.1.7). A NULL is answered with `fmi2Error`, wherever it stands, except
 //! as an empty array.
 #![allow(unsafe_code, non_snake_case, clippy::missing_safety_doc)]
@@ -21,51 +21,38 @@ macro_rules! exported {
         $(
             $(#[$doc])*
             #[unsafe(no_mangle)]
+            #[allow(missing_docs)]
             pub unsafe extern "C" fn $name(c: Component $(, $argument: $type)*) -> Status {
                 const FUNCTION: Function = Function::new(stringify!($name), $legal);
                 // SAFETY: the component is valid (2.1.5); for the other arguments see the function.
                 unsafe { handle::call(c, &FUNCTION, |$i| $work) }.into()
             }
         )*
-        /// The functions above, for the tests of the phases.
+        /// The functions, for the tests of the phases.
         #[cfg(test)]
         pub(super) const FUNCTIONS: &[Function] = &[$(Function::new(stringify!($name), $legal)),*];
     };
 }
 
-mod common;
-mod cosimulation;
-mod derivatives;
-mod exchange;
+mod functions;
 pub mod host;
-mod state;
 pub mod types;
 
-pub use common::*;
-pub use cosimulation::*;
-pub use derivatives::*;
-pub use exchange::*;
-pub use state::*;
+pub use functions::*;
 
 #[cfg(test)]
 mod tests {
-    use super::{common, cosimulation, derivatives, exchange, state};
+    use super::functions::FUNCTIONS;
     use crate::fmi::phase::{Function, Phase};
 
-    fn functions() -> Vec<Function> {
-        let modules =
-            [common::FUNCTIONS, cosimulation::FUNCTIONS, derivatives::FUNCTIONS, exchange::FUNCTIONS, state::FUNCTIONS];
-        modules.concat()
-    }
-
-    fn function(name: &str) -> Function {
-        functions().into_iter().find(|function| function.name == name).unwrap()
+    fn function(name: &str) -> &Function {
+        FUNCTIONS.iter().find(|function| function.name == name).unwrap()
     }
 
     #[test]
     fn nothing_is_legal_after_a_fatal_fault() {
-        assert_eq!(functions().len(), 40);
-        assert!(functions().iter().all(|function| !function.is_legal_in(Phase::Fatal)));
+        assert_eq!(FUNCTIONS.len(), 40);
+        assert!(FUNCTIONS.iter().all(|function| !function.is_legal_in(Phase::Fatal)));
     }
 
     #[test]

@@ -62,6 +62,14 @@ pub enum Status {
     Pending,
 }
 
+impl Status {
+    /// # Errors
+    /// Any other status.
+    pub(super) fn ok(self) -> Result<(), Self> {
+        if self == Self::Ok { Ok(()) } else { Err(self) }
+    }
+}
+
 impl From<Verdict> for Status {
     #[inline]
     fn from(verdict: Verdict) -> Self {
@@ -84,12 +92,6 @@ pub type LoggerCallback = unsafe extern "C" fn(
     message: Text,
     ...
 );
-/// `fmi2CallbackAllocateMemory`; never called.
-pub type AllocateMemory = unsafe extern "C" fn(count: usize, size: usize) -> *mut c_void;
-/// `fmi2CallbackFreeMemory`; never called.
-pub type FreeMemory = unsafe extern "C" fn(memory: *mut c_void);
-/// `fmi2StepFinished`; never called, as no step is asynchronous.
-pub type StepFinished = unsafe extern "C" fn(environment: Environment, status: Status);
 
 /// `fmi2CallbackFunctions`: any member may be NULL.
 #[derive(Clone, Copy, Debug)]
@@ -97,30 +99,12 @@ pub type StepFinished = unsafe extern "C" fn(environment: Environment, status: S
 pub struct CallbackFunctions {
     /// Receives the messages.
     pub logger: Option<LoggerCallback>,
-    /// Unused: memory never crosses the boundary.
-    pub allocate_memory: Option<AllocateMemory>,
-    /// Unused: memory never crosses the boundary.
-    pub free_memory: Option<FreeMemory>,
-    /// Unused: every step is synchronous.
-    pub step_finished: Option<StepFinished>,
+    /// Never called: memory does not cross the boundary.
+    pub allocate_memory: Option<unsafe extern "C" fn(count: usize, size: usize) -> *mut c_void>,
+    /// Never called: memory does not cross the boundary.
+    pub free_memory: Option<unsafe extern "C" fn(memory: *mut c_void)>,
+    /// Never called: every step is synchronous.
+    pub step_finished: Option<unsafe extern "C" fn(environment: Environment, status: Status)>,
     /// First argument of `logger`.
     pub environment: Environment,
-}
-
-/// `fmi2EventInfo` of model exchange; here for the signature of `fmi2NewDiscreteStates` only.
-#[derive(Clone, Copy, Debug)]
-#[repr(C)]
-pub struct EventInfo {
-    /// The event iteration goes on.
-    pub new_discrete_states_needed: Boolean,
-    /// The simulation is to end.
-    pub terminate_simulation: Boolean,
-    /// The nominal values have changed.
-    pub nominals_changed: Boolean,
-    /// The states have jumped.
-    pub values_changed: Boolean,
-    /// `next_event_time` is meaningful.
-    pub next_event_time_defined: Boolean,
-    /// Time of the next event [s].
-    pub next_event_time: Real,
 }

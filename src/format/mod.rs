@@ -3,18 +3,59 @@
 //!
 //! In: the text of a file. Out: a value of the definition's type, or an error for whoever writes the file. It must not
 //! know what any definition says.
-mod error;
 mod named;
 mod parameter;
 mod strict;
 
-pub use error::DefinitionError;
 pub use named::Named;
 pub use parameter::{Flag, Owner, Parameter, Range};
 
 use serde::de::DeserializeOwned;
 use serde_path_to_error::{Path, Segment};
+use std::fmt::{self, Display};
 use strict::Strict;
+
+/// A refused definition; the text names the key, the value and what is allowed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DefinitionError(String);
+
+impl DefinitionError {
+    /// A missing key, a key that excludes another, or a text that is not JSON of this format.
+    pub fn key(key: impl Display, message: impl Display) -> Self {
+        Self(format!("{key}: {message}"))
+    }
+
+    /// A number or text out of its range.
+    pub fn value(key: impl Display, value: impl Display, allowed: impl Display) -> Self {
+        Self(format!("{key} = {value}: must be {allowed}"))
+    }
+
+    /// A name that no element has.
+    pub fn unknown(key: impl Display, name: &str, allowed: impl Display) -> Self {
+        Self(format!("{key} = \"{name}\": there is none; {allowed}"))
+    }
+}
+
+impl Display for DefinitionError {
+    /// A key in the file may hold any character.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&on_one_line(&self.0))
+    }
+}
+
+impl std::error::Error for DefinitionError {}
+
+/// A message on one line: control characters are made visible.
+pub(crate) fn on_one_line(message: &str) -> String {
+    let mut line = String::with_capacity(message.len());
+    for c in message.chars() {
+        match c.is_control() {
+            true => line.extend(c.escape_default()),
+            false => line.push(c),
+        }
+    }
+    line
+}
 
 /// Read a definition of a `kind`, a word of the message where the text as a whole is at fault.
 ///
@@ -23,9 +64,8 @@ use strict::Strict;
 pub fn read<T: DeserializeOwned>(kind: &str, text: &str) -> Result<T, DefinitionError> {
     // Some editors begin a file with a byte order mark.
     let mut json = serde_json::Deserializer::from_str(text.strip_prefix('\u{feff}').unwrap_or(text));
-    let malformed = |key: String, error: &serde_json::Error| DefinitionError::Malformed {
-        key: if key.is_empty() { format!("no {kind}") } else { key },
-        message: message(error),
+    let malformed = |key: String, error: &serde_json::Error| {
+        DefinitionError::key(if key.is_empty() { format!("no {kind}") } else { key }, message(error))
     };
     let read = serde_path_to_error::deserialize(Strict(&mut json))
         .map_err(|error| malformed(key(error.path()), error.inner()))?;
@@ -52,4 +92,14 @@ fn message(error: &serde_json::Error) -> String {
     let message = error.to_string().replace("expected f64", "expected a number");
     let remedy = if message.contains("invalid type: null") { "; leave the key out if it has no value" } else { "" };
     message + remedy
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_is_one_line() {
+        assert_eq!(on_one_line("räder\0 a\r\nb\u{7f} 'c'"), "räder\\u{0} a\\r\\nb\\u{7f} 'c'");
+    }
 }

@@ -1,6 +1,6 @@
 //! One parameter of a definition: its range, its role in the model, and its texts, which are put together when somebody
 //! reads them.
-use super::error::DefinitionError;
+use super::DefinitionError;
 use crate::numerics::decimal::Decimal;
 use crate::variables::Unit;
 use std::fmt;
@@ -18,36 +18,35 @@ pub enum Range {
     Length,
     /// A coordinate: of any sign, with a finite square.
     Coordinate,
-    /// An angle that counts revolutions and still resolves the angle within one revolution.
+    /// An angle that counts revolutions; the last digit of the largest is 1e-10 rad.
     Turn,
     /// > 0 and <= 1.
     Fraction,
     /// From 0 to 1.
     Unit,
-    /// From the first to the second.
-    Between(f64, f64),
+    /// A relative tolerance: below, rounding takes over; above, the error estimate means nothing.
+    Tolerance,
 }
 
-/// Largest length [m].
-const FARTHEST: f64 = 1e100;
-/// Largest angle that counts revolutions [rad]: its last digit is 1e-10 rad.
-const MOST_TURNED: f64 = 1e6;
-
 impl Range {
+    /// Whether a finite value is in the range, and the range in words.
+    fn rule(self, value: f64) -> (bool, &'static str) {
+        match self {
+            Self::Finite => (true, "a finite number"),
+            Self::NonNegative => (value >= 0.0, "a finite number >= 0"),
+            Self::Positive => (value > 0.0, "a finite number > 0"),
+            Self::Length => (value > 0.0 && value <= 1e100, "a number > 0 and <= 1e100"),
+            Self::Coordinate => (value.abs() <= 1e100, "a number from -1e100 to 1e100"),
+            Self::Turn => (value.abs() <= 1e6, "an angle from -1e6 to 1e6 rad"),
+            Self::Fraction => (value > 0.0 && value <= 1.0, "a number > 0 and <= 1"),
+            Self::Unit => ((0.0..=1.0).contains(&value), "a number from 0 to 1"),
+            Self::Tolerance => ((1e-14..=1e-1).contains(&value), "a number from 1e-14 to 1e-1"),
+        }
+    }
+
     /// Whether the value is in the range.
     pub fn contains(self, value: f64) -> bool {
-        value.is_finite()
-            && match self {
-                Self::Finite => true,
-                Self::NonNegative => value >= 0.0,
-                Self::Positive => value > 0.0,
-                Self::Length => value > 0.0 && value <= FARTHEST,
-                Self::Coordinate => value.abs() <= FARTHEST,
-                Self::Turn => value.abs() <= MOST_TURNED,
-                Self::Fraction => value > 0.0 && value <= 1.0,
-                Self::Unit => (0.0..=1.0).contains(&value),
-                Self::Between(low, high) => (low..=high).contains(&value),
-            }
+        value.is_finite() && self.rule(value).0
     }
 
     /// Check the value of a key.
@@ -60,23 +59,20 @@ impl Range {
 
     /// The range in words.
     pub fn text(self) -> String {
-        match self {
-            Self::Finite => "a finite number".into(),
-            Self::NonNegative => "a finite number >= 0".into(),
-            Self::Positive => "a finite number > 0".into(),
-            Self::Length => format!("a number > 0 and <= {FARTHEST:e}"),
-            Self::Coordinate => format!("a number from -{FARTHEST:e} to {FARTHEST:e}"),
-            Self::Turn => format!("an angle from -{MOST_TURNED:e} to {MOST_TURNED:e} rad"),
-            Self::Fraction => "a number > 0 and <= 1".into(),
-            Self::Unit => "a number from 0 to 1".into(),
-            Self::Between(low, high) => format!("a number from {low:e} to {high:e}"),
-        }
+        self.rule(0.0).1.to_owned()
     }
 }
 
 /// A text in pieces: a visit of all parameters allocates nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Text<'a>([&'a str; 7]);
+
+impl Text<'_> {
+    /// The whole text.
+    pub fn concat(&self) -> String {
+        self.0.concat()
+    }
+}
 
 impl<'a, const N: usize> From<[&'a str; N]> for Text<'a> {
     fn from(pieces: [&'a str; N]) -> Self {
@@ -90,9 +86,12 @@ impl<'a, const N: usize> From<[&'a str; N]> for Text<'a> {
 /// A numeric parameter without its value; `R`: the type of its role in the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter<'a, R> {
-    name: Text<'a>,
-    key: Text<'a>,
-    description: Text<'a>,
+    /// Variable name, such as `crank.length`.
+    pub name: Text<'a>,
+    /// Path of the key in the file, such as `bodies.crank.length`.
+    pub key: Text<'a>,
+    /// One line of text.
+    pub description: Text<'a>,
     /// Unit.
     pub unit: Unit,
     /// Values that it may have.
@@ -111,44 +110,21 @@ impl<'a, R> Parameter<'a, R> {
     ) -> Self {
         Self { name: name.into(), key: key.into(), description: description.into(), unit, range, role }
     }
-
-    /// Variable name, such as `crank.length`.
-    pub fn name(&self) -> String {
-        self.name.0.concat()
-    }
-
-    /// Path of the key in the file, such as `bodies.crank.length`.
-    pub fn key(&self) -> String {
-        self.key.0.concat()
-    }
-
-    /// One line of text.
-    pub fn description(&self) -> String {
-        self.description.0.concat()
-    }
 }
 
 /// A Boolean parameter without its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flag<'a> {
-    name: Text<'a>,
-    description: Text<'a>,
+    /// Variable name, such as `friction.enabled`.
+    pub name: Text<'a>,
+    /// One line of text.
+    pub description: Text<'a>,
 }
 
 impl<'a> Flag<'a> {
     /// Flag of a section or element.
     pub fn new<const D: usize>(owner: &'a str, quantity: &'a str, description: [&'a str; D]) -> Self {
         Self { name: [owner, ".", quantity].into(), description: description.into() }
-    }
-
-    /// Variable name, such as `friction.enabled`.
-    pub fn name(&self) -> String {
-        self.name.0.concat()
-    }
-
-    /// One line of text.
-    pub fn description(&self) -> String {
-        self.description.0.concat()
     }
 }
 
@@ -159,23 +135,19 @@ pub struct Owner<'a, 'v, R> {
     name: &'a str,
     /// Role of the parameters that are listed next.
     pub role: R,
-    visit: &'v mut dyn FnMut(Parameter<R>, &mut f64),
+    /// Called with each parameter and its value.
+    pub visit: &'v mut dyn FnMut(Parameter<R>, &mut f64),
 }
 
 impl<'a, 'v, R: Copy> Owner<'a, 'v, R> {
-    /// Section that there is once.
-    pub fn section(name: &'static str, role: R, visit: &'v mut dyn FnMut(Parameter<R>, &mut f64)) -> Self {
-        Self { group: None, name, role, visit }
-    }
-
-    /// Named element of a group.
-    pub fn element(
-        group: &'static str,
+    /// Section that there is once; or named element of a group.
+    pub fn new(
+        group: Option<&'static str>,
         name: &'a str,
         role: R,
         visit: &'v mut dyn FnMut(Parameter<R>, &mut f64),
     ) -> Self {
-        Self { group: Some(group), name, role, visit }
+        Self { group, name, role, visit }
     }
 
     /// Visit the parameter `owner.quantity`, if it has a value; `words`: its description, without the owner's name.
@@ -187,23 +159,13 @@ impl<'a, 'v, R: Copy> Owner<'a, 'v, R> {
         range: Range,
         value: impl Into<Option<&'x mut f64>>,
     ) {
-        self.add_component(quantity, quantity, words, (unit, range), value);
-    }
-
-    /// [`Self::add`] for a parameter with a key of its own, such as `center[0]`.
-    pub fn add_component<'x>(
-        &mut self,
-        quantity: &'static str,
-        key: &'static str,
-        words: &'static str,
-        (unit, range): (Unit, Range),
-        value: impl Into<Option<&'x mut f64>>,
-    ) {
         let Some(value) = value.into() else { return };
         let (name, kind) = ([self.name, ".", quantity], (unit, range, self.role));
         let parameter = match self.group {
-            Some(group) => Parameter::new(name, [group, ".", self.name, ".", key], [words, " of ", self.name], kind),
-            None => Parameter::new(name, [self.name, ".", key], [words], kind),
+            Some(group) => {
+                Parameter::new(name, [group, ".", self.name, ".", quantity], [words, " of ", self.name], kind)
+            }
+            None => Parameter::new(name, name, [words], kind),
         };
         (self.visit)(parameter, value);
     }

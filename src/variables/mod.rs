@@ -4,14 +4,13 @@
 //! `modelDescription.xml`, its units and its ModelStructure. A variable's value reference is its index in the list.
 //! It must not know the FMI functions, nor any mechanics; causality, variability and initial are the standard's words.
 
-mod guid;
 mod unit;
 
-use guid::guid;
+use crate::codec::checksum::fnv1a_128;
 use std::collections::HashSet;
 use std::ops::Deref;
 
-pub use unit::{BaseUnit, DisplayUnit, Unit};
+pub use unit::Unit;
 
 /// Index of a variable in the table; the FMI value reference.
 pub type Reference = u32;
@@ -30,7 +29,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Word that enters the GUID and messages.
+    /// Word in the GUID and in messages.
     pub fn word(self) -> &'static str {
         match self {
             Self::Real => "Real",
@@ -53,7 +52,7 @@ pub enum Causality {
 }
 
 impl Causality {
-    /// Word that enters the GUID and messages.
+    /// Word in the GUID and in messages.
     pub fn word(self) -> &'static str {
         match self {
             Self::Parameter => "Parameter",
@@ -75,7 +74,7 @@ pub enum Variability {
 }
 
 impl Variability {
-    /// Word that enters the GUID and messages.
+    /// Word in the GUID and in messages.
     pub fn word(self) -> &'static str {
         match self {
             Self::Fixed => "Fixed",
@@ -90,8 +89,6 @@ impl Variability {
 pub enum Value {
     /// Value of a Real.
     Real(f64),
-    /// Value of an Integer.
-    Integer(i32),
     /// Value of a Boolean.
     Boolean(bool),
     /// Value of a String.
@@ -188,4 +185,15 @@ impl<Q> Deref for Variables<Q> {
     fn deref(&self) -> &Interface {
         &self.interface
     }
+}
+
+/// Hash of the model's name and of each variable's name, kind, causality, variability and unit, in the form of a GUID.
+/// Start values and descriptions do not enter it.
+fn guid(name: &str, list: &[Variable]) -> String {
+    let fields = list.iter().flat_map(|v| {
+        let unit = v.unit.map_or("", Unit::name);
+        [&v.name, "\0", v.kind.word(), " ", v.causality.word(), " ", v.variability.word(), " ", unit, "\0"]
+    });
+    let hex = format!("{:032x}", fnv1a_128([name, "\0"].into_iter().chain(fields)));
+    format!("{{{}-{}-{}-{}-{}}}", &hex[..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..])
 }

@@ -1,137 +1,79 @@
 //! Units of the variables, with what the XML must say of them.
 
-/// Unit of a Real.
+/// Unit of a Real; its quantity stands in the table of [`Unit::row`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[allow(missing_docs)]
 pub enum Unit {
-    /// Dimensionless [1].
     One,
-    /// Angle [rad].
     Radian,
-    /// Angular speed [rad/s].
     RadianPerSecond,
-    /// Angular acceleration [rad/s2].
     RadianPerSecondSquared,
-    /// Time [s].
     Second,
-    /// Length [m].
     Metre,
-    /// Area [m2].
     SquareMetre,
-    /// Speed [m/s].
     MetrePerSecond,
-    /// Acceleration [m/s2].
     MetrePerSecondSquared,
-    /// Mass [kg].
     Kilogram,
-    /// Moment of inertia [kg.m2].
     KilogramSquareMetre,
-    /// Mass density [kg/m3].
     KilogramPerCubicMetre,
-    /// Force [N].
     Newton,
-    /// Torque [N.m].
     NewtonMetre,
-    /// Energy [J].
     Joule,
-    /// Stiffness [N/m].
     NewtonPerMetre,
-    /// Damping [N.s/m].
     NewtonSecondPerMetre,
-    /// Torsional stiffness [N.m/rad].
     NewtonMetrePerRadian,
-    /// Torsional damping [N.m.s/rad].
     NewtonMetreSecondPerRadian,
-    /// Change of mass with length [kg/m].
     KilogramPerMetre,
-    /// Change of moment of inertia with angle [kg.m2/rad].
     KilogramSquareMetrePerRadian,
 }
 
-/// Unit of a Real for display: value in the display unit = factor * value.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DisplayUnit {
-    /// Name, such as `deg`.
-    pub name: &'static str,
-    /// Factor from the unit to the display unit.
-    pub factor: f64,
-}
-
-/// Exponents of a unit in the SI base units that mechanics uses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct BaseUnit {
-    /// Exponent of the kilogram.
-    pub kg: i8,
-    /// Exponent of the metre.
-    pub m: i8,
-    /// Exponent of the second.
-    pub s: i8,
-    /// Exponent of the radian.
-    pub rad: i8,
-}
-
 impl Unit {
-    /// Name as it stands in the XML, such as `N.m`.
-    pub fn name(self) -> &'static str {
+    /// Name, and exponents of kg, m, s and rad.
+    const fn row(self) -> (&'static str, [i8; 4]) {
         match self {
-            Self::One => "1",
-            Self::Radian => "rad",
-            Self::RadianPerSecond => "rad/s",
-            Self::RadianPerSecondSquared => "rad/s2",
-            Self::Second => "s",
-            Self::Metre => "m",
-            Self::SquareMetre => "m2",
-            Self::MetrePerSecond => "m/s",
-            Self::MetrePerSecondSquared => "m/s2",
-            Self::Kilogram => "kg",
-            Self::KilogramSquareMetre => "kg.m2",
-            Self::KilogramPerCubicMetre => "kg/m3",
-            Self::Newton => "N",
-            Self::NewtonMetre => "N.m",
-            Self::Joule => "J",
-            Self::NewtonPerMetre => "N/m",
-            Self::NewtonSecondPerMetre => "N.s/m",
-            Self::NewtonMetrePerRadian => "N.m/rad",
-            Self::NewtonMetreSecondPerRadian => "N.m.s/rad",
-            Self::KilogramPerMetre => "kg/m",
-            Self::KilogramSquareMetrePerRadian => "kg.m2/rad",
+            Self::One => ("1", [0, 0, 0, 0]),                                   // dimensionless
+            Self::Radian => ("rad", [0, 0, 0, 1]),                              // angle
+            Self::RadianPerSecond => ("rad/s", [0, 0, -1, 1]),                  // angular speed
+            Self::RadianPerSecondSquared => ("rad/s2", [0, 0, -2, 1]),          // angular acceleration
+            Self::Second => ("s", [0, 0, 1, 0]),                                // time
+            Self::Metre => ("m", [0, 1, 0, 0]),                                 // length
+            Self::SquareMetre => ("m2", [0, 2, 0, 0]),                          // area
+            Self::MetrePerSecond => ("m/s", [0, 1, -1, 0]),                     // speed
+            Self::MetrePerSecondSquared => ("m/s2", [0, 1, -2, 0]),             // acceleration
+            Self::Kilogram => ("kg", [1, 0, 0, 0]),                             // mass
+            Self::KilogramSquareMetre => ("kg.m2", [1, 2, 0, 0]),               // moment of inertia
+            Self::KilogramPerCubicMetre => ("kg/m3", [1, -3, 0, 0]),            // mass density
+            Self::Newton => ("N", [1, 1, -2, 0]),                               // force
+            Self::NewtonMetre => ("N.m", [1, 2, -2, 0]),                        // torque
+            Self::Joule => ("J", [1, 2, -2, 0]),                                // energy
+            Self::NewtonPerMetre => ("N/m", [1, 0, -2, 0]),                     // stiffness
+            Self::NewtonSecondPerMetre => ("N.s/m", [1, 0, -1, 0]),             // damping
+            Self::NewtonMetrePerRadian => ("N.m/rad", [1, 2, -2, -1]),          // torsional stiffness
+            Self::NewtonMetreSecondPerRadian => ("N.m.s/rad", [1, 2, -1, -1]),  // torsional damping
+            Self::KilogramPerMetre => ("kg/m", [1, -1, 0, 0]),                  // change of mass with length
+            Self::KilogramSquareMetrePerRadian => ("kg.m2/rad", [1, 2, 0, -1]), // change of moment of inertia with angle
         }
     }
 
-    /// Exponents in base units.
-    pub fn base(self) -> BaseUnit {
-        let (kg, m, s, rad) = match self {
-            Self::One => (0, 0, 0, 0),
-            Self::Radian => (0, 0, 0, 1),
-            Self::RadianPerSecond => (0, 0, -1, 1),
-            Self::RadianPerSecondSquared => (0, 0, -2, 1),
-            Self::Second => (0, 0, 1, 0),
-            Self::Metre => (0, 1, 0, 0),
-            Self::SquareMetre => (0, 2, 0, 0),
-            Self::MetrePerSecond => (0, 1, -1, 0),
-            Self::MetrePerSecondSquared => (0, 1, -2, 0),
-            Self::Kilogram => (1, 0, 0, 0),
-            Self::KilogramSquareMetre => (1, 2, 0, 0),
-            Self::KilogramPerCubicMetre => (1, -3, 0, 0),
-            Self::Newton => (1, 1, -2, 0),
-            Self::NewtonMetre | Self::Joule => (1, 2, -2, 0),
-            Self::NewtonPerMetre => (1, 0, -2, 0),
-            Self::NewtonSecondPerMetre => (1, 0, -1, 0),
-            Self::NewtonMetrePerRadian => (1, 2, -2, -1),
-            Self::NewtonMetreSecondPerRadian => (1, 2, -1, -1),
-            Self::KilogramPerMetre => (1, -1, 0, 0),
-            Self::KilogramSquareMetrePerRadian => (1, 2, 0, -1),
-        };
-        BaseUnit { kg, m, s, rad }
+    /// Name as it stands in the XML, such as `N.m`.
+    pub fn name(self) -> &'static str {
+        self.row().0
     }
 
-    /// Display unit, where one is worth having.
-    pub fn display(self) -> Option<DisplayUnit> {
+    /// Exponents of the SI base units that mechanics uses.
+    pub fn base(self) -> [(&'static str, i8); 4] {
+        let [kg, m, s, rad] = self.row().1;
+        [("kg", kg), ("m", m), ("s", s), ("rad", rad)]
+    }
+
+    /// Display unit, where one is worth having: name and factor, with value in the display unit = factor * value.
+    pub fn display(self) -> Option<(&'static str, f64)> {
         let name = match self {
             Self::Radian => "deg",
             Self::RadianPerSecond => "deg/s",
             Self::RadianPerSecondSquared => "deg/s2",
             _ => return None,
         };
-        Some(DisplayUnit { name, factor: 180.0 / std::f64::consts::PI })
+        Some((name, 180.0 / std::f64::consts::PI))
     }
 }

@@ -70,7 +70,7 @@ fn check_renewal(text: &str) {
     let stated = Mechanism::from_json(text).unwrap();
     let reduced = Reduced::new(&stated).unwrap();
     let (mut parameters, mut flags) = (Vec::new(), 0);
-    stated.clone().parameters(&mut |p, _| parameters.push(p.name()));
+    stated.clone().parameters(&mut |p, _| parameters.push(p.name.concat()));
     stated.clone().flags(&mut |_, _| flags += 1);
     let compare = |name: &str, changed: &Mechanism| match (reduced.renewed(changed), Reduced::new(changed)) {
         (Ok(renewed), Ok(new)) => {
@@ -83,7 +83,7 @@ fn check_renewal(text: &str) {
     for name in &parameters {
         let mut changed = stated.clone();
         changed.parameters(&mut |p, value| {
-            if p.name() == *name {
+            if p.name.concat() == *name {
                 *value = *value * 0.999 + 1e-4;
             }
         });
@@ -112,7 +112,7 @@ fn a_renewed_crane_is_the_same_to_the_bit() {
 fn a_law_leaves_curve_and_tables() {
     let mut mechanism = Mechanism::from_json(GEAR).unwrap();
     let reduced = Reduced::new(&mechanism).unwrap();
-    mechanism.flags(&mut |flag, value| *value |= flag.name() == "friction.enabled");
+    mechanism.flags(&mut |flag, value| *value |= flag.name.concat() == "friction.enabled");
     let (renewed, count) = allocations(|| reduced.renewed(&mechanism).unwrap());
     assert!(std::ptr::eq(reduced.curve(), renewed.curve()));
     assert!(std::ptr::eq(reduced.influence(), renewed.influence()));

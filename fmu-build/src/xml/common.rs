@@ -1,7 +1,7 @@
 //! What all XML files of an FMU share: documents, elements, numbers, unit definitions, legal texts.
 
 use anyhow::{Result, bail};
-use linkage_fmu::variables::{BaseUnit, Unit, Value, Variable};
+use linkage_fmu::variables::{Unit, Value, Variable};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, Event};
 use std::collections::BTreeSet;
@@ -63,16 +63,16 @@ pub fn write_units(xml: &mut Xml, variables: &[Variable]) -> io::Result<()> {
 }
 
 fn write_unit(xml: &mut Xml, unit: Unit) -> io::Result<()> {
-    let BaseUnit { kg, m, s, rad } = unit.base();
-    let exponents: Attributes = [("kg", kg), ("m", m), ("s", s), ("rad", rad)]
+    let exponents: Attributes = unit
+        .base()
         .into_iter()
         .filter(|&(_, exponent)| exponent != 0)
         .map(|(name, exponent)| (name, exponent.to_string()))
         .collect();
     element(xml, "Unit", &[("name", unit.name().to_owned())], |xml| {
         empty(xml, "BaseUnit", &exponents)?;
-        unit.display().map_or(Ok(()), |display| {
-            empty(xml, "DisplayUnit", &[("name", display.name.to_owned()), ("factor", number(display.factor))])
+        unit.display().map_or(Ok(()), |(name, factor)| {
+            empty(xml, "DisplayUnit", &[("name", name.to_owned()), ("factor", number(factor))])
         })
     })
 }

@@ -103,7 +103,8 @@ impl<'a> Interface<'a> {
         write_units(xml, self.variables)?;
         group(xml, "LogCategories", |xml| {
             LOG_CATEGORIES.iter().try_for_each(|&(name, description)| {
-                empty(xml, "Category", &[("name", name.to_owned()), ("description", description.to_owned())])
+                let name = name.to_string_lossy().into_owned();
+                empty(xml, "Category", &[("name", name), ("description", description.to_owned())])
             })
         })?;
         empty(
@@ -172,11 +173,10 @@ fn kind_name(kind: Kind) -> &'static str {
 
 fn kind_attributes(variable: &Variable) -> Attributes<'static> {
     let unit = variable.unit.map(|unit| ("unit", unit.name().to_owned()));
-    let display = variable.unit.and_then(Unit::display).map(|display| ("displayUnit", display.name.to_owned()));
+    let display = variable.unit.and_then(Unit::display).map(|(name, _)| ("displayUnit", name.to_owned()));
     let start = variable.start.as_ref().map(|start| {
         let text = match start {
             Value::Real(value) => number(*value),
-            Value::Integer(value) => value.to_string(),
             Value::Boolean(value) => value.to_string(),
             Value::String(text) => text.clone(),
         };

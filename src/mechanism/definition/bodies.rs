@@ -1,6 +1,6 @@
-//! Bodies and the points on them whose motion is asked for.
-use super::role::{Role, Visit};
-use crate::format::{Named, Owner, Parameter, Range};
+//! Bodies, points on them whose motion is asked for, joints, and the friction in these.
+use super::{AXES, Role, Visit};
+use crate::format::{Flag, Named, Owner, Parameter, Range};
 use crate::variables::Unit;
 use serde::{Deserialize, Serialize};
 
@@ -47,27 +47,119 @@ pub struct Marker {
 
 impl Body {
     pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
-        let mut list = Owner::element("bodies", name, Role::Geometry, visit);
+        let mut list = Owner::new(Some("bodies"), name, Role::Geometry, visit);
         list.add("angle", "Angle of the x axis", Unit::Radian, Range::Finite, &mut self.angle);
         list.add("length", "Length", Unit::Metre, Range::Length, &mut self.length);
         list.role = Role::Inertia;
         list.add("mass", "Mass", Unit::Kilogram, Range::NonNegative, &mut self.mass);
-        if let Some([x, y]) = &mut self.center {
-            let kind = (Unit::Metre, Range::Coordinate);
-            list.add_component("center_x", "center[0]", "Centre of mass, x,", kind, x);
-            list.add_component("center_y", "center[1]", "Centre of mass, y,", kind, y);
+        for ((axis, index), value) in AXES.into_iter().zip(self.center.iter_mut().flatten()) {
+            let (key, kind) = (["bodies.", name, ".center", index], (Unit::Metre, Range::Coordinate, Role::Inertia));
+            let description = ["Centre of mass, ", axis, ", of ", name];
+            (list.visit)(Parameter::new([name, ".center_", axis], key, description, kind), value);
         }
         let words = "Moment of inertia about the centre of mass";
         list.add("inertia", words, Unit::KilogramSquareMetre, Range::NonNegative, &mut self.inertia);
         list.role = Role::Elasticity;
         list.add("axial_stiffness", "Axial stiffness E A", Unit::Newton, Range::Positive, &mut self.axial_stiffness);
         for (point, coordinates) in self.points.iter_mut() {
-            for ((axis, index), value) in [("x", "[0]"), ("y", "[1]")].into_iter().zip(coordinates) {
+            for ((axis, index), value) in AXES.into_iter().zip(coordinates) {
                 let key = ["bodies.", name, ".points.", point, index];
                 let description = ["Point ", point, ", ", axis, ", of ", name];
                 let kind = (Unit::Metre, Range::Coordinate, Role::Geometry);
                 visit(Parameter::new([name, ".", point, "_", axis], key, description, kind), value);
             }
         }
+    }
+}
+
+/// Connection of two bodies.
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Joint {
+    /// Kind of joint.
+    #[serde(rename = "type")]
+    pub kind: JointKind,
+    /// Point (`body.point`) of the first body. The joint's reaction is the force of the first body on the second.
+    pub first: String,
+    /// Point (`body.point`) of the second body.
+    pub second: String,
+    /// Prismatic only: direction of sliding in the first body's frame [rad]; 0 where absent.
+    pub axis_angle: Option<f64>,
+    /// Prismatic only: angle of the second body's x axis from the x axis of the first [rad]; 0 where absent.
+    pub angle: Option<f64>,
+    /// Revolute only: radius of the pin [m], >= 0; no friction in the joint where absent.
+    pub pin_radius: Option<f64>,
+    /// Coefficient of static friction in this joint [1], >= 0; `friction.static_coefficient` where absent.
+    pub static_coefficient: Option<f64>,
+    /// Coefficient of kinetic friction in this joint [1], >= 0; `friction.kinetic_coefficient` where absent.
+    pub kinetic_coefficient: Option<f64>,
+}
+
+/// Kind of a joint.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
+#[serde(rename_all = "snake_case")]
+pub enum JointKind {
+    /// The two points coincide.
+    Revolute,
+    /// The second point lies on a line through the first, fixed in the first body; the bodies do not turn relatively.
+    Prismatic,
+}
+
+/// Friction in the joints ([HF08] section 4): in every revolute joint with a pin radius, and in every prismatic joint.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Friction {
+    /// Whether the joints have friction.
+    #[serde(default)]
+    pub enabled: bool,
+    /// Coefficient of static friction mu_S [1], >= 0.
+    pub static_coefficient: f64,
+    /// Coefficient of kinetic friction mu_d [1], >= 0.
+    pub kinetic_coefficient: f64,
+    /// Slip speed V_S at which friction is static [m/s], > 0; at lower slip speeds friction is proportional to the slip
+    /// speed.
+    #[serde(default = "static_speed")]
+    pub static_speed: f64,
+    /// Slip speed V_d above which friction is kinetic [m/s], > V_S.
+    #[serde(default = "kinetic_speed")]
+    pub kinetic_speed: f64,
+}
+
+fn static_speed() -> f64 {
+    0.01
+}
+
+fn kinetic_speed() -> f64 {
+    1.0
+}
+
+impl Joint {
+    pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
+        use Unit::{Metre, One, Radian};
+        let mut list = Owner::new(Some("joints"), name, Role::Geometry, visit);
+        list.add("axis_angle", "Direction of sliding", Radian, Range::Finite, &mut self.axis_angle);
+        list.add("angle", "Angle between the bodies", Radian, Range::Finite, &mut self.angle);
+        list.role = Role::Load;
+        list.add("pin_radius", "Radius of the pin", Metre, Range::NonNegative, &mut self.pin_radius);
+        let words = ["Coefficient of static friction", "Coefficient of kinetic friction"];
+        list.add("static_coefficient", words[0], One, Range::NonNegative, &mut self.static_coefficient);
+        list.add("kinetic_coefficient", words[1], One, Range::NonNegative, &mut self.kinetic_coefficient);
+    }
+}
+
+impl Friction {
+    pub(super) fn parameters(&mut self, visit: &mut Visit) {
+        use Unit::{MetrePerSecond, One};
+        let mut list = Owner::new(None, "friction", Role::Load, visit);
+        let words = ["Coefficient of static friction", "Coefficient of kinetic friction"];
+        list.add("static_coefficient", words[0], One, Range::NonNegative, &mut self.static_coefficient);
+        list.add("kinetic_coefficient", words[1], One, Range::NonNegative, &mut self.kinetic_coefficient);
+        let words = ["Slip speed at which friction is static", "Slip speed from which friction is kinetic"];
+        list.add("static_speed", words[0], MetrePerSecond, Range::Positive, &mut self.static_speed);
+        list.add("kinetic_speed", words[1], MetrePerSecond, Range::Positive, &mut self.kinetic_speed);
+    }
+
+    pub(super) fn flags(&mut self, visit: &mut dyn FnMut(Flag, &mut bool)) {
+        visit(Flag::new("friction", "enabled", ["Whether the joints have friction"]), &mut self.enabled);
     }
 }

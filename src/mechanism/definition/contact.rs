@@ -1,5 +1,5 @@
 //! Stops at the ends of the travel, and locks that hold the mechanism there.
-use super::role::{Role, Visit};
+use super::{Role, Visit};
 use crate::format::{Flag, Owner, Range};
 use crate::variables::Unit;
 use serde::{Deserialize, Serialize};
@@ -79,7 +79,7 @@ impl Stop {
         } else {
             (Unit::NewtonPerMetre, Unit::NewtonSecondPerMetre)
         };
-        let mut list = Owner::element("stops", name, Role::Load, visit);
+        let mut list = Owner::new(Some("stops"), name, Role::Load, visit);
         list.add("angle", "Angle", Unit::Radian, Range::Finite, &mut self.angle);
         list.add("position", "Position", Unit::Metre, Range::Finite, &mut self.position);
         list.add("length", "Distance of the points", Unit::Metre, Range::NonNegative, &mut self.length);

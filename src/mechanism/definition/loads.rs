@@ -1,5 +1,5 @@
 //! Loads: gravity, drives, forces, torques, springs and drag.
-use super::role::{Role, Visit};
+use super::{AXES, Role, Visit};
 use crate::format::{Flag, Owner, Parameter, Range};
 use crate::variables::Unit;
 use serde::{Deserialize, Serialize};
@@ -136,7 +136,7 @@ pub struct Surface {
 
 impl Gravity {
     pub(super) fn parameters(&mut self, visit: &mut Visit) {
-        let mut list = Owner::section("gravity", Role::Load, visit);
+        let mut list = Owner::new(None, "gravity", Role::Load, visit);
         let (unit, words) = (Unit::MetrePerSecondSquared, "Upward direction, angle from the X axis");
         list.add("acceleration", "Acceleration of free fall", unit, Range::NonNegative, &mut self.acceleration);
         list.add("up_angle", words, Unit::Radian, Range::Finite, &mut self.up_angle);
@@ -145,14 +145,14 @@ impl Gravity {
 
 impl Actuator {
     pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
-        let mut list = Owner::element("actuators", name, Role::Load, visit);
+        let mut list = Owner::new(Some("actuators"), name, Role::Load, visit);
         list.add("efficiency", "Efficiency", Unit::One, Range::Fraction, &mut self.efficiency);
     }
 }
 
 impl Force {
     pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
-        for ((axis, index), value) in [("x", "[0]"), ("y", "[1]")].into_iter().zip(&mut self.force) {
+        for ((axis, index), value) in AXES.into_iter().zip(&mut self.force) {
             let (key, kind) = (["forces.", name, ".force", index], (Unit::Newton, Range::Finite, Role::Load));
             let description = ["Constant force at ", name, ", ", axis, ", mechanism frame"];
             visit(Parameter::new([name, ".force_", axis], key, description, kind), value);
@@ -176,7 +176,7 @@ impl Spring {
         };
         // A distance is not negative, a position along an axis may be.
         let length = if self.joint.is_none() { Range::NonNegative } else { Range::Finite };
-        let mut list = Owner::element("springs", name, Role::Load, visit);
+        let mut list = Owner::new(Some("springs"), name, Role::Load, visit);
         list.add("stiffness", "Stiffness", stiffness, Range::NonNegative, &mut self.stiffness);
         list.add("damping", "Damping", damping, Range::NonNegative, &mut self.damping);
         list.add("free_length", "Free length", Unit::Metre, length, &mut self.free_length);
@@ -187,7 +187,7 @@ impl Spring {
 
 impl Air {
     pub(super) fn parameters(&mut self, visit: &mut Visit) {
-        let mut list = Owner::section("air", Role::Load, visit);
+        let mut list = Owner::new(None, "air", Role::Load, visit);
         let (unit, words) = (Unit::KilogramPerCubicMetre, "Direction in which the air flows, angle from the X axis");
         list.add("density", "Mass density of the air", unit, Range::NonNegative, &mut self.density);
         list.add("flow_angle", words, Unit::Radian, Range::Finite, &mut self.flow_angle);
@@ -201,7 +201,7 @@ impl Air {
 
 impl Surface {
     pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
-        let mut list = Owner::element("surfaces", name, Role::Load, visit);
+        let mut list = Owner::new(Some("surfaces"), name, Role::Load, visit);
         list.add("width", "Width of the surface", Unit::Metre, Range::NonNegative, &mut self.width);
         list.add("area", "Area", Unit::SquareMetre, Range::NonNegative, &mut self.area);
         list.add("surface_angle", "Angle of the flat area", Unit::Radian, Range::Finite, &mut self.surface_angle);

@@ -1,11 +1,9 @@
 //! A whole mechanism as the file states it, and the list of its parameters.
-use super::bodies::{Body, Marker};
+use super::Visit;
+use super::bodies::{Body, Friction, Joint, JointKind, Marker};
 use super::contact::{Lock, Stop};
-use super::joints::{Friction, Joint, JointKind};
+use super::experiment::{Experiment, Solver, Start};
 use super::loads::{Actuator, Air, Force, Gravity, Spring, Surface, Torque};
-use super::role::Visit;
-use super::solver::Solver;
-use super::start::{Experiment, Start};
 use crate::format::{Flag, Named};
 use serde::{Deserialize, Serialize};
 

@@ -5,25 +5,44 @@
 //! anticlockwise positive.
 mod bodies;
 mod contact;
-mod joints;
+mod experiment;
 mod loads;
 mod mechanism;
-mod role;
-mod solver;
-mod start;
 mod validate;
 
 pub use crate::format::{DefinitionError, Named, Range};
-pub use bodies::{Body, Marker, Shape};
+pub use bodies::{Body, Friction, Joint, JointKind, Marker, Shape};
 pub use contact::{Limit, Lock, Stop};
-pub use joints::{Friction, Joint, JointKind};
+pub use experiment::{Experiment, Method, Solver, Start};
 pub use loads::{Actuator, Air, Force, Gravity, Spring, Surface, Torque};
 pub use mechanism::{GROUND, Mechanism};
-pub use role::{Role, Visit};
-pub use solver::{Method, Solver};
-pub use start::{Experiment, Start};
 
-use crate::format::read;
+use crate::format::{Parameter, read};
+
+/// What a parameter changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// The shape of the linkage.
+    Geometry,
+    /// Masses and moments of inertia.
+    Inertia,
+    /// The potential or the law of a load.
+    Load,
+    /// The position at the start.
+    StartPosition,
+    /// The speed at the start.
+    StartSpeed,
+    /// The stretch of bodies as rods.
+    Elasticity,
+    /// The tolerance or the step of the integration.
+    Tolerance,
+}
+
+/// Function that is called with each parameter and its value.
+pub type Visit<'v> = dyn FnMut(Parameter<'_, Role>, &mut f64) + 'v;
+
+/// Name of a coordinate in variables, and its index in the file.
+const AXES: [(&str, &str); 2] = [("x", "[0]"), ("y", "[1]")];
 
 impl Mechanism {
     /// Read and check a definition.

@@ -10,7 +10,7 @@ fn refused(from: &str, to: &str) -> String {
 fn the_gear_is_read() {
     let mut gear = Mechanism::from_json(GEAR).unwrap();
     let mut names = Vec::new();
-    gear.parameters(&mut |p, value| names.push((p.name(), *value)));
+    gear.parameters(&mut |p, value| names.push((p.name.concat(), *value)));
     for expected in [("crank.length", 0.1755), ("leg.angle", -2.4), ("wheel.mass", 19.5), ("crank.start_angle", 0.8)] {
         assert!(names.contains(&(expected.0.to_string(), expected.1)), "{expected:?} in {names:?}");
     }

@@ -1,7 +1,7 @@
 //! Checks of a definition that need no geometry: numbers in range, names that resolve, keys that go together.
-use super::joints::JointKind;
+use super::bodies::JointKind;
+use super::experiment::Solver;
 use super::mechanism::{GROUND, Mechanism};
-use super::solver::Solver;
 use crate::format::{DefinitionError, Named, Range};
 use std::fmt;
 
@@ -18,7 +18,7 @@ fn check_name(key: impl fmt::Display, name: &str) -> Check {
     Err(DefinitionError::value(key, format_args!("\"{name}\""), allowed))
 }
 
-fn refused<T>(key: impl fmt::Display, message: impl Into<String>) -> Result<T, DefinitionError> {
+fn refused<T>(key: impl fmt::Display, message: impl fmt::Display) -> Result<T, DefinitionError> {
     Err(DefinitionError::key(key, message))
 }
 
@@ -51,7 +51,7 @@ impl Mechanism {
         let mut checked = Ok(());
         self.parameters(&mut |parameter, value| {
             if checked.is_ok() && !parameter.range.contains(*value) {
-                checked = parameter.range.check(parameter.key(), *value);
+                checked = parameter.range.check(parameter.key.concat(), *value);
             }
         });
         checked?;
@@ -190,19 +190,17 @@ impl Mechanism {
             self.point(key("first"), &joint.first)?;
             self.point(key("second"), &joint.second)?;
             let is_revolute = joint.kind == JointKind::Revolute;
-            for (k, value) in [("axis_angle", joint.axis_angle), ("angle", joint.angle)] {
-                if value.is_some() && is_revolute {
-                    return refused(key(k), "goes with a prismatic joint only");
-                }
-            }
-            if joint.pin_radius.is_some() && !is_revolute {
-                return refused(key("pin_radius"), "goes with a revolute joint only");
-            }
-            let own =
-                [("static_coefficient", joint.static_coefficient), ("kinetic_coefficient", joint.kinetic_coefficient)];
-            for (k, value) in own {
-                if value.is_some() && self.friction.is_none() {
-                    return refused(key(k), "there is no friction that it could change: add the key friction");
+            let (no_slide, no_pin) = ("goes with a prismatic joint only", "goes with a revolute joint only");
+            let no_friction = "there is no friction that it could change: add the key friction";
+            for (k, value, excluded, message) in [
+                ("axis_angle", joint.axis_angle, is_revolute, no_slide),
+                ("angle", joint.angle, is_revolute, no_slide),
+                ("pin_radius", joint.pin_radius, !is_revolute, no_pin),
+                ("static_coefficient", joint.static_coefficient, self.friction.is_none(), no_friction),
+                ("kinetic_coefficient", joint.kinetic_coefficient, self.friction.is_none(), no_friction),
+            ] {
+                if value.is_some() && excluded {
+                    return refused(key(k), message);
                 }
             }
         }
@@ -233,8 +231,9 @@ impl Mechanism {
         }
         for (name, force) in self.forces.iter() {
             self.point(format_args!("forces.{name}.at"), &force.at)?;
-            Range::Finite.check(format_args!("forces.{name}.force[0]"), force.force[0])?;
-            Range::Finite.check(format_args!("forces.{name}.force[1]"), force.force[1])?;
+            for (i, component) in force.force.into_iter().enumerate() {
+                Range::Finite.check(format_args!("forces.{name}.force[{i}]"), component)?;
+            }
         }
         for (name, torque) in self.torques.iter() {
             entry(format_args!("torques.{name}.on"), "bodies", &self.bodies, &torque.on)?;

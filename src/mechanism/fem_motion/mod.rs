@@ -197,8 +197,8 @@ fn finite_elements(reduced: &Reduced, mechanism: &Mechanism) -> Result<RigidFem,
     };
     RigidFem::new(linkage, reduced.loading(), &stated).map_err(|error| match error {
         RigidFemError::AxialStiffness { body, value } if value.is_nan() => {
-            let message = "solver.method = \"rigid_fem\" asks for it: state E A of the body in N".into();
-            ModelError::Definition(DefinitionError::Key { key: format!("bodies.{body}.axial_stiffness"), message })
+            let message = "solver.method = \"rigid_fem\" asks for it: state E A of the body in N";
+            DefinitionError::key(format_args!("bodies.{body}.axial_stiffness"), message).into()
         }
         error => error.into(),
     })

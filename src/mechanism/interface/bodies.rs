@@ -1,12 +1,14 @@
-//! Variables of bodies and of markers on them.
+//! Variables of bodies, joints and markers: motion, reactions, friction, energy.
 use super::builder::Builder;
-use super::needs::Needs;
-use crate::mechanism::quantity::Output;
+use super::needs::{Needs, placed};
+use crate::mechanism::linkage::Freedom;
+use crate::mechanism::quantity::{Output, ReactionPart};
 use crate::variables::Unit::{
-    Metre, MetrePerSecond, MetrePerSecondSquared, Radian, RadianPerSecond, RadianPerSecondSquared,
+    Joule, Metre, MetrePerSecond, MetrePerSecondSquared, Newton, NewtonMetre, Radian, RadianPerSecond,
+    RadianPerSecondSquared,
 };
 
-pub(super) fn add_motion(b: &mut Builder) {
+pub(super) fn add_bodies(b: &mut Builder) {
     let bodies = b.source.linkage.bodies.iter().enumerate();
     for (body, name) in bodies.filter(|(_, b)| b.angle_coordinate.is_some()).map(|(i, b)| (i, &b.name)) {
         let derivatives = [
@@ -16,6 +18,47 @@ pub(super) fn add_motion(b: &mut Builder) {
         ];
         let stated = b.source.mechanism.start.body.as_ref() == Some(name);
         b.motion(name, derivatives, stated, |order| Output::Angle { body, order });
+    }
+}
+
+pub(super) fn add_joints(b: &mut Builder) {
+    let linkage = &b.source.linkage;
+    for (coordinate, name) in linkage.coordinates.iter().enumerate().skip(linkage.angles) {
+        let derivatives = [
+            ("position", "Position along the axis of", Metre),
+            ("speed", "Speed along the axis of", MetrePerSecond),
+            ("acceleration", "Acceleration along the axis of", MetrePerSecondSquared),
+        ];
+        let stated = b.source.mechanism.start.joint.as_ref() == Some(name);
+        b.motion(name, derivatives, stated, |order| Output::JointPosition { coordinate, order });
+    }
+}
+
+pub(super) fn add_reactions(b: &mut Builder) {
+    let s = b.source;
+    let needs = Needs { masses: true, ..s.acceleration() };
+    let friction_joints = s.loading.friction.as_ref().map_or(&[][..], |f| &f.friction_joints);
+    for (joint, j) in s.linkage.joints.iter().enumerate() {
+        let body = |index: usize| s.linkage.bodies[index].name.as_str();
+        let (n, is_revolute) = (j.name.as_str(), j.freedom == Freedom::Revolute);
+        let between = [" that ", body(j.first.body), " exerts on ", body(j.second.body), " in ", n].concat();
+        let mut add = |suffix, text, unit, output| b.output(n, suffix, &[text, &between], unit, output, needs);
+        let reaction = |part| Output::Reaction { joint, part };
+        add("force_x", "Force, x,", Newton, reaction(ReactionPart::X));
+        add("force_y", "Force, y,", Newton, reaction(ReactionPart::Y));
+        add("force", "Magnitude of the force", Newton, reaction(ReactionPart::Magnitude));
+        if !is_revolute {
+            add("torque", "Moment about the second point", NewtonMetre, reaction(ReactionPart::Moment));
+        }
+        let Some(friction_joint) = friction_joints.iter().position(|p| p.joint == joint) else { continue };
+        let friction = Output::Friction { friction_joint };
+        match is_revolute {
+            true => add("friction_torque", "Friction torque", NewtonMetre, friction),
+            false => add("friction_force", "Friction force along the axis", Newton, friction),
+        }
+        let text = ["Slip speed of ", body(j.second.body), " on ", body(j.first.body), " in ", n];
+        let needs = s.slip_speed(friction_joints[friction_joint].load);
+        b.output(n, "slip_speed", &text, MetrePerSecond, Output::SlipSpeed { friction_joint }, needs);
     }
 }
 
@@ -37,4 +80,17 @@ pub(super) fn add_markers(b: &mut Builder) {
             }
         }
     }
+}
+
+pub(super) fn add_energy(b: &mut Builder) {
+    let loading = &b.source.loading;
+    let gravity = loading.gravity.as_slice();
+    let stored: Vec<usize> = gravity.iter().copied().chain(loading.sized()..loading.base()).collect();
+    let kinetic = Needs { speed: true, inertia: true, ..placed() };
+    let potential = Needs { inputs: gravity, loads: &stored, ..placed() };
+    b.output("energy", "kinetic", &["Kinetic energy"], Joule, Output::Kinetic, kinetic);
+    let text = "Potential energy of gravity at the present load factor, and of springs";
+    b.output("energy", "potential", &[text], Joule, Output::Potential, potential);
+    let text = "Energy now less energy at the start less work done: the error of the integration";
+    b.output("energy", "drift", &[text], Joule, Output::Drift, Needs::default());
 }

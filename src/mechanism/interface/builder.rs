@@ -1,5 +1,5 @@
 //! Collects the variables, each with its quantity and dependencies.
-use super::needs::{Cause, Needs, PLACED};
+use super::needs::{Cause, Needs, placed};
 use super::source::Source;
 use crate::mechanism::quantity::{Output, Quantity};
 use crate::variables::{Causality, Kind, Reference, Unit, Value, Variability, Variable};
@@ -35,7 +35,7 @@ impl<'a> Builder<'a> {
         self.known(name, text.concat(), Causality::Input, (Some(unit), Value::Real(start)), quantity);
     }
 
-    /// Input or parameter.
+    /// Input or parameter, which has a start value.
     pub fn known(
         &mut self,
         name: String,
@@ -44,14 +44,7 @@ impl<'a> Builder<'a> {
         (unit, start): (Option<Unit>, Value),
         quantity: Quantity,
     ) {
-        let kind = match start {
-            Value::Real(_) => Kind::Real,
-            Value::Integer(_) => Kind::Integer,
-            Value::Boolean(_) => Kind::Boolean,
-            Value::String(_) => Kind::String,
-        };
-        self.add((name, description), (kind, causality, unit), Some(start), quantity, Vec::new());
-        self.initial.push(Vec::new());
+        self.add((name, description), causality, (unit, Some(start)), quantity, Needs::default());
     }
 
     /// Real output `owner.suffix`.
@@ -62,17 +55,13 @@ impl<'a> Builder<'a> {
 
     /// Output, Boolean where it has no unit.
     pub fn any_output(&mut self, name: String, text: String, unit: Option<Unit>, quantity: Quantity, needs: Needs) {
-        let dependencies = needs.inputs.iter().map(|&i| i as Reference).collect();
-        let kind = if unit.is_some() { Kind::Real } else { Kind::Boolean };
-        self.add((name, text), (kind, Causality::Output, unit), None, quantity, dependencies);
-        let initial = self.initial_of(quantity, &needs);
-        self.initial.push(initial);
+        self.add((name, text), Causality::Output, (unit, None), quantity, needs);
     }
 
     /// A coordinate and its time derivatives; `stated`: whether the start states this coordinate.
     pub fn motion(&mut self, owner: &str, derivatives: Derivatives, stated: bool, output: impl Fn(usize) -> Output) {
         let all = self.source.acceleration();
-        let position = Needs { closure: !stated, ..PLACED };
+        let position = Needs { closure: !stated, ..placed() };
         let needs = [position, Needs { position: !stated, speed: true, ..position }, all];
         for (order, (suffix, text, unit)) in derivatives.into_iter().enumerate() {
             self.output(owner, suffix, &[text, " ", owner], unit, output(order), needs[order]);
@@ -82,16 +71,23 @@ impl<'a> Builder<'a> {
     fn add(
         &mut self,
         (name, description): (String, String),
-        (kind, causality, unit): (Kind, Causality, Option<Unit>),
-        start: Option<Value>,
+        causality: Causality,
+        (unit, start): (Option<Unit>, Option<Value>),
         quantity: Quantity,
-        dependencies: Vec<Reference>,
+        needs: Needs,
     ) {
+        let kind = match start {
+            Some(Value::String(_)) => Kind::String,
+            _ if unit.is_some() => Kind::Real,
+            _ => Kind::Boolean,
+        };
         let variability = match (causality, kind) {
             (Causality::Parameter, _) => Variability::Fixed,
             (_, Kind::Real) => Variability::Continuous,
             _ => Variability::Discrete,
         };
+        let dependencies = needs.inputs.iter().map(|&i| i as Reference).collect();
+        self.initial.push(self.initial_of(quantity, &needs));
         self.list.push(Variable { name, description, kind, causality, variability, unit, start, dependencies });
         self.quantities.push(quantity);
     }
@@ -103,7 +99,7 @@ impl<'a> Builder<'a> {
         // Rods are stretched at the start by all that acts there.
         let stretched = self.source.mechanism.solver.method.is_some() && is_stretched(quantity);
         let loads = if stretched { &self.source.loads[..loading.base()] } else { &[] };
-        let rods = Needs { speed: true, inertia: true, masses: true, elasticity: true, loads, ..PLACED };
+        let rods = Needs { speed: true, inertia: true, masses: true, elasticity: true, loads, ..placed() };
         let inputs = if stretched { loading.inputs.len() } else { 0 };
         let others = needs.inputs.iter().copied().filter(|&i| i >= inputs);
         let meets = |causes: &[Cause]| needs.meet(causes) || (stretched && rods.meet(causes));

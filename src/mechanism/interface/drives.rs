@@ -1,6 +1,6 @@
 //! Variables of drives: inputs, motion, and the terms of the mechanism reduced to one element.
 use super::builder::Builder;
-use super::needs::{Needs, PLACED};
+use super::needs::{Needs, placed};
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::quantity::{OneElement, Output};
 use crate::variables::Unit::{
@@ -76,12 +76,12 @@ fn add_one_element(b: &mut Builder, drive: usize) {
     let present = if any_loses || rubs { &free } else { &others };
     let friction_joint = |load: &usize| l.friction.iter().flat_map(|f| &f.friction_joints).any(|p| p.load == *load);
     let frictionless: Vec<usize> = s.loads.iter().copied().filter(|load| !friction_joint(load)).collect();
-    let additional = Needs { speed: true, inertia: true, inputs: own, loads: &[drive], ..PLACED };
+    let additional = Needs { speed: true, inertia: true, inputs: own, loads: &[drive], ..placed() };
     let mass = Needs { speed: loses.is_some(), ..additional };
     let required = Needs { masses: rubs, inputs: &demanded, ..s.acceleration() };
     let speed = any_loses || rubs || damped || l.air.is_some();
     let load = Needs { speed, inertia: rubs, inputs: present, ..required };
-    let holding = Needs { inputs: &others, loads: &frictionless, lossless: true, ..PLACED };
+    let holding = Needs { inputs: &others, loads: &frictionless, lossless: true, ..placed() };
     let breakaway = Needs { statics: true, lossless: false, ..holding };
     let mut add = |linear, rotary, text, units: [Unit; 2], term, needs| {
         let (suffix, unit) = if is_rotary { (rotary, units[1]) } else { (linear, units[0]) };

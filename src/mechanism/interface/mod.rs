@@ -4,22 +4,17 @@
 //! not know how a quantity is computed.
 mod bodies;
 mod builder;
-mod causes;
-mod contact;
 mod drives;
-mod energy;
-mod joints;
 mod loads;
 mod needs;
-mod parameters;
 mod source;
 
-use crate::mechanism::definition::{DefinitionError, Mechanism};
+use crate::mechanism::definition::{DefinitionError, Mechanism, Method};
 use crate::mechanism::quantity::Quantity;
-use crate::variables::{Causality, Reference, Variables};
+use crate::variables::Causality::Parameter;
+use crate::variables::{Reference, Value, Variables};
 use builder::Builder;
-use causes::causes;
-use needs::Cause;
+use needs::{Cause, causes};
 use source::Source;
 
 /// The variables of a mechanism: inputs, outputs, then parameters.
@@ -41,7 +36,7 @@ pub fn variables(mechanism: &Mechanism) -> Result<Variables<Quantity>, Definitio
 pub fn initial_dependencies(mechanism: &Mechanism) -> Result<Vec<Vec<Reference>>, DefinitionError> {
     let source = Source::new(mechanism)?;
     let known = build(&source, None).list;
-    let first = known.iter().take_while(|v| v.causality != Causality::Parameter).count() as Reference;
+    let first = known.iter().take_while(|v| v.causality != Parameter).count() as Reference;
     Ok(build(&source, Some((first, causes(&source)?))).initial)
 }
 
@@ -52,17 +47,38 @@ fn build<'a>(source: &'a Source<'a>, causes: Option<(Reference, Vec<Vec<Cause>>)
     loads::add_inputs(&mut b);
     drives::add_demands(&mut b);
     loads::add_airspeed(&mut b);
-    contact::add_inputs(&mut b);
-    bodies::add_motion(&mut b);
-    joints::add_motion(&mut b);
-    joints::add_reactions(&mut b);
+    loads::add_engagements(&mut b);
+    bodies::add_bodies(&mut b);
+    bodies::add_joints(&mut b);
+    bodies::add_reactions(&mut b);
     drives::add(&mut b);
     loads::add_springs(&mut b);
     bodies::add_markers(&mut b);
     loads::add_surfaces(&mut b);
-    contact::add_stops(&mut b);
-    contact::add_locks(&mut b);
-    energy::add(&mut b);
-    parameters::add(&mut b);
+    loads::add_stops(&mut b);
+    loads::add_locks(&mut b);
+    bodies::add_energy(&mut b);
+    add_parameters(&mut b);
     b
+}
+
+/// Parameters of the definition: numbers, flags, then the formulation if stated.
+fn add_parameters(b: &mut Builder) {
+    let (mut stated, mut indices) = (b.source.mechanism.clone(), 0..);
+    let mut index = || indices.next().unwrap_or_default();
+    stated.parameters(&mut |p, value| {
+        let start = (Some(p.unit), Value::Real(*value));
+        b.known(p.name.concat(), p.description.concat(), Parameter, start, Quantity::Parameter(index()));
+    });
+    let mut indices = 0..;
+    let mut index = || indices.next().unwrap_or_default();
+    stated.flags(&mut |flag, value| {
+        let start = (None, Value::Boolean(*value));
+        b.known(flag.name.concat(), flag.description.concat(), Parameter, start, Quantity::Flag(index()));
+    });
+    if let Some(method) = stated.solver.method {
+        let text = ["Formulation of the motion: ", &Method::ALL.map(Method::word).join(" or ")].concat();
+        let start = (None, Value::String(method.word().into()));
+        b.known("solver.method".into(), text, Parameter, start, Quantity::Method);
+    }
 }

@@ -1,7 +1,13 @@
 //! What the value of an output follows from, and what a parameter acts on.
+use super::source::Source;
+use crate::mechanism::definition::{DefinitionError, Mechanism, Role};
+use crate::mechanism::linkage::{Body, Freedom, GROUND, Linkage};
+use crate::mechanism::loads::resolved::Loading;
+use crate::mechanism::loads::unit_load::Load;
+use crate::numerics::plane::Vec2;
 
 /// What the value of an output follows from.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(super) struct Needs<'a> {
     /// The geometry of every joint, and so the coordinates at the start.
     pub closure: bool,
@@ -31,25 +37,10 @@ pub(super) struct Needs<'a> {
     pub elasticity: bool,
 }
 
-/// Nothing.
-pub(super) const NONE: Needs<'static> = Needs {
-    closure: false,
-    joint: None,
-    position: false,
-    speed: false,
-    inertia: false,
-    masses: false,
-    inputs: &[],
-    loads: &[],
-    lossless: false,
-    marker: None,
-    radius: None,
-    statics: false,
-    elasticity: false,
-};
-
-/// The position of every body.
-pub(super) const PLACED: Needs<'static> = Needs { closure: true, position: true, ..NONE };
+/// What the position of every body follows from.
+pub(super) fn placed() -> Needs<'static> {
+    Needs { closure: true, position: true, ..Needs::default() }
+}
 
 /// What a parameter acts on.
 #[derive(Clone, Copy)]
@@ -86,4 +77,124 @@ impl Needs<'_> {
             Cause::Elasticity => self.elasticity,
         })
     }
+}
+
+/// What each parameter acts on, found by a small change and a comparison: numbers, flags, then the method if stated.
+pub(super) fn causes(source: &Source) -> Result<Vec<Vec<Cause>>, DefinitionError> {
+    let mechanism = source.mechanism;
+    let (mut roles, mut flags) = (Vec::new(), 0);
+    mechanism.clone().parameters(&mut |p, _| roles.push(p.role));
+    mechanism.clone().flags(&mut |_, _| flags += 1);
+    let changed = |change: &mut dyn FnMut(&mut Mechanism)| {
+        let mut other = mechanism.clone();
+        change(&mut other);
+        Ok(differences(source, &Source::new(&other)?))
+    };
+    let of_number = |(index, role): (usize, &Role)| match role {
+        Role::StartPosition => Ok(vec![Cause::Position]),
+        Role::StartSpeed => Ok(vec![Cause::Speed]),
+        Role::Elasticity => Ok(vec![Cause::Elasticity]),
+        Role::Tolerance => Ok(Vec::new()),
+        Role::Geometry | Role::Inertia | Role::Load => changed(&mut |other| {
+            let mut indices = 0..;
+            other.parameters(&mut |_, value| {
+                if indices.next() == Some(index) {
+                    *value = *value * 1.001 + 1e-4;
+                }
+            });
+            // V_d must stay above V_S, whichever of the two changes.
+            if let Some(friction) = &mut other.friction {
+                friction.kinetic_speed = friction.kinetic_speed.max(1.01 * friction.static_speed);
+            }
+        }),
+    };
+    let of_flag = |index: usize| {
+        changed(&mut |other| {
+            let mut indices = 0..;
+            other.flags(&mut |_, value| *value ^= indices.next() == Some(index));
+        })
+    };
+    let method = mechanism.solver.method.map(|_| Ok(vec![Cause::Elasticity]));
+    roles.iter().enumerate().map(of_number).chain((0..flags).map(of_flag)).chain(method).collect()
+}
+
+/// What differs between two mechanisms that are the same but for one parameter.
+fn differences(one: &Source, other: &Source) -> Vec<Cause> {
+    let mut causes = Vec::new();
+    let mut add = |differs: bool, cause| causes.extend(differs.then_some(cause));
+    for (j, (a, b)) in one.linkage.joints.iter().zip(&other.linkage.joints).enumerate() {
+        // The angle of a prismatic joint is the offset of its second body.
+        let offset = |linkage: &Linkage| linkage.bodies[a.second.body].offset;
+        add(a != b || offset(&one.linkage) != offset(&other.linkage), Cause::Joint(j));
+    }
+    // A difference in the rounding of a sum is none.
+    let same = |(x, y): (&f64, &f64)| (x - y).abs() <= 1e-12 * x.abs();
+    let kinetic = [kinetic_constants(&one.linkage), kinetic_constants(&other.linkage)];
+    add(!kinetic[0].iter().flatten().zip(kinetic[1].iter().flatten()).all(same), Cause::Inertia);
+    let masses = |linkage: &Linkage| linkage.bodies.iter().map(|b| (b.mass, b.center, b.inertia)).collect::<Vec<_>>();
+    let heavier = masses(&one.linkage) != masses(&other.linkage);
+    add(heavier, Cause::Masses);
+    for (l, load) in one.loading.loads.iter().enumerate() {
+        let gravity = heavier && matches!(load, Load::Gravity(_));
+        add(gravity || !same_load(&one.loading, &other.loading, l), Cause::Load(l));
+    }
+    for (l, (a, b)) in one.loading.drives.iter().zip(&other.loading.drives).enumerate() {
+        add(a.efficiency != b.efficiency, Cause::Efficiency(l));
+    }
+    for (m, (a, b)) in one.markers.iter().zip(&other.markers).enumerate() {
+        add(a != b, Cause::Marker(m));
+    }
+    let joints =
+        |loading: &Loading| loading.friction.iter().flat_map(|f| f.friction_joints.clone()).collect::<Vec<_>>();
+    for (a, b) in joints(&one.loading).into_iter().zip(joints(&other.loading)) {
+        add(a.radius != b.radius, Cause::Radius(a.load));
+    }
+    add(statics(&one.loading) != statics(&other.loading), Cause::Statics);
+    causes
+}
+
+/// Whether a load and what sizes it are the same, apart from the efficiency of a drive.
+fn same_load<'l>(one: &'l Loading, other: &'l Loading, load: usize) -> bool {
+    let constant = |l: &'l Loading| load.checked_sub(l.inputs.len()).and_then(|i| l.constants.get(i));
+    let spring = |l: &'l Loading| l.springs.iter().find(|s| s.load == load);
+    let stop = |l: &'l Loading| l.stops.iter().find(|s| s.load == load);
+    let drag = |l: &'l Loading| {
+        let air = l.air.as_ref()?;
+        let surface = air.surfaces.iter().find(|s| (s.load..s.load + 3).contains(&load))?;
+        Some((air.density, air.flow, air.relative_wind, surface))
+    };
+    let friction = |l: &'l Loading| {
+        let friction = l.friction.as_ref()?;
+        Some((friction.enabled, friction.friction_joints.iter().find(|p| p.load == load)?))
+    };
+    one.loads[load] == other.loads[load]
+        && constant(one) == constant(other)
+        && spring(one) == spring(other)
+        && stop(one) == stop(other)
+        && drag(one) == drag(other)
+        && friction(one) == friction(other)
+}
+
+/// What static friction depends on besides positions: whether friction is enabled, pin radii and coefficients.
+fn statics(loading: &Loading) -> Vec<(bool, f64, f64)> {
+    let joints = loading.friction.iter().flat_map(|f| f.friction_joints.iter().map(|p| (f.enabled, p)));
+    joints.map(|(enabled, p)| (enabled, p.radius, p.law.static_coefficient)).collect()
+}
+
+/// What the kinetic energy of each body depends on: the moment of inertia about a fixed pivot, else mass, centre and
+/// inertia.
+fn kinetic_constants(linkage: &Linkage) -> Vec<[f64; 4]> {
+    let mut pivots = vec![None; linkage.bodies.len()];
+    for joint in linkage.joints.iter().filter(|j| j.freedom == Freedom::Revolute).rev() {
+        for (on_ground, other) in [(joint.first, joint.second), (joint.second, joint.first)] {
+            if on_ground.body == GROUND {
+                pivots[other.body] = Some(other.local);
+            }
+        }
+    }
+    let constants = |(b, pivot): (&Body, &Option<Vec2>)| match pivot {
+        Some(pivot) => [b.inertia + b.mass * (b.center - pivot).norm_squared(), 0.0, 0.0, 0.0],
+        None => [b.mass, b.center.x, b.center.y, b.inertia],
+    };
+    linkage.bodies.iter().zip(&pivots).map(constants).collect()
 }

@@ -1,5 +1,5 @@
 //! What the declarations of variables read: the definition, resolved.
-use super::needs::{NONE, Needs, PLACED};
+use super::needs::{Needs, placed};
 use crate::mechanism::definition::{DefinitionError, Mechanism};
 use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point};
 use crate::mechanism::loads::resolved::{Loading, markers};
@@ -48,7 +48,7 @@ impl<'a> Source<'a> {
 
     /// What the acceleration follows from.
     pub fn acceleration(&self) -> Needs<'_> {
-        Needs { speed: true, inertia: true, inputs: &self.inputs, loads: &self.loads, ..PLACED }
+        Needs { speed: true, inertia: true, inputs: &self.inputs, loads: &self.loads, ..placed() }
     }
 
     /// What the positions of bodies follow from: the stated start alone if one joint holds the body that states it to
@@ -68,13 +68,13 @@ impl<'a> Source<'a> {
             };
             ends.contains(&GROUND) && stated.is_some_and(|s| bodies.iter().all(|b| *b == s || *b == GROUND))
         });
-        if joint.is_some() { Needs { joint, position: true, ..NONE } } else { PLACED }
+        if joint.is_some() { Needs { joint, position: true, ..Needs::default() } } else { placed() }
     }
 
     /// What the slip speed of the friction joint with this load follows from: the stated start speed and the pin radius
     /// if the joint holds the body that states the start to the ground, else the configuration too.
     pub fn slip_speed(&self, load: usize) -> Needs<'static> {
-        let placed = if self.displacement(load).closure { PLACED } else { NONE };
+        let placed = if self.displacement(load).closure { placed() } else { Needs::default() };
         Needs { speed: true, radius: Some(load), ..placed }
     }
 
@@ -87,7 +87,7 @@ impl<'a> Source<'a> {
                 let joint = &self.linkage.joints[joint];
                 self.position(&[joint.first.body, joint.second.body])
             }
-            _ => PLACED,
+            _ => placed(),
         }
     }
 }

@@ -52,10 +52,8 @@ impl Linkage {
         linkage.add_joints(mechanism)?;
         let reached = linkage.grow_tree();
         if let Some(loose) = reached.iter().position(|r| !r) {
-            return Err(DefinitionError::Key {
-                key: format!("bodies.{}", linkage.bodies[loose].name),
-                message: "no chain of joints leads from it to the ground: add a joint or fixed_to".into(),
-            });
+            let message = "no chain of joints leads from it to the ground: add a joint or fixed_to";
+            return Err(DefinitionError::key(format_args!("bodies.{}", linkage.bodies[loose].name), message));
         }
         linkage.number_coordinates();
         linkage.close_loops();
@@ -127,10 +125,9 @@ impl Linkage {
             let first = self.locate(mechanism, format_args!("joints.{name}.first"), &joint.first)?;
             let second = self.locate(mechanism, format_args!("joints.{name}.second"), &joint.second)?;
             if first.body == second.body {
-                return Err(DefinitionError::Key {
-                    key: format!("joints.{name}"),
-                    message: format!("connects {} to itself: name points of two bodies", self.bodies[first.body].name),
-                });
+                let body = &self.bodies[first.body].name;
+                let message = format!("connects {body} to itself: name points of two bodies");
+                return Err(DefinitionError::key(format_args!("joints.{name}"), message));
             }
             let freedom = match joint.kind {
                 JointKind::Revolute => Freedom::Revolute,
@@ -166,10 +163,8 @@ impl Linkage {
         if from == to {
             let excess = shift.rem_euclid(std::f64::consts::TAU);
             if excess.min(std::f64::consts::TAU - excess) > 1e-9 {
-                return Err(DefinitionError::Key {
-                    key: format!("joints.{}.angle", self.joints[joint].name),
-                    message: format!("other prismatic joints already hold these bodies {shift} rad away from it"),
-                });
+                let message = format!("other prismatic joints already hold these bodies {shift} rad away from it");
+                return Err(DefinitionError::key(format_args!("joints.{}.angle", self.joints[joint].name), message));
             }
             return Ok(());
         }

@@ -94,11 +94,8 @@ impl State {
         };
         let variable = format!("{name}.start_{quantity}");
         let coordinate = coordinate.ok_or_else(|| {
-            ModelError::Definition(DefinitionError::Unknown {
-                key: "start".into(),
-                name: name.clone(),
-                allowed: format!("state one of the coordinates {}", linkage.coordinates.join(", ")),
-            })
+            let allowed = format!("state one of the coordinates {}", linkage.coordinates.join(", "));
+            ModelError::Definition(DefinitionError::unknown("start", name, allowed))
         })?;
         if let (Some((body, own)), Some(angle)) = (carrier, start.angle) {
             // Before the search for the start, as the curve may end at a stop of the body whose angle states the start.

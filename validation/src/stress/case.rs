@@ -1,6 +1,6 @@
 //! The mechanisms under stress, and what a scene changes of them.
 use linkage_fmu::mechanism::Model;
-use linkage_fmu::variables::{BaseUnit, Causality, Kind, Reference, Unit, Value};
+use linkage_fmu::variables::{Causality, Kind, Reference, Unit, Value};
 
 /// A value known from elsewhere.
 pub struct Known {
@@ -154,8 +154,9 @@ impl Scaling {
     /// None.
     pub const ONE: Self = Self { mass: 1.0, length: 1.0, time: 1.0 };
 
-    fn factor(self, unit: BaseUnit) -> f64 {
-        self.mass.powi(unit.kg.into()) * self.length.powi(unit.m.into()) * self.time.powi(unit.s.into())
+    fn factor(self, unit: Unit) -> f64 {
+        let [kg, m, s, _] = unit.base().map(|(_, exponent)| exponent.into());
+        self.mass.powi(kg) * self.length.powi(m) * self.time.powi(s)
     }
 
     /// On energies.
@@ -253,7 +254,7 @@ impl Case {
             matches!(v.start, Some(Value::Real(_))).then_some(())?;
             let done = stretched && matches!(v.unit, Some(Unit::Metre | Unit::KilogramSquareMetre));
             let scaling = if done { Self::unstretched(self.scaling) } else { self.scaling };
-            v.unit.map(|unit| (reference, scaling.factor(unit.base())))
+            v.unit.map(|unit| (reference, scaling.factor(unit)))
         });
         with_unit.collect()
     }

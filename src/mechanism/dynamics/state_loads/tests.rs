@@ -13,7 +13,7 @@ fn gear() -> &'static Reduced {
     static GEAR_REDUCED: OnceLock<Reduced> = OnceLock::new();
     GEAR_REDUCED.get_or_init(|| {
         let mut mechanism = Mechanism::from_json(GEAR).unwrap();
-        mechanism.flags(&mut |flag, value| *value |= flag.name() == "friction.enabled");
+        mechanism.flags(&mut |flag, value| *value |= flag.name.concat() == "friction.enabled");
         Reduced::new(&mechanism).unwrap()
     })
 }

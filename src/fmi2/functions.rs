@@ -1,0 +1,322 @@
+//! The exported functions of FMI 2.0.5: life cycle, logging, values, states, derivatives (2.1), co-simulation (4.2), and
+//! those of model exchange (3.2), which are refused. The contract of the pointers is that of the module `fmi2`.
+
+use super::types::{
+    Boolean, Byte, CO_SIMULATION, CallbackFunctions, Component, DO_STEP_STATUS, FALSE, FmuState, Integer,
+    LAST_SUCCESSFUL_TIME, MODEL_EXCHANGE, PENDING_STATUS, Real, Status, TERMINATED, Text, ValueReference,
+};
+use crate::fmi::array::{input, output, text};
+use crate::fmi::logger::{Logger, Sink};
+use crate::fmi::phase::{
+    ALIVE, FAILED, Function, INITIALIZATION, INSTANTIATED, Phase, SETTABLE, STEP, STEPPED, may_get, may_set,
+};
+use crate::fmi::refusal::{Refusal, Verdict};
+use crate::fmi::{handle, resources, state_handle};
+use crate::variables::Kind;
+use std::ffi::{CStr, c_int, c_void};
+
+/// Always `"default"`: the types of `fmi2TypesPlatform.h`.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetTypesPlatform() -> Text {
+    c"default".as_ptr()
+}
+
+/// Always `"2.0"`.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetVersion() -> Text {
+    c"2.0".as_ptr()
+}
+
+/// New instance, from the definition file in the resources folder; NULL, with a message, if anything is amiss.
+///
+/// A NULL or empty location means the folder `resources` of the FMU that this library lies in. The callbacks are
+/// copied; each may be NULL. `visible` has no meaning here.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2Instantiate(
+    name: Text,
+    fmu_type: c_int,
+    guid: Text,
+    location: Text,
+    functions: *const CallbackFunctions,
+    _visible: Boolean,
+    logging_on: Boolean,
+) -> Component {
+    // SAFETY: strings and callbacks are the host's, for the duration of the call (2.1.5).
+    unsafe {
+        if functions.is_null() || !functions.is_aligned() {
+            return std::ptr::null_mut();
+        }
+        let (name, guid, location) = (text(name).unwrap_or_default(), text(guid), text(location));
+        let logger = Logger::new(sink(&functions.read(), name), logging_on != FALSE);
+        handle::instantiate("fmi2Instantiate", name, logger, || match fmu_type {
+            CO_SIMULATION => resources::load("fmuGUID", guid, location),
+            MODEL_EXCHANGE => Err(Refusal::error("fmuType is fmi2ModelExchange; this FMU is for co-simulation only")),
+            other => Err(Refusal::error(format!("fmuType is {other}; it must be 1 (fmi2CoSimulation)"))),
+        })
+    }
+}
+
+/// End of an instance; does nothing for NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2FreeInstance(c: Component) {
+    // SAFETY: the component is not used again (2.1.5).
+    unsafe { handle::free(c) }
+}
+
+/// The host's printf-style logger for an instance of this name. The callback is copied, as the host's struct may live
+/// on its stack.
+fn sink(functions: &CallbackFunctions, instance_name: &CStr) -> Option<Sink> {
+    let (callback, environment, name) = (functions.logger?, functions.environment, instance_name.to_owned());
+    Some(Box::new(move |verdict, category, message| {
+        // SAFETY: FMI 2.0.5, 2.1.5: the host's logger may be called from within any FMI function, with its own
+        // environment and printf-style arguments; "%s" takes one string. All strings outlive the call.
+        unsafe {
+            callback(environment, name.as_ptr(), verdict.into(), category.as_ptr(), c"%s".as_ptr(), message.as_ptr());
+        }
+    }))
+}
+
+exported! {
+    /// Switch log categories; none given means all. Unknown ones are refused.
+    // SAFETY: `categories` has `count` strings (2.1.5).
+    fn fmi2SetDebugLogging(on: Boolean, count: usize, categories: *const Text) in ALIVE => |i| {
+        let categories = input("categories", categories, count)?;
+        i.logger.set_debug_logging(on != FALSE, categories.iter().map(|&name| text(name)))
+    };
+
+    /// Start time, stop time and tolerance. Without it the start time is 0 and there is no stop time; that is accepted,
+    /// as the reference FMUs do, with a warning in the log.
+    fn fmi2SetupExperiment(
+        tolerance_defined: Boolean, tolerance: Real, start: Real, stop_defined: Boolean, stop: Real
+    ) in INSTANTIATED => |i| {
+        let tolerance = (tolerance_defined != FALSE).then_some(tolerance);
+        i.setup_experiment(tolerance, start, (stop_defined != FALSE).then_some(stop))
+    };
+
+    /// From here on outputs have values; they are computed when one is read, or when the mode ends.
+    fn fmi2EnterInitializationMode() in INSTANTIATED => |i| {
+        if !i.set_up {
+            let message = "fmi2EnterInitializationMode: no fmi2SetupExperiment before; startTime is 0, no stopTime";
+            i.logger.log(Verdict::Warning, message);
+        }
+        i.phase = Phase::Initialization;
+        Ok(())
+    };
+
+    /// Close the loops and start. After a refusal, initialization mode goes on.
+    fn fmi2ExitInitializationMode() in INITIALIZATION => |i| i.exit_initialization_mode();
+
+    /// End of the simulation; values can still be read.
+    fn fmi2Terminate() in STEP | FAILED => |i| {
+        i.terminate();
+        Ok(())
+    };
+
+    /// Back to a fresh instance; the log categories stay.
+    fn fmi2Reset() in ALIVE => |i| {
+        i.reset();
+        Ok(())
+    };
+
+    /// Read Reals. On an error the array may be filled in part.
+    // SAFETY: both arrays have `count` elements (2.1.7).
+    fn fmi2GetReal(vr: *const ValueReference, count: usize, value: *mut Real) in ALIVE => |i|
+        i.get_real(input("vr", vr, count)?, output("value", value, count)?);
+
+    /// Read Integers: there are none, so that only the empty list can be read.
+    // SAFETY: both arrays have `count` elements (2.1.7).
+    fn fmi2GetInteger(vr: *const ValueReference, count: usize, value: *mut Integer) in ALIVE => |i| {
+        output("value", value, count)?;
+        i.permit_none(input("vr", vr, count)?, Kind::Integer, may_get, "read")
+    };
+
+    /// Read Booleans, each 0 or 1. On an error the array may be filled in part.
+    // SAFETY: both arrays have `count` elements (2.1.7).
+    fn fmi2GetBoolean(vr: *const ValueReference, count: usize, value: *mut Boolean) in ALIVE => |i|
+        i.get_boolean(input("vr", vr, count)?, output("value", value, count)?);
+
+    /// Read Strings; they live until the next call of this function or the end of the instance. On an error the array
+    /// may be filled in part.
+    // SAFETY: both arrays have `count` elements (2.1.7).
+    fn fmi2GetString(vr: *const ValueReference, count: usize, value: *mut Text) in ALIVE => |i|
+        i.get_string(input("vr", vr, count)?, output("value", value, count)?);
+
+    /// Set Real inputs and parameters, all or none.
+    // SAFETY: both arrays have `count` elements (2.1.7).
+    fn fmi2SetReal(vr: *const ValueReference, count: usize, value: *const Real) in SETTABLE => |i|
+        i.set_real(input("vr", vr, count)?, input("value", value, count)?);
+
+    /// Set Integers: there are none, so that only the empty list can be set.
+    // SAFETY: both arrays have `count` elements (2.1.7).
+    fn fmi2SetInteger(vr: *const ValueReference, count: usize, value: *const Integer) in SETTABLE => |i| {
+        input("value", value, count)?;
+        i.permit_none(input("vr", vr, count)?, Kind::Integer, may_set, "set")
+    };
+
+    /// Set Boolean inputs and parameters, all or none; any number but 0 is true.
+    // SAFETY: both arrays have `count` elements (2.1.7).
+    fn fmi2SetBoolean(vr: *const ValueReference, count: usize, value: *const Boolean) in SETTABLE => |i| {
+        let values = input("value", value, count)?.iter().map(|&value| value != FALSE);
+        i.set_boolean(input("vr", vr, count)?, values)
+    };
+
+    /// Set String parameters, all or none; the texts are copied.
+    // SAFETY: both arrays have `count` elements, each a string or NULL (2.1.7).
+    fn fmi2SetString(vr: *const ValueReference, count: usize, value: *const Text) in SETTABLE => |i| {
+        let texts: Vec<_> = input("value", value, count)?.iter().map(|&value| text(value)).collect();
+        i.set_string(input("vr", vr, count)?, &texts)
+    };
+
+    /// Save everything that decides how the instance goes on. A state that `*state` already leads to is overwritten.
+    // SAFETY: `state` leads to a pointer, which is NULL or leads to a state (2.1.8).
+    fn fmi2GetFMUstate(state: *mut FmuState) in ALIVE => |i| state_handle::save(i, state);
+
+    /// Go on from a saved state, in the phase in which it was saved.
+    // SAFETY: `state` is NULL or leads to a state (2.1.8).
+    fn fmi2SetFMUstate(state: FmuState) in ALIVE => |i| state_handle::restore(i, state);
+
+    /// End of a state; `*state` becomes NULL. Does nothing for NULL and for a pointer to NULL.
+    // SAFETY: `state` is NULL or leads to a pointer, and that is NULL or leads to a state (2.1.8).
+    fn fmi2FreeFMUstate(state: *mut FmuState) in ALIVE => |i| state_handle::free(i, state);
+
+    /// Number of bytes that [`fmi2SerializeFMUstate`] writes.
+    // SAFETY: `state` is NULL or leads to a state, `size` leads to memory for a number (2.1.8).
+    fn fmi2SerializedFMUstateSize(state: FmuState, size: *mut usize) in ALIVE => |i| {
+        let bytes = state_handle::serialize(i, state)?;
+        output("size", size, 1)?[0].write(bytes.len());
+        Ok(())
+    };
+
+    /// Write the state as bytes that any process can read, on any machine. `size` is that of
+    /// [`fmi2SerializedFMUstateSize`].
+    // SAFETY: `state` is NULL or leads to a state, `bytes` leads to memory for `size` bytes (2.1.8).
+    fn fmi2SerializeFMUstate(state: FmuState, bytes: *mut Byte, size: usize) in ALIVE => |i|
+        state_handle::serialize_to(i, state, bytes.cast(), size);
+
+    /// New state from bytes of [`fmi2SerializeFMUstate`], in this process or another. The previous value of `*state` is
+    /// not read.
+    // SAFETY: `bytes` has `size` bytes, `state` leads to memory for a pointer (2.1.8).
+    fn fmi2DeSerializeFMUstate(bytes: *const Byte, size: usize, state: *mut FmuState) in ALIVE => |i|
+        state_handle::deserialize(i, input("serializedState", bytes.cast::<u8>(), size)?, state);
+
+    /// For each unknown the sum over the knowns of the partial derivative times `known_rates`, at the present state,
+    /// exact.
+    ///
+    /// An unknown is a continuous output, a known is a continuous input. Refused with `solver.method` = "rigid_fem". On
+    /// an error the array may be filled in part.
+    // SAFETY: two arrays have `unknown_count` elements, two have `known_count` (2.1.9).
+    fn fmi2GetDirectionalDerivative(
+        unknowns: *const ValueReference, unknown_count: usize, knowns: *const ValueReference, known_count: usize,
+        known_rates: *const Real, unknown_rates: *mut Real
+    ) in INITIALIZATION | STEPPED => |i| {
+        let unknowns = input("vUnknown_ref", unknowns, unknown_count)?;
+        let knowns = input("vKnown_ref", knowns, known_count)?;
+        let seeds = input("dvKnown", known_rates, known_count)?;
+        i.directional_derivative(unknowns, knowns, seeds, output("dvUnknown", unknown_rates, unknown_count)?)
+    };
+
+    /// Set derivatives of order 1 and 2 of continuous inputs, all or none: u(t) = u_0 + u_1 t + u_2 t^2 / 2 from the
+    /// present communication point on.
+    ///
+    /// The derivatives are 0 until set. They refer to the beginning of a step (4.2.1) and hold for one step. At its end
+    /// the inputs are u(h), which `fmi2GetReal` then reads, and stay constant. `fmi2SetReal` sets u_0, before or after
+    /// this function. Refused with `solver.method` = "rigid_fem".
+    // SAFETY: all arrays have `count` elements (4.2.1).
+    fn fmi2SetRealInputDerivatives(
+        vr: *const ValueReference, count: usize, order: *const Integer, value: *const Real
+    ) in SETTABLE => |i| {
+        let (vr, order) = (input("vr", vr, count)?, input("order", order, count)?);
+        i.set_input_derivatives(vr, order, input("value", value, count)?)
+    };
+
+    /// First time derivatives of continuous outputs at the present communication point, exact, under inputs that change
+    /// with the derivatives set for the next step. After a step and before an input is set: with the derivatives at the
+    /// step's end.
+    ///
+    /// Refused with `solver.method` = "rigid_fem". On an error the array may be filled in part.
+    // SAFETY: all arrays have `count` elements (4.2.1).
+    fn fmi2GetRealOutputDerivatives(
+        vr: *const ValueReference, count: usize, order: *const Integer, value: *mut Real
+    ) in INITIALIZATION | STEPPED => |i| {
+        let (vr, order) = (input("vr", vr, count)?, input("order", order, count)?);
+        i.output_derivatives(vr, order, output("value", value, count)?)
+    };
+
+    /// Advance by exactly `h` [s] from the present communication point `point` [s].
+    ///
+    /// Refused, without any change, for an `h` that is not finite and positive, for another point than the instance's
+    /// own, and for a step past the stop time. Steps are synchronous. The last argument has no meaning here: any state
+    /// can be restored.
+    fn fmi2DoStep(point: Real, h: Real, _no_set_state_prior: Boolean) in STEP => |i| i.do_step(point, h);
+
+    /// Always an error: no step is asynchronous, so that there is none to cancel.
+    fn fmi2CancelStep() in ALIVE => |_i|
+        Err(Refusal::error("no step is in progress; fmi2DoStep returns when its step is done"));
+
+    /// `fmi2DoStepStatus`: how the last step ended.
+    // SAFETY: `value` leads to memory for one value (4.2.3).
+    fn fmi2GetStatus(kind: c_int, value: *mut Status) in STEPPED => |i| {
+        let last = if i.phase == Phase::Failed { Status::Error } else { Status::Ok };
+        answer(value, kind, DO_STEP_STATUS, last)
+    };
+
+    /// `fmi2LastSuccessfulTime`: end of the last successful step [s].
+    // SAFETY: `value` leads to memory for one value (4.2.3).
+    fn fmi2GetRealStatus(kind: c_int, value: *mut Real) in STEPPED => |i|
+        answer(value, kind, LAST_SUCCESSFUL_TIME, i.clock.time);
+
+    /// No status is an Integer: always `fmi2Discard`.
+    fn fmi2GetIntegerStatus(kind: c_int, _value: *mut Integer) in STEPPED => |_i| Err(no_such_status(kind));
+
+    /// `fmi2Terminated`: always false, as no model asks for the end of the simulation.
+    // SAFETY: `value` leads to memory for one value (4.2.3).
+    fn fmi2GetBooleanStatus(kind: c_int, value: *mut Boolean) in STEPPED => |_i| answer(value, kind, TERMINATED, FALSE);
+
+    /// `fmi2PendingStatus` has no answer, as no step is ever pending: always `fmi2Discard`.
+    fn fmi2GetStringStatus(kind: c_int, _value: *mut Text) in STEPPED => |_i| Err(no_such_status(kind));
+
+    // Model exchange (3.2): exported, as hosts look these functions up, and refused.
+    fn fmi2EnterEventMode() in ALIVE => |_i| model_exchange();
+    fn fmi2NewDiscreteStates(_info: *mut c_void) in ALIVE => |_i| model_exchange();
+    fn fmi2EnterContinuousTimeMode() in ALIVE => |_i| model_exchange();
+    fn fmi2CompletedIntegratorStep(
+        _no_set_state_prior: Boolean, _enter_event_mode: *mut Boolean, _terminate: *mut Boolean
+    ) in ALIVE => |_i| model_exchange();
+    fn fmi2SetTime(_time: Real) in ALIVE => |_i| model_exchange();
+    fn fmi2SetContinuousStates(_x: *const Real, _count: usize) in ALIVE => |_i| model_exchange();
+    fn fmi2GetDerivatives(_derivatives: *mut Real, _count: usize) in ALIVE => |_i| model_exchange();
+    fn fmi2GetEventIndicators(_indicators: *mut Real, _count: usize) in ALIVE => |_i| model_exchange();
+    fn fmi2GetContinuousStates(_x: *mut Real, _count: usize) in ALIVE => |_i| model_exchange();
+    fn fmi2GetNominalsOfContinuousStates(_nominals: *mut Real, _count: usize) in ALIVE => |_i| model_exchange();
+}
+
+/// Write the answer to the status kind that the called function has.
+///
+/// # Safety
+/// As for `array::output` of one element.
+unsafe fn answer<T>(value: *mut T, kind: c_int, known: c_int, status: T) -> Result<(), Refusal> {
+    // SAFETY: the caller's promise.
+    let value = unsafe { output("value", value, 1) }?;
+    if kind != known {
+        return Err(no_such_status(kind));
+    }
+    value[0].write(status);
+    Ok(())
+}
+
+/// Refusal of a status kind that the called function does not have.
+fn no_such_status(kind: c_int) -> Refusal {
+    match kind {
+        DO_STEP_STATUS..=TERMINATED => {
+            let name = ["fmi2DoStepStatus", "fmi2PendingStatus", "fmi2LastSuccessfulTime", "fmi2Terminated"];
+            let hint = if kind == PENDING_STATUS { "; steps are never pending here" } else { "" };
+            Refusal::discard(format!("no answer to {}{hint}", name[kind as usize]))
+        }
+        _ => Refusal::error(format!("the status kind is {kind}; it must be from 0 to 3")),
+    }
+}
+
+/// Refusal of the functions of model exchange.
+fn model_exchange() -> Result<(), Refusal> {
+    Err(Refusal::error("a function of model exchange; this FMU is for co-simulation, use fmi2DoStep"))
+}

@@ -1,0 +1,138 @@
+//! The start, the default experiment, settings of the integration, and the choice of the formulation.
+use super::{Role, Visit};
+use crate::format::{Flag, Owner, Parameter, Range};
+use crate::variables::Unit;
+use serde::{Deserialize, Serialize};
+
+/// Position and speed of a turning body or a prismatic joint at the start.
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Start {
+    /// Turning body that states the start.
+    pub body: Option<String>,
+    /// Angle of the body [rad].
+    pub angle: Option<f64>,
+    /// Prismatic joint that states the start.
+    pub joint: Option<String>,
+    /// Position of the joint [m].
+    pub position: Option<f64>,
+    /// Speed of the body or joint [rad/s or m/s].
+    #[serde(default)]
+    pub speed: f64,
+}
+
+/// Default experiment of the FMU.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Experiment {
+    /// Stop time [s], > 0; the start time is 0.
+    pub stop_time: f64,
+    /// Preferred communication step [s], > 0.
+    pub step_size: f64,
+}
+
+impl Default for Experiment {
+    fn default() -> Self {
+        Self { stop_time: 1.0, step_size: 1e-3 }
+    }
+}
+
+impl Start {
+    pub(super) fn parameters(&mut self, visit: &mut Visit) {
+        use Unit::{Metre, MetrePerSecond, Radian, RadianPerSecond};
+        let (of, value, quantity, unit, speed_unit, range) =
+            match (&self.body, &mut self.angle, &self.joint, &mut self.position) {
+                (Some(body), Some(angle), ..) => (body, angle, "angle", Radian, RadianPerSecond, Range::Turn),
+                (.., Some(joint), Some(position)) => {
+                    (joint, position, "position", Metre, MetrePerSecond, Range::Finite)
+                }
+                _ => return,
+            };
+        let mut add = |quantity, kind, value| {
+            let description = ["Start ", quantity, " of ", of];
+            visit(Parameter::new([of, ".start_", quantity], ["start.", quantity], description, kind), value);
+        };
+        add(quantity, (unit, range, Role::StartPosition), value);
+        add("speed", (speed_unit, Range::Finite, Role::StartSpeed), &mut self.speed);
+    }
+}
+
+/// Integration settings.
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Solver {
+    /// Relative tolerance of the integration [1].
+    pub tolerance: f64,
+    /// Formulation of the motion, a parameter; the reduced model, without a parameter, where absent.
+    pub method: Option<Method>,
+    /// Only with `method`: largest step of Newmark's method [s], > 0; 1e-5 where absent.
+    pub fem_step: Option<f64>,
+    /// Whether the right-hand side is read from tables; else each evaluation closes the loops, at some hundred times
+    /// the cost.
+    #[serde(default = "tables")]
+    pub tables: bool,
+}
+
+fn tables() -> bool {
+    true
+}
+
+impl Default for Solver {
+    fn default() -> Self {
+        Self { tolerance: 1e-9, method: None, fem_step: None, tables: true }
+    }
+}
+
+impl Solver {
+    /// Largest step of Newmark's method where none is stated [s].
+    pub const FEM_STEP: f64 = 1e-5;
+
+    pub(super) fn parameters(&mut self, visit: &mut Visit) {
+        let mut list = Owner::new(None, "solver", Role::Tolerance, visit);
+        list.add(
+            "tolerance",
+            "Relative tolerance of the integration",
+            Unit::One,
+            Range::Tolerance,
+            &mut self.tolerance,
+        );
+        if self.method.is_some() {
+            let words = "Largest step of the rigid finite elements";
+            list.add("fem_step", words, Unit::Second, Range::Positive, &mut self.fem_step);
+        }
+    }
+
+    pub(super) fn flags(&mut self, visit: &mut dyn FnMut(Flag, &mut bool)) {
+        let text = "Whether the right-hand side is read from tables; else it is computed anew each time";
+        visit(Flag::new("solver", "tables", [text]), &mut self.tables);
+    }
+}
+
+/// Formulation of the motion.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, PartialEq, Eq)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// Rigid bodies as one element along the curve.
+    #[default]
+    Reduced,
+    /// Rods with axial stiffness, by Newmark's method ([HF08] section 3).
+    RigidFem,
+}
+
+impl Method {
+    /// All formulations.
+    pub const ALL: [Self; 2] = [Self::Reduced, Self::RigidFem];
+
+    /// Word of the formulation in the file and in the variable `solver.method`.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Reduced => "reduced",
+            Self::RigidFem => "rigid_fem",
+        }
+    }
+
+    /// The formulation with this word.
+    pub fn of_word(word: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|method| method.word() == word)
+    }
+}
