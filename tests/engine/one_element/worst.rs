@@ -19,10 +19,6 @@ impl Worst {
         }
     }
 
-    pub fn print(&self) {
-        self.0.iter().for_each(|(what, worst)| println!("{what}: {worst:.1e}"));
-    }
-
     pub fn assert_within(&self, allowed: f64) {
         for (what, worst) in &self.0 {
             assert!(*worst <= allowed, "{what}: relative difference {worst:e}, allowed {allowed:e}");

@@ -1,6 +1,7 @@
 //! Strategies for random linkages: loops of four bodies and chains of six, any body as the ground, joints of both kinds.
-use super::linkage::{Attachment, Body, Coordinate, Freedom, GROUND, Joint, Linkage, Loads, Mass, Rider, Vec2, turned};
+use super::linkage::{Attachment, Body, Coordinate, Freedom, GROUND, Joint, Linkage, Loads, Mass, Rider};
 use super::oracle;
+use crate::support::{Vec2, turned};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
