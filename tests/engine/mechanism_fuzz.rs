@@ -212,6 +212,7 @@ fn with_member(mut value: Value, pointer: &str, copies: usize) -> String {
     let (object, key) = pointer.rsplit_once('/').unwrap();
     let object = value.pointer_mut(object).unwrap().as_object_mut().unwrap();
     let member = object.remove(key).unwrap();
+    // An object holds a key once: the copies get names of their own, which are replaced in the text.
     let names = ["first copy", "second copy"];
     names[..copies].iter().for_each(|name| drop(object.insert((*name).to_owned(), member.clone())));
     names.iter().fold(value.to_string(), |text, name| text.replace(name, key))

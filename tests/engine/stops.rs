@@ -10,6 +10,11 @@ fn same_reactions(one: &mut Run, other: &mut Run) {
     }
 }
 
+/// The gear at its start with these values.
+fn gear(values: &[(&str, f64)]) -> Run {
+    Run::gear().with(values).started()
+}
+
 /// The gear without its up stop, where that would be.
 fn at_up_stop(values: &[(&str, f64)]) -> Run {
     Run::gear().with(&[("upstop.enabled", false)]).with(&[("crank.start_angle", -1.3)]).with(values).started()
@@ -17,7 +22,7 @@ fn at_up_stop(values: &[(&str, f64)]) -> Run {
 
 #[test]
 fn the_gear_is_up_and_stays_there() {
-    let mut gear = Run::gear().started();
+    let mut gear = gear(&[]);
     assert!(gear.is("extended") && !gear.is("retracted"));
     gear.step(0.2);
     assert!(gear.is("retracted") && !gear.is("extended"));
@@ -31,7 +36,7 @@ fn the_gear_is_up_and_stays_there() {
 /// Virtual work at rest: the stop's torque balances what the actuator gives beyond its holding force.
 #[test]
 fn a_stop_takes_what_the_actuator_gives_too_much() {
-    let mut gear = Run::gear().started();
+    let mut gear = gear(&[]);
     gear.step(0.2);
     let (force, holding) = (30_000.0, gear.get("actuator.holding_force"));
     let mut moving = at_up_stop(&[("crank.start_speed", 1.0)]);
@@ -43,7 +48,7 @@ fn a_stop_takes_what_the_actuator_gives_too_much() {
 /// The reactions of a gear held by its stop are those of the gear at rest under the same torque from outside.
 #[test]
 fn reactions_at_a_stop_are_those_under_its_torque() {
-    let mut gear = Run::gear().started();
+    let mut gear = gear(&[]);
     gear.step(0.2);
     let torque = gear.get("upstop.torque");
     let mut same = at_up_stop(&[("crank.torque", torque)]);
@@ -54,7 +59,7 @@ fn reactions_at_a_stop_are_those_under_its_torque() {
 /// Held by its uplock at the wheel, the gear is in the state of one that a force at the wheel holds.
 #[test]
 fn a_lock_holds_by_a_force_at_its_point() {
-    let mut gear = Run::gear().started();
+    let mut gear = gear(&[]);
     gear.set("uplock.engage", true);
     gear.step(0.2);
     gear.set("actuator.force", 0.0);
@@ -83,7 +88,7 @@ fn a_lock_holds_by_a_force_at_its_point() {
 #[test]
 fn the_impact_is_located() {
     let tight = [("solver.tolerance", 1e-12), ("upstop.restitution", 0.5)];
-    let mut gear = Run::gear().with(&tight).started();
+    let mut gear = gear(&tight);
     let (hit, after) = (0.132_059_852_744_259_7, 1e-4);
     gear.step(hit + after);
     let mut late = at_up_stop(&[tight[0], ("crank.start_speed", 0.5 * 30.257773253560312)]);
@@ -100,9 +105,7 @@ fn the_impact_is_located() {
 #[test]
 fn a_dropped_gear_comes_to_rest_on_its_down_stop() {
     // Pulled to the down stop by the actuator from a little above.
-    let mut gear = Run::gear()
-        .with(&[("crank.start_angle", 0.5), ("actuator.force", -20_000.0), ("downstop.restitution", 0.5)])
-        .started();
+    let mut gear = gear(&[("crank.start_angle", 0.5), ("actuator.force", -20_000.0), ("downstop.restitution", 0.5)]);
     let start = gear.get("actuator.length");
     let mut bounces = 0;
     let mut last = gear.get("crank.speed");
@@ -124,10 +127,8 @@ fn a_dropped_gear_comes_to_rest_on_its_down_stop() {
 /// The heights of an elastic bounce are alike; with e < 1 they fall by e^2 (constant deceleration near the stop).
 #[test]
 fn an_elastic_stop_gives_everything_back() {
-    let mut gear = Run::gear()
-        .with(&[("crank.start_angle", 0.6), ("actuator.force", -20_000.0), ("downstop.restitution", 1.0)])
-        .with(&[("solver.tolerance", 1e-11)])
-        .started();
+    let drop = [("crank.start_angle", 0.6), ("actuator.force", -20_000.0), ("downstop.restitution", 1.0)];
+    let mut gear = gear(&drop).with(&[("solver.tolerance", 1e-11)]).started();
     let energy = |gear: &mut Run| {
         gear.get("energy.kinetic") + gear.get("energy.potential") + 20_000.0 * gear.get("actuator.length")
     };
@@ -218,7 +219,7 @@ fn stops_at_one_position_hold_whatever_pushes() {
 #[test]
 fn a_step_may_be_as_long_as_time_is() {
     for h in [1e3, 1e9, 1e12, 1e15, 1e300] {
-        let mut gear = Run::gear().started();
+        let mut gear = gear(&[]);
         gear.step(h);
         assert!(gear.is("retracted") && gear.get("crank.speed") == 0.0, "{h:e}");
     }
@@ -230,9 +231,8 @@ fn a_flight_within_rounding_is_rest() {
     for speed in [-1e-3, -1e-5, -1e-7, -1e-9, -1e-11, -1e-13] {
         for force in [-30_000.0, -3_000.0, 3_000.0] {
             for h in [1e-9, 1e-7, 1e-5, 1e-3, 0.03] {
-                let mut gear = Run::gear()
-                    .with(&[("crank.start_angle", 0.8), ("crank.start_speed", speed), ("actuator.force", force)])
-                    .started();
+                let mut gear =
+                    gear(&[("crank.start_angle", 0.8), ("crank.start_speed", speed), ("actuator.force", force)]);
                 gear.step(h);
                 let angle = gear.get("crank.angle");
                 assert!(angle <= 0.8 + 1e-15, "{speed} {force} {h}: {:e} beyond", angle - 0.8);

@@ -3,7 +3,7 @@
 //! W / eta when driven back (W < 0): lost are (1 - eta) W and (1 / eta - 1) |W|.
 use super::jib;
 use super::slider::{self, Slider};
-use super::worst::{ACCURACY, Worst};
+use super::worst::{ACCURACY, Worst, wave};
 use crate::support::{JIB, Run, SLIDER_CRANK};
 
 const ETA: f64 = 0.7;
@@ -19,16 +19,16 @@ fn the_formulas_change_where_power_flows_back() {
     let mut worst = Worst::default();
     let (mut driven, mut back) = (0, 0);
     for k in 0..400 {
-        let wave = |rate: f64| (rate * f64::from(k) + 0.3).sin();
-        let (x, speed, force) = (2.2 + 0.0025 * f64::from(k), 0.8 * wave(0.7), 6e4 * wave(1.1));
-        let demand = 30.0 * wave(2.3);
+        let (x, speed, force) = (2.2 + 0.0025 * f64::from(k), 0.8 * wave(k, 0.7), 6e4 * wave(k, 1.1));
+        let demand = 30.0 * wave(k, 2.3);
         for run in [&mut ideal, &mut real] {
             jib::place(run, x, speed);
             run.set_all(&[("cylinder.force", force), ("cylinder.demanded_acceleration", demand)]);
         }
         let divided = |power: f64, value: f64| if power < 0.0 { value * ETA } else { value / ETA };
         let required = ideal.get("cylinder.required_force");
-        *(if required * speed < 0.0 { &mut back } else { &mut driven }) += 1;
+        let count = if required * speed < 0.0 { &mut back } else { &mut driven };
+        *count += 1;
         let expected = divided(required * speed, required);
         worst.compare("(30) F_S", real.get("cylinder.required_force"), expected, required);
         for name in ["reduced_mass", "reduced_mass_derivative", "static_load", "additional_force"] {

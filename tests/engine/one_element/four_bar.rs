@@ -1,6 +1,6 @@
 //! [CK16] figs. 3 and 10: four-bar linkages, against their own kinematics in closed form and superposition over the bodies
 //! (the paper's conclusion 3).
-use super::worst::{ACCURACY, Worst};
+use super::worst::{ACCURACY, Worst, wave};
 use crate::support::{CRANE, FOUR_BAR, Run, changed};
 use nalgebra::Complex;
 use serde_json::json;
@@ -134,11 +134,6 @@ fn compare(worst: &mut Worst, run: &mut Run, e: &Expected, force: f64, demand: f
     let size = full.max(e.inertia * demand.abs());
     worst.compare("required", run.get(&name("required_force")), required, size);
     worst.compare("T", run.get("energy.kinetic"), 0.5 * e.inertia * e.speed * e.speed, 0.0);
-}
-
-/// Numbers between -1 and 1 that differ from state to state.
-fn wave(k: i32, rate: f64) -> f64 {
-    (rate * f64::from(k) + 0.3).sin()
 }
 
 /// The four-bar linkage of fig. 3 with these masses of crank and rocker (uniform rods).

@@ -2,7 +2,7 @@
 //!
 //! The paper's piston alone has mass. Here the crank has the inertia J and, in one variant, the rod the inertia I_C, so
 //! that I_zS = J + m_C R_z^2 + I_C / i_m^2. alpha is counted from the inner dead centre, where the crank points down.
-use super::worst::{ACCURACY, Worst};
+use super::worst::{ACCURACY, Worst, wave};
 use crate::support::{Run, SLIDER_CRANK};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -38,9 +38,7 @@ fn place(run: &mut Run, alpha: f64, omega: f64) {
 /// alpha, omega_S, T_S, piston force, demanded acceleration: angles all around and beyond, speeds of both signs.
 fn states() -> impl Iterator<Item = [f64; 5]> {
     (0..400).map(|k| {
-        let k = f64::from(k);
-        let wave = |rate: f64| (rate * k + 0.3).sin();
-        [-3.0 + 0.031 * k, 300.0 * wave(0.7), 40.0 * wave(1.1), 2e3 * wave(1.9), 5e4 * wave(2.3)]
+        [-3.0 + 0.031 * f64::from(k), 300.0 * wave(k, 0.7), 40.0 * wave(k, 1.1), 2e3 * wave(k, 1.9), 5e4 * wave(k, 2.3)]
     })
 }
 

@@ -4,6 +4,11 @@
 /// multiplied and divided by one another.
 pub const ACCURACY: f64 = 1e-12;
 
+/// Numbers between -1 and 1 that differ from state to state.
+pub fn wave(k: i32, rate: f64) -> f64 {
+    (rate * f64::from(k) + 0.3).sin()
+}
+
 /// Largest difference seen, relative to the size of the compared quantity.
 #[derive(Default)]
 pub struct Worst(Vec<(&'static str, f64)>);
