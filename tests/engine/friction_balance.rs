@@ -141,10 +141,16 @@ const SLOW_FAST: [f64; 2] = [0.01, 1.0];
 
 /// The gear without stops, its second joint with coefficients of its own; the motion of leg and wheel counts or not.
 fn gear(relative: bool) -> Run {
+    gear_with(relative, |_| ())
+}
+
+/// The same with a change of its definition.
+fn gear_with(relative: bool, change: impl FnOnce(&mut Value)) -> Run {
     Run::shared(&changed(&without_stops(), |m| {
         set_coefficients(&mut m["joints"]["joint2"], BEARING);
         m["friction"]["enabled"] = json!(true);
         m["air"]["relative_wind"] = json!(relative);
+        change(m);
     }))
 }
 
@@ -286,8 +292,11 @@ proptest! {
         // The present force of the drive, 30 kN, is subtracted from the loads before the holding force is computed.
         let rounding = 1e-14 * run.get("actuator.force").abs();
         prop_assert!(backward < holding + rounding && holding < forward + rounding, "{backward} {holding} {forward}");
-        let none = [("friction.static_coefficient", 0.0), ("joint2.static_coefficient", 0.0)];
-        let mut smooth = gear(false).with(&none).with(&state).started();
+        let without_static = |m: &mut Value| {
+            m["friction"]["static_coefficient"] = json!(0);
+            m["joints"]["joint2"]["static_coefficient"] = json!(0);
+        };
+        let mut smooth = gear_with(false, without_static).with(&state).started();
         for name in ["actuator.breakaway_force_forward", "actuator.breakaway_force_backward"] {
             let slack = 1e-12 * (holding.abs() + forward.abs() + backward.abs()) + rounding;
             prop_assert!((smooth.get(name) - holding).abs() <= slack, "{} {holding}", smooth.get(name));
