@@ -1,9 +1,8 @@
 //! Drag of the air on the gear: force and moment, acceleration, reactions and energy against formulas written out here.
 
-use crate::support::{GEAR, Run, changed};
+use crate::support::{Run, Vec2, changed, turned, without_stops};
 use proptest::prelude::*;
 use serde_json::json;
-use std::sync::OnceLock;
 
 /// Density [kg/m3], drag coefficient of both, length and width of the leg [m], area of the wheel [m2].
 const DENSITY: f64 = 1.225;
@@ -17,45 +16,23 @@ const FLOW: f64 = 1.13 - std::f64::consts::FRAC_PI_2;
 /// gear's reactions are sums of a few terms up to a hundred times larger than they are.
 const TABLES: f64 = 1e-10;
 
-type Vector = [f64; 2];
-
-fn turned(angle: f64) -> Vector {
-    [angle.cos(), angle.sin()]
-}
-
-fn dot(a: Vector, b: Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
-fn cross(a: Vector, b: Vector) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
-}
-
-fn scaled(a: Vector, by: f64) -> Vector {
-    [a[0] * by, a[1] * by]
-}
-
-const NO_STOPS: [(&str, bool); 2] = [("upstop.enabled", false), ("downstop.enabled", false)];
-
 /// The gear without its stops; the motion of leg and wheel counts or not.
 fn gear(relative: bool) -> Run {
-    static RUNS: [OnceLock<Run>; 2] = [OnceLock::new(), OnceLock::new()];
-    let build = || Run::new(GEAR).with(&NO_STOPS).with(&[("air.relative_wind", relative)]).started();
-    RUNS[usize::from(relative)].get_or_init(build).clone()
+    Run::shared(&changed(&without_stops(), |m| m["air"]["relative_wind"] = json!(relative)))
 }
 
 /// The gear without its stops; a force at the leg's middle and a torque on the leg are further inputs.
 fn pushed() -> Run {
-    static RUN: OnceLock<Run> = OnceLock::new();
-    let build = || {
-        let text = changed(GEAR, |m| {
-            m["bodies"]["leg"]["points"] = json!({ "middle": [0.5 * LEG, 0.0] });
-            m["forces"]["push"] = json!({ "at": "leg.middle" });
-            m["torques"]["twist"] = json!({ "on": "leg" });
-        });
-        Run::new(&text).with(&NO_STOPS).started()
-    };
-    RUN.get_or_init(build).clone()
+    Run::shared(&changed(&without_stops(), |m| {
+        m["bodies"]["leg"]["points"] = json!({ "middle": [0.5 * LEG, 0.0] });
+        m["forces"]["push"] = json!({ "at": "leg.middle" });
+        m["torques"]["twist"] = json!({ "on": "leg" });
+    }))
+}
+
+/// Unit vector at this angle [rad].
+fn unit(angle: f64) -> Vec2 {
+    turned(Vec2::x(), angle)
 }
 
 /// The gear at this angle and speed of the crank.
@@ -67,27 +44,23 @@ fn at(mut gear: Run, (angle, speed): (f64, f64)) -> Run {
 /// Force on the leg, its moment about the crank's pivot, and force on the wheel, at this angle and speed of the crank.
 ///
 /// dF = 1/2 rho c w |n . u| u ds. Where n . u keeps its sign the moment's integrand is a cubic: two Gauss points are exact.
-fn drag(angle: f64, speed: f64, airspeed: f64, relative: bool) -> (Vector, f64, Vector) {
-    let along = turned(angle - 2.4);
-    let normal = [-along[1], along[0]];
+fn drag(angle: f64, speed: f64, airspeed: f64, relative: bool) -> (Vec2, f64, Vec2) {
+    let (along, normal) = (unit(angle - 2.4), turned(Vec2::y(), angle - 2.4));
     let omega = if relative { speed } else { 0.0 };
-    let wind = |s: f64| {
-        let flow = scaled(turned(FLOW), airspeed);
-        [flow[0] - omega * s * normal[0], flow[1] - omega * s * normal[1]]
-    };
-    let pressure = |s: f64| scaled(wind(s), 0.5 * DENSITY * COEFFICIENT * dot(normal, wind(s)).abs());
-    let (a, b) = (dot(normal, wind(0.0)), dot(normal, wind(LEG)));
+    let wind = |s: f64| airspeed * unit(FLOW) - omega * s * normal;
+    let pressure = |s: f64| 0.5 * DENSITY * COEFFICIENT * normal.dot(&wind(s)).abs() * wind(s);
+    let (a, b) = (normal.dot(&wind(0.0)), normal.dot(&wind(LEG)));
     let reversal = if a * b < 0.0 { LEG * a / (a - b) } else { 0.0 };
-    let (mut force, mut moment) = ([0.0; 2], 0.0);
+    let (mut force, mut moment) = (Vec2::zeros(), 0.0);
     for (from, to) in [(0.0, reversal), (reversal, LEG)] {
         for side in [-1.0, 1.0] {
             let s = 0.5 * (from + to) + side * (to - from) / 12_f64.sqrt();
-            let part = scaled(pressure(s), 0.5 * (to - from) * WIDTH);
-            force = [force[0] + part[0], force[1] + part[1]];
-            moment += s * cross(along, part);
+            let part = 0.5 * (to - from) * WIDTH * pressure(s);
+            force += part;
+            moment += s * along.perp(&part);
         }
     }
-    (force, moment, scaled(pressure(LEG), AREA))
+    (force, moment, AREA * pressure(LEG))
 }
 
 fn near(a: f64, b: f64, of: f64) -> Result<(), TestCaseError> {
@@ -126,18 +99,18 @@ proptest! {
         let mut blown = at(gear(relative).with(&[("airspeed", airspeed)]), state);
         let (leg, moment, wheel) = drag(angle, speed, airspeed, relative);
         let size = 0.5 * DENSITY * COEFFICIENT * AREA * (airspeed.abs() + 0.759 * speed.abs()).powi(2);
-        near(blown.get("leg.drag"), dot(leg, turned(FLOW)), size)?;
-        near(blown.get("wheel.drag"), dot(wheel, turned(FLOW)), size)?;
-        let torque = moment + LEG * cross(turned(angle - 2.4), wheel);
+        near(blown.get("leg.drag"), leg.dot(&unit(FLOW)), size)?;
+        near(blown.get("wheel.drag"), wheel.dot(&unit(FLOW)), size)?;
+        let torque = moment + LEG * unit(angle - 2.4).perp(&wheel);
         let inertia = 2.0 * still.get("energy.kinetic") / (speed * speed);
         let (before, after) = (still.get("crank.acceleration"), blown.get("crank.acceleration"));
         near(after - before, torque / inertia, before.abs().max(torque.abs() / inertia))?;
         let forces = [
-            ("push.force_x", leg[0]),
-            ("push.force_y", leg[1]),
-            ("twist.torque", moment - 0.5 * LEG * cross(turned(angle - 2.4), leg)),
-            ("wheel.force_x", wheel[0]),
-            ("wheel.force_y", wheel[1]),
+            ("push.force_x", leg.x),
+            ("push.force_y", leg.y),
+            ("twist.torque", moment - 0.5 * LEG * unit(angle - 2.4).perp(&leg)),
+            ("wheel.force_x", wheel.x),
+            ("wheel.force_y", wheel.y),
         ];
         let mut pushed = at(pushed().with(&forces), state);
         near(after, pushed.get("crank.acceleration"), before.abs() + torque.abs() / inertia)?;
@@ -164,7 +137,7 @@ fn drag_takes_its_power() {
         let power = |g: &mut Run| {
             let (angle, speed) = (g.get("crank.angle"), g.get("crank.speed"));
             let (_, moment, wheel) = drag(angle, speed, airspeed, relative);
-            speed * (moment + LEG * cross(turned(angle - 2.4), wheel))
+            speed * (moment + LEG * unit(angle - 2.4).perp(&wheel))
         };
         let (before, length) = (energy(&mut gear), gear.get("actuator.length"));
         let mut work = power(&mut gear);

@@ -20,74 +20,20 @@ const SLOW: f64 = 1e-6;
 /// A drive: its name, and whether it is rotary.
 type Drive = (&'static str, bool);
 
-fn slider_crank() -> (Value, Vec<Drive>) {
-    let mut definition: Value = serde_json::from_str(TWO_DRIVES).unwrap();
-    definition["joints"]["pin"]["pin_radius"] = json!(0.01);
-    definition["joints"]["wrist"]["pin_radius"] = json!(0.008);
-    (definition, vec![("servo", true), ("ram", false)])
-}
+/// The slider-crank with two drives, a quick return with three, and two loops with a drive in a joint between moving bodies.
+const MECHANISMS: [(&str, &[Drive]); 3] = [
+    (TWO_DRIVES, &[("servo", true), ("ram", false)]),
+    (include_str!("../fixtures/three_drives.json"), &[("servo", true), ("cylinder", false), ("linear", false)]),
+    (include_str!("../fixtures/six_bar.json"), &[("cylinder", false), ("servo", true), ("motor", true)]),
+];
 
-fn quick_return() -> (Value, Vec<Drive>) {
-    let definition = json!({
-        "name": "ThreeDrives",
-        "gravity": { "acceleration": 9.81, "up_angle": 1.2 },
-        "bodies": {
-            "ground": { "length": 0.25, "points": { "bracket": [0.6, 0.1] } },
-            "crank": { "length": 0.1, "mass": 1, "shape": "uniform_rod" },
-            "lever": { "length": 0.4, "mass": 2, "shape": "uniform_rod", "points": { "eye": [0.2, 0] } },
-            "block": { "mass": 0.2 }
-        },
-        "joints": {
-            "bearing": { "type": "revolute", "first": "ground.origin", "second": "crank.origin", "pin_radius": 0.012 },
-            "pivot": { "type": "revolute", "first": "ground.end", "second": "lever.origin", "pin_radius": 0.01 },
-            "slot": { "type": "prismatic", "first": "lever.origin", "second": "block.origin" },
-            "pin": { "type": "revolute", "first": "crank.end", "second": "block.origin", "pin_radius": 0.006 }
-        },
-        "actuators": {
-            "servo": { "joint": "bearing", "torque": 3 },
-            "cylinder": { "first": "ground.bracket", "second": "lever.eye", "force": 20 },
-            "linear": { "joint": "slot", "force": -5 }
-        },
-        "springs": { "gas_spring": {
-            "first": "ground.origin", "second": "lever.end", "stiffness": 40, "damping": 2, "free_length": 0.3, "preload": -10
-        } },
-        "start": { "body": "crank", "angle": 1 },
-        "guess": { "crank": 1, "lever": 2.74, "slot": 0.21 }
-    });
-    (definition, vec![("servo", true), ("cylinder", false), ("linear", false)])
-}
-
-/// Two loops and a drive in a joint between moving bodies.
-fn six_bar() -> (Value, Vec<Drive>) {
-    let definition = json!({
-        "name": "SixBar",
-        "gravity": { "acceleration": 9.81, "up_angle": 1.2 },
-        "bodies": {
-            "ground": { "length": 0.5, "points": { "far": [0.62, 0.35], "bracket": [-0.1, 0.4] } },
-            "crank": { "length": 0.12, "mass": 1.1, "center": [0.05, 0.01], "inertia": 0.004 },
-            "coupler": { "length": 0.45, "mass": 0.9, "shape": "uniform_rod", "points": { "eye": [0.2, 0.15] } },
-            "rocker": { "length": 0.3, "mass": 0.7, "shape": "uniform_rod" },
-            "link": { "length": 0.35, "mass": 0.4, "center": [0.1, -0.02], "inertia": 0.003 },
-            "out": { "length": 0.25, "mass": 0.6, "shape": "uniform_rod", "points": { "tip": [0.3, 0.05] } }
-        },
-        "joints": {
-            "A": { "type": "revolute", "first": "ground.origin", "second": "crank.origin", "pin_radius": 0.01 },
-            "B": { "type": "revolute", "first": "coupler.origin", "second": "crank.end", "pin_radius": 0.012 },
-            "C": { "type": "revolute", "first": "coupler.end", "second": "rocker.end", "pin_radius": 0.008 },
-            "D": { "type": "revolute", "first": "rocker.origin", "second": "ground.end" },
-            "E": { "type": "revolute", "first": "coupler.eye", "second": "link.origin", "pin_radius": 0.01 },
-            "F": { "type": "revolute", "first": "link.end", "second": "out.end", "pin_radius": 0.01 },
-            "G": { "type": "revolute", "first": "ground.far", "second": "out.origin", "pin_radius": 0.01 }
-        },
-        "actuators": {
-            "cylinder": { "first": "ground.bracket", "second": "out.tip", "force": 50 },
-            "servo": { "joint": "A", "torque": 3 },
-            "motor": { "joint": "B", "torque": 0.7 }
-        },
-        "start": { "body": "crank", "angle": 1 },
-        "guess": { "crank": 1, "coupler": 0.5, "rocker": 1.6, "link": -1, "out": -2 }
-    });
-    (definition, vec![("cylinder", false), ("servo", true), ("motor", true)])
+fn definition(mechanism: usize) -> Value {
+    let mut definition: Value = serde_json::from_str(MECHANISMS[mechanism].0).unwrap();
+    if mechanism == 0 {
+        definition["joints"]["pin"]["pin_radius"] = json!(0.01);
+        definition["joints"]["wrist"]["pin_radius"] = json!(0.008);
+    }
+    definition
 }
 
 /// Angle and speed of the crank, forces of the drives, efficiency of each drive that has one, demanded acceleration.
@@ -109,20 +55,15 @@ fn cases() -> impl Strategy<Value = Case> {
     let forces = [-20.0..20.0f64, -20.0..20.0f64, -20.0..20.0f64];
     let efficiencies = [efficiency(), efficiency(), efficiency()];
     let all = (0..3usize, any::<bool>(), 0.1..2.4f64, speeds, forces, efficiencies, demands);
-    all.prop_map(|(mechanism, friction, angle, speed, forces, efficiencies, demand)| Case {
-        mechanism,
-        friction,
-        angle,
-        speed,
-        forces,
-        efficiencies,
-        demand,
+    all.prop_map(|numbers| {
+        let (mechanism, friction, angle, speed, forces, efficiencies, demand) = numbers;
+        Case { mechanism, friction, angle, speed, forces, efficiencies, demand }
     })
 }
 
 /// A case's mechanism at its start, with its drives.
-fn started(case: &Case) -> (Run, Vec<Drive>) {
-    let (mut definition, drives) = [slider_crank, quick_return, six_bar][case.mechanism]();
+fn started(case: &Case) -> (Run, &'static [Drive]) {
+    let (mut definition, drives) = (definition(case.mechanism), MECHANISMS[case.mechanism].1);
     for ((name, _), efficiency) in drives.iter().zip(case.efficiencies) {
         if let Some(efficiency) = efficiency {
             definition["actuators"][name]["efficiency"] = json!(efficiency);
@@ -134,62 +75,41 @@ fn started(case: &Case) -> (Run, Vec<Drive>) {
     definition["start"]["angle"] = json!(case.angle);
     definition["start"]["speed"] = json!(case.speed);
     let mut run = Run::new(&definition.to_string());
-    drives.iter().zip(case.forces).for_each(|(drive, force)| run.set(&input(*drive), force));
+    drives.iter().zip(case.forces).for_each(|(drive, force)| run.set(&of(*drive, "force"), force));
     (run.started(), drives)
 }
 
-/// An output's value; None where friction locks, near a dead centre.
-fn find(run: &mut Run, name: &str) -> Option<f64> {
+/// An output's value; the case is rejected where friction locks, near a dead centre.
+fn find(run: &mut Run, name: &str) -> Result<f64, TestCaseError> {
     match run.0.get(name) {
-        Err(SimulationError::Model(ModelError::Locked { .. })) => None,
-        value => Some(value.unwrap()),
+        Err(SimulationError::Model(ModelError::Locked { .. })) => Err(TestCaseError::reject("friction locks")),
+        value => Ok(value.unwrap()),
     }
 }
 
 /// A size of the forces at work as a drive sees them: all of them reduced to it, lossless.
 fn size(run: &mut Run, drives: &[Drive], drive: Drive, case: &Case) -> f64 {
     let worst = case.efficiencies.iter().flatten().fold(1.0, |a: f64, b| a.min(*b));
-    let scale = |run: &mut Run, drive: Drive| (worst * run.get(&reduced(drive))).sqrt().recip();
+    let scale = |run: &mut Run, drive: Drive| (worst * run.get(&of(drive, "reduced_mass"))).sqrt().recip();
     let own = scale(run, drive);
     let forces: f64 = drives.iter().zip(case.forces).map(|(other, force)| force.abs() * scale(run, *other)).sum();
-    let holding = run.get(&holding(drive)).abs();
+    let holding = run.get(&of(drive, "holding_force")).abs();
     10.0 * (forces / own + holding + (case.demand.abs() + 10.0 * case.speed.abs().powi(2)) / (own * own))
 }
 
-fn reduced((name, is_rotary): Drive) -> String {
-    format!("{name}.reduced_{}", if is_rotary { "inertia" } else { "mass" })
-}
-
-fn input((name, is_rotary): Drive) -> String {
-    format!("{name}.{}", if is_rotary { "torque" } else { "force" })
-}
-
-fn holding((name, is_rotary): Drive) -> String {
-    format!("{name}.holding_{}", if is_rotary { "torque" } else { "force" })
-}
-
-fn breakaway((name, is_rotary): Drive, forward: bool) -> String {
-    let (force, way) = (if is_rotary { "torque" } else { "force" }, if forward { "forward" } else { "backward" });
-    format!("{name}.breakaway_{force}_{way}")
-}
-
-fn acceleration((name, _): Drive) -> String {
-    format!("{name}.acceleration")
+/// Name of a drive's quantity, which is written here as that of a linear drive.
+fn of((name, is_rotary): Drive, quantity: &str) -> String {
+    let quantity =
+        if is_rotary { quantity.replace("force", "torque").replace("mass", "inertia") } else { quantity.into() };
+    format!("{name}.{quantity}")
 }
 
 /// The servo's terms beside a ram that loses half of its power, at rest at 0.9 rad; the ram's force is S, the angles are
 /// theta of the crank and phi of the rod.
 #[test]
 fn a_drive_with_losses_beside_another_has_its_closed_form() {
-    let case = Case {
-        mechanism: 0,
-        friction: false,
-        angle: 0.9,
-        speed: 0.0,
-        forces: [3.0, 50.0, 0.0],
-        efficiencies: [None, Some(0.5), None],
-        demand: 0.0,
-    };
+    let (forces, efficiencies) = ([3.0, 50.0, 0.0], [None, Some(0.5), None]);
+    let case = Case { mechanism: 0, friction: false, angle: 0.9, speed: 0.0, forces, efficiencies, demand: 0.0 };
     let (mut run, _) = started(&case);
     let (sin, cos) = 0.9_f64.sin_cos();
     let phi = (-sin / 3.0).asin();
@@ -223,10 +143,6 @@ fn a_drive_with_losses_beside_another_has_its_closed_form() {
     }
 }
 
-fn locked() -> TestCaseError {
-    TestCaseError::reject("friction locks")
-}
-
 proptest! {
     #![proptest_config(ProptestConfig { cases: 250, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -235,19 +151,19 @@ proptest! {
     fn the_required_force_gives_the_demanded_acceleration(case in cases(), other in -20.0..20.0f64) {
         let (mut run, drives) = started(&case);
         for (&drive, own) in drives.iter().zip(case.forces) {
-            let size = size(&mut run, &drives, drive, &case);
-            let (name, mass) = (drive.0, run.get(&reduced(drive)));
+            let size = size(&mut run, drives, drive, &case);
+            let (name, mass) = (drive.0, run.get(&of(drive, "reduced_mass")));
             prop_assume!(mass < 1e3);
             run.set(&format!("{name}.demanded_acceleration"), case.demand);
-            let Some(reported) = find(&mut run, &format!("{name}.required_force")) else { return Err(locked()) };
-            run.set(&input(drive), other);
-            let Some(again) = find(&mut run, &format!("{name}.required_force")) else { return Err(locked()) };
+            let reported = find(&mut run, &format!("{name}.required_force"))?;
+            run.set(&of(drive, "force"), other);
+            let again = find(&mut run, &format!("{name}.required_force"))?;
             let slack = ACCURACY * (size + own.abs() + other.abs());
             prop_assert!((reported - again).abs() < slack, "{name} with {own}: {reported}, with {other}: {again}");
-            run.set(&input(drive), reported);
-            let Some(given) = find(&mut run, &acceleration(drive)) else { return Err(locked()) };
+            run.set(&of(drive, "force"), reported);
+            let given = find(&mut run, &of(drive, "acceleration"))?;
             prop_assert!((given - case.demand).abs() * mass < slack, "{name}: {given}, not {}", case.demand);
-            run.set(&input(drive), own);
+            run.set(&of(drive, "force"), own);
         }
     }
 
@@ -256,22 +172,20 @@ proptest! {
         let case = Case { speed: 0.0, ..case };
         let (mut run, drives) = started(&case);
         for (&drive, own) in drives.iter().zip(case.forces) {
-            let slack = ACCURACY * (size(&mut run, &drives, drive, &case) + own.abs() + other.abs());
-            let names = [breakaway(drive, false), holding(drive), breakaway(drive, true)];
-            let reported = names.clone().map(|name| find(&mut run, &name));
-            prop_assume!(reported.iter().all(Option::is_some));
-            let reported = reported.map(Option::unwrap);
-            run.set(&input(drive), other);
+            let slack = ACCURACY * (size(&mut run, drives, drive, &case) + own.abs() + other.abs());
+            let names = ["breakaway_force_backward", "holding_force", "breakaway_force_forward"].map(|name| of(drive, name));
+            let reported = names.iter().map(|name| find(&mut run, name)).collect::<Result<Vec<_>, _>>()?;
+            run.set(&of(drive, "force"), other);
             let again = names.clone().map(|name| run.get(&name));
             for k in 0..3 {
                 prop_assert!((reported[k] - again[k]).abs() < slack, "{} {} {}", names[k], reported[k], again[k]);
             }
             prop_assert!(reported[0] < reported[1] + slack && reported[1] < reported[2] + slack, "{} {reported:?}", drive.0);
-            run.set(&input(drive), reported[1]);
-            let given = run.get(&acceleration(drive));
-            let mass = run.get(&reduced(drive));
+            run.set(&of(drive, "force"), reported[1]);
+            let given = run.get(&of(drive, "acceleration"));
+            let mass = run.get(&of(drive, "reduced_mass"));
             prop_assert!(given.abs() * mass < slack, "{}: {given}", drive.0);
-            run.set(&input(drive), own);
+            run.set(&of(drive, "force"), own);
         }
     }
 
@@ -280,24 +194,24 @@ proptest! {
     fn the_breakaway_force_overcomes_friction_and_losses(case in cases(), forward in any::<bool>()) {
         let case = Case { speed: 0.0, ..case };
         let (mut rest, drives) = started(&case);
-        for &drive in &drives {
-            let Some(reported) = find(&mut rest, &breakaway(drive, forward)) else { return Err(locked()) };
-            let sign = if forward { 1.0 } else { -1.0 };
-            let size = size(&mut rest, &drives, drive, &case);
-            let mass = rest.get(&reduced(drive));
+        for &drive in drives {
+            let (way, sign) = if forward { ("forward", 1.0) } else { ("backward", -1.0) };
+            let reported = find(&mut rest, &of(drive, &format!("breakaway_force_{way}")))?;
+            let size = size(&mut rest, drives, drive, &case);
+            let mass = rest.get(&of(drive, "reduced_mass"));
             prop_assume!(mass < 1e3);
             for (more, sets_off) in [(1e-6, true), (-1e-6, false)] {
                 let mut run = rest.clone();
-                run.set(&input(drive), reported + more * sign * size);
+                run.set(&of(drive, "force"), reported + more * sign * size);
                 if !case.friction {
-                    let given = run.get(&acceleration(drive)) * sign;
+                    let given = run.get(&of(drive, "acceleration")) * sign;
                     prop_assert!((given > 0.0) == sets_off, "at rest: {} {reported}, {more} beyond: {given}", drive.0);
                 }
                 let mut run = run.with(&[("crank.start_speed", SLOW)]).started();
                 if run.get(&format!("{}.speed", drive.0)) * sign < 0.0 {
                     run = run.with(&[("crank.start_speed", -SLOW)]).started();
                 }
-                let Some(given) = find(&mut run, &acceleration(drive)) else { return Err(locked()) };
+                let given = find(&mut run, &of(drive, "acceleration"))?;
                 prop_assert!((given * sign > 0.0) == sets_off, "{} {reported}, {more} beyond: {given}", drive.0);
             }
         }
@@ -309,7 +223,7 @@ proptest! {
 fn below_the_breakaway_torque_the_mechanism_creeps() {
     const STATIC: f64 = 1e-5;
     let rest = |torque: f64| {
-        let (mut definition, _) = slider_crank();
+        let mut definition = definition(0);
         definition["actuators"]["ram"]["efficiency"] = json!(0.5);
         definition["friction"] = json!({
             "enabled": true, "static_coefficient": 0.1, "kinetic_coefficient": 0.08, "static_speed": STATIC, "kinetic_speed": 0.1,

@@ -44,7 +44,6 @@ fn the_gear_takes_as_long_as_the_reference() {
     // PHYSICS: mu 0.19 and 0.026, V_S 0.01, V_d 1.0 m/s, pins of 35 and 30 mm: 0.134488353 s.
     let stops = [("upstop.angle", -1.31), ("solver.tolerance", 1e-11)];
     let t = time_at(-1.3, 0.1344, &stops);
-    println!("{t}");
     assert!((t - 0.134488353).abs() < 1e-8, "{t}");
 }
 

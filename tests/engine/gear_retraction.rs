@@ -1,6 +1,6 @@
 //! Scene S1 of the landing gear against reference values from a 34-digit energy quadrature.
 
-use crate::support::Run;
+use crate::support::{Run, assert_says};
 
 /// theta2 [rad] at times [s]: F = 30 kN, load factor 3, from rest at 0.8 rad.
 const REFERENCE: [(f64, f64); 4] = [
@@ -36,7 +36,6 @@ fn the_crank_follows_the_reference_at_every_tolerance() {
             }
         }
         assert!((gear.get("crank.speed") - SPEED_AT_013).abs() <= 300.0 * allowed);
-        println!("{tolerance:e}: {:e} {:?}", (gear.get("crank.angle") - REFERENCE[3].1).abs(), gear.statistics());
     }
 }
 
@@ -46,7 +45,6 @@ fn splitting_the_span_changes_less_than_the_tolerance() {
         let end = |steps: u32| {
             let mut gear = gear(tolerance);
             gear.steps(steps, 0.13);
-            println!("{tolerance:e} {steps}: {:e}", gear.get("crank.angle") - REFERENCE[3].1);
             (gear.get("crank.angle"), gear.get("crank.speed"))
         };
         let (whole, many, most) = (end(1), end(130), end(13_000));
@@ -79,7 +77,6 @@ fn energy_drifts_by_less_than_a_billionth_of_the_work() {
         let work = 30_000.0 * (gear.get("actuator.length") - start).abs();
         assert!(gear.get("energy.drift").abs() < 1e-9 * work.max(1.0), "{}", gear.get("energy.drift"));
     }
-    println!("{:e}", gear.get("energy.drift"));
 }
 
 #[test]
@@ -87,10 +84,9 @@ fn changing_inputs_leaves_the_energy_balance_closed() {
     let mut gear = gear(1e-12);
     for k in 0..130 {
         let phase = f64::from(k) * 0.3;
-        gear.set("actuator.force", 30_000.0 + 9_000.0 * phase.sin());
-        gear.set("load_factor", 3.0 + phase.cos());
-        gear.set("wheel.force_x", 500.0 * phase.cos());
-        gear.set("follower.torque", 80.0 * phase.sin());
+        let (sin, cos) = phase.sin_cos();
+        gear.set_all(&[("actuator.force", 30_000.0 + 9_000.0 * sin), ("load_factor", 3.0 + cos)]);
+        gear.set_all(&[("wheel.force_x", 500.0 * cos), ("follower.torque", 80.0 * sin)]);
         gear.step(1e-3);
         assert!(gear.get("energy.drift").abs() < 1e-7, "{k}: {}", gear.get("energy.drift"));
     }
@@ -103,17 +99,13 @@ fn sizes_beyond_reason_are_errors_not_numbers() {
     // Off the stop, which would hold against anything.
     gear.step(1e-3);
     let start = (gear.get("crank.angle"), gear.get("crank.speed"));
-    gear.set("actuator.force", 1e308);
-    gear.set("load_factor", -1e308);
+    gear.set_all(&[("actuator.force", 1e308), ("load_factor", -1e308)]);
     for name in ["crank.acceleration", "joint1.force", "wheel.acceleration_x"] {
-        let error = gear.0.get(name).unwrap_err().to_string();
-        assert!(error.contains(name) && error.contains("largest number"), "{error}");
+        assert_says(gear.0.get(name).unwrap_err(), &[name, "largest number"]);
     }
-    let error = gear.0.step(1e-3).unwrap_err().to_string();
-    assert!(error.contains("solver.tolerance") && error.contains("inputs"), "{error}");
+    assert_says(gear.0.step(1e-3).unwrap_err(), &["solver.tolerance", "inputs"]);
     assert_eq!((gear.get("crank.angle"), gear.get("crank.speed")), start);
-    gear.set("actuator.force", 30_000.0);
-    gear.set("load_factor", 3.0);
+    gear.set_all(&[("actuator.force", 30_000.0), ("load_factor", 3.0)]);
     for (name, value) in [("crank.mass", 1e308), ("crank.length", 1e100), ("gravity.acceleration", 1e308)] {
         let mut gear = self::gear(1e-9);
         gear.set(name, value);

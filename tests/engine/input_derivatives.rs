@@ -60,7 +60,6 @@ fn each_derivative_raises_the_order_by_one() {
             };
             let errors = [40, 80, 160].map(error);
             let order = (errors[1] / errors[2]).log2();
-            println!("{flags:?} derivatives to order {derivatives}: errors {errors:?}, order {order:.2}");
             // The leading terms of the orders 1 and 3 happen to be small here, so that the next ones show.
             let above = order - f64::from(derivatives + 1);
             assert!(-0.25 < above && above < 0.8, "{derivatives} {errors:?}");

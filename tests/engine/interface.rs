@@ -27,21 +27,9 @@ fn the_names_are_the_contract() {
         leg.drag wheel.drag retracted upstop.torque extended downstop.torque uplock.force downlock.force energy.kinetic energy.potential energy.drift";
     assert_eq!(with(Causality::Output).join(" "), outputs);
     let parameters = with(Causality::Parameter);
-    for name in [
-        "crank.length",
-        "crank.start_angle",
-        "crank.start_speed",
-        "solver.tolerance",
-        "solver.fem_step",
-        "solver.method",
-        "crank.axial_stiffness",
-        "coupler.axial_stiffness",
-        "follower.axial_stiffness",
-        "leg.mass",
-        "wheel.mass",
-    ] {
-        assert!(parameters.contains(&name), "{name}");
-    }
+    let some = "crank.length crank.start_angle crank.start_speed solver.tolerance solver.fem_step solver.method \
+        crank.axial_stiffness coupler.axial_stiffness follower.axial_stiffness leg.mass wheel.mass";
+    some.split(' ').for_each(|name| assert!(parameters.contains(&name), "{name}"));
     let starts =
         [("actuator.force", 30_000.0), ("load_factor", 3.0), ("solver.tolerance", 1e-9), ("crank.start_angle", 0.8)];
     for (name, start) in starts {
@@ -122,6 +110,10 @@ fn check_dependencies(base: &Run, exactly: bool) {
     let apart = |r: &Reference| {
         ["upstop", "downstop", "uplock", "downlock"].iter().any(|n| list[*r as usize].name.starts_with(n))
     };
+    let compare = |when: &str, cause: Reference, effect: Reference, listed: bool, seen: bool| {
+        let (from, to) = (&list[cause as usize].name, &list[effect as usize].name);
+        assert!(seen == listed || (listed && !exactly), "{when} {to} on {from}: listed {listed}, seen {seen}");
+    };
     let refs = |c: Causality| -> Vec<Reference> { reals(base, c).into_iter().filter(|r| !apart(r)).collect() };
     let all = refs(Causality::Output);
     let drift = base.0.reference("energy.drift").unwrap();
@@ -144,13 +136,7 @@ fn check_dependencies(base: &Run, exactly: bool) {
             let listed = initial_dependencies[effect as usize].contains(&cause);
             // A change of a hundredth shows far above the rounding of the tables.
             let seen = (after[k] - before[k]).abs() > 1e-9 * before[k].abs().max(1e-3);
-            let (from, to) = (&list[cause as usize].name, &list[effect as usize].name);
-            assert!(
-                seen == listed || (listed && !exactly),
-                "at the start {to} on {from}: {} to {}",
-                before[k],
-                after[k]
-            );
+            compare("at the start", cause, effect, listed, seen);
         }
     }
     // Between steps: only inputs act, at once.
@@ -163,13 +149,7 @@ fn check_dependencies(base: &Run, exactly: bool) {
         for (k, &effect) in all.iter().enumerate() {
             let listed = list[effect as usize].dependencies.contains(&cause);
             let seen = (after[k] - before[k]).abs() > 1e-12 * before[k].abs();
-            let (from, to) = (&list[cause as usize].name, &list[effect as usize].name);
-            assert!(
-                seen == listed || (listed && !exactly),
-                "between steps {to} on {from}: {} to {}",
-                before[k],
-                after[k]
-            );
+            compare("between steps", cause, effect, listed, seen);
         }
     }
 }

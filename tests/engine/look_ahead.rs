@@ -1,6 +1,7 @@
 //! Under unchanged inputs an internal step may run past the communication point: values read from its interpolant are as
 //! exact as values stepped to, and a changed input takes effect at once.
 
+use super::one_element::slider::{MASS, Slider};
 use crate::support::{Run, SLIDER_CRANK, changed};
 use linkage_fmu::mechanism::Statistics;
 use serde_json::json;
@@ -35,8 +36,6 @@ fn many_short_steps_cost_what_one_long_one_costs() {
     for (tolerance, steps) in [(1e-6, 130), (1e-6, 1300), (1e-9, 130), (1e-9, 13_000), (1e-12, 1300)] {
         let (long, ..) = work_and_errors(tolerance, 1);
         let (work, error, drift) = work_and_errors(tolerance, steps);
-        let evaluations = [work.evaluations, long.evaluations];
-        println!("{tolerance:e}, {steps}: {evaluations:?} evaluations, {error:e} rad, {drift:e} J");
         // Interpolants of all steps, not only of those with an event, and the first short steps. Near rounding some steps are
         // made again.
         let again = if tolerance < 1e-11 { long.evaluations } else { 0 };
@@ -64,9 +63,7 @@ fn a_change_takes_effect_at_once() {
     let (mut short, mut long) = (gear(&[]), gear(&[("solver.tolerance", 1e-12)]));
     for (k, force) in forces.into_iter().enumerate() {
         let parts = 7 + 12 * k;
-        for run in [&mut short, &mut long] {
-            run.set("actuator.force", force);
-        }
+        [&mut short, &mut long].into_iter().for_each(|run| run.set("actuator.force", force));
         (0..parts).for_each(|_| short.step(2e-4));
         long.step(2e-4 * parts as f64);
         for (name, bound) in [("crank.angle", 1e-9), ("crank.speed", 1e-7), ("energy.drift", 1e-6)] {
@@ -116,15 +113,12 @@ fn a_lock_engaged_in_between_catches() {
 #[test]
 fn friction_that_locks_further_on_stops_no_step_before() {
     let radii = ["joint1", "joint2", "joint3", "joint4"].map(|joint| format!("{joint}.pin_radius"));
+    let radii = radii.each_ref().map(|name| (name.as_str(), 0.1));
     let rising = [("static_coefficient", 1e-3), ("kinetic_coefficient", 3.0), ("kinetic_speed", 20.0)];
     let rising = rising.map(|(name, value)| (format!("friction.{name}"), value));
-    let values: Vec<(&str, f64)> = radii
-        .iter()
-        .map(|r| (r.as_str(), 0.1))
-        .chain(rising.iter().map(|(name, value)| (name.as_str(), *value)))
-        .collect();
+    let rising = rising.each_ref().map(|(name, value)| (name.as_str(), *value));
     let passed = |h: f64| {
-        let mut run = gear(&values);
+        let mut run = gear(&[]).with(&radii).with(&rising).started();
         let passed = (0..).take_while(|_| run.0.step(h).is_ok()).count();
         let error = run.0.step(h).unwrap_err().to_string();
         assert!(error.contains("friction locks the mechanism"), "{error}");
@@ -151,7 +145,6 @@ fn whole_turns_are_counted_through() {
         (run.get("crank.angle"), run.get("energy.drift"))
     };
     let (exact, one, many) = (turned(1, 1e-13), turned(1, 1e-9), turned(5000, 1e-9));
-    println!("{exact:?} {one:?} {many:?}");
     let [error_of_one, error_of_many] = [one, many].map(|run| (run.0 - exact.0).abs());
     assert!(exact.0 > 60.0 && error_of_many < 1e-6_f64.max(3.0 * error_of_one), "{error_of_one:e} {error_of_many:e}");
     // Of some 300 J.
@@ -162,21 +155,13 @@ fn whole_turns_are_counted_through() {
 /// steps are as long as their stability allows.
 #[test]
 fn a_motion_that_fades_fast_is_read_as_exactly() {
-    let (omega, mass): (f64, f64) = (12.0, 2.0);
+    let omega: f64 = 12.0;
     for zeta in [0.1, 1.0, 3.0, 10.0, 40.0] {
         for tolerance in [1e-6, 1e-9, 1e-12] {
-            let text = json!({
-                "name": "Damped",
-                "bodies": { "ground": {}, "block": { "mass": mass } },
-                "joints": { "rail": { "type": "prismatic", "first": "ground.origin", "second": "block.origin" } },
-                "springs": { "spring": {
-                    "joint": "rail", "stiffness": mass * omega * omega, "damping": 2.0 * zeta * omega * mass
-                } },
-                "start": { "joint": "rail", "position": 0.4, "speed": -2.0 },
-                "guess": { "rail": 0.4 },
-                "solver": { "tolerance": tolerance }
-            });
-            let mut run = Run::new(&text.to_string()).started();
+            let stiffness = MASS * omega * omega;
+            let slider = Slider { stiffness, damping: 2.0 * zeta * omega * MASS, ..Slider::default() };
+            let start = [("rail.start_position", 0.4), ("rail.start_speed", -2.0)];
+            let mut run = slider.run(tolerance).with(&start).started();
             let mut exact = run.clone().with(&[("solver.tolerance", 1e-13)]).started();
             let mut errors = [0.0_f64; 2];
             for n in 1..=4000 {
@@ -188,12 +173,9 @@ fn a_motion_that_fades_fast_is_read_as_exactly() {
                     }
                 }
             }
-            println!("zeta {zeta}, {tolerance:e}: {errors:?} {:?}", run.statistics());
             // The size of the speed, by which its tolerance goes, is that which the forces give: up to some 30 m/s.
-            assert!(
-                errors[0] < 2.0 * tolerance && errors[1] < 200.0 * tolerance,
-                "zeta {zeta}, {tolerance:e}: {errors:?}"
-            );
+            let near = errors[0] < 2.0 * tolerance && errors[1] < 200.0 * tolerance;
+            assert!(near, "zeta {zeta}, {tolerance:e}: {errors:?}");
         }
     }
 }

@@ -22,7 +22,6 @@ fn cost(flags: &[(&str, bool)], values: &[(&str, f64)], reads: &[&str]) -> (Buil
         }
     }
     let built = gear.reduced().unwrap().built();
-    println!("{flags:?} {values:?} {reads:?}: {:?} {:?} {:?}", built, gear.computed(), gear.statistics());
     (built, gear.computed(), gear.statistics())
 }
 

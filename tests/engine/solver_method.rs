@@ -2,7 +2,7 @@
 
 use super::gear_retraction::THETA_013;
 use super::rigid_fem::{ELASTIC_LIMIT, heavy_four_bar, strut};
-use crate::support::{CHAIN, GEAR, Run, SLIDER_CRANK, changed};
+use crate::support::{CHAIN, GEAR, Run, SLIDER_CRANK, assert_says, changed};
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::variables::{Causality, Kind};
 use serde_json::{Value, json};
@@ -36,7 +36,6 @@ fn the_formulations_differ_by_the_strain_of_the_rods() {
     // The step's error is below 4e2 h^2.
     assert!((differs - ELASTIC_LIMIT).abs() < 4e-8 + 1e-9, "{differs:e}");
     let stiffer = deviation(10.0, 1e-5);
-    println!("differ by {differs:e}, with ten times the stiffness by {stiffer:e}");
     // The step's error again, and the next term of the stretch.
     assert!((10.0 * stiffer - differs).abs() < 4e-7 + 3e-3 * differs, "{stiffer:e}");
 }
@@ -45,7 +44,6 @@ fn the_formulations_differ_by_the_strain_of_the_rods() {
 fn the_order_in_the_step_is_two() {
     let [coarse, middle, fine] = [5e-4, 2.5e-4, 1.25e-4].map(|h| deviation(1.0, h));
     let order = ((coarse - middle) / (middle - fine)).log2();
-    println!("order {order}");
     assert!((order - 2.0).abs() < 0.05, "{order}");
     // A step of the host that is shorter than fem_step is one step.
     assert_eq!(deviation(1.0, 1.0).to_bits(), deviation(1.0, 1e-3).to_bits());
@@ -77,18 +75,14 @@ fn every_output_tends_to_that_of_rigid_links() {
         let mut rigid = Run::new(&text).with(&[("crank.torque", 300.0)]).started();
         let mut elastic = by_rigid_fem(rigid.clone(), factor).started();
         let mut seen = Vec::new();
-        for step in 0..100 {
-            if step % 10 == 0 {
-                compare(&mut rigid, &mut elastic, &mut seen);
-            }
-            rigid.step(1e-3);
-            elastic.step(1e-3);
+        for _ in 0..10 {
+            compare(&mut rigid, &mut elastic, &mut seen);
+            [&mut rigid, &mut elastic].into_iter().for_each(|run| run.steps(10, 1e-2));
         }
         seen
     };
     let (soft, stiff) = (worst(10.0), worst(1000.0));
     for ((name, size, far), (.., near)) in soft.iter().zip(&stiff) {
-        println!("{name}: {size:e}, differs by {far:e}, then {near:e}");
         if name == "energy.drift" {
             // Of some 1e4 J; 2nd order, and rounding in stiff rods.
             assert!(*far < 1e-3 && *near < 1e-2, "{name}: {far:e} {near:e}");
@@ -114,9 +108,7 @@ fn outputs_follow_an_input_at_once() {
     for model in [&mut rigid, &mut elastic] {
         model.initialize();
         model.step(0.05);
-        model.set("actuator.force", 33_000.0);
-        model.set("load_factor", 2.0);
-        model.set("actuator.demanded_acceleration", 4.0);
+        model.set_all(&[("actuator.force", 33e3), ("load_factor", 2.0), ("actuator.demanded_acceleration", 4.0)]);
     }
     let mut seen = Vec::new();
     compare(&mut rigid, &mut elastic, &mut seen);
@@ -126,9 +118,7 @@ fn outputs_follow_an_input_at_once() {
         assert!(*differs < 1e-3 * size.max(1e-3), "{name}: {differs:e} of {size:e}");
     }
     let accelerations = ["crank.acceleration", "joint2.force"].map(|name| elastic.get(name));
-    for model in [&mut rigid, &mut elastic] {
-        model.step(0.05);
-    }
+    [&mut rigid, &mut elastic].into_iter().for_each(|model| model.step(0.05));
     assert_ne!(accelerations, ["crank.acceleration", "joint2.force"].map(|name| elastic.get(name)));
     let differs = rigid.get("crank.angle") - elastic.get("crank.angle");
     // 4e2 h^2.
@@ -160,53 +150,35 @@ fn a_whole_turn_is_counted_and_sigma_found() {
     }
 }
 
-fn refused(model: &mut Run) -> String {
-    let message = model.refusal();
-    println!("{message}");
-    message
-}
-
 #[test]
 fn laws_that_the_finite_elements_lack_are_refused_at_the_start() {
-    for (flag, name) in
-        [("friction.enabled", "friction.enabled = true"), ("air.relative_wind", "air.relative_wind = true")]
-    {
-        let mut model = gear(1.0, 1e-5);
-        model.set(flag, true);
-        let message = refused(&mut model);
-        assert!(message.starts_with(name) && message.contains("reduced"), "{message}");
+    for flag in ["friction.enabled", "air.relative_wind"] {
+        let mut model = gear(1.0, 1e-5).with(&[(flag, true)]);
+        let message = model.refusal();
+        assert!(message.starts_with(&format!("{flag} = true")) && message.contains("reduced"), "{message}");
         model.set(flag, false);
         model.initialize();
     }
-    let mut model = gear(1.0, 1e-5);
-    model.set("airspeed", 70.0);
-    assert!(refused(&mut model).starts_with("airspeed = 70: "));
+    let mut model = gear(1.0, 1e-5).with(&[("airspeed", 70.0)]);
+    assert!(model.refusal().starts_with("airspeed = 70: "));
     model.set("solver.method", "reduced");
     model.initialize();
 
-    let mut model = gear(1.0, 1e-5);
-    model.set("downlock.engage", true);
-    assert!(refused(&mut model).starts_with("downlock.engage = true: "));
+    let mut model = gear(1.0, 1e-5).with(&[("downlock.engage", true)]);
+    assert!(model.refusal().starts_with("downlock.engage = true: "));
     model.set("downlock.engage", false);
     model.set("uplock.engage", true);
     model.initialize();
     model.step(1e-3);
 
-    let bare = changed(GEAR, |m| {
-        m["bodies"]["coupler"].as_object_mut().unwrap().remove("axial_stiffness");
-    });
-    let mut model = Run::new(&bare);
-    model.set("solver.method", "rigid_fem");
-    assert!(refused(&mut model).starts_with("bodies.coupler.axial_stiffness: "));
+    let by_rigid_fem = |text: &str| Run::new(text).with(&[("solver.method", "rigid_fem")]);
+    let bare = changed(GEAR, |m| drop(m["bodies"]["coupler"].as_object_mut().unwrap().remove("axial_stiffness")));
+    assert!(by_rigid_fem(&bare).refusal().starts_with("bodies.coupler.axial_stiffness: "));
 
     let method = |m: &mut Value| m["solver"] = json!({ "tolerance": 1e-9, "method": "rigid_fem" });
-    let message = Model::from_json(&changed(SLIDER_CRANK, method)).unwrap_err().to_string();
-    assert!(message.contains("prismatic"), "{message}");
-    let inefficient = changed(GEAR, |m| m["actuators"]["actuator"]["efficiency"] = json!(0.9));
-    let mut model = Run::new(&inefficient);
-    model.set("solver.method", "rigid_fem");
-    let message = refused(&mut model);
-    assert!(message.contains("actuator = 0.9") && message.contains("set it to 1"), "{message}");
+    assert_says(Model::from_json(&changed(SLIDER_CRANK, method)).unwrap_err(), &["prismatic"]);
+    let mut model = by_rigid_fem(&changed(GEAR, |m| m["actuators"]["actuator"]["efficiency"] = json!(0.9)));
+    assert_says(model.refusal(), &["actuator = 0.9", "set it to 1"]);
     model.set("actuator.efficiency", 1.0);
     model.initialize();
     let ternary = Model::from_json(&changed(CHAIN, method)).unwrap_err().to_string();
@@ -216,8 +188,7 @@ fn laws_that_the_finite_elements_lack_are_refused_at_the_start() {
 #[test]
 fn laws_that_begin_to_act_later_are_refused_in_that_step() {
     // The up stop, at 0.1320598 s for rigid links.
-    let mut model = gear(1.0, 1e-5);
-    model.initialize();
+    let mut model = gear(1.0, 1e-5).started();
     model.step(0.13);
     assert!(!model.is("retracted"));
     let bits = |model: &mut Run| {
@@ -225,7 +196,6 @@ fn laws_that_begin_to_act_later_are_refused_in_that_step() {
     };
     let before = bits(&mut model);
     let message = model.0.step(5e-3).unwrap_err().to_string();
-    println!("{message}");
     let time: f64 = message.split("reached ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
     // 1e-3 rad of stretch at 30 rad/s.
     assert!(message.starts_with("upstop.angle = -1.3: ") && (time - 0.002_059_8).abs() < 3e-5, "{message}");
@@ -233,16 +203,12 @@ fn laws_that_begin_to_act_later_are_refused_in_that_step() {
     model.step(1e-3);
 
     // Pressed against the down stop from the start.
-    let mut model = gear(1.0, 1e-5);
-    model.set("actuator.force", -30_000.0);
-    model.initialize();
+    let mut model = gear(1.0, 1e-5).with(&[("actuator.force", -30_000.0)]).started();
     assert!(model.is("extended"));
     let message = model.0.step(1e-3).unwrap_err().to_string();
-    println!("{message}");
     assert!(message.starts_with("downstop.angle = 0.8: "), "{message}");
     // Away from it.
-    let mut model = gear(1.0, 1e-5);
-    model.initialize();
+    let mut model = gear(1.0, 1e-5).started();
     assert!(model.is("extended"));
     model.step(1e-2);
     assert!(!model.is("extended"));

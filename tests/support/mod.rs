@@ -4,8 +4,13 @@
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::simulation::{Settable, Simulation};
 use linkage_fmu::variables::{Causality, Kind, Reference};
+use nalgebra::Vector2;
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::ops::{Deref, DerefMut};
+use std::sync::Mutex;
+
+pub type Vec2 = Vector2<f64>;
 
 macro_rules! mechanism {
     ($name:literal) => {
@@ -45,6 +50,19 @@ pub fn without_stops() -> String {
     replaced(GEAR, &[("\"flag\"", "\"enabled\": false, \"flag\"")])
 }
 
+/// A vector turned by an angle [rad].
+pub fn turned(a: Vec2, angle: f64) -> Vec2 {
+    let (sin, cos) = angle.sin_cos();
+    Vec2::new(cos * a.x - sin * a.y, sin * a.x + cos * a.y)
+}
+
+/// Every one of these pieces stands in the message.
+#[track_caller]
+pub fn assert_says(message: impl ToString, pieces: &[&str]) {
+    let message = message.to_string();
+    pieces.iter().for_each(|piece| assert!(message.contains(piece), "`{message}` lacks `{piece}`"));
+}
+
 /// Number of random cases of each kind that the environment asks for.
 pub fn cases() -> Option<u32> {
     std::env::var("LINKAGE_FMU_CASES").ok().map(|text| text.parse().unwrap())
@@ -77,10 +95,15 @@ impl Run {
         Self::new(&replaced(definition, changes))
     }
 
+    /// A model of a definition that is read once for all tests, so that its tables are built once.
+    pub fn shared(definition: &str) -> Self {
+        static RUNS: Mutex<BTreeMap<String, Run>> = Mutex::new(BTreeMap::new());
+        RUNS.lock().unwrap().entry(definition.to_owned()).or_insert_with(|| Self::new(definition)).clone()
+    }
+
     /// The landing gear, read once.
     pub fn gear() -> Self {
-        static GEAR: std::sync::OnceLock<Run> = std::sync::OnceLock::new();
-        GEAR.get_or_init(|| Self::new(self::GEAR)).clone()
+        Self::shared(GEAR)
     }
 
     #[track_caller]

@@ -86,6 +86,5 @@ fn the_energy_invariant_stands() {
         assert!((invariant - INVARIANT).abs() < 1e-10, "{invariant:.15} {:e}", invariant - INVARIANT);
         run.step(1e-4);
     }
-    println!("drift {:e}", run.get("energy.drift"));
     assert!(run.get("energy.drift").abs() < 1e-10);
 }

@@ -18,6 +18,5 @@ fn check(run: &mut Run, name: &str, exact: f64, allowed: f64) {
 
 fn close(what: &str, value: f64, exact: f64, allowed: f64) {
     let error = (value - exact).abs();
-    println!("{what}: {value:.15e}, error {error:.1e}, allowed {allowed:.1e}");
     assert!(error <= allowed, "{what} = {value:e}, not {exact:e}: error {error:.2e}, allowed {allowed:.2e}");
 }

@@ -2,7 +2,6 @@
 use super::worst::{ACCURACY, Worst};
 use crate::support::{CRANE, FOUR_BAR, GEAR, JIB, Run, SLIDER_CRANK};
 use proptest::prelude::*;
-use std::sync::OnceLock;
 
 /// A mechanism, its drive, whether the drive is rotary, the range of the stated start, the largest start speed, and inputs.
 struct Case {
@@ -11,7 +10,8 @@ struct Case {
     is_rotary: bool,
     start: (&'static str, f64, f64),
     speed: (&'static str, f64),
-    inputs: &'static [(&'static str, f64)],
+    /// Names, each with its largest value.
+    inputs: &'static str,
 }
 
 /// Ranges keep away from the drives' dead centres, where no finite force has the effect.
@@ -22,14 +22,8 @@ const CASES: [Case; 5] = [
         is_rotary: false,
         start: ("crank.start_angle", -1.3, 0.8),
         speed: ("crank.start_speed", 40.0),
-        inputs: &[
-            ("actuator.force", 4e4),
-            ("load_factor", 6.0),
-            ("wheel.force_x", 5e3),
-            ("wheel.force_y", 5e3),
-            ("crank.torque", 4e3),
-            ("follower.torque", 4e3),
-        ],
+        inputs: "actuator.force 4e4, load_factor 6, wheel.force_x 5e3, wheel.force_y 5e3, crank.torque 4e3, \
+            follower.torque 4e3",
     },
     Case {
         json: SLIDER_CRANK,
@@ -37,7 +31,7 @@ const CASES: [Case; 5] = [
         is_rotary: true,
         start: ("crank.start_angle", -4.0, 4.0),
         speed: ("crank.start_speed", 300.0),
-        inputs: &[("drive.torque", 50.0), ("load_factor", 3.0), ("piston.force_x", 1e3), ("piston.force_y", 3e3)],
+        inputs: "drive.torque 50, load_factor 3, piston.force_x 1e3, piston.force_y 3e3",
     },
     Case {
         json: FOUR_BAR,
@@ -45,13 +39,7 @@ const CASES: [Case; 5] = [
         is_rotary: true,
         start: ("crank.start_angle", -4.0, 4.0),
         speed: ("crank.start_speed", 40.0),
-        inputs: &[
-            ("drive.torque", 20.0),
-            ("load_factor", 3.0),
-            ("C.force_x", 300.0),
-            ("C.force_y", 300.0),
-            ("coupler.torque", 20.0),
-        ],
+        inputs: "drive.torque 20, load_factor 3, C.force_x 300, C.force_y 300, coupler.torque 20",
     },
     Case {
         json: CRANE,
@@ -59,15 +47,8 @@ const CASES: [Case; 5] = [
         is_rotary: false,
         start: ("jib.start_angle", 1.0, 1.5),
         speed: ("jib.start_speed", 0.4),
-        inputs: &[
-            ("cylinder.force", 2e5),
-            ("load_factor", 2.0),
-            ("hook.force_x", 1e4),
-            ("hook.force_y", 3e4),
-            ("C.force_x", 1e4),
-            ("C.force_y", 1e4),
-            ("beak.torque", 5e4),
-        ],
+        inputs: "cylinder.force 2e5, load_factor 2, hook.force_x 1e4, hook.force_y 3e4, C.force_x 1e4, C.force_y 1e4, \
+            beak.torque 5e4",
     },
     Case {
         json: JIB,
@@ -75,31 +56,21 @@ const CASES: [Case; 5] = [
         is_rotary: false,
         start: ("jib.start_angle", -0.299, 0.706),
         speed: ("jib.start_speed", 0.5),
-        inputs: &[("cylinder.force", 6e4), ("load_factor", 2.0), ("tip.force_x", 4e3), ("tip.force_y", 4e3)],
+        inputs: "cylinder.force 6e4, load_factor 2, tip.force_x 4e3, tip.force_y 4e3",
     },
 ];
 
-/// Shared by the states: the tables are built once. With the efficiency given, 1 where the drive has none.
-fn run(case: usize, efficiency: f64) -> Run {
-    static RUNS: OnceLock<Vec<Run>> = OnceLock::new();
-    let runs = RUNS.get_or_init(|| {
-        let with = |efficiency: &str| -> Vec<Run> {
-            let text = |json: &str| json.replace("\"efficiency\": 1", &format!("\"efficiency\": {efficiency}"));
-            CASES.iter().map(|c| Run::new(&text(c.json))).collect()
-        };
-        [with("1"), with("0.7")].concat()
-    });
-    runs[if efficiency == 1.0 { case } else { CASES.len() + case }].clone()
-}
-
 fn check(index: usize, part: f64, speed: f64, sizes: &[f64], efficiency: f64) {
     let case = &CASES[index];
-    let mut run = self::run(index, efficiency);
-    for ((name, largest), size) in case.inputs.iter().zip(sizes) {
-        run.set(name, largest * size);
+    // With the efficiency given, 1 where the drive has none.
+    let mut run = Run::shared(&case.json.replace("\"efficiency\": 1", &format!("\"efficiency\": {efficiency}")));
+    for (input, size) in case.inputs.split(", ").zip(sizes) {
+        let (name, largest) = input.split_once(' ').unwrap();
+        run.set(name, largest.parse::<f64>().unwrap() * size);
     }
     let (name, low, high) = case.start;
-    run.place((name, low + (high - low) * part), (case.speed.0, case.speed.1 * speed));
+    let start = (name, low + (high - low) * part);
+    run.place(start, (case.speed.0, case.speed.1 * speed));
     let (force, mass) = if case.is_rotary { ("torque", "inertia") } else { ("force", "mass") };
     let name = |suffix: &str| format!("{}.{suffix}", case.drive);
     let present = run.get(&name(force));
@@ -115,7 +86,7 @@ fn check(index: usize, part: f64, speed: f64, sizes: &[f64], efficiency: f64) {
     if efficiency == 1.0 {
         worst.compare("T", 0.5 * reduced * v * v, run.get("energy.kinetic"), 0.0);
         // At rest, the holding force gives no acceleration.
-        run.place((case.start.0, case.start.1 + (case.start.2 - case.start.1) * part), (case.speed.0, 0.0));
+        run.place(start, (case.speed.0, 0.0));
         let holding = run.get(&name(&format!("holding_{force}")));
         run.set(&name(force), holding);
         worst.compare("held", reduced * run.get(&name("acceleration")), 0.0, size.max(holding.abs()));
@@ -130,7 +101,7 @@ proptest! {
         case in 0..CASES.len(),
         part in 0.0..1.0f64,
         speed in -1.0..1.0f64,
-        sizes in [-1.0..1.0f64, -1.0..1.0f64, -1.0..1.0f64, -1.0..1.0f64, -1.0..1.0f64, -1.0..1.0f64, -1.0..1.0f64],
+        sizes in prop::array::uniform7(-1.0..1.0f64),
     ) {
         check(case, part, speed, &sizes, 1.0);
         check(case, part, speed, &sizes, 0.7);

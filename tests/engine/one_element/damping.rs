@@ -1,6 +1,7 @@
 //! Springs and dampers: motions in closed form, energy balance, a spring that winds up over several turns.
 use super::slider::{MASS, Slider};
-use crate::support::{Run, SLIDER_CRANK};
+use crate::support::{Run, SLIDER_CRANK, changed};
+use serde_json::{Value, json};
 use std::f64::consts::TAU;
 
 /// x'' + 2 zeta omega x' + omega^2 x = 0: x and v after t.
@@ -55,7 +56,6 @@ fn a_damped_block_follows_the_closed_form() {
             assert!((now - energy(x, v)).abs() < 1e-9);
             assert!(run.get("energy.drift").abs() < 1e-10 * energy(0.4, -2.0));
         }
-        println!("zeta {zeta}: {worst:.1e}, {:?}", run.statistics());
         assert!(worst < 1e-10, "zeta {zeta}: {worst:e}");
     }
 }
@@ -91,19 +91,14 @@ fn a_torsional_spring_winds_up_over_several_turns() {
             assert!((run.get("spring.torque") - torque).abs() < 1e-9);
             assert!(run.get("energy.drift").abs() < 1e-9 * 375.0);
         }
-        println!("zeta {zeta}: {:.1} turns, {worst:.1e}", most / TAU);
         // 1e-10 rad for each radian.
         assert!(most > 3.0 * TAU && worst < 1e-10 * most, "{worst:e}");
     }
 }
 
-fn sprung_crank(spring: &str) -> Run {
-    let mut run = Run::replaced(
-        SLIDER_CRANK,
-        &[("\"markers\"", &format!("\"springs\": {{ \"spring\": {spring} }},\n\"markers\""))],
-    );
-    run.set_all(&[("drive.torque", 0.0), ("piston.force_y", 0.0)]);
-    run.set("solver.tolerance", 1e-12);
+fn sprung_crank(spring: Value) -> Run {
+    let mut run = Run::new(&changed(SLIDER_CRANK, |m| m["springs"] = json!({ "spring": spring })));
+    run.set_all(&[("drive.torque", 0.0), ("piston.force_y", 0.0), ("solver.tolerance", 1e-12)]);
     run.place(("crank.start_angle", -1.0), ("crank.start_speed", 220.0));
     run
 }
@@ -112,7 +107,7 @@ fn sprung_crank(spring: &str) -> Run {
 #[test]
 fn a_crank_winds_up_a_spring_and_comes_back() {
     let stiffness = 0.4;
-    let mut run = sprung_crank(&format!("{{ \"joint\": \"bearing\", \"stiffness\": {stiffness} }}"));
+    let mut run = sprung_crank(json!({ "joint": "bearing", "stiffness": stiffness }));
     let energy = |run: &mut Run| {
         let (theta, y) = (run.get("crank.angle"), run.get("piston.y"));
         run.get("energy.kinetic") + 0.8 * 9.81 * y + 0.5 * stiffness * theta * theta
@@ -127,7 +122,6 @@ fn a_crank_winds_up_a_spring_and_comes_back() {
         assert!(run.get("energy.drift").abs() < 1e-9 * start);
         assert!((run.get("spring.torque") - stiffness * theta).abs() < 1e-12 * stiffness * most.max(1.0));
     }
-    println!("from {:.2} to {:.2} turns, drift {:e}", least / TAU, most / TAU, run.get("energy.drift"));
     assert!(most > 2.0 * TAU && least < -2.0 * TAU);
 }
 
@@ -135,11 +129,9 @@ fn a_crank_winds_up_a_spring_and_comes_back() {
 #[test]
 fn a_damper_loses_the_power_that_it_takes() {
     let damping = 8.0;
-    let spring = format!(
-        "{{ \"first\": \"ground.origin\", \"second\": \"piston.origin\", \"stiffness\": 500, \"free_length\": 0.18, \
-         \"damping\": {damping} }}"
-    );
-    let mut run = sprung_crank(&spring);
+    let mut run = sprung_crank(json!({
+        "first": "ground.origin", "second": "piston.origin", "stiffness": 500, "free_length": 0.18, "damping": damping
+    }));
     let energy = |run: &mut Run| run.get("energy.kinetic") + run.get("energy.potential");
     // The damper's share of the pull is damping times length_dot.
     let power = |run: &mut Run| damping * run.get("piston.velocity_y").powi(2);
@@ -158,6 +150,5 @@ fn a_damper_loses_the_power_that_it_takes() {
             assert!(run.get("energy.drift").abs() < 1e-9 * start);
         }
     }
-    println!("{start} J, lost {lost} J, {:e}", start - energy(&mut run) - lost);
     assert!(lost > 0.2 * start);
 }

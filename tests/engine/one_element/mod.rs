@@ -5,6 +5,6 @@ mod damping;
 mod efficiency;
 mod four_bar;
 mod jib;
-mod slider;
+pub mod slider;
 mod slider_crank;
 mod worst;

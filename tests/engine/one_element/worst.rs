@@ -4,6 +4,11 @@
 /// multiplied and divided by one another.
 pub const ACCURACY: f64 = 1e-12;
 
+/// Numbers between -1 and 1 that differ from state to state.
+pub fn wave(k: i32, rate: f64) -> f64 {
+    (rate * f64::from(k) + 0.3).sin()
+}
+
 /// Largest difference seen, relative to the size of the compared quantity.
 #[derive(Default)]
 pub struct Worst(Vec<(&'static str, f64)>);
@@ -17,10 +22,6 @@ impl Worst {
             Some((_, worst)) => *worst = if error.is_nan() { f64::NAN } else { worst.max(error) },
             None => self.0.push((what, error)),
         }
-    }
-
-    pub fn print(&self) {
-        self.0.iter().for_each(|(what, worst)| println!("{what}: {worst:.1e}"));
     }
 
     pub fn assert_within(&self, allowed: f64) {

@@ -1,6 +1,7 @@
 //! Strategies for random linkages: loops of four bodies and chains of six, any body as the ground, joints of both kinds.
-use super::linkage::{Attachment, Body, Coordinate, Freedom, GROUND, Joint, Linkage, Loads, Mass, Rider, Vec2, turned};
+use super::linkage::{Attachment, Body, Coordinate, Freedom, GROUND, Joint, Linkage, Loads, Mass, Rider};
 use super::oracle;
+use crate::support::{Vec2, turned};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -98,13 +99,8 @@ pub fn build(chain: Chain, numbers: &[f64]) -> Result<Linkage, Discard> {
             edges[i] = (edges[i].1, edges[i].0);
         }
     }
-    let sliding: Vec<usize> = (0..chain.slides)
-        .scan(deck.below(edges.len()), |at, _| {
-            let this = *at;
-            *at = (*at + 1) % edges.len();
-            Some(this)
-        })
-        .collect();
+    let first_slide = deck.below(edges.len());
+    let slides = |j: usize| (j + edges.len() - first_slide) % edges.len() < chain.slides;
     // Ends of each joint in the plane.
     let mut ends = Vec::new();
     let mut axes = Vec::new();
@@ -113,18 +109,13 @@ pub fn build(chain: Chain, numbers: &[f64]) -> Result<Linkage, Discard> {
         let (axis, square, position) = (deck.between(-PI, PI), deck.chance(), deck.between(-1.0, 1.0));
         // Along x or y as often as not: parts of the reactions then vanish.
         let axis = if square { (axis / FRAC_PI_2).round() * FRAC_PI_2 } else { axis };
-        let slides = sliding.contains(&j);
-        ends.push((first, if slides { first + turned(Vec2::new(position, 0.0), axis) } else { first }));
+        ends.push((first, if slides(j) { first + turned(Vec2::new(position, 0.0), axis) } else { first }));
         axes.push((axis, position));
     }
     let mut bodies: Vec<Body> = Vec::new();
     for b in 0..chain.bodies {
-        let own: Vec<Vec2> = (0..edges.len())
-            .flat_map(|j| {
-                let (first, second) = (edges[j].0 == b, edges[j].1 == b);
-                first.then_some(ends[j].0).into_iter().chain(second.then_some(ends[j].1))
-            })
-            .collect();
+        let ends = edges.iter().zip(&ends).flat_map(|(edge, ends)| [(edge.0, ends.0), (edge.1, ends.1)]);
+        let own: Vec<Vec2> = ends.filter(|(body, _)| *body == b).map(|(_, end)| end).collect();
         if own.iter().enumerate().any(|(i, p)| own[..i].iter().any(|q| (p - q).norm() < SHORTEST)) {
             return Err(Discard::Short);
         }
@@ -140,7 +131,7 @@ pub fn build(chain: Chain, numbers: &[f64]) -> Result<Linkage, Discard> {
             let (first, second) = (attachment(edges[j].0), attachment(edges[j].1));
             let (axis, position) = axes[j];
             let [a, b] = [first, second].map(|p| bodies[p.body].angle);
-            let freedom = if sliding.contains(&j) {
+            let freedom = if slides(j) {
                 Freedom::Prismatic { axis: axis - a, angle: b - a, position }
             } else {
                 Freedom::Revolute

@@ -1,17 +1,9 @@
 //! A random linkage in plain data: what the definition's text says and what the oracle reads, from one source.
 //!
 //! Bodies are posed first and joints placed in the plane afterwards, so that every loop closes by construction.
-use nalgebra::Vector2;
+use crate::support::Vec2;
 use serde_json::{Map, Value, json};
 use std::fmt;
-
-pub type Vec2 = Vector2<f64>;
-
-/// A vector turned by an angle [rad].
-pub fn turned(a: Vec2, angle: f64) -> Vec2 {
-    let (sin, cos) = angle.sin_cos();
-    Vec2::new(cos * a.x - sin * a.y, sin * a.x + cos * a.y)
-}
 
 /// Index of the ground among the bodies.
 pub const GROUND: usize = 0;

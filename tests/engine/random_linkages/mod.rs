@@ -6,7 +6,7 @@ pub mod linkage;
 mod oracle;
 mod run;
 
-use crate::support::cases;
+use crate::support::{Vec2, cases};
 use generate::{CHAINS, Discard, build, grashof, linkages, numbers};
 use linkage::{Coordinate, Linkage};
 use linkage_fmu::mechanism::ModelError;
@@ -96,12 +96,8 @@ fn agrees(run: &mut Run, linkage: &Linkage) -> Result<(), TestCaseError> {
     within("closure", gap, rounding)?;
     within("closure of speeds", drift, rounding * fastest * farthest)?;
     let mark = motion.point(linkage.loads.force.0);
-    within(
-        "marker",
-        (mark.x - given(linkage, run.simulation.get("mark.x"))?)
-            .hypot(mark.y - given(linkage, run.simulation.get("mark.y"))?),
-        rounding,
-    )?;
+    let [x, y] = ["mark.x", "mark.y"].map(|name| given(linkage, run.simulation.get(name)));
+    within("marker", (mark - Vec2::new(x?, y?)).norm(), rounding)?;
     let solution = motion.solve();
     let bound = TABLE * solution.sensitivity;
     for (coordinate, [_, _, acceleration]) in linkage.coordinates().into_iter().zip(&state) {
@@ -165,7 +161,6 @@ fn few_are_discarded_and_every_type_occurs() {
                 Ok(_) => {}
             }
         }
-        println!("{}: of {TRIED} discarded {short} for short sides, {crossing} for crossings {types:?}", chain.name);
         assert!(short < TRIED / 4 && crossing < TRIED / 50, "{}", chain.name);
         assert!(chain != CHAINS[0] || types.len() == 4 && types.values().all(|n| *n > TRIED / 50), "{types:?}");
     }

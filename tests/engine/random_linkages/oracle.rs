@@ -2,18 +2,15 @@
 //!
 //! In: a linkage's plain data and the values of its coordinates and speeds. Out: poses, how well the joints close,
 //! accelerations and joint reactions from one dense system. It knows nothing of the engine.
-use super::linkage::{Attachment, Coordinate, Freedom, GROUND, Linkage, Mass, Vec2, turned};
-use nalgebra::{DMatrix, DVector};
+use super::linkage::{Attachment, Coordinate, Freedom, GROUND, Joint, Linkage, Mass};
+use crate::support::{Vec2, turned};
+use nalgebra::{DMatrix, DVector, Matrix3};
 
 /// Vector [m] and angle [rad] of every body's frame, or their rates.
 pub type Poses = Vec<(Vec2, f64)>;
 
 fn perp(a: Vec2) -> Vec2 {
     Vec2::new(-a.y, a.x)
-}
-
-fn cross(a: Vec2, b: Vec2) -> f64 {
-    a.x * b.y - a.y * b.x
 }
 
 /// Where every body is and how it moves.
@@ -33,8 +30,14 @@ pub struct Solution {
 }
 
 impl<'a> Motion<'a> {
-    /// From the value and the speed of every coordinate; all joints but those that close loops hold exactly.
-    pub fn new(linkage: &'a Linkage, read: &dyn Fn(Coordinate) -> [f64; 2]) -> Self {
+    /// From value, speed and acceleration of the coordinates in their order; all joints but those that close loops hold
+    /// exactly.
+    pub fn of(linkage: &'a Linkage, state: &[[f64; 3]]) -> Self {
+        let coordinates = linkage.coordinates();
+        let read = |coordinate| {
+            let found = coordinates.iter().zip(state).find(|(c, _)| **c == coordinate);
+            found.map_or([f64::NAN; 2], |(_, [value, speed, _])| [*value, *speed])
+        };
         let count = linkage.bodies.len();
         let mut motion =
             Self { linkage, poses: vec![(Vec2::zeros(), 0.0); count], rates: vec![(Vec2::zeros(), 0.0); count] };
@@ -82,15 +85,6 @@ impl<'a> Motion<'a> {
         motion
     }
 
-    /// From value, speed and acceleration of the coordinates in their order.
-    pub fn of(linkage: &'a Linkage, state: &[[f64; 3]]) -> Self {
-        let coordinates = linkage.coordinates();
-        Self::new(linkage, &|coordinate| {
-            let found = coordinates.iter().zip(state).find(|(c, _)| **c == coordinate);
-            found.map_or([f64::NAN; 2], |(_, [value, speed, _])| [*value, *speed])
-        })
-    }
-
     /// The start as it was built, at rest.
     pub fn built(linkage: &'a Linkage) -> Self {
         Self {
@@ -112,12 +106,17 @@ impl<'a> Motion<'a> {
         self.rates[at.body].0 + self.rates[at.body].1 * perp(self.arm(at))
     }
 
+    /// Second point of a joint less its first, and the rate.
+    fn relative(&self, Joint { first: a, second: b, .. }: &Joint) -> (Vec2, Vec2) {
+        (self.point(*b) - self.point(*a), self.velocity(*b) - self.velocity(*a))
+    }
+
     /// Largest violation of a joint [m or rad], and of its rate [m/s or rad/s].
     pub fn gap(&self) -> [f64; 2] {
         let (mut gap, mut rate): (f64, f64) = (0.0, 0.0);
         for joint in &self.linkage.joints {
             let (a, b) = (joint.first, joint.second);
-            let (apart, drift) = (self.point(b) - self.point(a), self.velocity(b) - self.velocity(a));
+            let (apart, drift) = self.relative(joint);
             match joint.freedom {
                 Freedom::Revolute => (gap, rate) = (gap.max(apart.norm()), rate.max(drift.norm())),
                 Freedom::Prismatic { axis, angle, .. } => {
@@ -194,7 +193,7 @@ impl<'a> Motion<'a> {
                 }
                 Freedom::Prismatic { axis, .. } => {
                     let n = turned(Vec2::y(), self.poses[a.body].1 + axis);
-                    let (apart, drift) = (self.point(b) - self.point(a), self.velocity(b) - self.velocity(a));
+                    let (apart, drift) = self.relative(joint);
                     add(2 * j, b.body, n.x, n.y, n.dot(&perp(rb)));
                     add(2 * j, a.body, -n.x, -n.y, -n.dot(&perp(ra)) + perp(n).dot(&apart));
                     gamma[2 * j] = -n.dot(&centripetal) - 2.0 * wa * perp(n).dot(&drift) + wa * wa * n.dot(&apart);
@@ -223,25 +222,17 @@ impl<'a> Motion<'a> {
         let fall = -g * factor * Vec2::new(up.cos(), up.sin());
         for (b, m) in self.masses() {
             let (at, r, spin) = (3 * (b - 1), turned(m.center, self.poses[b].1), self.rates[b].1);
-            let entries = [
-                (0, 0, m.mass),
-                (1, 1, m.mass),
-                (2, 2, m.inertia + m.mass * r.norm_squared()),
-                (0, 2, -m.mass * r.y),
-                (2, 0, -m.mass * r.y),
-                (1, 2, m.mass * r.x),
-                (2, 1, m.mass * r.x),
-            ];
-            for (row, column, entry) in entries {
-                mass[(at + row, at + column)] += entry;
-            }
-            push(b, m.mass * (fall + spin * spin * r), cross(r, m.mass * fall));
+            let (x, y) = (m.mass * r.x, m.mass * r.y);
+            let own = [[m.mass, 0.0, -y], [0.0, m.mass, x], [-y, x, m.inertia + m.mass * r.norm_squared()]];
+            let mut block = mass.fixed_view_mut::<3, 3>(at, at);
+            block += Matrix3::from(own);
+            push(b, m.mass * (fall + spin * spin * r), r.perp(&(m.mass * fall)));
         }
         let (a, b, size) = loads.actuator;
         let along = (self.point(b) - self.point(a)).normalize() * size;
         let (at, pull) = loads.force;
         for (point, f) in [(a, -along), (b, along), (at, pull)] {
-            push(point.body, f, cross(self.arm(point), f));
+            push(point.body, f, self.arm(point).perp(&f));
         }
         push(loads.torque.0, Vec2::zeros(), loads.torque.1);
         (mass, force)
@@ -282,28 +273,27 @@ impl<'a> Motion<'a> {
                 let joint = &self.linkage.joints[j];
                 let Freedom::Prismatic { axis, .. } = joint.freedom else { return 0.0 };
                 let unit = turned(Vec2::x(), self.poses[joint.first.body].1 + axis);
-                let (a, b) = (joint.first, joint.second);
-                let apart = self.point(b) - self.point(a);
-                unit.dot(&(self.velocity(b) - self.velocity(a))) + self.rates[a.body].1 * perp(unit).dot(&apart)
+                let (apart, drift) = self.relative(joint);
+                unit.dot(&drift) + self.rates[joint.first.body].1 * perp(unit).dot(&apart)
             }
         }
     }
 
     /// Second time derivative of a coordinate.
     pub fn acceleration(&self, solution: &Solution, coordinate: Coordinate) -> f64 {
-        let j = match coordinate {
+        let joint = match coordinate {
             Coordinate::Angle(body) => return solution.accelerations[body].1,
             Coordinate::Position(j) => &self.linkage.joints[j],
         };
-        let Freedom::Prismatic { axis, .. } = j.freedom else { return 0.0 };
-        let (a, b) = (j.first, j.second);
+        let Freedom::Prismatic { axis, .. } = joint.freedom else { return 0.0 };
+        let (a, b) = (joint.first, joint.second);
         let of = |p: Attachment| {
             let ((base, alpha), spin, arm) = (solution.accelerations[p.body], self.rates[p.body].1, self.arm(p));
             base + alpha * perp(arm) - spin * spin * arm
         };
         let unit = turned(Vec2::x(), self.poses[a.body].1 + axis);
         let (spin, alpha) = (self.rates[a.body].1, solution.accelerations[a.body].1);
-        let (apart, drift) = (self.point(b) - self.point(a), self.velocity(b) - self.velocity(a));
+        let (apart, drift) = self.relative(joint);
         unit.dot(&(of(b) - of(a))) + 2.0 * spin * perp(unit).dot(&drift) + alpha * perp(unit).dot(&apart)
             - spin * spin * unit.dot(&apart)
     }

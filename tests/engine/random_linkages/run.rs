@@ -1,6 +1,7 @@
 //! One model of a random linkage, read by the names of its variables.
-use super::linkage::{Coordinate, Freedom, Linkage, Vec2};
+use super::linkage::{Coordinate, Freedom, Linkage};
 use super::oracle::Motion;
+use crate::support::Vec2;
 use linkage_fmu::simulation::{Simulation, SimulationError};
 
 /// A simulation with the linkage that it was made from.
@@ -41,15 +42,10 @@ impl<'a> Run<'a> {
         let mut reactions = Vec::new();
         for (j, joint) in self.linkage.joints.iter().enumerate() {
             let name = Linkage::joint_name(j);
-            let force = Vec2::new(
-                self.simulation.get(&format!("{name}.force_x"))?,
-                self.simulation.get(&format!("{name}.force_y"))?,
-            );
-            let moment = match joint.freedom {
-                Freedom::Prismatic { .. } => self.simulation.get(&format!("{name}.torque"))?,
-                Freedom::Revolute => 0.0,
-            };
-            reactions.push((force, moment));
+            let mut get = |quantity| self.simulation.get(&format!("{name}.{quantity}"));
+            let force = Vec2::new(get("force_x")?, get("force_y")?);
+            let slides = matches!(joint.freedom, Freedom::Prismatic { .. });
+            reactions.push((force, if slides { get("torque")? } else { 0.0 }));
         }
         Ok(reactions)
     }
