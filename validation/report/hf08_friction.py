@@ -63,14 +63,8 @@ def coefficient(fmu: Fmu, travel: Travel, plain: Retraction) -> tuple[Figure, di
         ramp.set_title("around $V_S$", fontsize=8.5)
         ramp.tick_params(labelsize=7.5)
         axes.axvline(fastest, color="0.55", linestyle=":", linewidth=1.2)
-        axes.annotate(
-            f"fastest slip in {JOINT}\nduring retraction",
-            (fastest, 0.2 * low),
-            xytext=(-6, 0),
-            horizontalalignment="right",
-            textcoords="offset points",
-            fontsize=8.5,
-        )
+        place = {"xytext": (-6, 0), "horizontalalignment": "right", "textcoords": "offset points"}
+        axes.annotate(f"fastest slip in {JOINT}\nduring retraction", (fastest, 0.2 * low), fontsize=8.5, **place)
         axes.set(xlabel="slip speed [m/s]", ylabel="coefficient of friction [1]", ylim=(0.0, 1.1 * low))
         axes.set_xlim(-0.01 * last, 1.2 * last)
         axes.legend()

@@ -87,7 +87,8 @@ pub fn digits(value: f64) -> String {
 
 /// The table of figures asked.
 pub fn asked(figures: &[Asked]) -> String {
-    heading(&["figure", "asked", "measured", ""]) + &figures.iter().map(Asked::line).collect::<String>() + "\n"
+    let head = String::from("| figure | asked | measured | |\n|---|---|---|---|\n");
+    head + &figures.iter().map(Asked::line).collect::<String>() + "\n"
 }
 
 /// Head of a page: title, what was measured and how, and on which machine.
