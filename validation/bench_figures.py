@@ -125,14 +125,8 @@ def by_step(rows: list[Row], canvas: Canvas) -> None:
     default = pick(rows, scene="default")
     for tolerance, colour, marker in (("1e-6", BLUE, "s"), ("1e-9", BLACK, "o"), ("1e-12", ORANGE, "^")):
         mine = pick(default, tolerance=tolerance)
-        panels[0].plot(
-            column(mine, "step_us"),
-            column(mine, "step_ns"),
-            color=colour,
-            marker=marker,
-            ms=5,
-            label=f"tolerance {tolerance}",
-        )
+        look = {"color": colour, "marker": marker, "ms": 5, "label": f"tolerance {tolerance}"}
+        panels[0].plot(column(mine, "step_us"), column(mine, "step_ns"), **look)
     mine = pick(default, tolerance="1e-9")
     for name, colour, marker, label in (
         ("each_reaction_ns", GREEN, "v", "and four reactions, four calls"),

@@ -2,8 +2,8 @@
 //! with other tools.
 
 use crate::workspace::Workspace;
-use crate::{command, package, python};
-use anyhow::{Context, Result};
+use crate::{command, package};
+use anyhow::Result;
 use clap::Args;
 use std::env;
 use std::ffi::OsString;
@@ -46,11 +46,10 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
 /// A Python script of the folder `name` of `validation/`, in an environment of its own, with the default FMU as its
 /// first argument; the folder, and another one for what is made on the way.
 fn comparison(workspace: &Workspace, name: &str) -> Result<(Command, PathBuf, PathBuf)> {
-    let fmus = package::run(workspace, &package::Arguments::default())?;
-    let fmu = fmus.first().context("no FMU was packed")?;
+    let fmu = package::default(workspace)?;
     let (folder, work) = (workspace.validation().join(name), workspace.target(name));
     let environment = workspace.target(&format!("venv-{name}"));
-    let mut script = Command::new(python::environment_of(&environment, &folder.join("requirements.txt"))?);
+    let mut script = Command::new(command::environment(&environment, &folder.join("requirements.txt"))?);
     script.arg(folder.join(name).with_extension("py")).arg(fmu);
     Ok((script, folder, work))
 }
@@ -77,7 +76,7 @@ fn peers(workspace: &Workspace) -> Result<()> {
 
 /// Draw the figures from the committed results.
 fn plots(workspace: &Workspace) -> Result<()> {
-    let mut script = Command::new(python::environment(workspace)?);
+    let mut script = Command::new(command::python(workspace)?);
     script.args(["-m", "bench_figures"]).arg(workspace.results()).arg(workspace.validation().join("figures"));
     command::run(script.current_dir(workspace.validation()), "bench_figures")
 }

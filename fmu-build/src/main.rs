@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 use fmu_build::workspace::Workspace;
-use fmu_build::{bench, chain, demo, package, report, test};
+use fmu_build::{bench, chain, package, report, test};
 use std::process::ExitCode;
 
 #[derive(Parser)]
@@ -17,7 +17,7 @@ enum Task {
     /// Pack mechanisms into target/fmu/<Name>.fmu
     Package(package::Arguments),
     /// Run the retraction through FMPy: figures, retraction.csv, retraction.png
-    Demo(demo::Arguments),
+    Demo(report::Arguments),
     /// Write the mechanism of a chain of N four-bars
     Chain(chain::Arguments),
     /// Recompute the papers' figures through FMPy: validation/report.md, validation/figures
@@ -32,9 +32,9 @@ fn main() -> ExitCode {
     let workspace = Workspace::locate();
     let result = match Cli::parse().task {
         Task::Package(arguments) => package::run(&workspace, &arguments).map(drop),
-        Task::Demo(arguments) => demo::run(&workspace, &arguments),
+        Task::Demo(arguments) => report::demo(&workspace, &arguments),
         Task::Chain(arguments) => chain::run(&arguments),
-        Task::Report(arguments) => report::run(&workspace, &arguments),
+        Task::Report(arguments) => report::report(&workspace, &arguments),
         Task::Test => test::run(&workspace),
         Task::Bench(arguments) => bench::run(&workspace, &arguments),
     };

@@ -76,6 +76,14 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
     prepared.into_iter().map(|fmu| pack(fmu, &library, &binaries, &out)).collect()
 }
 
+/// Pack the default FMU; its path.
+///
+/// # Errors
+/// As for [`run`].
+pub fn default(workspace: &Workspace) -> Result<PathBuf> {
+    run(workspace, &Arguments::default())?.pop().context("no FMU was packed")
+}
+
 /// The libraries of other platforms.
 fn further(named: &[binary::Named]) -> Result<Vec<Binary>> {
     let mut binaries: Vec<Binary> = Vec::new();

@@ -1,9 +1,10 @@
-//! `cargo fmu report`: the figures and claims of the two papers, recomputed from FMU runs.
+//! `cargo fmu demo` and `cargo fmu report`: Python programs that run packed FMUs through FMPy.
 //!
-//! In: the packed FMUs. Out: `report.md` and `figures/`, in `validation/` by default.
+//! In: the packed FMUs. Out: of the demo, figures on the terminal, `retraction.csv` and `retraction.png`; of the report, the
+//! figures and claims of the two papers, recomputed: `report.md` and `figures/`, in `validation/` by default.
 
 use crate::workspace::{DEFAULT_FMU, Workspace};
-use crate::{command, package, python};
+use crate::{command, package};
 use anyhow::{Context, Result};
 use clap::Args;
 use std::path::{self, PathBuf};
@@ -15,22 +16,33 @@ const FMUS: [&str; 3] = [DEFAULT_FMU, "SliderCrank", "Jib"];
 /// What the command line says.
 #[derive(Args)]
 pub struct Arguments {
-    /// Folder for report.md and figures/ [default: validation in the repository]
+    /// Folder for what is written [default: target/demo for the demo, validation for the report, in the repository]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+}
+
+/// Retract the landing gear: pack the default FMU and run the demo on it.
+///
+/// # Errors
+/// Packing, Python's environment or the run itself fails.
+pub fn demo(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
+    let fmu = package::default(workspace)?;
+    let out = arguments.out.clone().unwrap_or_else(|| workspace.target("demo"));
+    let mut demo = Command::new(command::python(workspace)?);
+    demo.arg(workspace.demo_script()).arg(fmu).arg("--out").arg(out);
+    command::run(&mut demo, "demo.py")
 }
 
 /// Pack the FMUs and write the report from them.
 ///
 /// # Errors
 /// Packing, Python's environment or a run fails.
-pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
+pub fn report(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let paths = FMUS.iter().map(|name| workspace.descriptions().join(name)).collect();
     package::run(workspace, &package::Arguments { paths, ..Default::default() })?;
     let out = arguments.out.clone().unwrap_or_else(|| workspace.validation());
     let out = path::absolute(&out).with_context(|| out.display().to_string())?;
-    let python = python::environment(workspace)?;
-    let mut report = Command::new(python);
+    let mut report = Command::new(command::python(workspace)?);
     report.args(["-m", "report"]).arg(workspace.fmu_folder()).arg("--out").arg(out).current_dir(workspace.validation());
     command::run(&mut report, "report")
 }

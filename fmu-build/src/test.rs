@@ -1,7 +1,7 @@
 //! `cargo fmu test`: every test there is, stopping at the first stage that fails.
 
 use crate::workspace::Workspace;
-use crate::{command, package, python};
+use crate::{command, package};
 use anyhow::{Context, Result};
 use std::path::Path;
 use std::process::Command;
@@ -21,7 +21,7 @@ pub fn run(workspace: &Workspace) -> Result<()> {
         command::run(command::cargo(workspace).args(["test", "--workspace"]), "cargo test")
     })?;
     stage("packaging", || package::run(workspace, &package::Arguments { all: true, ..Default::default() }).map(drop))?;
-    let python = stage("Python environment", || python::environment(workspace))?;
+    let python = stage("Python environment", || command::python(workspace))?;
     stage("Python style", || style(workspace, &python))?;
     stage("FMPy tests", || {
         let mut pytest = Command::new(&python);

@@ -35,7 +35,7 @@ fn nor_do_derivatives() {
     let outputs =
         ["crank.angle", "crank.acceleration", "actuator.static_load", "joint2.force"].map(|name| gear.vr(name));
     let mut values = [0.0; 4];
-    let mut exchange = |n: i32| {
+    let exchange = |n: i32| {
         let (ones, rates) = ([1; 4], [2e5, 10.0]);
         assert_eq!(gear.set_reals(&inputs, &[3e4, 3.0]), Status::Ok);
         // SAFETY: every array has the length that is passed.
@@ -51,10 +51,7 @@ fn nor_do_derivatives() {
             assert_eq!(status, Status::Ok);
         }
     };
-    (0..10).for_each(&mut exchange);
-    let before = allocations();
-    (10..200).for_each(&mut exchange);
-    assert_eq!(allocations(), before);
+    assert_allocates_nothing(exchange, "derivatives");
 }
 
 #[test]
@@ -79,10 +76,7 @@ fn nor_do_saving_and_restoring_in_a_state_that_is_used_again() {
             assert_eq!(values[0].to_bits(), values[1].to_bits());
             assert_eq!(gear.step(f64::from(n) * h, h), Status::Ok);
         };
-        (0..10).for_each(&mut step_twice);
-        let before = allocations();
-        (10..200).for_each(&mut step_twice);
-        assert_eq!(allocations(), before, "{method}, friction {friction}");
+        assert_allocates_nothing(&mut step_twice, &format!("{method}, friction {friction}"));
         assert_eq!(gear.free(&mut state), Status::Ok);
     }
 }
@@ -127,26 +121,22 @@ fn exchange_allocates_nothing(method: &str) {
     assert_eq!(gear.set_text("solver.method", method), Status::Ok);
     assert_eq!(gear.initialize(), Status::Ok);
     let inputs = [gear.vr("actuator.force"), gear.vr("load_factor")];
-    let outputs = [
-        "crank.angle",
-        "crank.speed",
-        "crank.acceleration",
-        "actuator.acceleration",
-        "actuator.reduced_mass",
-        "wheel.acceleration_x",
-        "joint2.force",
-        "energy.drift",
-    ];
-    let outputs = outputs.map(|name| gear.vr(name));
+    let motion = ["crank.angle", "crank.speed", "crank.acceleration", "actuator.acceleration"];
+    let others = ["actuator.reduced_mass", "wheel.acceleration_x", "joint2.force", "energy.drift"];
+    let outputs = [motion, others].concat().into_iter().map(|name| gear.vr(name)).collect::<Vec<_>>();
     let mut values = [0.0; 8];
-    let mut exchange = |n: i32| {
+    let exchange = |n: i32| {
         assert_eq!(gear.set_reals(&inputs, &[30_000.0 + f64::from(n), 3.0]), Status::Ok);
         assert_eq!(gear.step(f64::from(n) * h, h), Status::Ok);
         assert_eq!(gear.reals(&outputs, &mut values), Status::Ok);
     };
-    // Tables are built when an output first asks for them.
-    (0..10).for_each(&mut exchange);
+    assert_allocates_nothing(exchange, method);
+}
+
+/// Nothing is allocated from the tenth round on: tables are built when an output first asks for them.
+fn assert_allocates_nothing(mut round: impl FnMut(i32), what: &str) {
+    (0..10).for_each(&mut round);
     let before = allocations();
-    (10..200).for_each(&mut exchange);
-    assert_eq!(allocations(), before);
+    (10..200).for_each(&mut round);
+    assert_eq!(allocations(), before, "{what}");
 }

@@ -59,11 +59,11 @@ impl Dice {
 
     fn op(&mut self, others: usize) -> Op {
         match self.below(1000) {
-            0..20 => Op::Setup {
-                tolerance: [None, Some(1e-9), Some(1e-7), Some(f64::NAN)][self.below(4)],
-                start: self.between(-1.0, 1.0),
-                length: [None, Some(0.2), Some(-1.0), Some(f64::INFINITY)][self.below(4)],
-            },
+            0..20 => Op::Setup(
+                [None, Some(1e-9), Some(1e-7), Some(f64::NAN)][self.below(4)],
+                self.between(-1.0, 1.0),
+                [None, Some(0.2), Some(-1.0), Some(f64::INFINITY)][self.below(4)],
+            ),
             20..50 => Op::Enter,
             50..80 => Op::Exit,
             80..84 => Op::Terminate,

@@ -259,18 +259,15 @@ fn crc32(bytes: &[u8]) -> u32 {
 
 /// The bytes with the right check sum.
 fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
-    let end = bytes.len() - 4;
-    let check = crc32(&bytes[..end]);
-    bytes[end..].copy_from_slice(&check.to_le_bytes());
-    bytes
+    bytes.truncate(bytes.len() - 4);
+    let check = crc32(&bytes).to_le_bytes();
+    [bytes, check.to_vec()].concat()
 }
 
 /// The bytes with the first `old` replaced, and the right check sum.
 fn replaced(bytes: &[u8], old: f64, new: f64) -> Vec<u8> {
     let at = bytes.windows(8).position(|window| window == old.to_le_bytes()).unwrap();
-    let mut bytes = bytes.to_vec();
-    bytes[at..at + 8].copy_from_slice(&new.to_le_bytes());
-    sealed(bytes)
+    sealed([&bytes[..at], &new.to_le_bytes(), &bytes[at + 8..]].concat())
 }
 
 #[test]
@@ -292,12 +289,8 @@ fn a_string_that_is_no_state_is_refused_and_nothing_changes() {
         refused(&changed);
         refused(&bytes[..at]);
     }
-    let changed = |at: usize, by: &[u8]| {
-        let mut changed = bytes.clone();
-        changed[at..at + by.len()].copy_from_slice(by);
-        changed
-    };
-    let longer = |n: usize| bytes.iter().copied().chain(std::iter::repeat_n(0, n)).collect::<Vec<_>>();
+    let changed = |at: usize, by: &[u8]| [&bytes[..at], by, &bytes[at + by.len()..]].concat();
+    let longer = |n: usize| [&bytes[..], &vec![0; n]].concat();
     for (bytes, expected) in [
         (vec![], "no state of this kind"),
         (vec![0; 1000], "no state of this kind"),

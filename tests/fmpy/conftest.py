@@ -73,9 +73,14 @@ class Instance:
         self.slave.exitInitializationMode()
         return self
 
-    def set(self, name: str, value: float) -> None:
-        """Set a Real."""
-        self.slave.setReal([self.references[name]], [value])
+    def set(self, name: str, value: float | bool | str) -> None:
+        """Set a Real, a Boolean or a String."""
+        setters = {bool: self.slave.setBoolean, str: self.slave.setString}
+        setters.get(type(value), self.slave.setReal)([self.references[name]], [value])
+
+    def told(self, name: str) -> bool:
+        """Read a Boolean."""
+        return bool(self.slave.getBoolean([self.references[name]])[0])
 
     def get(self, *names: str) -> list[float]:
         """Read Reals."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from conftest import Instance, Start
+from conftest import Start
 from fmpy.fmi1 import FMICallException
 
 UP = -1.3
@@ -20,23 +20,13 @@ TIME = 1e-8
 """What the reference time with friction is good to, with the default tolerance 1e-9 [s]."""
 
 
-def turn(instance: Instance, name: str, value: bool) -> None:
-    """Set a Boolean."""
-    instance.slave.setBoolean([instance.references[name]], [value])
-
-
-def told(instance: Instance, name: str) -> bool:
-    """Read a Boolean."""
-    return bool(instance.slave.getBoolean([instance.references[name]])[0])
-
-
 def test_the_gear_goes_up_and_stays(instantiate: Start) -> None:
     instance = instantiate().start()
-    assert told(instance, "extended")
-    assert not told(instance, "retracted")
+    assert instance.told("extended")
+    assert not instance.told("retracted")
     instance.run(0, 1, 0.2)
-    assert told(instance, "retracted")
-    assert not told(instance, "extended")
+    assert instance.told("retracted")
+    assert not instance.told("extended")
     angle, speed, torque = instance.get("crank.angle", "crank.speed", "upstop.torque")
     assert angle == pytest.approx(UP, abs=1e-12)
     assert speed == 0.0
@@ -46,8 +36,8 @@ def test_the_gear_goes_up_and_stays(instantiate: Start) -> None:
 @pytest.mark.parametrize(("friction", "time"), [(False, WITHOUT_FRICTION), (True, WITH_FRICTION)])
 def test_friction_takes_the_time_of_the_reference(instantiate: Start, friction: bool, time: float) -> None:
     instance = instantiate()
-    turn(instance, "upstop.enabled", False)
-    turn(instance, "friction.enabled", friction)
+    instance.set("upstop.enabled", False)
+    instance.set("friction.enabled", friction)
     instance.start().run(0, 1, time)
     angle, speed = instance.get("crank.angle", "crank.speed")
     assert angle == pytest.approx(UP, abs=TIME * SPEED)
@@ -69,26 +59,26 @@ def test_drag_by_hand(instantiate: Start) -> None:
 
 def test_uplock_holds_and_lets_go(instantiate: Start) -> None:
     instance = instantiate().start()
-    turn(instance, "uplock.engage", True)
+    instance.set("uplock.engage", True)
     instance.run(0, 2, 0.1)
     instance.set("actuator.force", 0.0)
     instance.run(2, 4, 0.1)
-    assert told(instance, "retracted")
+    assert instance.told("retracted")
     speed, torque, force = instance.get("crank.speed", "upstop.torque", "uplock.force")
     assert (speed, torque) == (0.0, 0.0)
     assert force > 0.0
-    turn(instance, "uplock.engage", False)
+    instance.set("uplock.engage", False)
     instance.run(4, 5, 0.1)
-    assert not told(instance, "retracted")
+    assert not instance.told("retracted")
     assert instance.get("crank.speed")[0] > 0.0
 
 
 def test_downlock_holds_against_the_actuator(instantiate: Start) -> None:
     """Virtual work: what exceeds the holding force, times the actuator's speed over the wheel's."""
     instance = instantiate()
-    turn(instance, "downlock.engage", True)
+    instance.set("downlock.engage", True)
     instance.start().run(0, 3, 0.1)
-    assert told(instance, "extended")
+    assert instance.told("extended")
     angle, speed, force, holding = instance.get(
         "crank.angle", "crank.speed", "downlock.force", "actuator.holding_force"
     )
@@ -107,7 +97,7 @@ def test_dropped_gear_comes_to_rest(instantiate: Start) -> None:
         speeds += instance.get("crank.speed")
     assert min(speeds) < -0.1, "it bounced"
     assert speeds[-1] == 0.0
-    assert told(instance, "extended")
+    assert instance.told("extended")
     assert instance.get("crank.angle")[0] == pytest.approx(0.8, abs=1e-12)
 
 

@@ -10,7 +10,8 @@ import fmpy
 import pytest
 from conftest import NAME
 from fmpy.validation import validate_fmu
-from test_own_mechanism import CARGO, refused
+from test_own_mechanism import package as package_in
+from test_own_mechanism import refused
 
 SHIPPED = Path(fmpy.__file__).parent
 """Where FMPy's own libraries are."""
@@ -25,9 +26,7 @@ LIBRARIES = {
 
 def package(out: Path, *binaries: str) -> subprocess.CompletedProcess[str]:
     """`cargo fmu package` with these `--binary` arguments."""
-    options = [option for binary in binaries for option in ("--binary", binary)]
-    command = [*CARGO, "fmu-build", "--", "package", "--out", str(out), *options]
-    return subprocess.run(command, capture_output=True, text=True, encoding="utf-8", timeout=900.0)
+    return package_in(Path(), "--out", str(out), *(option for binary in binaries for option in ("--binary", binary)))
 
 
 def test_binaries_lie_in_their_folders(tmp_path: Path) -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import reduce
+from operator import getitem
 from pathlib import Path
 from typing import Any
 
@@ -115,24 +117,12 @@ def test_text_that_is_no_mechanism_is_refused(instantiate: Start, copied: Path, 
 
 def put(*path: str, value: Any) -> Callable[[dict], None]:  # noqa: ANN401 - any JSON value
     """A mutation that sets one key."""
-
-    def mutate(mechanism: dict) -> None:
-        for key in path[:-1]:
-            mechanism = mechanism[key]
-        mechanism[path[-1]] = value
-
-    return mutate
+    return lambda mechanism: reduce(getitem, path[:-1], mechanism).update({path[-1]: value})
 
 
 def drop(*path: str) -> Callable[[dict], None]:
     """A mutation that removes one key."""
-
-    def mutate(mechanism: dict) -> None:
-        for key in path[:-1]:
-            mechanism = mechanism[key]
-        del mechanism[path[-1]]
-
-    return mutate
+    return lambda mechanism: reduce(getitem, path[:-1], mechanism).pop(path[-1])
 
 
 MALFORMED = [

@@ -29,14 +29,7 @@ KINDS: dict[str, dict[str, float | bool | str]] = {
 def started(instance: Instance, kind: str) -> Instance:
     """Initialised, with the parameters of its kind."""
     for name, value in KINDS[kind].items():
-        reference = [instance.references[name]]
-        match value:
-            case bool():
-                instance.slave.setBoolean(reference, [value])
-            case str():
-                instance.slave.setString(reference, [value])
-            case _:
-                instance.slave.setReal(reference, [value])
+        instance.set(name, value)
     return instance.start()
 
 

@@ -98,12 +98,8 @@ fn check_renewal(text: &str) {
 }
 
 #[test]
-fn a_renewed_gear_is_the_same_to_the_bit() {
+fn a_renewed_model_is_the_same_to_the_bit() {
     check_renewal(GEAR);
-}
-
-#[test]
-fn a_renewed_crane_is_the_same_to_the_bit() {
     check_renewal(CRANE);
 }
 

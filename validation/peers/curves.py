@@ -78,19 +78,8 @@ def faster(found: list[Curve]) -> list[str]:
 def read(path: Path) -> list[Point]:
     """Points of a table."""
     with path.open(newline="", encoding="utf-8") as file:
-        return [
-            Point(
-                row["scene"],
-                row["tool"],
-                row["method"],
-                row["setting"],
-                float(row["error_rad"]),
-                float(row["run_s"]),
-                float(row["setup_s"]),
-                int(row["evaluations"]) if row["evaluations"] else None,
-            )
-            for row in csv.DictReader(file)
-        ]
+        rows = [[row[name] for name in HEADER] for row in csv.DictReader(file)]
+    return [Point(*row[:4], *map(float, row[4:7]), int(row[7]) if row[7] else None) for row in rows]
 
 
 def write(path: Path, points: Iterable[Point]) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from functools import partial
 
 import exudyn
 from exudyn import itemInterface as items
@@ -48,14 +49,8 @@ class Model:
             system.AddObject(items.ObjectJointRevolute2D(markerNumbers=markers))
         for strut in scene.struts:
             markers = [marker(strut.first, strut.from_), marker(strut.second, strut.to)]
-            system.AddObject(
-                items.ObjectConnectorSpringDamper(
-                    markerNumbers=markers,
-                    referenceLength=strut.free_length,
-                    stiffness=strut.stiffness,
-                    force=-strut.push,
-                )
-            )
+            law = {"referenceLength": strut.free_length, "stiffness": strut.stiffness, "force": -strut.push}
+            system.AddObject(items.ObjectConnectorSpringDamper(markerNumbers=markers, **law))
         if scene.torque:
             turned = system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=self.nodes[0], coordinate=2))
             system.AddLoad(items.LoadCoordinate(markerNumber=turned, load=scene.torque))
@@ -98,15 +93,8 @@ def points(scene: Scene) -> Iterator[Point]:
             setup = time.perf_counter() - began
             chosen = settings(scene.span, steps, radius)
 
-            def run(
-                model: Model = model,
-                chosen: exudyn.SimulationSettings = chosen,
-                solver: exudyn.DynamicSolverType = solver,
-            ) -> float:
-                return model.run(chosen, solver)
-
             try:
-                angle, seconds = fastest(run)
+                angle, seconds = fastest(partial(model.run, chosen, solver))
             except (ValueError, RuntimeError) as error:
                 print(f"{TOOL} {scene.name} {method}, {steps} steps: {str(error).splitlines()[0]}")
                 continue

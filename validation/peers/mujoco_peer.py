@@ -21,17 +21,9 @@ def numbers(*values: float) -> str:
 def definition(scene: Scene, integrator: str, h: float, solref: Vector) -> str:
     """The scene as MJCF. Every body's frame has its origin at the joint that hangs it, and the plane's axes."""
     root = ElementTree.Element("mujoco")
-    option = ElementTree.SubElement(
-        root,
-        "option",
-        timestep=repr(h),
-        integrator=integrator,
-        gravity=numbers(*scene.gravity, 0.0),
-        solver="Newton",
-        tolerance="1e-15",
-        iterations="100",
-        jacobian="dense",
-    )
+    solver = {"solver": "Newton", "tolerance": "1e-15", "iterations": "100", "jacobian": "dense"}
+    gravity = numbers(*scene.gravity, 0.0)
+    option = ElementTree.SubElement(root, "option", solver, timestep=repr(h), integrator=integrator, gravity=gravity)
     ElementTree.SubElement(option, "flag", contact="disable", refsafe="disable", limit="disable")
     world = ElementTree.SubElement(root, "worldbody")
     elements, origins = {GROUND: world}, {GROUND: (0.0, 0.0)}
@@ -40,25 +32,15 @@ def definition(scene: Scene, integrator: str, h: float, solref: Vector) -> str:
         at = less(joint.at, origins[joint.first])
         element = ElementTree.SubElement(elements[joint.first], "body", name=f"b{number}", pos=numbers(*at, 0.0))
         ElementTree.SubElement(element, "joint", name=f"j{number}", type="hinge", axis="0 0 1")
-        ElementTree.SubElement(
-            element,
-            "inertial",
-            mass=repr(body.mass),
-            pos=numbers(*less(body.centre, joint.at), 0.0),
-            diaginertia=numbers(*[body.inertia] * 3),
-        )
+        centre, inertia = numbers(*less(body.centre, joint.at), 0.0), numbers(*[body.inertia] * 3)
+        ElementTree.SubElement(element, "inertial", mass=repr(body.mass), pos=centre, diaginertia=inertia)
         elements[number], origins[number] = element, joint.at
     equality = ElementTree.SubElement(root, "equality")
     for joint in scene.loops:
-        ElementTree.SubElement(
-            equality,
-            "connect",
-            body1=f"b{joint.first}",
-            body2=f"b{joint.second}",
-            anchor=numbers(*less(joint.at, origins[joint.first]), 0.0),
-            solref=numbers(*solref),
-            solimp="0.9999 0.9999 1 0.5 1",
-        )
+        bodies = {"body1": f"b{joint.first}", "body2": f"b{joint.second}"}
+        soft = {"solref": numbers(*solref), "solimp": "0.9999 0.9999 1 0.5 1"}
+        anchor = numbers(*less(joint.at, origins[joint.first]), 0.0)
+        ElementTree.SubElement(equality, "connect", bodies | soft, anchor=anchor)
     tendons, actuators = ElementTree.SubElement(root, "tendon"), ElementTree.SubElement(root, "actuator")
     for i, strut in enumerate(scene.struts):
         tendon = ElementTree.SubElement(tendons, "spatial", name=f"t{i}")

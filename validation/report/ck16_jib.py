@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 
-from .ck16_slider_crank import SIZE
-from .curves import Curve, Scale, panels, together
+from .curves import Curve, Scale, accelerations, columns, errors, pair, sums
 from .fmu import Fmu
 from .gear import Array
-from .page import Claim, Figure, Section, bound
+from .page import Claim, Section, bound
 
 SPEED = 0.5
 """v_S [m/s]."""
@@ -33,26 +33,15 @@ def measure(fmu: Fmu, e: float, b: float) -> dict[str, Array]:
             """Part across the jib of the velocity or acceleration of its end."""
             return float(np.dot(across, fmu.read(f"tip.{kind}_x", f"tip.{kind}_y")))
 
-        # a_C0: from rest, under the force that gives a_S there.
-        fmu.start({**start, "jib.start_speed": 0.0, "cylinder.demanded_acceleration": ACCELERATION})
-        fmu.set({"cylinder.force": fmu.value("cylinder.required_force")})
-        row = {"own": along("acceleration")}
         # The jib's speed at which the cylinder has v_S: they are in proportion.
         fmu.start({**start, "jib.start_speed": 1.0})
-        fmu.start({**start, "jib.start_speed": SPEED / fmu.value("cylinder.speed")})
-        # Delta a_C: in motion, under the force that keeps the speed.
-        fmu.set({"cylinder.force": fmu.value("cylinder.required_force")})
-        row["additional"] = along("acceleration")
-        # a_C: in motion, under the force that gives a_S.
-        fmu.set({"cylinder.demanded_acceleration": ACCELERATION})
-        row["required"] = fmu.value("cylinder.required_force")
-        fmu.set({"cylinder.force": row["required"]})
-        row["total"] = along("acceleration")
+        moving = {"jib.start_speed": SPEED / fmu.value("cylinder.speed")}
+        row = accelerations(fmu, start, "cylinder.force", moving, ACCELERATION, partial(along, "acceleration"))
         row["ratio"] = fmu.value("cylinder.speed") / along("velocity")
-        names = ("length", "acceleration", "reduced_mass", "reduced_mass_derivative", "static_load", "additional_force")
+        names = ("length", "reduced_mass", "reduced_mass_derivative", "static_load", "additional_force")
         row |= dict(zip(names, fmu.read(*(f"cylinder.{name}" for name in names)), strict=True))
         rows.append(row)
-    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    return columns(rows)
 
 
 def section(fmu: Fmu) -> Section:
@@ -78,7 +67,7 @@ def section(fmu: Fmu) -> Section:
         Curve("$dm_{zS}/dx$ [t/m]", run["reduced_mass_derivative"] * 1e-3, dm * 1e-3),
     ]
     additional = -(SPEED**2) / iv**2 * div
-    accelerations = [
+    load = [
         Curve("$a_{C0}$", run["own"], ACCELERATION / iv),
         Curve("$Δa_C$", run["additional"], additional, additional * SPEED, "$Δa_C$ of eq. (24) as printed"),
         Curve("$a_C$", run["total"], ACCELERATION / iv + additional),
@@ -90,12 +79,10 @@ def section(fmu: Fmu) -> Section:
         Curve("$ΔF_S$", run["additional_force"] * 1e-3, terms[2] * 1e-3),
         Curve("$F_S$", run["required"] * 1e-3, (terms[0] + terms[1] - terms[2]) * 1e-3),
     ]
-    closed = max(curve.error for curve in ratios + masses + accelerations + forces)
     parts = run["static_load"] + run["reduced_mass"] * ACCELERATION - run["additional_force"]
-    identity = float(np.abs(run["required"] - parts).max() / np.abs(run["required"]).max())
-    sum_of_two = float(np.abs(run["own"] + run["additional"] - run["total"]).max() / np.abs(run["total"]).max())
-    round_trip = float(np.abs(run["acceleration"] / ACCELERATION - 1.0).max())
-    measured = float(np.abs(run["length"] - X).max())
+    values = errors(run, ratios + masses + load + forces, parts, ACCELERATION)
+    closed, identity, sum_of_two, round_trip = map(bound, values.values())
+    values["length"] = float(np.abs(run["length"] - X).max())
 
     def ends(values: Array, digits: int = 3) -> str:
         return f"{values[0]:.{digits}f} to {values[-1]:.{digits}f}"
@@ -115,62 +102,46 @@ def section(fmu: Fmu) -> Section:
         f"Paper: eq. (24), constant v_S and a_S, no values in the text. Ours: v_S = {SPEED:g} m/s, a_S = "
         f"{ACCELERATION:g} m/s²; acceleration of the jib's end across the jib, from rest under the force that gives "
         "a_S (a_C0), at v_S under the force that keeps it (Δa_C), and at v_S under the force that gives a_S (a_C): "
-        f"{ends(accelerations[0].ours)}, {ends(accelerations[1].ours)} and {ends(accelerations[2].ours)} m/s². The sum "
-        f"holds within {bound(sum_of_two)}. Thin lines: (24) with v_S² di_v/dx; in print it has v_S² di_v/dt, whose "
+        f"{ends(load[0].ours)}, {ends(load[1].ours)} and {ends(load[2].ours)} m/s². The sum holds within "
+        f"{sum_of_two}. Thin lines: (24) with v_S² di_v/dx; in print it has v_S² di_v/dt, whose "
         f"unit is not that of an acceleration and which in SI units is v_S = {SPEED:g} times as large (grey)."
     )
     caption_16 = (
         "Paper: eqs. (32)-(37), no values in the text. Ours: as figure 15, load under its weight; "
         "`cylinder.static_load`, reduced mass times a_S, `cylinder.additional_force`, `cylinder.required_force`: "
         f"{ends(forces[0].ours)}, {ends(forces[1].ours)}, {ends(forces[2].ours)} and {ends(forces[3].ours)} kN. F_S = "
-        f"F_Su + m_zS a_S - ΔF_S within {bound(identity)}; applied as `cylinder.force`, F_S gives a_S within "
-        f"{bound(round_trip)}. The terms with di_v/dt in (31), (34) and the first line of (35) are misprinted in the "
+        f"F_Su + m_zS a_S - ΔF_S within {identity}; applied as `cylinder.force`, F_S gives a_S within "
+        f"{round_trip}. The terms with di_v/dt in (31), (34) and the first line of (35) are misprinted in the "
         "same way; (25) and (36) are right."
     )
+    load_title = "15: acceleration of the load and its parts"
     figures = [
-        Figure("ck16_13_ratio", "[CK16] figure 13: ratio and its derivative", caption_13, panels(SCALE, *ratios), SIZE),
-        Figure(
-            "ck16_14_reduced_mass",
-            "[CK16] figure 14: reduced mass and its derivative",
-            caption_14,
-            panels(SCALE, *masses),
-            SIZE,
-        ),
-        Figure(
-            "ck16_15_load_acceleration",
-            "[CK16] figure 15: acceleration of the load and its parts",
-            caption_15,
-            together(SCALE, "acceleration [m/s²]", *accelerations),
-        ),
-        Figure(
-            "ck16_16_cylinder_force",
-            "[CK16] figure 16: force of the cylinder and its parts",
-            caption_16,
-            together(SCALE, "force [kN]", *forces),
-        ),
+        pair("13_ratio", "13: ratio and its derivative", caption_13, SCALE, ratios),
+        pair("14_reduced_mass", "14: reduced mass and its derivative", caption_14, SCALE, masses),
+        sums("15_load_acceleration", load_title, caption_15, SCALE, "acceleration [m/s²]", load),
+        sums("16_cylinder_force", "16: force of the cylinder and its parts", caption_16, SCALE, "force [kN]", forces),
     ]
     claims = [
         Claim(
             "[CK16] (39)-(42)",
             "i_v, m_zS and their derivatives in closed form, x from 2.2 to 3.2 m",
             "formulas",
-            f"met within {bound(closed)}",
+            f"met within {closed}",
             "right as printed",
         ),
         Claim(
             "[CK16] (24)",
             "a_C = a_C0 + Δa_C",
             "identity",
-            f"holds within {bound(sum_of_two)}",
+            f"holds within {sum_of_two}",
             "v_S² di_v/dx, in print di_v/dt",
         ),
         Claim(
             "[CK16] (37), (38)",
             "F_S = F_Su + m_zS a_S - ΔF_S, forward and inverse",
             "identity",
-            f"holds within {bound(identity)}; a_S comes back within {bound(round_trip)}",
+            f"holds within {identity}; a_S comes back within {round_trip}",
         ),
     ]
-    values = {"closed": closed, "identity": identity, "sum": sum_of_two, "round_trip": round_trip, "length": measured}
     introduction = "Of its numbers the text has the range of x; the rest stood in a figure and is the project's.\n"
     return Section("[CK16] jib", figures, claims, values, introduction)

@@ -7,13 +7,14 @@ the piston alone has mass; the FMU's crank has a constant inertia besides, which
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 
-from .curves import Curve, Scale, panels, together
+from .curves import Curve, Scale, accelerations, columns, errors, pair, sums
 from .fmu import Fmu
 from .gear import Array
-from .page import Claim, Figure, Section, bound
+from .page import Claim, Section, bound
 
 SPEED = 100.0
 """omega_S [rad/s]."""
@@ -21,8 +22,6 @@ ACCELERATION = 1000.0
 """epsilon_S [rad/s2]."""
 ALPHA = np.radians(np.arange(0.0, 361.0, 2.0))
 SCALE = Scale(np.degrees(ALPHA), "crank angle α from the inner dead centre [deg]", list(range(0, 361, 45)))
-SIZE = (6.4, 5.2)
-"""Of a figure with two panels [inch]."""
 
 
 def radius(r: float, ratio: float) -> Array:
@@ -44,24 +43,14 @@ def measure(fmu: Fmu) -> dict[str, Array]:
     rows = []
     for alpha in ALPHA.tolist():
         start = {"crank.start_angle": alpha - 0.5 * math.pi}
-        # a_C0: from rest, under the torque that gives epsilon_S there.
-        fmu.start({**start, "crank.start_speed": 0.0, "drive.demanded_acceleration": ACCELERATION})
-        fmu.set({"drive.torque": fmu.value("drive.required_force")})
-        row = {"own": fmu.value("piston.acceleration_y")}
-        # Delta a_C: in motion, under the torque that keeps the speed.
-        fmu.start({**start, "crank.start_speed": SPEED})
-        fmu.set({"drive.torque": fmu.value("drive.required_force")})
-        row["additional"] = fmu.value("piston.acceleration_y")
-        # a_C: in motion, under the torque that gives epsilon_S.
-        fmu.set({"drive.demanded_acceleration": ACCELERATION})
-        row["required"] = fmu.value("drive.required_force")
-        fmu.set({"drive.torque": row["required"]})
-        row["total"], row["epsilon"] = fmu.read("piston.acceleration_y", "drive.acceleration")
+        moving = {"crank.start_speed": SPEED}
+        output = partial(fmu.value, "piston.acceleration_y")
+        row = accelerations(fmu, start, "drive.torque", moving, ACCELERATION, output)
         row["radius"] = fmu.value("piston.velocity_y") / SPEED
         names = ("reduced_inertia", "reduced_inertia_derivative", "static_load", "additional_torque")
         row |= dict(zip(names, fmu.read(*(f"drive.{name}" for name in names)), strict=True))
         rows.append(row)
-    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    return columns(rows)
 
 
 def section(fmu: Fmu) -> Section:
@@ -87,7 +76,7 @@ def section(fmu: Fmu) -> Section:
         Curve("$I_{zS}$ [kg cm²]", inertia * 1e4, mass * rz**2 * 1e4),
         Curve("$dI_{zS}/dα$ [kg cm²/rad]", run["reduced_inertia_derivative"] * 1e4, 2e4 * mass * rz * drz),
     ]
-    accelerations = [
+    piston = [
         Curve("$a_{C0}$", run["own"], rz * ACCELERATION),
         Curve("$Δa_C$", run["additional"], SPEED**2 * drz),
         Curve("$a_C$", run["total"], rz * ACCELERATION + SPEED**2 * drz),
@@ -99,11 +88,9 @@ def section(fmu: Fmu) -> Section:
         Curve("$ΔT_S$", run["additional_torque"], terms[2]),
         Curve("$T_S$", run["required"] - crank * ACCELERATION, terms[0] + terms[1] - terms[2]),
     ]
-    closed = max(curve.error for curve in radii + inertias + accelerations + torques)
     parts = run["static_load"] + run["reduced_inertia"] * ACCELERATION - run["additional_torque"]
-    identity = float(np.abs(run["required"] - parts).max() / np.abs(run["required"]).max())
-    sum_of_two = float(np.abs(run["own"] + run["additional"] - run["total"]).max() / np.abs(run["total"]).max())
-    round_trip = float(np.abs(run["epsilon"] / ACCELERATION - 1.0).max())
+    values = errors(run, radii + inertias + piston + torques, parts, ACCELERATION)
+    closed, identity, sum_of_two, round_trip = map(bound, values.values())
     printed, once = radius(r, 1.0 / ratio), slice(0, -1)
     real = int(np.isfinite(printed[once]).sum())
     half_off = float(np.abs(radii[1].ours - radii[1].printed).max() / np.abs(radii[1].closed).max())
@@ -133,62 +120,40 @@ def section(fmu: Fmu) -> Section:
         f"Paper: eq. (3), constant ω_S and ε_S, no values in the text. Ours: ω_S = {SPEED:g} rad/s, ε_S = "
         f"{ACCELERATION:g} rad/s²; `piston.acceleration_y` from rest under the torque that gives ε_S (a_C0), at ω_S "
         "under the torque that keeps it (Δa_C), and at ω_S under the torque that gives ε_S (a_C). Largest: a_C0 "
-        f"{at(accelerations[0])}, Δa_C {at(accelerations[1])}, a_C {at(accelerations[2])} (m/s²). The sum a_C0 + Δa_C "
-        f"is a_C within {bound(sum_of_two)}."
+        f"{at(piston[0])}, Δa_C {at(piston[1])}, a_C {at(piston[2])} (m/s²). The sum a_C0 + Δa_C "
+        f"is a_C within {sum_of_two}."
     )
     caption_9 = (
         f"Paper: eqs. (11)-(16), no values in the text. Ours: as figure 8, piston under its weight and {-push:g} N "
         "downwards; `drive.static_load`, reduced inertia times ε_S, `drive.additional_torque`, "
         f"`drive.required_force`, the crank's own {crank * ACCELERATION:g} N m taken off the second and the last. "
         f"Largest: T_Su {at(torques[0])}, I_zS ε_S {at(torques[1])}, ΔT_S {at(torques[2])}, T_S {at(torques[3])} (N "
-        f"m). T_S = T_Su + I_zS ε_S - ΔT_S within {bound(identity)}; applied as `drive.torque`, T_S gives ε_S within "
-        f"{bound(round_trip)}."
+        f"m). T_S = T_Su + I_zS ε_S - ΔT_S within {identity}; applied as `drive.torque`, T_S gives ε_S within "
+        f"{round_trip}."
     )
+    piston_title = "8: acceleration of the piston and its parts"
     figures = [
-        Figure(
-            "ck16_06_effective_radius",
-            "[CK16] figure 6: effective radius and its derivative",
-            caption_6,
-            panels(SCALE, *radii),
-            SIZE,
-        ),
-        Figure(
-            "ck16_07_reduced_inertia",
-            "[CK16] figure 7: reduced moment of inertia and its derivative",
-            caption_7,
-            panels(SCALE, *inertias),
-            SIZE,
-        ),
-        Figure(
-            "ck16_08_piston_acceleration",
-            "[CK16] figure 8: acceleration of the piston and its parts",
-            caption_8,
-            together(SCALE, "acceleration [m/s²]", *accelerations),
-        ),
-        Figure(
-            "ck16_09_crank_torque",
-            "[CK16] figure 9: torque at the crank and its parts",
-            caption_9,
-            together(SCALE, "torque [N m]", *torques),
-        ),
+        pair("06_effective_radius", "6: effective radius and its derivative", caption_6, SCALE, radii),
+        pair("07_reduced_inertia", "7: reduced moment of inertia and its derivative", caption_7, SCALE, inertias),
+        sums("08_piston_acceleration", piston_title, caption_8, SCALE, "acceleration [m/s²]", piston),
+        sums("09_crank_torque", "9: torque at the crank and its parts", caption_9, SCALE, "torque [N m]", torques),
     ]
     claims = [
         Claim(
             "[CK16] (18)-(21)",
             "R_z, I_zS and their derivatives in closed form",
             "formulas",
-            f"corrected formulas met within {bound(closed)}",
+            f"corrected formulas met within {closed}",
             f"as printed: (18) imaginary at {len(ALPHA) - 1 - real} of {len(ALPHA) - 1} angles, (19) off by up to "
             f"{100.0 * half_off:.1f} %",
         ),
-        Claim("[CK16] (3)", "a_C = a_C0 + Δa_C", "identity", f"holds within {bound(sum_of_two)}"),
+        Claim("[CK16] (3)", "a_C = a_C0 + Δa_C", "identity", f"holds within {sum_of_two}"),
         Claim(
             "[CK16] (16), (17)",
             "T_S = T_Su + I_zS ε_S - ΔT_S, forward and inverse",
             "identity",
-            f"holds within {bound(identity)}; ε_S comes back within {bound(round_trip)}",
+            f"holds within {identity}; ε_S comes back within {round_trip}",
         ),
     ]
-    values = {"closed": closed, "identity": identity, "sum": sum_of_two, "round_trip": round_trip}
     introduction = "The numbers of its example stood in a figure: lengths, masses and motion are the project's.\n"
     return Section("[CK16] slider-crank", figures, claims, values, introduction)

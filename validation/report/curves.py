@@ -11,7 +11,9 @@ from matplotlib.figure import Figure as Canvas
 from matplotlib.lines import Line2D
 
 from .drawing import BLUE, CLOSED_FORM, FAINT, GREEN, ORANGE, RED
+from .fmu import Fmu, Value
 from .gear import Array
+from .page import Figure
 
 STYLES = (("-", BLUE), ("--", ORANGE), ("-.", GREEN), ("-", RED))
 WIDE = 3.2
@@ -49,6 +51,58 @@ class Scale:
             axes.axhline(0.0, color="0.4", linewidth=0.8)
         axes.set(xlabel=self.label, ylabel=label, xlim=(self.places[0], self.places[-1]))
         axes.set_xticks(self.ticks)
+
+
+def accelerations(
+    fmu: Fmu, start: dict[str, Value], drive: str, moving: dict[str, Value], demand: float, output: Callable[[], float]
+) -> dict[str, float]:
+    """Three accelerations of `output` from motions that have them, and the required force; the FMU is left in the last.
+
+    `moving` starts it at the drive's constant speed, `demand` is the drive's acceleration; the drive's input is driven.
+    """
+    name, demanded, required = drive.split(".")[0], "demanded_acceleration", "required_force"
+    # a_C0: from rest, under the force that gives the acceleration there.
+    fmu.start({**start, **dict.fromkeys(moving, 0.0), f"{name}.{demanded}": demand})
+    fmu.set({drive: fmu.value(f"{name}.{required}")})
+    row = {"own": output()}
+    # Delta a_C: in motion, under the force that keeps the speed.
+    fmu.start({**start, **moving})
+    fmu.set({drive: fmu.value(f"{name}.{required}")})
+    row["additional"] = output()
+    # a_C: in motion, under the force that gives the acceleration.
+    fmu.set({f"{name}.{demanded}": demand})
+    row["required"] = fmu.value(f"{name}.{required}")
+    fmu.set({drive: row["required"]})
+    return row | {"total": output(), "acceleration": fmu.value(f"{name}.acceleration")}
+
+
+def columns(rows: list[dict[str, float]]) -> dict[str, Array]:
+    """Each quantity over all rows."""
+    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+
+
+def errors(run: dict[str, Array], curves: list[Curve], parts: Array, demand: float) -> dict[str, float]:
+    """Largest errors: closed forms, required force as the sum of `parts`, a_C as a sum, demanded acceleration."""
+
+    def part(error: Array, whole: Array) -> float:
+        return float(np.abs(error).max() / np.abs(whole).max())
+
+    return {
+        "closed": max(curve.error for curve in curves),
+        "identity": part(run["required"] - parts, run["required"]),
+        "sum": part(run["own"] + run["additional"] - run["total"], run["total"]),
+        "round_trip": float(np.abs(run["acceleration"] / demand - 1.0).max()),
+    }
+
+
+def pair(name: str, title: str, caption: str, scale: Scale, curves: list[Curve]) -> Figure:
+    """A figure of [CK16] with curves of different units below each other."""
+    return Figure(f"ck16_{name}", f"[CK16] figure {title}", caption, panels(scale, *curves), (6.4, 5.2))
+
+
+def sums(name: str, title: str, caption: str, scale: Scale, label: str, curves: list[Curve]) -> Figure:
+    """A figure of [CK16] with a quantity and its parts in one panel."""
+    return Figure(f"ck16_{name}", f"[CK16] figure {title}", caption, together(scale, label, *curves))
 
 
 def panels(scale: Scale, *curves: Curve) -> Callable[[Canvas], None]:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import io
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib as mpl
 from matplotlib.figure import Figure as Canvas
 from PIL import Image
 
+from .gear import Array
 from .page import Figure
 
 BLUE, ORANGE, GREEN, RED = "#0b5394", "#d9730d", "#2e7d32", "#a61c3c"
@@ -43,6 +45,28 @@ RESOLUTION = 120
 """Of the PNG files [dots per inch]."""
 COLOURS = 64
 """Of the PNG files: lines and their soft edges need no more."""
+
+
+Line = tuple[Array, Array, str, str, str]
+"""Places, values, style, colour and label of a curve."""
+
+
+def lines(
+    across: str, up: str, curves: list[Line], zero: bool = False, legend: str = "best"
+) -> Callable[[Canvas], None]:
+    """Draws curves in one panel, with the line of 0 if asked, and a legend if there are several."""
+
+    def draw(canvas: Canvas) -> None:
+        axes = canvas.subplots()
+        if zero:
+            axes.axhline(0.0, color="0.4", linewidth=0.8)
+        for places, values, style, color, label in curves:
+            axes.plot(places, values, style, color=color, label=label)
+        axes.set(xlabel=across, ylabel=up)
+        if len(curves) > 1:
+            axes.legend(loc=legend)
+
+    return draw
 
 
 def write(figure: Figure, folder: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
-from .drawing import BLUE, CLOSED_FORM, ORANGE
+from .drawing import BLUE, CLOSED_FORM, ORANGE, lines
 from .fmu import Fmu
 from .gear import AIRSPEED, Array, Retraction, Travel, retract
 from .page import Claim, Figure, Section, bound
@@ -63,14 +63,8 @@ def coefficient(fmu: Fmu, travel: Travel, plain: Retraction) -> tuple[Figure, di
         ramp.set_title("around $V_S$", fontsize=8.5)
         ramp.tick_params(labelsize=7.5)
         axes.axvline(fastest, color="0.55", linestyle=":", linewidth=1.2)
-        axes.annotate(
-            f"fastest slip in {JOINT}\nduring retraction",
-            (fastest, 0.2 * low),
-            xytext=(-6, 0),
-            horizontalalignment="right",
-            textcoords="offset points",
-            fontsize=8.5,
-        )
+        place = {"xytext": (-6, 0), "horizontalalignment": "right", "textcoords": "offset points"}
+        axes.annotate(f"fastest slip in {JOINT}\nduring retraction", (fastest, 0.2 * low), fontsize=8.5, **place)
         axes.set(xlabel="slip speed [m/s]", ylabel="coefficient of friction [1]", ylim=(0.0, 1.1 * low))
         axes.set_xlim(-0.01 * last, 1.2 * last)
         axes.legend()
@@ -107,14 +101,11 @@ def section(fmu: Fmu, travel: Travel, plain: Retraction) -> Section:
     figure8, values = coefficient(fmu, travel, plain)
 
     def over_time(name: str, title: str, label: str, courses: tuple[Array, Array], caption: str) -> Figure:
-        def draw(canvas: Canvas) -> None:
-            axes = canvas.subplots()
-            axes.plot(rough.time * 1e3, courses[1], "-", color=ORANGE, label="with friction")
-            axes.plot(plain.time * 1e3, courses[0], "--", color=BLUE, label="without friction")
-            axes.set(xlabel="time [ms]", ylabel=label)
-            axes.legend()
-
-        return Figure(name, title, caption, draw)
+        curves = [
+            (rough.time * 1e3, courses[1], "-", ORANGE, "with friction"),
+            (plain.time * 1e3, courses[0], "--", BLUE, "without friction"),
+        ]
+        return Figure(f"hf08_{name}", f"[HF08] figure {title}", caption, lines("time [ms]", label, curves))
 
     angle = (
         f"Paper: friction adds about 2 % to the time of retraction. Ours: {conditions}: {plain.duration:.8f} s without "
@@ -135,29 +126,17 @@ def section(fmu: Fmu, travel: Travel, plain: Retraction) -> Section:
         f"acceleration dips to {ends[1][1]:.2f} m/s² as the slip passes V_S. It swings at the end, where coupler and "
         "follower come near to being in line and the follower turns ever faster."
     )
+    titles = (
+        "9: angle of the crank with and without friction",
+        "10: angular speed of the crank with and without friction",
+    )
+    angles, speeds = (plain.angle, rough.angle), (plain.speed, rough.speed)
+    kinematic = "11: acceleration of kinematic pair 2"
     figures = [
         figure8,
-        over_time(
-            "hf08_09_friction_angle",
-            "[HF08] figure 9: angle of the crank with and without friction",
-            "crank angle [rad]",
-            (plain.angle, rough.angle),
-            angle,
-        ),
-        over_time(
-            "hf08_10_friction_speed",
-            "[HF08] figure 10: angular speed of the crank with and without friction",
-            "crank speed [rad/s]",
-            (plain.speed, rough.speed),
-            speed,
-        ),
-        over_time(
-            "hf08_11_pair_2_acceleration",
-            "[HF08] figure 11: acceleration of kinematic pair 2",
-            "acceleration of B [m/s²]",
-            accelerations,
-            acceleration,
-        ),
+        over_time("09_friction_angle", titles[0], "crank angle [rad]", angles, angle),
+        over_time("10_friction_speed", titles[1], "crank speed [rad/s]", speeds, speed),
+        over_time("11_pair_2_acceleration", kinematic, "acceleration of B [m/s²]", accelerations, acceleration),
     ]
     claims = [
         Claim(
@@ -181,11 +160,6 @@ def section(fmu: Fmu, travel: Travel, plain: Retraction) -> Section:
             "so friction holds nothing at rest in a run; figure 12 takes µ_S there",
         ),
     ]
-    values |= {
-        "share": share,
-        "share_air": share_air,
-        "rough_time": rough.duration,
-        "start": ends[0][0],
-        "rough_start": ends[1][0],
-    }
+    values |= {"share": share, "share_air": share_air, "rough_time": rough.duration}
+    values |= {"start": ends[0][0], "rough_start": ends[1][0]}
     return Section("[HF08] friction", figures, claims, values)

@@ -16,6 +16,7 @@ COAST = {"crank.start_speed": -2.0, "load_factor": 0.0, "actuator.force": 0.0}
 """A slow unloaded motion through the travel, on which forces at rest are read."""
 COAST_STEP = 10e-3
 """[s]"""
+FORCES = ("holding_force", "breakaway_force_forward", "breakaway_force_backward")
 DURATION = 1.0
 """Of the smooth retraction [s]."""
 POINTS = 50
@@ -31,14 +32,7 @@ def least_force(fmu: Fmu, travel: Travel) -> tuple[Array, dict[str, Array]]:
         if rows:
             fmu.step(COAST_STEP)
         fmu.set(loads)
-        rows.append(
-            fmu.read(
-                "crank.angle",
-                "actuator.holding_force",
-                "actuator.breakaway_force_forward",
-                "actuator.breakaway_force_backward",
-            )
-        )
+        rows.append(fmu.read("crank.angle", *(f"actuator.{name}" for name in FORCES)))
         fmu.set({"load_factor": 0.0, "airspeed": 0.0})
     angle, *forces = np.array(rows).T
     # The last state lies beyond the travel: forces at its end are interpolated.

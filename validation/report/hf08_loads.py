@@ -7,7 +7,7 @@ import math
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
-from .drawing import BLUE, GREEN, ORANGE, RED
+from .drawing import BLUE, GREEN, ORANGE, RED, lines
 from .fmu import Fmu
 from .gear import AIRSPEED, Array, Travel
 from .page import Claim, Figure, Section
@@ -43,14 +43,15 @@ def resistance(fmu: Fmu, rotation: Array, loads: dict[str, Array]) -> Figure:
     # Where the leg points against the flow: crank + leg = flow + 180 deg, a turn less.
     against = math.degrees(fmu.default("crank.start_angle") + fmu.default("leg.angle")) - (flow - 180.0)
 
+    curves = [
+        (rotation, whole, "-", BLUE, "whole gear"),
+        (rotation, wheel, "--", ORANGE, "wheel"),
+        (rotation, leg, "-.", GREEN, "leg"),
+    ]
+
     def draw(canvas: Canvas) -> None:
-        axes = canvas.subplots()
-        axes.plot(rotation, whole, "-", color=BLUE, label="whole gear")
-        axes.plot(rotation, wheel, "--", color=ORANGE, label="wheel")
-        axes.plot(rotation, leg, "-.", color=GREEN, label="leg")
-        axes.set(xlabel=AXIS, ylabel="air resistance [N]")
-        axes.set_ylim(bottom=0.0)
-        axes.legend()
+        lines(AXIS, "air resistance [N]", curves)(canvas)
+        canvas.axes[0].set_ylim(bottom=0.0)
 
     caption = (
         "Paper: eq. (1), P = ½ ρ v² S Cx with ρ = 1.225 kg/m³, v = 70 m/s, Cx = 0.5; S falls as the gear retracts; no "
@@ -71,14 +72,11 @@ def actuator(fmu: Fmu, rotation: Array, loads: dict[str, Array]) -> Figure:
     mass, air = loads["mass"], loads["air"]
     zero = float(np.interp(0.0, mass, rotation))
 
-    def draw(canvas: Canvas) -> None:
-        axes = canvas.subplots()
-        axes.axhline(0.0, color="0.4", linewidth=0.8)
-        axes.plot(rotation, mass * 1e-3, "--", color=BLUE, label="mass loads, 3 g")
-        axes.plot(rotation, air * 1e-3, "-", color=RED, label=f"aerodynamic loads, {AIRSPEED:g} m/s")
-        axes.set(xlabel=AXIS, ylabel="force in the actuator [kN]")
-        axes.legend()
-
+    curves = [
+        (rotation, mass * 1e-3, "--", BLUE, "mass loads, 3 g"),
+        (rotation, air * 1e-3, "-", RED, f"aerodynamic loads, {AIRSPEED:g} m/s"),
+    ]
+    draw = lines(AXIS, "force in the actuator [kN]", curves, zero=True)
     caption = (
         "Paper: force needed in the actuator over the angle of rotation at a G-load of 3 g, from gravity and from the "
         "air; no numbers in the text. Ours: `actuator.holding_force`, the inverse dynamics at rest without friction, "
@@ -112,8 +110,7 @@ def section(fmu: Fmu, travel: Travel) -> Section:
             "mass of the gear",
             "64 kg",
             f"{gear:.2f} kg leg and wheel, {gear + links:.2f} kg with coupler and follower, {gear + links + crank:.2f} "
-            "kg "
-            "with the crank",
+            "kg with the crank",
             "masses of the appendix and ρ A l of table 1; the text does not say what is counted",
         ),
         Claim(

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.figure import Figure as Canvas
 
-from .drawing import BLUE, ORANGE
+from .drawing import BLUE, ORANGE, lines
 from .fmu import Fmu
 from .gear import METHOD, RIGID_FEM, Retraction, Travel, retract
 from .page import Claim, Figure, Section
@@ -15,16 +14,9 @@ MISSING = f"this FMU has no `{METHOD}` yet, so the curve by rigid finite element
 
 def curve(name: str, title: str, label: str, quantity: str, runs: dict[str, Retraction], caption: str) -> Figure:
     """One quantity over time, a line for each method."""
-
-    def draw(canvas: Canvas) -> None:
-        axes = canvas.subplots()
-        for (method, run), (style, color) in zip(runs.items(), (("-", BLUE), ("--", ORANGE)), strict=False):
-            axes.plot(run.time * 1e3, getattr(run, quantity), style, color=color, label=method)
-        axes.set(xlabel="time [ms]", ylabel=label)
-        if len(runs) > 1:
-            axes.legend()
-
-    return Figure(name, title, caption, draw)
+    styles = zip(runs.items(), (("-", BLUE), ("--", ORANGE)), strict=False)
+    curves = [(run.time * 1e3, getattr(run, quantity), *style, method) for (method, run), style in styles]
+    return Figure(f"hf08_{name}", f"[HF08] figure {title}", caption, lines("time [ms]", label, curves))
 
 
 def section(fmu: Fmu, travel: Travel) -> Section:
@@ -67,15 +59,8 @@ def section(fmu: Fmu, travel: Travel) -> Section:
             f"{reduced.speed[fastest]:.4f} rad/s at its fastest, after {reduced.time[fastest] * 1e3:.1f} ms",
         )
     figures = [
-        curve("hf08_06_crank_angle", "[HF08] figure 6: angle of the crank", "crank angle [rad]", "angle", runs, angle),
-        curve(
-            "hf08_07_crank_speed",
-            "[HF08] figure 7: angular speed of the crank",
-            "crank speed [rad/s]",
-            "speed",
-            runs,
-            speed,
-        ),
+        curve("06_crank_angle", "6: angle of the crank", "crank angle [rad]", "angle", runs, angle),
+        curve("07_crank_speed", "7: angular speed of the crank", "crank speed [rad/s]", "speed", runs, speed),
     ]
     claims = [
         Claim(

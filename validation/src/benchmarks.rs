@@ -1,29 +1,30 @@
-//! Published benchmark mechanisms: error against exact values, run time and work, and what each further loop costs.
+//! Error against exact values, run time and work: scene S1, published benchmark mechanisms, and what each further loop costs.
 
-use crate::asked;
-use crate::measure::{self, COLUMNS, Pages, Row};
-use fmu_build::chain::mechanism;
-use linkage_fmu::mechanism::{Model, ModelError};
+use crate::measure::{self, Pages, heading, timed};
+use crate::scene::{SPAN, THETA2};
+use fmu_build::chain;
+use linkage_fmu::mechanism::{Model, ModelError, Statistics};
 use std::fmt::Write;
 use std::path::Path;
-use std::time::Instant;
 
 /// Span of Andrews' squeezer [s], and the exact angle of its crank then [rad].
 pub const ANDREWS_SPAN: f64 = 0.03;
 pub const K1_ANGLE: f64 = 15.810_771_195_153_797;
+
+/// Head of the CSV.
+const COLUMNS: &str = "scene,steps,tolerance,error_rad,time_us,evaluations,accepted,rejected\n";
+/// Numbers of steps in which a span is run.
+const ONE_OR_MANY: [u32; 2] = [1, 1000];
 
 /// One mechanism with an output whose value at the end of the span is known.
 struct Scene {
     /// Word for CSV.
     name: String,
     title: String,
-    text: String,
-    /// Span [s] and doSteps in it.
+    /// Span [s].
     span: f64,
-    steps: u32,
     /// Output, its unit and exact value.
     output: &'static str,
-    unit: &'static str,
     exact: f64,
 }
 
@@ -32,79 +33,115 @@ struct Scene {
 const CHAINS: [(u32, f64); 3] =
     [(2, -30.179_800_860_191_205), (10, -30.050_933_495_986_976), (40, -30.026_637_417_190_84)];
 
-/// The tables in Markdown and CSV.
+/// Scene S1: run time of a whole retraction against its error; the table in Markdown and CSV.
+pub fn retraction(descriptions: &Path) -> Result<Pages, String> {
+    /// Runs of which the fastest counts.
+    const RUNS: usize = 300;
+    let text = measure::mechanism(&descriptions.join("LandingGearRetraction"))?;
+    let mut instantiation = f64::INFINITY;
+    let mut model = timed(&mut instantiation, || Model::from_json(&text)).map_err(|e| e.to_string())?;
+    let words = format!(
+        "Scene S1 (30 kN, load factor 3, from rest, 0.13 s) in the engine, without a host. Error: theta2 at 0.13 s \
+         against the 34-digit reference. Time: the fastest of {RUNS} runs, the steps alone, one core. Evaluations: of the \
+         right-hand side. Reading and tracing the mechanism took {:.1} ms, once.",
+        instantiation * 1e3
+    );
+    let page = measure::page("Run time of a whole retraction against its error", &words);
+    let mut pages = Pages { page, csv: COLUMNS.into() };
+    let (name, output, exact) = ("LandingGearRetraction".into(), "crank.angle", THETA2);
+    let scene = Scene { name, title: String::new(), span: SPAN, output, exact };
+    for (title, steps) in
+        [("One doStep of 0.13 s", 1), ("130 doSteps of 1 ms", 130), ("13 000 doSteps of 10 us", 13_000)]
+    {
+        let _ = writeln!(pages.page, "## {title}\n");
+        let runs = (RUNS / (1 + steps as usize / 500)).max(10);
+        scene.rows(&mut model, steps, [4, 6, 8, 10, 12, 13], runs, &mut pages).map_err(|e| e.to_string())?;
+    }
+    Ok(pages)
+}
+
+/// The published mechanisms; the tables in Markdown and CSV.
 pub fn table(descriptions: &Path) -> Result<Pages, String> {
     let words = "In the engine, without a host, one core. Error: the named output at the end against its exact value. Time: the \
          fastest of several runs, the steps alone. Evaluations: of the right-hand side. Instantiation: reading, closing \
          the loops, tracing the curve and building the tables that the first step needs, once.";
-    let (mut out, mut csv) = (asked::page("Published benchmark mechanisms", words), String::from(COLUMNS));
-    for scene in scenes(descriptions)? {
-        scene.report(&mut out, &mut csv).map_err(|e| format!("{}: {e}", scene.title))?;
-    }
-    Ok(Pages { page: out, csv })
-}
-
-fn scenes(descriptions: &Path) -> Result<Vec<Scene>, String> {
+    let mut pages = Pages { page: measure::page("Published benchmark mechanisms", words), csv: COLUMNS.into() };
     let read = |name: &str| measure::mechanism(&descriptions.join(name));
-    let (andrews, slcrank) = (read("AndrewsSqueezer")?, read("SlCrank")?);
-    let mut scenes = Vec::new();
-    for steps in [1, 300] {
-        scenes.push(Scene {
-            name: "AndrewsSqueezer".into(),
-            title: format!("Andrews' squeezer, 0.03 s in {steps} doSteps"),
-            text: andrews.clone(),
-            span: ANDREWS_SPAN,
-            steps,
-            output: "K1.angle",
-            unit: "rad",
-            exact: K1_ANGLE,
-        });
-    }
-    for steps in [1, 1000] {
-        scenes.push(Scene {
-            name: "SlCrank".into(),
-            title: format!("Slider-crank idaSlCrank, 10 s in {steps} doSteps"),
-            text: slcrank.clone(),
-            span: 10.0,
-            steps,
-            output: "crank.angle",
-            unit: "rad",
-            exact: 1.275_675_848_650,
-        });
-    }
+    let scene = |name: &str, title: &str, span: f64, output: &'static str, exact: f64| Scene {
+        name: name.into(),
+        title: title.into(),
+        span,
+        output,
+        exact,
+    };
+    let mut scenes = vec![
+        (
+            scene("AndrewsSqueezer", "Andrews' squeezer", ANDREWS_SPAN, "K1.angle", K1_ANGLE),
+            read("AndrewsSqueezer")?,
+            [1, 300],
+        ),
+        (
+            scene("SlCrank", "Slider-crank idaSlCrank", 10.0, "crank.angle", 1.275_675_848_650),
+            read("SlCrank")?,
+            ONE_OR_MANY,
+        ),
+    ];
     for (count, exact) in CHAINS {
-        for steps in [1, 1000] {
-            scenes.push(Scene {
-                name: format!("FourBarChain{count}"),
-                title: format!("Chain of {count} four-bars ({} bodies), 10 s in {steps} doSteps", 2 * count + 1),
-                text: mechanism::text(count),
-                span: 10.0,
-                steps,
-                output: "bar0.angle",
-                unit: "rad",
-                exact,
-            });
+        let title = format!("Chain of {count} four-bars ({} bodies)", 2 * count + 1);
+        let chain_of = scene(&format!("FourBarChain{count}"), &title, 10.0, "bar0.angle", exact);
+        scenes.push((chain_of, chain::text(count), ONE_OR_MANY));
+    }
+    for (scene, text, counts) in scenes {
+        for steps in counts {
+            scene.report(&text, steps, &mut pages).map_err(|e| format!("{}: {e}", scene.title))?;
         }
     }
-    Ok(scenes)
+    Ok(pages)
 }
 
 impl Scene {
-    fn report(&self, out: &mut String, csv: &mut String) -> Result<(), ModelError> {
-        /// Runs of which the fastest counts.
-        const RUNS: usize = 50;
-        let began = Instant::now();
-        let mut model = Model::from_json(&self.text)?;
-        let instantiation = began.elapsed().as_secs_f64() * 1e3;
-        let _ = writeln!(out, "## {}\n\nInstantiation {instantiation:.1} ms.\n", self.title);
-        out.push_str(&measure::heading(self.unit));
-        for exponent in [4, 6, 8, 9, 10, 12] {
-            let row = Row::measure(&mut model, 10f64.powi(-exponent), self.span, self.steps, RUNS)?;
-            let error = (measure::output(&mut model, self.output)? - self.exact).abs();
-            out.push_str(&row.line(exponent, error));
-            csv.push_str(&row.csv(&self.name, self.steps, exponent, error));
+    fn report(&self, text: &str, steps: u32, pages: &mut Pages) -> Result<(), ModelError> {
+        let mut instantiation = f64::INFINITY;
+        let mut model = timed(&mut instantiation, || Model::from_json(text))?;
+        let (title, span) = (&self.title, self.span);
+        let _ = writeln!(pages.page, "## {title}, {span} s in {steps} doSteps\n");
+        let _ = writeln!(pages.page, "Instantiation {:.1} ms.\n", instantiation * 1e3);
+        self.rows(&mut model, steps, [4, 6, 8, 9, 10, 12], 50, pages)
+    }
+
+    /// One row for each tolerance 10^-exponent, each the fastest of `runs` runs.
+    fn rows(
+        &self,
+        model: &mut Model,
+        steps: u32,
+        exponents: [i32; 6],
+        runs: usize,
+        pages: &mut Pages,
+    ) -> Result<(), ModelError> {
+        pages.page += &heading(&["tolerance", "error [rad]", "time [us]", "evaluations", "steps", "rejected"]);
+        let h = self.span / f64::from(steps);
+        for exponent in exponents {
+            let mut seconds = f64::INFINITY;
+            for _ in 0..runs {
+                model.reset();
+                model.set_tolerance(10f64.powi(-exponent))?;
+                model.initialize()?;
+                timed(&mut seconds, || (0..steps).try_for_each(|_| model.step(h)))?;
+            }
+            let time = seconds * 1e6;
+            let Statistics { evaluations, accepted, rejected, .. } = model.statistics();
+            let error = (measure::output(model, self.output)? - self.exact).abs();
+            let _ = writeln!(
+                pages.page,
+                "| 1e-{exponent} | {error:.1e} | {time:.1} | {evaluations} | {accepted} | {rejected} |"
+            );
+            let _ = writeln!(
+                pages.csv,
+                "{},{steps},1e-{exponent},{error:.2e},{time:.2},{evaluations},{accepted},{rejected}",
+                self.name
+            );
         }
-        out.push('\n');
+        pages.page.push('\n');
         Ok(())
     }
 }

@@ -3,9 +3,8 @@
 //! A count is the difference of two runs of this program that differ in the number of repetitions only, so that neither
 //! set-up nor the program's start is in it.
 
-use crate::asked;
 use crate::gear::Gear;
-use crate::measure::Pages;
+use crate::measure::{self, Pages, heading};
 use crate::scene::{After, DEFAULT, SCENES, SPAN, Scene};
 use std::fmt::Write;
 use std::path::Path;
@@ -38,10 +37,8 @@ pub fn table() -> Result<Option<Pages>, String> {
     if !Command::new("valgrind").arg("--version").output().is_ok_and(|output| output.status.success()) {
         return Ok(None);
     }
-    let mut rows = String::from(
-        "## A retraction, by scene\n\n| scene | one doStep of 0.13 s | to bare | 130 of 1 ms | to bare |\n",
-    );
-    rows.push_str("|---|---|---|---|---|\n");
+    let mut rows = String::from("## A retraction, by scene\n\n");
+    rows += &heading(&["scene", "one doStep of 0.13 s", "to bare", "130 of 1 ms", "to bare"]);
     let mut csv = String::from("scene,reads,steps,instructions_per_run,instructions_per_step\n");
     let mut bare = [0.0; 2];
     for scene in &SCENES {
@@ -56,10 +53,8 @@ pub fn table() -> Result<Option<Pages>, String> {
         }
         rows.push('\n');
     }
-    rows.push_str(
-        "\n## A doStep, default scene, with what is read after it\n\n| read | 0.13 s | 10 ms | 1 ms | 10 us |\n",
-    );
-    rows.push_str("|---|---|---|---|---|\n");
+    rows += "\n## A doStep, default scene, with what is read after it\n\n";
+    rows += &heading(&["read", "0.13 s", "10 ms", "1 ms", "10 us"]);
     for (name, _) in READS {
         let _ = write!(rows, "| {} |", name.replace('_', " "));
         for steps in COUNTS {
@@ -75,7 +70,7 @@ pub fn table() -> Result<Option<Pages>, String> {
          back to the start before each. Counts of one compiler repeat within half a percent: set-up, which cancels but for that, hashes with random seeds. Motion: three \
          fmi2GetReal; reactions: one of four; each reaction: four of one."
     );
-    Ok(Some(Pages { page: asked::page("Instructions", &words) + &rows, csv }))
+    Ok(Some(Pages { page: measure::page("Instructions", &words) + &rows, csv }))
 }
 
 /// Instructions of one run of the scene.

@@ -1,11 +1,9 @@
 //! Benchmarks: run time against error, on scenes with exact references. Writes its tables beside this package.
-mod asked;
 mod benchmarks;
 mod bodies;
 mod gear;
 mod instructions;
 mod measure;
-mod retraction;
 mod rigid_fem;
 mod scene;
 mod scenes;
@@ -24,14 +22,13 @@ use std::path::Path;
 /// The arguments are none of these, a call is refused, a scene fails, or a file cannot be written.
 pub fn run(arguments: &[&str]) -> Result<(), String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let results = root.join("results");
-    let gear = root.join("../modelDescription/LandingGearRetraction");
+    let (results, descriptions) = (root.join("results"), root.join("../modelDescription"));
     match arguments {
-        [] => tables(root, &results),
+        [] => tables(&descriptions, &results),
         ["instructions"] => count(&results),
         ["stress", groups @ ..] => stress_report::run(&results, groups),
         &[instructions::REPEAT, scene, reads, steps, repetitions] => {
-            instructions::repeat(&gear, [scene, reads, steps, repetitions])
+            instructions::repeat(&descriptions.join("LandingGearRetraction"), [scene, reads, steps, repetitions])
         }
         _ => {
             Err("arguments: none for the tables of run times, `instructions`, or `stress` with names of groups".into())
@@ -39,22 +36,23 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
     }
 }
 
-fn tables(root: &Path, results: &Path) -> Result<(), String> {
-    let descriptions = root.join("../modelDescription");
-    let gear = descriptions.join("LandingGearRetraction");
-    publish(&results.join("setup.md"), &setup::table(&descriptions)?)?;
-    publish_both(results, "steps", &steps::table(&gear)?)?;
-    publish_both(results, "scenes", &scenes::table(&gear)?)?;
-    publish_both(results, "bodies", &bodies::table()?)?;
-    publish_both(results, "untabled", &untabled::table(&descriptions)?)?;
-    publish_both(results, "retraction", &retraction::table(&gear)?)?;
-    publish(&results.join("rigid_fem.md"), &rigid_fem::table(&gear)?)?;
-    publish_both(results, "benchmarks", &benchmarks::table(&descriptions)?)
+fn tables(descriptions: &Path, results: &Path) -> Result<(), String> {
+    let tables: [(&str, fn(&Path) -> Result<Pages, String>); 8] = [
+        ("setup", setup::table),
+        ("steps", steps::table),
+        ("scenes", scenes::table),
+        ("bodies", |_| bodies::table()),
+        ("untabled", untabled::table),
+        ("retraction", benchmarks::retraction),
+        ("rigid_fem", rigid_fem::table),
+        ("benchmarks", benchmarks::table),
+    ];
+    tables.into_iter().try_for_each(|(name, table)| publish(results, name, &table(descriptions)?))
 }
 
 fn count(results: &Path) -> Result<(), String> {
     match instructions::table()? {
-        Some(pages) => publish_both(results, "instructions", &pages),
+        Some(pages) => publish(results, "instructions", &pages),
         None => {
             println!("instructions are not counted: there is no valgrind (Debian: apt-get install valgrind)");
             Ok(())
@@ -62,15 +60,13 @@ fn count(results: &Path) -> Result<(), String> {
     }
 }
 
-fn publish_both(results: &Path, name: &str, pages: &Pages) -> Result<(), String> {
-    let csv = results.join(name).with_extension("csv");
-    std::fs::write(&csv, &pages.csv).map_err(|e| format!("{}: {e}", csv.display()))?;
-    publish(&results.join(name).with_extension("md"), &pages.page)
-}
-
-fn publish(target: &Path, table: &str) -> Result<(), String> {
-    print!("{table}");
-    std::fs::write(target, table).map_err(|e| format!("{}: {e}", target.display()))?;
-    println!("\nwritten to {}", target.display());
+fn publish(results: &Path, name: &str, pages: &Pages) -> Result<(), String> {
+    print!("{}", pages.page);
+    for (text, extension) in [(&pages.csv, "csv"), (&pages.page, "md")].into_iter().filter(|(text, _)| !text.is_empty())
+    {
+        let target = results.join(name).with_extension(extension);
+        std::fs::write(&target, text).map_err(|e| format!("{}: {e}", target.display()))?;
+        println!("\nwritten to {}", target.display());
+    }
     Ok(())
 }

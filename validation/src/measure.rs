@@ -1,5 +1,7 @@
-//! One measurement: a span of a model in equal doSteps, timed, with its row in a table.
-use linkage_fmu::mechanism::{Model, ModelError, Statistics};
+//! What the pages of the benchmarks share: reading, setting and timing a model, figures asked beside figures measured, and
+//! the machine they were measured on.
+use linkage_fmu::mechanism::{Model, ModelError};
+use linkage_fmu::simulation::Settable;
 use std::path::Path;
 use std::time::Instant;
 
@@ -7,17 +9,8 @@ use std::time::Instant;
 pub struct Pages {
     /// Markdown.
     pub page: String,
-    /// CSV, with a heading.
+    /// CSV, with a heading; empty if nothing is drawn from it.
     pub csv: String,
-}
-
-/// Head of a CSV of rows with their scene, number of doSteps and error.
-pub const COLUMNS: &str = "scene,steps,tolerance,error_rad,time_us,evaluations,accepted,rejected\n";
-
-/// What one tolerance gives.
-pub struct Row {
-    microseconds: f64,
-    work: Statistics,
 }
 
 /// The text of a description folder's mechanism.
@@ -32,40 +25,87 @@ pub fn output(model: &mut Model, name: &str) -> Result<f64, ModelError> {
     model.real(reference)
 }
 
-/// Head of a table whose errors have this unit.
-pub fn heading(unit: &str) -> String {
-    format!("| tolerance | error [{unit}] | time [us] | evaluations | steps | rejected |\n|---|---|---|---|---|---|\n")
+/// Set a variable by its name.
+pub fn set(model: &mut Model, name: &str, value: impl Settable) -> Result<(), ModelError> {
+    let reference = model.variables().find(name).unwrap_or_default();
+    value.set(model, reference)
 }
 
-impl Row {
-    /// The fastest of `runs` runs over the span; the model is left at its end.
-    pub fn measure(model: &mut Model, tolerance: f64, span: f64, steps: u32, runs: usize) -> Result<Self, ModelError> {
-        let h = span / f64::from(steps);
-        let mut microseconds = f64::INFINITY;
-        for _ in 0..runs {
-            model.reset();
-            model.set_tolerance(tolerance)?;
-            model.initialize()?;
-            let began = Instant::now();
-            for _ in 0..steps {
-                model.step(h)?;
-            }
-            microseconds = (began.elapsed().as_secs_f64() * 1e6).min(microseconds);
-        }
-        Ok(Self { microseconds, work: model.statistics() })
+/// Call, and keep the time [s] in `least` if it is the least; what the call gave is dropped after the clock has stopped.
+pub fn timed<T>(least: &mut f64, call: impl FnOnce() -> T) -> T {
+    let began = Instant::now();
+    let given = std::hint::black_box(call());
+    *least = least.min(began.elapsed().as_secs_f64());
+    given
+}
+
+/// Head of a table in Markdown.
+pub fn heading(columns: &[&str]) -> String {
+    format!("| {} |\n|{}\n", columns.join(" | "), "---|".repeat(columns.len()))
+}
+
+/// One figure with its limit.
+pub struct Asked {
+    what: String,
+    unit: &'static str,
+    measured: f64,
+    limit: f64,
+    at_least: bool,
+}
+
+impl Asked {
+    /// At most `limit`; the unit has its own blank.
+    pub fn at_most(what: impl Into<String>, measured: f64, limit: f64, unit: &'static str) -> Self {
+        Self { what: what.into(), unit, measured, limit, at_least: false }
     }
 
-    /// The line for tolerance 10^-exponent.
-    pub fn line(&self, exponent: i32, error: f64) -> String {
-        let Statistics { evaluations, accepted, rejected, .. } = self.work;
-        let time = self.microseconds;
-        format!("| 1e-{exponent} | {error:.1e} | {time:.1} | {evaluations} | {accepted} | {rejected} |\n")
+    /// At least `limit`.
+    pub fn at_least(what: impl Into<String>, measured: f64, limit: f64, unit: &'static str) -> Self {
+        Self { at_least: true, ..Self::at_most(what, measured, limit, unit) }
     }
 
-    /// The same in CSV, under `COLUMNS`.
-    pub fn csv(&self, scene: &str, steps: u32, exponent: i32, error: f64) -> String {
-        let Statistics { evaluations, accepted, rejected, .. } = self.work;
-        let time = self.microseconds;
-        format!("{scene},{steps},1e-{exponent},{error:.2e},{time:.2},{evaluations},{accepted},{rejected}\n")
+    fn holds(&self) -> bool {
+        if self.at_least { self.measured >= self.limit } else { self.measured <= self.limit }
     }
+
+    fn line(&self) -> String {
+        let Self { what, unit, measured, limit, at_least } = self;
+        let (side, verdict) =
+            (if *at_least { "at least" } else { "at most" }, if self.holds() { "holds" } else { "**misses**" });
+        format!("| {what} | {side} {limit}{unit} | {}{unit} | {verdict} |\n", digits(*measured))
+    }
+}
+
+/// Three digits or so, without an exponent.
+pub fn digits(value: f64) -> String {
+    match value.abs() {
+        size if size < 10.0 => format!("{value:.2}"),
+        size if size < 100.0 => format!("{value:.1}"),
+        _ => format!("{value:.0}"),
+    }
+}
+
+/// The table of figures asked.
+pub fn asked(figures: &[Asked]) -> String {
+    let head = String::from("| figure | asked | measured | |\n|---|---|---|---|\n");
+    head + &figures.iter().map(Asked::line).collect::<String>() + "\n"
+}
+
+/// Head of a page: title, what was measured and how, and on which machine.
+pub fn page(title: &str, words: &str) -> String {
+    format!("# {title}\n\n{words} Machine: {}.\n\n", machine())
+}
+
+/// Processor, operating system and number of cores.
+fn machine() -> String {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let processor = processor().unwrap_or_else(|| "processor unknown".into());
+    format!("{processor}, {cores} cores, shared, {} {}", std::env::consts::OS, std::env::consts::ARCH)
+}
+
+/// Model of the processor, where the system reports it.
+pub fn processor() -> Option<String> {
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let (_, name) = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'))?;
+    Some(name.trim().into())
 }

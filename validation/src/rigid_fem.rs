@@ -1,11 +1,10 @@
 //! Scene S1 by rigid-link finite elements: order of the step, elastic limit, energy and run time.
-use crate::measure;
+use crate::measure::{self, Pages, heading, timed};
+use crate::scene::SPAN;
 use linkage_fmu::mechanism::{Model, ModelError};
 use std::fmt::Write;
 use std::path::Path;
-use std::time::Instant;
 
-const SPAN: f64 = 0.13;
 /// Runs of which the fastest counts.
 const RUNS: usize = 3;
 /// Steps whose limit stands for the elastic gear's exact motion [s].
@@ -19,10 +18,10 @@ struct Point {
 }
 
 /// The table in Markdown.
-pub fn table(folder: &Path) -> Result<String, String> {
-    let text = measure::mechanism(folder)?;
-    let mut model = Model::from_json(&text).map_err(|e| e.to_string())?;
-    report(&mut model).map_err(|e| e.to_string())
+pub fn table(descriptions: &Path) -> Result<Pages, String> {
+    let text = measure::mechanism(&descriptions.join("LandingGearRetraction"))?;
+    let report = Model::from_json(&text).and_then(|mut model| report(&mut model));
+    report.map(|page| Pages { page, csv: String::new() }).map_err(|e| e.to_string())
 }
 
 fn report(model: &mut Model) -> Result<String, ModelError> {
@@ -45,8 +44,8 @@ fn report(model: &mut Model) -> Result<String, ModelError> {
         own - rigid.theta,
         limit(model, 10.0)? - rigid.theta
     );
-    out.push_str("| solver.fem_step h [s] | to the reduced model [rad] | to the own limit [rad] | order | drift [J] | time [ms] |\n");
-    out.push_str("|---|---|---|---|---|---|\n");
+    let columns = ["to the reduced model [rad]", "to the own limit [rad]", "order", "drift [J]", "time [ms]"];
+    out += &heading(&[&["solver.fem_step h [s]"], &columns[..]].concat());
     let mut above: Option<(f64, f64)> = None;
     for h in [2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6] {
         let Point { theta, drift, milliseconds } = elastic(model, 1.0, h)?;
@@ -66,29 +65,21 @@ fn report(model: &mut Model) -> Result<String, ModelError> {
 /// By finite elements, E A times `factor`.
 fn elastic(model: &mut Model, factor: f64, fem_step: f64) -> Result<Point, ModelError> {
     model.reset();
-    let mut settings = vec![("solver.fem_step".to_string(), fem_step)];
-    for body in ["crank", "coupler", "follower"] {
-        let name = format!("{body}.axial_stiffness");
-        let stated = measure::output(model, &name)?;
-        settings.push((name, factor * stated));
+    measure::set(model, "solver.fem_step", fem_step)?;
+    for name in ["crank.axial_stiffness", "coupler.axial_stiffness", "follower.axial_stiffness"] {
+        let stated = measure::output(model, name)?;
+        measure::set(model, name, factor * stated)?;
     }
-    for (name, value) in settings {
-        let reference = model.variables().find(&name).unwrap_or_default();
-        model.set_real(reference, value)?;
-    }
-    let method = model.variables().find("solver.method").unwrap_or_default();
-    model.set_text(method, "rigid_fem")?;
+    measure::set(model, "solver.method", "rigid_fem")?;
     run(model)
 }
 
 fn run(model: &mut Model) -> Result<Point, ModelError> {
-    let mut milliseconds = f64::INFINITY;
+    let mut seconds = f64::INFINITY;
     for _ in 0..RUNS {
         model.initialize()?;
-        let began = Instant::now();
-        model.step(SPAN)?;
-        milliseconds = (began.elapsed().as_secs_f64() * 1e3).min(milliseconds);
+        timed(&mut seconds, || model.step(SPAN))?;
     }
     let theta = measure::output(model, "crank.angle")?;
-    Ok(Point { theta, drift: measure::output(model, "energy.drift")?, milliseconds })
+    Ok(Point { theta, drift: measure::output(model, "energy.drift")?, milliseconds: seconds * 1e3 })
 }

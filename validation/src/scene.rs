@@ -1,9 +1,13 @@
 //! The landing gear's scenes: parameters, and the host's calls after each step.
 
+use crate::measure;
 use linkage_fmu::mechanism::{Model, ModelError, Statistics};
 
 /// Duration of a retraction, scene S1 [s].
 pub const SPAN: f64 = 0.13;
+
+/// theta2 [rad] at the end of scene S1, from a 34-digit energy quadrature.
+pub const THETA2: f64 = -1.237_711_726_689_136_7;
 
 /// The input that is set, and along which derivatives are taken.
 pub const KNOWN: &str = "actuator.force";
@@ -44,15 +48,18 @@ pub struct Scene {
     pub after: &'static [After],
 }
 
-const NO_STOPS: &[(&str, bool)] = &[("upstop.enabled", false), ("downstop.enabled", false)];
 const AIR: &[(&str, f64)] = &[("airspeed", 70.0)];
 const BUMPER: &[(&str, f64)] = &[("upstop.angle", -1.1), ("upstop.stiffness", 1e6), ("upstop.damping", 5e3)];
 
-/// Gravity, load factor and drive; no stops.
-pub const BARE: Scene =
-    Scene { name: "bare", title: "bare: drive and gravity, no stops", reals: &[], flags: NO_STOPS, after: &[] };
 /// The mechanism as it is committed.
 pub const DEFAULT: Scene = Scene { name: "default", title: "default: rigid stops", reals: &[], flags: &[], after: &[] };
+/// Gravity, load factor and drive; no stops.
+pub const BARE: Scene = Scene {
+    name: "bare",
+    title: "bare: drive and gravity, no stops",
+    flags: &[("upstop.enabled", false), ("downstop.enabled", false)],
+    ..DEFAULT
+};
 
 /// All scenes; the first is the one the others are compared with.
 pub const SCENES: [Scene; 9] = [
@@ -63,25 +70,19 @@ pub const SCENES: [Scene; 9] = [
         title: "bumper, met at -1.1 rad",
         reals: BUMPER,
         flags: &[("upstop.rigid", false)],
-        after: &[],
+        ..DEFAULT
     },
-    Scene { name: "drag", title: "drag at 70 m/s", reals: AIR, flags: &[], after: &[] },
+    Scene { name: "drag", title: "drag at 70 m/s", reals: AIR, ..DEFAULT },
     Scene {
         name: "wind",
         title: "drag in relative wind",
         reals: AIR,
         flags: &[("air.relative_wind", true)],
-        after: &[],
+        ..DEFAULT
     },
-    Scene { name: "friction", title: "friction", reals: &[], flags: &[("friction.enabled", true)], after: &[] },
-    Scene { name: "reactions", title: "four reactions read", reals: &[], flags: &[], after: &[After::Reactions] },
-    Scene {
-        name: "derivatives",
-        title: "directional derivatives read",
-        reals: &[],
-        flags: &[],
-        after: &[After::Derivatives],
-    },
+    Scene { name: "friction", title: "friction", flags: &[("friction.enabled", true)], ..DEFAULT },
+    Scene { name: "reactions", title: "four reactions read", after: &[After::Reactions], ..DEFAULT },
+    Scene { name: "derivatives", title: "directional derivatives read", after: &[After::Derivatives], ..DEFAULT },
     Scene {
         name: "all",
         title: "all of these",
@@ -99,20 +100,17 @@ impl Scene {
     pub fn work(&self, text: &str, tolerance: f64, steps: u32, after: &[After]) -> Result<Statistics, ModelError> {
         let mut model = Model::from_json(text)?;
         for &(name, value) in self.reals {
-            let reference = model.variables().find(name).unwrap_or_default();
-            model.set_real(reference, value)?;
+            measure::set(&mut model, name, value)?;
         }
         for &(name, value) in self.flags {
-            let reference = model.variables().find(name).unwrap_or_default();
-            model.set_boolean(reference, value)?;
+            measure::set(&mut model, name, value)?;
         }
         model.set_tolerance(tolerance)?;
         model.initialize()?;
-        let known = model.variables().find(KNOWN).unwrap_or_default();
         for step in 1..=steps {
             model.step(SPAN / f64::from(steps))?;
             if after.contains(&After::Force) {
-                model.set_real(known, force(step))?;
+                measure::set(&mut model, KNOWN, force(step))?;
             }
         }
         Ok(model.statistics())

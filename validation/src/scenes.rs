@@ -1,8 +1,7 @@
 //! Cost by scene: a whole retraction through the C functions, in one step and in 130, with what acts and what is read.
 
-use crate::asked::{self, Asked, digits};
 use crate::gear::Gear;
-use crate::measure::{self, Pages};
+use crate::measure::{self, Asked, Pages, digits, heading};
 use crate::scene::{After, SCENES, SPAN};
 use linkage_fmu::integrator::Method;
 use linkage_fmu::mechanism::Statistics;
@@ -24,7 +23,8 @@ const RUNS: usize = 400;
 ///
 /// # Errors
 /// A call is refused.
-pub fn table(folder: &Path) -> Result<Pages, String> {
+pub fn table(descriptions: &Path) -> Result<Pages, String> {
+    let folder = &descriptions.join("LandingGearRetraction");
     let text = measure::mechanism(folder)?;
     let mut gears = SCENES.iter().map(|scene| Gear::new(folder, scene, TOLERANCE)).collect::<Result<Vec<_>, _>>()?;
     let mut tables = String::new();
@@ -32,11 +32,8 @@ pub fn table(folder: &Path) -> Result<Pages, String> {
     let mut figures = Vec::new();
     for (title, steps, besides) in RUNS_OF {
         let inputs = if besides.is_empty() { "constant" } else { "changing" };
-        let _ = writeln!(
-            tables,
-            "## {title}\n\n| scene | time [us] | to bare | evaluations | Jacobians | steps | rejected | steps by method \
-             |\n|---|---|---|---|---|---|---|---|"
-        );
+        let work = ["evaluations", "Jacobians", "steps", "rejected", "steps by method"];
+        tables += &format!("## {title}\n\n{}", heading(&[&["scene", "time [us]", "to bare"], &work[..]].concat()));
         let mut times = [f64::INFINITY; SCENES.len()];
         for _ in 0..RUNS {
             for ((time, gear), scene) in times.iter_mut().zip(&mut gears).zip(&SCENES) {
@@ -77,7 +74,7 @@ pub fn table(folder: &Path) -> Result<Pages, String> {
          Nystroem pair for forces that do not depend on the speed, DOPRI5 the pair for spans that are short for DOP853, RK4 \
          the method for very short ones."
     );
-    let page = asked::page("Cost by scene", &words) + &asked::table(&figures) + &tables;
+    let page = measure::page("Cost by scene", &words) + &measure::asked(&figures) + &tables;
     Ok(Pages { page, csv })
 }
 

@@ -1,10 +1,8 @@
 //! Cost of one doStep through the C functions: step size, tolerance, what is read after it.
 
-use crate::asked::{self, Asked, digits};
 use crate::gear::Gear;
-use crate::measure::{self, Pages};
+use crate::measure::{self, Asked, Pages, digits, heading};
 use crate::scene::{After, BARE, DEFAULT, SPAN, Scene};
-use std::fmt::Write;
 use std::path::Path;
 
 /// Steps of a retraction, by the size of one [us].
@@ -32,20 +30,17 @@ struct Row {
 ///
 /// # Errors
 /// A call is refused.
-pub fn table(folder: &Path) -> Result<Pages, String> {
+pub fn table(descriptions: &Path) -> Result<Pages, String> {
+    let folder = &descriptions.join("LandingGearRetraction");
     let text = measure::mechanism(folder)?;
     let mut tables = String::new();
     let mut csv =
         String::from("scene,step_us,tolerance,step_ns,motion_ns,reactions_ns,each_reaction_ns,state_ns,evaluations\n");
     let mut figures = Vec::new();
     for (scene, stops) in [(&DEFAULT, "with stops, the default"), (&BARE, "without stops")] {
-        let _ = writeln!(
-            tables,
-            "## {}{}\n\n| step | tolerance | doStep | + 3 reads | + 4 reactions, 1 call | + 4 reactions, 4 calls | \
-             + state | evaluations |\n|---|---|---|---|---|---|---|---|",
-            stops[..1].to_uppercase(),
-            &stops[1..]
-        );
+        let reads = ["+ 3 reads", "+ 4 reactions, 1 call", "+ 4 reactions, 4 calls", "+ state"];
+        let columns = heading(&[&["step", "tolerance", "doStep"], &reads[..], &["evaluations"]].concat());
+        tables += &format!("## {}{}\n\n{columns}", stops[..1].to_uppercase(), &stops[1..]);
         for tolerance in TOLERANCES {
             for micros in SIZES {
                 let row = Row::measure(folder, &text, scene, tolerance, micros)?;
@@ -63,7 +58,7 @@ pub fn table(folder: &Path) -> Result<Pages, String> {
          4 reactions: joint1.force to joint4.force. State: fmi2GetFMUstate into a state that is used again, and \
          fmi2SetFMUstate. Evaluations: of the right-hand side, for a step."
     );
-    let page = asked::page("Cost of one doStep", &words) + &asked::table(&figures) + &tables;
+    let page = measure::page("Cost of one doStep", &words) + &measure::asked(&figures) + &tables;
     Ok(Pages { page, csv })
 }
 
@@ -103,9 +98,7 @@ impl Row {
     fn figures(&self, figures: &mut Vec<Asked>, stops: &str) {
         let [step, motion, reactions, each, state] = self.times;
         match (self.tolerance, self.micros) {
-            (9, 10) => {
-                figures.push(Asked::at_most(format!("doStep of 10 us, {stops}"), step, 150.0, " ns"));
-            }
+            (9, 10) => figures.push(Asked::at_most(format!("doStep of 10 us, {stops}"), step, 150.0, " ns")),
             (9, 1000) => {
                 let what = format!("doStep of 1 ms, state saved and restored, against one without, {stops}");
                 figures.push(Asked::at_most(what, state / step, 1.2, " times"));

@@ -1,4 +1,5 @@
 //! `stress`: all scenes, told as they come, and written as a table.
+use crate::measure::{heading, processor};
 use crate::stress::{self, Outcome, StateLoads, Verdict};
 use std::fmt::Write;
 use std::path::Path;
@@ -24,16 +25,15 @@ pub fn run(results: &Path, groups: &[&str]) -> Result<(), String> {
     let summary = format!(
         "**{} rows: {holds} hold, {refused} refused as expected, {fails} fail.** {seconds:.0} s on {THREADS} threads of {}.",
         outcomes.len(),
-        processor()
+        processor().unwrap_or_else(|| "an unknown processor".into())
     );
     let mut page = format!("{HEAD}\n{summary}\n");
-    let mut csv = format!("group,{}\n", COLUMNS.join(","));
+    let mut csv = format!("group,{COLUMNS}\n");
     let mut group = "";
     for (scene, outcome) in scenes.iter().zip(&outcomes) {
         if scene.group != group {
             group = scene.group;
-            let rule = vec!["---"; COLUMNS.len()].join("|");
-            let _ = writeln!(page, "\n## {group}\n\n| {} |\n|{rule}|", COLUMNS.join(" | "));
+            page += &format!("\n## {group}\n\n{}", heading(&COLUMNS.split(',').collect::<Vec<_>>()));
         }
         let _ = writeln!(page, "| {} |", line(scene, outcome, " | "));
         let fields = fields(scene, outcome)
@@ -52,21 +52,9 @@ pub fn run(results: &Path, groups: &[&str]) -> Result<(), String> {
     if fails > 0 { Err(format!("{fails} scenes fail")) } else { Ok(()) }
 }
 
-const COLUMNS: [&str; 13] = [
-    "mechanism",
-    "scene",
-    "tolerance",
-    "error",
-    "bound",
-    "drift [J]",
-    "bound [J]",
-    "steps",
-    "evaluations",
-    "rejected",
-    "CPU [ms]",
-    "verdict",
-    "why",
-];
+/// Columns of a row; in the CSV the group stands before them.
+const COLUMNS: &str =
+    "mechanism,scene,tolerance,error,bound,drift [J],bound [J],steps,evaluations,rejected,CPU [ms],verdict,why";
 
 fn fields(scene: &StateLoads, outcome: &Outcome) -> [String; 13] {
     let pair = |values: Option<(f64, f64)>| {
@@ -92,11 +80,4 @@ fn fields(scene: &StateLoads, outcome: &Outcome) -> [String; 13] {
 
 fn line(scene: &StateLoads, outcome: &Outcome, separator: &str) -> String {
     fields(scene, outcome).join(separator)
-}
-
-/// Model of the processor, where the system tells it.
-fn processor() -> String {
-    let told = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let model = told.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
-    model.map_or("an unknown processor".into(), |(_, name)| name.trim().into())
 }

@@ -1,13 +1,11 @@
 //! Tables against none: the same motion with the right-hand side from tables and from the exact evaluator.
 
-use crate::asked::{self, Asked, digits};
 use crate::benchmarks::{ANDREWS_SPAN, K1_ANGLE};
-use crate::measure::{self, Pages};
-use crate::retraction::{SPAN, THETA2};
+use crate::measure::{self, Asked, Pages, digits, heading, timed};
+use crate::scene::{SPAN, THETA2};
 use linkage_fmu::mechanism::{Model, ModelError};
 use std::fmt::Write;
 use std::path::Path;
-use std::time::Instant;
 
 /// Runs of which the fastest counts.
 const RUNS: usize = 100;
@@ -21,65 +19,46 @@ struct Case {
     exact: f64,
 }
 
+const GEAR: &str = "LandingGearRetraction";
+const ANDREWS: &str = "AndrewsSqueezer";
 const CASES: [Case; 2] = [
-    Case {
-        name: "landing gear, S1",
-        folder: "LandingGearRetraction",
-        span: SPAN,
-        output: "crank.angle",
-        exact: THETA2,
-    },
-    Case {
-        name: "Andrews' squeezer",
-        folder: "AndrewsSqueezer",
-        span: ANDREWS_SPAN,
-        output: "K1.angle",
-        exact: K1_ANGLE,
-    },
+    Case { name: "landing gear, S1", folder: GEAR, span: SPAN, output: "crank.angle", exact: THETA2 },
+    Case { name: "Andrews' squeezer", folder: ANDREWS, span: ANDREWS_SPAN, output: "K1.angle", exact: K1_ANGLE },
 ];
 
-/// Time [us], error and evaluations of a span in one doStep.
-#[derive(Clone, Copy)]
-struct Run {
-    time: f64,
-    error: f64,
-    evaluations: u64,
-}
+/// Time [s], error and evaluations of a span in one doStep.
+type Run = (f64, f64, u64);
 
 /// The table in Markdown and CSV.
 ///
 /// # Errors
 /// A file cannot be read; the engine refuses a setting or a step.
 pub fn table(descriptions: &Path) -> Result<Pages, String> {
-    let mut rows = String::from(
-        "| mechanism | tolerance | tables [us] | none [us] | ratio | error, tables [rad] | error, none [rad] | evaluations |\n\
-         |---|---|---|---|---|---|---|---|\n",
-    );
+    let times = ["mechanism", "tolerance", "tables [us]", "none [us]", "ratio"];
+    let mut rows = heading(&[&times[..], &["error, tables [rad]", "error, none [rad]", "evaluations"]].concat());
     let mut csv = String::from("mechanism,tolerance,tables_us,none_us,ratio,tables_error_rad,none_error_rad\n");
     let mut figures = Vec::new();
     for case in CASES {
         let text = measure::mechanism(&descriptions.join(case.folder))?;
         for exponent in [6, 9, 12] {
             let [with, without] = case.measure(&text, exponent).map_err(|e| format!("{}: {e}", case.name))?;
-            let ratio = without.time / with.time;
+            let ((seconds, error, evaluations), (seconds_without, error_without, evaluations_without)) =
+                (with, without);
+            let (time, time_without, ratio) = (seconds * 1e6, seconds_without * 1e6, seconds_without / seconds);
             let _ = writeln!(
                 rows,
-                "| {} | 1e-{exponent} | {} | {} | {} | {:.1e} | {:.1e} | {}, {} |",
+                "| {} | 1e-{exponent} | {} | {} | {} | {error:.1e} | {error_without:.1e} | {evaluations}, {evaluations_without} |",
                 case.name,
-                digits(with.time),
-                digits(without.time),
-                digits(ratio),
-                with.error,
-                without.error,
-                with.evaluations,
-                without.evaluations
+                digits(time),
+                digits(time_without),
+                digits(ratio)
             );
             let _ = writeln!(
                 csv,
-                "{},1e-{exponent},{:.2},{:.2},{ratio:.2},{:.2e},{:.2e}",
-                case.folder, with.time, without.time, with.error, without.error
+                "{},1e-{exponent},{time:.2},{time_without:.2},{ratio:.2},{error:.2e},{error_without:.2e}",
+                case.folder
             );
-            if case.folder == "AndrewsSqueezer" {
+            if case.folder == ANDREWS {
                 let what = format!("Andrews, time without tables over time with, tolerance 1e-{exponent}");
                 figures.push(Asked::at_least(what, ratio, 20.0, " times"));
             }
@@ -91,7 +70,7 @@ pub fn table(descriptions: &Path) -> Result<Pages, String> {
          of {} at 0.03 s, against the exact values.",
         CASES[0].output, CASES[1].output
     );
-    Ok(Pages { page: asked::page("Tables against none", &words) + &asked::table(&figures) + &rows, csv })
+    Ok(Pages { page: measure::page("Tables against none", &words) + &measure::asked(&figures) + &rows, csv })
 }
 
 impl Case {
@@ -99,21 +78,18 @@ impl Case {
     fn measure(&self, text: &str, exponent: i32) -> Result<[Run; 2], ModelError> {
         let ready = |tables: bool| -> Result<Model, ModelError> {
             let mut model = Model::from_json(text)?;
-            let reference = model.variables().find("solver.tables").unwrap_or_default();
-            model.set_boolean(reference, tables)?;
+            measure::set(&mut model, "solver.tables", tables)?;
             model.set_tolerance(10f64.powi(-exponent))?;
             Ok(model)
         };
         let mut models = [ready(true)?, ready(false)?];
-        let mut runs = [Run { time: f64::INFINITY, error: 0.0, evaluations: 0 }; 2];
+        let mut runs = [(f64::INFINITY, 0.0, 0); 2];
         for _ in 0..RUNS {
-            for (run, model) in runs.iter_mut().zip(&mut models) {
+            for ((seconds, error, evaluations), model) in runs.iter_mut().zip(&mut models) {
                 model.initialize()?;
-                let began = Instant::now();
-                model.step(self.span)?;
-                run.time = (began.elapsed().as_secs_f64() * 1e6).min(run.time);
-                run.error = (measure::output(model, self.output)? - self.exact).abs();
-                run.evaluations = model.statistics().evaluations;
+                timed(seconds, || model.step(self.span))?;
+                *error = (measure::output(model, self.output)? - self.exact).abs();
+                *evaluations = model.statistics().evaluations;
             }
         }
         Ok(runs)

@@ -30,8 +30,8 @@ pub fn element(
     attributes: &[(&str, String)],
     content: impl FnOnce(&mut Xml) -> io::Result<()>,
 ) -> io::Result<()> {
-    xml.create_element(name).with_attributes(borrowed(attributes)).write_inner_content(content)?;
-    Ok(())
+    let attributes = attributes.iter().map(|(name, value)| (*name, value.as_str()));
+    xml.create_element(name).with_attributes(attributes).write_inner_content(content).map(drop)
 }
 
 pub fn group(xml: &mut Xml, name: &str, content: impl FnOnce(&mut Xml) -> io::Result<()>) -> io::Result<()> {
@@ -39,12 +39,8 @@ pub fn group(xml: &mut Xml, name: &str, content: impl FnOnce(&mut Xml) -> io::Re
 }
 
 pub fn empty(xml: &mut Xml, name: &str, attributes: &[(&str, String)]) -> io::Result<()> {
-    xml.create_element(name).with_attributes(borrowed(attributes)).write_empty()?;
-    Ok(())
-}
-
-fn borrowed<'a>(attributes: &'a [(&'a str, String)]) -> impl Iterator<Item = (&'a str, &'a str)> {
-    attributes.iter().map(|(name, value)| (*name, value.as_str()))
+    let attributes = attributes.iter().map(|(name, value)| (*name, value.as_str()));
+    xml.create_element(name).with_attributes(attributes).write_empty().map(drop)
 }
 
 /// The shortest decimal number that reads back as the same bits; with an exponent where that spares many zeros.

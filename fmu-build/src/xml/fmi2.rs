@@ -6,7 +6,7 @@
 use super::common::{
     Attributes, Xml, check_texts, document, element, empty, group, is_c_identifier, number, write_units,
 };
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use linkage_fmu::fmi::logger::LOG_CATEGORIES;
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::mechanism::OUTPUT_ORDER;
@@ -48,14 +48,10 @@ impl<'a> Interface<'a> {
         if !is_c_identifier(name) {
             bail!("name: \"{name}\" is not a C identifier; use letters, digits and _ only, and begin with no digit");
         }
-        let tolerance = variables
-            .find(TOLERANCE)
-            .and_then(|reference| variables.get(reference))
-            .and_then(|variable| match variable.start {
-                Some(Value::Real(start)) => Some(start),
-                _ => None,
-            })
-            .with_context(|| format!("{TOLERANCE}: there is no such parameter; the model must declare it"))?;
+        let parameter = variables.list().iter().find(|variable| variable.name == TOLERANCE);
+        let Some(&Value::Real(tolerance)) = parameter.and_then(|parameter| parameter.start.as_ref()) else {
+            bail!("{TOLERANCE}: there is no such parameter; the model must declare it");
+        };
         Ok(Self {
             name,
             description: model.description(),
@@ -70,11 +66,7 @@ impl<'a> Interface<'a> {
 
     fn to_xml(&self) -> Result<String> {
         check_texts(self.name, self.description, self.variables)?;
-        document("fmiModelDescription", &self.header(), |xml| self.write_content(xml))
-    }
-
-    fn header(&self) -> Attributes<'static> {
-        vec![
+        let header = [
             ("fmiVersion", "2.0".to_owned()),
             ("modelName", self.name.to_owned()),
             ("guid", self.guid.to_owned()),
@@ -82,24 +74,22 @@ impl<'a> Interface<'a> {
             ("version", VERSION.to_owned()),
             ("generationTool", format!("linkage-fmu {VERSION}")),
             ("variableNamingConvention", "structured".to_owned()),
-        ]
+        ];
+        document("fmiModelDescription", &header, |xml| self.write_content(xml))
     }
 
     fn write_content(&self, xml: &mut Xml) -> io::Result<()> {
-        empty(
-            xml,
-            "CoSimulation",
-            &[
-                ("modelIdentifier", self.name.to_owned()),
-                ("canHandleVariableCommunicationStepSize", "true".to_owned()),
-                ("canInterpolateInputs", "true".to_owned()),
-                ("maxOutputDerivativeOrder", OUTPUT_ORDER.to_string()),
-                ("canNotUseMemoryManagementFunctions", "true".to_owned()),
-                ("providesDirectionalDerivative", "true".to_owned()),
-                ("canGetAndSetFMUstate", "true".to_owned()),
-                ("canSerializeFMUstate", "true".to_owned()),
-            ],
-        )?;
+        let slave = [
+            ("modelIdentifier", self.name.to_owned()),
+            ("canHandleVariableCommunicationStepSize", "true".to_owned()),
+            ("canInterpolateInputs", "true".to_owned()),
+            ("maxOutputDerivativeOrder", OUTPUT_ORDER.to_string()),
+            ("canNotUseMemoryManagementFunctions", "true".to_owned()),
+            ("providesDirectionalDerivative", "true".to_owned()),
+            ("canGetAndSetFMUstate", "true".to_owned()),
+            ("canSerializeFMUstate", "true".to_owned()),
+        ];
+        empty(xml, "CoSimulation", &slave)?;
         write_units(xml, self.variables)?;
         group(xml, "LogCategories", |xml| {
             LOG_CATEGORIES.iter().try_for_each(|&(name, description)| {
@@ -107,16 +97,13 @@ impl<'a> Interface<'a> {
                 empty(xml, "Category", &[("name", name), ("description", description.to_owned())])
             })
         })?;
-        empty(
-            xml,
-            "DefaultExperiment",
-            &[
-                ("startTime", number(0.0)),
-                ("stopTime", number(self.stop_time)),
-                ("tolerance", number(self.tolerance)),
-                ("stepSize", number(self.step_size)),
-            ],
-        )?;
+        let experiment = [
+            ("startTime", number(0.0)),
+            ("stopTime", number(self.stop_time)),
+            ("tolerance", number(self.tolerance)),
+            ("stepSize", number(self.step_size)),
+        ];
+        empty(xml, "DefaultExperiment", &experiment)?;
         group(xml, "ModelVariables", |xml| {
             (0..).zip(self.variables).try_for_each(|(reference, variable)| write_variable(xml, reference, variable))
         })?;
@@ -156,19 +143,15 @@ fn write_variable(xml: &mut Xml, reference: Reference, variable: &Variable) -> i
         Variability::Discrete => "discrete",
         Variability::Continuous => "continuous",
     };
-    attributes.push(("causality", causality.to_owned()));
-    attributes.push(("variability", variability.to_owned()));
+    attributes.extend([("causality", causality.to_owned()), ("variability", variability.to_owned())]);
     attributes.extend(initial.map(|initial| ("initial", initial.to_owned())));
-    element(xml, "ScalarVariable", &attributes, |xml| empty(xml, kind_name(variable.kind), &kind_attributes(variable)))
-}
-
-fn kind_name(kind: Kind) -> &'static str {
-    match kind {
+    let kind = match variable.kind {
         Kind::Real => "Real",
         Kind::Integer => "Integer",
         Kind::Boolean => "Boolean",
         Kind::String => "String",
-    }
+    };
+    element(xml, "ScalarVariable", &attributes, |xml| empty(xml, kind, &kind_attributes(variable)))
 }
 
 fn kind_attributes(variable: &Variable) -> Attributes<'static> {

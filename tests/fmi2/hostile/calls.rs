@@ -1,5 +1,6 @@
 //! Every function with good, bad and absurd arguments, and the status of each call in each phase.
 
+use super::standard::Phase;
 use crate::host::Gear;
 use linkage_fmu::fmi2::types::{Byte, Component, FmuState, Status, Text};
 use linkage_fmu::fmi2::*;
@@ -45,6 +46,17 @@ pub struct Call {
     /// `E` fmi2Error.
     pub statuses: &'static str,
     pub run: fn(&Target) -> Status,
+}
+
+impl Call {
+    /// Its status in a phase.
+    pub fn expected(&self, phase: Phase) -> Status {
+        match self.statuses.as_bytes()[phase as usize] {
+            b'O' => Status::Ok,
+            b'D' => Status::Discard,
+            _ => Status::Error,
+        }
+    }
 }
 
 /// More elements than memory has.

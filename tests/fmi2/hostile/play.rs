@@ -11,11 +11,8 @@ use std::ptr::null_mut;
 /// One call of a sequence.
 #[derive(Clone, Debug)]
 pub enum Op {
-    Setup {
-        tolerance: Option<f64>,
-        start: f64,
-        length: Option<f64>,
-    },
+    /// Tolerance, start and length.
+    Setup(Option<f64>, f64, Option<f64>),
     Enter,
     Exit,
     Terminate,
@@ -49,6 +46,10 @@ pub enum Logging {
     DebugOff,
     ErrorsOnly,
     DiscardsOff,
+}
+
+impl Logging {
+    pub const ALL: [Self; 5] = [Self::AllOn, Self::AllOff, Self::DebugOff, Self::ErrorsOnly, Self::DiscardsOff];
 }
 
 /// Larger forces than this make a step fail.
@@ -103,17 +104,8 @@ impl Player {
         // Calls with states have their own kinds, which free what they save.
         let own = |function: &str| function == "fmi2DoStep" || function.contains("FMUstate");
         let others = calls::all().into_iter().filter(|call| !own(call.function)).collect();
-        Player {
-            gear,
-            target,
-            others,
-            now: Past::FRESH,
-            state: null_mut(),
-            saved: None,
-            logs_errors: true,
-            logs_discards: true,
-            watched,
-        }
+        let (now, state, saved) = (Past::FRESH, null_mut(), None);
+        Player { gear, target, others, now, state, saved, logs_errors: true, logs_discards: true, watched }
     }
 
     /// Number of calls that [`Op::Other`] can name.
@@ -169,7 +161,7 @@ impl Player {
         let ok_if = |fine: bool| Some(if fine { Status::Ok } else { Status::Error });
         let legal = |function: &str| is_legal(function, self.now.phase);
         match op {
-            Op::Setup { tolerance, start, length } => ok_if(
+            Op::Setup(tolerance, start, length) => ok_if(
                 legal("fmi2SetupExperiment")
                     && start.is_finite()
                     && length.is_none_or(|length| length > 0.0 && length.is_finite())
@@ -190,14 +182,11 @@ impl Player {
             Op::ReadSome => ok_if(true),
             Op::Step(h) => {
                 let good = legal("fmi2DoStep") && *h > 0.0 && h.is_finite();
-                if let (Some(stop), true) = (self.now.stop, good) {
-                    let past = self.now.time + h - stop;
-                    if past.abs() < 0.3 * h {
-                        return None;
-                    }
-                    return ok_if(past < 0.0 && !self.is_absurd());
+                match self.now.stop.map(|stop| self.now.time + h - stop) {
+                    Some(past) if good && past.abs() < 0.3 * h => None,
+                    Some(past) => ok_if(good && past < 0.0 && !self.is_absurd()),
+                    None => ok_if(good && !self.is_absurd()),
                 }
-                ok_if(good && !self.is_absurd())
             }
             Op::StepFromElsewhere(..) => Some(Status::Error),
             Op::Logging(_) => ok_if(legal("fmi2SetDebugLogging")),
@@ -206,12 +195,7 @@ impl Player {
             Op::Serialize => ok_if(legal("fmi2SerializeFMUstate") && self.saved.is_some()),
             Op::Free => ok_if(legal("fmi2FreeFMUstate")),
             Op::Other(index) => {
-                let call = &self.others[*index];
-                let expected = match call.statuses.as_bytes()[self.now.phase as usize] {
-                    b'O' => Status::Ok,
-                    b'D' => Status::Discard,
-                    _ => Status::Error,
-                };
+                let (call, expected) = (&self.others[*index], self.others[*index].expected(self.now.phase));
                 let harmless = call.function.starts_with("fmi2Get") || call.function == "fmi2FreeFMUstate";
                 (harmless || expected != Status::Ok).then_some(expected)
             }
@@ -253,14 +237,9 @@ impl Player {
         // SAFETY: the component is valid; every array has the length that is passed.
         unsafe {
             match op {
-                Op::Setup { tolerance, start, length } => fmi2SetupExperiment(
-                    c,
-                    tolerance.is_some().into(),
-                    tolerance.unwrap_or(f64::NAN),
-                    *start,
-                    length.is_some().into(),
-                    start + length.unwrap_or(f64::NAN),
-                ),
+                Op::Setup(tolerance, start, length) => {
+                    self.gear.set_up(*tolerance, *start, length.map(|length| start + length))
+                }
                 Op::Enter => fmi2EnterInitializationMode(c),
                 Op::Exit => fmi2ExitInitializationMode(c),
                 Op::Terminate => fmi2Terminate(c),
@@ -306,7 +285,7 @@ impl Player {
     /// The model's side of an accepted call.
     fn accepted(&mut self, op: &Op) {
         match op {
-            Op::Setup { start, length, .. } => {
+            Op::Setup(_, start, length) => {
                 (self.now.start, self.now.time) = (*start, *start);
                 self.now.stop = length.map(|length| start + length);
             }
@@ -325,10 +304,9 @@ impl Player {
                 self.now.force += h * (first + 0.5 * h * second);
             }
             Op::Logging(logging) => match logging {
-                Logging::AllOn => (self.logs_errors, self.logs_discards) = (true, true),
-                Logging::AllOff => (self.logs_errors, self.logs_discards) = (false, false),
                 // Failures are no debug messages.
-                Logging::DebugOff => (self.logs_errors, self.logs_discards) = (true, true),
+                Logging::AllOn | Logging::DebugOff => (self.logs_errors, self.logs_discards) = (true, true),
+                Logging::AllOff => (self.logs_errors, self.logs_discards) = (false, false),
                 Logging::ErrorsOnly => (self.logs_errors, self.logs_discards) = (true, false),
                 Logging::DiscardsOff => self.logs_discards = false,
             },

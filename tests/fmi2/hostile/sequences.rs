@@ -14,7 +14,7 @@ fn force() -> impl Strategy<Value = f64> {
     prop_oneof![
         12 => -40_000.0..40_000.0,
         1 => Just(1e300),
-        1 => prop_oneof![Just(f64::NAN), Just(f64::INFINITY), Just(f64::NEG_INFINITY)],
+        1 => prop::sample::select(&[f64::NAN, f64::INFINITY, f64::NEG_INFINITY][..]),
     ]
 }
 
@@ -25,15 +25,7 @@ fn rate() -> impl Strategy<Value = (c_int, f64)> {
 }
 
 fn odd() -> impl Strategy<Value = f64> {
-    prop_oneof![
-        Just(f64::NAN),
-        Just(f64::INFINITY),
-        Just(f64::NEG_INFINITY),
-        Just(0.0),
-        Just(-0.0),
-        Just(-1e-3),
-        Just(-f64::MIN_POSITIVE)
-    ]
+    prop::sample::select(&[f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -0.0, -1e-3, -f64::MIN_POSITIVE][..])
 }
 
 fn op(others: usize) -> impl Strategy<Value = Op> {
@@ -41,7 +33,7 @@ fn op(others: usize) -> impl Strategy<Value = Op> {
     let start = prop_oneof![2 => Just(0.0), 2 => -10.0..10.0, 1 => Just(f64::NAN)];
     let length = prop_oneof![2 => Just(None), 2 => (1e-3..0.2).prop_map(Some), 1 => odd().prop_map(Some)];
     prop_oneof![
-        3 => (tolerance, start, length).prop_map(|(tolerance, start, length)| Op::Setup { tolerance, start, length }),
+        3 => (tolerance, start, length).prop_map(|(tolerance, start, length)| Op::Setup(tolerance, start, length)),
         4 => Just(Op::Enter),
         4 => Just(Op::Exit),
         1 => Just(Op::Terminate),
@@ -54,10 +46,7 @@ fn op(others: usize) -> impl Strategy<Value = Op> {
         2 => Just(Op::ReadSome),
         12 => prop_oneof![6 => 1e-5..5e-3, 1 => odd()].prop_map(Op::Step),
         2 => (1e-5..1e-3, prop_oneof![0.01..3.0, -3.0..-0.01]).prop_map(|(h, off)| Op::StepFromElsewhere(h, off)),
-        1 => prop_oneof![
-            Just(Logging::AllOn), Just(Logging::AllOff), Just(Logging::DebugOff), Just(Logging::ErrorsOnly),
-            Just(Logging::DiscardsOff)
-        ].prop_map(Op::Logging),
+        1 => prop::sample::select(&Logging::ALL[..]).prop_map(Op::Logging),
         3 => Just(Op::Save),
         4 => Just(Op::Restore),
         1 => Just(Op::Serialize),

@@ -1,6 +1,7 @@
 //! The mechanisms under stress, and what a scene changes of them.
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::variables::{Causality, Kind, Reference, Unit, Value};
+use std::borrow::Cow;
 
 /// A value known from elsewhere.
 pub struct Known {
@@ -38,16 +39,27 @@ macro_rules! file {
     };
 }
 
+/// What most rows of the table have, and those with a jib under a cylinder.
+const PLAIN: Mechanism = Mechanism {
+    name: "",
+    text: "",
+    body: "crank",
+    span: 1.0,
+    steps: 1000,
+    input: "drive.torque",
+    slide: None,
+    known: &[],
+};
+const JIB_LIKE: Mechanism = Mechanism { body: "jib", input: "cylinder.force", ..PLAIN };
+
 /// Every mechanism; the gear's span is scene S1's up to its last reference value.
 pub static MECHANISMS: [Mechanism; 8] = [
     Mechanism {
         name: "LandingGearRetraction",
         text: file!("LandingGearRetraction"),
-        body: "crank",
         span: 0.13,
         steps: 130,
         input: "actuator.force",
-        slide: None,
         // 34-digit energy quadrature.
         known: &[
             Known { time: 0.02, value: 0.754_575_037_883_200_4, within: 1e-15 },
@@ -55,6 +67,7 @@ pub static MECHANISMS: [Mechanism; 8] = [
             Known { time: 0.10, value: -0.409_135_231_200_168_4, within: 1e-15 },
             Known { time: 0.13, value: -1.237_711_726_689_136_7, within: 1e-15 },
         ],
+        ..PLAIN
     },
     Mechanism {
         name: "AndrewsSqueezer",
@@ -62,70 +75,38 @@ pub static MECHANISMS: [Mechanism; 8] = [
         body: "K1",
         span: 0.03,
         steps: 300,
-        input: "drive.torque",
-        slide: None,
         known: &[Known { time: 0.03, value: 15.810_771_195_153_797, within: 4e-15 }],
+        ..PLAIN
     },
-    Mechanism {
-        name: "CraneJib",
-        text: file!("CraneJib"),
-        body: "jib",
-        span: 5.0,
-        steps: 500,
-        input: "cylinder.force",
-        slide: None,
-        known: &[],
-    },
-    Mechanism {
-        name: "FourBar",
-        text: file!("FourBar"),
-        body: "crank",
-        span: 1.0,
-        steps: 1000,
-        input: "drive.torque",
-        slide: None,
-        known: &[],
-    },
+    Mechanism { name: "CraneJib", text: file!("CraneJib"), span: 5.0, steps: 500, ..JIB_LIKE },
+    Mechanism { name: "FourBar", text: file!("FourBar"), ..PLAIN },
     Mechanism {
         name: "FourBarChain",
         text: file!("FourBarChain"),
         body: "bar0",
         span: 10.0,
-        steps: 1000,
         input: "load_factor",
-        slide: None,
         // pi/2 - 2 am(t/2 | -4 k), k = 9.81 (3/2 + 2) / (1 + 2).
         known: &[Known { time: 10.0, value: -30.179_800_860_191_205, within: 1e-14 }],
+        ..PLAIN
     },
-    Mechanism {
-        name: "Jib",
-        text: file!("Jib"),
-        body: "jib",
-        span: 3.0,
-        steps: 300,
-        input: "cylinder.force",
-        slide: None,
-        known: &[],
-    },
+    Mechanism { name: "Jib", text: file!("Jib"), span: 3.0, steps: 300, ..JIB_LIKE },
     Mechanism {
         name: "SlCrank",
         text: file!("SlCrank"),
-        body: "crank",
         span: 10.0,
-        steps: 1000,
         input: "push.force_x",
         slide: Some("slide"),
         known: &[Known { time: 10.0, value: 1.275_675_848_650, within: 1e-12 }],
+        ..PLAIN
     },
     Mechanism {
         name: "SliderCrank",
         text: file!("SliderCrank"),
-        body: "crank",
         span: 0.2,
         steps: 400,
-        input: "drive.torque",
         slide: Some("cylinder"),
-        known: &[],
+        ..PLAIN
     },
 ];
 
@@ -224,12 +205,10 @@ impl Case {
         let text = self.text.as_deref().unwrap_or(self.mechanism.text);
         // A guess in metres is no parameter: all lengths are then scaled in the text.
         let guessed = self.mechanism.slide.is_some() && self.scaling.length != 1.0;
-        let mut model =
-            if guessed { Model::from_json(&stretched(text, self.scaling.length)) } else { Model::from_json(text) }
-                .map_err(told)?;
+        let text = if guessed { Cow::Owned(stretched(text, self.scaling.length)) } else { Cow::Borrowed(text) };
+        let mut model = Model::from_json(&text).map_err(told)?;
         for (name, value) in &self.set {
-            let reference = find(&model, name)?;
-            model.set_real(reference, *value).map_err(told)?;
+            set(&mut model, name, *value)?;
         }
         for (name, value) in &self.flags {
             let reference = find(&model, name)?;
@@ -253,15 +232,10 @@ impl Case {
         let with_unit = settable.filter_map(|(v, reference)| {
             matches!(v.start, Some(Value::Real(_))).then_some(())?;
             let done = stretched && matches!(v.unit, Some(Unit::Metre | Unit::KilogramSquareMetre));
-            let scaling = if done { Self::unstretched(self.scaling) } else { self.scaling };
+            let scaling = if done { Scaling { length: 1.0, ..self.scaling } } else { self.scaling };
             v.unit.map(|unit| (reference, scaling.factor(unit)))
         });
         with_unit.collect()
-    }
-
-    /// What is left of a scaling where `stretched` has scaled the lengths.
-    fn unstretched(scaling: Scaling) -> Scaling {
-        Scaling { length: 1.0, ..scaling }
     }
 
     /// Name of a variable of the body that is measured.

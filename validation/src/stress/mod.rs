@@ -7,11 +7,7 @@ pub mod scene;
 pub mod scenes;
 
 pub use scene::{Outcome, StateLoads, Verdict};
-
-/// All scenes, in the order of the table.
-pub fn all() -> Vec<StateLoads> {
-    scenes::all()
-}
+pub use scenes::all;
 
 /// Judge scenes on `threads` threads; each outcome is told as it comes, with the scene's place, and all are returned in the
 /// scenes' order.

@@ -62,6 +62,11 @@ impl Plan {
         Self { span, cut, force, sizes }
     }
 
+    /// A span in equal steps with the input as stated.
+    pub fn steady(span: f64, steps: u64) -> Self {
+        Self::new(span, Cut::Equal(steps), Force::Stated)
+    }
+
     /// Number of communication steps.
     pub fn steps(&self) -> u64 {
         match self.cut {
@@ -90,13 +95,8 @@ impl Plan {
     pub fn input(&self, k: u64, stated: f64) -> f64 {
         match self.force {
             Force::Stated => stated,
-            Force::Switching => {
-                if k.is_multiple_of(2) {
-                    stated
-                } else {
-                    -stated
-                }
-            }
+            Force::Switching if k.is_multiple_of(2) => stated,
+            Force::Switching => -stated,
             Force::Noise(part) => stated * (1.0 + part * (2.0 * random(k) - 1.0)),
         }
     }

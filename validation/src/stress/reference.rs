@@ -8,7 +8,7 @@
 //! engine's promise.
 use super::case::{Case, get, set};
 use super::motion::{Run, run, scale, step};
-use super::plan::{Cut, Force, Plan};
+use super::plan::{Force, Plan};
 use linkage_fmu::mechanism::Model;
 
 /// Errors relative to L and V by which kappa is found: small against the motion, large against rounding.
@@ -43,8 +43,7 @@ impl Reference {
         let tight = (1e-3 * tolerance).max(1e-14);
         let start = case.model(tight)?;
         // Under a steady input few steps do; kappa is then found by leaps.
-        let course =
-            if plan.force == Force::Stated { Plan::new(plan.span, Cut::Equal(64), plan.force) } else { plan.clone() };
+        let course = if plan.force == Force::Stated { Plan::steady(plan.span, 64) } else { plan.clone() };
         let reading = case.own("angle");
         let found = run(case, &mut start.clone(), &course, &reading)?;
         let mut whole = case.model(tolerance)?;

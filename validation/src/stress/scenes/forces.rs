@@ -1,9 +1,16 @@
-//! Inputs that change in every step, and huge ones.
+//! Inputs that change in every step, and huge ones; friction: a border to rest that is almost a jump, and coefficients
+//! next to self-locking.
 use crate::stress::StateLoads;
-use crate::stress::case::{Case, GEAR, MECHANISMS};
+use crate::stress::case::{Case, GEAR, JIB, MECHANISMS, Mechanism};
 use crate::stress::plan::{Cut, Force, Plan};
+use crate::stress::reference::TABLE;
 use crate::stress::scene::Expected;
 use linkage_fmu::variables::Value;
+
+/// A mechanism; the gear without its stops.
+fn unstopped(m: &'static Mechanism) -> Case {
+    if m.name == GEAR.name { Case::of(m).free() } else { Case::of(m) }
+}
 
 /// Every mechanism with an input that switches its sign in every step, or jumps at random; the gear without its stops.
 pub fn changing() -> Vec<StateLoads> {
@@ -16,17 +23,12 @@ pub fn changing() -> Vec<StateLoads> {
         ];
         for (what, force) in inputs {
             for (steps, tolerance) in [(m.steps, 1e-6), (m.steps, 1e-11), (100 * m.steps, 1e-9)] {
-                let case = if m.name == GEAR.name { Case::of(m).free() } else { Case::of(m) };
                 // The gear's crank says where it is between its toggles only.
                 let wild = m.name == GEAR.name && force == Force::Noise(1e3);
-                scenes.push(StateLoads {
-                    group: "Changing inputs",
-                    what: format!("{} {what} in each of {steps} steps", m.input),
-                    case,
-                    plan: Plan::new(m.span, Cut::Equal(steps), force),
-                    tolerance,
-                    expected: if wild { Expected::Energy } else { Expected::Angle },
-                });
+                let expected = if wild { Expected::Energy } else { Expected::Angle };
+                let (case, plan) = (unstopped(m), Plan::new(m.span, Cut::Equal(steps), force));
+                let what = format!("{} {what} in each of {steps} steps", m.input);
+                scenes.push(StateLoads { group: "Changing inputs", what, case, plan, tolerance, expected });
             }
         }
     }
@@ -42,33 +44,17 @@ pub fn huge() -> Vec<StateLoads> {
         let Ok(model) = Case::of(m).model(1e-9) else { continue };
         let input = model.variables().list().iter().find(|v| v.name == m.input);
         let Some(&Value::Real(stated)) = input.and_then(|v| v.start.as_ref()) else { continue };
-        let case = |value: f64| {
-            let free = if m.name == GEAR.name { Case::of(m).free() } else { Case::of(m) };
-            free.with(m.input, value)
-        };
-        let span = m.span * (stated.abs() / 1e9).sqrt();
-        let mut add = |what: String, case: Case, span: f64, steps: u64, expected: Expected| {
-            let plan = Plan::new(span, Cut::Equal(steps), Force::Stated);
+        let mut add = |what: String, value: f64, span: f64, steps: u64, expected: Expected| {
+            let (case, plan) = (unstopped(m).with(m.input, value), Plan::steady(span, steps));
             scenes.push(StateLoads { group: GROUP, what, case, plan, tolerance: 1e-9, expected });
         };
-        for steps in [1, 100] {
-            add(
-                format!("{} = 1e9, {span:.1e} s in {}", m.input, super::count(steps)),
-                case(1e9),
-                span,
-                steps,
-                Expected::Angle,
-            );
+        let span = m.span * (stated.abs() / 1e9).sqrt();
+        for (span, steps, expected) in
+            [(span, 1, Expected::Angle), (span, 100, Expected::Angle), (100.0 * span, 1000, Expected::Energy)]
+        {
+            add(format!("{} = 1e9, {span:.1e} s in {}", m.input, super::count(steps)), 1e9, span, steps, expected);
         }
-        add(
-            format!("{} = 1e9, {:.1e} s in 1000 steps", m.input, 100.0 * span),
-            case(1e9),
-            100.0 * span,
-            1000,
-            Expected::Energy,
-        );
-        let refused = Expected::refusal(&["inputs", "sizes"]);
-        add(format!("{} = 1e308", m.input), case(1e308), 1e-3, 1, refused);
+        add(format!("{} = 1e308", m.input), 1e308, 1e-3, 1, Expected::refusal(&["inputs", "sizes"]));
     }
     let held = Expected::Closed {
         reading: "crank.angle".into(),
@@ -77,9 +63,64 @@ pub fn huge() -> Vec<StateLoads> {
         each: 0.0,
         why: "caught by the upstop: table".into(),
     };
-    let plan = Plan::new(2e-3, Cut::Equal(200), Force::Stated);
+    let plan = Plan::steady(2e-3, 200);
     let case = Case::of(GEAR).with(GEAR.input, 1e9);
     let what = "actuator.force = 1e9 against the upstop".into();
     scenes.push(StateLoads { group: GROUP, what, case, plan, tolerance: 1e-9, expected: held });
+    scenes
+}
+
+/// The gear's retraction with friction; V_S from 1e-6 m/s.
+pub fn slow_border() -> Vec<StateLoads> {
+    let mut scenes = Vec::new();
+    for border in [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1] {
+        for (steps, tolerance) in [(1, 1e-6), (130, 1e-6), (1, 1e-9), (130, 1e-9), (13_000, 1e-9)] {
+            let case = Case::of(GEAR).turned("friction.enabled", true).with("friction.static_speed", border);
+            let what = format!("V_S = {border:e} m/s, 0.13 s in {}", super::count(steps));
+            let (plan, expected) = (Plan::steady(0.13, steps), Expected::Angle);
+            scenes.push(StateLoads { group: "Friction", what, case, plan, tolerance, expected });
+        }
+    }
+    scenes
+}
+
+/// The jib in a plane without gravity, its mass m at the distance c, on a pin of radius r with constant mu. The pin bears
+/// m c sqrt(w^4 + a^2), so m c^2 a = -mu r m c sqrt(w^4 + a^2): with k = mu r / c < 1 a = -q w^2, q = k / sqrt(1 - k^2), and
+/// theta = ln(1 + q w0 t) / q. With k >= 1 a body that moves has no acceleration at all: friction locks.
+pub fn self_locking() -> Vec<StateLoads> {
+    const ARM: f64 = 5.0;
+    const MU: f64 = 0.5;
+    const SPEED: f64 = 10.0;
+    const SPAN: f64 = 3.0;
+    let mut scenes = Vec::new();
+    for k in [0.5, 0.9, 0.99, 0.999, 0.999_999, 1.001, 2.0, 1e3] {
+        for tolerance in [1e-6, 1e-9, 1e-12] {
+            let pin = format!("\"second\": \"jib.origin\", \"pin_radius\": {:?} }}", k * ARM / MU);
+            let friction = format!(
+                "\"friction\": {{ \"enabled\": true, \"static_coefficient\": {MU}, \"kinetic_coefficient\": {MU}, \
+                 \"static_speed\": 1e-6, \"kinetic_speed\": 2e-6 }},\n  \"actuators\": {{"
+            );
+            let text = JIB.text.replace("\"second\": \"jib.origin\" }", &pin).replace("\"actuators\": {", &friction);
+            let still = Case::of(JIB).text(text).with("cylinder.force", 0.0).with("load_factor", 0.0);
+            let case = still.with("jib.start_angle", 0.0).with("jib.start_speed", SPEED);
+            let q = k / f64::sqrt(1.0 - k * k);
+            let expected = if k < 1.0 {
+                // An error e L of the angle stays; one of e V of the speed, V = w max(1, sqrt(q)), moves the end by at most
+                // e V / (q w).
+                let gain = 1.0 + q.max(q.sqrt()).max(1.0) / q;
+                Expected::Closed {
+                    reading: "jib.angle".into(),
+                    value: (q * SPEED * SPAN).ln_1p() / q,
+                    within: TABLE * (1.0 + gain / (1.0 - k * k)),
+                    each: 2f64.sqrt() * tolerance * gain,
+                    why: format!("sqrt(2) N tol {gain:.1}, rounding / (1 - k^2)"),
+                }
+            } else {
+                Expected::refusal(&["friction locks the mechanism near jib", "pin radii", "reduce them"])
+            };
+            let (what, plan) = (format!("k = mu r / c = {k}"), Plan::steady(SPAN, 30));
+            scenes.push(StateLoads { group: "Self-locking", what, case, plan, tolerance, expected });
+        }
+    }
     scenes
 }

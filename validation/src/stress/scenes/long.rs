@@ -12,15 +12,10 @@ pub fn slow() -> Vec<StateLoads> {
     let mut scenes = Vec::new();
     for m in &MECHANISMS {
         for steps in [1, 1_000_000] {
-            let time = 1e6 / m.span;
-            scenes.push(StateLoads {
-                group: "Slow motion",
-                what: format!("1e6 s in {}", super::count(steps)),
-                case: Case::of(m).scaled(Scaling { mass: 1.0, length: 1.0, time }),
-                plan: Plan::new(1e6, Cut::Equal(steps), Force::Stated),
-                tolerance: 1e-10,
-                expected: Expected::Angle,
-            });
+            let case = Case::of(m).scaled(Scaling { time: 1e6 / m.span, ..Scaling::ONE });
+            let (what, plan) = (format!("1e6 s in {}", super::count(steps)), Plan::steady(1e6, steps));
+            let expected = Expected::Angle;
+            scenes.push(StateLoads { group: "Slow motion", what, case, plan, tolerance: 1e-10, expected });
         }
     }
     scenes
@@ -65,8 +60,8 @@ pub fn toggles() -> Vec<StateLoads> {
         scenes.push(StateLoads { group: GROUP, what, case, plan, tolerance, expected });
     };
     for (omega, cut) in [(-20.0, Cut::Equal(1)), (-20.0, Cut::Irregular(20_000)), (2e-3, Cut::Equal(7919))] {
-        let still = [("actuator.force", 0.0), ("load_factor", 0.0), ("crank.start_speed", omega)];
-        let case = still.iter().fold(Case::of(GEAR).free(), |case, &(name, value)| case.with(name, value));
+        let still = Case::of(GEAR).free().with("actuator.force", 0.0).with("load_factor", 0.0);
+        let case = still.with("crank.start_speed", omega);
         let period = round_trip(0.8, omega);
         // The curve's length is known to the table's accuracy by either way; each turn adds that.
         let turn = period * omega.abs();
@@ -82,18 +77,12 @@ pub fn toggles() -> Vec<StateLoads> {
     }
     for tolerance in [1e-6, 1e-9, 1e-12] {
         // Half a swing takes some 0.3 s and passes the lower toggle.
-        let plan = |steps| Plan::new(3000.0, Cut::Equal(steps), Force::Stated);
-        add(
-            "swinging under 30 kN for 3000 s in 100000 steps".into(),
-            Case::of(GEAR).free(),
-            plan(100_000),
-            tolerance,
-            Expected::Energy,
-        );
+        let (what, plan) = ("swinging under 30 kN for 3000 s in 100000 steps".into(), Plan::steady(3000.0, 100_000));
+        add(what, Case::of(GEAR).free(), plan, tolerance, Expected::Energy);
         for m in MECHANISMS.iter().filter(|m| ["SliderCrank", "FourBar", "FourBarChain"].contains(&m.name)) {
             // Under no load but its own weight, as fast at the start as stated: two dead centres in each turn.
             let turn = if m.name == "FourBarChain" { 1.942_514_922_607_084 } else { 0.5 * m.span };
-            let plan = Plan::new(TURNS * turn, Cut::Equal(10_000), Force::Stated);
+            let plan = Plan::steady(TURNS * turn, 10_000);
             let case = Case::of(m).with(m.input, if m.name == "FourBarChain" { 1.0 } else { 0.0 });
             add(format!("{:.0} s in 10000 steps", TURNS * turn), case, plan, tolerance, Expected::Energy);
         }
@@ -107,7 +96,7 @@ pub fn short_steps() -> Vec<StateLoads> {
         group: "Ten million steps",
         what: format!("{span} s in 10000000 steps"),
         case: Case::of(GEAR),
-        plan: Plan::new(span, Cut::Equal(10_000_000), Force::Stated),
+        plan: Plan::steady(span, 10_000_000),
         tolerance,
         expected: Expected::Angle,
     };

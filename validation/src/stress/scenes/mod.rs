@@ -1,10 +1,8 @@
 //! The table of scenes.
 mod forces;
-mod friction;
 mod long;
 mod sizes;
 mod starts;
-mod steps;
 mod together;
 
 use super::StateLoads;
@@ -12,8 +10,8 @@ use super::StateLoads;
 /// All, group by group.
 pub fn all() -> Vec<StateLoads> {
     let groups = [
-        steps::tolerances(),
-        steps::communication(),
+        sizes::tolerances(),
+        sizes::communication(),
         sizes::units(),
         sizes::mass_ratios(),
         starts::toggles(),
@@ -21,8 +19,8 @@ pub fn all() -> Vec<StateLoads> {
         starts::crossings(),
         forces::changing(),
         forces::huge(),
-        friction::slow_border(),
-        friction::self_locking(),
+        forces::slow_border(),
+        forces::self_locking(),
         together::scenes(),
         long::slow(),
         long::toggles(),

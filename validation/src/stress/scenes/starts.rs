@@ -1,7 +1,7 @@
 //! Starts at places that are no place for a start: toggles, stops, positions where branches cross.
 use crate::stress::StateLoads;
 use crate::stress::case::{CHAIN, Case, GEAR, MECHANISMS, Mechanism};
-use crate::stress::plan::{Cut, Force, Plan};
+use crate::stress::plan::Plan;
 use crate::stress::reference::TABLE;
 use crate::stress::scene::Expected;
 use std::f64::consts::PI;
@@ -30,7 +30,7 @@ fn closed(crank: f64) -> (f64, f64, f64) {
 }
 
 fn scene(group: &'static str, what: String, case: Case, plan: (f64, u64), expected: Expected) -> StateLoads {
-    let plan = Plan::new(plan.0, Cut::Equal(plan.1), Force::Stated);
+    let plan = Plan::steady(plan.0, plan.1);
     StateLoads { group, what, case, plan, tolerance: 1e-12, expected }
 }
 
@@ -49,13 +49,8 @@ pub fn toggles() -> Vec<StateLoads> {
         for inside in [0.0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3] {
             let crank = sign * (toggle() - inside);
             let at = Case::of(GEAR).free().with("crank.start_angle", crank);
-            scenes.push(scene(
-                GROUP,
-                format!("{inside:e} rad within the {side} toggle"),
-                at.clone(),
-                (0.2, 200),
-                Expected::Energy,
-            ));
+            let what = format!("{inside:e} rad within the {side} toggle");
+            scenes.push(scene(GROUP, what, at.clone(), (0.2, 200), Expected::Energy));
             // The same place by the follower, which turns evenly there: an error d of the crank's angle is one of
             // l1 l2 sin(theta2) d in half the square of B-D, and with height h of a d / h in the height.
             let (height, coupler, follower) = closed(crank);
@@ -67,22 +62,12 @@ pub fn toggles() -> Vec<StateLoads> {
             let other =
                 Case::of(GEAR).text(text.replace(old, &guess).replace("\"flag\"", "\"enabled\": false, \"flag\""));
             let same = Expected::Same { case: Box::new(other), body: "follower", apart };
-            scenes.push(scene(
-                GROUP,
-                format!("{inside:e} rad within the {side} toggle, or by the follower"),
-                at,
-                (0.05, 50),
-                same,
-            ));
+            let what = format!("{inside:e} rad within the {side} toggle, or by the follower");
+            scenes.push(scene(GROUP, what, at, (0.05, 50), same));
         }
         let beyond = |by: f64| Case::of(GEAR).free().with("crank.start_angle", sign * (toggle() + by));
-        scenes.push(scene(
-            GROUP,
-            format!("1e-12 rad beyond the {side} toggle"),
-            beyond(1e-12),
-            (0.2, 200),
-            Expected::Energy,
-        ));
+        let what = format!("1e-12 rad beyond the {side} toggle");
+        scenes.push(scene(GROUP, what, beyond(1e-12), (0.2, 200), Expected::Energy));
         let refused = Expected::refusal(&["crank.start_angle", "1.32"]);
         scenes.push(scene(GROUP, format!("1e-8 rad beyond the {side} toggle"), beyond(1e-8), (0.2, 200), refused));
         let fast = beyond(0.0).with("crank.start_speed", 1.0);
@@ -93,22 +78,20 @@ pub fn toggles() -> Vec<StateLoads> {
     let jib = ((256.0 + 31.25 - 210.25) / 32.0 / 31.25_f64.sqrt()).asin() + 2.5_f64.atan2(5.0);
     // The four-bar's rocker where crank and coupler are in line: |S - B| = 0.35 + 0.1 or 0.35 - 0.1.
     let rocker = |reach: f64| ((reach * reach - 0.3 * 0.3 - 0.25 * 0.25) / (2.0 * 0.3 * 0.25)).acos();
+    let body = |body: &str, angle: f64| format!("\"body\": \"{body}\", \"angle\": {angle:?}");
+    let joint = |joint: &str, position: f64| format!("\"joint\": \"{joint}\", \"position\": {position:?}");
     let ends = [
-        ("CraneJib", format!("\"body\": \"jib\", \"angle\": {jib:?}"), "jib, connector and beak in line"),
-        ("CraneJib", format!("\"body\": \"jib\", \"angle\": {:?}", jib + 1e-12), "jib, 1e-12 rad from there"),
-        ("CraneJib", format!("\"body\": \"jib\", \"angle\": {:?}", jib - 1e-12), "jib, 1e-12 rad from there"),
-        (
-            "FourBar",
-            format!("\"body\": \"rocker\", \"angle\": {:?}", rocker(0.45)),
-            "rocker, crank and coupler in line",
-        ),
-        ("FourBar", format!("\"body\": \"rocker\", \"angle\": {:?}", rocker(0.25)), "rocker, crank and coupler folded"),
-        ("SliderCrank", "\"joint\": \"cylinder\", \"position\": 0.25".into(), "piston, top dead centre"),
-        ("SliderCrank", "\"joint\": \"cylinder\", \"position\": 0.249999999999".into(), "piston, 1e-12 m below it"),
-        ("SliderCrank", "\"joint\": \"cylinder\", \"position\": 0.15".into(), "piston, bottom dead centre"),
-        ("SlCrank", "\"joint\": \"slide\", \"position\": 1.5".into(), "slider, outer dead centre"),
-        ("SlCrank", "\"joint\": \"slide\", \"position\": 1.499999999999".into(), "slider, 1e-12 m within it"),
-        ("SlCrank", "\"joint\": \"slide\", \"position\": 0.5".into(), "slider, inner dead centre"),
+        ("CraneJib", body("jib", jib), "jib, connector and beak in line"),
+        ("CraneJib", body("jib", jib + 1e-12), "jib, 1e-12 rad from there"),
+        ("CraneJib", body("jib", jib - 1e-12), "jib, 1e-12 rad from there"),
+        ("FourBar", body("rocker", rocker(0.45)), "rocker, crank and coupler in line"),
+        ("FourBar", body("rocker", rocker(0.25)), "rocker, crank and coupler folded"),
+        ("SliderCrank", joint("cylinder", 0.25), "piston, top dead centre"),
+        ("SliderCrank", joint("cylinder", 0.249_999_999_999), "piston, 1e-12 m below it"),
+        ("SliderCrank", joint("cylinder", 0.15), "piston, bottom dead centre"),
+        ("SlCrank", joint("slide", 1.5), "slider, outer dead centre"),
+        ("SlCrank", joint("slide", 1.499_999_999_999), "slider, 1e-12 m within it"),
+        ("SlCrank", joint("slide", 0.5), "slider, inner dead centre"),
     ];
     for (name, start, what) in ends {
         for m in MECHANISMS.iter().filter(|m| m.name == name) {
@@ -135,25 +118,15 @@ pub fn stops() -> Vec<StateLoads> {
                 each: 0.0,
                 why: "a start within 1e-10 rad of a stop is at it, and pressed on it stays; rounding and table".into(),
             };
-            scenes.push(scene(
-                GROUP,
-                format!("{by:e} rad within the {stop}, pressed on"),
-                at(by, press),
-                (1.0, 100),
-                rests,
-            ));
+            let what = format!("{by:e} rad within the {stop}, pressed on");
+            scenes.push(scene(GROUP, what, at(by, press), (1.0, 100), rests));
             let free = Expected::Same {
                 case: Box::new(at(by.max(0.0), -press).free()),
                 body: "crank",
                 apart: by.abs() + 1e-15,
             };
-            scenes.push(scene(
-                GROUP,
-                format!("{by:e} rad within the {stop}, pulled off"),
-                at(by, -press),
-                (0.05, 50),
-                free,
-            ));
+            let what = format!("{by:e} rad within the {stop}, pulled off");
+            scenes.push(scene(GROUP, what, at(by, -press), (0.05, 50), free));
         }
         let refused = Expected::refusal(&[&format!("{stop}.angle = {angle}"), "beyond this stop"]);
         scenes.push(scene(GROUP, format!("1e-9 rad beyond the {stop}"), at(-1e-9, press), (1.0, 100), refused));
@@ -197,13 +170,8 @@ pub fn crossings() -> Vec<StateLoads> {
     for flat in [0.0, PI] {
         for by in [0.0, 1e-12, -1e-12, 1e-9] {
             let case = Case::of(CHAIN).with("bar0.start_angle", flat + by);
-            scenes.push(scene(
-                GROUP,
-                format!("bars {by:e} rad from flat at {flat:.2} rad"),
-                case,
-                (10.0, 1000),
-                Expected::Angle,
-            ));
+            let what = format!("bars {by:e} rad from flat at {flat:.2} rad");
+            scenes.push(scene(GROUP, what, case, (10.0, 1000), Expected::Angle));
             for speed in [5.0, -1e-6] {
                 let turn = speed * FLAT.span;
                 let uniform = Expected::Closed {
@@ -214,36 +182,21 @@ pub fn crossings() -> Vec<StateLoads> {
                     why: "no load, constant inertia: it turns evenly; table and rounding".into(),
                 };
                 let case = Case::of(&FLAT).with("left.start_angle", flat + by).with("left.start_speed", speed);
-                scenes.push(scene(
-                    GROUP,
-                    format!("parallelogram {by:e} rad from flat at {flat:.2} rad, {speed} rad/s"),
-                    case,
-                    (FLAT.span, FLAT.steps),
-                    uniform,
-                ));
+                let what = format!("parallelogram {by:e} rad from flat at {flat:.2} rad, {speed} rad/s");
+                scenes.push(scene(GROUP, what, case, (FLAT.span, FLAT.steps), uniform));
             }
         }
     }
     let guess =
         FLAT.text.replace("\"left\": 0.5, \"coupler\": 0, \"right\": 0.5", "\"left\": 0, \"coupler\": 0, \"right\": 0");
     let refused = Expected::refusal(&["branches", "guess a position off the crossing"]);
-    scenes.push(scene(
-        GROUP,
-        "guessed flat: no branch is named".into(),
-        Case::of(&FLAT).text(guess),
-        (1.0, 10),
-        refused,
-    ));
+    let what = "guessed flat: no branch is named".into();
+    scenes.push(scene(GROUP, what, Case::of(&FLAT).text(guess), (1.0, 10), refused));
     let crossed = FLAT.text.replace("\"coupler\": 0, \"right\": 0.5", "\"coupler\": -0.55, \"right\": -1.05");
     for torque in [0.0, 0.1] {
         let case = Case::of(&FLAT).text(crossed.clone()).with("left.torque", torque);
-        scenes.push(scene(
-            GROUP,
-            format!("crossed bars started flat, torque {torque} N.m"),
-            case,
-            (10.0, 1000),
-            Expected::Energy,
-        ));
+        let what = format!("crossed bars started flat, torque {torque} N.m");
+        scenes.push(scene(GROUP, what, case, (10.0, 1000), Expected::Energy));
     }
     scenes
 }

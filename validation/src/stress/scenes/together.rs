@@ -37,7 +37,7 @@ pub fn scenes() -> Vec<StateLoads> {
             Scaling { mass: 1e6, ..Scaling::ONE },
         ] {
             let Scaling { mass, length, time } = scaling;
-            let plan = Plan::new(span * time, Cut::Equal(200), Force::Stated);
+            let plan = Plan::steady(span * time, 200);
             let what = format!("friction, drag and {what}; masses x {mass:e}, lengths x {length:e}, times x {time:e}");
             add(what, case.clone().scaled(scaling), plan, 1e-9, Expected::Angle);
         }
@@ -53,13 +53,8 @@ pub fn scenes() -> Vec<StateLoads> {
             for border in [1e-2, 1e-6] {
                 let case = case.clone().with("friction.static_speed", border);
                 let plan = Plan::new(2.0, Cut::Equal(2000), force);
-                add(
-                    format!("friction, drag and {what}; actuator.force {name}, V_S = {border:e} m/s"),
-                    case,
-                    plan,
-                    1e-9,
-                    Expected::Energy,
-                );
+                let what = format!("friction, drag and {what}; actuator.force {name}, V_S = {border:e} m/s");
+                add(what, case, plan, 1e-9, Expected::Energy);
             }
         }
     }
@@ -69,13 +64,8 @@ pub fn scenes() -> Vec<StateLoads> {
                 let drive = m.input.split('.').next().unwrap_or_default();
                 let case = Case::of(m).with(format!("{drive}.efficiency"), efficiency);
                 let plan = Plan::new(m.span, Cut::Equal(m.steps), force);
-                add(
-                    format!("efficiency {efficiency}, {} {}", m.input, force.word()),
-                    case,
-                    plan,
-                    1e-9,
-                    Expected::Energy,
-                );
+                let what = format!("efficiency {efficiency}, {} {}", m.input, force.word());
+                add(what, case, plan, 1e-9, Expected::Energy);
             }
         }
     }
@@ -86,7 +76,7 @@ pub fn scenes() -> Vec<StateLoads> {
     for (border, seconds) in [(1e-2, 10.0), (1e-4, 1e3), (1e-6, 1e5)] {
         let case = rest.clone().with("friction.static_speed", border).with("actuator.force", 0.99 * holding);
         for steps in [1, 1000] {
-            let plan = Plan::new(seconds, Cut::Equal(steps), Force::Stated);
+            let plan = Plan::steady(seconds, steps);
             let what = format!("creep, V_S = {border:e} m/s, {seconds} s in {}", super::count(steps));
             // Angles at 1e-6 only: their reference, at 1e-9, is the tightest that rounding near rest leaves cheap.
             add(what.clone(), case.clone(), plan.clone(), 1e-6, Expected::Angle);
@@ -98,12 +88,12 @@ pub fn scenes() -> Vec<StateLoads> {
     }
     // At rest under forces in balance, rounding is more than this tolerance allows in a long step: many short ones follow.
     let case = rest.with("friction.static_speed", 1e-4).with("actuator.force", 0.99 * holding);
-    let plan = Plan::new(200.0, Cut::Equal(200), Force::Stated);
+    let plan = Plan::steady(200.0, 200);
     add("creep to rest, V_S = 1e-4 m/s, 200 s in 200 steps".into(), case, plan, 1e-12, Expected::Energy);
     for tolerance in [1e-6, 1e-9, 1e-12] {
         let case =
             Case::of(GEAR).turned("upstop.rigid", false).with("upstop.stiffness", 5e6).with("upstop.damping", 5e4);
-        let plan = Plan::new(0.5, Cut::Equal(50), Force::Stated);
+        let plan = Plan::steady(0.5, 50);
         add("at rest on a damped bumper, 0.5 s in 50 steps".into(), case, plan, tolerance, Expected::Energy);
     }
     scenes
