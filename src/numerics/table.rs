@@ -105,7 +105,7 @@ impl Table {
         }
         let components = sets.last().map_or(0, |s| s.components.end);
         let mut sampler = Sampler {
-            transform: Transform::new(),
+            transform: Transform::default(),
             values: vec![0.0; components],
             samples: vec![[0.0; NODES]; components],
             exact,

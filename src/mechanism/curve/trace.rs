@@ -36,37 +36,21 @@ enum Stop {
 }
 
 impl Curve {
-    /// Trace the whole curve through the closed position `q`, where sigma is 0.
+    /// Trace the curve through the closed position `q`, where sigma is 0: the whole curve, or with a `margin` as far as
+    /// travel is permitted, which is in each direction up to the first zero of `margin`, a continuous function of the
+    /// positions that is >= 0 at `q` but for rounding. The range of sigma ends exactly at the zero; the panel with the
+    /// zero is traced to its end. Without a zero the result is the whole curve.
     ///
     /// # Errors
     /// [`CurveError`].
-    pub fn trace(closure: Closure, q: &[f64]) -> Result<Self, CurveError> {
-        Self::follow_both(closure, q, None)
-    }
-
-    /// Trace the curve through the closed position `q`, where sigma is 0, as far as travel is permitted: in each
-    /// direction up to the first zero of `margin`, a continuous function of the positions that is >= 0 at `q` but for
-    /// rounding. The range of sigma ends exactly at the zero; the panel with the zero is traced to its end. Without a
-    /// zero the result is that of [`Self::trace`].
-    ///
-    /// # Errors
-    /// [`CurveError`].
-    pub fn trace_within(
-        closure: Closure,
-        q: &[f64],
-        margin: &mut dyn FnMut(&Positions) -> f64,
-    ) -> Result<Self, CurveError> {
-        Self::follow_both(closure, q, Some(margin))
-    }
-
-    fn follow_both(
+    pub fn trace(
         closure: Closure,
         q: &[f64],
         margin: Option<&mut dyn FnMut(&Positions) -> f64>,
     ) -> Result<Self, CurveError> {
         let tangent = closure.tangent(q);
         let mut travel = margin.map(|margin| Travel::new(&closure.linkage, margin));
-        let transform = Transform::new();
+        let transform = Transform::default();
         let mut scratch = Scratch::default();
         let (mut panels, stop) = follow(&closure, &transform, q, &tangent, travel.as_mut(), &mut scratch)?;
         let end = |panels: &[Panel]| panels.last().map_or(0.0, Panel::end);
@@ -96,7 +80,7 @@ impl Curve {
             }
         };
         if last <= first {
-            return Err(CurveError::Outside { position: describe(&closure, q) });
+            return Err(CurveError::Outside(describe(&closure, q)));
         }
         let (range, crossings, closed) = ((first, last), Vec::new(), scratch.closed);
         let mut curve = Self { closure, transform, panels, range, ends, crossings, closed };
@@ -213,13 +197,13 @@ fn next_panel(
     // Panels stop short of a position where nothing with mass moves.
     massless |= twice_kinetic_part(closure, &base.q, &base.tangent) < 1e-6;
     Err(if massless {
-        CurveError::Massless { position }
+        CurveError::Massless(position)
     } else if closure.linearise(&base.q, &mut scratch.evaluation.loops)
         && closure.amplification(&closure.normal(&base.tangent), &mut scratch.evaluation.loops) > NEAR_CROSSING
     {
-        CurveError::NearCrossing { position }
+        CurveError::NearCrossing(position)
     } else {
-        CurveError::Stuck { position }
+        CurveError::Stuck(position)
     })
 }
 

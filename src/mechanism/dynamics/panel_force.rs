@@ -169,7 +169,7 @@ impl PanelForce {
     /// One component of the table at any sigma, without leaving the present panel.
     pub fn value<T: Number>(&self, (reduced, table): (&Reduced, &Table), component: usize, sigma: T) -> T {
         let (shift, ..) = around(reduced, sigma.value());
-        let (first, last) = reduced.curve().range();
+        let (first, last) = reduced.curve().range;
         let spot = table.position_near((sigma.value() - shift).clamp(first, last), self.panel);
         let (a, b) = table.borders(spot.panel);
         polynomial_at(table.series(spot.panel, component), sigma.chain(spot.x, 2.0 / (b - a)))
@@ -178,7 +178,7 @@ impl PanelForce {
     #[cold]
     fn enter(&mut self, reduced: &Reduced, state_loads: Option<&StateLoads>, applied: &AppliedLoads, sigma: f64) {
         let table = state_loads.map_or(reduced.influence(), |s| &s.table);
-        let (first, last) = reduced.curve().range();
+        let (first, last) = reduced.curve().range;
         let (shift, revolutions, period) = around(reduced, sigma);
         self.panel = table.panel_near(sigma - shift, self.panel);
         self.revolutions = applied.revolutions + revolutions;
@@ -284,7 +284,7 @@ fn loads<'a>(state_loads: Option<&'a StateLoads>, sizes: &'a [f64]) -> impl Iter
 
 /// Length of the whole revolutions before sigma, their number, and the length of one.
 fn around(reduced: &Reduced, sigma: f64) -> (f64, f64, f64) {
-    let first = reduced.curve().range().0;
+    let first = reduced.curve().range.0;
     match reduced.period() {
         Some(period) => {
             let revolutions = ((sigma - first) / period).floor();

@@ -90,7 +90,7 @@ impl<'a> Track<'a> {
 
     /// On a closed curve back into the first revolution.
     fn wrap(&mut self, reduced: &Reduced) -> Result<(), ModelError> {
-        let (first, last) = reduced.curve().range();
+        let (first, last) = reduced.curve().range;
         if (first..=last).contains(&self.sigma) {
             return Ok(());
         }

@@ -254,7 +254,7 @@ impl State {
     /// Take over the state at the end of a step, with sigma within the curve.
     #[inline]
     fn arrive(&mut self, reduced: &Reduced, Arrival { mut y, lost, contact }: Arrival) -> Result<(), Failure> {
-        let (first, last) = reduced.curve().range();
+        let (first, last) = reduced.curve().range;
         match reduced.period() {
             Some(period) if !(first..last).contains(&y[0]) => {
                 let revolutions = ((y[0] - first) / period).floor();

@@ -134,7 +134,7 @@ impl Components {
 
 /// Growth of a spring's displacement over one revolution of a closed curve; 0 for another curve.
 fn winding(loading: &Loading, curve: &Curve, spring: &Spring) -> f64 {
-    match curve.ends() {
+    match &curve.ends {
         Ends::Closed(growth) => loading.loads[spring.load].growth(curve.linkage(), &|angle| growth[angle]),
         Ends::Open | Ends::Stopped { .. } => 0.0,
     }

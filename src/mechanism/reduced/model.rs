@@ -101,7 +101,7 @@ impl Reduced {
 
     /// The reduced model on a given curve.
     fn on(curve: Arc<Curve>, loading: Loading, markers: Vec<Point>, exact: bool) -> Result<Self, ReductionError> {
-        let grid = Grid { borders: curve.grid(ACCURACY), centers: curve.crossings().to_vec() };
+        let grid = Grid { borders: curve.grid(ACCURACY), centers: curve.crossings.to_vec() };
         let source = Source::new(curve, loading);
         let Source { curve, loading, components, scale } = &source;
         let linkage = curve.linkage();
@@ -184,7 +184,7 @@ impl Reduced {
 
     /// Growth of a coordinate over one revolution of a closed curve; 0 for another curve.
     pub fn growth(&self, coordinate: usize) -> f64 {
-        match self.curve().ends() {
+        match &self.curve().ends {
             Ends::Closed(growth) => growth[coordinate],
             Ends::Open | Ends::Stopped { .. } => 0.0,
         }
@@ -192,8 +192,8 @@ impl Reduced {
 
     /// Length of a closed curve.
     pub fn period(&self) -> Option<f64> {
-        let (first, last) = self.curve().range();
-        matches!(self.curve().ends(), Ends::Closed(_)).then_some(last - first)
+        let (first, last) = self.curve().range;
+        matches!(self.curve().ends, Ends::Closed(_)).then_some(last - first)
     }
 
     /// Length along the curve for a motion of 1 rad.
@@ -266,9 +266,9 @@ fn unresolved_influence(loading: &Loading, curve: &Curve, at: &Unresolved) -> Re
 /// Error for a function that is not smooth along the curve: branches almost cross, or nothing with mass moves.
 pub(super) fn not_smooth(curve: &Curve, what: String, at: &Unresolved) -> ReductionError {
     let position = curve.describe(at.sigma, 0.0);
-    let crosses = curve.crossings().iter().any(|sigma| (sigma - at.sigma).abs() < curve.scale());
+    let crosses = curve.crossings.iter().any(|sigma| (sigma - at.sigma).abs() < curve.scale());
     if !crosses && curve.amplification(at.sigma) > NEAR_CROSSING {
-        ReductionError::Curve(CurveError::NearCrossing { position })
+        ReductionError::Curve(CurveError::NearCrossing(position))
     } else {
         ReductionError::Table { what, position }
     }

@@ -239,7 +239,7 @@ impl StateLoads {
         parts.clear();
         parts.resize(2 * n * (2 + loads.len()), 0.0);
         if n > 0 {
-            self.copy_reactions(source, c, columns.fill(curve.closure(), c, loads, 0), parts);
+            self.copy_reactions(source, c, columns.fill(&curve.closure, c, loads, 0), parts);
         }
         let of_load = |load: usize| 2 * n * (2 + indices[load])..2 * n * (3 + indices[load]);
         for (value, &load) in values.iter_mut().zip(&self.loads) {

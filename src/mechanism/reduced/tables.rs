@@ -101,7 +101,7 @@ impl Reduced {
         let terms = 2 + loads.len() - skipped;
         let mut columns = Columns::default();
         self.source.tabulate(grid, &vec![sizes; joints], &mut |c, values| {
-            let reactions = columns.fill(self.curve().closure(), c, loads, skipped);
+            let reactions = columns.fill(&self.curve().closure, c, loads, skipped);
             for (joint, v) in values.chunks_exact_mut((3 * terms).max(1)).enumerate() {
                 for k in 0..terms {
                     let Reaction { force, moment } = reactions[k * joints + joint];
@@ -114,7 +114,7 @@ impl Reduced {
     /// A joint's reaction at sigma from the exact evaluator, for a reaction that no table resolves because it is
     /// unbounded somewhere: a column for sigma_ddot = 1, for sigma_dot^2 = 1, then for each load = 1.
     pub fn exact_reaction(&self, joint: usize, sigma: f64) -> Vec<Reaction> {
-        let all = columns(self.curve().closure(), &self.curve().configuration(sigma), &self.loading().loads);
+        let all = columns(&self.curve().closure, &self.curve().configuration(sigma), &self.loading().loads);
         all.iter().map(|column| column[joint]).collect()
     }
 
@@ -129,7 +129,7 @@ impl Reduced {
         let c = self.curve().configuration(sigma);
         let at = self.loading().locks[lock].at;
         let direction = c.positions.velocity(&c.rates, at).normalize();
-        columns(self.curve().closure(), &c, &[Load::Force { at, direction }])[2][joint]
+        columns(&self.curve().closure, &c, &[Load::Force { at, direction }])[2][joint]
     }
 }
 
