@@ -54,6 +54,11 @@ impl Curve {
         }
     }
 
+    /// Growth of a coordinate over one revolution of a closed curve; 0 for another curve.
+    pub fn growth(&self, coordinate: usize) -> f64 {
+        if let Ends::Closed(growth) = &self.ends { growth[coordinate] } else { 0.0 }
+    }
+
     /// Mean length along the curve for a change of all coordinates of weighted norm 1 (1 rad).
     pub fn scale(&self) -> f64 {
         let (first, last) = self.traced();

@@ -182,7 +182,7 @@ impl EquationOfMotion<'_> {
     pub fn slip(&mut self, friction_joint: usize, sigma: f64, sigma_dot: f64) -> f64 {
         let Some(state_loads) = self.state_loads else { return 0.0 };
         let component = state_loads.free() + friction_joint;
-        let influence = if self.reduced.is_exact() {
+        let influence = if self.reduced.exact {
             let x = self.locate(sigma);
             polynomial(self.scratch.panel_force.series(&state_loads.table, component), x)
         } else {

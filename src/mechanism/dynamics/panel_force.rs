@@ -197,7 +197,7 @@ impl PanelForce {
             (self.low, self.high) = if sigma < first { (f64::NEG_INFINITY, first) } else { (last, f64::INFINITY) };
         }
         self.exact.clear();
-        if reduced.is_exact() && self.inverse != 0.0 {
+        if reduced.exact && self.inverse != 0.0 {
             self.enter_exactly(reduced, state_loads, table, sigma, shift);
         }
         let own = [(reduced.components().springs, 1.0), (reduced.components().winding, self.revolutions)];

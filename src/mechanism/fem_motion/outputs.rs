@@ -60,7 +60,7 @@ impl Kinematics<f64> for View<'_> {
     fn marker(&mut self, marker: usize, axis: usize, order: usize) -> Result<f64, OutputError> {
         let RigidFemMotion { fem, state, present, .. } = self.motion.balanced_for(order)?;
         let state = if order > 1 { present } else { state };
-        Ok(fem.point(state, self.reduced.marker_point(marker))[order][axis])
+        Ok(fem.point(state, self.reduced.markers[marker])[order][axis])
     }
 
     fn reaction(&mut self, joint: usize) -> Result<[f64; 3], OutputError> {

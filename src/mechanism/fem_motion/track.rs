@@ -78,7 +78,7 @@ impl<'a> Track<'a> {
         for (index, body) in reduced.linkage().bodies.iter().enumerate() {
             let Some(angle) = body.angle_coordinate else { continue };
             let [q, q_sigma, q_second] = [0, 1, 2].map(|order| self.table.value(position, 3 * angle + order));
-            let q = q + self.revolutions * reduced.growth(angle);
+            let q = q + self.revolutions * reduced.curve().growth(angle);
             let miss = q - (fem.angle(state, index) - body.offset);
             sums.gradient += miss * q_sigma;
             sums.curvature += q_sigma * q_sigma + miss * q_second;

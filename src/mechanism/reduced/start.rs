@@ -16,7 +16,7 @@ impl Reduced {
     /// [`ReductionError::Start`] with the range of the coordinate.
     pub fn find(&self, coordinate: usize, value: f64, name: &str) -> Result<(f64, f64), ReductionError> {
         let table = self.coordinates().map_err(|e| not_smooth(self.curve(), name.into(), e))?;
-        let growth = self.growth(coordinate);
+        let growth = self.curve().growth(coordinate);
         let x: [f64; SAMPLES + 1] = std::array::from_fn(|k| OVERLAP * (-1.0 + 2.0 * k as f64 / SAMPLES as f64));
         let sampled =
             |panel: usize, order: usize| x.map(|x| polynomial(table.series(panel, 3 * coordinate + order), x));
