@@ -52,10 +52,8 @@ impl Linkage {
         linkage.add_joints(mechanism)?;
         let reached = linkage.grow_tree();
         if let Some(loose) = reached.iter().position(|r| !r) {
-            return Err(DefinitionError::Key {
-                key: format!("bodies.{}", linkage.bodies[loose].name),
-                message: "no chain of joints leads from it to the ground: add a joint or fixed_to".into(),
-            });
+            let message = "no chain of joints leads from it to the ground: add a joint or fixed_to";
+            return Err(DefinitionError::key(format_args!("bodies.{}", linkage.bodies[loose].name), message));
         }
         linkage.number_coordinates();
         linkage.close_loops();
@@ -76,6 +74,12 @@ impl Linkage {
     /// [rad].
     pub fn carrier(&self, mechanism: &Mechanism, name: &str) -> Option<(usize, f64)> {
         mechanism.bodies.position(name).map(|i| (self.frames[i].body, self.frames[i].angle))
+    }
+
+    /// Angle of the body that a point is named by, in the carrier's frame [rad].
+    pub fn angle_of(&self, mechanism: &Mechanism, point: &str) -> f64 {
+        let named = point.split('.').next().unwrap_or_default();
+        self.carrier(mechanism, named).map_or(0.0, |(_, angle)| angle)
     }
 
     fn bodies_of(mechanism: &Mechanism) -> Result<Self, DefinitionError> {
@@ -127,28 +131,22 @@ impl Linkage {
             let first = self.locate(mechanism, format_args!("joints.{name}.first"), &joint.first)?;
             let second = self.locate(mechanism, format_args!("joints.{name}.second"), &joint.second)?;
             if first.body == second.body {
-                return Err(DefinitionError::Key {
-                    key: format!("joints.{name}"),
-                    message: format!("connects {} to itself: name points of two bodies", self.bodies[first.body].name),
-                });
+                let message = format!("connects {} to itself: name points of two bodies", self.bodies[first.body].name);
+                return Err(DefinitionError::key(format_args!("joints.{name}"), message));
             }
             let freedom = match joint.kind {
                 JointKind::Revolute => Freedom::Revolute,
                 JointKind::Prismatic => {
                     // The axis is stated in the frame of the named body, whose angle in the carrier may differ from 0.
-                    let named = joint.first.split('.').next().unwrap_or_default();
-                    let angle = self.carrier(mechanism, named).map_or(0.0, |(_, angle)| angle);
-                    Freedom::Prismatic(turned(Vec2::x(), joint.axis_angle.unwrap_or(0.0) + angle))
+                    let angle = joint.axis_angle.unwrap_or(0.0) + self.angle_of(mechanism, &joint.first);
+                    Freedom::Prismatic(turned(Vec2::x(), angle))
                 }
             };
             self.joints.push(Joint { name: name.into(), freedom, first, second });
         }
         for (i, (_, joint)) in mechanism.joints.iter().enumerate() {
             if joint.kind == JointKind::Prismatic {
-                let angle = |text: &str| {
-                    let named = text.split('.').next().unwrap_or_default();
-                    self.carrier(mechanism, named).map_or(0.0, |(_, angle)| angle)
-                };
+                let angle = |point: &str| self.angle_of(mechanism, point);
                 let relative = joint.angle.unwrap_or(0.0) + angle(&joint.first) - angle(&joint.second);
                 self.join_angles(i, relative)?;
             }
@@ -166,10 +164,8 @@ impl Linkage {
         if from == to {
             let excess = shift.rem_euclid(std::f64::consts::TAU);
             if excess.min(std::f64::consts::TAU - excess) > 1e-9 {
-                return Err(DefinitionError::Key {
-                    key: format!("joints.{}.angle", self.joints[joint].name),
-                    message: format!("other prismatic joints already hold these bodies {shift} rad away from it"),
-                });
+                let message = format!("other prismatic joints already hold these bodies {shift} rad away from it");
+                return Err(DefinitionError::key(format_args!("joints.{}.angle", self.joints[joint].name), message));
             }
             return Ok(());
         }

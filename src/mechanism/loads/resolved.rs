@@ -127,14 +127,14 @@ fn between(
     second: &Option<String>,
     joint: &Option<String>,
 ) -> Result<Load, DefinitionError> {
-    let missing = || DefinitionError::Key { key: key.to_string(), message: "give first and second, or joint".into() };
+    let missing = || DefinitionError::key(key, "give first and second, or joint");
     if let (Some(first), Some(second)) = (first, second) {
         let end = |k: &str, text: &str| linkage.locate(mechanism, format_args!("{key}.{k}"), text);
         let (first, second) = (end("first", first)?, end("second", second)?);
         if first.body == second.body {
             let message =
                 format!("both ends are on {}, so it cannot act: name two bodies", linkage.bodies[first.body].name);
-            return Err(DefinitionError::Key { key: key.to_string(), message });
+            return Err(DefinitionError::key(key, message));
         }
         let ends = [first, second];
         let is_at = |a: Point, b: Point| a.body == b.body && (a.local - b.local).norm() <= 1e-12 * linkage.size;
@@ -145,7 +145,7 @@ fn between(
         if let Some(joint) = joined {
             let message =
                 format!("its two ends are the one point of {}, so its length is zero: name two points", joint.name);
-            return Err(DefinitionError::Key { key: key.to_string(), message });
+            return Err(DefinitionError::key(key, message));
         }
         return Ok(Load::Pair { first, second });
     }
@@ -229,7 +229,7 @@ impl Loading {
                     let (carrier, angle) = linkage.carrier(mechanism, body).unwrap_or((GROUND, 0.0));
                     if linkage.bodies[carrier].angle_coordinate.is_none() {
                         let message = format!("{body} does not turn: name a turning body, a joint or two points");
-                        return Err(DefinitionError::Key { key: format!("stops.{name}.body"), message });
+                        return Err(DefinitionError::key(format_args!("stops.{name}.body"), message));
                     }
                     value -= angle;
                     Load::Torque { body: carrier }
@@ -259,7 +259,7 @@ impl Loading {
             let at = linkage.locate(mechanism, format_args!("locks.{name}.at"), &lock.at)?;
             if at.body == GROUND {
                 let message = format!("{} is on the ground, so it cannot act: name a point that moves", lock.at);
-                return Err(DefinitionError::Key { key: format!("locks.{name}.at"), message });
+                return Err(DefinitionError::key(format_args!("locks.{name}.at"), message));
             }
             let stop = mechanism.stops.position(&lock.stop).unwrap_or(0);
             self.locks.push(Lock { name: name.into(), stop, at });
@@ -282,9 +282,7 @@ impl Loading {
                     (from, Some(along.normalize()), along.norm(), s.width.unwrap_or(0.0))
                 }
                 Some(text) => {
-                    let named = text.split('.').next().unwrap_or_default();
-                    let angle = linkage.carrier(mechanism, named).map_or(0.0, |(_, angle)| angle);
-                    let line = s.surface_angle.map(|a| turned(Vec2::x(), a + angle));
+                    let line = s.surface_angle.map(|a| turned(Vec2::x(), a + linkage.angle_of(mechanism, text)));
                     (locate("at", &s.at)?, line, 0.0, s.area.unwrap_or(0.0))
                 }
             };
@@ -302,11 +300,8 @@ impl Loading {
     fn add_friction(&mut self, mechanism: &Mechanism, linkage: &Linkage) -> Result<(), DefinitionError> {
         let Some(f) = &mechanism.friction else { return Ok(()) };
         if f.kinetic_speed <= f.static_speed {
-            return Err(DefinitionError::Value {
-                key: "friction.kinetic_speed".into(),
-                value: Decimal(f.kinetic_speed).to_string(),
-                allowed: format!("greater than friction.static_speed = {}", Decimal(f.static_speed)),
-            });
+            let allowed = format!("greater than friction.static_speed = {}", Decimal(f.static_speed));
+            return Err(DefinitionError::value("friction.kinetic_speed", Decimal(f.kinetic_speed), allowed));
         }
         let Friction { enabled, static_coefficient, kinetic_coefficient, static_speed, kinetic_speed } = *f;
         let mut friction_joints = Vec::new();
@@ -343,16 +338,14 @@ impl Loading {
     pub fn name(&self, load: usize) -> String {
         match load.checked_sub(self.sized()).map(|spring| self.springs.get(spring)) {
             Some(Some(spring)) => spring.name.clone(),
-            Some(None) => self.name_of_state_load(load),
+            Some(None) => {
+                let stops = self.stops.iter().filter(|s| s.load == load).map(|s| &s.name);
+                let surfaces = self.air.iter().flat_map(|air| &air.surfaces);
+                let mut names = stops.chain(surfaces.filter(|s| (s.load..s.load + 3).contains(&load)).map(|s| &s.name));
+                names.next().map_or("friction".into(), String::clone)
+            }
             None => self.inputs.get(load).cloned().unwrap_or_else(|| "a constant load".into()),
         }
-    }
-
-    fn name_of_state_load(&self, load: usize) -> String {
-        let stop = self.stops.iter().find(|s| s.load == load).map(|s| s.name.clone());
-        let surfaces = self.air.iter().flat_map(|air| &air.surfaces);
-        let surface = || surfaces.into_iter().find(|s| (s.load..s.load + 3).contains(&load)).map(|s| s.name.clone());
-        stop.or_else(surface).unwrap_or_else(|| "friction".into())
     }
 }
 

@@ -169,7 +169,7 @@ impl StateLoads {
             leaders,
             signs,
             loads,
-            table: Table::empty(),
+            table: Table::default(),
             bundle: Bundle::default(),
             caused_by_applied: Vec::new(),
             given: source.components.count,
