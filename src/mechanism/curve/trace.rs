@@ -166,8 +166,8 @@ impl Tracer<'_> {
         }
     }
 
-    /// The next panel, of the proposed width or the widest below it that is accepted, with the tangent at its tip and the
-    /// factor by which it might have been wider.
+    /// The next panel, of the proposed width or the widest below it that is accepted, with the tangent at its tip and
+    /// the factor by which it might have been wider.
     fn next_panel(&mut self, base: &Base, width: &mut f64) -> Result<(Panel, Vec<f64>, f64), CurveError> {
         let Self { closure, transform, travel, scratch } = self;
         let mut massless = false;

@@ -219,21 +219,15 @@ impl Reduced {
     pub fn exact_motion(&self, state_loads: Option<&StateLoads>, sigma: f64) -> Vec<f64> {
         let c = self.curve().configuration(sigma);
         let Source { loading, components, .. } = &self.source;
-        match state_loads {
-            None => {
-                let mut values = vec![0.0; components.count];
-                let influence = |load: usize| loading.loads[load].influence(self.linkage(), &c);
-                let mut springs = Vec::new();
-                self.source.spring_loads(&c, &mut springs);
-                components.fill(&springs, influence, &mut values);
-                values
-            }
-            Some(state_loads) => {
-                let mut values = vec![0.0; state_loads.table.components()];
-                state_loads.fill(&self.source, &c, &mut state_loads.scratch(loading), &mut values);
-                values
-            }
+        let mut values = vec![0.0; state_loads.map_or(components.count, |s| s.table.components())];
+        if let Some(state_loads) = state_loads {
+            state_loads.fill(&self.source, &c, &mut state_loads.scratch(loading), &mut values);
+        } else {
+            let mut springs = Vec::new();
+            self.source.spring_loads(&c, &mut springs);
+            components.fill(&springs, |load| loading.loads[load].influence(self.linkage(), &c), &mut values);
         }
+        values
     }
 }
 
