@@ -6,22 +6,19 @@
 //! request, the interpolant and where it passes a level. It must not know what y means.
 mod control;
 mod dense;
-mod error;
 mod methods;
 mod pair;
 mod root;
 mod statistics;
 mod step;
-mod sum;
 mod system;
 
 pub use control::Integrator;
 pub use dense::Dense;
-pub use error::IntegrationError;
 pub use root::Direction;
 pub use statistics::{Method, Statistics};
 pub use step::Step;
-pub use system::System;
+pub use system::{IntegrationError, System};
 
 #[cfg(test)]
 mod tests;

@@ -92,6 +92,18 @@ pub fn mean_square<const N: usize>(scale: &[f64; N], error: impl Fn(usize) -> f6
     (0..N).map(|n| (error(n) / scale[n]).powi(2)).sum::<f64>() / N as f64
 }
 
+/// y + increment + carry, and the part of that sum lost to rounding: Knuth's two-sum.
+pub fn add_compensated<const N: usize>(y: &[f64; N], increment: &[f64; N], carry: &[f64; N]) -> ([f64; N], [f64; N]) {
+    let (mut end, mut lost) = ([0.0; N], [0.0; N]);
+    for n in 0..N {
+        let delta = increment[n] + carry[n];
+        end[n] = y[n] + delta;
+        let back = end[n] - y[n];
+        lost[n] = (y[n] - (end[n] - back)) + (delta - back);
+    }
+    (end, lost)
+}
+
 /// Factor on [`bulge`], as the rates between the stages are not known.
 pub const BULGE_MARGIN: f64 = 1.5;
 

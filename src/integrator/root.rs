@@ -1,7 +1,7 @@
 //! Where the interpolant of a step first passes a level.
 //!
-//! On [0, 1] a polynomial lies within the range of its Bernstein coefficients, and it has at most as many roots in (0,
-//! 1) as they change sign (equal for one change). Halving the interval (de Casteljau) until each part has one change at
+//! On [0, 1] a polynomial lies within the range of its Bernstein coefficients, and it has at most as many roots inside
+//! as they change sign (equal for one change). Halving the interval (de Casteljau) until each part has one change at
 //! most finds every root; the parts are gone through from left to right.
 //! Source: Farouki, The Bernstein polynomial basis: a centennial retrospective, Comput. Aided Geom. Des. 29 (2012),
 //! 379.

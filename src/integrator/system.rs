@@ -1,4 +1,4 @@
-//! What is integrated.
+//! What is integrated, and why an integration stops.
 
 /// A first-order system with the error weights of its components. f must be smooth: who has kinks ends a step at each.
 pub trait System<const N: usize> {
@@ -40,4 +40,16 @@ pub trait System<const N: usize> {
         }
         rows
     }
+}
+
+/// Why an integration stopped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum IntegrationError {
+    /// No step above the round-off of time meets the tolerance.
+    StepTooSmall {
+        /// Time since the start of the span [s].
+        t: f64,
+        /// The step size that was still too large [s].
+        step: f64,
+    },
 }

@@ -11,23 +11,17 @@ pub const NODES: usize = 16;
 /// Coefficients c_k of sum c_k T_k(x), k = 0 .. NODES - 1.
 pub type Series = [f64; NODES];
 
-/// Gauss nodes x_j = -cos(pi (j + 1/2) / NODES), ascending.
-pub fn nodes() -> [f64; NODES] {
-    std::array::from_fn(|j| -(PI * (j as f64 + 0.5) / NODES as f64).cos())
-}
-
-/// Transform from values at the [`nodes`] to Chebyshev coefficients.
+/// Transform from values at the nodes to Chebyshev coefficients.
 #[derive(Clone, Debug)]
 pub struct Transform {
-    /// Nodes, ascending.
+    /// Gauss nodes x_j = -cos(pi (j + 1/2) / NODES), ascending.
     pub nodes: [f64; NODES],
     /// T_k(x_j) in row j, for the nodes below 0; the others follow from T_k(-x) = (-1)^k T_k(x).
     basis: [[f64; NODES]; NODES / 2],
 }
 
-impl Transform {
-    /// The transform for [`NODES`] nodes.
-    pub fn new() -> Self {
+impl Default for Transform {
+    fn default() -> Self {
         // T_k(x_j) = (-1)^k cos(pi k (j + 1/2) / NODES); angles are reduced modulo 2 pi before rounding.
         let basis = std::array::from_fn(|j| {
             std::array::from_fn(|k| {
@@ -35,9 +29,11 @@ impl Transform {
                 (PI * angle as f64 / (2 * NODES) as f64).cos()
             })
         });
-        Self { nodes: nodes(), basis }
+        Self { nodes: std::array::from_fn(|j| -(PI * (j as f64 + 0.5) / NODES as f64).cos()), basis }
     }
+}
 
+impl Transform {
     /// Coefficients of the polynomial through `values` at the nodes.
     pub fn fit(&self, values: &[f64; NODES]) -> Series {
         let mut out = [0.0; NODES];
@@ -52,12 +48,6 @@ impl Transform {
         out.iter_mut().for_each(|c| *c *= 2.0 / NODES as f64);
         out[0] *= 0.5;
         out
-    }
-}
-
-impl Default for Transform {
-    fn default() -> Self {
-        Self::new()
     }
 }
 
@@ -145,7 +135,7 @@ mod tests {
     use super::*;
 
     fn fitted(f: impl Fn(f64) -> f64) -> Series {
-        let t = Transform::new();
+        let t = Transform::default();
         t.fit(&t.nodes.map(f))
     }
 

@@ -47,8 +47,8 @@ impl Grid {
     }
 }
 
-/// Functions of sigma on panels.
-#[derive(Clone, Debug, PartialEq)]
+/// Functions of sigma on panels; by default none.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
     /// First sigma of each panel, then the last sigma of all.
     borders: Vec<f64>,
@@ -74,11 +74,6 @@ pub fn polynomial_at<T: Number>(c: &Series, x: T) -> T {
 }
 
 impl Table {
-    /// A table without components.
-    pub fn empty() -> Self {
-        Self { borders: Vec::new(), components: 0, coefficients: Vec::new() }
-    }
-
     /// Number of components.
     pub fn components(&self) -> usize {
         self.components
@@ -105,7 +100,7 @@ impl Table {
         }
         let components = sets.last().map_or(0, |s| s.components.end);
         let mut sampler = Sampler {
-            transform: Transform::new(),
+            transform: Transform::default(),
             values: vec![0.0; components],
             samples: vec![[0.0; NODES]; components],
             exact,

@@ -72,7 +72,7 @@ impl Both {
         let coordinate = linkage.bodies[linkage.carrier(&mechanism, body).unwrap().0].angle_coordinate.unwrap();
         let (sigma, revolutions) = reduced.find(coordinate, start.angle.unwrap(), body).unwrap();
         let c = reduced.curve().configuration(sigma);
-        let q: Vec<f64> = c.q.iter().enumerate().map(|(i, q)| q + revolutions * reduced.growth(i)).collect();
+        let q: Vec<f64> = c.q.iter().enumerate().map(|(i, q)| q + revolutions * reduced.curve().growth(i)).collect();
         let q_dot: Vec<f64> = c.q_sigma.iter().map(|slope| slope * start.speed / c.q_sigma[coordinate]).collect();
         let (mut scratch, sizes) = (fem.scratch(), sizes(&mut run));
         let state = if stretched {

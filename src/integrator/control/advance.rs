@@ -1,6 +1,6 @@
 //! Steps of an integration: by the method that suits, and once more from the same start.
 use super::memory::{Begin, Integrator};
-use super::starting::starting_step;
+use super::sizes::starting_step;
 use crate::integrator::methods::{dop853::Dop853, dopri5::Dopri5, rk4::Rk4, rkn86::Rkn86};
 use crate::integrator::pair::{Pair, Start};
 use crate::integrator::step::{Stages, Step};

@@ -7,7 +7,6 @@ mod choice;
 mod inverse_root;
 mod memory;
 mod sizes;
-mod starting;
 pub mod stiffness;
 
 pub use memory::Integrator;

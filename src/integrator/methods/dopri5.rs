@@ -5,8 +5,7 @@
 //! the interpolant: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.5, table 5.2, and II.6, CONTD5; their order
 //! conditions are tested.
 use crate::integrator::dense::TERMS;
-use crate::integrator::pair::{Outcome, Pair, Path, Start, bulge, extremes, mean_square};
-use crate::integrator::sum::add_compensated;
+use crate::integrator::pair::{Outcome, Pair, Path, Start, add_compensated, bulge, extremes, mean_square};
 use crate::integrator::{Dense, Method, System};
 
 /// Stages, the last of them at the end of the step.

@@ -4,8 +4,7 @@
 //! weight of the fourth stage to the fifth makes an embedded method of order 3. Coefficients: Hairer, Norsett, Wanner,
 //! Solving ODEs I (1993), II.1, table 1.2; the pair's order conditions, II.1, theorem 2.1 and eq. (1.11), are tested.
 use crate::integrator::dense::{TERMS, hermite};
-use crate::integrator::pair::{Outcome, Pair, Path, Start, bulge, extremes, mean_square};
-use crate::integrator::sum::add_compensated;
+use crate::integrator::pair::{Outcome, Pair, Path, Start, add_compensated, bulge, extremes, mean_square};
 use crate::integrator::{Dense, Method, System};
 
 /// Nodes c_i; a stage takes the one before it alone, a_{i,i-1} = c_i, the fifth takes `B`.

@@ -1,36 +1,24 @@
 //! The choice between the methods.
-use super::Oscillator;
 use super::radau_iia::VanDerPol;
+use super::{Stiff, miss, oscillator, pendulum, run};
+use crate::integrator::control::stiffness::largest_eigenvalue;
 use crate::integrator::{Integrator, Method, System};
 
-/// y' = -rate(t) (y - cos t) - sin t, exact: cos t; stiff in the first and the last third of 0 <= t <= 30.
-struct Phases;
-impl Phases {
-    fn rate(t: f64) -> f64 {
-        let bump = |x: f64| 0.5 * (1.0 + (4.0 * x).tanh());
-        1e6 * (1.0 - bump(t - 10.0) + bump(t - 20.0)) + 0.1
-    }
-}
-impl System<1> for Phases {
-    const CAN_BE_STIFF: bool = true;
-    fn derivative(&mut self, t: f64, y: &[f64; 1]) -> [f64; 1] {
-        [-Self::rate(t) * (y[0] - t.cos()) - t.sin()]
-    }
-    fn scale(&mut self, _y: &[f64; 1], _f: &[f64; 1]) -> [f64; 1] {
-        [1.0]
-    }
-    fn jacobian(&mut self, t: f64, _y: &[f64; 1]) -> [[f64; 1]; 1] {
-        [[-Self::rate(t)]]
-    }
+/// Rate of y' = -rate(t) (y - cos t) - sin t, exact: cos t; stiff in the first and the last third of 0 <= t <= 30.
+fn rate(t: f64) -> f64 {
+    let bump = |x: f64| 0.5 * (1.0 + (4.0 * x).tanh());
+    1e6 * (1.0 - bump(t - 10.0) + bump(t - 20.0)) + 0.1
 }
 
 #[test]
 fn the_method_follows_the_stiffness_both_ways() {
+    let derivative = |t: f64, y: &[f64; 1]| [-rate(t) * (y[0] - t.cos()) - t.sin()];
+    let mut phases = Stiff(derivative, |t: f64, _: &[f64; 1]| [[-rate(t)]]);
     for tolerance in [1e-6, 1e-9, 1e-12] {
         let (mut t, mut y, mut integrator) = (0.0, [1.0], Integrator::default());
         let (mut changes, mut last, mut seen) = (0, Method::Dop853, Vec::new());
         while t < 30.0 {
-            let step = integrator.step(&mut Phases, t, &y, 30.0, tolerance).unwrap();
+            let step = integrator.step(&mut phases, t, &y, 30.0, tolerance).unwrap();
             (t, y) = (t + step.h, step.end);
             assert!((y[0] - t.cos()).abs() < 100.0 * tolerance, "t {t}: {:e}", y[0] - t.cos());
             if integrator.method() != last {
@@ -71,35 +59,30 @@ fn a_problem_of_middling_stiffness_does_not_waver() {
     }
 }
 
-/// A body on a rough plane, pushed by sin t, friction with a ramp: v' = sin t - 0.7 sat(v / width); (x, v).
-#[derive(Clone, Copy)]
-struct Ramp {
-    width: f64,
-}
-impl System<2> for Ramp {
-    const CAN_BE_STIFF: bool = true;
-    fn derivative(&mut self, t: f64, y: &[f64; 2]) -> [f64; 2] {
-        [y[1], t.sin() - 0.7 * (y[1] / self.width).clamp(-1.0, 1.0)]
-    }
-    fn scale(&mut self, _y: &[f64; 2], _f: &[f64; 2]) -> [f64; 2] {
-        [1.0, 1.0]
-    }
-    fn jacobian(&mut self, _t: f64, y: &[f64; 2]) -> [[f64; 2]; 2] {
-        [[0.0, 1.0], [0.0, if y[1].abs() < self.width { -0.7 / self.width } else { 0.0 }]]
-    }
+/// A copy of the memory advances to the same bits.
+fn advance_twice(system: &mut impl System<2>, y: &mut [f64; 2], integrator: &mut Integrator<2>, h: f64) {
+    let (mut z, mut again) = (*y, *integrator);
+    integrator.advance(system, y, h, 1e-10).unwrap();
+    again.advance(system, &mut z, h, 1e-10).unwrap();
+    assert_eq!((*y, *integrator), (z, again));
 }
 
 #[test]
 fn a_copied_memory_repeats_the_same_bits() {
-    let mut integrator = Integrator::default();
-    let mut y = [0.0, 0.0];
-    let mut system = Ramp { width: 1e-6 };
-    for _ in 0..200 {
-        let (mut again, mut z) = (integrator, y);
-        integrator.advance(&mut system, &mut y, 1e-3, 1e-10).unwrap();
-        again.advance(&mut system, &mut z, 1e-3, 1e-10).unwrap();
-        assert_eq!((y, integrator), (z, again));
+    // A body on a rough plane, pushed by sin t, friction with a ramp: v' = sin t - 0.7 sat(v / width); (x, v).
+    const WIDTH: f64 = 1e-6;
+    let derivative = |t: f64, y: &[f64; 2]| [y[1], t.sin() - 0.7 * (y[1] / WIDTH).clamp(-1.0, 1.0)];
+    let slope = |v: f64| if v.abs() < WIDTH { -0.7 / WIDTH } else { 0.0 };
+    let mut ramp = Stiff(derivative, |_: f64, y: &[f64; 2]| [[0.0, 1.0], [0.0, slope(y[1])]]);
+    let (mut y, mut integrator) = ([0.0, 0.0], Integrator::default());
+    (0..200).for_each(|_| advance_twice(&mut ramp, &mut y, &mut integrator, 1e-3));
+    // Through changes of the span.
+    let (mut y, mut integrator, mut seen) = ([1.0, 0.0], Integrator::default(), [false; 2]);
+    for i in 0..500 {
+        advance_twice(&mut pendulum, &mut y, &mut integrator, [1e-4, 2e-4, 0.05, 3e-3][i / 7 % 4]);
+        seen[usize::from(integrator.method() == Method::Rk4)] = true;
     }
+    assert_eq!(seen, [true; 2], "RK4 and another method");
 }
 
 #[test]
@@ -126,13 +109,9 @@ fn a_system_that_cannot_be_stiff_is_never_asked_for_a_jacobian() {
 fn short_spans_err_no_more_than_long_steps() {
     for tolerance in [1e-6, 1e-9, 1e-12] {
         let run = |steps: u32| {
-            let (mut y, mut integrator) = ([1.0, 0.0], Integrator::default());
             let h = 100.0 / f64::from(steps);
-            for _ in 0..steps {
-                integrator.advance(&mut Oscillator, &mut y, h, tolerance).unwrap();
-            }
-            let end = h * f64::from(steps);
-            ((y[0] - end.cos()).hypot(y[1] + end.sin()), integrator.statistics())
+            let (y, integrator) = run(&mut oscillator, h, steps, tolerance);
+            (miss(&y, h * f64::from(steps)), integrator.statistics())
         };
         let (long, _) = run(1);
         let mut seen = [false; 3];
@@ -145,5 +124,16 @@ fn short_spans_err_no_more_than_long_steps() {
             }
         }
         assert_eq!(seen, [true; 3], "{tolerance:e}: all methods have been tried");
+    }
+}
+
+#[test]
+fn the_largest_eigenvalue_depends_on_no_units() {
+    // (sigma, sigma_dot, energy): eigenvalues of [[0, 1], [-k, -d]] and 0; the energy's unit changes its row only.
+    for (k, d, unit) in [(4.0, 1e7, 1.0), (1e6, 3e4, 1e9), (1.0, 1e3, 1e-12)] {
+        let a = [[0.0, 1.0, 0.0], [-k, -d, 0.0], [0.3 * unit, 2.0 * d * unit, 0.0]];
+        let exact = 0.5 * d + f64::sqrt(0.25 * d * d - k);
+        let found = largest_eigenvalue(&a);
+        assert!(found >= 0.999 * exact && found <= 1.15 * exact, "{found} against {exact}");
     }
 }

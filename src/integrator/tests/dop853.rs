@@ -1,21 +1,8 @@
-//! DOP853: coefficients, orders, step-size control.
-use super::{Oscillator, Power, explicitly};
+//! DOP853: coefficients, step-size control.
+use super::{explicitly, oscillator, power, run};
 use crate::integrator::methods::dop853::Dop853;
 use crate::integrator::methods::dop853::tableau::{A, C, D, E3, E5, EXTENDED, STAGES};
-use crate::integrator::{IntegrationError, Integrator, Step, System};
-
-fn attempt<S: System<N>, const N: usize>(system: &mut S, t: f64, y: &[f64; N], h: f64) -> Step<N> {
-    explicitly::<Dop853<N>, S, N>(system, t, y, h)
-}
-
-fn fixed_step<S: System<N>, const N: usize>(system: &mut S, y: [f64; N], span: f64, steps: u32) -> [f64; N] {
-    let h = span / f64::from(steps);
-    let mut y = y;
-    for i in 0..steps {
-        y = attempt(system, h * f64::from(i), &y, h).end;
-    }
-    y
-}
+use crate::integrator::{IntegrationError, Integrator, System};
 
 #[test]
 fn row_sums_are_the_nodes() {
@@ -71,57 +58,17 @@ fn error_estimators_vanish_on_low_degrees() {
 
 #[test]
 fn quadrature_is_exact_to_degree_seven() {
+    let end = |degree| explicitly::<Dop853<1>, _, 1>(&mut power(degree), 0.0, &[0.0], 1.0).end[0];
     for degree in 0..=7 {
-        let y = fixed_step(&mut Power(degree), [0.0], 1.0, 1);
-        assert!((y[0] - 1.0 / f64::from(degree + 1)).abs() < 1e-14);
+        assert!((end(degree) - 1.0 / f64::from(degree + 1)).abs() < 1e-14);
     }
-    assert!((fixed_step(&mut Power(8), [0.0], 1.0, 1)[0] - 1.0 / 9.0).abs() > 1e-7, "degree 8 must show an error");
-}
-
-#[test]
-fn observed_order_is_eight() {
-    let error = |steps| {
-        let y = fixed_step(&mut Oscillator, [1.0, 0.0], 6.0, steps);
-        (y[0] - 6f64.cos()).hypot(y[1] + 6f64.sin())
-    };
-    let slope = (error(10) / error(20)).log2();
-    assert!((7.7..8.8).contains(&slope), "slope {slope}");
-}
-
-#[test]
-fn interpolant_has_order_seven_and_meets_the_ends() {
-    let worst = |h: f64| {
-        let y = [1.0, 0.0];
-        let step = attempt(&mut Oscillator, 0.0, &y, h);
-        let dense = step.dense(&mut Oscillator);
-        assert_eq!(dense.at(0.0), step.start);
-        assert!((dense.at(1.0)[0] - step.end[0]).abs() < 1e-15);
-        (1..10).map(|i| (dense.at(f64::from(i) / 10.0)[0] - (h * f64::from(i) / 10.0).cos()).abs()).fold(0.0, f64::max)
-    };
-    let slope = (worst(0.8) / worst(0.4)).log2();
-    assert!((7.5..9.5).contains(&slope), "local order of the interpolant: {slope}");
-}
-
-#[test]
-fn error_follows_the_tolerance() {
-    for exponent in 3..=13 {
-        let tolerance = 10f64.powi(-exponent);
-        let mut y = [1.0, 0.0];
-        Integrator::default().advance(&mut Oscillator, &mut y, 10.0, tolerance).unwrap();
-        let error = (y[0] - 10f64.cos()).hypot(y[1] + 10f64.sin());
-        assert!(error < 10.0 * tolerance + 1e-15, "tolerance {tolerance}: error {error}");
-    }
+    assert!((end(8) - 1.0 / 9.0).abs() > 1e-7, "degree 8 must show an error");
 }
 
 #[test]
 fn splitting_keeps_the_step_size_and_the_result() {
-    let mut whole = [1.0, 0.0];
-    Integrator::default().advance(&mut Oscillator, &mut whole, 10.0, 1e-10).unwrap();
-    let mut split = [1.0, 0.0];
-    let mut integrator = Integrator::default();
-    for _ in 0..1000 {
-        integrator.advance(&mut Oscillator, &mut split, 0.01, 1e-10).unwrap();
-    }
+    let (whole, _) = run(&mut oscillator, 10.0, 1, 1e-10);
+    let (split, integrator) = run(&mut oscillator, 0.01, 1000, 1e-10);
     assert!((whole[0] - split[0]).abs() < 1e-10);
     let work = integrator.statistics();
     assert_eq!(work.accepted, 1000, "one step for each communication step");

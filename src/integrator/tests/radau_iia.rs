@@ -1,5 +1,5 @@
-//! Radau IIA: coefficients, orders, damping, stiff problems.
-use super::{Oscillator, Power, WithoutJacobian, implicitly};
+//! Radau IIA: coefficients, damping, stiff problems.
+use super::{Stiff, implicitly, power};
 use crate::integrator::methods::radau::coefficients::{A, ALPHA, BETA, C, E, GAMMA, STAGES, T, T_INVERSE};
 use crate::integrator::{Integrator, Method, System};
 
@@ -58,30 +58,21 @@ fn the_error_estimate_vanishes_up_to_degree_three() {
     assert!((0..STAGES).map(|i| E[i] * C[i].powi(4)).sum::<f64>().abs() > 0.01, "degree 4 must show an error");
 }
 
-/// y' = lambda y: R(h lambda) = 1 + h lambda b (I - h lambda A)^-1 (1, 1, 1) is the end of one step from 1.
-struct Linear(f64);
-impl System<1> for Linear {
-    fn derivative(&mut self, _t: f64, y: &[f64; 1]) -> [f64; 1] {
-        [self.0 * y[0]]
-    }
-    fn scale(&mut self, _y: &[f64; 1], _f: &[f64; 1]) -> [f64; 1] {
-        [1.0]
-    }
-    fn jacobian(&mut self, _t: f64, _y: &[f64; 1]) -> [[f64; 1]; 1] {
-        [[self.0]]
-    }
-}
-
 #[test]
 fn the_stability_function_is_the_pade_approximant_and_tends_to_zero() {
+    // y' = lambda y: R(h lambda) = 1 + h lambda b (I - h lambda A)^-1 (1, 1, 1) is the end of one step from 1.
+    let end = |z: f64| {
+        let mut linear = Stiff(|_: f64, y: &[f64; 1]| [z * y[0]], |_: f64, _: &[f64; 1]| [[z]]);
+        implicitly(&mut linear, 0.0, &[1.0], 1.0).end[0]
+    };
     // R(z) = (1 + 2z/5 + z^2/20) / (1 - 3z/5 + 3z^2/20 - z^3/60), IV.5.
     for z in [-0.1_f64, -1.0, -5.0, -30.0, 0.5] {
         let pade = (1.0 + 0.4 * z + 0.05 * z * z) / (1.0 - 0.6 * z + 0.15 * z * z - z.powi(3) / 60.0);
-        let end = implicitly(&mut Linear(z), 0.0, &[1.0], 1.0).end[0];
+        let end = end(z);
         assert!((end - pade).abs() < 1e-14, "z {z}: {end} against {pade}");
     }
     for z in [-1e3_f64, -1e6, -1e9] {
-        let end = implicitly(&mut Linear(z), 0.0, &[1.0], 1.0).end[0];
+        let end = end(z);
         assert!(end.abs() < 3.1 / z.abs(), "R({z}) = {end}: R tends to -3/z");
     }
 }
@@ -89,57 +80,20 @@ fn the_stability_function_is_the_pade_approximant_and_tends_to_zero() {
 #[test]
 fn quadrature_is_exact_to_degree_four() {
     for degree in 0..=4 {
-        let end = implicitly(&mut Power(degree), 0.0, &[0.0], 1.0).end[0];
+        let end = implicitly(&mut power(degree), 0.0, &[0.0], 1.0).end[0];
         assert!((end - 1.0 / f64::from(degree + 1)).abs() < 1e-14);
     }
 }
 
 #[test]
-fn observed_order_is_five() {
-    let error = |steps: u32| {
-        let (h, mut y) = (6.0 / f64::from(steps), [1.0, 0.0]);
-        (0..steps).for_each(|_| y = implicitly(&mut Oscillator, 0.0, &y, h).end);
-        (y[0] - 6f64.cos()).hypot(y[1] + 6f64.sin())
-    };
-    let slope = (error(40) / error(80)).log2();
-    println!("slope {slope}");
-    assert!((4.9..5.2).contains(&slope), "slope {slope}");
-}
-
-#[test]
-fn the_collocation_polynomial_has_order_three_and_meets_the_ends() {
-    let worst = |h: f64| {
-        let step = implicitly(&mut Oscillator, 0.0, &[1.0, 0.0], h);
-        let dense = step.dense(&mut Oscillator);
-        assert_eq!(dense.at(0.0), step.start);
-        assert!((dense.at(1.0)[0] - step.end[0]).abs() < 1e-15);
-        (1..20).map(|i| (dense.at(f64::from(i) / 20.0)[0] - (h * f64::from(i) / 20.0).cos()).abs()).fold(0.0, f64::max)
-    };
-    let slope = (worst(0.1) / worst(0.05)).log2();
-    assert!((3.8..4.6).contains(&slope), "local order of the interpolant: {slope}");
-}
-
-/// Prothero and Robinson: y' = lambda (y - sin t) + cos t; exact: sin t. IV.15, eq. (15.1).
-struct ProtheroRobinson(f64);
-impl System<1> for ProtheroRobinson {
-    const CAN_BE_STIFF: bool = true;
-    fn derivative(&mut self, t: f64, y: &[f64; 1]) -> [f64; 1] {
-        [self.0 * (y[0] - t.sin()) + t.cos()]
-    }
-    fn scale(&mut self, _y: &[f64; 1], _f: &[f64; 1]) -> [f64; 1] {
-        [1.0]
-    }
-    fn jacobian(&mut self, _t: f64, _y: &[f64; 1]) -> [[f64; 1]; 1] {
-        [[self.0]]
-    }
-}
-
-#[test]
 fn prothero_and_robinson_is_met_at_every_stiffness() {
+    // y' = lambda (y - sin t) + cos t; exact: sin t. IV.15, eq. (15.1).
     for lambda in [-1e2, -1e4, -1e7] {
+        let derivative = |t: f64, y: &[f64; 1]| [lambda * (y[0] - t.sin()) + t.cos()];
+        let mut system = Stiff(derivative, |_: f64, _: &[f64; 1]| [[lambda]]);
         for tolerance in [1e-6, 1e-9, 1e-12] {
             let (mut y, mut integrator) = ([0.0], Integrator::default());
-            integrator.advance(&mut ProtheroRobinson(lambda), &mut y, 5.0, tolerance).unwrap();
+            integrator.advance(&mut system, &mut y, 5.0, tolerance).unwrap();
             let error = (y[0] - 5f64.sin()).abs();
             println!("lambda {lambda:e}, tolerance {tolerance:e}: error {error:.1e}, {:?}", integrator.statistics());
             assert!(error < 10.0 * tolerance, "lambda {lambda}, tolerance {tolerance}: {error}");
@@ -176,11 +130,21 @@ fn van_der_pol_agrees_with_the_reference() {
     }
 }
 
+/// A system without its Jacobian.
+struct WithoutJacobian(VanDerPol);
+impl System<2> for WithoutJacobian {
+    fn derivative(&mut self, t: f64, y: &[f64; 2]) -> [f64; 2] {
+        self.0.derivative(t, y)
+    }
+    fn scale(&mut self, y: &[f64; 2], f: &[f64; 2]) -> [f64; 2] {
+        self.0.scale(y, f)
+    }
+}
+
 #[test]
 fn the_default_jacobian_is_close_to_the_exact_one() {
-    let (mut exact, mut by_differences) = (VanDerPol(1e-2), WithoutJacobian(VanDerPol(1e-2)));
-    let y = [1.7, -0.3];
-    let (a, b) = (exact.jacobian(0.0, &y), by_differences.jacobian(0.0, &y));
+    let (mut exact, y) = (VanDerPol(1e-2), [1.7, -0.3]);
+    let (a, b) = (exact.jacobian(0.0, &y), WithoutJacobian(VanDerPol(1e-2)).jacobian(0.0, &y));
     for (a, b) in a.iter().flatten().zip(b.iter().flatten()) {
         assert!((a - b).abs() < 1e-6 * a.abs().max(1.0), "{a} against {b}");
     }

@@ -42,12 +42,8 @@ fn part<'a>(entries: &'a [Entry], ends: &[usize], row: usize) -> &'a [Entry] {
 impl Factors {
     /// Remove all rows and set the number of coordinates.
     pub fn clear(&mut self, columns: usize) {
-        for list in [&mut self.upper, &mut self.lower, &mut self.pivots] {
-            list.clear();
-        }
-        for ends in [&mut self.upper_ends, &mut self.lower_ends] {
-            ends.clear();
-        }
+        [&mut self.upper, &mut self.lower, &mut self.pivots].into_iter().for_each(Vec::clear);
+        [&mut self.upper_ends, &mut self.lower_ends].into_iter().for_each(Vec::clear);
         self.pivot_rows.clear();
         self.pivot_rows.resize(columns, FREE);
         // Each row leaves these zeroed.

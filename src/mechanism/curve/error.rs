@@ -1,29 +1,17 @@
 //! Errors of tracing.
 use std::fmt;
 
-/// Error of tracing a curve. `position`: coordinates by name and in words.
+/// Error of tracing a curve, with the position: coordinates by name and in words.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CurveError {
     /// The kinetic energy of a motion through this position vanishes.
-    Massless {
-        /// Coordinates.
-        position: String,
-    },
+    Massless(String),
     /// Two branches of motion almost cross here: rounding decides which one is followed.
-    NearCrossing {
-        /// Coordinates.
-        position: String,
-    },
+    NearCrossing(String),
     /// No panel, however short, leads on from this position.
-    Stuck {
-        /// Coordinates.
-        position: String,
-    },
+    Stuck(String),
     /// No travel is permitted from this position.
-    Outside {
-        /// Coordinates.
-        position: String,
-    },
+    Outside(String),
     /// The curve has too many panels.
     TooLong {
         /// Number of panels after which tracing stopped.
@@ -43,22 +31,22 @@ pub enum CurveError {
 impl fmt::Display for CurveError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Massless { position } => write!(
+            Self::Massless(position) => write!(
                 f,
                 "the reduced inertia vanishes at {position}: nothing or almost nothing with mass moves there; give a mass or an inertia to a body that does"
             ),
-            Self::NearCrossing { position } => write!(
+            Self::NearCrossing(position) => write!(
                 f,
                 "two branches of motion almost cross at {position}: the lengths miss a crossing by so little that rounding decides; \
                  change a length by a part in 1e5 or more, or make them cross to the last digit"
             ),
-            Self::Stuck { position } => {
+            Self::Stuck(position) => {
                 write!(
                     f,
                     "the linkage cannot be followed past {position}: its motion ends or has a cusp there; change the lengths"
                 )
             }
-            Self::Outside { position } => {
+            Self::Outside(position) => {
                 write!(f, "no travel is permitted from {position}: state a position within the limits, or widen them")
             }
             Self::TooLong { panels } => {

@@ -31,24 +31,21 @@ pub enum Ends {
 /// The curve of closed positions of a linkage.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    pub(super) closure: Closure,
+    /// Loop equations.
+    pub closure: Closure,
     pub(super) transform: Transform,
     pub(super) panels: Vec<Panel>,
     /// First and last sigma. Where travel stops, the panels extend beyond.
-    pub(super) range: (f64, f64),
-    pub(super) ends: Ends,
+    pub range: (f64, f64),
+    /// Ends of the curve.
+    pub ends: Ends,
     /// Values of sigma where branches cross, ascending.
-    pub(super) crossings: Vec<f64>,
-    /// Number of positions closed in tracing.
-    pub(super) closed: usize,
+    pub crossings: Vec<f64>,
+    /// Number of positions closed in tracing, those of rejected panels included: the cost.
+    pub closed: usize,
 }
 
 impl Curve {
-    /// First and last sigma.
-    pub fn range(&self) -> (f64, f64) {
-        self.range
-    }
-
     /// First and last sigma of the panels, which extend beyond the range where travel stops.
     pub(super) fn traced(&self) -> (f64, f64) {
         match (self.panels.first(), self.panels.last()) {
@@ -57,25 +54,15 @@ impl Curve {
         }
     }
 
-    /// Ends of the curve.
-    pub fn ends(&self) -> &Ends {
-        &self.ends
+    /// Growth of a coordinate over one revolution of a closed curve; 0 for another curve.
+    pub fn growth(&self, coordinate: usize) -> f64 {
+        if let Ends::Closed(growth) = &self.ends { growth[coordinate] } else { 0.0 }
     }
 
     /// Mean length along the curve for a change of all coordinates of weighted norm 1 (1 rad).
     pub fn scale(&self) -> f64 {
         let (first, last) = self.traced();
         (last - first) / self.panels.iter().map(|p| p.width).sum::<f64>()
-    }
-
-    /// Values of sigma where branches cross.
-    pub fn crossings(&self) -> &[f64] {
-        &self.crossings
-    }
-
-    /// Number of positions closed in tracing, those of rejected panels included: the cost.
-    pub fn closed(&self) -> usize {
-        self.closed
     }
 
     /// Whether loop equations are redundant.
@@ -86,11 +73,6 @@ impl Curve {
     /// Linkage.
     pub fn linkage(&self) -> &Linkage {
         &self.closure.linkage
-    }
-
-    /// Loop equations.
-    pub(crate) fn closure(&self) -> &Closure {
-        &self.closure
     }
 
     /// Amplification of rounding in the loop equations at sigma; infinite where branches cross to the last digit.

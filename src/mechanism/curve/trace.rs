@@ -36,39 +36,23 @@ enum Stop {
 }
 
 impl Curve {
-    /// Trace the whole curve through the closed position `q`, where sigma is 0.
+    /// Trace the curve through the closed position `q`, where sigma is 0: the whole curve, or with a `margin` as far as
+    /// travel is permitted, which is in each direction up to the first zero of `margin`, a continuous function of the
+    /// positions that is >= 0 at `q` but for rounding. The range of sigma ends exactly at the zero; the panel with the
+    /// zero is traced to its end. Without a zero the result is the whole curve.
     ///
     /// # Errors
     /// [`CurveError`].
-    pub fn trace(closure: Closure, q: &[f64]) -> Result<Self, CurveError> {
-        Self::follow_both(closure, q, None)
-    }
-
-    /// Trace the curve through the closed position `q`, where sigma is 0, as far as travel is permitted: in each
-    /// direction up to the first zero of `margin`, a continuous function of the positions that is >= 0 at `q` but for
-    /// rounding. The range of sigma ends exactly at the zero; the panel with the zero is traced to its end. Without a
-    /// zero the result is that of [`Self::trace`].
-    ///
-    /// # Errors
-    /// [`CurveError`].
-    pub fn trace_within(
-        closure: Closure,
-        q: &[f64],
-        margin: &mut dyn FnMut(&Positions) -> f64,
-    ) -> Result<Self, CurveError> {
-        Self::follow_both(closure, q, Some(margin))
-    }
-
-    fn follow_both(
+    pub fn trace(
         closure: Closure,
         q: &[f64],
         margin: Option<&mut dyn FnMut(&Positions) -> f64>,
     ) -> Result<Self, CurveError> {
         let tangent = closure.tangent(q);
-        let mut travel = margin.map(|margin| Travel::new(&closure.linkage, margin));
-        let transform = Transform::new();
-        let mut scratch = Scratch::default();
-        let (mut panels, stop) = follow(&closure, &transform, q, &tangent, travel.as_mut(), &mut scratch)?;
+        let travel = margin.map(|margin| Travel::new(&closure.linkage, margin));
+        let mut tracer =
+            Tracer { closure: &closure, transform: Transform::default(), travel, scratch: Scratch::default() };
+        let (mut panels, stop) = tracer.follow(q, &tangent)?;
         let end = |panels: &[Panel]| panels.last().map_or(0.0, Panel::end);
         let (mut first, mut last) = (0.0, end(&panels));
         let ends = match stop {
@@ -79,7 +63,7 @@ impl Curve {
                     last = sigma;
                 }
                 let back: Vec<f64> = tangent.iter().map(|t| -t).collect();
-                let (other, stop) = follow(&closure, &transform, q, &back, travel.as_mut(), &mut scratch)?;
+                let (other, stop) = tracer.follow(q, &back)?;
                 let low = !matches!(stop, Stop::Far);
                 first = match stop {
                     Stop::Left(sigma) => -sigma,
@@ -96,10 +80,10 @@ impl Curve {
             }
         };
         if last <= first {
-            return Err(CurveError::Outside { position: describe(&closure, q) });
+            return Err(CurveError::Outside(describe(&closure, q)));
         }
-        let (range, crossings, closed) = ((first, last), Vec::new(), scratch.closed);
-        let mut curve = Self { closure, transform, panels, range, ends, crossings, closed };
+        let (transform, closed) = (tracer.transform, tracer.scratch.closed);
+        let mut curve = Self { closure, transform, panels, range: (first, last), ends, crossings: Vec::new(), closed };
         curve.crossings = curve.find_crossings();
         curve.check_redundant()?;
         Ok(curve)
@@ -128,99 +112,134 @@ impl Curve {
     }
 }
 
-/// Follow the curve from `q` along `tangent`.
-fn follow(
-    closure: &Closure,
-    transform: &Transform,
-    q: &[f64],
-    tangent: &[f64],
-    mut travel: Option<&mut Travel>,
-    scratch: &mut Scratch,
-) -> Result<(Vec<Panel>, Stop), CurveError> {
-    /// Width of the next panel relative to the width that should resolve it.
-    const CAUTION: f64 = 0.84;
-    /// Largest width of a panel relative to the one before.
-    const GROWTH: f64 = 2.0;
-    let linkage = &*closure.linkage;
-    let mut panels: Vec<Panel> = Vec::new();
-    let mut base = Base { sigma: 0.0, q: q.to_vec(), tangent: tangent.to_vec() };
-    let (mut width, mut widest_before) = (FIRST, None);
-    if let Some(travel) = &mut travel {
-        travel.start(q);
-    }
-    loop {
-        let (panel, ahead, wider) = next_panel(closure, transform, &base, &mut width, scratch, travel.as_deref_mut())?;
-        let returns = returned(closure, transform, q, tangent, &panel, panels.is_empty(), scratch);
-        let left = travel.as_mut().and_then(|t| t.end(&panel, &transform.nodes));
-        if let Some((growth, cut)) = returns {
-            // The travel may end on the way back to the start.
-            let end = cut.as_ref().map_or(panel.start, Panel::end);
-            if left.is_none_or(|sigma| sigma >= end) {
-                panels.extend(cut);
-                return Ok((panels, Stop::Returned(growth)));
-            }
-        }
-        base = Base { sigma: panel.end(), q: panel.tip.clone(), tangent: ahead };
-        let far = base.q[linkage.angles..].iter().any(|s| s.abs() > FARTHEST * linkage.size);
-        // Width that would just have been resolved, and its ratio from panel to panel.
-        let widest = panel.width * wider.min(GROWTH);
-        let trend = widest_before.map_or(1.0, |before: f64| (widest / before).clamp(0.5, GROWTH));
-        width = (CAUTION * widest * trend).min(GROWTH * panel.width).min(LARGEST);
-        widest_before = Some(widest);
-        panels.push(panel);
-        if let Some(sigma) = left {
-            return Ok((panels, Stop::Left(sigma)));
-        }
-        if far {
-            return Ok((panels, Stop::Far));
-        }
-        if panels.len() >= PANELS {
-            return Err(CurveError::TooLong { panels: PANELS });
-        }
-    }
+/// Following of the curve in one direction and the other.
+struct Tracer<'a> {
+    closure: &'a Closure,
+    transform: Transform,
+    travel: Option<Travel<'a>>,
+    scratch: Scratch,
 }
 
-/// The next panel, of the proposed width or the widest below it that is accepted, with the tangent at its tip and the
-/// factor by which it might have been wider.
-fn next_panel(
-    closure: &Closure,
-    transform: &Transform,
-    base: &Base,
-    width: &mut f64,
-    scratch: &mut Scratch,
-    mut travel: Option<&mut Travel>,
-) -> Result<(Panel, Vec<f64>, f64), CurveError> {
-    let mut massless = false;
-    while *width > SMALLEST {
-        let mut visit = |node: usize, positions: &Positions| {
-            if let Some(travel) = &mut travel {
-                travel.visit(node, positions);
+impl Tracer<'_> {
+    /// Follow the curve from `q` along `tangent`.
+    fn follow(&mut self, q: &[f64], tangent: &[f64]) -> Result<(Vec<Panel>, Stop), CurveError> {
+        /// Width of the next panel relative to the width that should resolve it.
+        const CAUTION: f64 = 0.84;
+        /// Largest width of a panel relative to the one before.
+        const GROWTH: f64 = 2.0;
+        let linkage = &*self.closure.linkage;
+        let mut panels: Vec<Panel> = Vec::new();
+        let mut base = Base { sigma: 0.0, q: q.to_vec(), tangent: tangent.to_vec() };
+        let (mut width, mut widest_before) = (FIRST, None);
+        if let Some(travel) = &mut self.travel {
+            travel.start(q);
+        }
+        loop {
+            let (panel, ahead, wider) = self.next_panel(&base, &mut width)?;
+            let returns = self.returned(q, tangent, &panel, panels.is_empty());
+            let left = self.travel.as_mut().and_then(|t| t.end(&panel, &self.transform.nodes));
+            if let Some((growth, cut)) = returns {
+                // The travel may end on the way back to the start.
+                let end = cut.as_ref().map_or(panel.start, Panel::end);
+                if left.is_none_or(|sigma| sigma >= end) {
+                    panels.extend(cut);
+                    return Ok((panels, Stop::Returned(growth)));
+                }
             }
-        };
-        match Panel::build(closure, transform, base, *width, scratch, &mut visit) {
-            Ok(built) => return Ok(built),
-            Err(rejection) => {
-                massless = rejection == Rejection::Massless;
-                *width *= match rejection {
-                    Rejection::TooWide(shorter) => shorter,
-                    Rejection::NearCrossing => 0.93,
-                    Rejection::Massless => 0.7,
-                };
+            base = Base { sigma: panel.end(), q: panel.tip.clone(), tangent: ahead };
+            let far = base.q[linkage.angles..].iter().any(|s| s.abs() > FARTHEST * linkage.size);
+            // Width that would just have been resolved, and its ratio from panel to panel.
+            let widest = panel.width * wider.min(GROWTH);
+            let trend = widest_before.map_or(1.0, |before: f64| (widest / before).clamp(0.5, GROWTH));
+            width = (CAUTION * widest * trend).min(GROWTH * panel.width).min(LARGEST);
+            widest_before = Some(widest);
+            panels.push(panel);
+            if let Some(sigma) = left {
+                return Ok((panels, Stop::Left(sigma)));
+            }
+            if far {
+                return Ok((panels, Stop::Far));
+            }
+            if panels.len() >= PANELS {
+                return Err(CurveError::TooLong { panels: PANELS });
             }
         }
     }
-    let position = describe(closure, &base.q);
-    // Panels stop short of a position where nothing with mass moves.
-    massless |= twice_kinetic_part(closure, &base.q, &base.tangent) < 1e-6;
-    Err(if massless {
-        CurveError::Massless { position }
-    } else if closure.linearise(&base.q, &mut scratch.evaluation.loops)
-        && closure.amplification(&closure.normal(&base.tangent), &mut scratch.evaluation.loops) > NEAR_CROSSING
-    {
-        CurveError::NearCrossing { position }
-    } else {
-        CurveError::Stuck { position }
-    })
+
+    /// The next panel, of the proposed width or the widest below it that is accepted, with the tangent at its tip and
+    /// the factor by which it might have been wider.
+    fn next_panel(&mut self, base: &Base, width: &mut f64) -> Result<(Panel, Vec<f64>, f64), CurveError> {
+        let Self { closure, transform, travel, scratch } = self;
+        let mut massless = false;
+        while *width > SMALLEST {
+            let mut visit = |node: usize, positions: &Positions| {
+                if let Some(travel) = &mut *travel {
+                    travel.visit(node, positions);
+                }
+            };
+            match Panel::build(closure, transform, base, *width, scratch, &mut visit) {
+                Ok(built) => return Ok(built),
+                Err(rejection) => {
+                    massless = rejection == Rejection::Massless;
+                    *width *= match rejection {
+                        Rejection::TooWide(shorter) => shorter,
+                        Rejection::NearCrossing => 0.93,
+                        Rejection::Massless => 0.7,
+                    };
+                }
+            }
+        }
+        let position = describe(closure, &base.q);
+        // Panels stop short of a position where nothing with mass moves.
+        massless |= twice_kinetic_part(closure, &base.q, &base.tangent) < 1e-6;
+        Err(if massless {
+            CurveError::Massless(position)
+        } else if closure.linearise(&base.q, &mut scratch.evaluation.loops)
+            && closure.amplification(&closure.normal(&base.tangent), &mut scratch.evaluation.loops) > NEAR_CROSSING
+        {
+            CurveError::NearCrossing(position)
+        } else {
+            CurveError::Stuck(position)
+        })
+    }
+
+    /// For a panel through the start: the growth of the coordinates, and the part of the panel up to the start.
+    fn returned(
+        &mut self,
+        start: &[f64],
+        tangent: &[f64],
+        panel: &Panel,
+        first: bool,
+    ) -> Option<(Vec<f64>, Option<Panel>)> {
+        let Self { closure, transform, scratch, .. } = self;
+        let (n, w) = (start.len(), &closure.weights);
+        // The start with whole revolutions added.
+        let target: Vec<f64> = (0..n)
+            .map(|i| {
+                let middle = 0.5 * (panel.base[i] + panel.tip[i]);
+                if i < closure.linkage.angles { start[i] + TAU * ((middle - start[i]) / TAU).round() } else { start[i] }
+            })
+            .collect();
+        let u: f64 = (0..n).map(|i| panel.normal[i] * (target[i] - panel.base[i])).sum();
+        let slack = 1e-9;
+        if first && u < slack || u < -slack || u > panel.width + slack {
+            return None;
+        }
+        let q = panel.coordinates_at(2.0 * u.clamp(0.0, panel.width) / panel.width - 1.0);
+        let off = (0..n).fold(0.0, |a: f64, i| a.max(((q[i] - target[i]) * w[i]).abs()));
+        let along: f64 = (0..n).map(|i| panel.normal[i] * tangent[i]).sum();
+        if off > 1e-7 || along <= 0.0 {
+            return None;
+        }
+        let growth = (0..n).map(|i| target[i] - start[i]).collect();
+        if u < slack {
+            return Some((growth, None));
+        }
+        let direction: Vec<f64> = (0..n).map(|i| panel.normal[i] / (w[i] * w[i])).collect();
+        let base = Base { sigma: panel.start, q: panel.base.clone(), tangent: direction };
+        let (cut, ..) = Panel::build(closure, transform, &base, u, scratch, &mut |_, _| {}).ok()?;
+        Some((growth, Some(cut)))
+    }
 }
 
 /// Twice the kinetic energy of a motion along the tangent, relative to the sum of m size^2 + I.
@@ -229,43 +248,4 @@ fn twice_kinetic_part(closure: &Closure, q: &[f64], tangent: &[f64]) -> f64 {
     let p = linkage.positions(q);
     let whole: f64 = linkage.bodies.iter().map(|b| b.mass * linkage.size.powi(2) + b.inertia).sum();
     if whole > 0.0 { twice_kinetic(linkage, &p, &linkage.rates(&p, q, tangent)) / whole } else { 0.0 }
-}
-
-/// For a panel through the start: the growth of the coordinates, and the part of the panel up to the start.
-fn returned(
-    closure: &Closure,
-    transform: &Transform,
-    start: &[f64],
-    tangent: &[f64],
-    panel: &Panel,
-    first: bool,
-    scratch: &mut Scratch,
-) -> Option<(Vec<f64>, Option<Panel>)> {
-    let (n, w) = (start.len(), &closure.weights);
-    // The start with whole revolutions added.
-    let target: Vec<f64> = (0..n)
-        .map(|i| {
-            let middle = 0.5 * (panel.base[i] + panel.tip[i]);
-            if i < closure.linkage.angles { start[i] + TAU * ((middle - start[i]) / TAU).round() } else { start[i] }
-        })
-        .collect();
-    let u: f64 = (0..n).map(|i| panel.normal[i] * (target[i] - panel.base[i])).sum();
-    let slack = 1e-9;
-    if first && u < slack || u < -slack || u > panel.width + slack {
-        return None;
-    }
-    let q = panel.coordinates_at(2.0 * u.clamp(0.0, panel.width) / panel.width - 1.0);
-    let off = (0..n).fold(0.0, |a: f64, i| a.max(((q[i] - target[i]) * w[i]).abs()));
-    let along: f64 = (0..n).map(|i| panel.normal[i] * tangent[i]).sum();
-    if off > 1e-7 || along <= 0.0 {
-        return None;
-    }
-    let growth = (0..n).map(|i| target[i] - start[i]).collect();
-    if u < slack {
-        return Some((growth, None));
-    }
-    let direction: Vec<f64> = (0..n).map(|i| panel.normal[i] / (w[i] * w[i])).collect();
-    let base = Base { sigma: panel.start, q: panel.base.clone(), tangent: direction };
-    let (cut, ..) = Panel::build(closure, transform, &base, u, scratch, &mut |_, _| {}).ok()?;
-    Some((growth, Some(cut)))
 }

@@ -4,6 +4,7 @@
 //! travel.
 use super::panel::Panel;
 use crate::mechanism::linkage::{Linkage, Positions};
+use crate::numerics::bracket::bisect;
 use crate::numerics::chebyshev::NODES;
 
 /// The permitted travel, followed panel by panel.
@@ -73,16 +74,9 @@ impl<'a> Travel<'a> {
         None
     }
 
-    /// Zero of the margin between an x inside and an x outside, by bisection to the last bit.
-    fn root(&mut self, panel: &Panel, mut inside: f64, mut outside: f64) -> f64 {
-        loop {
-            let middle = 0.5 * (inside + outside);
-            if middle == inside || middle == outside {
-                return inside;
-            }
-            let negative = self.on(panel, middle) < 0.0;
-            *(if negative { &mut outside } else { &mut inside }) = middle;
-        }
+    /// Last x inside the travel between an x inside and an x outside.
+    fn root(&mut self, panel: &Panel, inside: f64, outside: f64) -> f64 {
+        bisect(|x| self.on(panel, x) < 0.0, inside, outside)[0]
     }
 
     /// Least margin between the outer two of three x, and its x, by golden-section search. `least`: margin at the

@@ -153,7 +153,7 @@ impl PanelForce {
     /// One component of the table at any sigma, without leaving the present panel.
     pub fn value<T: Number>(&self, (reduced, table): (&Reduced, &Table), component: usize, sigma: T) -> T {
         let (shift, _) = around(reduced, sigma.value());
-        let (first, last) = reduced.curve().range();
+        let (first, last) = reduced.curve().range;
         let spot = table.position_near((sigma.value() - shift).clamp(first, last), self.panel);
         let (a, b) = table.borders(spot.panel);
         polynomial_at(table.series(spot.panel, component), sigma.chain(spot.x, 2.0 / (b - a)))
@@ -162,7 +162,7 @@ impl PanelForce {
     #[cold]
     fn enter(&mut self, reduced: &Reduced, state_loads: Option<&StateLoads>, applied: &AppliedLoads, sigma: f64) {
         let table = state_loads.map_or(reduced.influence(), |s| &s.table);
-        let (first, last) = reduced.curve().range();
+        let (first, last) = reduced.curve().range;
         let (shift, revolutions) = around(reduced, sigma);
         self.panel = table.panel_near(sigma - shift, self.panel);
         self.revolutions = applied.revolutions + revolutions;
@@ -181,7 +181,7 @@ impl PanelForce {
             (self.low, self.high) = if sigma < first { (f64::NEG_INFINITY, first) } else { (last, f64::INFINITY) };
         }
         self.exact.clear();
-        if reduced.is_exact() && self.inverse != 0.0 {
+        if reduced.exact && self.inverse != 0.0 {
             self.enter_exactly(reduced, state_loads, table, sigma, shift);
         }
         let own = [(reduced.components().springs, 1.0), (reduced.components().winding, self.revolutions)];
@@ -270,7 +270,7 @@ fn loads<'a>(state_loads: Option<&'a StateLoads>, sizes: &'a [f64]) -> impl Iter
 
 /// Length of the whole revolutions before sigma, and their number.
 fn around(reduced: &Reduced, sigma: f64) -> (f64, f64) {
-    let first = reduced.curve().range().0;
+    let first = reduced.curve().range.0;
     reduced.period().map_or((0.0, 0.0), |period| {
         let revolutions = ((sigma - first) / period).floor();
         (revolutions * period, revolutions)

@@ -80,7 +80,7 @@ impl RigidFemMotion {
         let fem = Arc::new(finite_elements(reduced, mechanism)?);
         let c = reduced.curve().configuration(rigid.state.sigma);
         let q: Vec<f64> =
-            c.q.iter().enumerate().map(|(i, q)| q + rigid.state.revolutions * reduced.growth(i)).collect();
+            c.q.iter().enumerate().map(|(i, q)| q + rigid.state.revolutions * reduced.curve().growth(i)).collect();
         let q_dot: Vec<f64> = c.q_sigma.iter().map(|slope| slope * rigid.state.sigma_dot).collect();
         let sizes = reduced.sizes(&inputs.reals);
         let state = fem.start(linkage, &q, &q_dot, &sizes)?;

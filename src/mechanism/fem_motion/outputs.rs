@@ -53,7 +53,7 @@ impl Kinematics<f64> for View<'_> {
 
     fn marker(&mut self, marker: usize, axis: usize, order: usize) -> Result<f64, OutputError> {
         let (fem, state) = self.motion.fem(order)?;
-        Ok(fem.point(state, self.reduced.marker_point(marker), order)[axis])
+        Ok(fem.point(state, self.reduced.markers[marker], order)[axis])
     }
 
     fn reaction(&mut self, joint: usize) -> Result<[f64; 3], OutputError> {

@@ -51,7 +51,7 @@ impl<'a> Track<'a> {
             for (index, body) in reduced.linkage().bodies.iter().enumerate() {
                 let Some(angle) = body.angle_coordinate else { continue };
                 let [q, q_sigma, q_second] = [0, 1, 2].map(|order| self.table.value(position, 3 * angle + order));
-                let q = q + self.revolutions * reduced.growth(angle);
+                let q = q + self.revolutions * reduced.curve().growth(angle);
                 let miss = q - (fem.angle(state, index, 0) - body.offset);
                 gradient += miss * q_sigma;
                 curvature += q_sigma * q_sigma + miss * q_second;
@@ -66,7 +66,7 @@ impl<'a> Track<'a> {
 
     /// On a closed curve back into the first revolution.
     fn wrap(&mut self, reduced: &Reduced) -> Result<(), ModelError> {
-        let (first, last) = reduced.curve().range();
+        let (first, last) = reduced.curve().range;
         if (first..=last).contains(&self.sigma) {
             return Ok(());
         }

@@ -76,6 +76,12 @@ impl Linkage {
         mechanism.bodies.position(name).map(|i| (self.frames[i].body, self.frames[i].angle))
     }
 
+    /// Angle of the body that a point is named by, in the carrier's frame [rad].
+    pub fn angle_of(&self, mechanism: &Mechanism, point: &str) -> f64 {
+        let named = point.split('.').next().unwrap_or_default();
+        self.carrier(mechanism, named).map_or(0.0, |(_, angle)| angle)
+    }
+
     fn bodies_of(mechanism: &Mechanism) -> Result<Self, DefinitionError> {
         let named: Vec<(&str, &definition::Body)> = mechanism.bodies.iter().collect();
         let mut order: Vec<usize> = (0..named.len()).filter(|&i| named[i].1.fixed_to.is_none()).collect();
@@ -133,19 +139,15 @@ impl Linkage {
                 JointKind::Revolute => Freedom::Revolute,
                 JointKind::Prismatic => {
                     // The axis is stated in the frame of the named body, whose angle in the carrier may differ from 0.
-                    let named = joint.first.split('.').next().unwrap_or_default();
-                    let angle = self.carrier(mechanism, named).map_or(0.0, |(_, angle)| angle);
-                    Freedom::Prismatic(turned(Vec2::x(), joint.axis_angle.unwrap_or(0.0) + angle))
+                    let angle = joint.axis_angle.unwrap_or(0.0) + self.angle_of(mechanism, &joint.first);
+                    Freedom::Prismatic(turned(Vec2::x(), angle))
                 }
             };
             self.joints.push(Joint { name: name.into(), freedom, first, second });
         }
         for (i, (_, joint)) in mechanism.joints.iter().enumerate() {
             if joint.kind == JointKind::Prismatic {
-                let angle = |text: &str| {
-                    let named = text.split('.').next().unwrap_or_default();
-                    self.carrier(mechanism, named).map_or(0.0, |(_, angle)| angle)
-                };
+                let angle = |point: &str| self.angle_of(mechanism, point);
                 let relative = joint.angle.unwrap_or(0.0) + angle(&joint.first) - angle(&joint.second);
                 self.join_angles(i, relative)?;
             }

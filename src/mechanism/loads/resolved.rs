@@ -282,9 +282,7 @@ impl Loading {
                     (from, Some(along.normalize()), along.norm(), s.width.unwrap_or(0.0))
                 }
                 Some(text) => {
-                    let named = text.split('.').next().unwrap_or_default();
-                    let angle = linkage.carrier(mechanism, named).map_or(0.0, |(_, angle)| angle);
-                    let line = s.surface_angle.map(|a| turned(Vec2::x(), a + angle));
+                    let line = s.surface_angle.map(|a| turned(Vec2::x(), a + linkage.angle_of(mechanism, text)));
                     (locate("at", &s.at)?, line, 0.0, s.area.unwrap_or(0.0))
                 }
             };
@@ -340,16 +338,14 @@ impl Loading {
     pub fn name(&self, load: usize) -> String {
         match load.checked_sub(self.sized()).map(|spring| self.springs.get(spring)) {
             Some(Some(spring)) => spring.name.clone(),
-            Some(None) => self.name_of_state_load(load),
+            Some(None) => {
+                let stops = self.stops.iter().filter(|s| s.load == load).map(|s| &s.name);
+                let surfaces = self.air.iter().flat_map(|air| &air.surfaces);
+                let mut names = stops.chain(surfaces.filter(|s| (s.load..s.load + 3).contains(&load)).map(|s| &s.name));
+                names.next().map_or("friction".into(), String::clone)
+            }
             None => self.inputs.get(load).cloned().unwrap_or_else(|| "a constant load".into()),
         }
-    }
-
-    fn name_of_state_load(&self, load: usize) -> String {
-        let stop = self.stops.iter().find(|s| s.load == load).map(|s| s.name.clone());
-        let surfaces = self.air.iter().flat_map(|air| &air.surfaces);
-        let surface = || surfaces.into_iter().find(|s| (s.load..s.load + 3).contains(&load)).map(|s| s.name.clone());
-        stop.or_else(surface).unwrap_or_else(|| "friction".into())
     }
 }
 

@@ -3,7 +3,7 @@
 //! In: the configuration. Out: the displacement S of each load, work-conjugate to its size, with derivatives along the
 //! curve, and the load's wrenches on the bodies. The influence function of [CK16] is S_sigma: the virtual work of the
 //! unit load for each d sigma. It must not know the size of a load.
-use crate::mechanism::curve::Configuration;
+use crate::mechanism::curve::{Configuration, Curve};
 use crate::mechanism::linkage::{Freedom, Linkage, Point, Positions};
 use crate::numerics::plane::{Vec2, cross};
 
@@ -75,9 +75,9 @@ fn axis(linkage: &Linkage, p: &Positions, joint: usize) -> (Point, Point, Vec2) 
 }
 
 impl Load {
-    /// Growth of S for a growth `of_angle` of the angle coordinates, such as over one revolution of a closed curve.
-    pub fn growth(&self, linkage: &Linkage, of_angle: &dyn Fn(usize) -> f64) -> f64 {
-        let body = |b: usize| linkage.bodies[b].angle_coordinate.map_or(0.0, of_angle);
+    /// Growth of S over one revolution of a closed curve; 0 for another curve.
+    pub fn growth(&self, curve: &Curve) -> f64 {
+        let body = |b: usize| curve.linkage().bodies[b].angle_coordinate.map_or(0.0, |angle| curve.growth(angle));
         match *self {
             Self::Torque { body: b } => body(b),
             Self::Couple { first, second } => body(second) - body(first),

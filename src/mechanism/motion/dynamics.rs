@@ -165,7 +165,7 @@ where
         // Needed at the ends of steps and between them, it leaves the present panel as it is.
         let Some(state_loads) = self.state_loads else { return 0.0 };
         let component = state_loads.free() + joint;
-        let influence = if self.reduced.is_exact() {
+        let influence = if self.reduced.exact {
             let x = self.locate(sigma);
             polynomial(self.scratch.panel_force.series(&state_loads.table, component), x)
         } else {

@@ -187,7 +187,7 @@ impl SavedState {
     /// Refuse what this mechanism cannot have.
     fn check(&self, reduced: &Reduced) -> Result<(), ModelError> {
         let refuse = |what: String| Err(Damaged(what).into());
-        let (first, last) = reduced.curve().range();
+        let (first, last) = reduced.curve().range;
         let slack = reduced.period().map_or(0.0, |period| ROUNDING * period);
         if !(first - slack..=last + slack).contains(&self.sigma) {
             return refuse(format!("sigma = {}: must be from {first} to {last}", self.sigma));

@@ -257,7 +257,7 @@ impl State {
         reduced: &Reduced,
         (mut y, lost, contact): ([f64; 2], f64, Contact),
     ) -> Result<(), ModelError> {
-        let (first, last) = reduced.curve().range();
+        let (first, last) = reduced.curve().range;
         match reduced.period() {
             Some(period) if !(first..last).contains(&y[0]) => {
                 let revolutions = ((y[0] - first) / period).floor();

@@ -213,7 +213,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
         if order > 0 {
             return Ok(value);
         }
-        Ok(value + N::constant(self.state.revolutions * self.reduced.growth(coordinate)))
+        Ok(value + N::constant(self.state.revolutions * self.reduced.curve().growth(coordinate)))
     }
 
     fn displacement(&mut self, load: usize, order: usize) -> Result<N, OutputError> {

@@ -3,7 +3,6 @@
 //! In: a definition. Out: the influence of every load, and on request the coordinates, displacements, markers and
 //! reactions as tables of sigma. A table is built at its first use; all are immutable and shared. It must not know
 //! states or inputs.
-mod components;
 mod error;
 mod model;
 mod resolved;
@@ -12,7 +11,7 @@ mod start;
 mod state_loads;
 mod tables;
 
-pub use components::Components;
 pub use error::ReductionError;
 pub use model::{Built, Reduced};
+pub use source::Components;
 pub use state_loads::StateLoads;

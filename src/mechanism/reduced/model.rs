@@ -1,10 +1,9 @@
 //! The reduced model: curve, loads and tables.
 //!
 //! In: a definition. Out: the reduced model, with the tables that every start needs. It must not know states or inputs.
-use super::components::Components;
 use super::error::ReductionError;
 use super::resolved::Resolved;
-use super::source::Source;
+use super::source::{Components, Source};
 use super::state_loads::StateLoads;
 use crate::mechanism::curve::{Configuration, Curve, CurveError, Ends, NEAR_CROSSING};
 use crate::mechanism::definition::Mechanism;
@@ -21,14 +20,15 @@ pub(super) type Lazy = OnceLock<Vec<Result<Table, Unresolved>>>;
 #[derive(Debug)]
 pub struct Reduced {
     pub(super) source: Source,
-    pub(super) markers: Vec<Point>,
+    /// Points of the markers.
+    pub(crate) markers: Vec<Point>,
     /// Grid of tables of displacements.
     pub(super) grid: Grid,
     /// Grid of tables of reactions to applied loads, refined where displacements needed it.
     pub(super) fine: Grid,
     pub(super) tables: Arc<Tables>,
     /// Whether the motion is evaluated without tables.
-    exact: bool,
+    pub(crate) exact: bool,
     /// State loads without and with moving air.
     state_loads: [OnceLock<Result<Option<StateLoads>, Unresolved>>; 2],
 }
@@ -101,15 +101,15 @@ impl Reduced {
 
     /// The reduced model on a given curve.
     fn on(curve: Arc<Curve>, loading: Loading, markers: Vec<Point>, exact: bool) -> Result<Self, ReductionError> {
-        let grid = Grid { borders: curve.grid(ACCURACY), centers: curve.crossings().to_vec() };
+        let grid = Grid { borders: curve.grid(ACCURACY), centers: curve.crossings.to_vec() };
         let source = Source::new(curve, loading);
-        let Source { curve, loading, components, scale } = &source;
+        let Source { curve, loading, components, .. } = &source;
         let linkage = curve.linkage();
         // Every start needs coordinates and displacements of applied loads, springs and stops; all share their
         // evaluations.
         let needed: Vec<usize> = (0..loading.base()).chain(loading.stops.iter().map(|s| s.load)).collect();
-        let mut sizes = vec![components.sizes(loading, curve, scale), scale.coordinates(linkage)];
-        sizes.extend(needed.iter().map(|&l| scale.derivatives(source.displacement_size(l)).to_vec()));
+        let mut sizes = vec![source.influence_sizes(), source.coordinate_sizes()];
+        sizes.extend(needed.iter().map(|&l| source.derivative_sizes(source.displacement_size(l)).to_vec()));
         let mut springs = Vec::new();
         let fill = &mut |c: &Configuration, values: &mut [f64]| {
             let (influences, rest) = values.split_at_mut(components.count);
@@ -118,7 +118,7 @@ impl Reduced {
                 v.copy_from_slice(&loading.loads[load].displacement(linkage, c));
             }
             // The needed loads begin with all loads that have an influence.
-            components.spring_loads(loading, curve, c, &mut springs);
+            source.spring_loads(c, &mut springs);
             components.fill(&springs, |load| displacements[3 * load + 1], influences);
             for (i, derivatives) in coordinates.chunks_exact_mut(3).enumerate() {
                 derivatives.copy_from_slice(&[c.q[i], c.q_sigma[i], c.q_second[i]]);
@@ -174,7 +174,7 @@ impl Reduced {
 
     /// Growth of a load's displacement over one revolution of a closed curve; 0 for another curve.
     pub fn load_growth(&self, load: usize) -> f64 {
-        self.loading().loads[load].growth(self.linkage(), &|angle| self.growth(angle))
+        self.loading().loads[load].growth(self.curve())
     }
 
     /// S_sigma of every applied load, then the other [`Components`]. Their sum, each times its size, is sigma_ddot.
@@ -182,23 +182,15 @@ impl Reduced {
         &self.tables.influence
     }
 
-    /// Growth of a coordinate over one revolution of a closed curve; 0 for another curve.
-    pub fn growth(&self, coordinate: usize) -> f64 {
-        match self.curve().ends() {
-            Ends::Closed(growth) => growth[coordinate],
-            Ends::Open | Ends::Stopped { .. } => 0.0,
-        }
-    }
-
     /// Length of a closed curve.
     pub fn period(&self) -> Option<f64> {
-        let (first, last) = self.curve().range();
-        matches!(self.curve().ends(), Ends::Closed(_)).then_some(last - first)
+        let (first, last) = self.curve().range;
+        matches!(self.curve().ends, Ends::Closed(_)).then_some(last - first)
     }
 
     /// Length along the curve for a motion of 1 rad.
     pub fn scale(&self) -> f64 {
-        self.source.scale.length
+        self.source.length
     }
 
     /// Loads sized by a state, if any: dampers, drives with an efficiency, bumpers, friction, and drag if `air` moves.
@@ -222,31 +214,20 @@ impl Reduced {
         }
     }
 
-    /// Whether the motion is evaluated without tables.
-    pub fn is_exact(&self) -> bool {
-        self.exact
-    }
-
     /// Values at sigma of the functions that the equation of motion reads, from the exact evaluator: those in the table
     /// of the state loads, or without state loads those of [`Self::influence`].
     pub fn exact_motion(&self, state_loads: Option<&StateLoads>, sigma: f64) -> Vec<f64> {
         let c = self.curve().configuration(sigma);
-        let Source { curve, loading, components, .. } = &self.source;
-        match state_loads {
-            None => {
-                let mut values = vec![0.0; components.count];
-                let influence = |load: usize| loading.loads[load].influence(self.linkage(), &c);
-                let mut springs = Vec::new();
-                components.spring_loads(loading, curve, &c, &mut springs);
-                components.fill(&springs, influence, &mut values);
-                values
-            }
-            Some(state_loads) => {
-                let mut values = vec![0.0; state_loads.table.components()];
-                state_loads.fill(&self.source, &c, &mut state_loads.scratch(loading), &mut values);
-                values
-            }
+        let Source { loading, components, .. } = &self.source;
+        let mut values = vec![0.0; state_loads.map_or(components.count, |s| s.table.components())];
+        if let Some(state_loads) = state_loads {
+            state_loads.fill(&self.source, &c, &mut state_loads.scratch(loading), &mut values);
+        } else {
+            let mut springs = Vec::new();
+            self.source.spring_loads(&c, &mut springs);
+            components.fill(&springs, |load| loading.loads[load].influence(self.linkage(), &c), &mut values);
         }
+        values
     }
 }
 
@@ -266,9 +247,9 @@ fn unresolved_influence(loading: &Loading, curve: &Curve, at: &Unresolved) -> Re
 /// Error for a function that is not smooth along the curve: branches almost cross, or nothing with mass moves.
 pub(super) fn not_smooth(curve: &Curve, what: String, at: &Unresolved) -> ReductionError {
     let position = curve.describe(at.sigma, 0.0);
-    let crosses = curve.crossings().iter().any(|sigma| (sigma - at.sigma).abs() < curve.scale());
+    let crosses = curve.crossings.iter().any(|sigma| (sigma - at.sigma).abs() < curve.scale());
     if !crosses && curve.amplification(at.sigma) > NEAR_CROSSING {
-        ReductionError::Curve(CurveError::NearCrossing { position })
+        ReductionError::Curve(CurveError::NearCrossing(position))
     } else {
         ReductionError::Table { what, position }
     }

@@ -54,7 +54,7 @@ fn limits(loading: &Loading) -> impl Iterator<Item = (bool, bool, f64, &Load)> {
 fn trace(closure: Closure, q: &[f64], loading: &Loading) -> Result<Curve, CurveError> {
     let stops: Vec<_> = loading.stops.iter().filter(|s| s.enabled).collect();
     if stops.is_empty() || stops.iter().any(|s| !s.rigid) {
-        return Curve::trace(closure, q);
+        return Curve::trace(closure, q, None);
     }
     let linkage = Arc::clone(&closure.linkage);
     let mut margin = |p: &Positions| {
@@ -65,7 +65,7 @@ fn trace(closure: Closure, q: &[f64], loading: &Loading) -> Result<Curve, CurveE
         stops.iter().map(of).fold(f64::INFINITY, f64::min)
     };
     if margin(&linkage.positions(q)) <= 0.0 {
-        return Curve::trace(closure, q);
+        return Curve::trace(closure, q, None);
     }
-    Curve::trace_within(closure, q, &mut margin)
+    Curve::trace(closure, q, Some(&mut margin))
 }

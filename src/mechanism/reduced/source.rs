@@ -1,12 +1,30 @@
-//! The source of tables: functions of the configuration, evaluated along the curve.
+//! The source of tables: functions of the configuration with their natural sizes, evaluated along the curve.
 //!
-//! In: a curve, the loads on it. Out: tables of functions of the configuration. It must not know what is tabulated.
-use super::components::{Components, Scale};
+//! In: a curve, the loads on it. Out: components of the table of influences, tables of functions of the configuration.
+//! The accuracy of a table is relative to the natural sizes if all values are smaller. It must not know states or
+//! inputs.
 use crate::mechanism::curve::{Configuration, Curve, Scratch};
 use crate::mechanism::linkage::Linkage;
+use crate::mechanism::loads::laws::spring::Spring;
 use crate::mechanism::loads::resolved::Loading;
+use crate::mechanism::loads::unit_load::Load;
 use crate::numerics::table::{Grid, Table, Unresolved};
 use std::sync::Arc;
+
+/// Components of the influence table after those of the applied loads; each exists only if the mechanism needs it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Components {
+    /// Number of applied loads.
+    pub sized: usize,
+    /// Springs at rest: minus the sum of spring force times S_sigma.
+    pub springs: Option<usize>,
+    /// Dampers: the sum of damping times S_sigma^2, a force for each unit of sigma_dot.
+    pub damping: Option<usize>,
+    /// Change of the springs' component for each revolution of a closed curve, with torsional springs that wind up.
+    pub winding: Option<usize>,
+    /// Number of components.
+    pub count: usize,
+}
 
 /// The curve and the loads from which all tables are built.
 #[derive(Debug)]
@@ -14,23 +32,100 @@ pub(super) struct Source {
     pub(super) curve: Arc<Curve>,
     pub(super) loading: Loading,
     pub(super) components: Components,
-    pub(super) scale: Scale,
+    /// Length along the curve for a motion of 1 rad.
+    pub(super) length: f64,
+}
+
+/// Sizes of a spring's load in the components to which it contributes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SpringLoad {
+    load: usize,
+    at_rest: f64,
+    /// Size for sigma_dot = 1.
+    damping: f64,
+    /// Size for one revolution.
+    winding: f64,
 }
 
 impl Source {
     pub(super) fn new(curve: Arc<Curve>, loading: Loading) -> Self {
-        let components = Components::new(&loading, &curve);
-        let scale = Scale { length: curve.scale() };
-        Self { curve, loading, components, scale }
+        let sized = loading.sized();
+        let mut count = sized;
+        let mut next = |exists: bool| {
+            count += usize::from(exists);
+            exists.then(|| count - 1)
+        };
+        let winds = |s: &Spring| loading.loads[s.load].growth(&curve) != 0.0;
+        let springs = next(!loading.springs.is_empty());
+        let damping = next(loading.springs.iter().any(Spring::is_damped));
+        let winding = next(loading.springs.iter().any(winds));
+        let components = Components { sized, springs, damping, winding, count };
+        Self { length: curve.scale(), curve, loading, components }
     }
 
     pub(super) fn linkage(&self) -> &Linkage {
         self.curve.linkage()
     }
 
-    /// Natural size of a load's displacement.
+    /// Natural sizes of a function of this size and of its two derivatives along sigma.
+    pub(super) fn derivative_sizes(&self, size: f64) -> [f64; 3] {
+        [size, size / self.length, size / self.length.powi(2)]
+    }
+
+    /// Natural sizes of all coordinates and their two derivatives along sigma.
+    pub(super) fn coordinate_sizes(&self) -> Vec<f64> {
+        let linkage = self.linkage();
+        let size = |i: usize| if i < linkage.angles { 1.0 } else { linkage.size };
+        (0..linkage.coordinates.len()).flat_map(|i| self.derivative_sizes(size(i))).collect()
+    }
+
+    /// Natural size of a load's displacement: for a motion of 1 rad.
     pub(super) fn displacement_size(&self, load: usize) -> f64 {
-        self.scale.displacement(&self.loading.loads[load], self.linkage())
+        let linkage = self.linkage();
+        match &self.loading.loads[load] {
+            Load::Torque { .. } | Load::Couple { .. } => 1.0,
+            Load::Force { .. } | Load::Pair { .. } | Load::Slide { .. } => linkage.size,
+            Load::Gravity(acceleration) => {
+                let mass: f64 = linkage.bodies.iter().map(|b| b.mass).sum();
+                mass * acceleration.norm() * linkage.size
+            }
+        }
+    }
+
+    /// Natural size of each of the [`Components`].
+    pub(super) fn influence_sizes(&self) -> Vec<f64> {
+        let Self { components, length, .. } = self;
+        let mut out: Vec<f64> = (0..components.sized).map(|load| self.displacement_size(load) / length).collect();
+        out.resize(components.count, 0.0);
+        for spring in &self.loading.springs {
+            let s = self.displacement_size(spring.load);
+            for (component, size) in [
+                (components.springs, spring.force_scale(s) * s / length),
+                (components.damping, spring.lost_power(s / length)),
+                (components.winding, spring.force_change(s, 0.0) * s / length),
+            ] {
+                if let Some(k) = component {
+                    out[k] += size;
+                }
+            }
+        }
+        out
+    }
+
+    /// Loads of all springs at a configuration.
+    pub(super) fn spring_loads(&self, c: &Configuration, out: &mut Vec<SpringLoad>) {
+        let Self { curve, loading, components, .. } = self;
+        out.clear();
+        out.extend(loading.springs.iter().map(|spring| {
+            let load = &loading.loads[spring.load];
+            let [s, s_sigma, _] = load.displacement(curve.linkage(), c);
+            SpringLoad {
+                load: spring.load,
+                at_rest: -spring.force(s),
+                damping: spring.damping_force(s_sigma),
+                winding: components.winding.map_or(0.0, |_| -spring.force_change(load.growth(curve), 0.0)),
+            }
+        }));
     }
 
     /// Tables of sets of functions of the configuration with common evaluations; `sizes`: natural sizes of each set.
@@ -46,5 +141,25 @@ impl Source {
             exact(&c, values);
             c.amplification
         })
+    }
+}
+
+impl Components {
+    /// Values of the components of a quantity, where `effect` is the quantity's value for each load of unit size.
+    pub(super) fn fill(&self, springs: &[SpringLoad], effect: impl Fn(usize) -> f64, values: &mut [f64]) {
+        values[self.sized..].fill(0.0);
+        for (load, value) in values[..self.sized].iter_mut().enumerate() {
+            *value = effect(load);
+        }
+        for spring in springs {
+            let unit = effect(spring.load);
+            for (component, size) in
+                [(self.springs, spring.at_rest), (self.damping, spring.damping), (self.winding, spring.winding)]
+            {
+                if let Some(k) = component {
+                    values[k] += size * unit;
+                }
+            }
+        }
     }
 }

@@ -16,7 +16,7 @@ impl Reduced {
     /// [`ReductionError::Start`] with the range of the coordinate.
     pub fn find(&self, coordinate: usize, value: f64, name: &str) -> Result<(f64, f64), ReductionError> {
         let table = self.coordinates().map_err(|e| not_smooth(self.curve(), name.into(), e))?;
-        let growth = self.growth(coordinate);
+        let growth = self.curve().growth(coordinate);
         let x: [f64; SAMPLES + 1] = std::array::from_fn(|k| OVERLAP * (-1.0 + 2.0 * k as f64 / SAMPLES as f64));
         let sampled =
             |panel: usize, order: usize| x.map(|x| polynomial(table.series(panel, 3 * coordinate + order), x));
@@ -100,7 +100,7 @@ impl Reduced {
             all.fold(f64::NEG_INFINITY, f64::max)
         };
         let q = |sigma: f64, order: usize| table.value(table.position(sigma), 3 * coordinate + order);
-        let (first, last) = self.curve().range();
+        let (first, last) = self.curve().range;
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for panel in 0..table.panels() {
             let (a, b) = table.borders(panel);
@@ -124,13 +124,13 @@ impl Reduced {
 
     /// sigma on the curve and the number of revolutions before it, for a sigma that counts all revolutions.
     pub fn unwound(&self, sigma: f64) -> (f64, f64) {
-        let revolutions = self.period().map_or(0.0, |period| ((sigma - self.curve().range().0) / period).floor());
+        let revolutions = self.period().map_or(0.0, |period| ((sigma - self.curve().range.0) / period).floor());
         (sigma - revolutions * self.period().unwrap_or(0.0), revolutions)
     }
 
     /// sigma on the curve and the number of revolutions before it, for a sigma at most one revolution outside.
     fn wrapped(&self, sigma: f64, revolutions: f64) -> (f64, f64) {
-        let (first, last) = self.curve().range();
+        let (first, last) = self.curve().range;
         match self.period() {
             Some(period) if sigma < first => (sigma + period, revolutions - 1.0),
             Some(period) if sigma >= last => (sigma - period, revolutions + 1.0),

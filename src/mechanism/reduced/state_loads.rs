@@ -3,8 +3,7 @@
 //! In: the curve and the loads. Out: effects of all loads on the motion and on the reactions of the joints with
 //! friction. Without dampers, efficiencies, bumpers, friction and moving air there is no such table. It must not know
 //! states.
-use super::components::SpringLoad;
-use super::source::Source;
+use super::source::{Source, SpringLoad};
 use crate::mechanism::curve::Configuration;
 use crate::mechanism::linkage::Freedom;
 use crate::mechanism::loads::resolved::{FrictionJoint, Loading};
@@ -170,7 +169,7 @@ impl StateLoads {
             leaders,
             signs,
             loads,
-            table: Table::empty(),
+            table: Table::default(),
             bundle: Bundle::default(),
             caused_by_applied: Vec::new(),
             given: source.components.count,
@@ -188,11 +187,11 @@ impl StateLoads {
 
     /// Natural sizes of all components.
     fn sizes(&self, source: &Source) -> Vec<f64> {
-        let Source { curve, loading, components, scale } = source;
+        let loading = &source.loading;
         let size = source.linkage().size;
         // A generalised force Q along sigma causes forces in the joints of the natural size Q scale / size.
-        let factor = scale.length / size;
-        let influences: Vec<f64> = self.loads.iter().map(|&l| source.displacement_size(l) / scale.length).collect();
+        let factor = source.length / size;
+        let influences: Vec<f64> = self.loads.iter().map(|&l| source.displacement_size(l) / source.length).collect();
         let mut sizes = vec![0.0; self.bundled()];
         sizes[..influences.len()].copy_from_slice(&influences);
         sizes[self.square()].fill(1.0 / size);
@@ -207,7 +206,7 @@ impl StateLoads {
         for (k, &b) in self.bumpers.iter().enumerate() {
             sizes[self.pressed(k)] = source.displacement_size(loading.stops[b].load);
         }
-        let given = components.sizes(loading, curve, scale);
+        let given = source.influence_sizes();
         for row in 0..self.rows() {
             sizes.extend(given.iter().map(|s| if row == 0 { *s } else { s * factor }));
         }
@@ -234,12 +233,12 @@ impl StateLoads {
         influence.clear();
         let acts = |(load, index): (&Load, &usize)| if *index == ABSENT { 0.0 } else { load.influence(linkage, c) };
         influence.extend(loading.loads.iter().zip(&*indices).map(acts));
-        components.spring_loads(loading, curve, c, springs);
+        source.spring_loads(c, springs);
         // Reactions of the joints with friction to sigma_ddot = 1, sigma_dot^2 = 1, each load = 1 without motion.
         parts.clear();
         parts.resize(2 * n * (2 + loads.len()), 0.0);
         if n > 0 {
-            self.copy_reactions(source, c, columns.fill(curve.closure(), c, loads, 0), parts);
+            self.copy_reactions(source, c, columns.fill(&curve.closure, c, loads, 0), parts);
         }
         let of_load = |load: usize| 2 * n * (2 + indices[load])..2 * n * (3 + indices[load]);
         for (value, &load) in values.iter_mut().zip(&self.loads) {

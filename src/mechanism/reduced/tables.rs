@@ -1,14 +1,13 @@
 //! Tables of the reduced model that are built at their first use, and exact values where no table resolves a function.
 //!
 //! In: the reduced model. Out: coordinates, displacements, markers, reactions. It must not know states or inputs.
-use super::components::Scale;
 use super::model::Reduced;
 use crate::mechanism::curve::Configuration;
-use crate::mechanism::linkage::{Linkage, Point};
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::reactions::{Columns, Reaction, columns};
 use crate::numerics::plane::Vec2;
 use crate::numerics::table::{Grid, Table, Unresolved};
+use std::ops::Range;
 
 impl Reduced {
     /// Every coordinate with its two derivatives along sigma: three components each.
@@ -25,7 +24,7 @@ impl Reduced {
     /// [`Unresolved`].
     pub fn displacement(&self, load: usize) -> Result<&Table, &Unresolved> {
         let table = || {
-            let size = self.source.scale.derivatives(self.source.displacement_size(load)).to_vec();
+            let size = self.source.derivative_sizes(self.source.displacement_size(load)).to_vec();
             let (linkage, load) = (self.linkage(), &self.loading().loads[load]);
             let mut fill = |c: &Configuration, v: &mut [f64]| v.copy_from_slice(&load.displacement(linkage, c));
             self.source.tabulate(&self.grid, &[size], &mut fill).swap_remove(0)
@@ -48,7 +47,7 @@ impl Reduced {
     /// [`Unresolved`].
     pub fn marker(&self, i: usize) -> Result<&Table, &Unresolved> {
         let tables = self.tables.markers.get_or_init(|| {
-            let size = self.source.scale.derivatives(self.linkage().size).repeat(2);
+            let size = self.source.derivative_sizes(self.linkage().size).repeat(2);
             self.source.tabulate(&self.grid, &vec![size; self.markers.len()], &mut |c, values| {
                 for (&point, v) in self.markers.iter().zip(values.chunks_exact_mut(6)) {
                     let [x, first, second] = c.positions.motion(&c.rates, &c.second, point);
@@ -59,23 +58,14 @@ impl Reduced {
         tables[i].as_ref()
     }
 
-    /// Point of a marker.
-    pub fn marker_point(&self, i: usize) -> Point {
-        self.markers[i]
-    }
-
     /// A joint's reaction: force x, force y, moment; each for sigma_ddot, sigma_dot^2, each applied load, each spring =
     /// 1.
     ///
     /// # Errors
     /// [`Unresolved`].
     pub fn reaction(&self, joint: usize) -> Result<&Table, &Unresolved> {
-        let loads = &self.loading().loads[..self.loading().base()];
-        let sizes = || {
-            let size = self.linkage().size;
-            reaction_sizes(vec![self.scale() / size, 1.0 / size], loads, &self.source.scale, self.linkage())
-        };
-        self.tables.reactions.get_or_init(|| self.reactions(&self.fine, sizes(), loads, 0))[joint].as_ref()
+        let tables = || self.reactions(&self.fine, 0..self.loading().base(), 0);
+        self.tables.reactions.get_or_init(tables)[joint].as_ref()
     }
 
     /// A joint's reaction to the loads sized by a state: force x, force y, moment; each for each of these loads = 1.
@@ -83,25 +73,23 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn state_reaction(&self, joint: usize) -> Result<&Table, &Unresolved> {
-        let loads = &self.loading().loads[self.loading().base()..];
-        let sizes = || reaction_sizes(Vec::new(), loads, &self.source.scale, self.linkage());
-        self.tables.state_reactions.get_or_init(|| self.reactions(&self.grid, sizes(), loads, 2))[joint].as_ref()
+        let tables = || self.reactions(&self.grid, self.loading().base()..self.loading().loads.len(), 2);
+        self.tables.state_reactions.get_or_init(tables)[joint].as_ref()
     }
 
     /// Tables of the reactions of all joints for these loads, without the first `skipped` columns: for each joint force
     /// x, force y, moment; each for all columns.
-    fn reactions(
-        &self,
-        grid: &Grid,
-        sizes: Vec<f64>,
-        loads: &[Load],
-        skipped: usize,
-    ) -> Vec<Result<Table, Unresolved>> {
-        let joints = self.linkage().joints.len();
-        let terms = 2 + loads.len() - skipped;
+    fn reactions(&self, grid: &Grid, loads: Range<usize>, skipped: usize) -> Vec<Result<Table, Unresolved>> {
+        let (joints, size) = (self.linkage().joints.len(), self.linkage().size);
+        let of_motion = [self.scale() / size, 1.0 / size];
+        let of_loads = loads.clone().map(|load| self.source.displacement_size(load) / size);
+        let forces: Vec<f64> = of_motion.into_iter().skip(skipped).chain(of_loads).collect();
+        let moments: Vec<f64> = forces.iter().map(|f| f * size).collect();
+        let sizes = [&forces[..], &forces, &moments].concat();
+        let (terms, loads) = (forces.len(), &self.loading().loads[loads]);
         let mut columns = Columns::default();
         self.source.tabulate(grid, &vec![sizes; joints], &mut |c, values| {
-            let reactions = columns.fill(self.curve().closure(), c, loads, skipped);
+            let reactions = columns.fill(&self.curve().closure, c, loads, skipped);
             for (joint, v) in values.chunks_exact_mut((3 * terms).max(1)).enumerate() {
                 for k in 0..terms {
                     let Reaction { force, moment } = reactions[k * joints + joint];
@@ -114,7 +102,7 @@ impl Reduced {
     /// A joint's reaction at sigma from the exact evaluator, for a reaction that no table resolves because it is
     /// unbounded somewhere: a column for sigma_ddot = 1, for sigma_dot^2 = 1, then for each load = 1.
     pub fn exact_reaction(&self, joint: usize, sigma: f64) -> Vec<Reaction> {
-        let all = columns(self.curve().closure(), &self.curve().configuration(sigma), &self.loading().loads);
+        let all = columns(&self.curve().closure, &self.curve().configuration(sigma), &self.loading().loads);
         all.iter().map(|column| column[joint]).collect()
     }
 
@@ -129,14 +117,6 @@ impl Reduced {
         let c = self.curve().configuration(sigma);
         let at = self.loading().locks[lock].at;
         let direction = c.positions.velocity(&c.rates, at).normalize();
-        columns(self.curve().closure(), &c, &[Load::Force { at, direction }])[2][joint]
+        columns(&self.curve().closure, &c, &[Load::Force { at, direction }])[2][joint]
     }
-}
-
-/// Natural sizes of reactions: of these terms, then of loads; for both forces and the moment.
-fn reaction_sizes(terms: Vec<f64>, loads: &[Load], scale: &Scale, linkage: &Linkage) -> Vec<f64> {
-    let mut forces = terms;
-    forces.extend(loads.iter().map(|l| scale.displacement(l, linkage) / linkage.size));
-    let moments: Vec<f64> = forces.iter().map(|f| f * linkage.size).collect();
-    [&forces[..], &forces[..], &moments[..]].concat()
 }

@@ -7,8 +7,7 @@ pub mod coefficients;
 
 use crate::codec::record::{Damaged, Record};
 use crate::integrator::dense::TERMS;
-use crate::integrator::pair::{Outcome, Path, Start, mean_square};
-use crate::integrator::sum::add_compensated;
+use crate::integrator::pair::{Outcome, Path, Start, add_compensated, mean_square};
 use crate::integrator::{Dense, Method, Statistics, System};
 use crate::numerics::gauss::{Complex, Factors};
 use coefficients::{ALPHA, BETA, C, E, GAMMA, STAGES, T, T_INVERSE};
@@ -186,7 +185,7 @@ fn collocate<S: System<N>, const N: usize>(
 ) -> Option<(Increments<N>, Factors<f64, N>)> {
     let real = Factors::new(shifted(newton.jacobian, GAMMA, h))?;
     let diagonal = shifted(newton.jacobian, ALPHA, h);
-    let complex: Factors<Complex, N> = Factors::new(std::array::from_fn(|i| {
+    let complex: Factors<Complex<f64>, N> = Factors::new(std::array::from_fn(|i| {
         std::array::from_fn(|j| Complex { re: diagonal[i][j], im: if i == j { BETA / h } else { 0.0 } })
     }))?;
     let stop: [f64; N] = std::array::from_fn(|n| {
@@ -205,7 +204,7 @@ fn collocate<S: System<N>, const N: usize>(
         statistics.newton_iterations += 1;
         let g = transformed(&T_INVERSE, &slopes);
         let first: [f64; N] = real.solve(std::array::from_fn(|n| g[0][n] - GAMMA / h * w[0][n]));
-        let pair: [Complex; N] = complex.solve(std::array::from_fn(|n| Complex {
+        let pair: [Complex<f64>; N] = complex.solve(std::array::from_fn(|n| Complex {
             re: g[1][n] - (ALPHA * w[1][n] - BETA * w[2][n]) / h,
             im: g[2][n] - (BETA * w[1][n] + ALPHA * w[2][n]) / h,
         }));

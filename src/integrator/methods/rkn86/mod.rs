@@ -6,8 +6,7 @@
 pub mod tableau;
 
 use crate::integrator::dense::{TERMS, hermite};
-use crate::integrator::pair::{BULGE_MARGIN, Outcome, Pair, Path, Start, bulge, extremes};
-use crate::integrator::sum::add_compensated;
+use crate::integrator::pair::{BULGE_MARGIN, Outcome, Pair, Path, Start, add_compensated, bulge, extremes};
 use crate::integrator::{Dense, Method, System};
 use tableau::{A, C, E, E_RATE, STAGES, WEIGHTS};
 

@@ -30,7 +30,7 @@ proptest! {
     ) {
         let reduced = gear();
         let state_loads = reduced.state_loads(false).unwrap().unwrap();
-        let (first, last) = reduced.curve().range();
+        let (first, last) = reduced.curve().range;
         // Off the last 0.02 rad beyond the stops.
         let sigma = first + (0.05 + 0.9 * part) * (last - first);
         let mut sizes = vec![0.0; reduced.components().sized];
