@@ -20,7 +20,7 @@ const SLOW: f64 = 1e-6;
 /// A drive: its name, and whether it is rotary.
 type Drive = (&'static str, bool);
 
-/// The slider-crank with two drives, a quick return with three, and two loops with a drive in a joint between moving bodies.
+/// A slider-crank with two drives, a quick return with three, two loops with a drive in a joint between moving bodies.
 const MECHANISMS: [(&str, &[Drive]); 3] = [
     (TWO_DRIVES, &[("servo", true), ("ram", false)]),
     (include_str!("../fixtures/three_drives.json"), &[("servo", true), ("cylinder", false), ("linear", false)]),
@@ -173,7 +173,8 @@ proptest! {
         let (mut run, drives) = started(&case);
         for (&drive, own) in drives.iter().zip(case.forces) {
             let slack = ACCURACY * (size(&mut run, drives, drive, &case) + own.abs() + other.abs());
-            let names = ["breakaway_force_backward", "holding_force", "breakaway_force_forward"].map(|name| of(drive, name));
+            let names = ["breakaway_force_backward", "holding_force", "breakaway_force_forward"];
+            let names = names.map(|name| of(drive, name));
             let reported = names.iter().map(|name| find(&mut run, name)).collect::<Result<Vec<_>, _>>()?;
             run.set(&of(drive, "force"), other);
             let again = names.clone().map(|name| run.get(&name));
