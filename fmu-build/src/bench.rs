@@ -15,7 +15,8 @@ use std::process::Command;
 pub struct Arguments {
     /// `importers`: the landing gear in FMPy, libcosim and ECOS; `peers`: work against error beside other solvers and
     /// multibody programs; `plots`: figures from the tables' CSV; all else goes to the validation package as it is:
-    /// nothing for the tables of run times, `instructions` for callgrind's counts, `stress` for the stress suite
+    /// nothing for the tables of run times, `instructions` for callgrind's counts, `stress` for the stress suite and
+    /// 600 random linkages of each property
     #[arg(value_name = "ARGS", trailing_var_arg = true, allow_hyphen_values = true)]
     pub rest: Vec<OsString>,
 }
@@ -40,7 +41,18 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     cargo.args(["build", "--release", "--quiet", "--package", "fmu-build", "--package", "validation"]);
     command::run(cargo.args(["--bin", "validation"]), "cargo build")?;
     let program = env::current_exe()?.with_file_name(format!("validation{}", env::consts::EXE_SUFFIX));
-    command::run(Command::new(program).args(&arguments.rest).current_dir(workspace.root()), "validation")
+    command::run(Command::new(program).args(&arguments.rest).current_dir(workspace.root()), "validation")?;
+    if arguments.rest.iter().any(|word| word == "stress") {
+        random_linkages(workspace)?;
+    }
+    Ok(())
+}
+
+/// The random linkages of the engine's tests, six times as many as in a run of the tests.
+fn random_linkages(workspace: &Workspace) -> Result<()> {
+    let mut cargo = command::cargo(workspace);
+    cargo.args(["test", "--quiet", "--package", "linkage-fmu", "--test", "engine", "random_linkages"]);
+    command::run(cargo.env("LINKAGE_FMU_CASES", "600"), "random linkages")
 }
 
 /// A Python script of the folder `name` of `validation/`, in an environment of its own, with the default FMU as its

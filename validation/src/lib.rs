@@ -36,8 +36,11 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
     }
 }
 
+/// Name of a page, and what measures it, given the folder of the mechanisms.
+type Table = (&'static str, fn(&Path) -> Result<Pages, String>);
+
 fn tables(descriptions: &Path, results: &Path) -> Result<(), String> {
-    let tables: [(&str, fn(&Path) -> Result<Pages, String>); 8] = [
+    let tables: [Table; 8] = [
         ("setup", setup::table),
         ("steps", steps::table),
         ("scenes", scenes::table),
