@@ -143,8 +143,8 @@ impl Component {
         /// Take the start state under the present parameters and inputs. Refused: the parameters give no model, or the
         /// start cannot be reached.
         fn initialize(self: &mut Self) -> ();
-        /// Advance by exactly `h` [s], > 0. Refused, in the state before the step: not initialised, `h` out of range, or
-        /// a step that cannot be computed.
+        /// Advance by exactly `h` [s], > 0. Refused, in the state before the step: not initialised, `h` out of range,
+        /// or a step that cannot be computed.
         fn step(self: &mut Self, h: f64) -> ();
     }
 

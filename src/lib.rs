@@ -5,8 +5,8 @@
 //! reactions are tabulated along it; a step integrates sigma_ddot = sum of load sizes times influences.
 //!
 //! From low to high, each layer knowing those before it only: [`numerics`], [`codec`], [`variables`], [`format`],
-//! [`integrator`]; [`mechanism`], the first kind of model; [`component`], any kind of model; [`simulation`], its variables by name
-//! for Rust; [`fmi`], what all versions of the standard share; [`fmi2`], FMI 2.0.
+//! [`integrator`]; [`mechanism`], the first kind of model; [`component`], any kind of model; [`simulation`], its
+//! variables by name for Rust; [`fmi`], what all versions of the standard share; [`fmi2`], FMI 2.0.
 //!
 //! # Notation
 //! SI units; angles in rad, anticlockwise positive; the mechanism frame is fixed to the ground. theta, omega, alpha: an
@@ -14,8 +14,8 @@
 //! `_dot`, a derivative along the curve in `_sigma`. [HF08] is Hac and From (2008), [CK16] Cink and Kosucki (2016).
 //!
 //! # Invariants
-//! No allocation, lock or text in a step, a get or a set. A refused call changes nothing, and no non-finite value is taken
-//! or given. What does not act costs nothing. `ARCHITECTURE.md` names the test that guards each.
+//! No allocation, lock or text in a step, a get or a set. A refused call changes nothing, and no non-finite value is
+//! taken or given. What does not act costs nothing. `ARCHITECTURE.md` names the test that guards each.
 pub mod codec;
 pub mod component;
 pub mod fmi;

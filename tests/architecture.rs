@@ -1,7 +1,7 @@
 //! The table of modules in ARCHITECTURE.md against the imports in `src`.
 //!
-//! A module imports only from rows above its own, and nothing that its row forbids: no layer imports upwards, and there are no
-//! circles between modules. Paths are resolved with `crate::`, `super::` and brackets; tests are left out.
+//! A module imports only from rows above its own, and nothing that its row forbids: no layer imports upwards, and there
+//! are no circles between modules. Paths are resolved with `crate::`, `super::` and brackets; tests are left out.
 #![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeSet;

@@ -1,5 +1,5 @@
-//! The exported functions of FMI 2.0.5: life cycle, logging, values, states, derivatives (2.1), co-simulation (4.2), and
-//! those of model exchange (3.2), which are refused. The contract of the pointers is that of the module `fmi2`.
+//! The exported functions of FMI 2.0.5: life cycle, logging, values, states, derivatives (2.1), co-simulation (4.2),
+//! and those of model exchange (3.2), which are refused. The contract of the pointers is that of the module `fmi2`.
 
 use super::types::{
     Boolean, Byte, CO_SIMULATION, CallbackFunctions, Component, DO_STEP_STATUS, FALSE, FmuState, Integer,

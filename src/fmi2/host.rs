@@ -3,8 +3,8 @@
 //! In: a folder with `resources/mechanism.json`. Out: instances driven through the C functions; statuses, values, saved
 //! states, messages. It must not know how a call is answered. Each method is one call, and is safe to use: arrays have
 //! the lengths that are passed, states come from this library. A name that the mechanism does not have becomes a value
-//! reference that does not exist, so the call answers `fmi2Error`. A call with a result answers with its status if that is
-//! not `fmi2OK`.
+//! reference that does not exist, so the call answers `fmi2Error`. A call with a result answers with its status if that
+//! is not `fmi2OK`.
 
 use super::types::{
     Boolean, CO_SIMULATION, CallbackFunctions, Component, Environment, FALSE, FmuState, LoggerCallback, Status, Text,

@@ -8,9 +8,9 @@
 //!
 //! # Safety
 //! All functions share one contract, the standard's own. A component is NULL or comes from [`fmi2Instantiate`], has not
-//! been freed, and is used by one thread at a time (2.1.5); so is a state while it is written or freed (2.1.8). An array argument has as many elements as its count says,
-//! and a string ends with a zero byte (2.1.4, 2.1.7). A NULL is answered with `fmi2Error`, wherever it stands, except
-//! as an empty array.
+//! been freed, and is used by one thread at a time (2.1.5); so is a state while it is written or freed (2.1.8). An
+//! array argument has as many elements as its count says, and a string ends with a zero byte (2.1.4, 2.1.7). A NULL is
+//! answered with `fmi2Error`, wherever it stands, except as an empty array.
 #![allow(unsafe_code, non_snake_case, clippy::missing_safety_doc)]
 
 /// Exported functions that take a component: name, further arguments, phases in which the call is legal, and the work

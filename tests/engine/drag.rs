@@ -12,8 +12,8 @@ const WIDTH: f64 = 0.10;
 const AREA: f64 = 0.09;
 /// The air flows along the aircraft's axis, normal to the upward direction 1.13 rad.
 const FLOW: f64 = 1.13 - std::f64::consts::FRAC_PI_2;
-/// Of the largest reaction or acceleration: tables agree with the exact evaluator to 1e-13 of their largest value, and the
-/// gear's reactions are sums of a few terms up to a hundred times larger than they are.
+/// Of the largest reaction or acceleration: tables agree with the exact evaluator to 1e-13 of their largest value, and
+/// the gear's reactions are sums of a few terms up to a hundred times larger than they are.
 const TABLES: f64 = 1e-10;
 
 /// The gear without its stops; the motion of leg and wheel counts or not.
@@ -43,7 +43,8 @@ fn at(mut gear: Run, (angle, speed): (f64, f64)) -> Run {
 
 /// Force on the leg, its moment about the crank's pivot, and force on the wheel, at this angle and speed of the crank.
 ///
-/// dF = 1/2 rho c w |n . u| u ds. Where n . u keeps its sign the moment's integrand is a cubic: two Gauss points are exact.
+/// dF = 1/2 rho c w |n . u| u ds. Where n . u keeps its sign the moment's integrand is a cubic: two Gauss points are
+/// exact.
 fn drag(angle: f64, speed: f64, airspeed: f64, relative: bool) -> (Vec2, f64, Vec2) {
     let (along, normal) = (unit(angle - 2.4), turned(Vec2::y(), angle - 2.4));
     let omega = if relative { speed } else { 0.0 };
@@ -85,8 +86,8 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// Virtual work: with the crank's rate as the only one, the moment of all drag about its pivot is the generalised
-    /// force; divided by I = 2 T / omega2 it is the change of the acceleration. Reactions are those under the same forces
-    /// from outside.
+    /// force; divided by I = 2 T / omega2 it is the change of the acceleration. Reactions are those under the same
+    /// forces from outside.
     #[test]
     fn drag_acts_as_its_force_and_moment(
         angle in -1.3..1.3f64,
@@ -123,8 +124,8 @@ proptest! {
     }
 }
 
-/// Energy now less energy at the start is the actuator's work plus that of the drag: by Simpson's rule over the power of
-/// the forces above, and as in `energy.drift`.
+/// Energy now less energy at the start is the actuator's work plus that of the drag: by Simpson's rule over the power
+/// of the forces above, and as in `energy.drift`.
 #[test]
 fn drag_takes_its_power() {
     const STEPS: usize = 2600;

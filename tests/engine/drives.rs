@@ -104,8 +104,8 @@ fn of((name, is_rotary): Drive, quantity: &str) -> String {
     format!("{name}.{quantity}")
 }
 
-/// The servo's terms beside a ram that loses half of its power, at rest at 0.9 rad; the ram's force is S, the angles are
-/// theta of the crank and phi of the rod.
+/// The servo's terms beside a ram that loses half of its power, at rest at 0.9 rad; the ram's force is S, the angles
+/// are theta of the crank and phi of the rod.
 #[test]
 fn a_drive_with_losses_beside_another_has_its_closed_form() {
     let (forces, efficiencies) = ([3.0, 50.0, 0.0], [None, Some(0.5), None]);
@@ -219,7 +219,8 @@ proptest! {
     }
 }
 
-/// Just below the breakaway torque the mechanism creeps, some pin slower than V_S; just above it every pin slips faster.
+/// Just below the breakaway torque the mechanism creeps, some pin slower than V_S; just above it every pin slips
+/// faster.
 #[test]
 fn below_the_breakaway_torque_the_mechanism_creeps() {
     const STATIC: f64 = 1e-5;

@@ -22,8 +22,8 @@ fn time_at(angle: f64, first: f64, values: &[(&str, f64)]) -> f64 {
     t
 }
 
-/// Pins of 35 mm in joint 1 and 30 mm in the others (PHYSICS) slip at their radius times the relative angular speed, with
-/// friction enabled or not.
+/// Pins of 35 mm in joint 1 and 30 mm in the others (PHYSICS) slip at their radius times the relative angular speed,
+/// with friction enabled or not.
 #[test]
 fn pins_slip_at_their_radius_times_the_relative_angular_speed() {
     for enabled in [false, true] {
@@ -87,8 +87,9 @@ fn creeping_in_the_ramp_is_stiff_and_is_integrated_implicitly() {
     assert!(statistics.evaluations < 20_000, "{statistics:?}");
 }
 
-/// A rod between a slider with friction and a heavy one that slides upright without: where the heavy one falls, friction can take
-/// most of the reaction away that causes it. With N = N_0 + k |N|, k < -1, the reaction is still N_0 / (1 - k).
+/// A rod between a slider with friction and a heavy one that slides upright without: where the heavy one falls,
+/// friction can take most of the reaction away that causes it. With N = N_0 + k |N|, k < -1, the reaction is still N_0
+/// / (1 - k).
 #[test]
 fn friction_that_relieves_its_reaction_does_not_lock() {
     const TRAMMEL: &str = r#"{

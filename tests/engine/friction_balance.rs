@@ -184,8 +184,8 @@ fn squeezer(which: u32) -> Run {
     }))
 }
 
-/// The model's friction against friction recomputed: `slip` [m/s] with its rounding, `arm` [m, or 1], the reaction's size
-/// and the largest reaction of all joints [N]. Friction and reaction come from two tables, each with an error in
+/// The model's friction against friction recomputed: `slip` [m/s] with its rounding, `arm` [m, or 1], the reaction's
+/// size and the largest reaction of all joints [N]. Friction and reaction come from two tables, each with an error in
 /// proportion to its largest value.
 fn same(
     reported: f64,

@@ -4,7 +4,8 @@ use crate::support::{GEAR, Run, replaced};
 
 const FORCE: &str = "\"force\": 30000";
 
-/// The gear at its start with these values; flags are set to true, and the word "efficiency" gives the drive one of 0.6.
+/// The gear at its start with these values; flags are set to true, and the word "efficiency" gives the drive one of
+/// 0.6.
 fn gear(values: &[(&str, f64)], flags: &[&str]) -> Run {
     let changed = format!("{FORCE}, \"efficiency\": 0.6");
     let mut gear =

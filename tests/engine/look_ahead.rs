@@ -1,5 +1,5 @@
-//! Under unchanged inputs an internal step may run past the communication point: values read from its interpolant are as
-//! exact as values stepped to, and a changed input takes effect at once.
+//! Under unchanged inputs an internal step may run past the communication point: values read from its interpolant are
+//! as exact as values stepped to, and a changed input takes effect at once.
 
 use super::one_element::slider::{MASS, Slider};
 use crate::support::{Run, SLIDER_CRANK, changed};
@@ -13,8 +13,8 @@ fn gear(values: &[(&str, f64)]) -> Run {
     Run::gear().with(&[("friction.enabled", true)]).with(values).started()
 }
 
-/// Work of `steps` steps over the span; the largest difference of the angle from runs at a tolerance of 1e-13 that make one
-/// step to an instant [rad], and the largest drift of energy [J].
+/// Work of `steps` steps over the span; the largest difference of the angle from runs at a tolerance of 1e-13 that make
+/// one step to an instant [rad], and the largest drift of energy [J].
 fn work_and_errors(tolerance: f64, steps: u32) -> (Statistics, f64, f64) {
     let mut run = gear(&[("solver.tolerance", tolerance)]);
     let h = SPAN / f64::from(steps);
@@ -36,8 +36,8 @@ fn many_short_steps_cost_what_one_long_one_costs() {
     for (tolerance, steps) in [(1e-6, 130), (1e-6, 1300), (1e-9, 130), (1e-9, 13_000), (1e-12, 1300)] {
         let (long, ..) = work_and_errors(tolerance, 1);
         let (work, error, drift) = work_and_errors(tolerance, steps);
-        // Interpolants of all steps, not only of those with an event, and the first short steps. Near rounding some steps are
-        // made again.
+        // Interpolants of all steps, not only of those with an event, and the first short steps. Near rounding some
+        // steps are made again.
         let again = if tolerance < 1e-11 { long.evaluations } else { 0 };
         assert!(work.evaluations <= long.evaluations + 3 * work.accepted + 60 + again, "{work:?}");
         // Energies are some 10 kJ.
@@ -109,7 +109,8 @@ fn a_lock_engaged_in_between_catches() {
     assert!(free > 0.0 && caught == 0.0 && drift.abs() < 1e-5, "{free} {caught} {drift:e}");
 }
 
-/// Friction that locks further on is an error when the mechanism comes there, not when a step ahead of the present does.
+/// Friction that locks further on is an error when the mechanism comes there, not when a step ahead of the present
+/// does.
 #[test]
 fn friction_that_locks_further_on_stops_no_step_before() {
     let radii = ["joint1", "joint2", "joint3", "joint4"].map(|joint| format!("{joint}.pin_radius"));
@@ -151,8 +152,8 @@ fn whole_turns_are_counted_through() {
     assert!(many.1.abs() < 1e-6, "{many:?}");
 }
 
-/// x'' = -2 zeta omega x' - omega^2 x: with more damping one part of the motion fades much faster than the other, and explicit
-/// steps are as long as their stability allows.
+/// x'' = -2 zeta omega x' - omega^2 x: with more damping one part of the motion fades much faster than the other, and
+/// explicit steps are as long as their stability allows.
 #[test]
 fn a_motion_that_fades_fast_is_read_as_exactly() {
     let omega: f64 = 12.0;

@@ -19,8 +19,8 @@ struct Part {
     acceleration: Vec2,
 }
 
-/// Largest violation of a body's balance, relative to its largest force: parts, turning acceleration, forces at positions,
-/// couples; moments about the origin of the mechanism frame.
+/// Largest violation of a body's balance, relative to its largest force: parts, turning acceleration, forces at
+/// positions, couples; moments about the origin of the mechanism frame.
 fn imbalance(parts: &[Part], alpha: f64, forces: &[(Vec2, Vec2)], couple: f64, gravity: Vec2) -> f64 {
     let (mut force, mut moment, mut size) = (Vec2::zeros(), couple, couple.abs());
     for (position, f) in forces {

@@ -81,8 +81,8 @@ fn friction_drag_and_bumpers_cost_their_loads_alone() {
     // Drag that does not blow, and friction and locks that are there but off, cost nothing: the default gear has them.
 }
 
-/// Eight times on its way a pin of the gear changes the regime of its law. The step is ended there on the interpolant: three
-/// evaluations for it, one to go on from there.
+/// Eight times on its way a pin of the gear changes the regime of its law. The step is ended there on the interpolant:
+/// three evaluations for it, one to go on from there.
 #[test]
 fn a_change_of_regime_costs_no_second_step() {
     let mut model = gear(&FRICTION, &[]);

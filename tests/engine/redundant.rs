@@ -37,8 +37,8 @@ fn reactions_of_a_third_bar_are_those_of_least_norm() {
         assert!((run.get("third.angle") - angle).abs() < 1e-12 && run.get("plate.angle").abs() < 1e-12);
         let (omega, alpha) = (run.get("left.speed"), run.get("left.acceleration"));
         let (s, c) = angle.sin_cos();
-        // Newton and Euler of left, right, third, plate: 12 equations for 12 components, of rank 11. Components: a1, b1,
-        // c1, a2, b2, c2, each the force on the second-named body.
+        // Newton and Euler of left, right, third, plate: 12 equations for 12 components, of rank 11. Components: a1,
+        // b1, c1, a2, b2, c2, each the force on the second-named body.
         let mut matrix = DMatrix::<f64>::zeros(12, 12);
         let mut right = DVector::<f64>::zeros(12);
         for (bar, mass) in [(0, 1.0), (1, 2.0), (2, 0.5)] {

@@ -11,7 +11,8 @@ fn started(text: &str) -> Result<Run, SimulationError> {
     Ok(Run(simulation))
 }
 
-/// A four-bar of uniform rods of 1 kg/m: lengths of ground, crank, coupler, rocker; start and guess of the crank, coupler, rocker.
+/// A four-bar of uniform rods of 1 kg/m: lengths of ground, crank, coupler, rocker; start and guess of the crank,
+/// coupler, rocker.
 fn four_bar(lengths: [f64; 4], start: f64, speed: f64, guess: [f64; 3], gravity: f64) -> String {
     let [ground, crank, coupler, rocker] = lengths;
     let rod = |length: f64| json!({ "length": length, "mass": length, "shape": "uniform_rod" });
@@ -34,8 +35,8 @@ fn four_bar(lengths: [f64; 4], start: f64, speed: f64, guess: [f64; 3], gravity:
     .to_string()
 }
 
-/// The gear's reduced inertia in the crank angle on the branch with the coupler above the diagonal: PHYSICS, equation of
-/// motion in the crank angle, with closed-form angles.
+/// The gear's reduced inertia in the crank angle on the branch with the coupler above the diagonal: PHYSICS, equation
+/// of motion in the crank angle, with closed-form angles.
 fn gear_inertia(theta2: f64) -> f64 {
     let (l1, l2, l3, l4, l5): (f64, f64, f64, f64, f64) = (0.5729, 0.1755, 0.217, 0.34, 0.759);
     let (m2, m3, m4, m5, m5k) = (13.689, 0.72037056, 3.850704, 36.8, 19.5);
@@ -170,9 +171,9 @@ fn the_antiparallelogram_stays_one() {
     assert!(bars.get("energy.drift").abs() < 1e-7 * bars.get("energy.kinetic"));
 }
 
-/// A parallelogram with one length off by a part in 10 to 1e17: the branches that would cross when flat are joined by bends
-/// as narrow as the root of that. Down to 1e-5 the motion is exact through them, from 1e-13 on they may be a crossing;
-/// in between rounding would choose the branch, and the model is refused for this reason.
+/// A parallelogram with one length off by a part in 10 to 1e17: the branches that would cross when flat are joined by
+/// bends as narrow as the root of that. Down to 1e-5 the motion is exact through them, from 1e-13 on they may be a
+/// crossing; in between rounding would choose the branch, and the model is refused for this reason.
 #[test]
 fn branches_that_almost_cross_are_told_apart_or_refused() {
     let speed = 5.0;
@@ -213,8 +214,8 @@ fn branches_that_almost_cross_are_told_apart_or_refused() {
     }
 }
 
-/// Random linkages that were once given up: the rounding of their coordinates is somewhat larger than expected, and it was
-/// taken for a bend that ever shorter panels would resolve.
+/// Random linkages that were once given up: the rounding of their coordinates is somewhat larger than expected, and it
+/// was taken for a bend that ever shorter panels would resolve.
 #[test]
 fn rounding_is_not_taken_for_a_bend() {
     for text in [include_str!("../fixtures/watt_with_a_slider.json"), include_str!("../fixtures/stephenson.json")] {
@@ -230,8 +231,8 @@ fn rounding_is_not_taken_for_a_bend() {
     assert_says(error, &["almost cross"]);
 }
 
-/// Parallelograms and antiparallelograms of random masses, whose centres are anywhere: each is traced through its crossings
-/// and tabulated, none is refused.
+/// Parallelograms and antiparallelograms of random masses, whose centres are anywhere: each is traced through its
+/// crossings and tabulated, none is refused.
 #[test]
 fn crossings_are_tabulated_whatever_the_masses() {
     let mut seed = 1u64;

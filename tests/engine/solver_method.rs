@@ -89,8 +89,8 @@ fn every_output_tends_to_that_of_rigid_links() {
             continue;
         }
         if name.contains("acceleration") || name.starts_with("joint") {
-            // Newmark's method damps nothing: accelerations of vibrations that the step does not resolve change sign from
-            // step to step, in proportion to h^2.
+            // Newmark's method damps nothing: accelerations of vibrations that the step does not resolve change sign
+            // from step to step, in proportion to h^2.
             assert!(*near < 5e-4 * size.max(1e-6), "{name}: {near:e} of {size:e}");
             continue;
         }
@@ -113,8 +113,8 @@ fn outputs_follow_an_input_at_once() {
     let mut seen = Vec::new();
     compare(&mut rigid, &mut elastic, &mut seen);
     for (name, size, differs) in seen.iter().filter(|(name, ..)| name != "energy.drift") {
-        // Vibrations that the step does not resolve take (h omega / 2)^-2 of the jump in the accelerations that the bodies
-        // would have without rods: 1e-5 of some 1e3 rad/s2.
+        // Vibrations that the step does not resolve take (h omega / 2)^-2 of the jump in the accelerations that the
+        // bodies would have without rods: 1e-5 of some 1e3 rad/s2.
         assert!(*differs < 1e-3 * size.max(1e-3), "{name}: {differs:e} of {size:e}");
     }
     let accelerations = ["crank.acceleration", "joint2.force"].map(|name| elastic.get(name));

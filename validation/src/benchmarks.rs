@@ -1,4 +1,5 @@
-//! Error against exact values, run time and work: scene S1, published benchmark mechanisms, and what each further loop costs.
+//! Error against exact values, run time and work: scene S1, published benchmark mechanisms, and what each further loop
+//! costs.
 
 use crate::measure::{self, Pages, heading, timed};
 use crate::scene::{SPAN, THETA2};

@@ -1,5 +1,5 @@
-//! What the pages of the benchmarks share: reading, setting and timing a model, figures asked beside figures measured, and
-//! the machine they were measured on.
+//! What the pages of the benchmarks share: reading, setting and timing a model, figures asked beside figures measured,
+//! and the machine they were measured on.
 use linkage_fmu::mechanism::{Model, ModelError};
 use linkage_fmu::simulation::Settable;
 use std::path::Path;
@@ -31,7 +31,8 @@ pub fn set(model: &mut Model, name: &str, value: impl Settable) -> Result<(), Mo
     value.set(model, reference)
 }
 
-/// Call, and keep the time [s] in `least` if it is the least; what the call gave is dropped after the clock has stopped.
+/// Call, and keep the time [s] in `least` if it is the least; what the call gave is dropped after the clock has
+/// stopped.
 pub fn timed<T>(least: &mut f64, call: impl FnOnce() -> T) -> T {
     let began = Instant::now();
     let given = std::hint::black_box(call());

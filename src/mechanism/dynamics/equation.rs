@@ -114,7 +114,8 @@ impl<T: Number> EquationOfMotion<'_, T> {
         Ok(T::constant(0.0))
     }
 
-    /// Acceleration at any state, were the drives with an efficiency to work in this direction; 0: without their losses.
+    /// Acceleration at any state, were the drives with an efficiency to work in this direction; 0: without their
+    /// losses.
     pub fn heading(&mut self, direction: f64, sigma: T, sigma_dot: T) -> Result<T, Locked> {
         self.clear_regimes();
         self.mode.direction = direction;
@@ -215,8 +216,8 @@ impl System<3> for EquationOfMotion<'_> {
     }
 
     fn scale(&mut self, y: &[f64; 3], f: &[f64; 3]) -> [f64; 3] {
-        // Where the loads balance each other, the acceleration does not show how large the forces are, but applied loads
-        // do.
+        // Where the loads balance each other, the acceleration does not show how large the forces are, but applied
+        // loads do.
         let x = self.locate(y[0]);
         let panel_force = &self.scratch.panel_force;
         let force = f[1].abs().max(panel_force.at(x, 0.0).abs()).max(panel_force.excess(0, x, self.time).abs());

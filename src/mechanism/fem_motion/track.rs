@@ -1,7 +1,7 @@
 //! The position on the curve that fits a finite-element state best.
 //!
-//! In: the bodies' angles and speeds. Out: sigma, the minimum of 1/2 sum (q(sigma) - q_fem)^2 next to the last sigma, and
-//! sigma_dot, the projection of the speeds: sum q_sigma q_dot / sum q_sigma^2. It must not know forces.
+//! In: the bodies' angles and speeds. Out: sigma, the minimum of 1/2 sum (q(sigma) - q_fem)^2 next to the last sigma,
+//! and sigma_dot, the projection of the speeds: sum q_sigma q_dot / sum q_sigma^2. It must not know forces.
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::reduced::Reduced;

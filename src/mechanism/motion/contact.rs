@@ -1,5 +1,5 @@
-//! The two ends of the travel: what stands at each, a rigid stop or a bumper and perhaps an engaged lock, and the contact
-//! there, one small state machine for each end.
+//! The two ends of the travel: what stands at each, a rigid stop or a bumper and perhaps an engaged lock, and the
+//! contact there, one small state machine for each end.
 //!
 //! | from | to | transition |
 //! |---|---|---|

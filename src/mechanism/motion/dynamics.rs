@@ -1,7 +1,7 @@
 //! What the advance asks of the thing that moves, and the answers of a mechanism.
 //!
-//! In: states, directions, regimes, contacts. Out: accelerations, and the quantities whose signs change at events. It must
-//! not know steps.
+//! In: states, directions, regimes, contacts. Out: accelerations, and the quantities whose signs change at events. It
+//! must not know steps.
 use crate::integrator::System;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::loads::friction_loop::Locked;

@@ -12,8 +12,8 @@ pub enum RigidFemError {
     Nodes { body: String, count: usize },
     /// An axial stiffness E A [N] that is not finite and > 0.
     AxialStiffness { body: String, value: f64 },
-    /// A node can move without moving any mass, so that its acceleration is indeterminate: the lightest body at the node
-    /// and its mass [kg].
+    /// A node can move without moving any mass, so that its acceleration is indeterminate: the lightest body at the
+    /// node and its mass [kg].
     Massless { body: String, mass: f64 },
     /// A drive with losses, here its efficiency [1]: its force jumps where the motion reverses.
     Efficiency { drive: String, value: f64 },
@@ -21,13 +21,13 @@ pub enum RigidFemError {
     StepSize { name: &'static str, value: f64 },
     /// A step of too many substeps.
     Substeps { count: f64, limit: f64 },
-    /// The equilibrium iterations of a step h [s] did not converge, or a force became infinite: the last correction of a
-    /// node's position [m], and that at which the iterations end.
+    /// The equilibrium iterations of a step h [s] did not converge, or a force became infinite: the last correction of
+    /// a node's position [m], and that at which the iterations end.
     Equilibrium { h: f64, correction: f64, limit: f64 },
     /// The strain [1] of a rod is too large for a rigid link, in steps of h [s].
     Strain { body: String, strain: f64, limit: f64, h: f64 },
-    /// The iterations for the static strain at the start did not converge: the last correction of a node's position [m],
-    /// and that at which the iterations end.
+    /// The iterations for the static strain at the start did not converge: the last correction of a node's position
+    /// [m], and that at which the iterations end.
     Stretch { correction: f64, limit: f64 },
 }
 

@@ -5,7 +5,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 const PERIOD: f64 = 1.942_514_922_607_084;
 
-/// Every link translates, so the chain is a pendulum: moment of inertia and greatest potential energy for unit 1 - sin(angle).
+/// Every link translates, so the chain is a pendulum: moment of inertia and greatest potential energy for unit 1 -
+/// sin(angle).
 fn kinetic(count: u32, speed: f64) -> f64 {
     let n = f64::from(count);
     0.5 * ((n + 1.0) / 3.0 + n) * speed * speed

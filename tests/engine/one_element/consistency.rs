@@ -3,7 +3,8 @@ use super::worst::{ACCURACY, Worst};
 use crate::support::{CRANE, FOUR_BAR, GEAR, JIB, Run, SLIDER_CRANK};
 use proptest::prelude::*;
 
-/// A mechanism, its drive, whether the drive is rotary, the range of the stated start, the largest start speed, and inputs.
+/// A mechanism, its drive, whether the drive is rotary, the range of the stated start, the largest start speed, and
+/// inputs.
 struct Case {
     json: &'static str,
     drive: &'static str,

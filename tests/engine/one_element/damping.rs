@@ -125,7 +125,8 @@ fn a_crank_winds_up_a_spring_and_comes_back() {
     assert!(most > 2.0 * TAU && least < -2.0 * TAU);
 }
 
-/// A damper between bearing and piston: the energy lost is the integral of damping times length_dot^2, by Simpson's rule.
+/// A damper between bearing and piston: the energy lost is the integral of damping times length_dot^2, by Simpson's
+/// rule.
 #[test]
 fn a_damper_loses_the_power_that_it_takes() {
     let damping = 8.0;

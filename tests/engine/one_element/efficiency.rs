@@ -1,6 +1,6 @@
-//! Efficiency, [CK16] eqs. (5), (26): P_u = eta P_in where power flows into the mechanism; where it flows back, the drive
-//! gets eta times what the mechanism gives. With the input work W the mechanism thus gains eta W when driven (W > 0), and
-//! W / eta when driven back (W < 0): lost are (1 - eta) W and (1 / eta - 1) |W|.
+//! Efficiency, [CK16] eqs. (5), (26): P_u = eta P_in where power flows into the mechanism; where it flows back, the
+//! drive gets eta times what the mechanism gives. With the input work W the mechanism thus gains eta W when driven (W >
+//! 0), and W / eta when driven back (W < 0): lost are (1 - eta) W and (1 / eta - 1) |W|.
 use super::jib;
 use super::slider::{self, Slider};
 use super::worst::{ACCURACY, Worst, wave};
@@ -221,8 +221,8 @@ fn one_long_step_meets_each_reversal() {
     }
 }
 
-/// A crank that a drive with losses swings there and back over its dead centres, with a damper: what the changing input, the
-/// piston's force and the weight put in is what is found again.
+/// A crank that a drive with losses swings there and back over its dead centres, with a damper: what the changing
+/// input, the piston's force and the weight put in is what is found again.
 #[test]
 fn the_energy_balance_stays_closed_over_reversals_of_a_crank() {
     let spring = "\"springs\": { \"damper\": { \"joint\": \"cylinder\", \"damping\": 60 } }, \"markers\"";

@@ -1,5 +1,5 @@
-//! [CK16] figs. 3 and 10: four-bar linkages, against their own kinematics in closed form and superposition over the bodies
-//! (the paper's conclusion 3).
+//! [CK16] figs. 3 and 10: four-bar linkages, against their own kinematics in closed form and superposition over the
+//! bodies (the paper's conclusion 3).
 use super::worst::{ACCURACY, Worst, wave};
 use crate::support::{CRANE, FOUR_BAR, Run, changed};
 use nalgebra::Complex;
@@ -26,8 +26,8 @@ fn plus(a: Jet<C>, b: Jet<C>) -> Jet<C> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-/// Lengths of a four-bar linkage: crank from 0, coupler, rocker from `pivot`; the joint of coupler and rocker lies on this
-/// side (1: left) of the diagonal from the crank's end to the pivot.
+/// Lengths of a four-bar linkage: crank from 0, coupler, rocker from `pivot`; the joint of coupler and rocker lies on
+/// this side (1: left) of the diagonal from the crank's end to the pivot.
 struct FourBar {
     crank: f64,
     coupler: f64,

@@ -36,7 +36,8 @@ impl Slider {
         run
     }
 
-    /// Move for h [s] under a push through the drive with losses and a constant load, without spring; the number of stops.
+    /// Move for h [s] under a push through the drive with losses and a constant load, without spring; the number of
+    /// stops.
     pub fn advance(&mut self, push: f64, load: f64, h: f64) -> u32 {
         let eta = self.eta.unwrap_or(1.0);
         let along = |direction: f64| (load + if push * direction > 0.0 { push * eta } else { push / eta }) / MASS;

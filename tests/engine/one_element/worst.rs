@@ -1,7 +1,7 @@
 //! Comparison of outputs with closed forms.
 
-/// Rounding of the compared expressions and of the tables (1e-13 of each table's largest value), with up to three tables
-/// multiplied and divided by one another.
+/// Rounding of the compared expressions and of the tables (1e-13 of each table's largest value), with up to three
+/// tables multiplied and divided by one another.
 pub const ACCURACY: f64 = 1e-12;
 
 /// Numbers between -1 and 1 that differ from state to state.

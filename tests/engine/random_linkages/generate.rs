@@ -1,4 +1,5 @@
-//! Strategies for random linkages: loops of four bodies and chains of six, any body as the ground, joints of both kinds.
+//! Strategies for random linkages: loops of four bodies and chains of six, any body as the ground, joints of both
+//! kinds.
 use super::linkage::{Attachment, Body, Coordinate, Freedom, GROUND, Joint, Linkage, Loads, Mass, Rider};
 use super::oracle;
 use crate::support::{Vec2, turned};

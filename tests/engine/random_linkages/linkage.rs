@@ -49,8 +49,8 @@ pub struct Attachment {
 #[derive(Clone, Copy)]
 pub enum Freedom {
     Revolute,
-    /// Sliding along this direction in the first body's frame [rad], the second body turned by `angle` [rad], `position`
-    /// [m] at the start.
+    /// Sliding along this direction in the first body's frame [rad], the second body turned by `angle` [rad],
+    /// `position` [m] at the start.
     Prismatic {
         axis: f64,
         angle: f64,

@@ -1,7 +1,7 @@
 //! Scene S1 written out by hand: the landing gear's equation of motion in the crank angle, in closed form.
 //!
-//! I(theta) theta'' = Q(theta) - 1/2 I'(theta) theta'^2 ([HF08] appendix, [CK16] eq. 17), with k_i = d(theta_i)/d(theta2).
-//! No angle but theta2 is needed: the rods are vectors, closed by intersecting two circles.
+//! I(theta) theta'' = Q(theta) - 1/2 I'(theta) theta'^2 ([HF08] appendix, [CK16] eq. 17), with k_i =
+//! d(theta_i)/d(theta2). No angle but theta2 is needed: the rods are vectors, closed by intersecting two circles.
 
 /// A vector in the mechanism's plane [m].
 type Vector = [f64; 2];

@@ -104,7 +104,8 @@ impl Curve {
     }
 }
 
-/// The second formulation: Newmark's method over rigid-link finite elements, whose own limit differs by the rods' stretch.
+/// The second formulation: Newmark's method over rigid-link finite elements, whose own limit differs by the rods'
+/// stretch.
 fn rigid_fem(scene: &Scene) -> Result<Vec<Point>, ModelError> {
     let curve = Curve { method: "rigid_fem (Newmark)", off: &[], steps: 1, read: &[] };
     let mut points = Vec::new();

@@ -9,8 +9,8 @@ pub mod scenes;
 pub use scene::{Outcome, StateLoads, Verdict};
 pub use scenes::all;
 
-/// Judge scenes on `threads` threads; each outcome is told as it comes, with the scene's place, and all are returned in the
-/// scenes' order.
+/// Judge scenes on `threads` threads; each outcome is told as it comes, with the scene's place, and all are returned in
+/// the scenes' order.
 pub fn judge(scenes: &[StateLoads], threads: usize, tell: &(dyn Fn(usize, &Outcome) + Sync)) -> Vec<Outcome> {
     let next = std::sync::atomic::AtomicUsize::new(0);
     let work = || {

@@ -26,8 +26,8 @@ pub struct Run {
     pub looks: Vec<(u64, f64, f64)>,
 }
 
-/// Run a model from its start through a plan, and read a variable at the end. Calls between the steps are few and counted
-/// with them.
+/// Run a model from its start through a plan, and read a variable at the end. Calls between the steps are few and
+/// counted with them.
 ///
 /// # Errors
 /// What the model says.
@@ -74,8 +74,8 @@ fn look(case: &Case, model: &mut Model, steps: u64, found: &mut Run) -> Result<(
     Ok(())
 }
 
-/// The larger of abs(sigma_ddot) and the resistance, both from powers over sigma_dot: the rate of T = sigma_dot^2 / 2, and the
-/// drive's power less the rates of all energies. 0 at rest, where they cannot be told so.
+/// The larger of abs(sigma_ddot) and the resistance, both from powers over sigma_dot: the rate of T = sigma_dot^2 / 2,
+/// and the drive's power less the rates of all energies. 0 at rest, where they cannot be told so.
 fn force(case: &Case, model: &mut Model, kinetic: f64) -> Result<f64, String> {
     if kinetic == 0.0 {
         return Ok(0.0);

@@ -1,11 +1,11 @@
 //! What a scene's motion truly is, and how much of an error on the way is seen at its end.
 //!
-//! The integration keeps each step's error, relative to (L, V), below the tolerance in the mean square of the two components:
-//! sigma to sqrt(2) tol L, sigma_dot to sqrt(2) tol V. L is the length of sigma that goes with a radian, V^2 the largest
-//! energy at play, 2 T + abs(force) L. kappa is what an error of (L, V) made anywhere on the way changes at the end,
-//! for each unit of it, found by starting again from there with an error. So the error at the end is at most
-//! sqrt(2) N tol kappa for N steps. N is taken from one doStep of the span: short steps share the tolerance by the
-//! engine's promise.
+//! The integration keeps each step's error, relative to (L, V), below the tolerance in the mean square of the two
+//! components: sigma to sqrt(2) tol L, sigma_dot to sqrt(2) tol V. L is the length of sigma that goes with a radian,
+//! V^2 the largest energy at play, 2 T + abs(force) L. kappa is what an error of (L, V) made anywhere on the way
+//! changes at the end, for each unit of it, found by starting again from there with an error. So the error at the end
+//! is at most sqrt(2) N tol kappa for N steps. N is taken from one doStep of the span: short steps share the tolerance
+//! by the engine's promise.
 use super::case::{Case, get, set};
 use super::motion::{Run, run, scale, step};
 use super::plan::{Force, Plan};
@@ -66,8 +66,8 @@ impl Reference {
         Ok(reference)
     }
 
-    /// Bound of the error at the end: see the head of this file; `steps` of the integration count, `made` is how many sums
-    /// were rounded.
+    /// Bound of the error at the end: see the head of this file; `steps` of the integration count, `made` is how many
+    /// sums were rounded.
     pub fn bound(&self, tolerance: f64, steps: u64, made: u64) -> f64 {
         let rounding = made as f64 * f64::EPSILON + TABLE * (1.0 + self.lengths);
         self.within
@@ -75,8 +75,8 @@ impl Reference {
             + TABLE * self.value.abs().max(1.0)
     }
 
-    /// Bound of the energy's error: an error (sqrt(2) tol L, sqrt(2) tol V) changes the energy by sqrt(2) tol (force L +
-    /// V sigma_dot), at most 2 sqrt(2) tol V^2.
+    /// Bound of the energy's error: an error (sqrt(2) tol L, sqrt(2) tol V) changes the energy by sqrt(2) tol (force L
+    /// + V sigma_dot), at most 2 sqrt(2) tol V^2.
     pub fn energy_bound(&self, tolerance: f64, steps: u64, made: u64) -> f64 {
         energy_bound(self.energy, self.lengths, tolerance, steps, made)
     }

@@ -5,8 +5,8 @@ use super::plan::Plan;
 use super::reference::{Reference, TABLE, amplification, energy_bound};
 use linkage_fmu::mechanism::Statistics;
 
-/// Bound of an angle above which the motion cannot be foretold at the tolerance: kappa holds for small errors, and an error
-/// of a radian is as large as the motion itself [rad].
+/// Bound of an angle above which the motion cannot be foretold at the tolerance: kappa holds for small errors, and an
+/// error of a radian is as large as the motion itself [rad].
 const FORETOLD: f64 = 1.0;
 
 /// What a scene's outcome is held against.

@@ -35,8 +35,8 @@ pub fn changing() -> Vec<StateLoads> {
     scenes
 }
 
-/// Every mechanism under 1e9 N or N.m: as long as it takes to move about as far as under the stated input, and a hundred
-/// times as long; and numbers beyond reason.
+/// Every mechanism under 1e9 N or N.m: as long as it takes to move about as far as under the stated input, and a
+/// hundred times as long; and numbers beyond reason.
 pub fn huge() -> Vec<StateLoads> {
     const GROUP: &str = "Huge inputs";
     let mut scenes = Vec::new();
@@ -84,9 +84,9 @@ pub fn slow_border() -> Vec<StateLoads> {
     scenes
 }
 
-/// The jib in a plane without gravity, its mass m at the distance c, on a pin of radius r with constant mu. The pin bears
-/// m c sqrt(w^4 + a^2), so m c^2 a = -mu r m c sqrt(w^4 + a^2): with k = mu r / c < 1 a = -q w^2, q = k / sqrt(1 - k^2), and
-/// theta = ln(1 + q w0 t) / q. With k >= 1 a body that moves has no acceleration at all: friction locks.
+/// The jib in a plane without gravity, its mass m at the distance c, on a pin of radius r with constant mu. The pin
+/// bears m c sqrt(w^4 + a^2), so m c^2 a = -mu r m c sqrt(w^4 + a^2): with k = mu r / c < 1 a = -q w^2, q = k / sqrt(1
+/// - k^2), and theta = ln(1 + q w0 t) / q. With k >= 1 a body that moves has no acceleration at all: friction locks.
 pub fn self_locking() -> Vec<StateLoads> {
     const ARM: f64 = 5.0;
     const MU: f64 = 0.5;
@@ -105,8 +105,8 @@ pub fn self_locking() -> Vec<StateLoads> {
             let case = still.with("jib.start_angle", 0.0).with("jib.start_speed", SPEED);
             let q = k / f64::sqrt(1.0 - k * k);
             let expected = if k < 1.0 {
-                // An error e L of the angle stays; one of e V of the speed, V = w max(1, sqrt(q)), moves the end by at most
-                // e V / (q w).
+                // An error e L of the angle stays; one of e V of the speed, V = w max(1, sqrt(q)), moves the end by at
+                // most e V / (q w).
                 let gain = 1.0 + q.max(q.sqrt()).max(1.0) / q;
                 Expected::Closed {
                     reading: "jib.angle".into(),

@@ -39,8 +39,8 @@ fn inertia(theta2: f64) -> f64 {
 }
 
 /// Time that the coasting gear takes for its closed curve, through both toggles and back [s], where the crank has the
-/// speed `omega` at `theta2`: the integral of sqrt(I) over twice its range, at constant sqrt(I) omega. With theta2 = toggle
-/// sin(phi) the integrand is smooth and periodic: the midpoint rule converges geometrically.
+/// speed `omega` at `theta2`: the integral of sqrt(I) over twice its range, at constant sqrt(I) omega. With theta2 =
+/// toggle sin(phi) the integrand is smooth and periodic: the midpoint rule converges geometrically.
 fn round_trip(theta2: f64, omega: f64) -> f64 {
     const POINTS: u32 = 4000;
     let step = PI / f64::from(POINTS);

@@ -17,7 +17,8 @@ pub fn toggle() -> f64 {
     ((GROUND * GROUND + CRANK * CRANK - together * together) / (2.0 * GROUND * CRANK)).acos()
 }
 
-/// Height of the joint C over the line B-D, and the angles of coupler and follower, at a crank angle on the gear's branch.
+/// Height of the joint C over the line B-D, and the angles of coupler and follower, at a crank angle on the gear's
+/// branch.
 fn closed(crank: f64) -> (f64, f64, f64) {
     let (x, y) = (CRANK * crank.cos() - GROUND, CRANK * crank.sin());
     let across = x.hypot(y);

@@ -86,7 +86,8 @@ pub fn scenes() -> Vec<StateLoads> {
             }
         }
     }
-    // At rest under forces in balance, rounding is more than this tolerance allows in a long step: many short ones follow.
+    // At rest under forces in balance, rounding is more than this tolerance allows in a long step: many short ones
+    // follow.
     let case = rest.with("friction.static_speed", 1e-4).with("actuator.force", 0.99 * holding);
     let plan = Plan::steady(200.0, 200);
     add("creep to rest, V_S = 1e-4 m/s, 200 s in 200 steps".into(), case, plan, 1e-12, Expected::Energy);
