@@ -15,9 +15,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 use crate::mechanism::{Model, ModelError};
-use crate::variables::{Kind, Reference};
+use crate::variables::{Causality, Kind, Reference};
 use std::fmt;
 
+/// Most steps of a run.
+const MOST_STEPS: f64 = 1e9;
 /// Names suggested for one that no variable has.
 const SUGGESTIONS: usize = 3;
 
@@ -26,9 +28,11 @@ const SUGGESTIONS: usize = 3;
 pub struct Simulation {
     model: Model,
     time: f64,
+    /// Whether no parameter was set since the last initialisation.
+    is_initialized: bool,
 }
 
-/// Why a call was refused; the simulation is what it was.
+/// Why a call was refused. The simulation is what it was; a run has stopped after its last good step.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(missing_docs, reason = "the sentence of a variant names its fields")]
 pub enum SimulationError {
@@ -36,7 +40,7 @@ pub enum SimulationError {
     Name { name: String, nearest: Vec<String> },
     /// The variable has no numbers: only a Real or a Boolean can be a column of a trace.
     Text { name: String },
-    /// The span or the longest step of a run [s] is not finite or not > 0.
+    /// The span or the longest step of a run [s] is not finite or not > 0, or the steps are too many.
     Span { span: f64, step: f64 },
     /// The model refused the call.
     Model(ModelError),
@@ -51,7 +55,10 @@ impl fmt::Display for SimulationError {
             }
             Self::Text { name } => write!(f, "{name} is a text: a trace holds Reals and Booleans"),
             Self::Span { span, step } => {
-                write!(f, "a run of {span} s in steps of {step} s: both must be finite and > 0")
+                write!(
+                    f,
+                    "a run of {span} s in steps of {step} s: both must be finite and > 0, with at most {MOST_STEPS:e} steps"
+                )
             }
             Self::Model(error) => error.fmt(f),
         }
@@ -104,7 +111,7 @@ impl Simulation {
 
     /// A simulation of this model; its time counts from 0 s.
     pub fn from_model(model: Model) -> Self {
-        Self { model, time: 0.0 }
+        Self { model, time: 0.0, is_initialized: false }
     }
 
     /// The model, for what has no name.
@@ -166,13 +173,17 @@ impl Simulation {
         Ok(self.model.text(self.reference(name)?)?)
     }
 
-    /// Set an input or a parameter. After a step, a parameter takes effect with the next initialisation only.
+    /// Set an input or a parameter. A parameter ends the run: outputs are then those at the start, and the next step
+    /// needs [`Self::initialize`].
     ///
     /// # Errors
     /// No variable has this name, it is of another kind or an output, or the value is out of range.
     pub fn set(&mut self, name: &str, value: impl Settable) -> Result<(), SimulationError> {
         let reference = self.reference(name)?;
-        Ok(value.set(&mut self.model, reference)?)
+        value.set(&mut self.model, reference)?;
+        let variable = self.model.variables().get(reference);
+        self.is_initialized &= variable.is_none_or(|variable| variable.causality != Causality::Parameter);
+        Ok(())
     }
 
     /// Set a derivative in time of a Real input, for the next step alone: order 1 [unit/s] or 2 [unit/s2].
@@ -199,7 +210,7 @@ impl Simulation {
     /// The present parameters give no model, or the start cannot be reached.
     pub fn initialize(&mut self) -> Result<(), SimulationError> {
         self.model.initialize()?;
-        self.time = 0.0;
+        (self.time, self.is_initialized) = (0.0, true);
         Ok(())
     }
 
@@ -208,6 +219,9 @@ impl Simulation {
     /// # Errors
     /// The model is not initialised, `h` is out of range, or the model cannot go on; the state is then what it was.
     pub fn step(&mut self, h: f64) -> Result<(), SimulationError> {
+        if !self.is_initialized {
+            return Err(ModelError::NotInitialised.into());
+        }
         self.model.step(h)?;
         self.time += h;
         Ok(())
@@ -217,9 +231,9 @@ impl Simulation {
     /// and after every step.
     ///
     /// # Errors
-    /// As [`Self::step`] and [`Self::get`]; a name that is a text; a span or a step that is not finite or not > 0.
+    /// As [`Self::step`] and [`Self::get`]; a name that is a text; a span or a step that is not finite or not > 0, or more than 1e9 steps.
     pub fn run(&mut self, span: f64, step: f64, names: &[&str]) -> Result<Trace, SimulationError> {
-        if ![span, step].iter().all(|x| x.is_finite() && *x > 0.0) {
+        if ![span, step].iter().all(|x| x.is_finite() && *x > 0.0) || span / step > MOST_STEPS {
             return Err(SimulationError::Span { span, step });
         }
         let references = names.iter().map(|name| self.reference(name)).collect::<Result<Vec<_>, _>>()?;

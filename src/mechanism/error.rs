@@ -105,7 +105,7 @@ impl fmt::Display for ModelError {
                 f,
                 "{name} is beyond the largest number under the present inputs and parameters: check their sizes"
             ),
-            Self::NotInitialised => f.write_str("a step was asked for before initialisation"),
+            Self::NotInitialised => f.write_str("a step was asked for before initialisation: initialise first"),
             Self::StepSize { h } => write!(f, "step size h = {} s: must be finite and > 0", Decimal(*h)),
             Self::Integration(IntegrationError::StepTooSmall { t, step }) => write!(
                 f,

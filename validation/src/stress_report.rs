@@ -1,6 +1,6 @@
 //! `stress`: all scenes, told as they come, and written as a table.
 use crate::measure::{heading, processor};
-use crate::stress::{self, Outcome, StateLoads, Verdict};
+use crate::stress::{self, Outcome, Scene, Verdict};
 use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;
@@ -56,7 +56,7 @@ pub fn run(results: &Path, groups: &[&str]) -> Result<(), String> {
 const COLUMNS: &str =
     "mechanism,scene,tolerance,error,bound,drift [J],bound [J],steps,evaluations,rejected,CPU [ms],verdict,why";
 
-fn fields(scene: &StateLoads, outcome: &Outcome) -> [String; 13] {
+fn fields(scene: &Scene, outcome: &Outcome) -> [String; 13] {
     let pair = |values: Option<(f64, f64)>| {
         values.map_or([String::new(), String::new()], |(value, bound)| [format!("{value:.1e}"), format!("{bound:.1e}")])
     };
@@ -78,6 +78,6 @@ fn fields(scene: &StateLoads, outcome: &Outcome) -> [String; 13] {
     ]
 }
 
-fn line(scene: &StateLoads, outcome: &Outcome, separator: &str) -> String {
+fn line(scene: &Scene, outcome: &Outcome, separator: &str) -> String {
     fields(scene, outcome).join(separator)
 }

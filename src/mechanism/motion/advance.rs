@@ -15,6 +15,7 @@ use crate::numerics::bracket::first_rise;
 /// Why an advance ended early.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stopped {
+    /// The integration stopped.
     Integration(IntegrationError),
     /// Friction and reactions have no common solution.
     Locked,
@@ -28,8 +29,8 @@ impl From<Locked> for Stopped {
 
 /// Time of flight between two impacts below which they are one contact [s].
 const SHORTEST_FLIGHT: f64 = 1e-10;
-/// Height of a flight below which its positions are rounding, in units of the last place of sigma: four times what the
-/// search for the impact takes for rounding.
+/// Height of a flight below which its positions are rounding, relative to sigma: four times the rounding that the search
+/// for the impact assumes.
 const LOWEST_FLIGHT: f64 = 64.0 * f64::EPSILON;
 
 /// The advance of a motion over one span.

@@ -173,7 +173,7 @@ impl SavedState {
         record.finite("airspeed", &mut self.airspeed)?;
         record.finite("energy", &mut self.reference)?;
         let mut with_dissipation = matches!(self.memory, Memory::WithDissipation(..));
-        record.flag("lossy", &mut with_dissipation)?;
+        record.flag("energy lost integrated", &mut with_dissipation)?;
         self.memory.set_dissipation(with_dissipation);
         match &mut self.memory {
             Memory::Conservative(integrator) => integrator.record(record),

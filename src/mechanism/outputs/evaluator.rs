@@ -43,7 +43,7 @@ impl From<Locked> for OutputError {
 /// of the time derivative. What a formulation does not have is 0.
 ///
 /// # Errors
-/// [`OutputError`], of all methods.
+/// [`OutputError`], of all methods with a Result.
 pub trait Kinematics<N: Number> {
     /// Angle of a body [rad].
     fn angle(&mut self, body: usize, order: usize) -> Result<N, OutputError>;
@@ -65,7 +65,7 @@ pub trait Kinematics<N: Number> {
     /// Size of a load that an input or a constant sizes.
     fn size(&self, load: usize) -> N;
 
-    /// Size of a load that the state decides: friction, drag, bumpers.
+    /// Size of a load that the state decides: friction, drag, bumpers, losses of drives.
     fn state_load(&mut self, _load: usize) -> Result<N, OutputError> {
         Ok(N::constant(0.0))
     }

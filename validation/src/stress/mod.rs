@@ -6,12 +6,12 @@ pub mod reference;
 pub mod scene;
 pub mod scenes;
 
-pub use scene::{Outcome, StateLoads, Verdict};
+pub use scene::{Outcome, Scene, Verdict};
 pub use scenes::all;
 
 /// Judge scenes on `threads` threads; each outcome is told as it comes, with the scene's place, and all are returned in
 /// the scenes' order.
-pub fn judge(scenes: &[StateLoads], threads: usize, tell: &(dyn Fn(usize, &Outcome) + Sync)) -> Vec<Outcome> {
+pub fn judge(scenes: &[Scene], threads: usize, tell: &(dyn Fn(usize, &Outcome) + Sync)) -> Vec<Outcome> {
     let next = std::sync::atomic::AtomicUsize::new(0);
     let work = || {
         let mut done = Vec::new();

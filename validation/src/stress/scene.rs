@@ -50,7 +50,7 @@ impl Expected {
 }
 
 /// One row.
-pub struct StateLoads {
+pub struct Scene {
     /// Heading under which it stands.
     pub group: &'static str,
     /// What is done to the mechanism.
@@ -103,7 +103,7 @@ pub struct Outcome {
     pub verdict: Verdict,
 }
 
-impl StateLoads {
+impl Scene {
     /// Run it and judge it.
     pub fn judge(&self) -> Outcome {
         match (self.expected(), &self.expected) {

@@ -1,6 +1,6 @@
 //! Inputs that change in every step, and huge ones; friction: a border to rest that is almost a jump, and coefficients
 //! next to self-locking.
-use crate::stress::StateLoads;
+use crate::stress::Scene;
 use crate::stress::case::{Case, GEAR, JIB, MECHANISMS, Mechanism};
 use crate::stress::plan::{Cut, Force, Plan};
 use crate::stress::reference::TABLE;
@@ -13,7 +13,7 @@ fn unstopped(m: &'static Mechanism) -> Case {
 }
 
 /// Every mechanism with an input that switches its sign in every step, or jumps at random; the gear without its stops.
-pub fn changing() -> Vec<StateLoads> {
+pub fn changing() -> Vec<Scene> {
     let mut scenes = Vec::new();
     for m in &MECHANISMS {
         let inputs = [
@@ -28,7 +28,7 @@ pub fn changing() -> Vec<StateLoads> {
                 let expected = if wild { Expected::Energy } else { Expected::Angle };
                 let (case, plan) = (unstopped(m), Plan::new(m.span, Cut::Equal(steps), force));
                 let what = format!("{} {what} in each of {steps} steps", m.input);
-                scenes.push(StateLoads { group: "Changing inputs", what, case, plan, tolerance, expected });
+                scenes.push(Scene { group: "Changing inputs", what, case, plan, tolerance, expected });
             }
         }
     }
@@ -37,7 +37,7 @@ pub fn changing() -> Vec<StateLoads> {
 
 /// Every mechanism under 1e9 N or N.m: as long as it takes to move about as far as under the stated input, and a
 /// hundred times as long; and numbers beyond reason.
-pub fn huge() -> Vec<StateLoads> {
+pub fn huge() -> Vec<Scene> {
     const GROUP: &str = "Huge inputs";
     let mut scenes = Vec::new();
     for m in &MECHANISMS {
@@ -46,7 +46,7 @@ pub fn huge() -> Vec<StateLoads> {
         let Some(&Value::Real(stated)) = input.and_then(|v| v.start.as_ref()) else { continue };
         let mut add = |what: String, value: f64, span: f64, steps: u64, expected: Expected| {
             let (case, plan) = (unstopped(m).with(m.input, value), Plan::steady(span, steps));
-            scenes.push(StateLoads { group: GROUP, what, case, plan, tolerance: 1e-9, expected });
+            scenes.push(Scene { group: GROUP, what, case, plan, tolerance: 1e-9, expected });
         };
         let span = m.span * (stated.abs() / 1e9).sqrt();
         for (span, steps, expected) in
@@ -66,19 +66,19 @@ pub fn huge() -> Vec<StateLoads> {
     let plan = Plan::steady(2e-3, 200);
     let case = Case::of(GEAR).with(GEAR.input, 1e9);
     let what = "actuator.force = 1e9 against the upstop".into();
-    scenes.push(StateLoads { group: GROUP, what, case, plan, tolerance: 1e-9, expected: held });
+    scenes.push(Scene { group: GROUP, what, case, plan, tolerance: 1e-9, expected: held });
     scenes
 }
 
 /// The gear's retraction with friction; V_S from 1e-6 m/s.
-pub fn slow_border() -> Vec<StateLoads> {
+pub fn slow_border() -> Vec<Scene> {
     let mut scenes = Vec::new();
     for border in [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1] {
         for (steps, tolerance) in [(1, 1e-6), (130, 1e-6), (1, 1e-9), (130, 1e-9), (13_000, 1e-9)] {
             let case = Case::of(GEAR).turned("friction.enabled", true).with("friction.static_speed", border);
             let what = format!("V_S = {border:e} m/s, 0.13 s in {}", super::count(steps));
             let (plan, expected) = (Plan::steady(0.13, steps), Expected::Angle);
-            scenes.push(StateLoads { group: "Friction", what, case, plan, tolerance, expected });
+            scenes.push(Scene { group: "Friction", what, case, plan, tolerance, expected });
         }
     }
     scenes
@@ -87,7 +87,7 @@ pub fn slow_border() -> Vec<StateLoads> {
 /// The jib in a plane without gravity, its mass m at the distance c, on a pin of radius r with constant mu. The pin
 /// bears m c sqrt(w^4 + a^2), so m c^2 a = -mu r m c sqrt(w^4 + a^2): with k = mu r / c < 1 a = -q w^2, q = k / sqrt(1
 /// - k^2), and theta = ln(1 + q w0 t) / q. With k >= 1 a body that moves has no acceleration at all: friction locks.
-pub fn self_locking() -> Vec<StateLoads> {
+pub fn self_locking() -> Vec<Scene> {
     const ARM: f64 = 5.0;
     const MU: f64 = 0.5;
     const SPEED: f64 = 10.0;
@@ -119,7 +119,7 @@ pub fn self_locking() -> Vec<StateLoads> {
                 Expected::refusal(&["friction locks the mechanism near jib", "pin radii", "reduce them"])
             };
             let (what, plan) = (format!("k = mu r / c = {k}"), Plan::steady(SPAN, 30));
-            scenes.push(StateLoads { group: "Self-locking", what, case, plan, tolerance, expected });
+            scenes.push(Scene { group: "Self-locking", what, case, plan, tolerance, expected });
         }
     }
     scenes

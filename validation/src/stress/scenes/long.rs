@@ -1,6 +1,6 @@
 //! Long runs: slow motion, toggles passed ten thousand times, ten million short steps.
 use super::starts::toggle;
-use crate::stress::StateLoads;
+use crate::stress::Scene;
 use crate::stress::case::{Case, GEAR, MECHANISMS, Scaling};
 use crate::stress::plan::{Cut, Force, Plan};
 use crate::stress::reference::TABLE;
@@ -8,14 +8,14 @@ use crate::stress::scene::Expected;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Every mechanism so slow that its scene takes 1e6 s, in one step and in steps of 1 s.
-pub fn slow() -> Vec<StateLoads> {
+pub fn slow() -> Vec<Scene> {
     let mut scenes = Vec::new();
     for m in &MECHANISMS {
         for steps in [1, 1_000_000] {
             let case = Case::of(m).scaled(Scaling { time: 1e6 / m.span, ..Scaling::ONE });
             let (what, plan) = (format!("1e6 s in {}", super::count(steps)), Plan::steady(1e6, steps));
             let expected = Expected::Angle;
-            scenes.push(StateLoads { group: "Slow motion", what, case, plan, tolerance: 1e-10, expected });
+            scenes.push(Scene { group: "Slow motion", what, case, plan, tolerance: 1e-10, expected });
         }
     }
     scenes
@@ -52,12 +52,12 @@ fn round_trip(theta2: f64, omega: f64) -> f64 {
 }
 
 /// 1e4 passages of toggles and dead centres.
-pub fn toggles() -> Vec<StateLoads> {
+pub fn toggles() -> Vec<Scene> {
     const GROUP: &str = "Ten thousand toggles";
     const TURNS: f64 = 5000.0;
     let mut scenes = Vec::new();
     let mut add = |what: String, case: Case, plan: Plan, tolerance: f64, expected: Expected| {
-        scenes.push(StateLoads { group: GROUP, what, case, plan, tolerance, expected });
+        scenes.push(Scene { group: GROUP, what, case, plan, tolerance, expected });
     };
     for (omega, cut) in [(-20.0, Cut::Equal(1)), (-20.0, Cut::Irregular(20_000)), (2e-3, Cut::Equal(7919))] {
         let still = Case::of(GEAR).free().with("actuator.force", 0.0).with("load_factor", 0.0);
@@ -91,8 +91,8 @@ pub fn toggles() -> Vec<StateLoads> {
 }
 
 /// Ten million steps: neither the motion nor its time drifts.
-pub fn short_steps() -> Vec<StateLoads> {
-    let scene = |(span, tolerance): (f64, f64)| StateLoads {
+pub fn short_steps() -> Vec<Scene> {
+    let scene = |(span, tolerance): (f64, f64)| Scene {
         group: "Ten million steps",
         what: format!("{span} s in 10000000 steps"),
         case: Case::of(GEAR),

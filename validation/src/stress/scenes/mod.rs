@@ -5,10 +5,10 @@ mod sizes;
 mod starts;
 mod together;
 
-use super::StateLoads;
+use super::Scene;
 
 /// All, group by group.
-pub fn all() -> Vec<StateLoads> {
+pub fn all() -> Vec<Scene> {
     let groups = [
         sizes::tolerances(),
         sizes::communication(),

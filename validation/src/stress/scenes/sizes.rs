@@ -1,32 +1,32 @@
 //! Tolerances and communication steps; masses, lengths and forces from a millionth to a million times their size, and
 //! bodies of very unlike masses.
-use crate::stress::StateLoads;
+use crate::stress::Scene;
 use crate::stress::case::{Case, MECHANISMS, Scaling};
 use crate::stress::plan::{Cut, Force, Plan};
 use crate::stress::scene::Expected;
 use linkage_fmu::variables::{Unit, Value};
 
 /// Every mechanism at every power of ten, in one step and in those of its default experiment.
-pub fn tolerances() -> Vec<StateLoads> {
+pub fn tolerances() -> Vec<Scene> {
     let mut scenes = Vec::new();
     for m in &MECHANISMS {
         for (exponent, steps) in (2..=13).flat_map(|exponent| [(exponent, 1), (exponent, m.steps)]) {
             let what = format!("{} s in {}", m.span, super::count(steps));
             let (case, plan, tolerance) = (Case::of(m), Plan::steady(m.span, steps), 10f64.powi(-exponent));
-            scenes.push(StateLoads { group: "Tolerances", what, case, plan, tolerance, expected: Expected::Angle });
+            scenes.push(Scene { group: "Tolerances", what, case, plan, tolerance, expected: Expected::Angle });
         }
     }
     scenes
 }
 
 /// Every mechanism in steps of 1 us to 1 s, irregular ones, and steps one unit in the last place of the time.
-pub fn communication() -> Vec<StateLoads> {
+pub fn communication() -> Vec<Scene> {
     const GROUP: &str = "Communication steps";
     let mut scenes = Vec::new();
     for m in &MECHANISMS {
         let mut add = |what: String, span: f64, cut: Cut| {
             let (case, plan, expected) = (Case::of(m), Plan::new(span, cut, Force::Stated), Expected::Angle);
-            scenes.push(StateLoads { group: GROUP, what, case, plan, tolerance: 1e-9, expected });
+            scenes.push(Scene { group: GROUP, what, case, plan, tolerance: 1e-9, expected });
         };
         for h in [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0] {
             let count = (m.span / h).round().max(1.0);
@@ -42,7 +42,7 @@ pub fn communication() -> Vec<StateLoads> {
 }
 
 /// Every mechanism in other units: the same angles must come out at times that are multiplied alike.
-pub fn units() -> Vec<StateLoads> {
+pub fn units() -> Vec<Scene> {
     let mut scenes = Vec::new();
     for m in &MECHANISMS {
         for s in [1e-6_f64, 1e-3, 1e3, 1e6] {
@@ -59,7 +59,7 @@ pub fn units() -> Vec<StateLoads> {
             for (what, scaling) in scalings {
                 let (what, case) = (format!("{what} x {s:e}"), Case::of(m).scaled(scaling));
                 let (plan, expected) = (Plan::steady(m.span * scaling.time, 1), Expected::Angle);
-                scenes.push(StateLoads { group: "Sizes", what, case, plan, tolerance: 1e-13, expected });
+                scenes.push(Scene { group: "Sizes", what, case, plan, tolerance: 1e-13, expected });
             }
         }
     }
@@ -82,7 +82,7 @@ const STILL: [(&str, &str, f64); 6] = [
 ];
 
 /// One body of every mechanism a million and a billion times as heavy, or light, as stated.
-pub fn mass_ratios() -> Vec<StateLoads> {
+pub fn mass_ratios() -> Vec<Scene> {
     let mut scenes = Vec::new();
     for m in &MECHANISMS {
         let Ok(model) = Case::of(m).model(1e-9) else { continue };
@@ -103,7 +103,7 @@ pub fn mass_ratios() -> Vec<StateLoads> {
                 let expected = if alone || stated_still { refused() } else { Expected::Angle };
                 let (case, plan) = (Case::of(m).with(name, factor * stated), Plan::steady(m.span, m.steps));
                 let what = format!("{name} x {factor:e}");
-                scenes.push(StateLoads { group: "Mass ratios", what, case, plan, tolerance: 1e-9, expected });
+                scenes.push(Scene { group: "Mass ratios", what, case, plan, tolerance: 1e-9, expected });
             }
         }
     }

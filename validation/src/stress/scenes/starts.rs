@@ -1,5 +1,5 @@
 //! Starts at places that are no place for a start: toggles, stops, positions where branches cross.
-use crate::stress::StateLoads;
+use crate::stress::Scene;
 use crate::stress::case::{CHAIN, Case, GEAR, MECHANISMS, Mechanism};
 use crate::stress::plan::Plan;
 use crate::stress::reference::TABLE;
@@ -30,9 +30,9 @@ fn closed(crank: f64) -> (f64, f64, f64) {
     (height, (c[1] - y).atan2(c[0] - x), c[1].atan2(c[0]))
 }
 
-fn scene(group: &'static str, what: String, case: Case, plan: (f64, u64), expected: Expected) -> StateLoads {
+fn scene(group: &'static str, what: String, case: Case, plan: (f64, u64), expected: Expected) -> Scene {
     let plan = Plan::steady(plan.0, plan.1);
-    StateLoads { group, what, case, plan, tolerance: 1e-12, expected }
+    Scene { group, what, case, plan, tolerance: 1e-12, expected }
 }
 
 /// The text with another start.
@@ -43,7 +43,7 @@ fn starting(m: &Mechanism, start: &str) -> String {
 }
 
 /// The gear at both ends of its crank's range, at and around its toggles; and other bodies where they turn back.
-pub fn toggles() -> Vec<StateLoads> {
+pub fn toggles() -> Vec<Scene> {
     const GROUP: &str = "Starts at a toggle";
     let mut scenes = Vec::new();
     for (side, sign) in [("upper", 1.0), ("lower", -1.0)] {
@@ -104,7 +104,7 @@ pub fn toggles() -> Vec<StateLoads> {
 }
 
 /// The gear at its stops.
-pub fn stops() -> Vec<StateLoads> {
+pub fn stops() -> Vec<Scene> {
     const GROUP: &str = "Starts at a stop";
     let mut scenes = Vec::new();
     for (stop, angle, inward, press) in [("upstop", -1.3, 1.0, 30e3), ("downstop", 0.8, -1.0, -30e3)] {
@@ -165,7 +165,7 @@ static FLAT: Mechanism = Mechanism {
 };
 
 /// Positions where two branches cross.
-pub fn crossings() -> Vec<StateLoads> {
+pub fn crossings() -> Vec<Scene> {
     const GROUP: &str = "Starts at a crossing";
     let mut scenes = Vec::new();
     for flat in [0.0, PI] {

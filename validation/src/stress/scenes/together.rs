@@ -1,5 +1,5 @@
 //! Friction, drag, stops, bumpers and drives with losses together.
-use crate::stress::StateLoads;
+use crate::stress::Scene;
 use crate::stress::case::{Case, GEAR, MECHANISMS, Scaling, get};
 use crate::stress::plan::{Cut, Force, Plan};
 use crate::stress::scene::Expected;
@@ -12,10 +12,10 @@ fn loaded() -> Case {
 }
 
 /// The gear's retraction with all of it, in other units; the drives of other mechanisms with losses.
-pub fn scenes() -> Vec<StateLoads> {
+pub fn scenes() -> Vec<Scene> {
     let mut scenes = Vec::new();
     let mut add = |what: String, case: Case, plan: Plan, tolerance: f64, expected: Expected| {
-        scenes.push(StateLoads { group: GROUP, what, case, plan, tolerance, expected });
+        scenes.push(Scene { group: GROUP, what, case, plan, tolerance, expected });
     };
     let bumper =
         |case: Case| case.turned("upstop.rigid", false).with("upstop.stiffness", 5e6).with("upstop.damping", 1e3);
