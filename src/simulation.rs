@@ -365,6 +365,23 @@ mod tests {
     }
 
     #[test]
+    fn a_parameter_ends_the_run_until_it_is_initialised() {
+        let mut gear = Simulation::open(GEAR).unwrap();
+        let refused = SimulationError::Model(ModelError::NotInitialised);
+        assert_eq!(gear.step(1e-3), Err(refused.clone()));
+        gear.initialize().unwrap();
+        gear.step(1e-3).unwrap();
+        gear.set("actuator.force", 2e4).unwrap();
+        gear.step(1e-3).unwrap();
+        gear.set("crank.mass", 20.0).unwrap();
+        assert_eq!(gear.get("crank.angle"), Ok(0.8));
+        assert_eq!(gear.step(1e-3), Err(refused));
+        gear.initialize().unwrap();
+        assert_eq!((gear.time(), gear.step(1e-3)), (0.0, Ok(())));
+        assert!(gear.run(1.0, 1e-300, &[]).is_err());
+    }
+
+    #[test]
     fn what_is_no_run_is_refused() {
         let mut gear = gear();
         gear.initialize().unwrap();
