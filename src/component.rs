@@ -102,9 +102,10 @@ impl Component {
     }
 
     questions! {
-        /// Present value of a Real. Refused: no such Real, or the present parameters give no value.
+        /// Present value of a Real; NaN for an output that has no value in this state, of which [`Self::undefined`]
+        /// tells why. Refused: no such Real, or the present parameters give no start.
         fn real(self: &mut Self, reference: Reference) -> f64;
-        /// Present value of a Boolean. Refused: no such Boolean, or the present parameters give no value.
+        /// Present value of a Boolean. Refused: no such Boolean, or the present parameters give no start.
         fn boolean(self: &mut Self, reference: Reference) -> bool;
         /// Present value of a String. Refused: no such String.
         fn text(self: &Self, reference: Reference) -> &str;
@@ -124,13 +125,15 @@ impl Component {
         fn set_text(self: &mut Self, reference: Reference, value: &str) -> ();
 
         /// Directional derivatives at the present state: `report` is called once for each unknown, with its index and
-        /// the sum over the knowns of the partial derivative times the seed. Refused: an unknown that is no continuous
-        /// output, a known that is no continuous input, a model without derivatives.
+        /// the sum over the knowns of the partial derivative times the seed; NaN where there is none in this state.
+        /// Refused: an unknown that is no continuous output, a known that is no continuous input, a model without
+        /// derivatives.
         fn directional_derivative(
             self: &mut Self, unknowns: &[Reference], knowns: &[Reference], seeds: &[f64],
             report: &mut dyn FnMut(usize, f64)
         ) -> ();
-        /// Time derivative of this order of a continuous output. Refused: no such output, or the order is too high.
+        /// Time derivative of this order of a continuous output; NaN where there is none in this state. Refused: no such
+        /// output, or the order is too high.
         fn output_derivative(self: &mut Self, reference: Reference, order: i32) -> f64;
         /// Whether [`Self::set_input_derivative`] would accept this value; changes nothing.
         fn check_input_derivative(self: &Self, reference: Reference, order: i32, value: f64) -> ();
@@ -146,6 +149,19 @@ impl Component {
         /// Advance by exactly `h` [s], > 0. Refused, in the state before the step: not initialised, `h` out of range,
         /// or a step that cannot be computed.
         fn step(self: &mut Self, h: f64) -> ();
+    }
+
+    /// Why a Real output has no value in the present state; None if it has one.
+    #[cold]
+    pub fn undefined(&mut self, reference: Reference) -> Option<String> {
+        each!(self, model => model.undefined(reference))
+    }
+
+    /// Why a Real output has no derivative in the direction of the last [`Self::directional_derivative`] or
+    /// [`Self::output_derivative`]; None if it has one.
+    #[cold]
+    pub fn undefined_derivative(&mut self, reference: Reference) -> Option<String> {
+        each!(self, model => model.undefined_derivative(reference))
     }
 
     /// Back to the parameters and inputs of the definition, not initialised.

@@ -10,11 +10,15 @@ use crate::numerics::decimal::Decimal;
 /// that counts time in other units (ticks, single-precision steps) is off by far less than this part.
 const STEP_SLACK: f64 = 1e-6;
 
-/// Rounding of a communication point, in units of [`f64::EPSILON`] of the largest time in play. The host may form
+/// Rounding of a communication point, in units of [`f64::EPSILON`] of the largest time at hand. The host may form
 /// `start + n h`, a running sum, or `stop - k h`: a product and two sums, half an epsilon each; the clock's own sum
 /// adds one more half. Errors of a long running sum do not accumulate, as the clock takes over the host's point at
 /// every step.
 const ROUNDING: f64 = 8.0;
+
+/// Largest rounding of a sum from the stop time, in parts of a step. A stop time with a larger one, such as 1e300 s for
+/// "no end", is none from which a host forms its points.
+const FORMED_FROM_STOP: f64 = 1e-2;
 
 /// Largest part of a step by which the last step may end past the stop time. Against the stop time the errors of a
 /// running sum do accumulate: half an epsilon of the time per step. More than this part of a step is not rounding.
@@ -109,9 +113,11 @@ impl Clock {
         self.slack(h) + running_sum.min(STOP_SLACK * h)
     }
 
-    /// Largest time in play [s].
+    /// Largest time at hand [s]: start, end of the step, and a stop time from which points can be formed.
     fn scale(&self, h: f64) -> f64 {
-        let stop = self.stop.unwrap_or(0.0).abs();
+        let formed_from = |stop: &f64| ROUNDING * f64::EPSILON * stop <= FORMED_FROM_STOP * h;
+        let stop = self.stop.map_or(0.0, f64::abs);
+        let stop = Some(stop).filter(formed_from).unwrap_or(0.0);
         self.start.abs().max(self.time.abs() + h).max(stop)
     }
 }
@@ -152,6 +158,41 @@ mod tests {
             for point in [time + h, time - h, time + 0.01 * h, f64::NAN, f64::INFINITY] {
                 assert!(clock.end_of_step(point, h).is_err(), "{point}");
             }
+        }
+    }
+
+    /// Hosts pass 1e300 or the largest number for "no end".
+    #[test]
+    fn a_late_stop_time_hides_no_lost_or_repeated_step() {
+        for stop in [1e6, 1e12, 1e18, 1e300, f64::MAX] {
+            for (h, time) in [(1e-3, 0.0), (1e-3, 7.25), (1e-6, 0.5), (10.0, 1e4)] {
+                let clock = Clock { time, ..Clock::new(0.0, Some(stop)).unwrap() };
+                assert!(clock.end_of_step(time, h).is_ok());
+                for point in [time + h, time - h, time + 0.03 * h, time - 0.03 * h, f64::NAN, 1e300] {
+                    assert!(clock.end_of_step(point, h).is_err(), "{point} at {time} before {stop}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn points_counted_back_from_the_stop_time_are_taken() {
+        for (stop, h, count) in [(1e6, 1e-5, 1000_u32), (0.13, 1e-5, 13_000), (1e4, 1e-7, 1000), (1e9, 1e-3, 1000)] {
+            let formed = |left: u32| stop - f64::from(left) * h;
+            let mut clock = Clock::new(formed(count), Some(stop)).unwrap();
+            // The clock of an experiment that began long before.
+            clock.start = 0.0;
+            for left in (1..=count).rev() {
+                step(&mut clock, formed(left), h);
+            }
+            assert!(clock.end_of_step(stop, h).is_err());
+        }
+        // Early in a long experiment the rounding is that of the stop time, not of the point.
+        let (stop, h) = (1e6, 1e-5);
+        let steps = (stop / h).floor();
+        let mut clock = Clock::new(stop - steps * h, Some(stop)).unwrap();
+        for k in 0..1000 {
+            step(&mut clock, stop - (steps - f64::from(k)) * h, h);
         }
     }
 

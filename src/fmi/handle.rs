@@ -49,7 +49,8 @@ pub fn instantiate(
         Ok(Err(refusal)) => refusal,
         Err(payload) => fault(&*payload),
     };
-    logger.log(refusal.verdict, &format!("{function}: {}", refusal.message));
+    // A text that cannot be made is not told; the answer is NULL all the same.
+    let _ = catch_unwind(AssertUnwindSafe(|| report(&logger, function, &refusal)));
     std::ptr::null_mut()
 }
 
@@ -107,40 +108,47 @@ unsafe fn handle<'a>(pointer: *mut c_void) -> Option<&'a Handle> {
     unsafe { handle.as_ref() }
 }
 
+/// Work and the report of a refusal, with no panic of either passed on.
 #[inline]
 fn guarded(
     instance: &mut Instance,
     function: &Function,
     work: impl FnOnce(&mut Instance) -> Result<(), Refusal>,
 ) -> Verdict {
-    if !function.is_legal_in(instance.phase) {
-        return refuse_phase(instance, function);
-    }
-    let refusal = match catch_unwind(AssertUnwindSafe(|| work(instance))) {
-        Ok(Ok(())) => return Verdict::Ok,
-        Ok(Err(refusal)) => refusal,
-        Err(payload) => {
-            instance.phase = Phase::Fatal;
-            fault(&*payload)
+    let answered = catch_unwind(AssertUnwindSafe(|| {
+        if !function.is_legal_in(instance.phase) {
+            return refuse_phase(instance, function);
         }
-    };
-    report(instance, function, &refusal)
+        match work(instance) {
+            Ok(()) => Verdict::Ok,
+            Err(refusal) => report(&instance.logger, function.name, &refusal),
+        }
+    }));
+    answered.unwrap_or_else(|payload| lose(instance, function, payload))
 }
 
 #[cold]
 fn refuse_phase(instance: &Instance, function: &Function) -> Verdict {
     let message = match instance.phase {
-        Phase::Fatal => "the instance is lost; it can only be freed".to_owned(),
+        Phase::Fatal => "the instance is lost; it and its states can only be freed".to_owned(),
         phase => format!("not allowed in the phase '{}'; allowed in: {}", phase.name(), function.legal_phases()),
     };
     let verdict = if instance.phase == Phase::Fatal { Verdict::Fatal } else { Verdict::Error };
-    report(instance, function, &Refusal { verdict, message })
+    report(&instance.logger, function.name, &Refusal { verdict, message })
 }
 
 #[cold]
-fn report(instance: &Instance, function: &Function, refusal: &Refusal) -> Verdict {
-    instance.logger.log(refusal.verdict, &format!("{}: {}", function.name, refusal.message));
+fn report(logger: &Logger, function: &str, refusal: &Refusal) -> Verdict {
+    logger.log(refusal.verdict, &format!("{function}: {}", refusal.message));
     refusal.verdict
+}
+
+/// End of an instance by a panic. A second panic, in the report of the first one, goes unreported.
+#[cold]
+fn lose(instance: &mut Instance, function: &Function, payload: Box<dyn Any + Send>) -> Verdict {
+    instance.phase = Phase::Fatal;
+    let _ = catch_unwind(AssertUnwindSafe(move || report(&instance.logger, function.name, &fault(&*payload))));
+    Verdict::Fatal
 }
 
 /// A panic as a refusal.
@@ -171,6 +179,32 @@ mod tests {
         // SAFETY: the pointer is valid until `free`.
         unsafe {
             assert_eq!(call(c, &READ, |_| panic!("on purpose")), Verdict::Fatal);
+            assert_eq!(call(c, &READ, |_| Ok(())), Verdict::Fatal);
+            free(c);
+        }
+    }
+
+    /// A logger that throws, as one written in C++ may do.
+    fn throwing() -> Logger {
+        Logger::new(Some(Box::new(|_, _, _| panic!("the host's own"))), true)
+    }
+
+    #[test]
+    fn a_logger_that_throws_changes_no_answer() {
+        let load = || Ok(Component::from_definition("mechanism.json", GEAR)?);
+        let refused = instantiate("instantiate", c"gear", throwing(), || Err(Refusal::error("on purpose")));
+        assert!(refused.is_null());
+        let c = instantiate("instantiate", c"gear", throwing(), load);
+        // SAFETY: the pointer is valid until `free`.
+        unsafe {
+            assert_eq!(call(c, &READ, |_| Err(Refusal::error("on purpose"))), Verdict::Error);
+            assert_eq!(call(c, &ADVANCE, |_| Ok(())), Verdict::Error);
+            let event = |instance: &mut Instance| {
+                instance.logger.event(|| "an event".to_owned());
+                Ok(())
+            };
+            assert_eq!(call(c, &READ, event), Verdict::Ok);
+            assert_eq!(call(c, &READ, |_| panic!("our own")), Verdict::Fatal);
             assert_eq!(call(c, &READ, |_| Ok(())), Verdict::Fatal);
             free(c);
         }

@@ -8,6 +8,7 @@ use super::logger::Logger;
 use super::phase::{Phase, may_get, may_set};
 use super::refusal::Refusal;
 use super::saved::Saved;
+use super::undefined::Undefined;
 use crate::component::{Component, Refused};
 use crate::numerics::decimal::Decimal;
 use crate::variables::{Interface, Kind, Reference};
@@ -108,13 +109,35 @@ impl Instance {
         Ok(())
     }
 
-    /// Read Reals. On an error the array may be filled in part.
+    /// Read Reals. On an error the array may be filled in part. An output that has no value in this state is NaN; all
+    /// others are told, and a warning says why.
     pub fn get_real(&mut self, references: &[Reference], values: &mut [MaybeUninit<f64>]) -> Result<(), Refusal> {
+        let mut undefined = false;
         for (&reference, value) in references.iter().zip(values) {
             may_get(self.component.interface(), self.phase, reference, Kind::Real)?;
-            value.write(self.component.real(reference)?);
+            let number = self.component.real(reference)?;
+            undefined |= number.is_nan();
+            value.write(number);
         }
-        Ok(())
+        if undefined { self.warn(references, "value", Component::undefined) } else { Ok(()) }
+    }
+
+    /// The warning that names those variables of a call of which `why` tells that they have no value.
+    #[cold]
+    fn warn(
+        &mut self,
+        references: &[Reference],
+        what: &'static str,
+        why: impl Fn(&mut Component, Reference) -> Option<String>,
+    ) -> Result<(), Refusal> {
+        let mut undefined = Undefined::new(what);
+        for &reference in references {
+            if let Some(reason) = why(&mut self.component, reference) {
+                let name = self.component.interface().get(reference).map_or("", |variable| &variable.name);
+                undefined.add(name, reason);
+            }
+        }
+        undefined.warning().map_or(Ok(()), Err)
     }
 
     /// Read Booleans, as 0 and 1 of the type `B`. On an error the array may be filled in part.
@@ -209,7 +232,8 @@ impl Instance {
         Ok(())
     }
 
-    /// For each unknown the sum over the knowns of the partial derivative times the seed.
+    /// For each unknown the sum over the knowns of the partial derivative times the seed; NaN, with a warning, where it
+    /// has none in this state.
     pub fn directional_derivative(
         &mut self,
         unknowns: &[Reference],
@@ -217,23 +241,35 @@ impl Instance {
         seeds: &[f64],
         values: &mut [MaybeUninit<f64>],
     ) -> Result<(), Refusal> {
+        let mut undefined = Vec::new();
         let mut report = |index: usize, value: f64| {
             values[index].write(value);
+            if value.is_nan() {
+                undefined.push(unknowns[index]);
+            }
         };
-        Ok(self.component.directional_derivative(unknowns, knowns, seeds, &mut report)?)
+        self.component.directional_derivative(unknowns, knowns, seeds, &mut report)?;
+        match undefined[..] {
+            [] => Ok(()),
+            _ => self.warn(&undefined, "derivative", Component::undefined_derivative),
+        }
     }
 
-    /// Time derivatives of outputs, each of its order. On an error the array may be filled in part.
+    /// Time derivatives of outputs, each of its order. On an error the array may be filled in part. NaN, with a warning,
+    /// where an output has none in this state.
     pub fn output_derivatives(
         &mut self,
         references: &[Reference],
         orders: &[i32],
         values: &mut [MaybeUninit<f64>],
     ) -> Result<(), Refusal> {
+        let mut undefined = false;
         for ((&reference, &order), value) in references.iter().zip(orders).zip(values) {
-            value.write(self.component.output_derivative(reference, order)?);
+            let rate = self.component.output_derivative(reference, order)?;
+            undefined |= rate.is_nan();
+            value.write(rate);
         }
-        Ok(())
+        if undefined { self.warn(references, "derivative", Component::undefined_derivative) } else { Ok(()) }
     }
 
     /// Set time derivatives of inputs, each of its order, all or none.

@@ -3,19 +3,20 @@
 //! In: lines of text with a verdict. Out: calls of the version's sink, which knows the host's logger. The list of
 //! categories is also what `modelDescription.xml` declares.
 //!
-//! FMI 2.0.5, 2.1.3, has the logger called for every failed call, while `loggingOn` switches debug logging. So failed
-//! calls are reported even with `loggingOn` = false, at instantiation and in `SetDebugLogging`. Only a host that names
-//! categories gets exactly these.
+//! FMI 2.0.5, 2.1.3, has the logger called for every call that is not answered with OK, while `loggingOn` switches
+//! debug logging. So such calls are reported even with `loggingOn` = false, at instantiation and in `SetDebugLogging`.
+//! Only a host that names categories gets exactly these.
 
 use super::refusal::{Refusal, Verdict};
 use crate::format::on_one_line;
 use std::ffi::{CStr, CString};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// The log categories of the FMU, name and description, in the order of the XML. The category of a verdict is at its
 /// index; `logAll` stands for all others.
 pub const LOG_CATEGORIES: [(&CStr, &str); 6] = [
     (c"logEvents", "Changes of mode, where the mechanism was read, and what the integration cost"),
-    (c"logStatusWarning", "Calls that were accepted although something about them is unusual"),
+    (c"logStatusWarning", "Calls that were done although something about them is unusual; outputs without a value"),
     (c"logStatusDiscard", "Questions of the host that have no answer"),
     (c"logStatusError", "Calls that were refused or failed, and why"),
     (c"logStatusFatal", "Faults inside the FMU; the instance is lost"),
@@ -26,8 +27,14 @@ const fn bit(verdict: Verdict) -> u8 {
     1 << verdict as u8
 }
 
-const ALL: u8 = (1 << (LOG_CATEGORIES.len() - 1)) - 1;
-const FAILURES: u8 = bit(Verdict::Discard) | bit(Verdict::Error) | bit(Verdict::Fatal);
+/// Warnings that are the answer to a call; those beside the answer OK have the bit of the category.
+const WARNING_ANSWER: u8 = 1 << (LOG_CATEGORIES.len() - 1);
+const ALL: u8 = 2 * WARNING_ANSWER - 1;
+/// All answers but OK.
+const ANSWERS: u8 = WARNING_ANSWER | bit(Verdict::Discard) | bit(Verdict::Error) | bit(Verdict::Fatal);
+
+/// Largest length of a message [bytes]: hosts write messages into buffers of a fixed size.
+pub const LONGEST: usize = 1000;
 
 /// Calls the host's logger with a verdict, its category and a message on one line.
 pub(crate) type Sink = Box<dyn Fn(Verdict, &CStr, &CStr)>;
@@ -45,19 +52,34 @@ impl Logger {
         Logger { sink, enabled: unnamed(logging_on) }
     }
 
-    /// Report a message under the category of the verdict, on one line: a control character inside the text, as a path
-    /// may hold it, is made visible.
+    /// Report why a call is answered with this verdict.
     pub fn log(&self, verdict: Verdict, message: &str) {
-        let (Some(sink), true) = (&self.sink, self.is_on(verdict)) else { return };
-        if let Ok(message) = CString::new(on_one_line(message)) {
-            sink(verdict, LOG_CATEGORIES[verdict as usize].0, &message);
+        if self.is_on(verdict) {
+            self.write(verdict, message);
+        }
+    }
+
+    /// Report something unusual about a call that is answered with OK.
+    pub fn remark(&self, message: &str) {
+        if self.enabled & bit(Verdict::Warning) != 0 {
+            self.write(Verdict::Warning, message);
         }
     }
 
     /// Report an event; the text is only made if the category is on.
     pub fn event(&self, message: impl FnOnce() -> String) {
         if self.sink.is_some() && self.is_on(Verdict::Ok) {
-            self.log(Verdict::Ok, &message());
+            self.write(Verdict::Ok, &message());
+        }
+    }
+
+    /// Pass a message on under the category of the verdict, as one line of at most [`LONGEST`] bytes: a control
+    /// character inside the text, as a path may hold it, is made visible. What the host's logger throws ends here.
+    fn write(&self, verdict: Verdict, message: &str) {
+        let Some(sink) = &self.sink else { return };
+        if let Ok(message) = CString::new(shortened(on_one_line(message))) {
+            let category = LOG_CATEGORIES[verdict as usize].0;
+            let _ = catch_unwind(AssertUnwindSafe(|| sink(verdict, category, &message)));
         }
     }
 
@@ -85,18 +107,33 @@ impl Logger {
     }
 
     fn is_on(&self, verdict: Verdict) -> bool {
-        self.enabled & bit(verdict) != 0
+        let bits = if verdict == Verdict::Warning { WARNING_ANSWER } else { bit(verdict) };
+        self.enabled & bits != 0
     }
+}
+
+/// A line of at most [`LONGEST`] bytes: the middle of a longer one is left out, with its number of bytes in its place.
+fn shortened(line: String) -> String {
+    /// Bytes kept of the end, which may hold the remedy.
+    const END: usize = 200;
+    /// Bytes of the longest mark.
+    const MARK: usize = 60;
+    if line.len() <= LONGEST {
+        return line;
+    }
+    let (first, last) = (line.floor_char_boundary(LONGEST - END - MARK), line.ceil_char_boundary(line.len() - END));
+    format!("{} ... ({} bytes left out) ... {}", &line[..first], last - first, &line[last..])
 }
 
 /// Categories that are on if the host names none.
 fn unnamed(logging_on: bool) -> u8 {
-    if logging_on { ALL } else { FAILURES }
+    if logging_on { ALL } else { ANSWERS }
 }
 
 fn bits(category: &CStr) -> Result<u8, Refusal> {
     match LOG_CATEGORIES.iter().position(|(name, _)| *name == category) {
         Some(index) if index == LOG_CATEGORIES.len() - 1 => Ok(ALL),
+        Some(index) if index == Verdict::Warning as usize => Ok(bit(Verdict::Warning) | WARNING_ANSWER),
         Some(index) => Ok(1 << index),
         None => Err(Refusal::error(format!(
             "unknown log category '{}'; known are {}",
@@ -122,16 +159,17 @@ mod tests {
     fn failures_are_on_from_the_start() {
         let logger = logger(false);
         assert!(logger.is_on(Verdict::Error) && logger.is_on(Verdict::Fatal) && logger.is_on(Verdict::Discard));
-        assert!(!logger.is_on(Verdict::Ok) && !logger.is_on(Verdict::Warning));
+        assert!(!logger.is_on(Verdict::Ok) && logger.is_on(Verdict::Warning));
+        assert_eq!(logger.enabled & bit(Verdict::Warning), 0, "a remark beside OK is debug logging");
     }
 
     #[test]
     fn categories_are_switched_as_asked() {
         let mut logger = logger(true);
         set(&mut logger, true, &[c"logEvents", c"logStatusWarning"]).unwrap();
-        assert_eq!(logger.enabled, bit(Verdict::Ok) | bit(Verdict::Warning));
+        assert_eq!(logger.enabled, bit(Verdict::Ok) | bit(Verdict::Warning) | WARNING_ANSWER);
         set(&mut logger, false, &[c"logEvents"]).unwrap();
-        assert_eq!(logger.enabled, bit(Verdict::Warning));
+        assert_eq!(logger.enabled, bit(Verdict::Warning) | WARNING_ANSWER);
         set(&mut logger, true, &[c"logAll"]).unwrap();
         assert_eq!(logger.enabled, ALL);
         set(&mut logger, false, &[c"logAll"]).unwrap();
@@ -148,7 +186,17 @@ mod tests {
         let refusal = set(&mut logger, true, &[c"logEvents", c"logEverything"]).unwrap_err();
         assert!(refusal.message.contains("logEverything"));
         assert!(logger.set_debug_logging(true, [None].into_iter()).is_err());
-        assert_eq!(logger.enabled, FAILURES);
+        assert_eq!(logger.enabled, ANSWERS);
+    }
+
+    #[test]
+    fn a_message_has_a_bounded_length() {
+        for length in [0, LONGEST - 1, LONGEST, LONGEST + 1, 3 * LONGEST, 1_000_000] {
+            let text = format!("{}x", "\u{e4}".repeat(length / 2));
+            let line = shortened(text.clone());
+            assert!(line.len() <= LONGEST && line.ends_with('x'), "{}", line.len());
+            assert!(line == text || (line.len() > LONGEST - 60 && line.contains(" bytes left out) ")));
+        }
     }
 
     #[test]

@@ -17,3 +17,4 @@ pub(crate) mod refusal;
 pub(crate) mod resources;
 pub(crate) mod saved;
 pub(crate) mod state_handle;
+pub(crate) mod undefined;

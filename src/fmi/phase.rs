@@ -21,7 +21,7 @@ pub enum Phase {
     Terminated = 8,
     /// A step could not be computed; the state is that of the last communication point.
     Failed = 16,
-    /// A fault inside this library; the instance can only be freed.
+    /// A fault inside this library; the instance and its states can only be freed.
     Fatal = 32,
 }
 
@@ -30,6 +30,7 @@ pub const INITIALIZATION: u8 = Phase::Initialization as u8;
 pub const STEP: u8 = Phase::Step as u8;
 pub const TERMINATED: u8 = Phase::Terminated as u8;
 pub const FAILED: u8 = Phase::Failed as u8;
+pub const FATAL: u8 = Phase::Fatal as u8;
 /// All phases but the last.
 pub const ALIVE: u8 = INSTANTIATED | INITIALIZATION | STEP | TERMINATED | FAILED;
 /// Phases in which values can be set.

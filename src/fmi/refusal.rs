@@ -1,4 +1,5 @@
-//! A refused call: the verdict that the host gets and the line that the logger gets.
+//! What is said about a call that is not answered with OK: the verdict that the host gets and the line that the logger
+//! gets.
 //!
 //! The message names the quantity, the value, the limit and what to do; `handle` puts the function's name in front of
 //! it.
@@ -20,10 +21,11 @@ pub enum Verdict {
     Fatal,
 }
 
-/// Why a call was refused. The instance is unchanged.
+/// Why a call was refused; the instance is unchanged. With the verdict `Warning`: what is unusual about a call that was
+/// done.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refusal {
-    /// Answer to the host: `Discard` or `Error`.
+    /// Answer to the host.
     pub verdict: Verdict,
     /// One line for the logger.
     pub message: String,
@@ -33,6 +35,11 @@ impl Refusal {
     /// A call that is wrong, or that failed.
     pub fn error(message: impl Into<String>) -> Self {
         Refusal { verdict: Verdict::Error, message: message.into() }
+    }
+
+    /// A call that was done, although something about it is unusual.
+    pub fn warning(message: impl Into<String>) -> Self {
+        Refusal { verdict: Verdict::Warning, message: message.into() }
     }
 
     /// A question without an answer; the instance goes on.

@@ -2,8 +2,9 @@
 //!
 //! In: an instance and pointers of the host's. Out: states, or a refusal. A state belongs to no instance: every
 //! instance of the same identity takes it, and it outlives the instance that was saved. The words at its head
-//! distinguish it from other memory, from a state of another identity, and mostly from a freed state. What they cannot
-//! show: memory that was given back to the system, or that holds another state by now.
+//! distinguish it from other memory, from a state of another identity or of another version of this library, and mostly
+//! from a freed state. What they cannot show: memory that was given back to the system, or that holds another state by
+//! now.
 //!
 //! # Safety
 //! All functions share the contract of FMI 2.0.5, 2.1.8: a state is NULL or leads to readable memory of a state's size,
@@ -14,16 +15,47 @@ use super::array::output;
 use super::instance::Instance;
 use super::refusal::Refusal;
 use super::saved::Saved;
+use crate::component::Snapshot;
 use std::ffi::c_void;
+use std::mem::offset_of;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A saved state, opaque to the host.
 pub type State = *mut c_void;
 
-/// First word of a state.
-const ALIVE: u64 = u64::from_be_bytes(*b"linkstat");
+/// First word of a state: another one in another version of this library, or where a state has another layout in
+/// memory, so that two libraries in one process refuse each other's states.
+const ALIVE: u64 = word(env!("CARGO_PKG_VERSION"), &LAYOUT);
+/// Sizes and places that a layout of [`Kept`] consists of [bytes], and what a build decides.
+const LAYOUT: [usize; 8] = [
+    size_of::<Kept>(),
+    align_of::<Kept>(),
+    offset_of!(Kept, identity),
+    offset_of!(Kept, saved),
+    offset_of!(Saved, clock),
+    offset_of!(Saved, component),
+    size_of::<Snapshot>(),
+    cfg!(debug_assertions) as usize,
+];
 /// First word of a state that was freed.
 const FREED: u64 = 0;
+
+/// First word for a version and a layout: FNV-1a of both.
+const fn word(version: &str, layout: &[usize]) -> u64 {
+    const fn mixed(hash: u64, part: u64) -> u64 {
+        (hash ^ part).wrapping_mul(0x0000_0100_0000_01B3)
+    }
+    let (mut hash, mut i, mut k) = (u64::from_be_bytes(*b"linkstat"), 0, 0);
+    while i < version.len() {
+        hash = mixed(hash, version.as_bytes()[i] as u64);
+        i += 1;
+    }
+    while k < layout.len() {
+        hash = mixed(hash, layout[k] as u64);
+        k += 1;
+    }
+    hash
+}
 
 /// What a state leads to.
 struct Kept {
@@ -49,7 +81,7 @@ unsafe fn kept<'a>(state: State, instance: &Instance) -> Result<&'a mut Kept, Re
     if kept.is_null() {
         return Err(Refusal::error("the state is NULL; pass one that was saved or deserialized"));
     }
-    let foreign = "the pointer leads to no state of this FMU, or to one that was freed";
+    let foreign = "the pointer leads to no state of this FMU and version of its library, or to one that was freed";
     if !kept.is_aligned() {
         return Err(Refusal::error(foreign));
     }
@@ -148,4 +180,51 @@ pub unsafe fn deserialize(instance: &Instance, bytes: &[u8], state: *mut State) 
     let state = unsafe { output("FMUstate", state, 1) }?;
     state[0].write(keep(Saved::from_bytes(bytes, &instance.component)?, instance));
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::component::Component;
+    use crate::fmi::logger::Logger;
+    use crate::mechanism::GEAR;
+
+    #[test]
+    fn the_first_word_tells_versions_and_layouts_apart() {
+        assert_eq!(ALIVE, word(env!("CARGO_PKG_VERSION"), &LAYOUT));
+        assert_ne!(word("1.0.0", &LAYOUT), word("1.0.1", &LAYOUT));
+        for part in 0..LAYOUT.len() {
+            let mut other = LAYOUT;
+            other[part] ^= 1;
+            assert_ne!(word("1.0.0", &LAYOUT), word("1.0.0", &other));
+        }
+        assert!(ALIVE != FREED && ALIVE != u64::from_be_bytes(*b"linkstat"));
+    }
+
+    /// The head of the other version's state is all that is read of it.
+    #[test]
+    fn a_state_of_another_version_is_refused_by_every_function() {
+        let component = Component::from_definition("mechanism.json", GEAR).unwrap();
+        let mut instance = Instance::new(Logger::new(None, false), component);
+        let mut other = [word("0.0.0-other", &LAYOUT), 1, 2, 3];
+        let state: State = other.as_mut_ptr().cast();
+        // SAFETY: the memory is readable, and belongs to this test; the last call frees a state of `save`.
+        unsafe {
+            let mut pointer = state;
+            let refused = [
+                save(&instance, &mut pointer),
+                restore(&mut instance, state),
+                free(&instance, &mut pointer),
+                serialize(&instance, state).map(drop),
+            ];
+            for refusal in refused {
+                assert!(refusal.unwrap_err().message.contains("version of its library"));
+            }
+            assert_eq!((pointer, other[1..].to_vec()), (state, vec![1, 2, 3]));
+            let mut own = std::ptr::null_mut();
+            save(&instance, &mut own).unwrap();
+            free(&instance, &mut own).unwrap();
+            assert!(own.is_null());
+        }
+    }
 }

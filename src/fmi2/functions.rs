@@ -8,9 +8,9 @@ use super::types::{
 use crate::fmi::array::{input, output, text};
 use crate::fmi::logger::{Logger, Sink};
 use crate::fmi::phase::{
-    ALIVE, FAILED, Function, INITIALIZATION, INSTANTIATED, Phase, SETTABLE, STEP, STEPPED, may_get, may_set,
+    ALIVE, FAILED, FATAL, Function, INITIALIZATION, INSTANTIATED, Phase, SETTABLE, STEP, STEPPED, may_get, may_set,
 };
-use crate::fmi::refusal::{Refusal, Verdict};
+use crate::fmi::refusal::Refusal;
 use crate::fmi::{handle, resources, state_handle};
 use crate::variables::Kind;
 use std::ffi::{CStr, c_int, c_void};
@@ -97,7 +97,7 @@ exported! {
     fn fmi2EnterInitializationMode() in INSTANTIATED => |i| {
         if !i.set_up {
             let message = "fmi2EnterInitializationMode: no fmi2SetupExperiment before; startTime is 0, no stopTime";
-            i.logger.log(Verdict::Warning, message);
+            i.logger.remark(message);
         }
         i.phase = Phase::Initialization;
         Ok(())
@@ -175,9 +175,10 @@ exported! {
     // SAFETY: `state` is NULL or leads to a state (2.1.8).
     fn fmi2SetFMUstate(state: FmuState) in ALIVE => |i| state_handle::restore(i, state);
 
-    /// End of a state; `*state` becomes NULL. Does nothing for NULL and for a pointer to NULL.
+    /// End of a state; `*state` becomes NULL. Does nothing for NULL and for a pointer to NULL. Legal after a fatal fault,
+    /// as the host must give back what it holds.
     // SAFETY: `state` is NULL or leads to a pointer, and that is NULL or leads to a state (2.1.8).
-    fn fmi2FreeFMUstate(state: *mut FmuState) in ALIVE => |i| state_handle::free(i, state);
+    fn fmi2FreeFMUstate(state: *mut FmuState) in ALIVE | FATAL => |i| state_handle::free(i, state);
 
     /// Number of bytes that [`fmi2SerializeFMUstate`] writes.
     // SAFETY: `state` is NULL or leads to a state, `size` leads to memory for a number (2.1.8).

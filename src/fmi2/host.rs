@@ -53,7 +53,7 @@ fn terminated(text: &str) -> CString {
     CString::new(text.split('\0').next().unwrap_or_default()).unwrap_or_default()
 }
 
-unsafe extern "C" fn log(env: Environment, name: Text, status: c_int, category: Text, format: Text, text: Text) {
+unsafe extern "C-unwind" fn log(env: Environment, name: Text, status: c_int, category: Text, format: Text, text: Text) {
     assert_eq!(owned(format), "%s");
     // SAFETY: the environment is the `Log` passed to `callbacks`, which outlives the instance.
     let log = unsafe { &*env.cast::<Log>() };
@@ -63,7 +63,7 @@ unsafe extern "C" fn log(env: Environment, name: Text, status: c_int, category: 
 /// The logger as the variadic function of the standard. On the ABIs of the supported platforms a first variadic pointer
 /// is passed like a named one.
 pub fn logger() -> LoggerCallback {
-    let logger: unsafe extern "C" fn(Environment, Text, c_int, Text, Text, Text) = log;
+    let logger: unsafe extern "C-unwind" fn(Environment, Text, c_int, Text, Text, Text) = log;
     // SAFETY: see above; Rust cannot define a variadic function.
     unsafe { std::mem::transmute(logger) }
 }

@@ -83,8 +83,8 @@ impl From<Verdict> for Status {
     }
 }
 
-/// `fmi2CallbackLogger`: printf-style, hence variadic.
-pub type LoggerCallback = unsafe extern "C" fn(
+/// `fmi2CallbackLogger`: printf-style, hence variadic. One that is written in C++ may throw.
+pub type LoggerCallback = unsafe extern "C-unwind" fn(
     environment: Environment,
     instance_name: Text,
     status: Status,

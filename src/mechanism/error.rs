@@ -17,8 +17,9 @@ pub enum ModelError {
     Definition(DefinitionError),
     /// The present parameters give no reduced model or no start.
     Reduction(ReductionError),
-    /// No variable of this kind has this reference; `count` is the number of variables.
-    Reference { reference: Reference, kind: &'static str, count: usize },
+    /// No variable of this kind has this reference; `own`: name and kind of the variable that has it, `count`: number
+    /// of variables.
+    Reference { reference: Reference, own: Option<(String, &'static str)>, kind: &'static str, count: usize },
     /// A value out of the range that `allowed` states.
     Value { name: String, value: f64, allowed: String },
     /// A text other than the allowed words.
@@ -37,8 +38,6 @@ pub enum ModelError {
     Output { name: String },
     /// An output is not smooth along the motion, near this position of the linkage.
     Table { name: String, position: String },
-    /// An output overflows.
-    Overflow { name: String },
     /// A step before initialisation.
     NotInitialised,
     /// A step size [s] that is not finite and positive.
@@ -69,7 +68,10 @@ impl fmt::Display for ModelError {
         match self {
             Self::Definition(e) => e.fmt(f),
             Self::Reduction(e) => e.fmt(f),
-            Self::Reference { reference, kind, count } => write!(
+            Self::Reference { reference, own: Some((name, own)), kind, .. } => {
+                write!(f, "{name} (value reference {reference}) is a {own}, not a {kind}: use the functions for a {own}")
+            }
+            Self::Reference { reference, kind, count, .. } => write!(
                 f,
                 "value reference {reference} is no {kind} variable: references run from 0 to {}, \
                  kinds are in modelDescription.xml",
@@ -100,10 +102,6 @@ impl fmt::Display for ModelError {
                 f,
                 "{name} is not smooth near {position}, so that it cannot be told; \
                  change the lengths, or do not read it"
-            ),
-            Self::Overflow { name } => write!(
-                f,
-                "{name} is beyond the largest number under the present inputs and parameters: check their sizes"
             ),
             Self::NotInitialised => f.write_str("a step was asked for before initialisation: initialise first"),
             Self::StepSize { h } => write!(f, "step size h = {} s: must be finite and > 0", Decimal(*h)),

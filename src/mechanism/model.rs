@@ -2,13 +2,14 @@
 //!
 //! In: a definition's text, values set by the host, steps. Out: values by reference. It must not know FMI's life cycle.
 mod derivatives;
+mod undefined;
 
 use super::dynamics::inputs::{InputPolynomial, Inputs};
 use super::error::ModelError;
 use super::fem_motion::RigidFemMotion;
 use super::interface;
 use super::motion::state::State;
-use super::outputs::{Computed, OutputError, ReducedMotion};
+use super::outputs::{Computed, ReducedMotion};
 use super::parameters::ParameterValues;
 use super::quantity::Quantity;
 use crate::integrator::Statistics;
@@ -130,7 +131,8 @@ impl Model {
         self.reduced.as_ref().ok_or(ModelError::NotInitialised)
     }
 
-    /// Present value of a Real: output, input or parameter. Computed when first read in a state.
+    /// Present value of a Real: output, input or parameter. Computed when first read in a state. NaN for an output that
+    /// has no value in this state, of which [`Self::undefined`] tells why.
     ///
     /// # Errors
     /// No Real has this reference, or the present parameters give no mechanism.
@@ -150,30 +152,9 @@ impl Model {
                     Formulation::Reduced(motion) => motion.output(reduced, &self.inputs, output),
                     Formulation::RigidFem(motion) => motion.output(reduced, &self.inputs, output),
                 };
-                match value {
-                    Ok(value) if value.is_finite() => Ok(value),
-                    value => self.report(reference, value),
-                }
+                Ok(value.ok().filter(|value| value.is_finite()).unwrap_or(f64::NAN))
             }
             _ => Err(self.no_such(reference, "Real")),
-        }
-    }
-
-    /// A finite value, or why there is none, in the host's words.
-    #[cold]
-    fn report(&self, reference: Reference, value: Result<f64, OutputError>) -> Result<f64, ModelError> {
-        let (Some(state), Some(reduced)) = (&self.state, &self.reduced) else {
-            return Err(ModelError::NotInitialised);
-        };
-        let name = || self.name_of(reference);
-        match value {
-            Ok(value) if value.is_finite() => Ok(value),
-            Ok(_) => Err(ModelError::Overflow { name: name() }),
-            Err(OutputError::Table(at)) => {
-                Err(ModelError::table(reduced, &name(), &at, state.along_curve().revolutions))
-            }
-            Err(OutputError::Locked) => Err(ModelError::Locked { position: state.along_curve().describe(reduced) }),
-            Err(OutputError::RigidFem(error)) => Err(error.into()),
         }
     }
 
@@ -242,6 +223,17 @@ impl Model {
                 let reduced = Arc::clone(self.reduced()?);
                 Ok(self.state()?.along_curve().at_stop(&reduced, stop))
             }
+            Some(Quantity::SelfLocking(drive)) => {
+                self.state()?;
+                let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) else {
+                    return Err(ModelError::NotInitialised);
+                };
+                let motion = match state {
+                    Formulation::Reduced(motion) => motion,
+                    Formulation::RigidFem(motion) => &mut motion.rigid,
+                };
+                Ok(motion.self_locking(reduced, &self.inputs, drive))
+            }
             _ => Err(self.no_such(reference, "Boolean")),
         }
     }
@@ -253,7 +245,7 @@ impl Model {
     pub fn check_boolean(&self, reference: Reference, _value: bool) -> Result<(), ModelError> {
         match self.original.variables.quantity(reference) {
             Some(Quantity::Flag(_) | Quantity::Lock(_)) => Ok(()),
-            Some(Quantity::AtStop(_)) => Err(ModelError::Output { name: self.name_of(reference) }),
+            Some(Quantity::AtStop(_) | Quantity::SelfLocking(_)) => Err(ModelError::Output { name: self.name_of(reference) }),
             _ => Err(self.no_such(reference, "Boolean")),
         }
     }
@@ -419,13 +411,15 @@ impl Model {
     }
 
     fn no_such(&self, reference: Reference, kind: &'static str) -> ModelError {
-        ModelError::Reference { reference, kind, count: self.original.variables.list().len() }
+        let list = self.original.variables.list();
+        let own = list.get(reference as usize).map(|variable| (variable.name.clone(), variable.kind.word()));
+        ModelError::Reference { reference, own, kind, count: list.len() }
     }
 }
 
 /// Whether the reduced model depends on a parameter of this role.
 pub(super) fn is_reduced(role: Role) -> bool {
-    matches!(role, Role::Geometry | Role::Inertia | Role::Load)
+    matches!(role, Role::Geometry | Role::Inertia | Role::Load | Role::Scale)
 }
 
 impl Formulation {

@@ -15,6 +15,8 @@ pub enum Quantity {
     Lock(usize),
     /// Whether the mechanism is at a stop.
     AtStop(usize),
+    /// Whether friction locks the mechanism against a drive, which has the index of its load.
+    SelfLocking(usize),
     /// Computed from the state.
     Output(Output),
 }

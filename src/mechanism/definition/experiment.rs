@@ -63,6 +63,10 @@ impl Start {
 pub struct Solver {
     /// Relative tolerance of the integration [1].
     pub tolerance: f64,
+    /// Least speed to which errors are relative, as a part of that which the present force along the curve would give
+    /// over the length of 1 rad [1], > 0 and <= 1.
+    #[serde(default = "speed_floor")]
+    pub speed_floor: f64,
     /// Formulation of the motion, a parameter; the reduced model, without a parameter, where absent.
     pub method: Option<Method>,
     /// Only with `method`: largest step of Newmark's method [s], > 0; 1e-5 where absent.
@@ -73,13 +77,17 @@ pub struct Solver {
     pub tables: bool,
 }
 
+fn speed_floor() -> f64 {
+    1.0
+}
+
 fn tables() -> bool {
     true
 }
 
 impl Default for Solver {
     fn default() -> Self {
-        Self { tolerance: 1e-9, method: None, fem_step: None, tables: true }
+        Self { tolerance: 1e-9, speed_floor: speed_floor(), method: None, fem_step: None, tables: true }
     }
 }
 
@@ -96,6 +104,10 @@ impl Solver {
             Range::Tolerance,
             &mut self.tolerance,
         );
+        list.role = Role::Scale;
+        let words = "Least speed to which errors are relative, as a part of that gained over 1 rad under the present loads";
+        list.add("speed_floor", words, Unit::One, Range::Fraction, &mut self.speed_floor);
+        list.role = Role::Tolerance;
         if self.method.is_some() {
             let words = "Largest step of the rigid finite elements";
             list.add("fem_step", words, Unit::Second, Range::Positive, &mut self.fem_step);

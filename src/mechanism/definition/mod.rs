@@ -36,6 +36,8 @@ pub enum Role {
     Elasticity,
     /// The tolerance or the step of the integration.
     Tolerance,
+    /// What the errors of the integration are relative to.
+    Scale,
 }
 
 /// Function that is called with each parameter and its value.

@@ -148,11 +148,11 @@ impl EquationOfMotion<'_> {
         tangent.evaluate((self.reduced, state_loads), &self.applied, panel_force, &self.mode, y)
     }
 
-    /// Scales of sigma and sigma_dot: the length of a motion of the size of one radian; sigma_dot itself, or the speed
-    /// that the present force gives over that length.
-    fn scales(&self, sigma_dot: f64, acceleration: f64) -> [f64; 2] {
+    /// Scales of sigma and sigma_dot: the length of a motion of the size of one radian; sigma_dot itself, or the part
+    /// `floor` of the speed that the present force gives over that length.
+    fn scales(&self, sigma_dot: f64, acceleration: f64, floor: f64) -> [f64; 2] {
         let length = self.reduced.scale();
-        let fallen = (acceleration.abs() * length).sqrt();
+        let fallen = floor * (acceleration.abs() * length).sqrt();
         [length, sigma_dot.abs().max(fallen).max(1e-12 * length)]
     }
 }
@@ -188,7 +188,7 @@ impl System<2> for EquationOfMotion<'_> {
     }
 
     fn scale(&mut self, y: &[f64; 2], f: &[f64; 2]) -> [f64; 2] {
-        self.scales(y[1], f[1])
+        self.scales(y[1], f[1], self.reduced.speed_floor)
     }
 }
 
@@ -221,9 +221,12 @@ impl System<3> for EquationOfMotion<'_> {
         let x = self.locate(y[0]);
         let panel_force = &self.scratch.panel_force;
         let force = f[1].abs().max(panel_force.at(x, 0.0).abs()).max(panel_force.excess(0, x, self.time).abs());
-        let [length, speed] = self.scales(y[1], force);
+        let floor = self.reduced.speed_floor;
+        let [length, speed] = self.scales(y[1], force, floor);
+        // Energies are relative to the whole speed, as their rounding is.
+        let whole = if floor < 1.0 { self.scales(y[1], force, 1.0)[1] } else { speed };
         // Where friction balances the rest, the power lost shows how large the forces are.
         let resisting = if f[2] == 0.0 { 0.0 } else { (f[2] / y[1]).abs() };
-        [length, speed, (speed * speed).max(resisting * length)]
+        [length, speed, (whole * whole).max(resisting * length)]
     }
 }

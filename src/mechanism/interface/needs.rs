@@ -94,7 +94,7 @@ pub(super) fn causes(source: &Source) -> Result<Vec<Vec<Cause>>, DefinitionError
         Role::StartPosition => Ok(vec![Cause::Position]),
         Role::StartSpeed => Ok(vec![Cause::Speed]),
         Role::Elasticity => Ok(vec![Cause::Elasticity]),
-        Role::Tolerance => Ok(Vec::new()),
+        Role::Tolerance | Role::Scale => Ok(Vec::new()),
         Role::Geometry | Role::Inertia | Role::Load => changed(&mut |other| {
             let mut indices = 0..;
             other.parameters(&mut |_, value| {

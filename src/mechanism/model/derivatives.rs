@@ -14,11 +14,11 @@ pub const INPUT_ORDER: i32 = 2;
 
 impl Model {
     /// Directional derivatives of outputs at the present state: for each unknown the sum over the knowns of dy / du
-    /// times the seed. `report` is called once for each unknown, with its index.
+    /// times the seed. `report` is called once for each unknown, with its index; with NaN for one that has no derivative
+    /// in this state, of which [`Self::undefined_derivative`] tells why.
     ///
     /// # Errors
-    /// An unknown that is no continuous output, a known that is no continuous input, an output without a value,
-    /// `solver.method` = "`rigid_fem`".
+    /// An unknown that is no continuous output, a known that is no continuous input, `solver.method` = "`rigid_fem`".
     pub fn directional_derivative(
         &mut self,
         unknowns: &[Reference],
@@ -53,11 +53,11 @@ impl Model {
     }
 
     /// Rate of a continuous output in time, under inputs that change at the rates set by
-    /// [`Self::set_input_derivative`].
+    /// [`Self::set_input_derivative`]. NaN for an output that has no rate in this state, of which
+    /// [`Self::undefined_derivative`] tells why.
     ///
     /// # Errors
-    /// No continuous output has this reference, another order than 1, an output without a value, `solver.method` =
-    /// "`rigid_fem`".
+    /// No continuous output has this reference, another order than 1, `solver.method` = "`rigid_fem`".
     pub fn output_derivative(&mut self, reference: Reference, order: i32) -> Result<f64, ModelError> {
         self.continuous(reference, Causality::Output, "derivatives are told of continuous outputs")?;
         if order != OUTPUT_ORDER {
@@ -71,8 +71,7 @@ impl Model {
         let Self { state: Some(Formulation::Reduced(motion)), reduced: Some(reduced), inputs, .. } = self else {
             return Err(ModelError::NotInitialised);
         };
-        let headed = motion.head_for_time(reduced, inputs);
-        self.report(reference, headed.map(|()| 0.0))?;
+        motion.head_for_time(reduced, inputs);
         self.derivative(reference)
     }
 
@@ -136,7 +135,7 @@ impl Model {
         self.inputs.signal.end(h);
     }
 
-    /// Derivative of an output in the direction last headed for.
+    /// Derivative of an output in the direction last headed for; NaN if it has none.
     fn derivative(&mut self, reference: Reference) -> Result<f64, ModelError> {
         let Some(Quantity::Output(output)) = self.original.variables.quantity(reference) else {
             return Err(self.no_such(reference, "Real"));
@@ -145,7 +144,7 @@ impl Model {
             return Err(ModelError::NotInitialised);
         };
         let derivative = motion.derivative(reduced, inputs, output);
-        self.report(reference, derivative)
+        Ok(derivative.ok().filter(|derivative| derivative.is_finite()).unwrap_or(f64::NAN))
     }
 
     /// Refuse a variable that is not a Real of this causality.

@@ -17,6 +17,9 @@ pub enum OutputError {
     Table(Unresolved),
     /// Friction and reactions have no common solution.
     Locked,
+    /// Friction and reactions have no common solution, whatever the force of this drive, which has the index of its
+    /// load.
+    SelfLocking(usize),
     /// The finite elements' forces are not finite.
     RigidFem(RigidFemError),
 }
@@ -169,12 +172,11 @@ fn potential<N: Number, K: Kinematics<N>>(motion: &mut K, loading: &Loading) -> 
 }
 
 /// At a dead centre of a drive no finite force or mass has the effect, and at some flat positions no finite reaction:
-/// the largest finite number stands for it, without derivatives.
+/// the largest finite number stands for it, without derivatives. What is indeterminate there, as 0 / 0, stays NaN.
 #[inline]
 pub fn finite<N: Number>(value: N) -> N {
     match value.value() {
-        v if v.is_finite() => value,
-        v if v.is_nan() => N::constant(f64::MAX),
-        v => N::constant(f64::MAX.copysign(v)),
+        v if v.is_infinite() => N::constant(f64::MAX.copysign(v)),
+        _ => value,
     }
 }

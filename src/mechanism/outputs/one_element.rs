@@ -2,6 +2,7 @@
 //!
 //! In: the reduced model in one state. Out: reduced mass, loads and forces along the drive. It must not know the
 //! drive's kind.
+use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::outputs::evaluator::{OutputError, finite};
 use crate::mechanism::outputs::view::{Reading, View};
 use crate::mechanism::quantity::OneElement;
@@ -56,6 +57,15 @@ impl<N: Reading> View<'_, N> {
         Ok(finite(value))
     }
 
+    /// Whether friction locks the mechanism against a drive: the force for the demanded acceleration, or one of the two
+    /// forces that begin to move the mechanism from rest, does not exist, because the drive's own reactions cause more
+    /// friction than the drive overcomes.
+    pub fn self_locking(&mut self, drive: usize) -> bool {
+        [OneElement::RequiredForce, OneElement::BreakawayForward, OneElement::BreakawayBackward]
+            .into_iter()
+            .any(|term| matches!(self.drive_term(drive, term), Err(OutputError::SelfLocking(_))))
+    }
+
     /// Force along sigma of all loads but one drive, at rest, without friction and losses.
     fn others_at_rest(&mut self, drive: usize) -> Result<N, OutputError> {
         let (sigma, influence) = (self.sigma(), self.influence(drive));
@@ -67,7 +77,10 @@ impl<N: Reading> View<'_, N> {
 
     /// Force along sigma that a drive must give, where friction depends on it: for an acceleration along the curve, or
     /// with `breakaway` to begin to move in this direction. The other drives lose as in a motion in `direction`,
-    /// whatever this drive gives at present.
+    /// whatever this drive gives at present, even if friction has no solution under that.
+    ///
+    /// # Errors
+    /// [`OutputError::SelfLocking`]: no force of this drive does it.
     fn required(
         &mut self,
         drive: usize,
@@ -78,14 +91,15 @@ impl<N: Reading> View<'_, N> {
         let (sigma, influence) = (self.sigma(), self.influence(drive));
         let sigma_dot = if breakaway.is_some() { N::constant(0.0) } else { self.sigma_dot() };
         self.cache.forces = None;
-        let free = self.equation()?.heading(direction, sigma, sigma_dot)?;
+        let free = self.equation()?.heading(direction, sigma, sigma_dot);
         let size = self.delivered(drive);
         let Some(state_loads) = self.state_loads() else {
-            return Ok(acceleration - (free - size * influence));
+            return Ok(acceleration - (free? - size * influence));
         };
         let scratch = &mut self.cache.scratch;
         let load = (drive, size);
-        Ok(scratch.evaluator.required(state_loads, &scratch.panel_force, sigma, load, acceleration, breakaway)?)
+        let force = scratch.evaluator.required(state_loads, &scratch.panel_force, sigma, load, acceleration, breakaway);
+        force.map_err(|Locked| OutputError::SelfLocking(drive))
     }
 }
 

@@ -136,6 +136,11 @@ impl ReducedMotion {
         View { reduced, inputs, state, loads, cache, values: () }
     }
 
+    /// Whether friction locks the mechanism against a drive in this state under these inputs.
+    pub fn self_locking(&mut self, reduced: &Reduced, inputs: &Inputs, drive: usize) -> bool {
+        self.view(reduced, inputs).self_locking(drive)
+    }
+
     /// What reading outputs has made be computed since the start.
     pub fn computed(&self) -> Computed {
         self.cache.computed
@@ -158,16 +163,13 @@ impl ReducedMotion {
         direction.rates.iter_mut().enumerate().for_each(|(i, rate)| *rate = seeds(i));
     }
 
-    /// Head in the direction of time.
-    ///
-    /// # Errors
-    /// The acceleration cannot be found.
-    pub fn head_for_time(&mut self, reduced: &Reduced, inputs: &Inputs) -> Result<(), OutputError> {
-        let along = [self.state.sigma_dot, self.view(reduced, inputs).forces()?.acceleration];
+    /// Head in the direction of time. Where the acceleration has no value, only derivatives without it have one.
+    pub fn head_for_time(&mut self, reduced: &Reduced, inputs: &Inputs) {
+        let acceleration = self.view(reduced, inputs).forces().map_or(f64::NAN, |forces| forces.acceleration);
+        let along = [self.state.sigma_dot, acceleration];
         let direction = self.direction(reduced, inputs);
         direction.along = along;
         direction.rates.copy_from_slice(&inputs.signal.first);
-        Ok(())
     }
 
     /// The direction, to be changed.
@@ -190,6 +192,11 @@ impl ReducedMotion {
         let Self { state, loads, cache: values, sensitivity } = self;
         let Some(cache) = sensitivity else { return Ok(0.0) };
         let mut view = View { reduced, inputs, state, loads, cache, values };
-        Ok(evaluate(&mut view, reduced.loading(), output)?.slope[0])
+        let derivative = evaluate(&mut view, reduced.loading(), output)?.slope[0];
+        if derivative.is_nan() {
+            // Of the acceleration, along which the direction leads.
+            view.forces()?;
+        }
+        Ok(derivative)
     }
 }

@@ -270,10 +270,8 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
             return Ok(N::constant(0.0));
         }
         let load = self.reduced.loading().stops[stop].load;
-        let slope = match self.reduced.displacement(load) {
-            Ok(table) => self.before_derivative(table, table.position(self.state.sigma), 1),
-            Err(_) => N::constant(f64::NAN),
-        };
+        let table = self.reduced.displacement(load)?;
+        let slope = self.before_derivative(table, table.position(self.state.sigma), 1);
         Ok(finite(-free / slope))
     }
 

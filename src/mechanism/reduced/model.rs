@@ -6,7 +6,7 @@ use super::resolved::Resolved;
 use super::source::{Components, Source};
 use super::state_loads::StateLoads;
 use crate::mechanism::curve::{Configuration, Curve, CurveError, Ends, NEAR_CROSSING};
-use crate::mechanism::definition::Mechanism;
+use crate::mechanism::definition::{Mechanism, Solver};
 use crate::mechanism::linkage::{Linkage, Point};
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::loads::unit_load::Load;
@@ -29,6 +29,8 @@ pub struct Reduced {
     pub(super) tables: Arc<Tables>,
     /// Whether the motion is evaluated without tables.
     pub(crate) exact: bool,
+    /// Least speed to which errors are relative, as a part of that gained over the length of 1 rad.
+    pub(crate) speed_floor: f64,
     /// State loads without and with moving air.
     state_loads: [OnceLock<Result<Option<StateLoads>, Unresolved>>; 2],
 }
@@ -67,7 +69,7 @@ impl Reduced {
     pub fn new(mechanism: &Mechanism) -> Result<Self, ReductionError> {
         let resolved = Resolved::new(mechanism)?;
         let curve = Arc::new(resolved.trace(mechanism)?);
-        Self::on(curve, resolved.loading, resolved.markers, !mechanism.solver.tables)
+        Self::on(curve, resolved.loading, resolved.markers, &mechanism.solver)
     }
 
     /// The curve alone.
@@ -84,23 +86,24 @@ impl Reduced {
     /// # Errors
     /// [`Self::new`]'s.
     pub fn renewed(&self, mechanism: &Mechanism) -> Result<Self, ReductionError> {
-        let (resolved, exact) = (Resolved::new(mechanism)?, !mechanism.solver.tables);
+        let (resolved, solver) = (Resolved::new(mechanism)?, &mechanism.solver);
         if !resolved.moves_as(self.linkage(), self.loading()) {
             let curve = Arc::new(resolved.trace(mechanism)?);
-            return Self::on(curve, resolved.loading, resolved.markers, exact);
+            return Self::on(curve, resolved.loading, resolved.markers, solver);
         }
         let (curve, Resolved { loading, markers, .. }) = (Arc::clone(&self.source.curve), resolved);
         let own = self.loading();
         if (&loading.loads, &loading.springs, &markers) != (&own.loads, &own.springs, &self.markers) {
-            return Self::on(curve, loading, markers, exact);
+            return Self::on(curve, loading, markers, solver);
         }
         let source = Source { curve, loading, ..self.source };
         let (grid, fine, tables) = (self.grid.clone(), self.fine.clone(), Arc::clone(&self.tables));
-        Ok(Self { source, markers, grid, fine, tables, exact, state_loads: Default::default() })
+        let (exact, speed_floor) = (!solver.tables, solver.speed_floor);
+        Ok(Self { source, markers, grid, fine, tables, exact, speed_floor, state_loads: Default::default() })
     }
 
     /// The reduced model on a given curve.
-    fn on(curve: Arc<Curve>, loading: Loading, markers: Vec<Point>, exact: bool) -> Result<Self, ReductionError> {
+    fn on(curve: Arc<Curve>, loading: Loading, markers: Vec<Point>, solver: &Solver) -> Result<Self, ReductionError> {
         let grid = Grid { borders: curve.grid(ACCURACY), centers: curve.crossings.to_vec() };
         let source = Source::new(curve, loading);
         let Source { curve, loading, components, .. } = &source;
@@ -143,7 +146,8 @@ impl Reduced {
             reactions: OnceLock::new(),
             state_reactions: OnceLock::new(),
         });
-        Ok(Self { source, markers, grid, fine, tables, exact, state_loads: Default::default() })
+        let (exact, speed_floor) = (!solver.tables, solver.speed_floor);
+        Ok(Self { source, markers, grid, fine, tables, exact, speed_floor, state_loads: Default::default() })
     }
 
     /// The linkage.

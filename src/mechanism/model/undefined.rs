@@ -1,0 +1,65 @@
+//! Why an output or a derivative has no value in a legal state.
+//!
+//! In: a reference. Out: the reason in the host's words, None if there is a value. It must not know any law.
+use super::{Formulation, Model};
+use crate::mechanism::outputs::OutputError;
+use crate::mechanism::quantity::{Output, Quantity};
+use crate::variables::Reference;
+
+impl Model {
+    /// Why an output has no value in the present state under the present inputs; None if it has one, and for what is no
+    /// Real output. Costs as much as the output.
+    #[cold]
+    pub fn undefined(&mut self, reference: Reference) -> Option<String> {
+        let output = self.real_output(reference)?;
+        let (state, reduced) = (self.state.as_mut()?, self.reduced.as_ref()?);
+        let value = match state {
+            Formulation::Reduced(motion) => motion.output(reduced, &self.inputs, output),
+            Formulation::RigidFem(motion) => motion.output(reduced, &self.inputs, output),
+        };
+        self.reason(value)
+    }
+
+    /// Why an output has no derivative in the direction of the last call of [`Self::directional_derivative`] or
+    /// [`Self::output_derivative`]; None if it has one.
+    #[cold]
+    pub fn undefined_derivative(&mut self, reference: Reference) -> Option<String> {
+        let output = self.real_output(reference)?;
+        let Some(Formulation::Reduced(motion)) = &mut self.state else { return None };
+        let derivative = motion.derivative(self.reduced.as_ref()?, &self.inputs, output);
+        self.reason(derivative)
+    }
+
+    fn real_output(&self, reference: Reference) -> Option<Output> {
+        match self.original.variables.quantity(reference) {
+            Some(Quantity::Output(output)) => Some(output),
+            _ => None,
+        }
+    }
+
+    /// Why this is no value.
+    fn reason(&self, value: Result<f64, OutputError>) -> Option<String> {
+        let (state, reduced) = (self.state.as_ref()?.along_curve(), self.reduced.as_ref()?);
+        Some(match value {
+            Ok(value) if value.is_finite() => return None,
+            Ok(value) if value.is_nan() => {
+                format!("indeterminate at {}, a dead centre or a crossing of branches", state.describe(reduced))
+            }
+            Ok(_) => "beyond the largest number under the present inputs and parameters: check their sizes".into(),
+            Err(OutputError::Table(at)) => {
+                format!("not smooth near {}", reduced.curve().describe(at.sigma, state.revolutions))
+            }
+            Err(OutputError::Locked) => format!(
+                "friction locks the mechanism near {} under the present inputs: friction and reactions have no common \
+                 solution",
+                state.describe(reduced)
+            ),
+            Err(OutputError::SelfLocking(drive)) => format!(
+                "friction locks the mechanism against {} near {}: no force of it overcomes the friction that it causes",
+                reduced.loading().drives[drive].name,
+                state.describe(reduced)
+            ),
+            Err(OutputError::RigidFem(error)) => format!("solver.method = \"rigid_fem\": {error}"),
+        })
+    }
+}
