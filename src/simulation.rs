@@ -147,13 +147,23 @@ impl Simulation {
         })
     }
 
-    /// Present value of a Real.
+    /// Present value of a Real; NaN for an output that does not exist in the present state, of which
+    /// [`Self::undefined`] tells why.
     ///
     /// # Errors
-    /// No Real has this name, or it has no value in the present state.
+    /// No Real has this name, or the present parameters give no start.
     pub fn get(&mut self, name: &str) -> Result<f64, SimulationError> {
         let reference = self.reference(name)?;
         Ok(self.model.real(reference)?)
+    }
+
+    /// Why a Real output has no value in the present state; None if it has one.
+    ///
+    /// # Errors
+    /// No variable has this name.
+    pub fn undefined(&mut self, name: &str) -> Result<Option<String>, SimulationError> {
+        let reference = self.reference(name)?;
+        Ok(self.model.undefined(reference))
     }
 
     /// Present value of a Boolean.
@@ -195,10 +205,10 @@ impl Simulation {
         Ok(self.model.set_input_derivative(reference, order, value)?)
     }
 
-    /// Rate of a Real output in time [unit/s].
+    /// Rate of a Real output in time [unit/s]; NaN where it has none in the present state.
     ///
     /// # Errors
-    /// No continuous output has this name, or it has no derivative in the present state.
+    /// No continuous output has this name.
     pub fn derivative(&mut self, name: &str) -> Result<f64, SimulationError> {
         let reference = self.reference(name)?;
         Ok(self.model.output_derivative(reference, 1)?)
@@ -228,7 +238,7 @@ impl Simulation {
     }
 
     /// Advance by `span` [s] in equal steps of at most `step` [s]; record the named Reals and Booleans (1 for true) now
-    /// and after every step.
+    /// and after every step. A Real is NaN where it does not exist.
     ///
     /// # Errors
     /// As [`Self::step`] and [`Self::get`]; a name that is a text; a span or a step that is not finite or not > 0, or more than 1e9 steps.

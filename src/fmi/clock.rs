@@ -188,7 +188,7 @@ mod tests {
             assert!(clock.end_of_step(stop, h).is_err());
         }
         // Early in a long experiment the rounding is that of the stop time, not of the point.
-        let (stop, h) = (1e6, 1e-5);
+        let (stop, h) = (1e6_f64, 1e-5_f64);
         let steps = (stop / h).floor();
         let mut clock = Clock::new(stop - steps * h, Some(stop)).unwrap();
         for k in 0..1000 {

@@ -69,7 +69,10 @@ impl fmt::Display for ModelError {
             Self::Definition(e) => e.fmt(f),
             Self::Reduction(e) => e.fmt(f),
             Self::Reference { reference, own: Some((name, own)), kind, .. } => {
-                write!(f, "{name} (value reference {reference}) is a {own}, not a {kind}: use the functions for a {own}")
+                write!(
+                    f,
+                    "{name} (value reference {reference}) is a {own}, not a {kind}: use the functions for a {own}"
+                )
             }
             Self::Reference { reference, kind, count, .. } => write!(
                 f,

@@ -245,7 +245,9 @@ impl Model {
     pub fn check_boolean(&self, reference: Reference, _value: bool) -> Result<(), ModelError> {
         match self.original.variables.quantity(reference) {
             Some(Quantity::Flag(_) | Quantity::Lock(_)) => Ok(()),
-            Some(Quantity::AtStop(_) | Quantity::SelfLocking(_)) => Err(ModelError::Output { name: self.name_of(reference) }),
+            Some(Quantity::AtStop(_) | Quantity::SelfLocking(_)) => {
+                Err(ModelError::Output { name: self.name_of(reference) })
+            }
             _ => Err(self.no_such(reference, "Boolean")),
         }
     }

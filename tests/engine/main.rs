@@ -3,6 +3,7 @@
 
 mod bad_input;
 mod benchmarks;
+mod creep;
 mod derivatives;
 mod drag;
 mod drives;
@@ -26,3 +27,4 @@ mod start_at_guess;
 mod stops;
 #[path = "../support/mod.rs"]
 mod support;
+mod undefined;

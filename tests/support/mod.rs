@@ -30,6 +30,9 @@ pub const SLIDER_CRANK: &str = mechanism!("SliderCrank");
 /// A slider-crank with a servo on its crank and a ram on its slider.
 pub const TWO_DRIVES: &str = include_str!("../fixtures/two_drives.json");
 
+/// Bucket of an excavator: four-bar linkage with friction in its pins, driven by a cylinder that friction can lock.
+pub const BUCKET: &str = include_str!("../fixtures/excavator_bucket.json");
+
 /// A definition with a change; its keys are then in alphabetical order.
 pub fn changed(text: &str, change: impl FnOnce(&mut Value)) -> String {
     let mut value: Value = serde_json::from_str(text).unwrap();
@@ -74,9 +77,49 @@ pub fn reals(model: &Model, causality: Causality) -> Vec<Reference> {
     list.filter(|(v, _)| v.causality == causality && v.kind == Kind::Real).map(|(_, reference)| reference).collect()
 }
 
-/// Values of these Reals.
+/// Values of these Reals; each has one.
+#[track_caller]
 pub fn values(model: &mut Model, references: &[Reference]) -> Vec<f64> {
-    references.iter().map(|&reference| model.real(reference).unwrap()).collect()
+    let mut value = |reference| {
+        let value = model.real(reference).unwrap();
+        let reason = if value.is_finite() { None } else { model.undefined(reference) };
+        assert!(value.is_finite(), "{}: {reason:?}", model.variables().list()[reference as usize].name);
+        value
+    };
+    references.iter().map(|&reference| value(reference)).collect()
+}
+
+/// Read every output, as a host that records all of them does: each Real has a finite value, or is NaN for a reason;
+/// of each drive against which friction locks the mechanism a force does not exist, of no other one. The Reals without
+/// a value.
+#[track_caller]
+pub fn read_all(model: &mut Model) -> Vec<String> {
+    let list = model.variables().list().to_vec();
+    let mut undefined = Vec::new();
+    for (variable, reference) in list.iter().zip(0..).filter(|(v, _)| v.causality == Causality::Output) {
+        let name = &variable.name;
+        if variable.kind == Kind::Real {
+            let value = model.real(reference).unwrap_or_else(|e| panic!("{name}: {e}"));
+            let reason = model.undefined(reference);
+            assert!(
+                value.is_finite() && reason.is_none() || value.is_nan() && reason.is_some(),
+                "{name} {value} {reason:?}"
+            );
+            undefined.extend(reason.map(|_| name.clone()));
+        }
+    }
+    for (variable, reference) in list.iter().zip(0..).filter(|(v, _)| v.kind == Kind::Boolean) {
+        let value = model.boolean(reference).unwrap_or_else(|e| panic!("{}: {e}", variable.name));
+        if let Some(drive) = variable.name.strip_suffix(".self_locking") {
+            let forces = |name: &&String| {
+                let term = name.strip_prefix(drive).unwrap_or_default();
+                term == ".required_force" || term.starts_with(".breakaway_")
+            };
+            let locked = undefined.iter().filter(forces).count() > 0;
+            assert_eq!(value, locked, "{}: {undefined:?}", variable.name);
+        }
+    }
+    undefined
 }
 
 /// A simulation of which every call must succeed; the calls of `.0` give their errors.
@@ -108,7 +151,17 @@ impl Run {
 
     #[track_caller]
     pub fn get(&mut self, name: &str) -> f64 {
-        self.0.get(name).unwrap_or_else(|e| panic!("{name}: {e}"))
+        let value = self.0.get(name).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert!(value.is_finite(), "{name}: {:?}", self.0.undefined(name));
+        value
+    }
+
+    /// Why this output, which is NaN, has no value.
+    #[track_caller]
+    pub fn undefined(&mut self, name: &str) -> String {
+        let value = self.0.get(name).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert!(value.is_nan(), "{name} = {value}");
+        self.0.undefined(name).unwrap().unwrap_or_else(|| panic!("{name}: no reason"))
     }
 
     #[track_caller]
@@ -161,7 +214,9 @@ impl Run {
     /// Rate of an output.
     #[track_caller]
     pub fn derivative(&mut self, name: &str) -> f64 {
-        self.0.derivative(name).unwrap_or_else(|e| panic!("{name}: {e}"))
+        let rate = self.0.derivative(name).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert!(rate.is_finite(), "{name}: no rate");
+        rate
     }
 
     #[track_caller]

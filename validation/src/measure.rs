@@ -19,7 +19,7 @@ pub fn mechanism(folder: &Path) -> Result<String, String> {
     std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))
 }
 
-/// Present value of an output.
+/// Present value of an output; NaN, which no limit holds, where it does not exist.
 pub fn output(model: &mut Model, name: &str) -> Result<f64, ModelError> {
     let reference = model.variables().find(name).unwrap_or_default();
     model.real(reference)

@@ -105,7 +105,8 @@ impl Solver {
             &mut self.tolerance,
         );
         list.role = Role::Scale;
-        let words = "Least speed to which errors are relative, as a part of that gained over 1 rad under the present loads";
+        let words =
+            "Least speed to which errors are relative, as a part of that gained over 1 rad under the present loads";
         list.add("speed_floor", words, Unit::One, Range::Fraction, &mut self.speed_floor);
         list.role = Role::Tolerance;
         if self.method.is_some() {

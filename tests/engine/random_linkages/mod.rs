@@ -1,12 +1,12 @@
 //! Random linkages against Newton and Euler's equations in absolute coordinates, solved with nothing of the engine.
 //!
 //! 100 linkages for each property; `LINKAGE_FMU_CASES=600 cargo test --test engine random_linkages` tests 600.
-mod generate;
+pub mod generate;
 pub mod linkage;
 mod oracle;
 mod run;
 
-use crate::support::{Vec2, cases};
+use crate::support::{Vec2, cases, read_all};
 use generate::{CHAINS, Discard, build, grashof, linkages, numbers};
 use linkage::{Coordinate, Linkage};
 use linkage_fmu::mechanism::ModelError;
@@ -107,6 +107,8 @@ fn agrees(run: &mut Run, linkage: &Linkage) -> Result<(), TestCaseError> {
     for ((force, moment), (f, m)) in given(linkage, run.reactions())?.into_iter().zip(&solution.reactions) {
         within("reaction", (force - f).norm().max((moment - m).abs()), bound)?;
     }
+    let undefined = read_all(run.simulation.model_mut());
+    prop_assert!(undefined.is_empty(), "{undefined:?}");
     Ok(())
 }
 

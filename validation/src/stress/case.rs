@@ -281,10 +281,31 @@ pub fn find(model: &Model, name: &str) -> Result<Reference, String> {
 /// Value of a Real.
 ///
 /// # Errors
-/// It cannot be told.
+/// It does not exist in the present state.
 pub fn get(model: &mut Model, name: &str) -> Result<f64, String> {
     let reference = find(model, name)?;
-    model.real(reference).map_err(|e| e.to_string())
+    let value = model.real(reference).map_err(|e| e.to_string())?;
+    if value.is_nan() { Err(model.undefined(reference).unwrap_or_default()) } else { Ok(value) }
+}
+
+/// Read every output, as a host that records all of them does.
+///
+/// # Errors
+/// An output that is neither finite nor NaN for a reason.
+pub fn read_all(model: &mut Model) -> Result<(), String> {
+    let list = model.variables().list().to_vec();
+    for (variable, reference) in list.iter().zip(0..).filter(|(v, _)| v.causality == Causality::Output) {
+        if variable.kind == Kind::Boolean {
+            model.boolean(reference).map_err(|e| e.to_string())?;
+            continue;
+        }
+        let value = model.real(reference).map_err(|e| e.to_string())?;
+        let reason = model.undefined(reference);
+        if value.is_infinite() || value.is_nan() != reason.is_some() {
+            return Err(format!("{} = {value}: {reason:?}", variable.name));
+        }
+    }
+    Ok(())
 }
 
 /// Set a Real.
