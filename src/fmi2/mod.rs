@@ -56,6 +56,31 @@ mod tests {
         assert_eq!(legal.map(|function| function.name).collect::<Vec<_>>(), ["fmi2FreeFMUstate"]);
     }
 
+    /// States of an instance that is lost are given back by any instance of the kind, itself included.
+    #[test]
+    fn a_lost_instance_frees_its_states() {
+        use super::types::Status;
+        use crate::component::Component;
+        use crate::fmi::{handle, logger::Logger, refusal::Verdict};
+        use crate::mechanism::GEAR;
+        let load = || Ok(Component::from_definition("mechanism.json", GEAR)?);
+        let c = handle::instantiate("instantiate", c"gear", Logger::new(None, false), load);
+        // SAFETY: the component is valid until it is freed, and so are the states.
+        unsafe {
+            let (mut one, mut other) = (std::ptr::null_mut(), std::ptr::null_mut());
+            assert_eq!(super::fmi2GetFMUstate(c, &mut one), Status::Ok);
+            assert_eq!(super::fmi2GetFMUstate(c, &mut other), Status::Ok);
+            assert_eq!(handle::call(c, function("fmi2GetReal"), |_| panic!("on purpose")), Verdict::Fatal);
+            assert_eq!(super::fmi2GetFMUstate(c, &mut one), Status::Fatal);
+            assert_eq!(super::fmi2FreeFMUstate(c, &mut one), Status::Ok);
+            assert!(one.is_null() && !other.is_null());
+            assert_eq!(super::fmi2FreeFMUstate(c, &mut other), Status::Ok);
+            assert_eq!(super::fmi2FreeFMUstate(c, &mut other), Status::Ok);
+            assert!(other.is_null());
+            super::fmi2FreeInstance(c);
+        }
+    }
+
     #[test]
     fn the_phases_follow_the_standard() {
         assert_eq!(function("fmi2DoStep").legal_phases(), "step mode");

@@ -2,10 +2,12 @@
 //! Self-locking of an excavator's bucket against statics by friction circles.
 
 use crate::random_linkages::generate::linkages;
-use crate::support::{BUCKET, GEAR, Run, Vec2, assert_says, changed, read_all, without_stops};
-use linkage_fmu::variables::Causality;
+use crate::support::{BUCKET, GEAR, Run, Vec2, assert_says, cases, changed, read_all, without_stops};
+use linkage_fmu::simulation::Simulation;
 use proptest::prelude::*;
+use proptest::test_runner::TestRunner;
 use serde_json::json;
+use std::cell::Cell;
 
 /// Geometry of `excavator_bucket.json` [m].
 const ROCKER_EYE: Vec2 = Vec2::new(-0.45, 0.05);
@@ -115,7 +117,7 @@ fn the_bucket_locks_where_statics_has_no_force() {
     assert!(found > 400 && locked > 10);
 }
 
-/// The border of the locked positions to the width at which the solver looks.
+/// The border of the locked positions is that of statics.
 #[test]
 fn the_border_of_locking_is_that_of_statics() {
     const TORQUE: f64 = -20_000.0;
@@ -131,8 +133,8 @@ fn the_border_of_locking_is_that_of_statics() {
     let statics = border(&mut |angle| [1.0, -1.0].iter().any(|sense| breakaway(angle, *sense, TORQUE).is_none()));
     let told = border(&mut |angle| bucket(angle, TORQUE).is("cylinder.self_locking"));
     println!("{statics} {told}");
-    // A part of 1e-4 of the friction's arm, over the lever of the bucket.
-    assert!((statics - told).abs() < 2e-4 * 2.0 * ARM / BUCKET_LENGTH, "{statics} {told}");
+    // Both know the angle to the rounding of the force, which grows without bound there.
+    assert!((statics - told).abs() < 1e-10, "{statics} {told}");
 }
 
 /// Through the locked positions by its own momentum: every output is read after every step, and the others stay finite.
@@ -237,15 +239,17 @@ fn a_reference_of_another_kind_is_refused_by_name() {
     assert_says(run.real(u32::MAX).unwrap_err(), &["4294967295", "references run from 0"]);
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, max_shrink_iters: 50, ..ProptestConfig::default() })]
-
-    /// Random linkages with pins of any size up to what locks: every output is read after every step.
-    #[test]
-    fn every_output_of_random_linkages_with_friction_can_be_read(
-        linkage in linkages(), radii in prop::collection::vec(0.0..1.0f64, 7), size in -3.0..-0.7f64, mu in 0.0..0.5f64,
-        forces in prop::collection::vec(-50.0..50.0f64, 8),
-    ) {
+/// Random linkages with pins of any size up to what locks: every output is read after every step.
+#[test]
+fn every_output_of_random_linkages_with_friction_can_be_read() {
+    let radii = prop::collection::vec(0.0..1.0f64, 7);
+    let forces = prop::collection::vec(-50.0..50.0f64, 8);
+    let scenes = (linkages(), radii, -3.0..-0.7f64, 0.0..0.5f64, forces);
+    let (locked, inverse, free) = (Cell::new(0), Cell::new(0), Cell::new(0));
+    let config =
+        ProptestConfig { cases: cases().unwrap_or(60), failure_persistence: None, ..ProptestConfig::default() };
+    let mut runner = TestRunner::new(config);
+    let result = runner.run(&scenes, |(linkage, radii, size, mu, forces)| {
         let text = changed(&linkage.json(), |m| {
             let joints = m["joints"].as_object_mut().unwrap().values_mut();
             for (joint, radius) in joints.zip(&radii).filter(|(joint, _)| joint["type"] == "revolute") {
@@ -254,19 +258,27 @@ proptest! {
             m["friction"] = json!({ "enabled": true, "static_coefficient": mu, "kinetic_coefficient": 0.7 * mu });
             m["solver"]["tolerance"] = json!(1e-8);
         });
-        let Ok(mut simulation) = linkage_fmu::simulation::Simulation::open(&text) else { return Ok(()) };
+        let Ok(mut simulation) = Simulation::open(&text) else { return Ok(()) };
         prop_assume!(simulation.initialize().is_ok());
         for force in forces {
             simulation.set("push.force", force).unwrap();
             simulation.set("push.demanded_acceleration", 0.1 * force).unwrap();
-            read_all(simulation.model_mut());
+            let undefined = read_all(simulation.model_mut());
+            let count = match undefined.iter().any(|name| name.ends_with(".acceleration")) {
+                true => &locked,
+                false if undefined.is_empty() => &free,
+                false => &inverse,
+            };
+            count.set(count.get() + 1);
             if simulation.step(0.02).is_err() {
-                // Locked by friction: what is left can be read.
+                // Locked by friction, as a rule: what is left can be read.
                 read_all(simulation.model_mut());
                 break;
             }
         }
-        let inputs = crate::support::reals(simulation.model(), Causality::Input);
-        prop_assert!(!inputs.is_empty());
-    }
+        Ok(())
+    });
+    result.unwrap_or_else(|error| panic!("{error}"));
+    println!("{} states locked, {} locked against the drive, {} free", locked.get(), inverse.get(), free.get());
+    assert!(inverse.get() > 0 && free.get() > 0);
 }

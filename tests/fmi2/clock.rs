@@ -46,6 +46,26 @@ fn a_start_at_a_billion_seconds_changes_no_bit() {
     }
 }
 
+/// Hosts pass a huge stop time for "no end": a step that is lost, repeated or no number is refused all the same.
+#[test]
+fn a_stop_time_without_end_hides_no_lost_step() {
+    const STEP: f64 = 1e-3;
+    for stop in [1e300, f64::MAX, 1e12] {
+        let gear = Gear::stepping(0.0, Some(stop));
+        for k in 0..20 {
+            let point = f64::from(k) * STEP;
+            let before = state(&gear);
+            for wrong in [point + STEP, point - STEP, point + 0.02 * STEP, f64::NAN, 1e300, f64::INFINITY] {
+                assert_eq!(gear.step(wrong, STEP), Status::Error, "{wrong} at {point}");
+                assert!(gear.refusal().contains("currentCommunicationPoint"));
+            }
+            assert_eq!((state(&gear), time(&gear)), (before, point));
+            assert_eq!(gear.step(point, STEP), Status::Ok);
+            gear.log.take();
+        }
+    }
+}
+
 /// Steps of one unit in the last place of the time, from 1e-3 s and from 1e9 s on, end where one step of their sum
 /// does.
 #[test]

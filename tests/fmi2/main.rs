@@ -8,3 +8,4 @@ mod hostile;
 mod instantiate;
 mod method;
 mod state;
+mod undefined;
