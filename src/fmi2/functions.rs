@@ -118,7 +118,8 @@ exported! {
         Ok(())
     };
 
-    /// Read Reals. On an error the array may be filled in part.
+    /// Read Reals. An output that does not exist in this state is NaN, all others are told, and the answer is
+    /// `fmi2Warning`. On an error the array may be filled in part.
     // SAFETY: both arrays have `count` elements (2.1.7).
     fn fmi2GetReal(vr: *const ValueReference, count: usize, value: *mut Real) in ALIVE => |i|
         i.get_real(input("vr", vr, count)?, output("value", value, count)?);
@@ -203,8 +204,8 @@ exported! {
     /// For each unknown the sum over the knowns of the partial derivative times `known_rates`, at the present state,
     /// exact.
     ///
-    /// An unknown is a continuous output, a known is a continuous input. Refused with `solver.method` = "rigid_fem". On
-    /// an error the array may be filled in part.
+    /// An unknown is a continuous output, a known is a continuous input. What has no derivative in this state is NaN,
+    /// with `fmi2Warning`. Refused with `solver.method` = "rigid_fem". On an error the array may be filled in part.
     // SAFETY: two arrays have `unknown_count` elements, two have `known_count` (2.1.9).
     fn fmi2GetDirectionalDerivative(
         unknowns: *const ValueReference, unknown_count: usize, knowns: *const ValueReference, known_count: usize,
@@ -234,7 +235,8 @@ exported! {
     /// with the derivatives set for the next step. After a step and before an input is set: with the derivatives at the
     /// step's end.
     ///
-    /// Refused with `solver.method` = "rigid_fem". On an error the array may be filled in part.
+    /// What has no derivative in this state is NaN, with `fmi2Warning`. Refused with `solver.method` = "rigid_fem". On an
+    /// error the array may be filled in part.
     // SAFETY: all arrays have `count` elements (4.2.1).
     fn fmi2GetRealOutputDerivatives(
         vr: *const ValueReference, count: usize, order: *const Integer, value: *mut Real

@@ -2,8 +2,9 @@
 //! Self-locking of an excavator's bucket against statics by friction circles.
 
 use crate::random_linkages::generate::linkages;
-use crate::support::{BUCKET, GEAR, Run, Vec2, assert_says, cases, changed, read_all, without_stops};
+use crate::support::{BUCKET, GEAR, Run, Vec2, assert_says, cases, changed, read_all, reals, without_stops};
 use linkage_fmu::simulation::Simulation;
+use linkage_fmu::variables::Causality;
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use serde_json::json;
@@ -222,6 +223,52 @@ fn under_loads_that_lock_only_what_needs_the_acceleration_is_undefined() {
     run.set("friction.enabled", false);
     run.initialize();
     assert!(read_all(&mut run).is_empty());
+}
+
+/// A parallelogram that starts flat, where branches cross and reactions grow without bound: every output is finite or
+/// NaN for a reason, motion and energies are told, and so are all rates or their absence.
+#[test]
+fn at_a_crossing_every_output_is_told_or_has_a_reason() {
+    let definition = json!({
+        "name": "Parallelogram",
+        "bodies": {
+            "ground": { "length": 0.4 },
+            "left": { "length": 0.1, "mass": 1, "shape": "uniform_rod" },
+            "coupler": { "length": 0.4, "mass": 2, "shape": "uniform_rod" },
+            "right": { "length": 0.1, "mass": 1, "shape": "uniform_rod" }
+        },
+        "joints": {
+            "a": { "type": "revolute", "first": "ground.origin", "second": "left.origin" },
+            "b": { "type": "revolute", "first": "left.end", "second": "coupler.origin" },
+            "c": { "type": "revolute", "first": "coupler.end", "second": "right.end" },
+            "d": { "type": "revolute", "first": "ground.end", "second": "right.origin" }
+        },
+        "actuators": { "servo": { "joint": "a", "torque": 1.0 } },
+        "forces": { "push": { "at": "coupler.end", "force": [3.0, -2.0] } },
+        "start": { "body": "left", "angle": 0, "speed": 5 },
+        "guess": { "left": 0.5, "coupler": 0, "right": 0.5 }
+    });
+    let mut run = Run::new(&definition.to_string()).started();
+    let outputs = reals(&run, Causality::Output);
+    for k in 0..40 {
+        let undefined = read_all(&mut run);
+        assert!(
+            undefined.iter().all(|name| ["a.", "b.", "c.", "d."].iter().any(|j| name.starts_with(j))),
+            "{undefined:?}"
+        );
+        for &output in &outputs {
+            let rate = run.output_derivative(output, 1).unwrap();
+            assert!(rate.is_finite() || rate.is_nan() && run.undefined_derivative(output).is_some(), "{output} {rate}");
+        }
+        // On to the next flat position, at a half turn, and past it.
+        let angle = run.get("left.angle");
+        let h = if k % 4 == 3 {
+            (std::f64::consts::PI - angle.rem_euclid(std::f64::consts::PI)) / run.get("left.speed")
+        } else {
+            0.02
+        };
+        run.step(h);
+    }
 }
 
 /// A wrong kind is refused by the variable's name.

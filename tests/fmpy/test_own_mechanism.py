@@ -170,3 +170,21 @@ def test_bad_path_is_refused_in_one_line(tmp_path: Path) -> None:
     line = refused(package(tmp_path, "own.json", "--out", f"taken{os.sep}fmus"))
     assert "taken" in line
     assert "--out" in line
+
+
+def test_bucket_passes_where_friction_locks_it(folder: Path) -> None:
+    """A run that records every output goes on where a force of the drive does not exist."""
+    fixture = REPOSITORY / "tests" / "fixtures" / "excavator_bucket.json"
+    done = package(folder, str(fixture), "--out", "out")
+    assert done.returncode == 0, done.stderr
+    start = {"bucket.start_angle": 2.55, "bucket.start_speed": 1.5, "cylinder.force": 2e4, "digging.torque": -100.0}
+    result = simulate_fmu(
+        str(folder / "out" / "ExcavatorBucket.fmu"), start_values=start, stop_time=0.24, output_interval=4e-3
+    )
+    locked = result["cylinder.self_locking"].astype(bool)
+    assert 2 < np.count_nonzero(locked) < len(locked) - 10
+    inverse = ("cylinder.required_force", "cylinder.breakaway_force_forward", "cylinder.breakaway_force_backward")
+    told = np.array([np.isfinite(result[name]) for name in inverse])
+    assert np.array_equal(np.all(told, axis=0), ~locked)
+    assert [name for name in result.dtype.names if name not in inverse and not np.all(np.isfinite(result[name]))] == []
+    assert result["bucket.angle"][-1] > 2.7
