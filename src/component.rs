@@ -1,19 +1,29 @@
 //! What an FMI layer asks of any model, and the kinds of model there are.
 //!
-//! In: the text of a definition file, values by reference, steps. Out: values, saved states, or the reason of a
-//! refusal. It must not know any law of a model, nor anything of FMI but value references.
+//! In: the text of a definition file, values by reference, steps. Out: what describes the model, values, saved states,
+//! or the reason of a refusal. It must not know any law of a model, nor anything of FMI but value references.
 //!
 //! A further kind of model takes one variant of [`Component`] and of [`Snapshot`], one row in `KINDS`, and one arm in
 //! each `match` of this file. Its model has methods of the same names, whose errors convert to [`Refused`]. While there
 //! is one kind, the matches cost nothing.
+use crate::format::Experiment;
 use crate::integrator::Method;
 use crate::mechanism::{self, ModelError};
-use crate::variables::{Interface, Reference};
+use crate::variables::{Interface, Reference, Terminal};
+use std::fmt;
 
 /// Why a model refuses a call; the model is unchanged. The text names the quantity, the value, the limit and the
 /// remedy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refused(pub String);
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Refused {}
 
 impl From<ModelError> for Refused {
     #[cold]
@@ -88,6 +98,40 @@ impl Component {
         }
     }
 
+    /// Name of the model, the FMU's modelName and modelIdentifier.
+    pub fn name(&self) -> &str {
+        each!(self, model => model.name())
+    }
+
+    /// One-line description of the model.
+    pub fn description(&self) -> &str {
+        each!(self, model => model.description())
+    }
+
+    /// Default experiment.
+    pub fn experiment(&self) -> Experiment {
+        each!(self, model => model.experiment())
+    }
+
+    /// Variables that a user connects together.
+    pub fn terminals(&self) -> Vec<Terminal> {
+        each!(self, model => model.terminals())
+    }
+
+    /// Largest order of the derivatives in time that are taken of inputs; 0: none.
+    pub fn input_order(&self) -> i32 {
+        match self {
+            Self::Mechanism(_) => mechanism::INPUT_ORDER,
+        }
+    }
+
+    /// Largest order of the derivatives in time that are told of outputs; 0: none.
+    pub fn output_order(&self) -> i32 {
+        match self {
+            Self::Mechanism(_) => mechanism::OUTPUT_ORDER,
+        }
+    }
+
     /// What a host can read and set.
     #[inline]
     pub fn interface(&self) -> &Interface {
@@ -102,6 +146,10 @@ impl Component {
     }
 
     questions! {
+        /// For each variable, if it is an output: the inputs and parameters on which its initial value depends,
+        /// ascending. Refused: a parameter that may not change a little.
+        fn initial_dependencies(self: &Self) -> Vec<Vec<Reference>>;
+
         /// Present value of a Real; NaN for an output that has no value in this state, of which [`Self::undefined`]
         /// tells why. Refused: no such Real, or the present parameters give no start.
         fn real(self: &mut Self, reference: Reference) -> f64;

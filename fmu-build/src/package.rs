@@ -1,16 +1,16 @@
-//! `cargo fmu package`: a mechanism becomes an FMU.
+//! `cargo fmu package`: a definition becomes an FMU.
 //!
-//! In: a `mechanism.json`. Out: `<Name>.fmu`, and for a folder of `modelDescription/` its `modelDescription.xml`.
+//! In: a definition file of any kind of model. Out: `<Name>.fmu`, and for a folder of `modelDescription/` its `modelDescription.xml`.
 
 use crate::archive::{self, Entry, MODEL_DESCRIPTION};
 use crate::binary::{self, Binary};
 use crate::source::Source;
-use crate::workspace::{DEFAULT_FMU, MECHANISM, Workspace};
+use crate::workspace::{DEFAULT_FMU, Workspace};
 use crate::xml::{fmi2, terminals};
 use crate::{library, page, schema};
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use linkage_fmu::mechanism::Model;
+use linkage_fmu::component::Component;
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 /// What the command line says.
 #[derive(Args, Default)]
 pub struct Arguments {
-    /// A mechanism.json, or a folder that holds one [default: modelDescription/LandingGearRetraction]
+    /// A definition file (mechanism.json), or a folder that holds one [default: modelDescription/LandingGearRetraction]
     #[arg(value_name = "PATH", conflicts_with = "all")]
     pub paths: Vec<PathBuf>,
     /// Every folder of modelDescription/
@@ -32,20 +32,23 @@ pub struct Arguments {
     pub binaries: Vec<binary::Named>,
 }
 
-/// A checked mechanism, ready to be packed.
+/// A checked definition, ready to be packed.
 struct Prepared {
     source: Source,
     name: String,
-    mechanism: String,
+    /// Text of the definition file.
+    definition: String,
+    /// Name of the definition file in the FMU.
+    file: &'static str,
     description: String,
     terminals: Option<String>,
     variables: usize,
 }
 
-/// Pack the mechanisms; the paths of the FMUs, in the order of the arguments.
+/// Pack the definitions; the paths of the FMUs, in the order of the arguments.
 ///
 /// # Errors
-/// The first mechanism that is refused, before anything is built or written.
+/// The first definition that is refused, before anything is built or written.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>> {
     let paths = if arguments.all {
         workspace.description_folders()?
@@ -54,15 +57,15 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
     } else {
         arguments.paths.clone()
     };
-    let mut mechanisms: HashMap<String, PathBuf> = HashMap::new();
+    let mut definitions: HashMap<String, PathBuf> = HashMap::new();
     let mut prepared = Vec::new();
     for path in &paths {
         let fmu = prepare(Source::find(workspace, path)?)?;
-        let mechanism = fmu.source.mechanism.clone();
-        if let Some(other) = mechanisms.insert(fmu.name.clone(), mechanism) {
+        let definition = fmu.source.definition.clone();
+        if let Some(other) = definitions.insert(fmu.name.clone(), definition) {
             bail!(
                 "{}: name is {}, as in {}; both would be {}.fmu, so rename one",
-                fmu.source.mechanism.display(),
+                fmu.source.definition.display(),
                 fmu.name,
                 other.display(),
                 fmu.name
@@ -73,7 +76,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
     let binaries = further(&arguments.binaries)?;
     let library = library::build(workspace)?;
     let out = arguments.out.clone().unwrap_or_else(|| workspace.fmu_folder());
-    prepared.into_iter().map(|fmu| pack(fmu, &library, &binaries, &out)).collect()
+    prepared.into_iter().map(|fmu| pack(workspace, fmu, &library, &binaries, &out)).collect()
 }
 
 /// Pack the default FMU; its path.
@@ -102,11 +105,11 @@ fn further(named: &[binary::Named]) -> Result<Vec<Binary>> {
 }
 
 fn prepare(source: Source) -> Result<Prepared> {
-    let path = source.mechanism.display();
-    let mechanism = source.text()?;
-    let model = Model::from_json(&mechanism).with_context(|| path.to_string())?;
-    let description = fmi2::to_xml(&model).with_context(|| path.to_string())?;
-    let name = model.name().to_owned();
+    let path = source.definition.display();
+    let definition = source.text()?;
+    let component = Component::from_definition(source.kind(), &definition).with_context(|| path.to_string())?;
+    let description = fmi2::to_xml(&component).with_context(|| path.to_string())?;
+    let (name, file) = (component.name().to_owned(), component.definition_file());
     if let Some(folder) = source.folder.as_deref().filter(|_| source.keeps_description) {
         // A name such as `.` says nothing; the full path does.
         let folder = folder.canonicalize()?;
@@ -114,24 +117,26 @@ fn prepare(source: Source) -> Result<Prepared> {
             bail!("{path}: name is {name}, but the folder is {}; give both one name", folder.display());
         }
     }
-    let terminals = terminals::to_xml(model.variables()).with_context(|| path.to_string())?;
-    let variables = model.variables().list().len();
-    Ok(Prepared { name, mechanism, description, terminals, variables, source })
+    let terminals = terminals::to_xml(&component).with_context(|| path.to_string())?;
+    let variables = component.interface().list().len();
+    Ok(Prepared { name, definition, file, description, terminals, variables, source })
 }
 
-fn pack(fmu: Prepared, library: &[u8], binaries: &[Binary], out: &Path) -> Result<PathBuf> {
+fn pack(workspace: &Workspace, fmu: Prepared, library: &[u8], binaries: &[Binary], out: &Path) -> Result<PathBuf> {
     if let Some(folder) = fmu.source.folder.as_deref().filter(|_| fmu.source.keeps_description) {
         write_if_changed(&folder.join(MODEL_DESCRIPTION), &fmu.description)?;
     }
     let mut entries = fmu.source.companions()?;
     if let Some(page) = entries.iter_mut().find(|entry| entry.name == page::PATH) {
-        page.content = page::whole(&fmu.name, std::mem::take(&mut page.content));
+        page.content = page::whole(&fmu.name, fmu.file, std::mem::take(&mut page.content));
     }
+    let schema = schema::name(fmu.file);
+    let definition = schema::led_here(&fmu.definition, &schema).into_bytes();
     entries.extend([
         Entry { name: MODEL_DESCRIPTION.to_owned(), content: fmu.description.into_bytes() },
         Entry { name: library::path(&fmu.name)?, content: library.to_vec() },
-        Entry { name: format!("resources/{MECHANISM}"), content: schema::led_here(&fmu.mechanism).into_bytes() },
-        Entry { name: format!("resources/{}", schema::NAME), content: schema::TEXT.into() },
+        Entry { name: format!("resources/{}", fmu.file), content: definition },
+        Entry { name: format!("resources/{schema}"), content: schema::text(workspace, fmu.file)? },
     ]);
     // A file of the user's own says more than the generated one.
     if let Some(text) = fmu.terminals.filter(|_| entries.iter().all(|entry| entry.name != terminals::PATH)) {
@@ -176,23 +181,24 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_and_its_mechanism_are_the_same_source() {
+    fn a_folder_and_its_definition_are_the_same_source() {
         let workspace = Workspace::locate();
         let folder = workspace.descriptions().join(DEFAULT_FMU);
         let by_folder = Source::find(&workspace, &folder).unwrap();
-        let by_file = Source::find(&workspace, &folder.join("resources").join(MECHANISM)).unwrap();
+        let by_file = Source::find(&workspace, &folder.join("resources").join("mechanism.json")).unwrap();
         assert!(by_folder.keeps_description && by_file.keeps_description);
+        assert_eq!([by_folder.kind(), by_file.kind()], ["mechanism.json"; 2]);
         assert_eq!(by_folder.folder.unwrap().canonicalize().unwrap(), by_file.folder.unwrap());
     }
 
     #[test]
-    fn a_path_without_a_mechanism_is_refused_with_the_remedy() {
+    fn a_path_without_a_definition_is_refused_with_the_remedy() {
         let workspace = Workspace::locate();
         let message = |path: &str| Source::find(&workspace, &workspace.root().join(path)).unwrap_err().to_string();
         assert!(
             message("nowhere")
                 .ends_with("there is no such file or folder; name a mechanism.json or a folder that holds one")
         );
-        assert!(message("fmu-build").ends_with("put the mechanism there"));
+        assert!(message("fmu-build").ends_with("put the definition there"));
     }
 }

@@ -1,66 +1,81 @@
-//! One mechanism as the user names it: a `mechanism.json`, or a folder that holds one.
+//! One model as the user names it: a definition file such as `mechanism.json`, or a folder that holds one.
 //!
-//! In: a path. Out: the mechanism's text and the files that accompany it in the FMU.
+//! In: a path. Out: the definition's kind and text, and the files that accompany it in the FMU.
 
 use crate::archive::Entry;
-use crate::workspace::{MECHANISM, Workspace};
+use crate::workspace::Workspace;
 use anyhow::{Context, Result, bail};
+use linkage_fmu::component::Component;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What a folder may hold besides the mechanism, under the names that FMI 2.0.5 (2.1, 2.5) gives them.
+/// What a folder may hold besides the definition, under the names that FMI 2.0.5 (2.1, 2.5) gives them.
 const COMPANIONS: [&str; 5] = ["documentation", "extra", "licenses", "model.png", "terminalsAndIcons"];
 
-/// A mechanism on disk.
+/// A definition on disk.
 #[derive(Debug)]
 pub struct Source {
-    /// The `mechanism.json`.
-    pub mechanism: PathBuf,
-    /// Folder with documentation, icon and the like; none for a `mechanism.json` named by itself.
+    /// The definition file.
+    pub definition: PathBuf,
+    /// Folder with documentation, icon and the like; none for a definition file named by itself.
     pub folder: Option<PathBuf>,
     /// Whether the folder is one of `modelDescription/`, which keeps its generated `modelDescription.xml`.
     pub keeps_description: bool,
 }
 
 impl Source {
-    /// Find the mechanism that `path` names.
+    /// Find the definition that `path` names.
     ///
     /// # Errors
-    /// There is nothing there, or a device, a pipe or the like, or a folder without a mechanism.
+    /// There is nothing there, or a device, a pipe or the like, or a folder without a definition or
+    /// with several.
     pub fn find(workspace: &Workspace, path: &Path) -> Result<Self> {
         if path.is_file() {
             return Ok(match described_folder(workspace, path) {
                 Some(folder) => Self::in_folder(workspace, &folder, path.to_path_buf()),
-                None => Self { mechanism: path.to_path_buf(), folder: None, keeps_description: false },
+                None => Self { definition: path.to_path_buf(), folder: None, keeps_description: false },
             });
         }
+        let files = Component::definition_files();
         if !path.is_dir() {
             let fault = if path.exists() { "this is no regular file" } else { "there is no such file or folder" };
-            bail!("{}: {fault}; name a {MECHANISM} or a folder that holds one", path.display());
+            bail!("{}: {fault}; name a {} or a folder that holds one", path.display(), files.join(" or a "));
         }
-        for mechanism in [path.join("resources").join(MECHANISM), path.join(MECHANISM)] {
-            if mechanism.is_file() {
-                return Ok(Self::in_folder(workspace, path, mechanism));
+        let places = |file| [path.join("resources").join(file), path.join(file)];
+        let mut found = files.into_iter().filter_map(|file| places(file).into_iter().find(|place| place.is_file()));
+        match (found.next(), found.next()) {
+            (Some(definition), None) => Ok(Self::in_folder(workspace, path, definition)),
+            (Some(one), Some(other)) => {
+                bail!("{} and {}: an FMU has one definition; remove one of them", one.display(), other.display())
             }
+            (None, _) => bail!(
+                "{}: the folder holds no {}, and its resources neither; put the definition there",
+                path.display(),
+                files.join(" or ")
+            ),
         }
-        bail!(
-            "{}: the folder holds neither resources/{MECHANISM} nor {MECHANISM}; put the mechanism there",
-            path.display()
-        );
     }
 
-    fn in_folder(workspace: &Workspace, folder: &Path, mechanism: PathBuf) -> Self {
+    fn in_folder(workspace: &Workspace, folder: &Path, definition: PathBuf) -> Self {
         let keeps_description = is_same(folder.canonicalize().ok().as_deref().and_then(Path::parent), workspace);
-        Self { mechanism, folder: Some(folder.to_path_buf()), keeps_description }
+        Self { definition, folder: Some(folder.to_path_buf()), keeps_description }
     }
 
-    /// The mechanism's text.
+    /// Name of the definition file of this kind of model in an FMU: the one that ends the file's own name, as in
+    /// `gear.mechanism.json`, else the first.
+    pub fn kind(&self) -> &'static str {
+        let own = self.definition.file_name().unwrap_or_default().to_string_lossy();
+        let files = Component::definition_files();
+        files.into_iter().find(|file| own.ends_with(file)).unwrap_or(files[0])
+    }
+
+    /// The definition's text.
     ///
     /// # Errors
     /// The file cannot be read or is not UTF-8.
     pub fn text(&self) -> Result<String> {
-        let path = self.mechanism.display();
-        let bytes = fs::read(&self.mechanism).with_context(|| format!("{path}: cannot be read"))?;
+        let path = self.definition.display();
+        let bytes = fs::read(&self.definition).with_context(|| format!("{path}: cannot be read"))?;
         String::from_utf8(bytes).ok().with_context(|| format!("{path}: is not UTF-8 text; save it as UTF-8"))
     }
 
@@ -79,12 +94,13 @@ impl Source {
     }
 }
 
-/// The folder of `modelDescription/` whose `resources/mechanism.json` this is.
-fn described_folder(workspace: &Workspace, mechanism: &Path) -> Option<PathBuf> {
-    let full = mechanism.canonicalize().ok()?;
+/// The folder of `modelDescription/` among whose resources this definition file is.
+fn described_folder(workspace: &Workspace, definition: &Path) -> Option<PathBuf> {
+    let full = definition.canonicalize().ok()?;
     let resources = full.parent().filter(|folder| folder.ends_with("resources"))?;
     let folder = resources.parent()?;
-    (full.ends_with(MECHANISM) && is_same(folder.parent(), workspace)).then(|| folder.to_path_buf())
+    let is_definition = Component::definition_files().iter().any(|file| full.ends_with(file));
+    (is_definition && is_same(folder.parent(), workspace)).then(|| folder.to_path_buf())
 }
 
 fn is_same(parent: Option<&Path>, workspace: &Workspace) -> bool {

@@ -1,6 +1,7 @@
 //! Where things are. The only part that knows the repository's layout.
 
 use anyhow::{Context, Result};
+use linkage_fmu::component::Component;
 use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -34,13 +35,14 @@ impl Workspace {
         self.root.join("modelDescription")
     }
 
-    /// Every folder of `modelDescription/` that holds a mechanism, in the order of their names.
+    /// Every folder of `modelDescription/` that holds a definition file, in the order of their names.
     pub fn description_folders(&self) -> Result<Vec<PathBuf>> {
         let parent = self.descriptions();
         let mut folders = Vec::new();
         for entry in fs::read_dir(&parent).with_context(|| format!("{}: cannot be listed", parent.display()))? {
             let folder = entry?.path();
-            if folder.join("resources").join(MECHANISM).is_file() {
+            let resources = folder.join("resources");
+            if Component::definition_files().iter().any(|file| resources.join(file).is_file()) {
                 folders.push(folder);
             }
         }

@@ -1,12 +1,14 @@
 //! What every kind of definition file needs: JSON read to the letter, ordered names, errors with the path of the key,
-//! and the texts and ranges of parameters.
+//! the texts and ranges of parameters, and the default experiment.
 //!
 //! In: the text of a file. Out: a value of the definition's type, or an error for whoever writes the file. It must not
 //! know what any definition says.
+mod experiment;
 mod named;
 mod parameter;
 mod strict;
 
+pub use experiment::Experiment;
 pub use named::Named;
 pub use parameter::{Flag, Owner, Parameter, Range};
 

@@ -20,7 +20,7 @@ mod snapshot;
 
 pub use crate::integrator::Statistics;
 pub use error::ModelError;
-pub use model::{Model, OUTPUT_ORDER};
+pub use model::{INPUT_ORDER, Model, OUTPUT_ORDER};
 pub use outputs::Computed;
 pub use snapshot::Snapshot;
 

@@ -2,6 +2,7 @@
 //!
 //! In: a definition's text, values set by the host, steps. Out: values by reference. It must not know FMI's life cycle.
 mod derivatives;
+mod description;
 mod undefined;
 
 use super::dynamics::inputs::{InputPolynomial, Inputs};
@@ -13,10 +14,10 @@ use super::outputs::{Computed, ReducedMotion};
 use super::parameters::ParameterValues;
 use super::quantity::Quantity;
 use crate::integrator::Statistics;
-use crate::mechanism::definition::{Experiment, Mechanism, Method, Range, Role};
+use crate::mechanism::definition::{Mechanism, Method, Range, Role};
 use crate::mechanism::reduced::Reduced;
 use crate::variables::{Causality, Reference, Value, Variables};
-pub use derivatives::OUTPUT_ORDER;
+pub use derivatives::{INPUT_ORDER, OUTPUT_ORDER};
 use std::sync::{Arc, OnceLock};
 
 /// One mechanism with its parameters, inputs and state.
@@ -89,34 +90,6 @@ impl Model {
         model.state()?;
         model.state = None;
         Ok(model)
-    }
-
-    /// Name of the mechanism, the FMU's modelName and modelIdentifier.
-    pub fn name(&self) -> &str {
-        &self.original.parameter_values.mechanism.name
-    }
-
-    /// One-line description of the mechanism.
-    pub fn description(&self) -> &str {
-        &self.original.parameter_values.mechanism.description
-    }
-
-    /// The variables that the host sees.
-    pub fn variables(&self) -> &Variables<Quantity> {
-        &self.original.variables
-    }
-
-    /// For each variable, if it is an output: the inputs and parameters on which its initial value depends, ascending.
-    ///
-    /// # Errors
-    /// A parameter that may not change a little.
-    pub fn initial_dependencies(&self) -> Result<Vec<Vec<Reference>>, ModelError> {
-        Ok(interface::initial_dependencies(&self.original.parameter_values.mechanism)?)
-    }
-
-    /// Default experiment.
-    pub fn experiment(&self) -> Experiment {
-        self.original.parameter_values.mechanism.experiment
     }
 
     /// The reduced model for the present parameters.

@@ -4,12 +4,14 @@
 //! `modelDescription.xml`, its units and its ModelStructure. A variable's value reference is its index in the list.
 //! It must not know the FMI functions, nor any mechanics; causality, variability and initial are the standard's words.
 
+mod terminal;
 mod unit;
 
 use crate::codec::checksum::fnv1a_128;
 use std::collections::HashSet;
 use std::ops::Deref;
 
+pub use terminal::Terminal;
 pub use unit::Unit;
 
 /// Index of a variable in the table; the FMI value reference.

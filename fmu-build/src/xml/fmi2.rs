@@ -1,15 +1,15 @@
 //! The writer of `modelDescription.xml` (FMI 2.0.5, 2.2).
 //!
 //! In: the table of variables and the default experiment. Out: the text of the file, the same for the same interface:
-//! it holds no time stamp. It must not know which variables a mechanism has.
+//! it holds no time stamp. It must not know kinds of model.
 
 use super::common::{
     Attributes, Xml, check_texts, document, element, empty, group, is_c_identifier, number, write_units,
 };
 use anyhow::{Result, bail};
+use linkage_fmu::component::Component;
 use linkage_fmu::fmi::logger::LOG_CATEGORIES;
-use linkage_fmu::mechanism::Model;
-use linkage_fmu::mechanism::OUTPUT_ORDER;
+use linkage_fmu::format::Experiment;
 use linkage_fmu::variables::{Causality, Kind, Reference, Unit, Value, Variability, Variable};
 use std::io;
 
@@ -23,11 +23,11 @@ const TOLERANCE: &str = "solver.tolerance";
 /// # Errors
 /// The name is not a C identifier, a text holds a character that XML cannot, the tolerance is missing, or a parameter
 /// may not change a little.
-pub fn to_xml(model: &Model) -> Result<String> {
-    Interface::of(model)?.to_xml()
+pub fn to_xml(component: &Component) -> Result<String> {
+    Interface::of(component)?.to_xml()
 }
 
-/// All that the description says about one mechanism.
+/// All that the description says about one model.
 struct Interface<'a> {
     name: &'a str,
     description: &'a str,
@@ -35,32 +35,32 @@ struct Interface<'a> {
     variables: &'a [Variable],
     /// Of each variable.
     initial_dependencies: Vec<Vec<Reference>>,
-    stop_time: f64,
-    step_size: f64,
+    experiment: Experiment,
     tolerance: f64,
+    /// Largest orders of the derivatives in time of inputs and outputs.
+    orders: [i32; 2],
 }
 
 impl<'a> Interface<'a> {
     /// The interface of a model as read from its file.
-    fn of(model: &'a Model) -> Result<Self> {
-        let variables = model.variables();
-        let name = model.name();
+    fn of(component: &'a Component) -> Result<Self> {
+        let (name, interface) = (component.name(), component.interface());
         if !is_c_identifier(name) {
             bail!("name: \"{name}\" is not a C identifier; use letters, digits and _ only, and begin with no digit");
         }
-        let parameter = variables.list().iter().find(|variable| variable.name == TOLERANCE);
+        let parameter = interface.list().iter().find(|variable| variable.name == TOLERANCE);
         let Some(&Value::Real(tolerance)) = parameter.and_then(|parameter| parameter.start.as_ref()) else {
             bail!("{TOLERANCE}: there is no such parameter; the model must declare it");
         };
         Ok(Self {
             name,
-            description: model.description(),
-            guid: variables.guid(),
-            variables: variables.list(),
-            initial_dependencies: model.initial_dependencies()?,
-            stop_time: model.experiment().stop_time,
-            step_size: model.experiment().step_size,
+            description: component.description(),
+            guid: interface.guid(),
+            variables: interface.list(),
+            initial_dependencies: component.initial_dependencies()?,
+            experiment: component.experiment(),
             tolerance,
+            orders: [component.input_order(), component.output_order()],
         })
     }
 
@@ -82,8 +82,8 @@ impl<'a> Interface<'a> {
         let slave = [
             ("modelIdentifier", self.name.to_owned()),
             ("canHandleVariableCommunicationStepSize", "true".to_owned()),
-            ("canInterpolateInputs", "true".to_owned()),
-            ("maxOutputDerivativeOrder", OUTPUT_ORDER.to_string()),
+            ("canInterpolateInputs", (self.orders[0] > 0).to_string()),
+            ("maxOutputDerivativeOrder", self.orders[1].to_string()),
             ("canNotUseMemoryManagementFunctions", "true".to_owned()),
             ("providesDirectionalDerivative", "true".to_owned()),
             ("canGetAndSetFMUstate", "true".to_owned()),
@@ -99,9 +99,9 @@ impl<'a> Interface<'a> {
         })?;
         let experiment = [
             ("startTime", number(0.0)),
-            ("stopTime", number(self.stop_time)),
+            ("stopTime", number(self.experiment.stop_time)),
             ("tolerance", number(self.tolerance)),
-            ("stepSize", number(self.step_size)),
+            ("stepSize", number(self.experiment.step_size)),
         ];
         empty(xml, "DefaultExperiment", &experiment)?;
         group(xml, "ModelVariables", |xml| {
@@ -193,11 +193,12 @@ mod tests {
 
     fn xml_of(variables: &[Variable]) -> Result<String> {
         let (name, description, guid) = ("Gear", "A gear", "{1}");
-        let (stop_time, step_size, tolerance) = (0.133, 1e-3, 1e-9);
+        let (experiment, tolerance) = (Experiment { stop_time: 0.133, step_size: 1e-3 }, 1e-9);
         // As if every output began with what the variables before it do.
         let of = |i: usize| (0..i as Reference).collect();
         let initial_dependencies = (0..variables.len()).map(of).collect();
-        Interface { name, description, guid, variables, initial_dependencies, stop_time, step_size, tolerance }.to_xml()
+        let orders = [2, 1];
+        Interface { name, description, guid, variables, initial_dependencies, experiment, tolerance, orders }.to_xml()
     }
 
     #[test]

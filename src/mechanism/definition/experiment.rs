@@ -1,4 +1,4 @@
-//! The start, the default experiment, settings of the integration, and the choice of the formulation.
+//! The start, settings of the integration, and the choice of the formulation.
 use super::{Role, Visit};
 use crate::format::{Flag, Owner, Parameter, Range};
 use crate::variables::Unit;
@@ -19,22 +19,6 @@ pub struct Start {
     /// Speed of the body or joint [rad/s or m/s].
     #[serde(default)]
     pub speed: f64,
-}
-
-/// Default experiment of the FMU.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq)]
-#[serde(deny_unknown_fields)]
-pub struct Experiment {
-    /// Stop time [s], > 0; the start time is 0.
-    pub stop_time: f64,
-    /// Preferred communication step [s], > 0.
-    pub step_size: f64,
-}
-
-impl Default for Experiment {
-    fn default() -> Self {
-        Self { stop_time: 1.0, step_size: 1e-3 }
-    }
 }
 
 impl Start {

@@ -2,9 +2,9 @@
 use super::Visit;
 use super::bodies::{Body, Friction, Joint, JointKind, Marker};
 use super::contact::{Lock, Stop};
-use super::experiment::{Experiment, Solver, Start};
+use super::experiment::{Solver, Start};
 use super::loads::{Actuator, Air, Force, Gravity, Spring, Surface, Torque};
-use crate::format::{Flag, Named};
+use crate::format::{Experiment, Flag, Named};
 use serde::{Deserialize, Serialize};
 
 /// Name of the body that does not move.

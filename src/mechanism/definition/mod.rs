@@ -10,10 +10,10 @@ mod loads;
 mod mechanism;
 mod validate;
 
-pub use crate::format::{DefinitionError, Named, Range};
+pub use crate::format::{DefinitionError, Experiment, Named, Range};
 pub use bodies::{Body, Friction, Joint, JointKind, Marker, Shape};
 pub use contact::{Limit, Lock, Stop};
-pub use experiment::{Experiment, Method, Solver, Start};
+pub use experiment::{Method, Solver, Start};
 pub use loads::{Actuator, Air, Force, Gravity, Spring, Surface, Torque};
 pub use mechanism::{GROUND, Mechanism};
 

@@ -61,8 +61,7 @@ impl Mechanism {
         self.check_surfaces()?;
         self.check_stops()?;
         self.check_start()?;
-        Range::Positive.check("experiment.stop_time", self.experiment.stop_time)?;
-        Range::Positive.check("experiment.step_size", self.experiment.step_size)
+        self.experiment.check()
     }
 
     /// A stated method has a step.

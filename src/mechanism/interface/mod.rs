@@ -1,13 +1,14 @@
 //! The variables of a mechanism, by noun: inputs, outputs with their dependencies, parameters.
 //!
-//! In: a definition. Out: the table of variables with the quantity of each; the dependencies of initial values. It must
-//! not know how a quantity is computed.
+//! In: a definition. Out: the table of variables with the quantity of each; the dependencies of initial values; the
+//! terminals. It must not know how a quantity is computed.
 mod bodies;
 mod builder;
 mod drives;
 mod loads;
 mod needs;
 mod source;
+mod terminals;
 
 use crate::mechanism::definition::{DefinitionError, Mechanism, Method};
 use crate::mechanism::quantity::Quantity;
@@ -16,6 +17,7 @@ use crate::variables::{Reference, Value, Variables};
 use builder::Builder;
 use needs::{Cause, causes};
 use source::Source;
+pub use terminals::terminals;
 
 /// The variables of a mechanism: inputs, outputs, then parameters.
 ///

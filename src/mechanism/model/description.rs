@@ -1,0 +1,42 @@
+//! What describes a model before it runs: names, variables, terminals, default experiment.
+use super::Model;
+use crate::format::Experiment;
+use crate::mechanism::error::ModelError;
+use crate::mechanism::interface;
+use crate::mechanism::quantity::Quantity;
+use crate::variables::{Reference, Terminal, Variables};
+
+impl Model {
+    /// Name of the mechanism, the FMU's modelName and modelIdentifier.
+    pub fn name(&self) -> &str {
+        &self.original.parameter_values.mechanism.name
+    }
+
+    /// One-line description of the mechanism.
+    pub fn description(&self) -> &str {
+        &self.original.parameter_values.mechanism.description
+    }
+
+    /// The variables that the host sees.
+    pub fn variables(&self) -> &Variables<Quantity> {
+        &self.original.variables
+    }
+
+    /// For each variable, if it is an output: the inputs and parameters on which its initial value depends, ascending.
+    ///
+    /// # Errors
+    /// A parameter that may not change a little.
+    pub fn initial_dependencies(&self) -> Result<Vec<Vec<Reference>>, ModelError> {
+        Ok(interface::initial_dependencies(&self.original.parameter_values.mechanism)?)
+    }
+
+    /// The variables of each drive, as one connection.
+    pub fn terminals(&self) -> Vec<Terminal> {
+        interface::terminals(self.variables())
+    }
+
+    /// Default experiment.
+    pub fn experiment(&self) -> Experiment {
+        self.original.parameter_values.mechanism.experiment
+    }
+}
