@@ -12,7 +12,7 @@ pub enum Verdict {
     Ok,
     /// Done, although something about the call is unusual.
     Warning,
-    /// A question without an answer; the instance goes on.
+    /// A question without an answer, after which the instance goes on; or a step that came to a part of its end.
     Discard,
     /// Refused or failed; a message says why.
     Error,
@@ -20,7 +20,7 @@ pub enum Verdict {
     Fatal,
 }
 
-/// Why a call was refused. The instance is unchanged.
+/// Why a call was refused. The instance is unchanged, unless a step was made in part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refusal {
     /// Answer to the host: `Discard` or `Error`.
@@ -35,7 +35,7 @@ impl Refusal {
         Refusal { verdict: Verdict::Error, message: message.into() }
     }
 
-    /// A question without an answer; the instance goes on.
+    /// A question without an answer, or a step that was made in part.
     pub fn discard(message: impl Into<String>) -> Self {
         Refusal { verdict: Verdict::Discard, message: message.into() }
     }
