@@ -16,7 +16,7 @@ use std::ffi::{CStr, CString};
 pub const LOG_CATEGORIES: [(&CStr, &str); 6] = [
     (c"logEvents", "Changes of mode, where the mechanism was read, and what the integration cost"),
     (c"logStatusWarning", "Calls that were accepted although something about them is unusual"),
-    (c"logStatusDiscard", "Questions of the host that have no answer"),
+    (c"logStatusDiscard", "Questions of the host that have no answer, and steps made in part"),
     (c"logStatusError", "Calls that were refused or failed, and why"),
     (c"logStatusFatal", "Faults inside the FMU; the instance is lost"),
     (c"logAll", "All messages"),

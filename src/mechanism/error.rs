@@ -150,7 +150,7 @@ impl fmt::Display for ModelError {
             Self::Saved { what } => write!(f, "the saved state is none of this mechanism: {what}"),
             Self::LoadOverflow { name, value } => write!(
                 f,
-                "{name} = {}: its load overflows at the present position, beyond {:.1e}; set a smaller value",
+                "{name} = {}: under inputs of this size a load or its work overflows, beyond {:.1e}; set a smaller value",
                 Decimal(*value),
                 f64::MAX
             ),

@@ -3,6 +3,7 @@
 
 mod bad_input;
 mod benchmarks;
+mod bounds;
 mod derivatives;
 mod drag;
 mod drives;
@@ -10,6 +11,7 @@ mod exact;
 mod friction;
 mod friction_balance;
 mod gear_retraction;
+mod histories;
 mod input_derivatives;
 mod interface;
 mod look_ahead;

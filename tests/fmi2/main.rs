@@ -6,5 +6,6 @@ mod clock;
 mod host;
 mod hostile;
 mod instantiate;
+mod interrupted;
 mod method;
 mod state;

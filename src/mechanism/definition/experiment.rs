@@ -94,7 +94,7 @@ impl Solver {
     /// Largest step of Newmark's method where none is stated [s].
     pub const FEM_STEP: f64 = 1e-5;
     /// Most steps of the integration in one communication step, where no number is stated.
-    pub const MAX_STEPS: f64 = 1e5;
+    pub const MAX_STEPS: f64 = 5e4;
 
     pub(super) fn parameters(&mut self, visit: &mut Visit) {
         let mut list = Owner::new(None, "solver", Role::Tolerance, visit);

@@ -26,7 +26,7 @@ const CORRECTIONS: usize = 12;
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// A motion under loads that only the position decides.
-pub struct Coasting<'a, D, R> {
+pub struct Coasting<'a, D, W> {
     pub dynamics: &'a mut D,
     pub integrator: &'a mut Integrator<2>,
     pub ends: &'a Ends,
@@ -34,8 +34,10 @@ pub struct Coasting<'a, D, R> {
     pub tolerance: f64,
     /// Least and largest sigma of an open curve.
     pub range: Option<(f64, f64)>,
-    /// Length of a closed curve, if no load does net work over a revolution.
-    pub revolution: R,
+    /// Length of a closed curve.
+    pub length: Option<f64>,
+    /// Whether a load does net work over a revolution of a closed curve.
+    pub does_work: W,
 }
 
 /// Return of a motion to its position and speed.
@@ -46,7 +48,7 @@ struct Period {
     revolutions: f64,
 }
 
-impl<D: Dynamics<2>, R: Fn() -> Option<f64>> Coasting<'_, D, R> {
+impl<D: Dynamics<2>, W: Fn() -> bool> Coasting<'_, D, W> {
     /// Advance y = (sigma, sigma_dot) by exactly `span` [s], or until the integration has tried `most` steps since its
     /// start. Returns the energy lost in impacts [J]. Revolutions that sigma does not count are added to `passed`.
     ///
@@ -91,7 +93,9 @@ impl<D: Dynamics<2>, R: Fn() -> Option<f64>> Coasting<'_, D, R> {
             speed = y[1].abs();
             if !is_rising {
                 let rest = span - progress.t;
-                if let Some(Period { time, revolutions }) = self.period(y, patience) {
+                let spent = self.integrator.attempts() + progress.work.extra;
+                let effort = patience.min(most.saturating_sub(spent));
+                if let Some(Period { time, revolutions }) = self.period(y, effort) {
                     let count = (rest / time).floor().min(MOST_PERIODS);
                     progress.t = span - (-count).mul_add(time, rest).max(0.0);
                     *passed += count * revolutions;
@@ -115,7 +119,8 @@ impl<D: Dynamics<2>, R: Fn() -> Option<f64>> Coasting<'_, D, R> {
     fn period(&mut self, start: &[f64; 2], effort: u64) -> Option<Period> {
         let direction = start[1].signum();
         let unlimited = self.ends.travel.iter().all(Option::is_none);
-        let revolution = if unlimited { (self.revolution)() } else { None };
+        let revolution = self.length.filter(|_| unlimited && !(self.does_work)());
+        let farthest = self.length.unwrap_or(f64::INFINITY);
         let returns = [Some((start[0], 0.0)), revolution.map(|length| (start[0] + direction * length, direction))];
         let limits = [0, 1].map(|side| {
             let of_curve = self.range.map(|(first, last)| [first, last][side]);
@@ -143,6 +148,10 @@ impl<D: Dynamics<2>, R: Fn() -> Option<f64>> Coasting<'_, D, R> {
                 break;
             }
             (t, y) = (t + step.h, step.end);
+            if (y[0] - start[0]).abs() > farthest {
+                // Spun by loads that do work, it is not soon to return.
+                break;
+            }
         }
         self.integrator.count(&integrator);
         found
@@ -167,3 +176,6 @@ impl<D: Dynamics<2>, R: Fn() -> Option<f64>> Coasting<'_, D, R> {
         None
     }
 }
+
+#[cfg(test)]
+mod tests;

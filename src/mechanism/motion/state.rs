@@ -85,10 +85,10 @@ fn blows_under(reduced: &Reduced, inputs: &Inputs) -> bool {
     blows(reduced, airspeed(reduced, inputs)) || (reduced.loading().air.is_some() && changes())
 }
 
-/// Length of a closed curve on which no load does work over a whole revolution; none otherwise.
-fn revolution_without_work(reduced: &Reduced, sizes: &[f64]) -> Option<f64> {
-    let winds = sizes.iter().enumerate().any(|(load, size)| *size != 0.0 && reduced.load_growth(load) != 0.0);
-    if winds || reduced.components().winding.is_some() { None } else { reduced.period() }
+/// Whether a load of these sizes or a spring does work over a whole revolution of a closed curve.
+fn does_work(reduced: &Reduced, sizes: &[f64]) -> bool {
+    let mut sizes = sizes.iter().enumerate();
+    reduced.components().winding.is_some() || sizes.any(|(load, size)| *size != 0.0 && reduced.load_growth(load) != 0.0)
 }
 
 /// The loads that the state decides, in moving air or not, with an error located after so many revolutions.
@@ -187,9 +187,10 @@ impl State {
             Memory::Conservative(integrator) => {
                 let most = integrator.attempts() + max_steps;
                 let range = reduced.period().is_none().then_some(reduced.curve().range);
-                let revolution = || revolution_without_work(reduced, sizes);
+                let (length, does_work) = (reduced.period(), || does_work(reduced, sizes));
                 let contact = &mut contact;
-                let mut coasting = Coasting { dynamics, integrator, ends, contact, tolerance, range, revolution };
+                let mut coasting =
+                    Coasting { dynamics, integrator, ends, contact, tolerance, range, length, does_work };
                 (coasting.run(&mut y, h, most, &mut passed), 0.0)
             }
             Memory::WithDissipation(integrator, lookahead) => {

@@ -100,7 +100,7 @@ impl Spent {
         } else {
             let mean = time / accepted.max(1) as f64;
             format!(
-                "the motion asks for steps of {mean:.1e} s on average, as under stiff friction, a hard bumper or large loads"
+                "the steps took {mean:.1e} s on average, and stiff friction, hard bumpers or large loads shorten them"
             )
         }
     }
