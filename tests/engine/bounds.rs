@@ -10,8 +10,8 @@ const MAX_STEPS: u64 = 50_000;
 /// Most evaluations for each step that is tried: a step of DOP853 with its interpolant, and an event in it.
 const EVALUATIONS: u64 = 40;
 
-/// A step of `h` that the bound ends: the time reached and the message. The work is that which the bound allows, and the
-/// energy balance holds where it ended.
+/// A step of `h` that the bound ends: the time reached and the message. The work is within the bound, and the energy
+/// balance holds at the state reached.
 #[track_caller]
 fn interrupted(run: &mut Run, h: f64, max_steps: u64) -> (f64, String) {
     let (before, start) = (run.statistics(), run.0.time());

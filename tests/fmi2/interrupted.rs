@@ -79,8 +79,8 @@ fn a_step_in_part_is_discarded_and_can_be_read() {
     }
 }
 
-/// An interrupted instance allows what stepFailed allows, and nothing else; a state saved before or of it brings it back
-/// to where it was.
+/// An interrupted instance allows what stepFailed allows, and nothing else; a state saved before the step brings the
+/// instance back.
 fn goes_on_from_a_saved_state(gear: &Gear, mut before: State) {
     let (angle, time) = (gear.get("crank.angle").unwrap(), last_time(gear));
     gear.log.take();
@@ -131,8 +131,8 @@ fn goes_on_from_a_saved_state(gear: &Gear, mut before: State) {
     assert_eq!(other.free(&mut copy), Status::Ok);
 }
 
-/// An input that overflows at the end of a step, or whose load does, is refused before the step: the instance goes on as
-/// if it had not been asked.
+/// An input that overflows at the end of a step, or whose load does, is refused before the step: the instance goes on
+/// as if it had not been asked.
 #[test]
 fn a_step_refused_before_it_begins_leaves_the_phase() {
     for (name, order, value, h) in [

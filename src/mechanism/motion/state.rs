@@ -390,8 +390,8 @@ impl State {
         Err(ModelError::LoadOverflow { name: name.into(), value })
     }
 
-    /// After a step that failed, with the airspeed and the energy as before it: reverse the rest of [`Self::apply`]. The
-    /// integration starts anew.
+    /// After a step that failed, with the airspeed and the energy as before it: reverse the rest of [`Self::apply`].
+    /// The integration starts anew.
     #[cold]
     fn undo(&mut self, reduced: &Reduced, changed: bool) {
         self.memory.restart();
