@@ -32,6 +32,39 @@ impl From<ModelError> for Refused {
     }
 }
 
+/// How far a step has come.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Stepped {
+    /// To its end.
+    Whole,
+    /// To a state before its end, in which the model is now.
+    Part(Interrupted),
+    /// Nowhere: the step could not be computed, and the model is in the state before it.
+    Failed(Refused),
+}
+
+/// A step that met `solver.max_steps`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Interrupted {
+    /// Time from the beginning of the step to the state reached [s], less than the step.
+    pub time: f64,
+    /// What took so many steps, how far they came, and the remedy.
+    pub why: String,
+}
+
+/// How far a step of a mechanism has come that did not come to its end.
+///
+/// # Errors
+/// The step was refused before it began.
+#[cold]
+fn stepped(error: ModelError) -> Result<Stepped, Refused> {
+    match error {
+        ModelError::Interrupted { time, why } => Ok(Stepped::Part(Interrupted { time, why })),
+        error if error.ends_step() => Ok(Stepped::Failed(error.into())),
+        error => Err(error.into()),
+    }
+}
+
 /// A model of any kind.
 #[derive(Clone, Debug)]
 pub enum Component {
@@ -194,9 +227,18 @@ impl Component {
         /// Take the start state under the present parameters and inputs. Refused: the parameters give no model, or the
         /// start cannot be reached.
         fn initialize(self: &mut Self) -> ();
-        /// Advance by exactly `h` [s], > 0. Refused, in the state before the step: not initialised, `h` out of range,
-        /// or a step that cannot be computed.
-        fn step(self: &mut Self, h: f64) -> ();
+    }
+
+    /// Advance by exactly `h` [s], > 0, or as far as `solver.max_steps` allows.
+    ///
+    /// # Errors
+    /// Refused before the step began, without any change: not initialised, `h` out of range, inputs whose loads
+    /// overflow.
+    #[inline]
+    pub fn step(&mut self, h: f64) -> Result<Stepped, Refused> {
+        match self {
+            Self::Mechanism(model) => model.step(h).map_or_else(stepped, |()| Ok(Stepped::Whole)),
+        }
     }
 
     /// Why a Real output has no value in the present state; None if it has one.

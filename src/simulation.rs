@@ -32,7 +32,8 @@ pub struct Simulation {
     is_initialized: bool,
 }
 
-/// Why a call was refused. The simulation is what it was; a run has stopped after its last good step.
+/// Why a call was refused. The simulation is what it was; a run has stopped after its last good step, or where a
+/// step met `solver.max_steps`.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(missing_docs, reason = "the sentence of a variant names its fields")]
 pub enum SimulationError {
@@ -228,12 +229,21 @@ impl Simulation {
     ///
     /// # Errors
     /// The model is not initialised, `h` is out of range, or the model cannot go on; the state is then what it was.
+    /// [`ModelError::Interrupted`]: the step met `solver.max_steps`; the state and [`Self::time`] are those reached,
+    /// from which the next step goes on.
     pub fn step(&mut self, h: f64) -> Result<(), SimulationError> {
         if !self.is_initialized {
             return Err(ModelError::NotInitialised.into());
         }
-        self.model.step(h)?;
-        self.time += h;
+        match self.model.step(h) {
+            Ok(()) => self.time += h,
+            Err(error) => {
+                if let ModelError::Interrupted { time, .. } = error {
+                    self.time += time;
+                }
+                return Err(error.into());
+            }
+        }
         Ok(())
     }
 

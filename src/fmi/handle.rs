@@ -131,6 +131,12 @@ fn guarded(
 fn refuse_phase(instance: &Instance, function: &Function) -> Verdict {
     let message = match instance.phase {
         Phase::Fatal => "the instance is lost; it and its states can only be freed".to_owned(),
+        Phase::Interrupted => format!(
+            "not allowed after a step that met solver.max_steps, at t = {} s; restore a state saved before, or reset and \
+             take shorter communication steps or raise solver.max_steps; allowed in: {}",
+            instance.clock.time,
+            function.legal_phases()
+        ),
         phase => format!("not allowed in the phase '{}'; allowed in: {}", phase.name(), function.legal_phases()),
     };
     let verdict = if instance.phase == Phase::Fatal { Verdict::Fatal } else { Verdict::Error };

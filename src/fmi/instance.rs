@@ -9,7 +9,7 @@ use super::phase::{Phase, may_get, may_set};
 use super::refusal::Refusal;
 use super::saved::Saved;
 use super::undefined::Undefined;
-use crate::component::{Component, Refused};
+use crate::component::{Component, Refused, Stepped};
 use crate::numerics::decimal::Decimal;
 use crate::variables::{Interface, Kind, Reference};
 use std::borrow::Cow;
@@ -291,14 +291,24 @@ impl Instance {
     /// Advance by exactly `h` [s] from the present communication point.
     ///
     /// The time after the step is the host's `point` plus `h`, so that the rounding of the host's sums is never counted
-    /// as its error. After a step that cannot be computed, the state is that of the last communication point.
+    /// as its error. A step that is refused before it begins changes nothing. After a step that cannot be computed, the
+    /// state is that of the last communication point; after one that met the bound on its work, that at the time
+    /// reached.
     pub fn do_step(&mut self, point: f64, h: f64) -> Result<(), Refusal> {
         let end = self.clock.end_of_step(point, h)?;
-        if let Err(refused) = self.component.step(h) {
-            self.phase = Phase::Failed;
-            return Err(refused.into());
+        match self.component.step(h)? {
+            Stepped::Whole => {
+                self.clock.time = end;
+                Ok(())
+            }
+            Stepped::Part(interrupted) => {
+                (self.clock.time, self.phase) = (point + interrupted.time, Phase::Interrupted);
+                Err(Refusal::discard(interrupted.why))
+            }
+            Stepped::Failed(refused) => {
+                self.phase = Phase::Failed;
+                Err(refused.into())
+            }
         }
-        self.clock.time = end;
-        Ok(())
     }
 }

@@ -17,7 +17,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 pub const LOG_CATEGORIES: [(&CStr, &str); 6] = [
     (c"logEvents", "Changes of mode, where the mechanism was read, and what the integration cost"),
     (c"logStatusWarning", "Calls that were done although something about them is unusual; outputs without a value"),
-    (c"logStatusDiscard", "Questions of the host that have no answer"),
+    (c"logStatusDiscard", "Questions of the host that have no answer, and steps made in part"),
     (c"logStatusError", "Calls that were refused or failed, and why"),
     (c"logStatusFatal", "Faults inside the FMU; the instance is lost"),
     (c"logAll", "All messages"),

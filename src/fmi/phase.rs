@@ -23,15 +23,18 @@ pub enum Phase {
     Failed = 16,
     /// A fault inside this library; the instance and its states can only be freed.
     Fatal = 32,
+    /// A step met the bound on its work; the state is that at the time reached.
+    Interrupted = 64,
 }
 
 pub const INSTANTIATED: u8 = Phase::Instantiated as u8;
 pub const INITIALIZATION: u8 = Phase::Initialization as u8;
 pub const STEP: u8 = Phase::Step as u8;
 pub const TERMINATED: u8 = Phase::Terminated as u8;
-pub const FAILED: u8 = Phase::Failed as u8;
+/// Phases after a step that did not come to its end.
+pub const FAILED: u8 = Phase::Failed as u8 | Phase::Interrupted as u8;
 pub const FATAL: u8 = Phase::Fatal as u8;
-/// All phases but the last.
+/// All phases but [`Phase::Fatal`].
 pub const ALIVE: u8 = INSTANTIATED | INITIALIZATION | STEP | TERMINATED | FAILED;
 /// Phases in which values can be set.
 pub const SETTABLE: u8 = INSTANTIATED | INITIALIZATION | STEP;
@@ -39,13 +42,14 @@ pub const SETTABLE: u8 = INSTANTIATED | INITIALIZATION | STEP;
 pub const STEPPED: u8 = STEP | TERMINATED | FAILED;
 
 /// Each phase with its name in messages, in the order of the bits.
-const PHASES: [(Phase, &str); 6] = [
+const PHASES: [(Phase, &str); 7] = [
     (Phase::Instantiated, "instantiated"),
     (Phase::Initialization, "initialization mode"),
     (Phase::Step, "step mode"),
     (Phase::Terminated, "terminated"),
     (Phase::Failed, "step failed"),
     (Phase::Fatal, "fatal"),
+    (Phase::Interrupted, "step interrupted"),
 ];
 
 impl Phase {

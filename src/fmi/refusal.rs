@@ -13,7 +13,7 @@ pub enum Verdict {
     Ok,
     /// Done, although something about the call is unusual.
     Warning,
-    /// A question without an answer; the instance goes on.
+    /// A question without an answer, after which the instance goes on; or a step that came to a part of its end.
     Discard,
     /// Refused or failed; a message says why.
     Error,
@@ -21,8 +21,8 @@ pub enum Verdict {
     Fatal,
 }
 
-/// Why a call was refused; the instance is unchanged. With the verdict `Warning`: what is unusual about a call that was
-/// done.
+/// Why a call was refused; the instance is unchanged, unless a step was made in part. With the verdict `Warning`: what is
+/// unusual about a call that was done.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refusal {
     /// Answer to the host.
@@ -42,7 +42,7 @@ impl Refusal {
         Refusal { verdict: Verdict::Warning, message: message.into() }
     }
 
-    /// A question without an answer; the instance goes on.
+    /// A question without an answer, or a step that was made in part.
     pub fn discard(message: impl Into<String>) -> Self {
         Refusal { verdict: Verdict::Discard, message: message.into() }
     }

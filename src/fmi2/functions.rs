@@ -250,6 +250,10 @@ exported! {
     /// Refused, without any change, for an `h` that is not finite and positive, for another point than the instance's
     /// own, and for a step past the stop time. Steps are synchronous. The last argument has no meaning here: any state
     /// can be restored.
+    ///
+    /// `fmi2Discard`: the step met `solver.max_steps` after a part of it (4.2.2). The state is that at the time of
+    /// `fmi2LastSuccessfulTime`, where values can be read; to go on, a state saved before is restored or the instance
+    /// reset.
     fn fmi2DoStep(point: Real, h: Real, _no_set_state_prior: Boolean) in STEP => |i| i.do_step(point, h);
 
     /// Always an error: no step is asynchronous, so that there is none to cancel.
@@ -259,11 +263,15 @@ exported! {
     /// `fmi2DoStepStatus`: how the last step ended.
     // SAFETY: `value` leads to memory for one value (4.2.3).
     fn fmi2GetStatus(kind: c_int, value: *mut Status) in STEPPED => |i| {
-        let last = if i.phase == Phase::Failed { Status::Error } else { Status::Ok };
+        let last = match i.phase {
+            Phase::Failed => Status::Error,
+            Phase::Interrupted => Status::Discard,
+            _ => Status::Ok,
+        };
         answer(value, kind, DO_STEP_STATUS, last)
     };
 
-    /// `fmi2LastSuccessfulTime`: end of the last successful step [s].
+    /// `fmi2LastSuccessfulTime`: end of the last successful step, or the time that an interrupted step has reached [s].
     // SAFETY: `value` leads to memory for one value (4.2.3).
     fn fmi2GetRealStatus(kind: c_int, value: *mut Real) in STEPPED => |i|
         answer(value, kind, LAST_SUCCESSFUL_TIME, i.clock.time);

@@ -86,10 +86,11 @@ mod tests {
         assert_eq!(function("fmi2DoStep").legal_phases(), "step mode");
         assert_eq!(function("fmi2SetupExperiment").legal_phases(), "instantiated");
         assert_eq!(function("fmi2ExitInitializationMode").legal_phases(), "initialization mode");
-        assert_eq!(function("fmi2Terminate").legal_phases(), "step mode, step failed");
+        assert_eq!(function("fmi2Terminate").legal_phases(), "step mode, step failed, step interrupted");
         for setter in ["fmi2SetReal", "fmi2SetInteger", "fmi2SetBoolean", "fmi2SetString"] {
             assert!(!function(setter).is_legal_in(Phase::Terminated));
             assert!(!function(setter).is_legal_in(Phase::Failed));
+            assert!(!function(setter).is_legal_in(Phase::Interrupted));
         }
     }
 }

@@ -26,6 +26,10 @@ pub enum Range {
     Unit,
     /// A relative tolerance: below, rounding takes over; above, the error estimate means nothing.
     Tolerance,
+    /// A whole number >= 1 that counts without rounding.
+    Count,
+    /// A step of Newmark's method [s]: in a shorter one, rounding of the positions outweighs their change.
+    Substep,
 }
 
 impl Range {
@@ -41,6 +45,8 @@ impl Range {
             Self::Fraction => (value > 0.0 && value <= 1.0, "a number > 0 and <= 1"),
             Self::Unit => ((0.0..=1.0).contains(&value), "a number from 0 to 1"),
             Self::Tolerance => ((1e-14..=1e-1).contains(&value), "a number from 1e-14 to 1e-1"),
+            Self::Count => ((1.0..=1e15).contains(&value) && value.fract() == 0.0, "a whole number from 1 to 1e15"),
+            Self::Substep => (value >= 1e-9, "a finite number >= 1e-9"),
         }
     }
 

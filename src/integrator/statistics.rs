@@ -70,6 +70,16 @@ impl Statistics {
         self.by_method[method as usize] += 1;
     }
 
+    /// Add the work of another integration.
+    pub(super) fn add(&mut self, other: &Self) {
+        let Self { evaluations, accepted, rejected, jacobians, newton_iterations, by_method } = other;
+        self.evaluations += evaluations;
+        (self.accepted, self.rejected) = (self.accepted + accepted, self.rejected + rejected);
+        (self.jacobians, self.newton_iterations) =
+            (self.jacobians + jacobians, self.newton_iterations + newton_iterations);
+        self.by_method.iter_mut().zip(by_method).for_each(|(own, other)| *own += other);
+    }
+
     /// All fields, written or read.
     ///
     /// # Errors

@@ -38,6 +38,8 @@ pub enum ModelError {
     Output { name: String },
     /// An output is not smooth along the motion, near this position of the linkage.
     Table { name: String, position: String },
+    /// What a step ends with is beyond the largest number.
+    Overflow { name: String },
     /// A step before initialisation.
     NotInitialised,
     /// A step size [s] that is not finite and positive.
@@ -54,9 +56,25 @@ pub enum ModelError {
     Saved { what: String },
     /// The motion leaves the traced part of the curve.
     Travel { position: String },
+    /// An input so large that its load or its work overflows: its name and largest size in the step.
+    LoadOverflow { name: String, value: f64 },
+    /// A step met `solver.max_steps`: the time from its beginning to the state reached [s], and what took so many
+    /// steps. The model is in that state.
+    Interrupted { time: f64, why: String },
 }
 
 impl ModelError {
+    /// Whether a step gave this error after it had begun: the model is in the state before the step, but its
+    /// integration starts anew. Any other error, [`Self::Interrupted`] apart, refuses a step before it begins.
+    pub fn ends_step(&self) -> bool {
+        match self {
+            Self::Integration(_) | Self::Locked { .. } | Self::Travel { .. } | Self::StopPassed { .. } => true,
+            Self::Overflow { .. } => true,
+            Self::RigidFem(error) => matches!(error, RigidFemError::Equilibrium { .. } | RigidFemError::Strain { .. }),
+            _ => false,
+        }
+    }
+
     /// [`Self::Table`] at a point of the curve after so many whole revolutions.
     pub fn table(reduced: &Reduced, name: &str, at: &Unresolved, revolutions: f64) -> Self {
         Self::Table { name: name.into(), position: reduced.curve().describe(at.sigma, revolutions) }
@@ -84,7 +102,8 @@ impl fmt::Display for ModelError {
             Self::Text { name, value, allowed } => write!(f, "{name} = \"{value}\": must be {allowed}"),
             Self::RigidFem(RigidFemError::Substeps { count, limit }) => write!(
                 f,
-                "a step would take {count:e} steps of solver.fem_step, allowed are {limit:e}: raise solver.fem_step"
+                "a step would take {count:e} steps of solver.fem_step, solver.max_steps allows {limit:e}: \
+                 take shorter communication steps, or raise solver.fem_step or solver.max_steps"
             ),
             Self::RigidFem(e) => write!(f, "solver.method = \"rigid_fem\": {e}"),
             Self::NotInRigidFem { name, value, remedy } => write!(
@@ -105,6 +124,10 @@ impl fmt::Display for ModelError {
                 f,
                 "{name} is not smooth near {position}, so that it cannot be told; \
                  change the lengths, or do not read it"
+            ),
+            Self::Overflow { name } => write!(
+                f,
+                "{name} is beyond the largest number under the present inputs and parameters: check their sizes"
             ),
             Self::NotInitialised => f.write_str("a step was asked for before initialisation: initialise first"),
             Self::StepSize { h } => write!(f, "step size h = {} s: must be finite and > 0", Decimal(*h)),
@@ -132,6 +155,13 @@ impl fmt::Display for ModelError {
                  name a point that moves there"
             ),
             Self::Saved { what } => write!(f, "the saved state is none of this mechanism: {what}"),
+            Self::LoadOverflow { name, value } => write!(
+                f,
+                "{name} = {}: under inputs of this size a load or its work overflows, beyond {:.1e}; set a smaller value",
+                Decimal(*value),
+                f64::MAX
+            ),
+            Self::Interrupted { why, .. } => f.write_str(why),
             Self::Travel { position } => {
                 write!(f, "the motion has gone past the end of its travel at {position}: limit the loads or the time")
             }

@@ -315,10 +315,12 @@ impl Model {
     }
 
     /// Advance by exactly `h` [s], > 0, under the present inputs with the derivatives of
-    /// [`Self::set_input_derivative`]; the inputs keep their values at the end. On an error the state is what it was.
+    /// [`Self::set_input_derivative`]; the inputs keep their values at the end. On an error the state is what it was,
+    /// but for [`ModelError::Interrupted`]: the state and the inputs are then those at the time reached.
     ///
     /// # Errors
-    /// Not initialised, h out of range, the integration stopped, or the travel ended.
+    /// Not initialised, h out of range, loads that overflow, the integration stopped, the travel ended, or
+    /// `solver.max_steps` was met. [`ModelError::ends_step`] tells a refusal from a step that could not be made.
     pub fn step(&mut self, h: f64) -> Result<(), ModelError> {
         if !(h.is_finite() && h > 0.0) {
             return Err(ModelError::StepSize { h });
@@ -326,18 +328,22 @@ impl Model {
         if self.inputs.signal.ahead {
             self.check_inputs_at(h)?;
         }
-        let tolerance = self.parameter_values.mechanism.solver.tolerance;
+        let solver = &self.parameter_values.mechanism.solver;
         let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) else {
             return Err(ModelError::NotInitialised);
         };
-        match state {
-            Formulation::Reduced(motion) => motion.step(reduced, &self.inputs, h, tolerance),
-            Formulation::RigidFem(motion) => motion.step(reduced, &self.inputs, h),
-        }?;
+        let stepped = match state {
+            Formulation::Reduced(motion) => motion.step(reduced, &self.inputs, h, solver),
+            Formulation::RigidFem(motion) => motion.step(reduced, &self.inputs, h, solver),
+        };
         if self.inputs.signal.ahead {
-            self.leave_inputs_at(h);
+            match stepped {
+                Ok(()) => self.leave_inputs_at(h),
+                Err(ModelError::Interrupted { time, .. }) => self.leave_inputs_at(time),
+                Err(_) => {}
+            }
         }
-        Ok(())
+        stepped
     }
 
     /// Back to what [`Self::from_json`] gave.

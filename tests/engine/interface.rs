@@ -57,8 +57,8 @@ fn the_guid_follows_the_interface_not_the_numbers() {
 #[test]
 fn the_identity_of_the_gear_is_pinned() {
     let gear = Model::from_json(GEAR).unwrap();
-    assert_eq!(gear.variables().guid(), "{0f990bee-bbaa-d620-9464-67d1c7c4fc59}");
-    assert_eq!(gear.identity(), [0x42D7_43DE_F21C_AEA4, 0x7ACF_7DBC_B24C_A1F3]);
+    assert_eq!(gear.variables().guid(), "{1cb08588-ef81-30f8-f11d-110a52c99ab2}");
+    assert_eq!(gear.identity(), [0x0ED9_EEFD_DF52_1721, 0xF003_F4EA_344D_35C1]);
 }
 
 /// The gear in one formulation only.

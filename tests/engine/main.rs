@@ -3,6 +3,7 @@
 
 mod bad_input;
 mod benchmarks;
+mod bounds;
 mod creep;
 mod derivatives;
 mod drag;
@@ -11,6 +12,7 @@ mod exact;
 mod friction;
 mod friction_balance;
 mod gear_retraction;
+mod histories;
 mod input_derivatives;
 mod interface;
 mod look_ahead;

@@ -6,6 +6,7 @@ mod clock;
 mod host;
 mod hostile;
 mod instantiate;
+mod interrupted;
 mod method;
 mod state;
 mod undefined;

@@ -18,16 +18,35 @@ impl<const N: usize> Integrator<N> {
         span: f64,
         tolerance: f64,
     ) -> Result<(), IntegrationError> {
-        let mut t = 0.0;
-        while t < span {
-            let step = self.step(system, t, y, span, tolerance)?;
+        self.advance_from(system, &mut 0.0, y, span, tolerance, u64::MAX).map(|_| ())
+    }
+
+    /// [`Self::advance`] from the time `t` [s] within the span, until [`Self::attempts`] has come to `most`. Returns
+    /// whether the end of the span is reached; else (t, y) is the last accepted step's end.
+    ///
+    /// # Errors
+    /// As [`Self::advance`].
+    pub fn advance_from<S: System<N>>(
+        &mut self,
+        system: &mut S,
+        t: &mut f64,
+        y: &mut [f64; N],
+        span: f64,
+        tolerance: f64,
+        most: u64,
+    ) -> Result<bool, IntegrationError> {
+        while *t < span {
+            if self.attempts() >= most {
+                return Ok(false);
+            }
+            let step = self.step(system, *t, y, span, tolerance)?;
             *y = step.end;
-            t += step.h;
+            *t += step.h;
             if step.reached {
                 break;
             }
         }
-        Ok(())
+        Ok(true)
     }
 
     /// One accepted step from (t, y) towards `end`, not past it; the step that reaches it ends there exactly.

@@ -1,7 +1,7 @@
 //! The method of the next step, and spans that are short against the motion.
 use super::inverse_root::inverse_root;
 use super::memory::{Begin, Integrator};
-use super::sizes::{GROW_MOST, SHRINK_INFINITE};
+use super::sizes::{GROW_MOST, LONGEST, SHRINK_INFINITE};
 use crate::integrator::pair::{Outcome, Pair};
 use crate::integrator::{Method, System};
 
@@ -56,15 +56,17 @@ impl<const N: usize> Integrator<N> {
         let &Begin { rest: h, ref scale, wish, .. } = begin;
         self.statistics.evaluations += P::EVALUATIONS;
         let error = outcome.stages.error(h, scale, tolerance);
-        let longest = || h * if error.is_finite() { inverse_root(error, P::ERROR_POWER) } else { SHRINK_INFINITE };
+        let longest = || h * inverse_root(error, P::ERROR_POWER);
         if error.is_nan() || error > 1.0 {
-            self.longest_span[P::METHOD as usize] = longest();
+            // At least a part of the span, and more than 0: the pair is tried again after some steps of dearer ones.
+            let shorter = if error.is_finite() { longest().max(SHRINK_INFINITE * h) } else { SHRINK_INFINITE * h };
+            self.longest_span[P::METHOD as usize] = shorter.max(f64::MIN_POSITIVE);
             self.statistics.rejected += 1;
             return false;
         }
         if P::METHOD == Method::Dopri5 {
             // Its spans are little shorter than the wish, which its error can lengthen.
-            self.proposal = Some(wish.max(longest().min(GROW_MOST * h)));
+            self.proposal = Some(wish.max(longest().min(GROW_MOST * h)).min(LONGEST));
         }
         self.last = None;
         self.after_explicit::<P, S>();

@@ -66,6 +66,17 @@ impl<const N: usize> Integrator<N> {
         self.statistics
     }
 
+    /// Steps tried so far, whether accepted or rejected.
+    #[inline]
+    pub fn attempts(&self) -> u64 {
+        self.statistics.accepted + self.statistics.rejected
+    }
+
+    /// Count the work of another integration as this one's.
+    pub fn count(&mut self, other: &Self) {
+        self.statistics.add(&other.statistics);
+    }
+
     /// All fields, written or read.
     ///
     /// # Errors
@@ -73,6 +84,8 @@ impl<const N: usize> Integrator<N> {
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.option("proposed step", &mut self.proposal, || 0.0, |record, h| record.positive("proposed step", h))?;
         let blank = || [0.0; N];
+        // Where friction locks, the derivative has no value; it is evaluated again.
+        self.derivative = self.derivative.filter(|f| f.iter().all(|f| f.is_finite()));
         record.option("derivative", &mut self.derivative, blank, |record, f| record.all_finite("derivative", f))?;
         record.all_finite("compensation", &mut self.carry)?;
         self.stiffness.record(record)?;

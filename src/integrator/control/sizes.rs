@@ -26,6 +26,8 @@ const LARGEST_GROWTH: f64 = 10.0;
 /// that: spans so long are asked for at rest.
 const SMALLEST: f64 = 1e-14;
 const LONG: f64 = 1e3;
+/// Longest step that is proposed [s]: still finite after it has grown.
+pub const LONGEST: f64 = 1e300;
 /// Order of the explicit pairs.
 const ORDER: f64 = 8.0;
 
@@ -115,7 +117,7 @@ impl<const N: usize> Integrator<N> {
     #[inline]
     fn propose(&mut self, h: f64, wish: f64, grow: f64) {
         // A step cut short by the end of the span says little about the size that is possible.
-        self.proposal = Some(if h < wish { (h * grow).max(wish) } else { h * grow });
+        self.proposal = Some(if h < wish { (h * grow).max(wish) } else { h * grow }.min(LONGEST));
     }
 
     /// The next size to try after one that was too large.

@@ -49,8 +49,9 @@ impl Stiffness {
         record.small("misses", &mut self.misses)?;
         record.small("failures", &mut self.failures)?;
         record.finite("saved steps", &mut self.saved)?;
-        let allowed = |h: f64| h >= 0.0 && h.is_finite();
-        record.number("last explicit step", &mut self.explicit_h, allowed, "a finite number >= 0")
+        let implicit = self.implicit;
+        let allowed = |h: f64| h.is_finite() && (h > 0.0 || (h == 0.0 && !implicit));
+        record.number("last explicit step", &mut self.explicit_h, allowed, "a finite number > 0, or 0 before Radau")
     }
 
     /// An explicit step of size h at this h |lambda|, that could have grown by `grow`, has been accepted.

@@ -51,9 +51,12 @@ pub struct Solver {
     /// over the length of 1 rad [1], > 0 and <= 1.
     #[serde(default = "speed_floor")]
     pub speed_floor: f64,
+    /// Most steps of the integration in one communication step [1].
+    #[serde(default = "max_steps")]
+    pub max_steps: f64,
     /// Formulation of the motion, a parameter; the reduced model, without a parameter, where absent.
     pub method: Option<Method>,
-    /// Only with `method`: largest step of Newmark's method [s], > 0; 1e-5 where absent.
+    /// Only with `method`: largest step of Newmark's method [s], >= 1e-9; 1e-5 where absent.
     pub fem_step: Option<f64>,
     /// Whether the right-hand side is read from tables; else each evaluation closes the loops, at some hundred times
     /// the cost.
@@ -65,19 +68,32 @@ fn speed_floor() -> f64 {
     1.0
 }
 
+fn max_steps() -> f64 {
+    Solver::MAX_STEPS
+}
+
 fn tables() -> bool {
     true
 }
 
 impl Default for Solver {
     fn default() -> Self {
-        Self { tolerance: 1e-9, speed_floor: speed_floor(), method: None, fem_step: None, tables: true }
+        Self {
+            tolerance: 1e-9,
+            speed_floor: speed_floor(),
+            max_steps: Self::MAX_STEPS,
+            method: None,
+            fem_step: None,
+            tables: true,
+        }
     }
 }
 
 impl Solver {
     /// Largest step of Newmark's method where none is stated [s].
     pub const FEM_STEP: f64 = 1e-5;
+    /// Most steps of the integration in one communication step, where no number is stated.
+    pub const MAX_STEPS: f64 = 5e4;
 
     pub(super) fn parameters(&mut self, visit: &mut Visit) {
         let mut list = Owner::new(None, "solver", Role::Tolerance, visit);
@@ -93,9 +109,11 @@ impl Solver {
             "Least speed to which errors are relative, as a part of that gained over 1 rad under the present loads";
         list.add("speed_floor", words, Unit::One, Range::Fraction, &mut self.speed_floor);
         list.role = Role::Tolerance;
+        let words = "Most steps of the integration in one communication step";
+        list.add("max_steps", words, Unit::One, Range::Count, &mut self.max_steps);
         if self.method.is_some() {
             let words = "Largest step of the rigid finite elements";
-            list.add("fem_step", words, Unit::Second, Range::Positive, &mut self.fem_step);
+            list.add("fem_step", words, Unit::Second, Range::Substep, &mut self.fem_step);
         }
     }
 

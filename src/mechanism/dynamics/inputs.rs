@@ -25,6 +25,17 @@ impl Inputs {
         self.signal.change(loading.inputs.len(), loading.air.is_some())
     }
 
+    /// Largest absolute value of an input at the start or at the end of a step of `h` [s].
+    pub fn size_at(&self, input: usize, h: f64) -> f64 {
+        let value = self.reals[input];
+        value.abs().max(self.signal.at(input, value, h).abs())
+    }
+
+    /// The largest [`Self::size_at`] of all inputs.
+    pub fn largest_at(&self, h: f64) -> f64 {
+        (0..self.reals.len()).fold(0.0, |largest, input| self.size_at(input, h).max(largest))
+    }
+
     /// All fields, written or read.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.length("inputs", self.reals.len())?;

@@ -19,7 +19,7 @@ use crate::mechanism::motion::state::State;
 use crate::mechanism::outputs::ReducedMotion;
 use crate::mechanism::reactions::Reaction;
 use crate::mechanism::reduced::Reduced;
-use crate::mechanism::rigid_fem::{self, RigidFem, RigidFemError, Scratch};
+use crate::mechanism::rigid_fem::{self, RigidFem, RigidFemError, Scratch, substeps};
 use crate::numerics::plane::Vec2;
 use std::sync::Arc;
 use track::Track;
@@ -113,10 +113,15 @@ impl RigidFemMotion {
     /// Advance by exactly `h` [s] under these inputs. On an error the state is what it was.
     ///
     /// # Errors
-    /// No equilibrium or too large a strain; a stop is reached; friction, air or a lock has been switched on.
-    pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64) -> Result<(), ModelError> {
+    /// No equilibrium or too large a strain; a stop is reached; friction, air or a lock has been switched on; more
+    /// substeps than `solver.max_steps`.
+    pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64, solver: &Solver) -> Result<(), ModelError> {
         refuse_losses(reduced, inputs)?;
         refuse_locks(reduced, inputs, &self.rigid.state)?;
+        let (count, limit) = (substeps(h, self.kept.fem_step), solver.max_steps);
+        if count > limit {
+            return Err(RigidFemError::Substeps { count, limit }.into());
+        }
         let reference = self.kept.reference;
         let changed = self.apply()?;
         self.advance(reduced, h).inspect_err(|_| {

@@ -101,6 +101,12 @@ impl Model {
         self.check_input_derivative(reference, order, value)?;
         if let Some(Quantity::Input(i)) = self.original.variables.quantity(reference) {
             self.inputs.signal.set(i, if order == 1 { 1 } else { 2 }, value);
+            // Air that begins to blow acts by other tables, whose values differ by rounding.
+            if let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced)
+                && reduced.loading().air.is_some()
+            {
+                motion.set_lock();
+            }
         }
         Ok(())
     }

@@ -10,6 +10,7 @@ use crate::mechanism::motion::contact::{Contact, Ends, outward};
 use crate::mechanism::motion::dynamics::Dynamics;
 use crate::mechanism::motion::events::{Event, Found, REGIME_TOLERANCE, earliest_event};
 use crate::mechanism::motion::step_ahead::{Lookahead, StepAhead};
+use crate::mechanism::motion::work::Work;
 use crate::numerics::bracket::first_rise;
 
 /// Why an advance ended early.
@@ -19,6 +20,8 @@ pub enum Stopped {
     Integration(IntegrationError),
     /// Friction and reactions have no common solution.
     Locked,
+    /// The work allowed was done; the state is that at the time reached, and the advance can go on from it.
+    Budget(Progress),
 }
 
 impl From<Locked> for Stopped {
@@ -47,12 +50,14 @@ pub struct Advance<'a, D, const N: usize> {
 }
 
 /// How far an advance has come.
-#[derive(Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
     /// Time since the start of the span [s].
-    t: f64,
+    pub t: f64,
     /// Energy lost in impacts [J].
-    lost: f64,
+    pub lost: f64,
+    /// Work done, and allowed.
+    pub work: Work,
     /// Whether bumpers in contact and regimes of friction are those of the state: not at the start, nor after it has
     /// jumped.
     is_settled: bool,
@@ -61,6 +66,13 @@ pub struct Progress {
     held_regime: Option<usize>,
     /// Whether a step may go on beyond the end of the span.
     may_pass: bool,
+}
+
+impl Progress {
+    /// The start of an advance with this bound; see [`Work::most`].
+    pub fn within(most: u64) -> Self {
+        Self { work: Work::within(most), ..Self::default() }
+    }
 }
 
 /// What follows from the state at one instant.
@@ -83,9 +95,15 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         }
         self.progress.may_pass = self.lookahead.may_pass();
         while self.progress.t < span {
+            if self.progress.work.is_spent(self.integrator.attempts()) {
+                return Err(Stopped::Budget(self.progress));
+            }
             match self.instant(z, span)? {
                 Instant::Held => break,
-                Instant::Changed => continue,
+                Instant::Changed => {
+                    self.progress.work.extra += 1;
+                    continue;
+                }
                 Instant::Moves => {}
             }
             // Continuous step.
@@ -320,6 +338,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             return None;
         }
         let mut shorter = self.integrator.retake(self.dynamics, step, found.part * step.h);
+        self.progress.work.extra += 1;
         if let Event::End(side) = found.event {
             for _ in 1..6 {
                 let miss = self.ends.travel[side].map_or(0.0, |end| end.position - shorter.end[0]);
@@ -331,6 +350,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                     break;
                 }
                 shorter = self.integrator.retake(self.dynamics, step, next);
+                self.progress.work.extra += 1;
             }
         }
         Some(shorter)
@@ -343,15 +363,18 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             Event::Undefined => self.integrator.refresh(),
             Event::Regime(joint) => {
                 self.integrator.refresh();
+                self.progress.work.regimes += 1;
                 self.dynamics.change_regime(joint, z[0], z[1]);
                 self.progress.held_regime = at_once.then_some(joint);
             }
             Event::Reversal => {
                 self.jumped();
+                self.progress.work.reversals += 1;
                 z[1] = 0.0;
             }
             Event::Bumper(side) => {
                 self.jumped();
+                self.progress.work.bumpers += 1;
                 match (self.contact.touching()[side], self.ends.bumper(side)) {
                     (None, Some(bumper)) => self.contact.touched(side, bumper),
                     _ => self.contact.released(side),
@@ -369,6 +392,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     #[inline(always)]
     fn impact(&mut self, side: usize, z: &mut [f64; N]) -> Result<(), Locked> {
         let Some(end) = self.ends.travel[side] else { return Ok(()) };
+        self.progress.work.impacts += 1;
         z[0] = end.position;
         let before = 0.5 * z[1] * z[1];
         let other = 1 - side;

@@ -1,5 +1,6 @@
 //! The motion in time: the state, its steps, the events in them.
 pub mod advance;
+mod coasting;
 pub mod contact;
 pub mod dynamics;
 pub mod events;
@@ -7,5 +8,6 @@ mod saved;
 pub mod state;
 pub mod step_ahead;
 pub mod travel;
+mod work;
 
 pub use saved::SavedState;

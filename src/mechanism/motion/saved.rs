@@ -16,7 +16,7 @@ use crate::numerics::bits::become_same;
 /// Part of a closed curve's length by which sigma may be beyond its ends by rounding.
 const ROUNDING: f64 = 1e-12;
 /// Most revolutions, so that one more of them still counts.
-const MOST_REVOLUTIONS: f64 = 1e15;
+pub(super) const MOST_REVOLUTIONS: f64 = 1e15;
 
 /// The part of a state of motion that decides how it continues.
 #[derive(Clone, Debug, Default)]
@@ -31,8 +31,10 @@ pub struct SavedState {
     pub travel: Travel,
     /// Sizes of the loads in the last step, which the integration and the energy balance refer to.
     pub applied: Vec<f64>,
-    /// Airspeed in the last step [m/s].
+    /// Airspeed at the start of the last step [m/s].
     pub airspeed: f64,
+    /// Whether air has acted on the surfaces at any time of the last step.
+    pub air: bool,
     /// Energy at the start, plus the work of changing sizes, less the energy lost since.
     pub reference: f64,
     pub memory: Memory,
@@ -129,14 +131,14 @@ impl SavedState {
         let others = become_same(&mut self.applied, &other.applied) || self.revolutions != other.revolutions;
         (self.sigma, self.sigma_dot, self.revolutions) = (other.sigma, other.sigma_dot, other.revolutions);
         (self.contact, self.travel) = (other.contact, other.travel);
-        (self.airspeed, self.reference) = (other.airspeed, other.reference);
+        (self.airspeed, self.air, self.reference) = (other.airspeed, other.air, other.reference);
         self.memory.copy_from(&other.memory);
         others
     }
 
-    /// The loads that the state decides, in air of the last step's speed.
+    /// The loads that the state decides, as in the last step.
     pub fn state_loads<'a>(&self, reduced: &'a Reduced) -> Result<Option<&'a StateLoads>, ModelError> {
-        state_loads(reduced, blows(reduced, self.airspeed), self.revolutions)
+        state_loads(reduced, self.air, self.revolutions)
     }
 
     /// Read one for this reduced model.
@@ -171,6 +173,7 @@ impl SavedState {
         record.length("sizes", self.applied.len())?;
         record.all_finite("size", &mut self.applied)?;
         record.finite("airspeed", &mut self.airspeed)?;
+        record.flag("air acts", &mut self.air)?;
         record.finite("energy", &mut self.reference)?;
         let mut with_dissipation = matches!(self.memory, Memory::WithDissipation(..));
         record.flag("energy lost integrated", &mut with_dissipation)?;
@@ -196,6 +199,9 @@ impl SavedState {
             return refuse(format!("turns = {}: must be 0, as the travel is open", self.revolutions));
         }
         let loading = reduced.loading();
+        if (self.air && loading.air.is_none()) || (!self.air && blows(reduced, self.airspeed)) {
+            return refuse(format!("air acts = {}: it does not fit to the airspeed {}", self.air, self.airspeed));
+        }
         for end in self.travel.iter().flatten() {
             if loading.stops.get(end.stop).is_none_or(|stop| !stop.enabled) {
                 return refuse(format!("stop = {}: there is none enabled with this index", end.stop));

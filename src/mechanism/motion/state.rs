@@ -2,20 +2,21 @@
 //!
 //! In: a start, inputs, a reduced model. Out: the state after each step, on an error the state before it. It must not
 //! know outputs.
-use crate::mechanism::definition::{DefinitionError, Mechanism};
+mod start;
+
+use crate::integrator::Statistics;
+use crate::mechanism::definition::Solver;
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::error::ModelError;
-use crate::mechanism::loads::laws::stop::Stop;
-use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::motion::advance::{Advance, Progress, Stopped};
+use crate::mechanism::motion::coasting::Coasting;
 use crate::mechanism::motion::contact::{Contact, Ends, outward};
-use crate::mechanism::motion::saved::{Memory, SavedState};
-use crate::mechanism::motion::step_ahead::Lookahead;
-use crate::mechanism::motion::travel::{beyond_stop, can_hold, travel};
-use crate::mechanism::reduced::{Reduced, ReductionError, StateLoads};
+use crate::mechanism::motion::saved::{MOST_REVOLUTIONS, Memory, SavedState};
+use crate::mechanism::motion::work::Spent;
+use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::table::Unresolved;
 use std::ops::{Deref, DerefMut};
 
@@ -44,6 +45,22 @@ impl DerefMut for State {
     }
 }
 
+/// Largest size of an input whose loads are taken not to overflow. The loads of a larger one are tried before a step.
+const LARGE: f64 = 1e100;
+
+/// The end of a step.
+struct Arrival {
+    /// (sigma, sigma_dot), with sigma perhaps beyond the ends of a closed curve.
+    y: [f64; 2],
+    /// Energy lost in the step [J].
+    lost: f64,
+    contact: Contact,
+    /// Revolutions that sigma does not count.
+    passed: f64,
+    /// How far an advance has come that met the bound on its work.
+    interrupted: Option<Progress>,
+}
+
 /// Whether air of this speed [m/s] acts on the surfaces.
 pub(super) fn blows(reduced: &Reduced, speed: f64) -> bool {
     reduced.loading().air.as_ref().is_some_and(|air| air.relative_wind || speed != 0.0)
@@ -68,80 +85,18 @@ fn blows_under(reduced: &Reduced, inputs: &Inputs) -> bool {
     blows(reduced, airspeed(reduced, inputs)) || (reduced.loading().air.is_some() && changes())
 }
 
+/// Whether a load of these sizes or a spring does work over a whole revolution of a closed curve.
+fn does_work(reduced: &Reduced, sizes: &[f64]) -> bool {
+    let mut sizes = sizes.iter().enumerate();
+    reduced.components().winding.is_some() || sizes.any(|(load, size)| *size != 0.0 && reduced.load_growth(load) != 0.0)
+}
+
 /// The loads that the state decides, in moving air or not, with an error located after so many revolutions.
 pub(super) fn state_loads(reduced: &Reduced, air: bool, revolutions: f64) -> Result<Option<&StateLoads>, ModelError> {
     reduced.state_loads(air).map_err(|at| ModelError::table(reduced, "friction", at, revolutions))
 }
 
 impl State {
-    /// The state that the definition states.
-    pub fn at_start(reduced: &Reduced, mechanism: &Mechanism, inputs: &Inputs) -> Result<Self, ModelError> {
-        let start = &mechanism.start;
-        let linkage = reduced.linkage();
-        let carrier = start.body.as_ref().and_then(|body| linkage.carrier(mechanism, body));
-        let (coordinate, value, name, quantity) = match (&start.body, &start.joint) {
-            (Some(body), _) => {
-                let (carrier, own) = carrier.unwrap_or((0, 0.0));
-                let coordinate = linkage.bodies[carrier].angle_coordinate;
-                let value = start.angle.unwrap_or(0.0) - own - linkage.bodies[carrier].offset;
-                (coordinate, value, body, "angle")
-            }
-            (None, Some(joint)) => {
-                let index = linkage.coordinates[linkage.angles..].iter().position(|c| c == joint);
-                (index.map(|i| i + linkage.angles), start.position.unwrap_or(0.0), joint, "position")
-            }
-            (None, None) => (None, 0.0, &mechanism.name, "angle"),
-        };
-        let variable = format!("{name}.start_{quantity}");
-        let coordinate = coordinate.ok_or_else(|| {
-            let allowed = format!("state one of the coordinates {}", linkage.coordinates.join(", "));
-            ModelError::Definition(DefinitionError::unknown("start", name, allowed))
-        })?;
-        if let (Some((body, own)), Some(angle)) = (carrier, start.angle) {
-            // Before the search for the start, as the curve may end at a stop of the body whose angle states the start.
-            let loading = reduced.loading();
-            let is_own = |stop: &&Stop| stop.enabled && loading.loads[stop.load] == Load::Torque { body };
-            loading.stops.iter().filter(is_own).try_for_each(|stop| beyond_stop(stop, angle - own))?;
-        }
-        let stated = start.angle.or(start.position).unwrap_or(0.0);
-        let (sigma, revolutions) = reduced.find(coordinate, value, &variable).map_err(|e| e.as_stated(stated))?;
-        let mut sigma_dot = 0.0;
-        if start.speed != 0.0 {
-            // The table is exact where branches cross, too. Within some 1e-13 rad of a toggle, where the slope is below
-            // 1e-6, the slope is rounding.
-            let table = reduced.coordinates().map_err(|at| ModelError::table(reduced, &variable, at, revolutions))?;
-            let slope = table.value(table.position(sigma), 3 * coordinate + 1);
-            if slope.abs() * reduced.scale() < 1e-6 {
-                let name = format!("{name}.start_speed");
-                return Err(ReductionError::StartSpeed { name, value: start.speed }.into());
-            }
-            sigma_dot = start.speed / slope;
-        }
-        let travel = travel(reduced, sigma, revolutions)?;
-        let here = sigma + revolutions * reduced.period().unwrap_or(0.0);
-        let resting = (0..2).find(|&side| sigma_dot == 0.0 && travel[side].is_some_and(|e| e.position == here));
-        can_hold(reduced, &travel)?;
-        let state_loads = state_loads(reduced, blows_under(reduced, inputs), revolutions)?;
-        let applied = reduced.sizes(&inputs.reals);
-        let mut state = Self {
-            before: applied.clone(),
-            saved: SavedState {
-                sigma,
-                sigma_dot,
-                revolutions,
-                contact: Contact::at_start(resting),
-                travel,
-                applied,
-                airspeed: airspeed(reduced, inputs),
-                ..SavedState::default()
-            },
-            scratch: Scratch::new(state_loads),
-        };
-        state.memory.set_dissipation(state_loads.is_some());
-        state.reference = state.kinetic() + state.load_potential(reduced);
-        Ok(state)
-    }
-
     /// A state that continues as the saved one did, under these inputs.
     ///
     /// # Errors
@@ -159,7 +114,7 @@ impl State {
     /// As [`Self::from_saved`]; nothing has changed.
     #[inline]
     pub fn restore(&mut self, saved: &SavedState, reduced: &Reduced) -> Result<(), ModelError> {
-        if blows(reduced, saved.airspeed) != self.scratch.air {
+        if saved.air != self.scratch.air {
             self.renew_scratch(saved.state_loads(reduced)?);
         }
         if self.saved.copy_from(saved) {
@@ -178,61 +133,72 @@ impl State {
         is_other
     }
 
-    /// Advance by exactly `h` [s] under these inputs. On an error the state is what it was.
+    /// Advance by exactly `h` [s] under these inputs. On an error the state is what it was, but for
+    /// [`ModelError::Interrupted`], on which it is that at the time reached.
     ///
     /// # Errors
-    /// The integration stopped, friction locks, the travel of an open curve without stops ended.
-    pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64, tolerance: f64) -> Result<(), ModelError> {
-        let (airspeed, reference) = (self.airspeed, self.reference);
-        let (state_loads, changed) = self.apply(reduced, inputs)?;
-        let advanced = self.advance((reduced, state_loads), inputs, h, tolerance).map_err(|stopped| match stopped {
+    /// The loads overflow, the integration stopped, friction locks, the travel of an open curve without stops ended, or
+    /// the work of the step met its bound.
+    pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64, solver: &Solver) -> Result<(), ModelError> {
+        let (airspeed, reference, air) = (self.airspeed, self.reference, self.air);
+        let (state_loads, changed) = self.apply(reduced, inputs, h)?;
+        let before = (self.revolutions, self.memory.statistics());
+        let advanced = self.advance((reduced, state_loads), inputs, h, solver).map_err(|stopped| match stopped {
             Stopped::Integration(error) => ModelError::Integration(error),
-            Stopped::Locked => ModelError::Locked { position: self.describe(reduced) },
+            _ => ModelError::Locked { position: self.describe(reduced) },
         });
         if inputs.signal.ahead {
             self.right_hand_side_changed();
         }
+        let interrupted = advanced.as_ref().ok().and_then(|arrival| arrival.interrupted);
         let arrived = advanced.and_then(|arrival| self.arrive(reduced, arrival));
         if arrived.is_err() {
-            self.undo(reduced, changed, airspeed, reference);
+            (self.airspeed, self.reference, self.air) = (airspeed, reference, air);
+            self.undo(reduced, changed);
+            return arrived;
         }
-        arrived
+        match interrupted {
+            Some(progress) => Err(self.interrupted(before, &progress, h, solver)),
+            None => Ok(()),
+        }
     }
 
-    /// The end of a step of `h` [s], with the loads and the airspeed applied: (sigma, sigma_dot), with sigma perhaps
-    /// beyond the ends of a closed curve; energy lost in the step [J]; contact.
+    /// The end of a step of `h` [s], with the loads and the airspeed applied.
     #[inline]
     fn advance(
         &mut self,
         (reduced, state_loads): (&Reduced, Option<&StateLoads>),
         inputs: &Inputs,
         h: f64,
-        tolerance: f64,
-    ) -> Result<([f64; 2], f64, Contact), Stopped> {
+        solver: &Solver,
+    ) -> Result<Arrival, Stopped> {
         let ends = &self.ends(reduced, &inputs.locks);
         let Self { saved, scratch, .. } = self;
         let (mut y, mut contact) = ([saved.sigma, saved.sigma_dot], saved.contact);
         contact.locks_set(ends.locked);
         let SavedState { airspeed, revolutions, .. } = *saved;
-        let applied = AppliedLoads { sizes: &saved.applied, airspeed, revolutions, change: inputs.change(reduced) };
+        let sizes = &saved.applied;
+        let applied = AppliedLoads { sizes, airspeed, revolutions, change: inputs.change(reduced) };
         let mode = Mode::default();
         let dynamics = &mut EquationOfMotion { reduced, state_loads, applied, time: 0.0, mode, scratch, locked: false };
-        let progress = Progress::default();
-        match &mut saved.memory {
+        let (tolerance, max_steps) = (solver.tolerance, solver.max_steps as u64);
+        let mut passed = 0.0;
+        let (advanced, lost) = match &mut saved.memory {
             Memory::Conservative(integrator) => {
-                let lost = if ends.travel.iter().all(Option::is_none) {
-                    integrator.advance(dynamics, &mut y, h, tolerance).map(|()| 0.0).map_err(Stopped::Integration)
-                } else {
-                    let (lookahead, contact) = (&mut Lookahead::default(), &mut contact);
-                    Advance { dynamics, integrator, lookahead, ends, contact, tolerance, progress }.run(&mut y, h)
-                };
-                Ok((y, lost?, contact))
+                let most = integrator.attempts() + max_steps;
+                let range = reduced.period().is_none().then_some(reduced.curve().range);
+                let (length, does_work) = (reduced.period(), || does_work(reduced, sizes));
+                let contact = &mut contact;
+                let mut coasting =
+                    Coasting { dynamics, integrator, ends, contact, tolerance, range, length, does_work };
+                (coasting.run(&mut y, h, most, &mut passed), 0.0)
             }
             Memory::WithDissipation(integrator, lookahead) => {
                 if lookahead.begin(tolerance, ends.locked) {
                     integrator.branch_off();
                 }
                 let mut z = [y[0], y[1], 0.0];
+                let progress = Progress::within(integrator.attempts() + max_steps);
                 let (ahead, contact_then) = (&mut *lookahead, &mut contact);
                 let advance = Advance {
                     dynamics,
@@ -243,10 +209,18 @@ impl State {
                     tolerance,
                     progress,
                 };
-                let lost = advance.run(&mut z, h);
+                let advanced = advance.run(&mut z, h);
                 lookahead.end();
-                Ok(([z[0], z[1]], lost? + z[2], contact))
+                y = [z[0], z[1]];
+                (advanced, z[2])
             }
+        };
+        match advanced {
+            Ok(impacts) => Ok(Arrival { y, lost: impacts + lost, contact, passed, interrupted: None }),
+            Err(Stopped::Budget(progress)) => {
+                Ok(Arrival { y, lost: progress.lost + lost, contact, passed, interrupted: Some(progress) })
+            }
+            Err(stopped) => Err(stopped),
         }
     }
 
@@ -255,14 +229,22 @@ impl State {
     fn arrive(
         &mut self,
         reduced: &Reduced,
-        (mut y, lost, contact): ([f64; 2], f64, Contact),
+        Arrival { mut y, lost, contact, passed, .. }: Arrival,
     ) -> Result<(), ModelError> {
+        if !(y[1] + lost).is_finite() {
+            return Err(ModelError::Overflow { name: "the motion at the end of the step".into() });
+        }
         let (first, last) = reduced.curve().range;
         match reduced.period() {
-            Some(period) if !(first..last).contains(&y[0]) => {
+            Some(period) if passed != 0.0 || !(first..last).contains(&y[0]) => {
                 let revolutions = ((y[0] - first) / period).floor();
-                y[0] -= revolutions * period;
-                self.revolutions += revolutions;
+                let all = self.revolutions + revolutions + passed;
+                if all.is_nan() || all.abs() > MOST_REVOLUTIONS {
+                    return Err(ModelError::Overflow { name: "the number of revolutions".into() });
+                }
+                // Over many revolutions the difference may be beyond the ends by rounding.
+                y[0] = (y[0] - revolutions * period).clamp(first, last);
+                self.revolutions = all;
                 // The panel in use and a step ahead are counted on over whole revolutions, but sigma is not any more.
                 self.memory.recount();
                 self.scratch.panel_force.invalidate();
@@ -276,6 +258,20 @@ impl State {
         self.contact = contact;
         self.reference -= lost;
         Ok(())
+    }
+
+    /// Why a step has come no further.
+    #[cold]
+    fn interrupted(
+        &self,
+        (revolutions, statistics): (f64, Statistics),
+        &Progress { t: time, work, .. }: &Progress,
+        h: f64,
+        solver: &Solver,
+    ) -> ModelError {
+        let (statistics, revolutions) = ([statistics, self.memory.statistics()], self.revolutions - revolutions);
+        let why = Spent { statistics, work, revolutions, time, h, max_steps: solver.max_steps }.describe();
+        ModelError::Interrupted { time, why }
     }
 
     /// Sizes or rates of loads are others than those of the last evaluation.
@@ -311,32 +307,45 @@ impl State {
         reduced.curve().describe(self.sigma, self.revolutions)
     }
 
-    /// Apply inputs that have changed since the last step, and return whether any has. The change of the loads'
-    /// potential is work from outside.
+    /// Apply inputs that have changed since the last step, for a step of `h` [s], and return whether any has. The
+    /// change of the loads' potential is work from outside.
+    ///
+    /// # Errors
+    /// [`ModelError::Table`], [`ModelError::LoadOverflow`]; nothing has changed.
     fn apply<'a>(
         &mut self,
         reduced: &'a Reduced,
         inputs: &Inputs,
+        h: f64,
     ) -> Result<(Option<&'a StateLoads>, bool), ModelError> {
-        let state_loads = state_loads(reduced, blows_under(reduced, inputs), self.revolutions)?;
+        let air = blows_under(reduced, inputs);
+        let state_loads = state_loads(reduced, air, self.revolutions)?;
         let loads = reduced.loading().inputs.len();
-        let mut work = 0.0;
+        let (mut work, mut largest) = (0.0, 0.0_f64);
         let mut changed = false;
         for (load, input) in inputs.reals[..loads].iter().enumerate() {
             if self.applied[load].to_bits() != input.to_bits() {
                 work -= (input - self.applied[load]) * self.displacement(reduced, load);
+                largest = largest.max(input.abs());
                 changed = true;
             }
         }
         let airspeed = airspeed(reduced, inputs);
+        if airspeed.to_bits() != self.airspeed.to_bits() {
+            largest = largest.max(airspeed.abs());
+            changed = true;
+        }
+        if inputs.signal.ahead {
+            largest = inputs.largest_at(h).max(largest);
+        }
+        if largest > LARGE {
+            self.try_loads((reduced, state_loads), inputs, h, work)?;
+        }
         if self.renew_scratch(state_loads) {
             self.memory.restart();
         }
         self.memory.set_dissipation(state_loads.is_some() || inputs.signal.ahead);
-        if airspeed.to_bits() != self.airspeed.to_bits() {
-            self.airspeed = airspeed;
-            changed = true;
-        }
+        (self.airspeed, self.air) = (airspeed, air);
         if changed {
             self.reference += work;
             self.before.copy_from_slice(&self.saved.applied);
@@ -348,15 +357,47 @@ impl State {
         Ok((state_loads, changed))
     }
 
-    /// After a step that failed: reverse [`Self::apply`]; the integration starts anew.
+    /// Refuse inputs so large that their work or their loads overflow at the start or at the end of a step of `h` [s],
+    /// at the present position. `work`: that of their change [J].
     #[cold]
-    fn undo(&mut self, reduced: &Reduced, changed: bool, airspeed: f64, reference: f64) {
-        self.memory.restart();
-        if !changed {
-            return;
+    fn try_loads(
+        &self,
+        (reduced, state_loads): (&Reduced, Option<&StateLoads>),
+        inputs: &Inputs,
+        h: f64,
+        work: f64,
+    ) -> Result<(), ModelError> {
+        let loads = reduced.loading().inputs.len();
+        let mut sizes = self.applied.clone();
+        sizes[..loads].copy_from_slice(&inputs.reals[..loads]);
+        let (airspeed, revolutions) = (airspeed(reduced, inputs), self.revolutions);
+        let applied = AppliedLoads { sizes: &sizes, airspeed, revolutions, change: inputs.change(reduced) };
+        let (mode, scratch) = (Mode::default(), &mut Scratch::new(state_loads));
+        let mut equation = EquationOfMotion { reduced, state_loads, applied, time: 0.0, mode, scratch, locked: false };
+        let mut overflows = !(self.reference + work).is_finite();
+        for time in [0.0, h] {
+            equation.time = time;
+            let force = equation.effect(self.sigma, self.sigma_dot);
+            overflows |= force.is_ok_and(|force| !(force.acceleration.is_finite() && force.lost.is_finite()));
         }
-        self.saved.applied.copy_from_slice(&self.before);
-        (self.reference, self.airspeed) = (reference, airspeed);
+        if !overflows {
+            return Ok(());
+        }
+        let sizes = (0..inputs.reals.len()).map(|input| (input, inputs.size_at(input, h)));
+        let acting = sizes.filter(|(input, _)| *input < loads || reduced.loading().air.is_some());
+        let (input, value) = acting.max_by(|(_, a), (_, b)| a.total_cmp(b)).unwrap_or_default();
+        let name = reduced.loading().inputs.get(input).map_or("airspeed", String::as_str);
+        Err(ModelError::LoadOverflow { name: name.into(), value })
+    }
+
+    /// After a step that failed, with the airspeed and the energy as before it: reverse the rest of [`Self::apply`].
+    /// The integration starts anew.
+    #[cold]
+    fn undo(&mut self, reduced: &Reduced, changed: bool) {
+        self.memory.restart();
+        if changed {
+            self.saved.applied.copy_from_slice(&self.before);
+        }
         // These state loads exist: they were in use before this step.
         let state_loads = self.state_loads(reduced).unwrap_or_default();
         self.renew_scratch(state_loads);

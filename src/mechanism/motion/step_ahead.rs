@@ -43,7 +43,8 @@ impl<const N: usize> StepAhead<N> {
 
     /// Go on to the time `after` from now, 0 < after < rest; returns the state there.
     pub fn read(&mut self, after: f64) -> [f64; N] {
-        self.now += after;
+        // The sum may be beyond the end by rounding.
+        self.now = (self.now + after).min(self.end);
         let state = self.dense.at(self.now / self.h);
         let counted = difference(&state, &self.origin);
         if let (Some(origin), Some(lost)) = (self.origin.get_mut(2), state.get(2)) {

@@ -2,7 +2,7 @@
 //!
 //! In: steps, changed inputs, saved states, directions. Out: the state with a cache that belongs to it, outputs and
 //! their derivatives. It must not know any law.
-use crate::mechanism::definition::Mechanism;
+use crate::mechanism::definition::{Mechanism, Solver};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::SavedState;
@@ -60,11 +60,13 @@ impl ReducedMotion {
     /// # Errors
     /// As [`State::step`].
     #[inline(always)]
-    pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64, tolerance: f64) -> Result<(), ModelError> {
+    pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64, solver: &Solver) -> Result<(), ModelError> {
         let revolutions = self.state.revolutions;
-        self.state.step(reduced, inputs, h, tolerance)?;
-        self.invalidate(revolutions);
-        Ok(())
+        let stepped = self.state.step(reduced, inputs, h, solver);
+        if matches!(stepped, Ok(()) | Err(ModelError::Interrupted { .. })) {
+            self.invalidate(revolutions);
+        }
+        stepped
     }
 
     /// [`Self::from_saved`] in place, with the same reduced model; `inputs` if they are not the present ones.
@@ -102,7 +104,7 @@ impl ReducedMotion {
         self.cache.invalidate();
     }
 
-    /// A Boolean input has changed.
+    /// A Boolean input, or the rate of the airspeed, has changed.
     pub fn set_lock(&mut self) {
         self.cache.invalidate();
     }

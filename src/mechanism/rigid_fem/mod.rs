@@ -26,4 +26,4 @@ mod start;
 
 pub use error::RigidFemError;
 pub use model::{RigidFem, State};
-pub use newmark::Scratch;
+pub use newmark::{Scratch, substeps};

@@ -29,6 +29,11 @@ const SUBSTEPS: f64 = 1e9;
 /// Largest strain |l - L| / L of a rod that represents a rigid link [1]: several times that of steel at yield.
 const STRAIN: f64 = 1e-2;
 
+/// Number of equal substeps of at most `h_fem` [s] in a step of `h` [s].
+pub fn substeps(h: f64, h_fem: f64) -> f64 {
+    (h / h_fem * (1.0 - ROUNDING)).ceil().max(1.0)
+}
+
 /// Scratch for a step.
 #[derive(Clone, Debug)]
 pub struct Scratch {
@@ -92,7 +97,7 @@ impl RigidFem {
                 return Err(RigidFemError::StepSize { name, value }.into());
             }
         }
-        let count = (h / h_fem * (1.0 - ROUNDING)).ceil().max(1.0);
+        let count = substeps(h, h_fem);
         if count > SUBSTEPS {
             return Err(RigidFemError::Substeps { count, limit: SUBSTEPS }.into());
         }

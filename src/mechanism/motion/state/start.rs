@@ -1,0 +1,87 @@
+//! The start: the state that the definition states.
+//!
+//! In: the definition's start, inputs, a reduced model. Out: a state at rest or in motion, with the travel between the
+//! stops. It must not know steps.
+use super::{State, airspeed, blows_under, state_loads};
+use crate::mechanism::definition::{DefinitionError, Mechanism};
+use crate::mechanism::dynamics::equation::Scratch;
+use crate::mechanism::dynamics::inputs::Inputs;
+use crate::mechanism::error::ModelError;
+use crate::mechanism::loads::laws::stop::Stop;
+use crate::mechanism::loads::unit_load::Load;
+use crate::mechanism::motion::contact::Contact;
+use crate::mechanism::motion::saved::SavedState;
+use crate::mechanism::motion::travel::{beyond_stop, can_hold, travel};
+use crate::mechanism::reduced::{Reduced, ReductionError};
+
+impl State {
+    /// The state that the definition states.
+    pub fn at_start(reduced: &Reduced, mechanism: &Mechanism, inputs: &Inputs) -> Result<Self, ModelError> {
+        let start = &mechanism.start;
+        let linkage = reduced.linkage();
+        let carrier = start.body.as_ref().and_then(|body| linkage.carrier(mechanism, body));
+        let (coordinate, value, name, quantity) = match (&start.body, &start.joint) {
+            (Some(body), _) => {
+                let (carrier, own) = carrier.unwrap_or((0, 0.0));
+                let coordinate = linkage.bodies[carrier].angle_coordinate;
+                let value = start.angle.unwrap_or(0.0) - own - linkage.bodies[carrier].offset;
+                (coordinate, value, body, "angle")
+            }
+            (None, Some(joint)) => {
+                let index = linkage.coordinates[linkage.angles..].iter().position(|c| c == joint);
+                (index.map(|i| i + linkage.angles), start.position.unwrap_or(0.0), joint, "position")
+            }
+            (None, None) => (None, 0.0, &mechanism.name, "angle"),
+        };
+        let variable = format!("{name}.start_{quantity}");
+        let coordinate = coordinate.ok_or_else(|| {
+            let allowed = format!("state one of the coordinates {}", linkage.coordinates.join(", "));
+            ModelError::Definition(DefinitionError::unknown("start", name, allowed))
+        })?;
+        if let (Some((body, own)), Some(angle)) = (carrier, start.angle) {
+            // Before the search for the start, as the curve may end at a stop of the body whose angle states the start.
+            let loading = reduced.loading();
+            let is_own = |stop: &&Stop| stop.enabled && loading.loads[stop.load] == Load::Torque { body };
+            loading.stops.iter().filter(is_own).try_for_each(|stop| beyond_stop(stop, angle - own))?;
+        }
+        let stated = start.angle.or(start.position).unwrap_or(0.0);
+        let (sigma, revolutions) = reduced.find(coordinate, value, &variable).map_err(|e| e.as_stated(stated))?;
+        let mut sigma_dot = 0.0;
+        if start.speed != 0.0 {
+            // The table is exact where branches cross, too. Within some 1e-13 rad of a toggle, where the slope is below
+            // 1e-6, the slope is rounding.
+            let table = reduced.coordinates().map_err(|at| ModelError::table(reduced, &variable, at, revolutions))?;
+            let slope = table.value(table.position(sigma), 3 * coordinate + 1);
+            if slope.abs() * reduced.scale() < 1e-6 {
+                let name = format!("{name}.start_speed");
+                return Err(ReductionError::StartSpeed { name, value: start.speed }.into());
+            }
+            sigma_dot = start.speed / slope;
+        }
+        let travel = travel(reduced, sigma, revolutions)?;
+        let here = sigma + revolutions * reduced.period().unwrap_or(0.0);
+        let resting = (0..2).find(|&side| sigma_dot == 0.0 && travel[side].is_some_and(|e| e.position == here));
+        can_hold(reduced, &travel)?;
+        let air = blows_under(reduced, inputs);
+        let state_loads = state_loads(reduced, air, revolutions)?;
+        let applied = reduced.sizes(&inputs.reals);
+        let mut state = Self {
+            before: applied.clone(),
+            saved: SavedState {
+                sigma,
+                sigma_dot,
+                revolutions,
+                contact: Contact::at_start(resting),
+                travel,
+                applied,
+                airspeed: airspeed(reduced, inputs),
+                air,
+                ..SavedState::default()
+            },
+            scratch: Scratch::new(state_loads),
+        };
+        state.memory.set_dissipation(state_loads.is_some());
+        state.reference = state.kinetic() + state.load_potential(reduced);
+        Ok(state)
+    }
+}

@@ -1,0 +1,107 @@
+//! The bound on the work of a communication step: what counts, how much is left, and what took it.
+//!
+//! In: the largest number of integration steps, the steps and transitions made. Out: whether to go on; why so many
+//! steps were needed, in words. It must not know how a step is made.
+use crate::integrator::Statistics;
+use crate::numerics::decimal::Decimal;
+
+/// What an advance has taken besides the steps of its integration, and how far it may go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Work {
+    /// Steps that the integration may have tried since its start, and `extra` with them, when the advance ends.
+    pub most: u64,
+    /// Steps taken again to locate an event, and transitions that took no time.
+    pub extra: u64,
+    /// Impacts on rigid stops.
+    pub impacts: u64,
+    /// Bumpers touched and left.
+    pub bumpers: u64,
+    /// Changes of friction's regime.
+    pub regimes: u64,
+    /// Reversals of drives with an efficiency.
+    pub reversals: u64,
+}
+
+impl Default for Work {
+    fn default() -> Self {
+        Self::within(u64::MAX)
+    }
+}
+
+impl Work {
+    /// Nothing done yet; see [`Self::most`].
+    pub fn within(most: u64) -> Self {
+        Self { most, extra: 0, impacts: 0, bumpers: 0, regimes: 0, reversals: 0 }
+    }
+
+    /// Whether nothing is left, after so many steps that the integration has tried since its start.
+    #[inline(always)]
+    pub fn is_spent(&self, attempts: u64) -> bool {
+        attempts + self.extra >= self.most
+    }
+}
+
+/// A communication step that met the bound.
+pub struct Spent {
+    /// Steps of the integration: counts before the step and now.
+    pub statistics: [Statistics; 2],
+    pub work: Work,
+    /// Whole revolutions of a closed curve made in the step.
+    pub revolutions: f64,
+    /// Time reached from the beginning of the step, and its size [s].
+    pub time: f64,
+    pub h: f64,
+    /// The bound: `solver.max_steps`.
+    pub max_steps: f64,
+}
+
+impl Spent {
+    /// What took so many steps, how far they came, and the remedy.
+    pub fn describe(&self) -> String {
+        let Self { statistics: [before, now], work, revolutions, time, h, max_steps } = self;
+        let (accepted, rejected) = (now.accepted - before.accepted, now.rejected - before.rejected);
+        let mut parts = vec![format!("{accepted} steps")];
+        let counts = [
+            (rejected, "rejected steps"),
+            (work.impacts, "impacts on stops"),
+            (work.bumpers, "contacts with bumpers made or ended"),
+            (work.regimes, "changes of friction's regime"),
+            (work.reversals, "reversals of drives with an efficiency"),
+        ];
+        parts.extend(counts.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")));
+        if *revolutions != 0.0 {
+            parts.push(format!("{} revolutions", revolutions.abs()));
+        }
+        format!(
+            "solver.max_steps = {} was met {} s into a step of {} s, by {}: {}; \
+             take shorter communication steps or raise solver.max_steps",
+            Decimal(*max_steps),
+            Decimal(*time),
+            Decimal(*h),
+            parts.join(", "),
+            self.cause(accepted, rejected)
+        )
+    }
+
+    /// The phenomenon that most of the work went into.
+    fn cause(&self, accepted: u64, rejected: u64) -> String {
+        let Self { work, revolutions, time, .. } = self;
+        let total = accepted + rejected + work.extra;
+        // An impact takes about eight of the units that are counted, the other events three.
+        if 16 * work.impacts > total {
+            "the mechanism chatters on a rigid stop, so a lower restitution or some damping helps".into()
+        } else if 8 * (work.bumpers + work.reversals + work.regimes) > total {
+            "the mechanism chatters between bumpers, directions or regimes of friction, so more damping helps".into()
+        } else if rejected > accepted {
+            "most steps tried miss solver.tolerance, so a larger one or smaller loads help".into()
+        } else if revolutions.abs() >= 1.0 && accepted as f64 <= 1e3 * revolutions.abs() {
+            let rate = revolutions.abs() / time;
+            format!("the mechanism spins, at {rate:.3e} revolutions per second on average")
+        } else {
+            let mean = time / accepted.max(1) as f64;
+            format!(
+                "the steps took {mean:.1e} s on average, and stiff friction, hard bumpers or large loads shorten them"
+            )
+        }
+    }
+}

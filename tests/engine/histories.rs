@@ -1,0 +1,246 @@
+//! Random histories: a twin that is saved and restored at any time, with derivatives of all inputs set or not, has the
+//! bits of one that is not; and every state that is written is read back.
+
+use crate::support::{ANDREWS, GEAR, Run, TWO_DRIVES, cases, changed, reals, replaced};
+use linkage_fmu::mechanism::Model;
+use linkage_fmu::variables::{Causality, Kind, Reference};
+use proptest::prelude::*;
+use proptest::test_runner::{Config, TestRunner};
+use serde_json::json;
+
+/// How a twin goes on after a step.
+#[derive(Clone, Copy, Debug)]
+enum Rollback {
+    /// As it is.
+    None,
+    /// Restored in place, after another step.
+    InPlace,
+    /// Another instance, restored.
+    Fresh,
+    /// Another instance, restored from bytes.
+    Bytes,
+}
+
+/// What happens in one communication step.
+#[derive(Clone, Debug)]
+struct Op {
+    /// Input, by its part of all of them; new value in its unit, 0 more often than not.
+    inputs: Vec<(f64, f64)>,
+    /// Input, order, and derivative in its unit over the step.
+    derivatives: Vec<(f64, i32, f64)>,
+    /// Boolean input to be turned over.
+    lock: Option<f64>,
+    /// Whether outputs are read before the step.
+    reads: bool,
+    /// Before the step, with derivatives set, and after it.
+    rollbacks: [Rollback; 2],
+    /// Size of the step, times the scene's.
+    h: f64,
+}
+
+fn rollback() -> impl Strategy<Value = Rollback> {
+    prop::sample::select(&[Rollback::None, Rollback::None, Rollback::InPlace, Rollback::Fresh, Rollback::Bytes][..])
+}
+
+fn op() -> impl Strategy<Value = Op> {
+    let part = 0.0..1.0;
+    let size = prop_oneof![2 => -1.0..1.0, 2 => Just(0.0), 1 => Just(1.0)];
+    (
+        prop::collection::vec((part.clone(), size.clone()), 0..3),
+        prop::collection::vec((part.clone(), 1..=2, size), 0..4),
+        prop::option::weighted(0.1, part),
+        any::<bool>(),
+        [rollback(), rollback()],
+        prop_oneof![4 => 0.3..1.5, 1 => Just(1.0), 1 => 0.01..0.1],
+    )
+        .prop_map(|(inputs, derivatives, lock, reads, rollbacks, h)| Op {
+            inputs,
+            derivatives,
+            lock,
+            reads,
+            rollbacks,
+            h,
+        })
+}
+
+/// A model with what the history acts on.
+struct Scene {
+    name: &'static str,
+    start: Run,
+    h: f64,
+}
+
+fn gear(flags: &[&str], values: &[(&str, f64)]) -> Run {
+    let mut gear = Run::gear();
+    flags.iter().for_each(|flag| gear.set(flag, true));
+    gear.with(values).started()
+}
+
+/// A block on a slide with friction whose law is steep, pushed hard.
+fn block() -> Run {
+    let text = json!({
+        "name": "Block",
+        "gravity": { "acceleration": 9.81, "up_angle": 1.5707963267948966 },
+        "bodies": { "ground": {}, "block": { "mass": 2 } },
+        "joints": { "slide": { "type": "prismatic", "first": "ground.origin", "second": "block.origin" } },
+        "friction": {
+            "enabled": true, "static_coefficient": 0.3, "kinetic_coefficient": 0.2,
+            "static_speed": 1e-3, "kinetic_speed": 0.05
+        },
+        "actuators": { "push": { "joint": "slide", "force": -4000 } },
+        "start": { "joint": "slide", "position": 0 },
+        "guess": { "slide": 0 },
+    });
+    Run::new(&text.to_string()).started()
+}
+
+fn scenes() -> Vec<Scene> {
+    let bouncing = [("upstop.restitution", 0.7), ("downstop.restitution", 0.5), ("crank.start_angle", 0.5)];
+    let bumpers = changed(GEAR, |m| {
+        for stop in ["upstop", "downstop"] {
+            m["stops"][stop]["rigid"] = json!(false);
+            m["stops"][stop]["stiffness"] = json!(1e5);
+            m["stops"][stop]["damping"] = json!(500);
+        }
+    });
+    let efficiency = replaced(GEAR, &[("\"force\": 30000", "\"force\": 30000, \"efficiency\": 0.6")]);
+    let scene = |name, start, h| Scene { name, start, h };
+    vec![
+        scene("no losses, air that begins to blow", gear(&[], &bouncing), 2e-3),
+        scene("friction", gear(&["friction.enabled"], &bouncing), 2e-3),
+        scene("relative wind", gear(&["air.relative_wind"], &bouncing), 2e-3),
+        scene("bumpers", Run::new(&bumpers).started(), 2e-3),
+        scene("a drive with losses", Run::new(&efficiency).started(), 2e-3),
+        scene("two drives", Run::new(TWO_DRIVES).started(), 2e-3),
+        scene("no stops", Run::new(ANDREWS).started(), 1e-3),
+        scene("a block with steep friction", block(), 7e-3),
+    ]
+}
+
+/// Size of an input's values.
+fn unit(name: &str) -> f64 {
+    match name {
+        "airspeed" => 60.0,
+        "load_factor" => 5.0,
+        name if name.ends_with("demanded_acceleration") => 50.0,
+        name if name.contains("torque") => 300.0,
+        name if name.contains("force") => 4e4,
+        _ => 1.0,
+    }
+}
+
+fn written(model: &Model) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    model.snapshot().write(&mut bytes).unwrap();
+    bytes
+}
+
+/// The model as it goes on after a rollback; `fresh`: another instance of the mechanism.
+fn rolled_back(model: &mut Model, fresh: &Model, rollback: Rollback, h: f64) -> Result<(), TestCaseError> {
+    let bytes = written(model);
+    // Every state that is written is read, as the same one.
+    let read = model.read_snapshot(&bytes).map_err(|e| TestCaseError::fail(format!("its own state: {e}")))?;
+    let mut again = Vec::new();
+    read.write(&mut again).unwrap();
+    prop_assert!(again == bytes, "a state changes when it is read");
+    match rollback {
+        Rollback::None => {}
+        Rollback::InPlace => {
+            let snapshot = model.snapshot();
+            let _ = model.step(h);
+            model.restore(&snapshot).unwrap();
+        }
+        Rollback::Fresh => {
+            let snapshot = model.snapshot();
+            *model = fresh.clone();
+            model.restore(&snapshot).unwrap();
+        }
+        Rollback::Bytes => {
+            *model = fresh.clone();
+            model.restore(&read).unwrap();
+        }
+    }
+    Ok(())
+}
+
+/// Bits of all outputs, or why one has none.
+fn outputs(model: &mut Model, all: &[Reference]) -> Vec<Result<u64, String>> {
+    all.iter().map(|&output| model.real(output).map(f64::to_bits).map_err(|e| e.to_string())).collect()
+}
+
+fn run(scene: &Scene, ops: &[Op]) -> Result<(), TestCaseError> {
+    let (mut one, mut twin, fresh) = (scene.start.clone(), scene.start.clone(), scene.start.clone());
+    let inputs = reals(&one, Causality::Input);
+    let all = reals(&one, Causality::Output);
+    let list = one.variables().list().to_vec();
+    let locks: Vec<Reference> =
+        (0..).zip(&list).filter(|(_, v)| v.causality == Causality::Input).map(|(r, _)| r).collect();
+    let locks: Vec<Reference> = locks.into_iter().filter(|&r| list[r as usize].kind == Kind::Boolean).collect();
+    let pick = |among: &[Reference], part: f64| among[(part * among.len() as f64) as usize];
+    for (n, op) in ops.iter().enumerate() {
+        let h = scene.h * op.h;
+        for model in [&mut *one, &mut *twin] {
+            for &(part, value) in &op.inputs {
+                let input = pick(&inputs, part);
+                model.set_real(input, value * unit(&list[input as usize].name)).unwrap();
+            }
+            for &(part, order, value) in &op.derivatives {
+                let input = pick(&inputs, part);
+                let rate = value * unit(&list[input as usize].name) / scene.h.powi(order);
+                model.set_input_derivative(input, order, rate).unwrap();
+            }
+            if let Some(part) = op.lock.filter(|_| !locks.is_empty()) {
+                let lock = pick(&locks, part);
+                let engaged = model.boolean(lock).unwrap();
+                model.set_boolean(lock, !engaged).unwrap();
+            }
+        }
+        if op.reads {
+            prop_assert_eq!(outputs(&mut one, &all), outputs(&mut twin, &all), "{}: before step {}", scene.name, n);
+        }
+        rolled_back(&mut twin, &fresh, op.rollbacks[0], h)?;
+        prop_assert_eq!(
+            outputs(&mut one, &all),
+            outputs(&mut twin, &all),
+            "{}: rolled back before step {}",
+            scene.name,
+            n
+        );
+        let [a, b] = [&mut *one, &mut *twin].map(|model| model.step(h).map_err(|e| e.to_string()));
+        prop_assert_eq!(&a, &b, "{}: step {}", scene.name, n);
+        if a.is_err() {
+            // A failed step has no successor: the integration would start anew in one of them only.
+            break;
+        }
+        rolled_back(&mut twin, &fresh, op.rollbacks[1], h)?;
+        prop_assert_eq!(outputs(&mut one, &all), outputs(&mut twin, &all), "{}: after step {}", scene.name, n);
+    }
+    Ok(())
+}
+
+#[test]
+fn rollback_leaves_no_trace_whatever_the_inputs_do() {
+    let config = Config { cases: cases().unwrap_or(40), failure_persistence: None, ..Config::default() };
+    for scene in scenes() {
+        let result = TestRunner::new(config.clone()).run(&prop::collection::vec(op(), 1..25), |ops| run(&scene, &ops));
+        result.unwrap_or_else(|error| panic!("{}: {error}", scene.name));
+    }
+}
+
+/// Air that began to blow within the step before: the airspeed at its start is 0.
+#[test]
+fn air_that_blows_by_a_derivative_alone_is_saved() {
+    let mut one = gear(&[], &[("crank.start_angle", 0.5)]);
+    let mut twin = one.clone();
+    for run in [&mut one, &mut twin] {
+        run.step(1e-3);
+        run.set_derivative("airspeed", 1, -40.0);
+        run.step(1e-3);
+    }
+    let snapshot = twin.snapshot();
+    twin.restore(&snapshot).unwrap();
+    for run in [&mut one, &mut twin] {
+        run.step(1e-3);
+    }
+    assert_eq!(one.get("crank.speed").to_bits(), twin.get("crank.speed").to_bits());
+}
