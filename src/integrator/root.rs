@@ -7,6 +7,7 @@
 //! 379.
 use super::Dense;
 use super::dense::TERMS;
+use crate::numerics::enclosure::{Enclosure, Interval};
 
 /// In which direction a level is passed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,6 +56,15 @@ impl<const N: usize> Dense<N> {
             return None;
         }
         search.part(&b, 0.0, 1.0, 0).or_else(|| (search.below && b[TERMS] >= 0.0).then_some(1.0))
+    }
+
+    /// Bounds of this component, and of its derivative with respect to s, between the parts a < b of the step.
+    pub fn enclosure(&self, component: usize, [a, b]: [f64; 2]) -> Enclosure {
+        let (before, _) = divided(&self.bernstein(component), b);
+        let (_, c) = divided(&before, if b > 0.0 { a / b } else { 0.0 });
+        let rate = TERMS as f64 / (b - a);
+        let slopes = c.windows(2).map(|pair| rate * (pair[1] - pair[0]));
+        Enclosure { value: Interval::of(c), slope: Interval::of(slopes) }
     }
 
     /// Bernstein coefficients: Horner's rule of the nested form, where s and 1 - s raise the degree by one.
@@ -129,6 +139,18 @@ impl Search {
         let half = 0.5 * width;
         self.part(&left, a, half, depth + 1).or_else(|| self.part(&right, a + half, half, depth + 1))
     }
+}
+
+/// Coefficients before and behind a part of the interval: de Casteljau.
+fn divided(b: &Coefficients, part: f64) -> (Coefficients, Coefficients) {
+    let (mut left, mut right) = (*b, *b);
+    for (level, left) in left.iter_mut().enumerate().skip(1) {
+        for k in 0..=TERMS - level {
+            right[k] += part * (right[k + 1] - right[k]);
+        }
+        *left = right[0];
+    }
+    (left, right)
 }
 
 /// Coefficients on the two halves of the interval: de Casteljau.

@@ -50,6 +50,8 @@ pub enum ModelError {
     Locked { position: String },
     /// The start is beyond a stop: its quantity, the values at the stop and at the start.
     BeyondStop { name: String, value: f64, start: f64 },
+    /// More bumpers are enabled than a mechanism may have.
+    TooManyBumpers { count: usize, limit: usize },
     /// The point of a lock stands still at the position of the stop, so that no force there holds the mechanism.
     LockStill { name: String, stop: String, position: String },
     /// A record that is no snapshot of this mechanism, with its fault.
@@ -148,6 +150,11 @@ impl fmt::Display for ModelError {
                  move the start or the stop, or set the stop's enabled to false",
                 Decimal(*value),
                 Decimal(*start)
+            ),
+            Self::TooManyBumpers { count, limit } => write!(
+                f,
+                "stops: {count} bumpers are enabled, where {limit} may be; \
+                 set enabled of some to false, or rigid to true"
             ),
             Self::LockStill { name, stop, position } => write!(
                 f,

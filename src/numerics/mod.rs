@@ -5,6 +5,8 @@ pub mod bundle;
 pub mod chebyshev;
 pub mod decimal;
 pub mod dual;
+pub mod enclosure;
 pub mod gauss;
+pub mod passage;
 pub mod plane;
 pub mod table;

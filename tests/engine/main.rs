@@ -23,6 +23,7 @@ mod pay_per_use;
 mod random_linkages;
 mod redundant;
 mod rigid_fem;
+mod several_stops;
 mod singular;
 mod solver_method;
 mod start_at_guess;

@@ -1,4 +1,5 @@
 //! The equation of motion along the curve.
+pub mod bumper_set;
 pub mod equation;
 pub mod inputs;
 pub mod panel_force;

@@ -8,6 +8,7 @@ use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::bundle::{Bundle, Row, add_side_by_side, side_by_side};
 use crate::numerics::chebyshev::{NODES, Series};
 use crate::numerics::dual::{Dual, Number};
+use crate::numerics::enclosure::{Interval, polynomial_bounds};
 use crate::numerics::table::{Table, polynomial_at};
 
 /// Rounding of a panel's border that is counted on over whole revolutions, relative to the numbers that are added up.
@@ -157,6 +158,41 @@ impl PanelForce {
         let spot = table.position_near((sigma.value() - shift).clamp(first, last), self.panel);
         let (a, b) = table.borders(spot.panel);
         polynomial_at(table.series(spot.panel, component), sigma.chain(spot.x, 2.0 / (b - a)))
+    }
+
+    /// Bounds of one component of the table, and of its derivative along sigma, on an interval of sigma. `growth`: how
+    /// much the component grows over a revolution.
+    pub fn bounds(
+        &self,
+        (reduced, table): (&Reduced, &Table),
+        component: usize,
+        sigma: Interval,
+        growth: f64,
+    ) -> [Interval; 2] {
+        /// Panels after which the bounds are not worth their cost.
+        const MOST_PANELS: usize = 64;
+        let (first, last) = reduced.curve().range;
+        let (mut shift, mut revolutions) = around(reduced, sigma.low);
+        let mut panel = table.panel_near((sigma.low - shift).clamp(first, last), self.panel);
+        let mut all: Option<[Interval; 2]> = None;
+        for _ in 0..MOST_PANELS {
+            let (a, b) = table.borders(panel);
+            let x = |sigma: f64| ((2.0 * (sigma - shift) - (a + b)) / (b - a)).clamp(-1.0, 1.0);
+            let x = Interval { low: x(sigma.low), high: x(sigma.high) };
+            let [value, slope] = polynomial_bounds(table.series(panel, component), x);
+            let here = [value + Interval::point(revolutions * growth), slope * Interval::point(2.0 / (b - a))];
+            let hull = all.map_or(here, |all| [all[0].hull(here[0]), all[1].hull(here[1])]);
+            panel += 1;
+            if panel == table.panels() {
+                let Some(period) = reduced.period() else { return hull };
+                (panel, shift, revolutions) = (0, shift + period, revolutions + 1.0);
+            }
+            if sigma.high <= table.borders(panel).0 + shift {
+                return hull;
+            }
+            all = Some(hull);
+        }
+        [Interval::around(0.0, f64::MAX); 2]
     }
 
     #[cold]

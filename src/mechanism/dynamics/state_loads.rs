@@ -2,6 +2,7 @@
 //!
 //! In: the state loads, the sizes of the applied loads, the state. Out: the acceleration along the curve, the power
 //! lost, the sizes of the state loads. Written once for values and for values with derivatives. It must not know steps.
+use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::loads::friction_loop::{Balance, FrictionLoop, Locked};
 use crate::mechanism::loads::laws::drag::RelativeFlow;
@@ -17,8 +18,8 @@ pub struct Mode {
     /// Direction in which drives with an efficiency work: the sign of sigma_dot until that passes through 0. 0: no
     /// losses; the full commanded force acts.
     pub direction: f64,
-    /// Index of the bumper that pushes at the low and at the high end of the travel.
-    pub touching: [Option<usize>; 2],
+    /// Bumpers that push.
+    pub touching: BumperSet,
 }
 
 /// Result of an evaluation.
@@ -271,7 +272,7 @@ impl<T: Number> StateLoadEvaluator<T> {
         let first = state_loads.free() - state_loads.bumpers.len();
         for (k, &stop) in state_loads.bumpers.iter().enumerate() {
             self.loads[first + k] = T::constant(0.0);
-            if mode.touching.contains(&Some(k)) {
+            if mode.touching.contains(k) {
                 let stop = &reduced.loading().stops[stop];
                 let wound = panel_force.revolutions * reduced.load_growth(stop.load);
                 let beyond = effects[state_loads.pressed(k)] + T::constant(wound - stop.value);

@@ -1,17 +1,17 @@
 //! The advance over one communication step: a hybrid system, integrated from event to event.
 //!
-//! In: the dynamics, the ends of the travel, the contact there, a state. Out: the state at the exact end of the span,
+//! In: the dynamics, the places of the stops, the contact there, a state. Out: the state at the exact end of the span,
 //! the contact there, the energy lost in impacts. Events - impacts on stops, bumpers touched and left, reversals of
 //! drives with an efficiency, changes of friction's regime - are found on the interpolant of a step; impacts are
 //! polished on the integration itself. A step may go on beyond the span (`step_ahead.rs`). It must not know what moves.
 use crate::integrator::{Dense, IntegrationError, Integrator, Step};
+use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::loads::friction_loop::Locked;
-use crate::mechanism::motion::contact::{Contact, Ends, outward};
+use crate::mechanism::motion::contact::{Contact, Ends, EngagedLocks, Place, outward};
 use crate::mechanism::motion::dynamics::Dynamics;
 use crate::mechanism::motion::events::{Event, Found, REGIME_TOLERANCE, earliest_event};
 use crate::mechanism::motion::step_ahead::{Lookahead, StepAhead};
 use crate::mechanism::motion::work::Work;
-use crate::numerics::bracket::first_rise;
 
 /// Why an advance ended early.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +42,7 @@ pub struct Advance<'a, D, const N: usize> {
     pub integrator: &'a mut Integrator<N>,
     /// The step that goes on beyond the present, if one does.
     pub lookahead: &'a mut Lookahead<N>,
-    pub ends: &'a Ends,
+    pub ends: &'a Ends<'a>,
     pub contact: &'a mut Contact,
     pub tolerance: f64,
     /// How far it has come: [`Progress::default`] at the start.
@@ -85,7 +85,7 @@ enum Instant {
     Moves,
 }
 
-// All is inlined into `run`, so that no reference to the advance escapes and its fields stay in registers.
+// All, with `rest.rs`, is inlined into `run`, so that no reference to the advance escapes and its fields stay in registers.
 impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// Advance z = (sigma, sigma_dot, energy lost if N = 3) by exactly `span` [s]; returns the energy lost in impacts
     /// [J].
@@ -203,19 +203,20 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         self.dynamics.set_time(self.progress.t);
         // Contact changes with a jump only, so a settled mechanism does not rest.
         if !self.progress.is_settled
-            && let Some(side) = self.contact.at_rest()
+            && let Some(place) = self.contact.at_rest()
         {
-            return self.rest(side, z[0], span);
+            self.dynamics.set_touching(self.contact.touching());
+            return self.rest(place, z[0], span);
         }
         if let Some(side) = self.pushed_end(z) {
-            self.impact(side, z)?;
+            self.impact(Place::rigid(side), z)?;
             self.jumped();
             return Ok(Instant::Changed);
         }
         if !self.progress.is_settled {
             self.touch_bumpers(z)?;
-            let leaves = |side: usize| z[1] * outward(side) < 0.0 && self.ends.is_at(side, z[0]);
-            if let Some(side) = (0..2).find(|&side| leaves(side) && self.ends.is_rigid(side)) {
+            let leaves = |side: usize| z[1] * outward(side) < 0.0 && self.ends.is_at_rigid(side, z[0]);
+            if let Some(side) = (0..2).find(|&side| leaves(side)) {
                 self.progress.lost += self.end_bouncing(side, z)?;
                 if self.contact.at_rest().is_some() {
                     return Ok(Instant::Changed);
@@ -231,93 +232,45 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         Ok(Instant::Moves)
     }
 
-    /// At rest at an end: held by a lock, or by a stop until the loads no longer press the mechanism against it.
-    #[inline(always)]
-    fn rest(&mut self, side: usize, sigma: f64, span: f64) -> Result<Instant, Locked> {
-        if self.contact.is_latched(side) {
-            return Ok(Instant::Held);
-        }
-        if self.is_pressed(side, sigma)? {
-            let pull = |dynamics: &mut D| Ok(-dynamics.free_acceleration(sigma, 0.0)? * outward(side));
-            if !self.wait_until(span, pull)? {
-                return Ok(Instant::Held);
-            }
-        }
-        self.contact.released(side);
-        self.jumped();
-        // Between two stops at one place, what one lets go the other may hold.
-        let other = 1 - side;
-        if self.ends.is_at(other, sigma) && (self.ends.locked[other] || self.is_pressed(other, sigma)?) {
-            self.contact.rests(other, self.ends.locked[other]);
-        }
-        Ok(Instant::Changed)
-    }
-
-    /// Held at rest by drives with an efficiency, until the loads overcome them in one direction.
-    #[inline(always)]
-    fn wait_for_drives(&mut self, sigma: f64, span: f64) -> Result<Instant, Locked> {
-        let excess = |dynamics: &mut D| {
-            let forward = dynamics.acceleration_from_rest(sigma, 1.0)?;
-            Ok(forward.max(-dynamics.acceleration_from_rest(sigma, -1.0)?))
-        };
-        if !self.wait_until(span, excess)? {
-            return Ok(Instant::Held);
-        }
-        self.jumped();
-        Ok(Instant::Changed)
-    }
-
-    /// Go on in time, at rest, to where `excess`, <= 0 while the mechanism is held, becomes positive under inputs that
-    /// change with time; false if it does not before the end of the span. At rest the excess is a parabola in time for
-    /// every direction of the drives and without air; a passage there and back within a 64th of the time is not seen.
-    #[inline(always)]
-    fn wait_until(&mut self, span: f64, mut excess: impl FnMut(&mut D) -> Result<f64, Locked>) -> Result<bool, Locked> {
-        const SAMPLES: usize = 64;
-        const CLOSE: f64 = 1e-15;
-        if !self.dynamics.inputs_change() {
-            return Ok(false);
-        }
-        let from = self.progress.t;
-        let time = |s: f64| from + (span - from) * s;
-        let excess_at = |s: f64| {
-            self.dynamics.set_time(time(s));
-            excess(self.dynamics)
-        };
-        let Some(t) = first_rise(excess_at, SAMPLES, CLOSE)?.map(time).filter(|&t| t < span) else { return Ok(false) };
-        self.progress.t = t;
-        self.dynamics.set_time(t);
-        Ok(true)
-    }
-
-    /// Whether the loads press a mechanism at rest at an end against a rigid stop.
-    #[inline(always)]
-    fn is_pressed(&mut self, side: usize, sigma: f64) -> Result<bool, Locked> {
-        Ok(self.ends.is_rigid(side) && self.ends.is_pressed(side, self.dynamics.free_acceleration(sigma, 0.0)?))
-    }
-
     /// Side on which the mechanism is at a rigid stop and moves outward.
     #[inline(always)]
     fn pushed_end(&self, z: &[f64; N]) -> Option<usize> {
         (0..2).find(|&side| {
             let moves = z[1] * outward(side) > 0.0;
             let is_at = |position: f64| (z[0] - position) * outward(side) >= 0.0;
-            moves && self.ends.travel[side].is_some_and(|end| is_at(end.position)) && self.ends.is_rigid(side)
+            moves && self.ends.rigid(side).is_some_and(is_at)
         })
     }
 
-    /// A mechanism that sets out outward from the end where a bumper begins presses that bumper from the start.
+    /// A mechanism that sets out outward from the place where a bumper begins presses that bumper from the start.
     #[inline(always)]
     fn touch_bumpers(&mut self, z: &[f64; N]) -> Result<(), Locked> {
-        for side in (0..2).filter(|&side| self.ends.is_at(side, z[0])) {
-            if let (None, Some(bumper)) = (self.contact.touching()[side], self.ends.bumper(side)) {
-                let outward = outward(side);
-                let dynamics = &mut *self.dynamics;
+        for bumper in 0..self.ends.bumpers() {
+            for side in (0..2).filter(|&side| self.ends.bumper(side, bumper) == Some(z[0])) {
+                if self.contact.touching().contains(bumper) {
+                    continue;
+                }
+                let (outward, dynamics) = (outward(side), &mut *self.dynamics);
                 if z[1] * outward > 0.0 || (z[1] == 0.0 && dynamics.free_acceleration(z[0], 0.0)? * outward > 0.0) {
-                    self.contact.touched(side, bumper);
+                    self.contact.touched(bumper);
                 }
             }
         }
         Ok(())
+    }
+
+    /// The speed has jumped: of the bumpers behind which the mechanism is, those push that would not pull. One at whose
+    /// place it is exactly does not.
+    #[inline(always)]
+    fn pressed_bumpers(&mut self, sigma: f64, sigma_dot: f64) -> BumperSet {
+        let (ends, dynamics) = (self.ends, &mut *self.dynamics);
+        BumperSet::of(ends.bumpers(), |bumper| {
+            let is_behind = |side: usize| ends.bumper(side, bumper).is_some_and(|p| (sigma - p) * outward(side) > 0.0);
+            (is_behind(0) || is_behind(1)) && {
+                let (beyond, push) = dynamics.bumper_push(bumper, sigma, sigma_dot);
+                beyond > 0.0 && push > 0.0
+            }
+        })
     }
 
     /// Whether states may be taken from the interpolant of a step.
@@ -339,9 +292,9 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         }
         let mut shorter = self.integrator.retake(self.dynamics, step, found.part * step.h);
         self.progress.work.extra += 1;
-        if let Event::End(side) = found.event {
+        if let Event::Stop(place) = found.event {
             for _ in 1..6 {
-                let miss = self.ends.travel[side].map_or(0.0, |end| end.position - shorter.end[0]);
+                let miss = self.ends.position(place).map_or(0.0, |position| position - shorter.end[0]);
                 let correction = miss / shorter.end[1];
                 let is_small = correction.abs() <= 1e-15 * (step.t + step.h)
                     || miss.abs() <= 4.0 * f64::EPSILON * shorter.end[0].abs();
@@ -372,46 +325,75 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                 self.progress.work.reversals += 1;
                 z[1] = 0.0;
             }
-            Event::Bumper(side) => {
+            Event::Bumper(bumper) => {
                 self.jumped();
                 self.progress.work.bumpers += 1;
-                match (self.contact.touching()[side], self.ends.bumper(side)) {
-                    (None, Some(bumper)) => self.contact.touched(side, bumper),
-                    _ => self.contact.released(side),
+                if self.contact.touching().contains(bumper) {
+                    self.contact.let_go(bumper);
+                } else {
+                    self.contact.touched(bumper);
                 }
             }
-            Event::End(side) => {
+            Event::Stop(place) => {
                 self.jumped();
-                self.impact(side, z)?;
+                self.impact(place, z)?;
             }
         }
         Ok(())
     }
 
-    /// The mechanism comes to an end of its travel: a lock catches it, it touches a bumper, bounces, or comes to rest.
+    /// The mechanism comes to the place of a stop, and of all that are at that place: a lock catches it, it touches
+    /// bumpers, bounces, or comes to rest.
     #[inline(always)]
-    fn impact(&mut self, side: usize, z: &mut [f64; N]) -> Result<(), Locked> {
-        let Some(end) = self.ends.travel[side] else { return Ok(()) };
+    fn impact(&mut self, place: Place, z: &mut [f64; N]) -> Result<(), Locked> {
+        let Some(position) = self.ends.position(place) else { return Ok(()) };
         self.progress.work.impacts += 1;
-        z[0] = end.position;
+        z[0] = position;
         let before = 0.5 * z[1] * z[1];
-        let other = 1 - side;
-        let restitution = self.ends.restitution(side);
-        // Between two stops at one place there is no motion.
-        let is_caught = restitution.is_some() && self.ends.is_at(other, end.position) && self.ends.is_rigid(other);
-        if self.ends.locked[side] || is_caught {
+        let is_rigid = |place: Place| place.bumper.is_none();
+        // Between two rigid stops at one place there is no motion.
+        let is_caught = is_rigid(place) && self.ends.is_at_rigid(1 - place.side, position);
+        let latch = if self.ends.is_locked(place) { Some(place) } else { self.lock_at(position) };
+        if latch.is_some() || is_caught {
             z[1] = 0.0;
-            self.contact.rests(side, self.ends.locked[side]);
+            self.contact.rests(latch.unwrap_or(place), latch.is_some());
+            self.speed_has_jumped(z);
             self.progress.lost += before;
-        } else if let Some(restitution) = restitution {
+        } else if is_rigid(place) {
             // Newton's law of impact.
-            z[1] *= -restitution;
+            z[1] *= -self.ends.travel.rigid[place.side].map_or(0.0, |end| end.restitution);
             let after = 0.5 * z[1] * z[1];
-            self.progress.lost += before - after + self.end_bouncing(side, z)?;
-        } else if let (true, Some(bumper)) = (z[1] * outward(side) > 0.0, self.ends.bumper(side)) {
-            self.contact.touched(side, bumper);
+            self.speed_has_jumped(z);
+            self.progress.lost += before - after + self.end_bouncing(place.side, z)?;
+        } else {
+            for bumper in 0..self.ends.bumpers() {
+                let is_met =
+                    |side: usize| z[1] * outward(side) > 0.0 && self.ends.bumper(side, bumper) == Some(position);
+                if is_met(0) || is_met(1) {
+                    self.contact.touched(bumper);
+                }
+            }
         }
         Ok(())
+    }
+
+    /// A place exactly at sigma where a lock is engaged.
+    #[inline(always)]
+    fn lock_at(&self, sigma: f64) -> Option<Place> {
+        if self.ends.locked == EngagedLocks::default() {
+            return None;
+        }
+        self.ends.at(sigma).find(|place| self.ends.is_locked(*place))
+    }
+
+    /// Bumpers push or not as they do at the new speed.
+    #[inline(always)]
+    fn speed_has_jumped(&mut self, z: &[f64; N]) {
+        if self.ends.bumpers() > 0 {
+            let touching = self.pressed_bumpers(z[0], z[1]);
+            self.contact.set_touching(touching);
+            self.dynamics.set_touching(touching);
+        }
     }
 
     /// A mechanism that leaves a rigid stop against the loads comes to rest there if its flight would be too short or
@@ -423,7 +405,12 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             return Ok(0.0);
         }
         let rests = speed == 0.0 || {
+            if self.ends.bumpers() > 0 {
+                let at_rest = self.pressed_bumpers(z[0], 0.0);
+                self.dynamics.set_touching(at_rest);
+            }
             let press = self.dynamics.free_acceleration(z[0], 0.0)? * outward(side);
+            self.dynamics.set_touching(self.contact.touching());
             let fall = (self.dynamics.length() / press.abs()).sqrt();
             let shortest = SHORTEST_FLIGHT.max(0.1 * self.tolerance * fall);
             let (duration, height) = (2.0 * speed / press, 0.5 * speed * speed / press);
@@ -433,10 +420,13 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             return Ok(0.0);
         }
         z[1] = 0.0;
-        self.contact.rests(side, self.ends.locked[side]);
+        let place = Place::rigid(side);
+        self.contact.rests(place, self.ends.is_locked(place));
+        self.speed_has_jumped(z);
         Ok(0.5 * speed * speed)
     }
 }
 
+mod rest;
 #[cfg(test)]
 mod tests;

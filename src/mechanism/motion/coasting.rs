@@ -29,7 +29,7 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 pub struct Coasting<'a, D, W> {
     pub dynamics: &'a mut D,
     pub integrator: &'a mut Integrator<2>,
-    pub ends: &'a Ends,
+    pub ends: &'a Ends<'a>,
     pub contact: &'a mut Contact,
     pub tolerance: f64,
     /// Least and largest sigma of an open curve.
@@ -68,7 +68,7 @@ impl<D: Dynamics<2>, W: Fn() -> bool> Coasting<'_, D, W> {
     fn advance(&mut self, y: &mut [f64; 2], span: f64, mut progress: Progress) -> Result<f64, Stopped> {
         let Self { dynamics, integrator, ends, contact, tolerance, .. } = self;
         let tolerance = *tolerance;
-        if ends.travel.iter().all(Option::is_none) {
+        if ends.travel.is_empty() {
             let most = progress.work.most.saturating_sub(progress.work.extra);
             let reached = integrator.advance_from(*dynamics, &mut progress.t, y, span, tolerance, most);
             return if reached.map_err(Stopped::Integration)? { Ok(0.0) } else { Err(Stopped::Budget(progress)) };
@@ -118,13 +118,13 @@ impl<D: Dynamics<2>, W: Fn() -> bool> Coasting<'_, D, W> {
     /// travel or of an open curve.
     fn period(&mut self, start: &[f64; 2], effort: u64) -> Option<Period> {
         let direction = start[1].signum();
-        let unlimited = self.ends.travel.iter().all(Option::is_none);
+        let unlimited = self.ends.travel.is_empty();
         let revolution = self.length.filter(|_| unlimited && !(self.does_work)());
         let farthest = self.length.unwrap_or(f64::INFINITY);
         let returns = [Some((start[0], 0.0)), revolution.map(|length| (start[0] + direction * length, direction))];
         let limits = [0, 1].map(|side| {
             let of_curve = self.range.map(|(first, last)| [first, last][side]);
-            self.ends.travel[side].map(|end| end.position).or(of_curve)
+            self.ends.rigid(side).or(of_curve)
         });
         let mut integrator = Integrator::default();
         let (mut t, mut y) = (0.0, *start);

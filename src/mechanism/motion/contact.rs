@@ -1,103 +1,224 @@
-//! The two ends of the travel: what stands at each, a rigid stop or a bumper and perhaps an engaged lock, and the
-//! contact there, one small state machine for each end.
+//! The places where a mechanism meets its stops, and the contact there: small state machines.
+//!
+//! Going out from the start, on each side of it a mechanism may meet any number of bumpers and, behind them, one rigid
+//! stop, which ends the travel. At one place at most it rests:
 //!
 //! | from | to | transition |
 //! |---|---|---|
-//! | Free, Touching | Resting | [`Contact::rests`]: an impact or the end of bouncing, without a lock engaged |
-//! | Free, Touching | Latched | [`Contact::rests`]: the same with a lock engaged, which catches the mechanism |
+//! | | Free, Resting | [`Contact::at_start`]: a start at rest exactly where a stop is met rests there |
+//! | Free | Resting | [`Contact::rests`]: an impact or the end of bouncing, without a lock engaged there |
+//! | Free | Latched | [`Contact::rests`]: the same with a lock engaged, which catches the mechanism |
 //! | Resting | Latched | [`Contact::locks_set`]: a lock is engaged |
 //! | Latched | Resting | [`Contact::locks_set`]: the last lock is disengaged |
-//! | Resting | Free | [`Contact::released`]: the loads no longer press the mechanism against a rigid stop |
-//! | Free | Touching | [`Contact::touched`]: a bumper begins to push |
-//! | Touching | Free | [`Contact::released`]: the bumper would pull |
+//! | Resting | Free | [`Contact::released`]: nothing holds the mechanism, or the loads draw it off a rigid stop |
+//! | Free | Resting, Latched | [`Contact::rests`]: of two stops at one place the other holds what the first let go |
 //!
-//! In: positions and stops found at the start (`travel.rs`), locks, what happens at an end. Out: what an end does to a
-//! motion that comes to it, the state of contact there. It must not know time, forces or what causes a transition.
+//! Each bumper for itself, whether the mechanism rests or not:
+//!
+//! | from | to | transition |
+//! |---|---|---|
+//! | Clear | Touching | [`Contact::touched`]: the bumper begins to push |
+//! | Touching | Clear | [`Contact::let_go`]: the bumper would pull |
+//! | either | either | [`Contact::set_touching`]: the speed has jumped, so that other bumpers push |
+//!
+//! In: positions found at the start (`travel.rs`), locks, what happens at a place. Out: what a stop does to a motion
+//! that comes to it, the state of contact. It must not know time, forces or what causes a transition.
 use crate::codec::record::{Damaged, Record};
+use crate::mechanism::dynamics::bumper_set::BumperSet;
 
-/// An end of the travel.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct End {
+/// The rigid stop that ends the travel on one side.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RigidEnd {
     /// sigma, counted on over whole revolutions.
     pub position: f64,
     /// Index of its stop.
     pub stop: usize,
-    pub kind: StopKind,
+    /// Speed after an impact over the speed before [1].
+    pub restitution: f64,
 }
 
-/// What a stop does to a mechanism that comes to it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum StopKind {
-    /// It reverses the speed in no time.
-    Rigid {
-        /// Speed after an impact over the speed before [1].
-        restitution: f64,
-    },
-    /// It pushes back by a spring and a damper; index of the bumper among those of the state loads.
-    Bumper(usize),
+/// Where a bumper is first met.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BumperPlaces {
+    /// Index of its stop.
+    pub stop: usize,
+    /// sigma at the low and at the high side, counted on over whole revolutions; none where the bumper is not met
+    /// before the rigid stop.
+    pub positions: [Option<f64>; 2],
 }
 
-/// The end at the low and the one at the high side of sigma, if there are such.
-pub type Travel = [Option<End>; 2];
-
-/// The ends of the travel during a step; positions in the frame of sigma.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Ends {
-    pub travel: Travel,
-    /// Whether a lock is engaged at each.
-    pub locked: [bool; 2],
+/// Where the stops are first met, going out from the start. It does not change during a run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Travel {
+    /// Rigid stop that ends the travel at the low and at the high side of sigma, if one does.
+    pub rigid: [Option<RigidEnd>; 2],
+    /// Bumpers, in the order of the state loads.
+    pub bumpers: Vec<BumperPlaces>,
+    /// Side and index of each stop at the very place of a rigid stop that acts, so that it never acts itself.
+    pub beside: Vec<(usize, usize)>,
 }
 
-/// Sign of sigma_dot of a motion that comes to the end on this side.
+/// A place where a stop is first met.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Place {
+    /// 0: the low side of sigma, 1: the high one.
+    pub side: usize,
+    /// Index of the bumper; none at the rigid stop that ends the travel.
+    pub bumper: Option<usize>,
+}
+
+/// Places where a lock is engaged.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct EngagedLocks {
+    /// Whether one is engaged at the rigid stop of each side.
+    pub rigid: [bool; 2],
+    /// Bumpers where one is engaged.
+    pub bumpers: BumperSet,
+}
+
+/// The places of the stops during a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Ends<'a> {
+    pub travel: &'a Travel,
+    /// Length of the whole revolutions before sigma = 0.
+    pub shift: f64,
+    pub locked: EngagedLocks,
+}
+
+/// Sign of sigma_dot of a motion that comes to a stop on this side.
 #[inline]
 pub fn outward(side: usize) -> f64 {
     if side == 0 { -1.0 } else { 1.0 }
 }
 
-impl Ends {
-    /// Whether sigma is exactly at an end.
+impl Place {
+    /// Place of the rigid stop of a side.
     #[inline]
-    pub fn is_at(&self, side: usize, sigma: f64) -> bool {
-        self.travel[side].is_some_and(|end| sigma == end.position)
+    pub fn rigid(side: usize) -> Self {
+        Self { side, bumper: None }
     }
 
-    /// Coefficient of restitution of the stop at an end, if it is rigid.
+    /// Place where a bumper begins.
     #[inline]
-    pub fn restitution(&self, side: usize) -> Option<f64> {
-        if let StopKind::Rigid { restitution } = self.travel[side]?.kind { Some(restitution) } else { None }
+    pub fn of_bumper(side: usize, bumper: usize) -> Self {
+        Self { side, bumper: Some(bumper) }
     }
 
+    /// Sign of sigma_dot of a motion that comes to it from within the travel.
     #[inline]
-    pub fn is_rigid(&self, side: usize) -> bool {
-        self.restitution(side).is_some()
+    pub fn outward(self) -> f64 {
+        outward(self.side)
     }
 
-    /// Index of the bumper at an end, if there is one.
-    #[inline]
-    pub fn bumper(&self, side: usize) -> Option<usize> {
-        if let StopKind::Bumper(bumper) = self.travel[side]?.kind { Some(bumper) } else { None }
-    }
-
-    /// Whether a mechanism at rest at an end stays there without a lock: the stop is rigid, and `acceleration`,
-    /// sigma_ddot without the stop, does not point away from it.
-    #[inline]
-    pub fn is_pressed(&self, side: usize, acceleration: f64) -> bool {
-        self.is_rigid(side) && acceleration * outward(side) >= 0.0
+    /// The place, written or read.
+    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        record.place("side of the travel", &mut self.side, 2)?;
+        record.option("bumper", &mut self.bumper, usize::default, |record, bumper| {
+            record.place("bumper", bumper, BumperSet::CAPACITY)
+        })
     }
 }
 
-/// State of contact at one end of the travel.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum ContactState {
-    /// No contact that lasts.
-    #[default]
-    Free,
-    /// The bumper with this index pushes.
-    Touching(usize),
-    /// The mechanism rests at the end; a rigid stop holds it as long as the loads press it against the stop.
-    Resting,
-    /// The mechanism rests at the end, where a lock is engaged.
-    Latched,
+impl EngagedLocks {
+    /// The places, written or read.
+    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        self.rigid.iter_mut().try_for_each(|locked| record.flag("lock engaged", locked))?;
+        self.bumpers.record(record)
+    }
+}
+
+impl Travel {
+    /// Whether no stop is ever met.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.rigid[0].is_none() && self.rigid[1].is_none() && self.bumpers.is_empty()
+    }
+
+    /// sigma at a place, counted on over whole revolutions.
+    #[inline]
+    pub fn position(&self, place: Place) -> Option<f64> {
+        match place.bumper {
+            None => self.rigid[place.side].map(|end| end.position),
+            Some(bumper) => self.bumpers.get(bumper)?.positions[place.side],
+        }
+    }
+
+    /// Index of each stop that ends the travel or stands beside such a one, and whether it must be rigid.
+    pub fn stops(&self) -> impl Iterator<Item = (usize, bool)> {
+        let rigid = self.rigid.iter().flatten().map(|end| (end.stop, true));
+        rigid.chain(self.beside.iter().map(|(_, stop)| (*stop, false)))
+    }
+
+    /// All places: rigid stops first, each with its position, counted on over whole revolutions.
+    pub fn places(&self) -> impl Iterator<Item = (Place, f64)> {
+        let rigid = [0, 1].map(Place::rigid).into_iter();
+        let bumpers = (0..self.bumpers.len()).flat_map(|k| [0, 1].map(|side| Place::of_bumper(side, k)));
+        rigid.chain(bumpers).filter_map(|place| Some((place, self.position(place)?)))
+    }
+
+    /// Whether a lock of this stop acts at a place.
+    pub fn holds(&self, place: Place, stop: usize) -> bool {
+        match place.bumper {
+            Some(bumper) => self.bumpers[bumper].stop == stop,
+            None => {
+                self.rigid[place.side].is_some_and(|end| end.stop == stop) || self.beside.contains(&(place.side, stop))
+            }
+        }
+    }
+}
+
+impl Ends<'_> {
+    /// sigma at a place.
+    #[inline]
+    pub fn position(&self, place: Place) -> Option<f64> {
+        self.travel.position(place).map(|position| position - self.shift)
+    }
+
+    /// sigma at the rigid stop of a side.
+    #[inline]
+    pub fn rigid(&self, side: usize) -> Option<f64> {
+        self.travel.rigid[side].map(|end| end.position - self.shift)
+    }
+
+    /// sigma where a bumper is first met on a side.
+    #[inline]
+    pub fn bumper(&self, side: usize, bumper: usize) -> Option<f64> {
+        self.travel.bumpers[bumper].positions[side].map(|position| position - self.shift)
+    }
+
+    /// Number of bumpers.
+    #[inline]
+    pub fn bumpers(&self) -> usize {
+        self.travel.bumpers.len()
+    }
+
+    /// Whether sigma is exactly at the rigid stop of a side.
+    #[inline]
+    pub fn is_at_rigid(&self, side: usize, sigma: f64) -> bool {
+        self.rigid(side) == Some(sigma)
+    }
+
+    /// Whether a lock is engaged at a place.
+    #[inline]
+    pub fn is_locked(&self, place: Place) -> bool {
+        match place.bumper {
+            None => self.locked.rigid[place.side],
+            Some(bumper) => self.locked.bumpers.contains(bumper),
+        }
+    }
+
+    /// All places that are exactly at sigma, rigid stops first.
+    pub fn at(&self, sigma: f64) -> impl Iterator<Item = Place> {
+        let shift = self.shift;
+        self.travel.places().filter(move |(_, position)| position - shift == sigma).map(|(place, _)| place)
+    }
+
+    /// Whether a mechanism at rest at a place stays there without a lock: the stop is rigid, and `acceleration`,
+    /// sigma_ddot without the stop, does not point away from it.
+    #[inline]
+    pub fn is_pressed(&self, place: Place, acceleration: f64) -> bool {
+        place.bumper.is_none() && acceleration * place.outward() >= 0.0
+    }
 }
 
 /// What holds a mechanism at rest.
@@ -105,154 +226,103 @@ pub enum ContactState {
 pub enum Holder {
     /// A rigid stop, against which the loads press the mechanism.
     Stop,
-    /// The locks at the end.
+    /// The locks at the place.
     Lock,
 }
 
-/// State of contact at the low and at the high end of the travel. The mechanism rests at one end at most.
+/// Rest at a place.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Contact {
-    ends: [ContactState; 2],
+struct Rest {
+    place: Place,
+    /// Whether a lock is engaged there; else a rigid stop holds the mechanism as long as the loads press it on.
+    latched: bool,
 }
 
-impl ContactState {
-    /// Rest at an end, with a lock engaged or not.
-    fn rest(locked: bool) -> Self {
-        if locked { Self::Latched } else { Self::Resting }
-    }
-
-    fn is_rest(self) -> bool {
-        matches!(self, Self::Resting | Self::Latched)
-    }
+/// State of contact: where the mechanism rests, if it does, and which bumpers push.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Contact {
+    rest: Option<Rest>,
+    touching: BumperSet,
 }
 
 impl Contact {
-    /// At rest at an end, or at none.
-    pub fn at_start(resting: Option<usize>) -> Self {
-        let state = |side| if resting == Some(side) { ContactState::Resting } else { ContactState::Free };
-        Self { ends: [0, 1].map(state) }
+    /// At rest at a place, or at none.
+    pub fn at_start(resting: Option<Place>) -> Self {
+        Self { rest: resting.map(|place| Rest { place, latched: false }), ..Self::default() }
     }
 
-    /// End at which the mechanism rests.
+    /// Place at which the mechanism rests.
     #[inline]
-    pub fn at_rest(&self) -> Option<usize> {
-        (0..2).find(|&side| self.ends[side].is_rest())
+    pub fn at_rest(&self) -> Option<Place> {
+        self.rest.map(|rest| rest.place)
     }
 
-    /// Whether a lock holds the mechanism at an end.
+    /// Whether a lock holds the mechanism.
     #[inline]
-    pub fn is_latched(&self, side: usize) -> bool {
-        self.ends[side] == ContactState::Latched
+    pub fn is_latched(&self) -> bool {
+        self.rest.is_some_and(|rest| rest.latched)
     }
 
-    /// Bumper that pushes at each end.
+    /// Bumpers that push.
     #[inline]
-    pub fn touching(&self) -> [Option<usize>; 2] {
-        self.ends.map(|end| if let ContactState::Touching(bumper) = end { Some(bumper) } else { None })
+    pub fn touching(&self) -> BumperSet {
+        self.touching
     }
 
-    /// Locks are engaged or not at each end: where the mechanism rests, an engaged lock latches.
+    /// Locks are engaged or not at each place: where the mechanism rests, an engaged lock latches.
     #[inline]
-    pub fn locks_set(&mut self, locked: [bool; 2]) {
-        for (end, locked) in self.ends.iter_mut().zip(locked) {
-            if end.is_rest() {
-                *end = ContactState::rest(locked);
-            }
+    pub fn locks_set(&mut self, ends: &Ends) {
+        if let Some(rest) = &mut self.rest {
+            rest.latched = ends.is_locked(rest.place);
         }
     }
 
-    /// The mechanism has come to rest at an end.
-    pub fn rests(&mut self, side: usize, locked: bool) {
-        self.ends[side] = ContactState::rest(locked);
+    /// The mechanism has come to rest at a place.
+    pub fn rests(&mut self, place: Place, locked: bool) {
+        self.rest = Some(Rest { place, latched: locked });
     }
 
-    /// Nothing holds the mechanism at an end any longer, or the bumper there ceases to push.
-    pub fn released(&mut self, side: usize) {
-        self.ends[side] = ContactState::Free;
+    /// Nothing holds the mechanism any longer.
+    pub fn released(&mut self) {
+        self.rest = None;
     }
 
-    /// The bumper at an end begins to push.
-    pub fn touched(&mut self, side: usize, bumper: usize) {
-        self.ends[side] = ContactState::Touching(bumper);
+    /// A bumper begins to push.
+    pub fn touched(&mut self, bumper: usize) {
+        self.touching = self.touching.with(bumper);
     }
 
-    /// What holds the mechanism at rest, and at which end, with locks as they are in `ends`. `acceleration` is
-    /// sigma_ddot without stop and locks. A stop comes first: a lock carries what the stop cannot.
-    pub fn holder(mut self, ends: &Ends, acceleration: f64) -> Option<(usize, Holder)> {
-        self.locks_set(ends.locked);
-        let side = self.at_rest()?;
-        if ends.is_pressed(side, acceleration) {
-            Some((side, Holder::Stop))
+    /// A bumper ceases to push.
+    pub fn let_go(&mut self, bumper: usize) {
+        self.touching = self.touching.without(bumper);
+    }
+
+    /// These bumpers push, and no others.
+    pub fn set_touching(&mut self, touching: BumperSet) {
+        self.touching = touching;
+    }
+
+    /// What holds the mechanism at rest, and where, with locks as they are in `ends`. `acceleration` is sigma_ddot
+    /// without rigid stops and locks. A stop comes first: a lock carries what the stop cannot.
+    pub fn holder(mut self, ends: &Ends, acceleration: f64) -> Option<(Place, Holder)> {
+        self.locks_set(ends);
+        let place = self.at_rest()?;
+        if ends.is_pressed(place, acceleration) {
+            Some((place, Holder::Stop))
         } else {
-            self.is_latched(side).then_some((side, Holder::Lock))
+            self.is_latched().then_some((place, Holder::Lock))
         }
     }
 
-    /// The state at each end, written or read.
+    /// The state, written or read.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
-        for end in &mut self.ends {
-            let (mut state, mut bumper) = match *end {
-                ContactState::Free => (0, 0),
-                ContactState::Touching(bumper) => (1, bumper),
-                ContactState::Resting => (2, 0),
-                ContactState::Latched => (3, 0),
-            };
-            record.choice("contact", &mut state, 4)?;
-            if state == 1 {
-                record.place("touching", &mut bumper, usize::MAX)?;
-            }
-            *end = match state {
-                0 => ContactState::Free,
-                1 => ContactState::Touching(bumper),
-                2 => ContactState::Resting,
-                _ => ContactState::Latched,
-            };
-        }
-        Ok(())
+        record.option("rest", &mut self.rest, Rest::default, |record, rest| {
+            rest.place.record(record)?;
+            record.flag("latched", &mut rest.latched)
+        })?;
+        self.touching.record(record)
     }
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_lock_latches_only_a_mechanism_at_rest() {
-        let mut contact = Contact::default();
-        contact.touched(1, 3);
-        contact.locks_set([true, true]);
-        assert_eq!((contact.at_rest(), contact.touching()), (None, [None, Some(3)]));
-        contact.rests(1, true);
-        assert_eq!((contact.at_rest(), contact.is_latched(1), contact.touching()), (Some(1), true, [None; 2]));
-        contact.locks_set([true, false]);
-        assert_eq!((contact.at_rest(), contact.is_latched(1)), (Some(1), false));
-        contact.released(1);
-        assert_eq!(contact, Contact::default());
-    }
-
-    #[test]
-    fn a_lock_carries_what_the_stop_cannot() {
-        let end = End { position: 0.0, stop: 0, kind: StopKind::Rigid { restitution: 0.0 } };
-        let mut ends = Ends { travel: [Some(end), None], locked: [false, false] };
-        let contact = Contact::at_start(Some(0));
-        assert_eq!(contact.holder(&ends, -1.0), Some((0, Holder::Stop)));
-        assert_eq!(contact.holder(&ends, 1.0), None);
-        ends.locked[0] = true;
-        assert_eq!(contact.holder(&ends, -1.0), Some((0, Holder::Stop)));
-        assert_eq!(contact.holder(&ends, 1.0), Some((0, Holder::Lock)));
-        assert_eq!(Contact::default().holder(&ends, -1.0), None);
-    }
-
-    #[test]
-    fn each_state_is_read_as_it_was_written() {
-        let mut contact = Contact::default();
-        contact.touched(0, 7);
-        contact.rests(1, true);
-        let mut bytes = Vec::new();
-        contact.record(&mut Record::Write(&mut bytes)).unwrap();
-        let mut read = Contact::default();
-        read.record(&mut Record::Read(&bytes)).unwrap();
-        assert_eq!(read, contact);
-    }
-}
+mod tests;

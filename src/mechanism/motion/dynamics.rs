@@ -3,10 +3,12 @@
 //! In: states, directions, regimes, contacts. Out: accelerations, and the quantities whose signs change at events. It
 //! must not know steps.
 use crate::integrator::System;
+use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::loads::laws::friction::Regime;
 use crate::numerics::dual::Dual;
+use crate::numerics::enclosure::Enclosure;
 use crate::numerics::table::polynomial;
 
 /// A motion along sigma whose right-hand side is smooth between events. The state is (sigma, sigma_dot), or (sigma,
@@ -36,12 +38,23 @@ pub trait Dynamics<const N: usize>: System<N> {
         false
     }
 
-    /// State the bumpers that push, one at most at each end.
-    fn set_touching(&mut self, _touching: [Option<usize>; 2]) {}
+    /// Inputs whose signs decide a law at rest, by an index from 0 on: value and two time derivatives at the start of the
+    /// span. Between the zeros of these, an acceleration at rest is a polynomial of degree 4 in time at most.
+    fn switching_input(&self, _index: usize) -> Option<[f64; 3]> {
+        None
+    }
+
+    /// State the bumpers that push.
+    fn set_touching(&mut self, _touching: BumperSet) {}
 
     /// How far the load of a bumper is beyond its stop, and the push of the bumper if it is in contact.
     fn bumper_push(&mut self, _bumper: usize, _sigma: f64, _sigma_dot: f64) -> (f64, f64) {
         (0.0, 0.0)
+    }
+
+    /// Bounds of both numbers of [`Self::bumper_push`] along a part of a step with these bounds of sigma and sigma_dot.
+    fn bumper_bounds(&mut self, _bumper: usize, _sigma: Enclosure, _sigma_dot: Enclosure) -> [Enclosure; 2] {
+        [Enclosure::constant(0.0); 2]
     }
 
     /// Whether a drive has an efficiency, so that the right-hand side jumps where sigma_dot changes its sign.
@@ -73,6 +86,11 @@ pub trait Dynamics<const N: usize>: System<N> {
     /// Slip speed of a joint [m/s].
     fn slip(&mut self, _joint: usize, _sigma: f64, _sigma_dot: f64) -> f64 {
         0.0
+    }
+
+    /// Bounds of the slip speed of a joint [m/s] along a part of a step with these bounds of sigma and sigma_dot.
+    fn slip_bounds(&mut self, _joint: usize, _sigma: Enclosure, _sigma_dot: Enclosure) -> Enclosure {
+        Enclosure::constant(0.0)
     }
 
     /// Slip speed of a joint [m/s] and its rate [m/s2], at (sigma, sigma_dot, sigma_ddot).
@@ -119,7 +137,7 @@ where
     }
 
     #[inline]
-    fn set_touching(&mut self, touching: [Option<usize>; 2]) {
+    fn set_touching(&mut self, touching: BumperSet) {
         self.mode.touching = touching;
     }
 
@@ -132,8 +150,34 @@ where
         let s = at(state_loads.pressed(bumper)) + panel_force.revolutions * self.reduced.load_growth(stop.load);
         let rate = at(state_loads.free() - state_loads.bumpers.len() + bumper) * sigma_dot;
         let beyond = stop.beyond(s);
-        let outward = if stop.beyond(1.0) > stop.beyond(0.0) { rate } else { -rate };
+        let outward = if stop.sign() > 0.0 { rate } else { -rate };
         (beyond, stop.push(beyond, outward))
+    }
+
+    fn bumper_bounds(&mut self, bumper: usize, sigma: Enclosure, sigma_dot: Enclosure) -> [Enclosure; 2] {
+        let Some(state_loads) = self.state_loads else { return [Enclosure::constant(0.0); 2] };
+        let loading = self.reduced.loading();
+        let stop = &loading.stops[state_loads.bumpers[bumper]];
+        let (table, growth) = ((self.reduced, &state_loads.table), self.reduced.load_growth(stop.load));
+        let panel_force = &self.scratch.panel_force;
+        let of = |component: usize, growth: f64| sigma.chain(panel_force.bounds(table, component, sigma.value, growth));
+        let s = of(state_loads.pressed(bumper), growth)
+            + Enclosure::constant(self.applied.revolutions * growth - stop.value);
+        let rate = of(state_loads.free() - state_loads.bumpers.len() + bumper, 0.0) * sigma_dot;
+        let (beyond, outward) = if stop.sign() > 0.0 { (s, rate) } else { (-s, -rate) };
+        [beyond, stop.push(beyond, outward)]
+    }
+
+    fn switching_input(&self, index: usize) -> Option<[f64; 3]> {
+        let drives = self.state_loads.map_or(&[][..], |s| &s.drives_with_efficiency);
+        let change = self.applied.change.as_ref()?;
+        match drives.get(index) {
+            Some(&load) => Some([self.applied.sizes[load], change.first[load], change.second[load]]),
+            None if index == drives.len() && self.scratch.air => {
+                Some([self.applied.airspeed, change.airspeed[0], change.airspeed[1]])
+            }
+            None => None,
+        }
     }
 
     #[inline]
@@ -171,6 +215,13 @@ where
         } else {
             self.scratch.panel_force.value((self.reduced, &state_loads.table), component, sigma)
         };
+        influence * sigma_dot * state_loads.friction_joints[joint].radius
+    }
+
+    fn slip_bounds(&mut self, joint: usize, sigma: Enclosure, sigma_dot: Enclosure) -> Enclosure {
+        let Some(state_loads) = self.state_loads else { return Enclosure::constant(0.0) };
+        let (table, component) = ((self.reduced, &state_loads.table), state_loads.free() + joint);
+        let influence = sigma.chain(self.scratch.panel_force.bounds(table, component, sigma.value, 0.0));
         influence * sigma_dot * state_loads.friction_joints[joint].radius
     }
 

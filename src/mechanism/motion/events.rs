@@ -1,24 +1,32 @@
 //! Events: where within a step a contact, a regime of friction or the direction of the drives changes.
 //!
-//! In: a step, the ends of the travel and the contact there. Out: the earliest event in the step, a root on its
-//! interpolant. Bounds rule out first what cannot be, as most steps have no event. It must not know what follows from
-//! an event.
+//! In: a step, the places of the stops and the contact there. Out: the earliest event in the step, a root on its
+//! interpolant. Bounds rule out first what cannot be, as most steps have no event. Where they do not, roots are isolated
+//! by bounds as well: of sigma and sigma_dot by Bernstein coefficients, of the push of a bumper and the slip speed of a
+//! joint by interval bounds of the composed polynomials, so that an event is not missed because another one undoes it
+//! soon. It must not know what follows from an event.
 use crate::codec::record::{Damaged, Record};
 use crate::integrator::{Dense, Direction, Integrator, Step};
-use crate::mechanism::motion::contact::{Contact, Ends, outward};
+use crate::mechanism::dynamics::bumper_set::BumperSet;
+use crate::mechanism::motion::contact::{Contact, Ends, Place, outward};
 use crate::mechanism::motion::dynamics::Dynamics;
-use crate::numerics::bracket::{bisect, first_rise};
-use std::convert::Infallible;
+use crate::numerics::bracket::{bisect, false_position};
+use crate::numerics::enclosure::Enclosure;
+use crate::numerics::passage::Bounded;
+use std::cell::RefCell;
 
 /// Part of a step within which a change of regime is located: a law followed so much too far errs by the square of it.
 pub const REGIME_TOLERANCE: f64 = 1e-11;
 
+/// Part of a step by which a bumper that lets go must come before a lock at its place to be an event of its own.
+const BEFORE_LOCK: f64 = 1e-9;
+
 /// An event within a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event {
-    /// The end of the travel on this side is passed.
-    End(usize),
-    /// The bumper on this side begins or ceases to push.
+    /// The place where a stop is first met is passed outward, or inward by a mechanism that a lock catches there.
+    Stop(Place),
+    /// This bumper begins or ceases to push.
     Bumper(usize),
     /// sigma_dot changes its sign.
     Reversal,
@@ -32,17 +40,21 @@ pub enum Event {
 impl Event {
     /// Written or read; [`Self::Undefined`] is not one to keep.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
-        let (mut kind, mut index) = match *self {
-            Self::End(side) => (0, side),
-            Self::Bumper(side) => (1, side),
-            Self::Reversal => (2, 0),
-            Self::Regime(joint) => (3, joint),
+        let (mut kind, mut index, mut place) = match *self {
+            Self::Stop(place) => (0, 0, place),
+            Self::Bumper(bumper) => (1, bumper, Place::default()),
+            Self::Reversal => (2, 0, Place::default()),
+            Self::Regime(joint) => (3, joint, Place::default()),
             Self::Undefined => return Err(Damaged("event: an undefined one is not kept".to_owned())),
         };
         record.choice("event", &mut kind, 4)?;
-        record.place("index of an event", &mut index, if kind < 3 { 2 } else { usize::MAX })?;
+        if kind == 0 {
+            place.record(record)?;
+        } else {
+            record.place("index of an event", &mut index, usize::MAX)?;
+        }
         *self = match kind {
-            0 => Self::End(index),
+            0 => Self::Stop(place),
             1 => Self::Bumper(index),
             2 => Self::Reversal,
             _ => Self::Regime(index),
@@ -72,17 +84,11 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
     dense: &mut Option<Dense<N>>,
 ) -> Option<Found<N>> {
     let reverses = dynamics.has_reversals() && step.end[1] * dynamics.direction() < 0.0;
-    let bulge = step.bulge(0);
-    let is_near = [0, 1].map(|side| {
-        ends.travel[side].is_some_and(|end| {
-            let beyond = |z: &[f64; N]| (z[0] - end.position) * outward(side);
-            let (start, end) = (beyond(&step.start), beyond(&step.end));
-            end >= 0.0 || start.max(end) + bulge > 0.0
-        })
-    });
+    let near = Near { start: step.start[0], end: step.end[0], bulge: step.bulge(0) };
+    let is_near = near.any(ends) || contact.touching() != BumperSet::EMPTY;
     let joints = dynamics.friction_joints();
     let changing = (0..joints).find(|&joint| held_regime != Some(joint) && may_change_regime(dynamics, joint, step));
-    if !(reverses || is_near[0] || is_near[1] || changing.is_some()) {
+    if !(reverses || is_near || changing.is_some()) {
         return None;
     }
     let dense = dense.get_or_insert_with(|| integrator.dense(dynamics, step));
@@ -105,27 +111,78 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
             offer(regime_change(dynamics, dense, joint), Event::Regime(joint));
         }
     }
-    for side in (0..2).filter(|&side| is_near[side]) {
-        let Some(end) = ends.travel[side] else { continue };
-        let beyond = (step.start[0] - end.position) * outward(side);
-        let leaving = beyond >= 0.0;
-        let touches = contact.touching()[side].is_some();
-        if !touches {
-            let passage = dense.first_passage(0, end.position, towards(outward(side)), leaving);
-            offer(passage, Event::End(side));
+    for side in 0..2 {
+        let Some(position) = ends.rigid(side).filter(|&position| near.place(position, side)) else { continue };
+        let (place, leaving) = (Place::rigid(side), near.beyond(position, side) >= 0.0);
+        offer(dense.first_passage(0, position, towards(outward(side)), leaving), Event::Stop(place));
+        offer(back_to_lock(ends, dense, &near, place, position), Event::Stop(place));
+    }
+    for bumper in 0..ends.bumpers() {
+        let touches = contact.touching().contains(bumper);
+        let (mut may_push, mut back) = (touches, None::<f64>);
+        for side in 0..2 {
+            let Some(position) = ends.bumper(side, bumper).filter(|&p| near.place(p, side)) else { continue };
+            let (place, leaving) = (Place::of_bumper(side, bumper), near.beyond(position, side) >= 0.0);
+            // Coming from inside, the mechanism meets a bumper at its place, where a lock may catch it.
+            if !touches {
+                offer(dense.first_passage(0, position, towards(outward(side)), leaving), Event::Stop(place));
+            }
+            may_push |= leaving;
+            let caught = back_to_lock(ends, dense, &near, place, position);
+            offer(caught, Event::Stop(place));
+            back = caught.or(back);
         }
-        let Some(bumper) = ends.bumper(side) else { continue };
-        // Coming from inside, the mechanism meets a bumper at the end of the travel, where a lock may catch it.
-        if touches || leaving {
-            offer(bumper_event(dynamics, dense, bumper, touches), Event::Bumper(side));
-        }
-        // A lock catches a mechanism that comes back from beyond the end, too.
-        if ends.locked[side] && beyond > 0.0 {
-            let passage = dense.first_passage(0, end.position, towards(-outward(side)), false);
-            offer(passage, Event::End(side));
+        if may_push {
+            let part = bumper_event(dynamics, dense, bumper, touches);
+            // An undamped bumper lets go at the very place where the lock catches.
+            let is_own = |part: &f64| !touches || back.is_none_or(|back| *part < back - BEFORE_LOCK);
+            offer(part.filter(is_own), Event::Bumper(bumper));
         }
     }
     earliest.map(|(part, event)| Found { part, state: dense.at(part), event })
+}
+
+/// sigma over a step, as far as it decides whether a place may be passed.
+struct Near {
+    start: f64,
+    end: f64,
+    bulge: f64,
+}
+
+impl Near {
+    /// How far the start of the step is beyond a position.
+    #[inline]
+    fn beyond(&self, position: f64, side: usize) -> f64 {
+        (self.start - position) * outward(side)
+    }
+
+    /// Whether a position may be passed or is behind the mechanism.
+    #[inline]
+    fn place(&self, position: f64, side: usize) -> bool {
+        let (start, end) = (self.beyond(position, side), (self.end - position) * outward(side));
+        end >= 0.0 || start.max(end) + self.bulge > 0.0
+    }
+
+    /// Whether that holds for any place.
+    #[inline]
+    fn any(&self, ends: &Ends) -> bool {
+        let is_near = |position: Option<f64>, side: usize| position.is_some_and(|p| self.place(p, side));
+        is_near(ends.rigid(0), 0)
+            || is_near(ends.rigid(1), 1)
+            || (0..ends.bumpers()).any(|k| is_near(ends.bumper(0, k), 0) || is_near(ends.bumper(1, k), 1))
+    }
+}
+
+/// Part of a step after which a mechanism that comes back from beyond a place is there, if a lock is engaged.
+fn back_to_lock<const N: usize>(
+    ends: &Ends,
+    dense: &Dense<N>,
+    near: &Near,
+    place: Place,
+    position: f64,
+) -> Option<f64> {
+    let comes_back = ends.is_locked(place) && near.beyond(position, place.side) > 0.0;
+    comes_back.then(|| dense.first_passage(0, position, towards(-place.outward()), false))?
 }
 
 fn towards(sign: f64) -> Direction {
@@ -140,16 +197,29 @@ fn bumper_event<D: Dynamics<N>, const N: usize>(
     bumper: usize,
     touches: bool,
 ) -> Option<f64> {
-    const SAMPLES: usize = 12;
-    let mut is_past = |s: f64| {
+    const PARTS: usize = 12;
+    let dynamics = &RefCell::new(dynamics);
+    let f = |s: f64| {
+        let mut dynamics = dynamics.borrow_mut();
         let (beyond, push) = dynamics.bumper_push(bumper, dense.component(0, s), dense.component(1, s));
-        if touches { push < 0.0 } else { beyond > 0.0 && push > 0.0 }
+        if touches { -push } else { beyond.min(push) }
     };
-    // At the start, just after an event, it may be so by rounding.
-    let at = |i: usize| i as f64 / SAMPLES as f64;
-    let mut now = is_past(0.0);
-    let end = (1..=SAMPLES).find(|&i| !std::mem::replace(&mut now, is_past(at(i))) && now)?;
-    Some(bisect(is_past, at(end - 1), at(end))[1])
+    let bounds = |a: f64, b: f64| {
+        let [sigma, sigma_dot] = [0, 1].map(|n| dense.enclosure(n, [a, b]));
+        let [beyond, push] = dynamics.borrow_mut().bumper_bounds(bumper, sigma, sigma_dot);
+        if touches { -push } else { beyond.min(push) }
+    };
+    let locate =
+        |f: &mut dyn FnMut(f64) -> f64, (a, _): (f64, f64), (b, _): (f64, f64)| bisect(|s| f(s) > 0.0, a, b)[1];
+    let start = f(0.0);
+    if start > 0.0 {
+        // Rounding, unless it grows.
+        let (first, slope) = (1.0 / PARTS as f64, bounds(0.0, 1.0 / PARTS as f64).slope);
+        if slope.low > 0.0 || (slope.high > 0.0 && f(first) > start) {
+            return Some(REGIME_TOLERANCE);
+        }
+    }
+    Bounded { f, bounds, locate }.first_rise(start, PARTS)
 }
 
 /// Whether the slip speed of a friction joint may leave the range of its regime within a step. Bounds are the Bezier
@@ -170,12 +240,20 @@ fn may_change_regime<D: Dynamics<N>, const N: usize>(dynamics: &mut D, joint: us
 
 /// Part of a step after which the slip speed of a friction joint leaves the range of its regime.
 fn regime_change<D: Dynamics<N>, const N: usize>(dynamics: &mut D, dense: &Dense<N>, joint: usize) -> Option<f64> {
-    const SAMPLES: usize = 8;
+    const PARTS: usize = 8;
     let (low, high) = dynamics.slip_range(joint);
-    let beyond = |s: f64| {
-        let v = dynamics.slip(joint, dense.component(0, s), dense.component(1, s));
-        Ok::<_, Infallible>((low - v).max(v - high))
+    let dynamics = &RefCell::new(dynamics);
+    let f = |s: f64| {
+        let v = dynamics.borrow_mut().slip(joint, dense.component(0, s), dense.component(1, s));
+        (low - v).max(v - high)
     };
-    let Ok(part) = first_rise(beyond, SAMPLES, REGIME_TOLERANCE);
-    part
+    let bounds = |a: f64, b: f64| {
+        let [sigma, sigma_dot] = [0, 1].map(|n| dense.enclosure(n, [a, b]));
+        let v = dynamics.borrow_mut().slip_bounds(joint, sigma, sigma_dot);
+        (-v + Enclosure::constant(low)).max(v + Enclosure::constant(-high))
+    };
+    let locate =
+        |f: &mut dyn FnMut(f64) -> f64, a: (f64, f64), b: (f64, f64)| false_position(f, a, b, REGIME_TOLERANCE);
+    // The start is within the range, but for rounding.
+    Bounded { f, bounds, locate }.first_rise(f(0.0).min(0.0), PARTS)
 }

@@ -6,12 +6,12 @@ use super::state::{blows, state_loads};
 use crate::codec::record::{Damaged, Record};
 use crate::integrator::{Integrator, Statistics};
 use crate::mechanism::error::ModelError;
-use crate::mechanism::motion::contact::{Contact, End, StopKind, Travel};
+use crate::mechanism::motion::contact::{BumperPlaces, Contact, Place, RigidEnd, Travel};
 use crate::mechanism::motion::events::Event;
 use crate::mechanism::motion::step_ahead::{Lookahead, StepAhead};
-use crate::mechanism::motion::travel::stop_kind;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::bits::become_same;
+use std::sync::Arc;
 
 /// Part of a closed curve's length by which sigma may be beyond its ends by rounding.
 const ROUNDING: f64 = 1e-12;
@@ -28,7 +28,8 @@ pub struct SavedState {
     /// Whole revolutions of a closed curve made so far.
     pub revolutions: f64,
     pub contact: Contact,
-    pub travel: Travel,
+    /// Found at the start; all states of a run share it.
+    pub travel: Arc<Travel>,
     /// Sizes of the loads in the last step, which the integration and the energy balance refer to.
     pub applied: Vec<f64>,
     /// Airspeed at the start of the last step [m/s].
@@ -130,7 +131,10 @@ impl SavedState {
     pub fn copy_from(&mut self, other: &Self) -> bool {
         let others = become_same(&mut self.applied, &other.applied) || self.revolutions != other.revolutions;
         (self.sigma, self.sigma_dot, self.revolutions) = (other.sigma, other.sigma_dot, other.revolutions);
-        (self.contact, self.travel) = (other.contact, other.travel);
+        self.contact = other.contact;
+        if !Arc::ptr_eq(&self.travel, &other.travel) {
+            self.travel = Arc::clone(&other.travel);
+        }
         (self.airspeed, self.air, self.reference) = (other.airspeed, other.air, other.reference);
         self.memory.copy_from(&other.memory);
         others
@@ -146,11 +150,15 @@ impl SavedState {
     /// # Errors
     /// A field is not what this mechanism can have.
     pub fn read(record: &mut Record, reduced: &Reduced) -> Result<Self, ModelError> {
-        let mut saved = Self { applied: vec![0.0; reduced.components().sized], ..Self::default() };
+        let stops = reduced.loading().stops.iter().enumerate();
+        let bumpers = stops.filter(|(_, stop)| stop.enabled && !stop.rigid);
+        let bumpers = bumpers.map(|(stop, _)| BumperPlaces { stop, positions: [None; 2] }).collect();
+        let travel = Arc::new(Travel { bumpers, ..Travel::default() });
+        let mut saved = Self { applied: vec![0.0; reduced.components().sized], travel, ..Self::default() };
         saved.record(record)?;
         saved.check(reduced)?;
-        for end in saved.travel.iter_mut().flatten() {
-            end.kind = stop_kind(reduced.loading(), end.stop);
+        for end in Arc::make_mut(&mut saved.travel).rigid.iter_mut().flatten() {
+            end.restitution = reduced.loading().stops[end.stop].restitution;
         }
         Ok(saved)
     }
@@ -162,14 +170,7 @@ impl SavedState {
         let allowed = |revolutions: f64| revolutions.fract() == 0.0 && revolutions.abs() <= MOST_REVOLUTIONS;
         record.number("turns", &mut self.revolutions, allowed, "a whole number")?;
         self.contact.record(record)?;
-        for end in &mut self.travel {
-            // The kind of the stop follows from the parameters.
-            let blank = || End { position: 0.0, stop: 0, kind: StopKind::Rigid { restitution: 0.0 } };
-            record.option("end of the travel", end, blank, |record, end| {
-                record.finite("end of the travel", &mut end.position)?;
-                record.place("stop", &mut end.stop, usize::MAX)
-            })?;
-        }
+        record_travel(Arc::make_mut(&mut self.travel), record)?;
         record.length("sizes", self.applied.len())?;
         record.all_finite("size", &mut self.applied)?;
         record.finite("airspeed", &mut self.airspeed)?;
@@ -202,30 +203,41 @@ impl SavedState {
         if (self.air && loading.air.is_none()) || (!self.air && blows(reduced, self.airspeed)) {
             return refuse(format!("air acts = {}: it does not fit to the airspeed {}", self.air, self.airspeed));
         }
-        for end in self.travel.iter().flatten() {
-            if loading.stops.get(end.stop).is_none_or(|stop| !stop.enabled) {
-                return refuse(format!("stop = {}: there is none enabled with this index", end.stop));
+        for (end, rigid) in self.travel.stops() {
+            if loading.stops.get(end).is_none_or(|stop| !stop.enabled || rigid && !stop.rigid) {
+                return refuse(format!("stop = {end}: there is none enabled of this kind with this index"));
             }
         }
-        if self.contact.at_rest().is_some_and(|side| self.travel[side].is_none()) {
-            return refuse("resting where the travel has no end".into());
+        let is_place = |place: Place| self.travel.position(place).is_some();
+        if self.contact.at_rest().is_some_and(|place| !is_place(place)) {
+            return refuse("resting where no stop is met".into());
         }
         let state_loads = self.state_loads(reduced)?;
-        let bumpers = state_loads.map_or(0, |s| s.bumpers.len());
-        if let Some(k) = self.contact.touching().into_iter().flatten().find(|k| *k >= bumpers) {
-            return refuse(format!("touching = {k}: must be below {bumpers}"));
+        let (bumpers, touching) = (state_loads.map_or(0, |s| s.bumpers.len()), self.contact.touching());
+        if !touching.is_below(bumpers) {
+            return refuse(format!("bumpers that touch: must be below {bumpers}"));
         }
         let constants = &self.applied[loading.inputs.len()..];
         if constants.iter().zip(&loading.constants).any(|(a, b)| a.to_bits() != b.to_bits()) {
             return refuse("the constant loads are not those of the parameters".into());
         }
-        if let Memory::WithDissipation(
-            _,
-            Lookahead { step_ahead: Some(StepAhead { event: Some(Event::Regime(friction_joint)), .. }), .. },
-        ) = self.memory
-            && friction_joint >= state_loads.map_or(0, |s| s.friction_joints.len())
+        if let Memory::WithDissipation(_, Lookahead { step_ahead: Some(StepAhead { event: Some(event), .. }), .. }) =
+            self.memory
         {
-            return refuse(format!("index of an event = {friction_joint}: there is no such joint with friction"));
+            let (exists, what) = match event {
+                Event::Regime(joint) => (
+                    joint < state_loads.map_or(0, |s| s.friction_joints.len()),
+                    format!("index of an event = {joint}: there is no such joint with friction"),
+                ),
+                Event::Bumper(bumper) => {
+                    (bumper < bumpers, format!("index of an event = {bumper}: there is no such bumper"))
+                }
+                Event::Stop(place) => (is_place(place), "event ahead: no stop is met there".into()),
+                Event::Reversal | Event::Undefined => (true, String::new()),
+            };
+            if !exists {
+                return refuse(what);
+            }
         }
         // The energy lost is integrated if there are state loads, and in steps with inputs that change.
         if state_loads.is_some() && matches!(self.memory, Memory::Conservative(_)) {
@@ -233,4 +245,33 @@ impl SavedState {
         }
         Ok(())
     }
+}
+
+/// The places of the stops, written or read. Which bumpers there are, and all else of a stop, follows from the
+/// parameters.
+fn record_travel(travel: &mut Travel, record: &mut Record) -> Result<(), Damaged> {
+    for end in &mut travel.rigid {
+        record.option("end of the travel", end, RigidEnd::default, |record, end| {
+            record.finite("end of the travel", &mut end.position)?;
+            record.place("stop", &mut end.stop, usize::MAX)
+        })?;
+    }
+    record.length("bumpers", travel.bumpers.len())?;
+    for position in travel.bumpers.iter_mut().flat_map(|bumper| &mut bumper.positions) {
+        record.option("place of a bumper", position, f64::default, |record, position| {
+            record.finite("place of a bumper", position)
+        })?;
+    }
+    let mut count = travel.beside.len();
+    record.place("stops beside a rigid one", &mut count, usize::MAX)?;
+    for k in 0..count {
+        // The list grows entry by entry, so that a false count ends with the record.
+        let (mut side, mut stop) = travel.beside.get(k).copied().unwrap_or_default();
+        record.place("side of a stop", &mut side, 2)?;
+        record.place("stop", &mut stop, usize::MAX)?;
+        if record.reads() {
+            travel.beside.push((side, stop));
+        }
+    }
+    Ok(())
 }

@@ -6,6 +6,7 @@ mod start;
 
 use crate::integrator::Statistics;
 use crate::mechanism::definition::Solver;
+use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
@@ -13,8 +14,9 @@ use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::advance::{Advance, Progress, Stopped};
 use crate::mechanism::motion::coasting::Coasting;
-use crate::mechanism::motion::contact::{Contact, Ends, outward};
+use crate::mechanism::motion::contact::{Contact, Ends, EngagedLocks, Place, Travel};
 use crate::mechanism::motion::saved::{MOST_REVOLUTIONS, Memory, SavedState};
+use crate::mechanism::motion::travel::AT_STOP;
 use crate::mechanism::motion::work::Spent;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::table::Unresolved;
@@ -96,6 +98,21 @@ pub(super) fn state_loads(reduced: &Reduced, air: bool, revolutions: f64) -> Res
     reduced.state_loads(air).map_err(|at| ModelError::table(reduced, "friction", at, revolutions))
 }
 
+/// The places of the stops in the frame of sigma after so many revolutions, and where these locks are engaged.
+#[inline]
+fn ends<'a>(travel: &'a Travel, reduced: &Reduced, revolutions: f64, locks: &[bool]) -> Ends<'a> {
+    let mut locked = EngagedLocks::default();
+    let engaged = reduced.loading().locks.iter().zip(locks).filter(|(_, engaged)| **engaged);
+    for (lock, _) in engaged {
+        for (side, locked) in locked.rigid.iter_mut().enumerate() {
+            *locked |= travel.holds(Place::rigid(side), lock.stop);
+        }
+        let bumpers = BumperSet::of(travel.bumpers.len(), |k| travel.bumpers[k].stop == lock.stop);
+        locked.bumpers = locked.bumpers.union(bumpers);
+    }
+    Ends { travel, shift: revolutions * reduced.period().unwrap_or(0.0), locked }
+}
+
 impl State {
     /// A state that continues as the saved one did, under these inputs.
     ///
@@ -172,11 +189,11 @@ impl State {
         h: f64,
         solver: &Solver,
     ) -> Result<Arrival, Stopped> {
-        let ends = &self.ends(reduced, &inputs.locks);
         let Self { saved, scratch, .. } = self;
         let (mut y, mut contact) = ([saved.sigma, saved.sigma_dot], saved.contact);
-        contact.locks_set(ends.locked);
         let SavedState { airspeed, revolutions, .. } = *saved;
+        let ends = &ends(&saved.travel, reduced, revolutions, &inputs.locks);
+        contact.locks_set(ends);
         let sizes = &saved.applied;
         let applied = AppliedLoads { sizes, airspeed, revolutions, change: inputs.change(reduced) };
         let mode = Mode::default();
@@ -280,26 +297,26 @@ impl State {
         self.scratch.panel_force.invalidate();
     }
 
-    /// The ends of the travel in the frame of sigma, and whether a lock is engaged at each.
-    pub fn ends(&self, reduced: &Reduced, locks: &[bool]) -> Ends {
-        let shift = self.revolutions * reduced.period().unwrap_or(0.0);
-        let mut travel = self.travel;
-        let mut locked = [false; 2];
-        for (end, locked) in travel.iter_mut().zip(&mut locked) {
-            if let Some(end) = end {
-                end.position -= shift;
-                let mut all = reduced.loading().locks.iter().zip(locks);
-                *locked = all.any(|(lock, engaged)| *engaged && lock.stop == end.stop);
-            }
-        }
-        Ends { travel, locked }
+    /// The places of the stops in the frame of sigma, and where locks are engaged.
+    pub fn ends(&self, reduced: &Reduced, locks: &[bool]) -> Ends<'_> {
+        ends(&self.travel, reduced, self.revolutions, locks)
     }
 
-    /// Whether the mechanism is at a stop: in contact with it, or held there.
+    /// Whether the mechanism is at a stop or beyond: past the place where the stop is first met, and not back within
+    /// the stop behind a dead centre.
     pub fn at_stop(&self, reduced: &Reduced, stop: usize) -> bool {
         let here = self.sigma + self.revolutions * reduced.period().unwrap_or(0.0);
-        (0..2)
-            .any(|side| self.travel[side].is_some_and(|e| e.stop == stop && (here - e.position) * outward(side) >= 0.0))
+        let travel = &*self.travel;
+        travel.places().filter(|(place, _)| travel.holds(*place, stop)).any(|(place, position)| {
+            let past = (here - position) * place.outward();
+            past == 0.0 || past > 0.0 && (place.bumper.is_none() || self.is_beyond(reduced, stop))
+        })
+    }
+
+    /// Whether the quantity of a stop is at its value or beyond.
+    fn is_beyond(&self, reduced: &Reduced, stop: usize) -> bool {
+        let stop = &reduced.loading().stops[stop];
+        stop.beyond(self.displacement(reduced, stop.load)) >= -AT_STOP * (1.0 + stop.value.abs())
     }
 
     /// Description of the present position, for messages.

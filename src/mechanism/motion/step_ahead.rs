@@ -5,6 +5,7 @@
 //! end takes place when that time has come. It must not know how steps are made.
 use crate::codec::record::{Damaged, Record};
 use crate::integrator::Dense;
+use crate::mechanism::motion::contact::EngagedLocks;
 use crate::mechanism::motion::events::Event;
 
 /// Communication steps with unchanged inputs after which an internal step may run past the communication point. Two,
@@ -90,8 +91,8 @@ fn difference<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
 pub struct Lookahead<const N: usize> {
     /// Relative tolerance.
     tolerance: f64,
-    /// Whether a lock is engaged at each end of the travel.
-    locked: [bool; 2],
+    /// Places where a lock is engaged.
+    locked: EngagedLocks,
     /// Communication steps with this tolerance, these locks and unchanged inputs, up to `required_steps`.
     unchanged_steps: u32,
     /// How many of them allow a step beyond the communication point.
@@ -103,7 +104,7 @@ impl<const N: usize> Default for Lookahead<N> {
     fn default() -> Self {
         Self {
             tolerance: 0.0,
-            locked: [false; 2],
+            locked: EngagedLocks::default(),
             unchanged_steps: 0,
             required_steps: FEWEST_UNCHANGED,
             step_ahead: None,
@@ -113,7 +114,7 @@ impl<const N: usize> Default for Lookahead<N> {
 
 impl<const N: usize> Lookahead<N> {
     /// A communication step begins. Returns whether the present state was read from a step ahead that no longer holds.
-    pub fn begin(&mut self, tolerance: f64, locked: [bool; 2]) -> bool {
+    pub fn begin(&mut self, tolerance: f64, locked: EngagedLocks) -> bool {
         let is_other = (tolerance, locked) != (self.tolerance, self.locked);
         (self.tolerance, self.locked) = (tolerance, locked);
         is_other && self.invalidate()
@@ -159,7 +160,7 @@ impl<const N: usize> Lookahead<N> {
     /// All fields, written or read.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.finite("tolerance of the last step", &mut self.tolerance)?;
-        self.locked.iter_mut().try_for_each(|locked| record.flag("lock engaged", locked))?;
+        self.locked.record(record)?;
         record.small("unchanged steps", &mut self.unchanged_steps)?;
         record.small("required unchanged steps", &mut self.required_steps)?;
         record.option("step ahead", &mut self.step_ahead, StepAhead::blank, |record, step| step.record(record))

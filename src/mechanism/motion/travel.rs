@@ -1,59 +1,104 @@
-//! The travel: how far the mechanism can move from its start, and what holds it at the ends.
+//! The travel: how far the mechanism can move from its start, and the stops that it meets on its way.
 //!
-//! In: the reduced model, its stops, the start. Out: the position of each end on the curve. It must not know time.
+//! In: the reduced model, its stops, the start. Out: the places on the curve where stops are first met, up to the first
+//! rigid stop on each side. It must not know time.
+use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::laws::stop::Stop;
-use crate::mechanism::loads::resolved::Loading;
-use crate::mechanism::motion::contact::{End, StopKind, Travel};
+use crate::mechanism::motion::contact::{BumperPlaces, RigidEnd, Travel};
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::bracket::bisect;
 use crate::numerics::table::{Table, polynomial};
 
-/// A start this close beyond a stop [rad or m, relative to 1 and the value] is at the stop.
-const AT_STOP: f64 = 1e-10;
+/// A position this close beyond a stop [rad or m, relative to 1 and the value] is at the stop.
+pub const AT_STOP: f64 = 1e-10;
+/// Distance along the curve within which two stops are at one place, relative to the scale and the value of sigma. The
+/// tables from which positions come are accurate to 1e-13.
+const ONE_PLACE: f64 = 1e-12;
 
-/// Ends of the travel for a start at `sigma` after `revolutions` whole revolutions.
-///
-/// # Errors
-/// The start is beyond a stop; a stop's quantity is not smooth.
-pub fn travel(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<Travel, ModelError> {
-    let mut out = [None; 2];
-    for (index, stop) in reduced.loading().stops.iter().enumerate().filter(|(_, s)| s.enabled) {
-        let name = format!("{}.{}", stop.name, stop.quantity);
-        let table = reduced.displacement(stop.load).map_err(|at| ModelError::table(reduced, &name, at, revolutions))?;
-        let growth = reduced.load_growth(stop.load);
-        let at = table.position(sigma);
-        let (s, slope) = (table.value(at, 0) + revolutions * growth, table.value(at, 1));
-        let beyond = stop.beyond(s);
-        let near = AT_STOP * (1.0 + stop.value.abs());
-        beyond_stop(stop, s)?;
-        let sign = stop.beyond(1.0) - stop.beyond(0.0);
-        for (side, direction) in [(0, -1.0), (1, 1.0)] {
-            let here = sigma + revolutions * reduced.period().unwrap_or(0.0);
-            let position = if beyond > -near && slope * sign * direction > 0.0 {
-                Some(here)
-            } else {
-                let search = Search { reduced, table, growth, wanted: stop.value, sign };
-                search.first(sigma, revolutions, direction)
-            };
-            let Some(position) = position else { continue };
-            let nearer = |e: &End| (position - here).abs() < (e.position - here).abs();
-            if out[side].as_ref().is_none_or(nearer) {
-                out[side] = Some(End { position, stop: index, kind: stop_kind(reduced.loading(), index) });
-            }
-        }
-    }
-    Ok(out)
+/// Where an enabled stop is first passed on each side of the start.
+struct Passages {
+    /// Index of the stop.
+    stop: usize,
+    /// sigma, counted on over whole revolutions.
+    positions: [Option<f64>; 2],
 }
 
-/// What a stop does to a mechanism that comes to it.
-pub fn stop_kind(loading: &Loading, stop: usize) -> StopKind {
-    let Stop { rigid, restitution, .. } = loading.stops[stop];
-    if rigid {
-        return StopKind::Rigid { restitution };
+/// The places of all stops for a start at `sigma` after `revolutions` whole revolutions.
+///
+/// # Errors
+/// The start is beyond a stop; a stop's quantity is not smooth; there are more bumpers than may be enabled.
+pub fn travel(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<Travel, ModelError> {
+    let stops = &reduced.loading().stops;
+    let bumpers = stops.iter().filter(|stop| stop.enabled && !stop.rigid).count();
+    if bumpers > BumperSet::CAPACITY {
+        return Err(ModelError::TooManyBumpers { count: bumpers, limit: BumperSet::CAPACITY });
     }
-    // State loads number the bumpers among the enabled stops.
-    StopKind::Bumper(loading.stops[..stop].iter().filter(|stop| stop.enabled && !stop.rigid).count())
+    let here = sigma + revolutions * reduced.period().unwrap_or(0.0);
+    let mut met = Vec::new();
+    for (index, stop) in stops.iter().enumerate().filter(|(_, stop)| stop.enabled) {
+        met.push(Passages { stop: index, positions: passages(reduced, stop, sigma, revolutions)? });
+    }
+    let one_place = ONE_PLACE * (reduced.scale() + here.abs());
+    let mut travel = Travel::default();
+    for passages in met.iter().filter(|passages| !stops[passages.stop].rigid) {
+        travel.bumpers.push(BumperPlaces { stop: passages.stop, positions: [None; 2] });
+    }
+    for side in 0..2 {
+        let all = || met.iter().filter_map(|m| Some((m.stop, m.positions[side]?)));
+        let distance = |position: f64| (position - here).abs();
+        let rigid = || all().filter(|(stop, _)| stops[*stop].rigid);
+        // Of rigid stops at one place the first of the definition acts.
+        let nearest = rigid().map(|(_, position)| distance(position)).fold(f64::INFINITY, f64::min);
+        let acting = rigid().find(|(_, position)| distance(*position) <= nearest + one_place);
+        let end = acting.map_or(f64::INFINITY, |(_, position)| distance(position));
+        travel.rigid[side] =
+            acting.map(|(stop, position)| RigidEnd { position, stop, restitution: stops[stop].restitution });
+        let beside = all().filter(|(stop, position)| {
+            (distance(*position) - end).abs() <= one_place && acting.is_some_and(|(acting, _)| acting != *stop)
+        });
+        travel.beside.extend(beside.map(|(stop, _)| (side, stop)));
+        place_bumpers(&mut travel.bumpers, side, all(), |position| distance(position) < end - one_place, one_place);
+    }
+    Ok(travel)
+}
+
+/// Where each bumper is first met on a side, if it acts there; bumpers at one place have one position.
+fn place_bumpers(
+    bumpers: &mut [BumperPlaces],
+    side: usize,
+    met: impl Iterator<Item = (usize, f64)>,
+    acts: impl Fn(f64) -> bool,
+    one_place: f64,
+) {
+    for (stop, position) in met.filter(|(_, position)| acts(*position)) {
+        let known = bumpers.iter().filter_map(|bumper| bumper.positions[side]);
+        let position = known.clone().find(|known| (known - position).abs() <= one_place).unwrap_or(position);
+        if let Some(bumper) = bumpers.iter_mut().find(|bumper| bumper.stop == stop) {
+            bumper.positions[side] = Some(position);
+        }
+    }
+}
+
+/// sigma, counted on over whole revolutions, where a stop is first passed on each side of the start.
+fn passages(reduced: &Reduced, stop: &Stop, sigma: f64, revolutions: f64) -> Result<[Option<f64>; 2], ModelError> {
+    let name = format!("{}.{}", stop.name, stop.quantity);
+    let table = reduced.displacement(stop.load).map_err(|at| ModelError::table(reduced, &name, at, revolutions))?;
+    let growth = reduced.load_growth(stop.load);
+    let at = table.position(sigma);
+    let (s, slope) = (table.value(at, 0) + revolutions * growth, table.value(at, 1));
+    let near = AT_STOP * (1.0 + stop.value.abs());
+    beyond_stop(stop, s)?;
+    let sign = stop.beyond(1.0) - stop.beyond(0.0);
+    let here = sigma + revolutions * reduced.period().unwrap_or(0.0);
+    Ok([-1.0, 1.0].map(|direction| {
+        if stop.beyond(s) > -near && slope * sign * direction > 0.0 {
+            Some(here)
+        } else {
+            let search = Search { reduced, table, growth, wanted: stop.value, sign };
+            search.first(sigma, revolutions, direction)
+        }
+    }))
 }
 
 /// Refuse a start at this displacement of a stop's load if it is beyond the stop.
@@ -70,11 +115,14 @@ pub fn can_hold(reduced: &Reduced, travel: &Travel) -> Result<(), ModelError> {
     // Part of the mechanism's size below which the path of a point for a motion of one radian is rounding.
     const STILL: f64 = 1e-9;
     let loading = reduced.loading();
-    for end in travel.iter().flatten() {
-        let (sigma, revolutions) = reduced.unwound(end.position);
-        for (index, lock) in loading.locks.iter().enumerate().filter(|(_, lock)| lock.stop == end.stop) {
+    if loading.locks.is_empty() {
+        return Ok(());
+    }
+    for (place, position) in travel.places() {
+        let (sigma, revolutions) = reduced.unwound(position);
+        for (index, lock) in loading.locks.iter().enumerate().filter(|(_, lock)| travel.holds(place, lock.stop)) {
             if reduced.lock_path(index, sigma).norm() * reduced.scale() < STILL * reduced.linkage().size {
-                let (name, stop) = (lock.name.clone(), loading.stops[end.stop].name.clone());
+                let (name, stop) = (lock.name.clone(), loading.stops[lock.stop].name.clone());
                 let position = reduced.curve().describe(sigma, revolutions);
                 return Err(ModelError::LockStill { name, stop, position });
             }

@@ -2,6 +2,7 @@
 use crate::mechanism::dynamics::equation::Scratch;
 use crate::mechanism::dynamics::inputs::Change;
 use crate::mechanism::loads::resolved::Loading;
+use crate::mechanism::motion::contact::Place;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::chebyshev::{NODES, Series};
 use crate::numerics::dual::Number;
@@ -37,9 +38,9 @@ pub struct Forces<N> {
     pub free: N,
     /// Direction in which the drives with an efficiency work; 0 if they hold the mechanism.
     pub direction: f64,
-    /// End at which the mechanism is held.
-    pub held: Option<usize>,
-    /// Whether the stop at this end holds the mechanism; else a lock.
+    /// Place at which the mechanism is held.
+    pub held: Option<Place>,
+    /// Whether the rigid stop there holds the mechanism; else a lock.
     pub by_stop: bool,
 }
 

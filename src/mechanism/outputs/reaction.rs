@@ -78,12 +78,12 @@ impl<N: Reading> View<'_, N> {
         for (k, &load) in state_loads.map_or(&[][..], |s| &s.loads).iter().enumerate() {
             self.add(&units, 2 + load, self.cache.scratch.evaluator.loads[k], &mut value)?;
         }
-        if let Some(side) = forces.held {
-            if let Some(end) = self.state.travel[side].filter(|_| forces.by_stop) {
+        if let Some(place) = forces.held {
+            if let Some(end) = self.state.travel.rigid[place.side].filter(|_| forces.by_stop) {
                 let force = self.stop_force(end.stop)?;
                 self.add(&units, 2 + loading.stops[end.stop].load, force, &mut value)?;
             }
-            let outward = if side == 0 { -1.0 } else { 1.0 };
+            let outward = place.outward();
             for lock in 0..loading.locks.len() {
                 let force = self.lock_force(lock)?;
                 if force.value() != 0.0 || !force.is_constant() {

@@ -7,7 +7,7 @@ use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::motion::SavedState;
-use crate::mechanism::motion::contact::Holder;
+use crate::mechanism::motion::contact::{Holder, Place};
 use crate::mechanism::motion::state::{State, airspeed, state_loads_under};
 use crate::mechanism::outputs::cache::{Forces, OutputCache, PresentLoads};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite};
@@ -55,8 +55,8 @@ impl Reading for f64 {
             return Ok(forces);
         }
         match contact.holder(&state.ends(reduced, locks), free) {
-            Some((side, holder)) => {
-                Ok(Forces { acceleration: 0.0, held: Some(side), by_stop: holder == Holder::Stop, ..forces })
+            Some((place, holder)) => {
+                Ok(Forces { acceleration: 0.0, held: Some(place), by_stop: holder == Holder::Stop, ..forces })
             }
             None => Ok(forces),
         }
@@ -265,7 +265,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
 
     fn stop_force(&mut self, stop: usize) -> Result<N, OutputError> {
         let Forces { free, held, by_stop, .. } = self.forces()?;
-        let end = held.filter(|_| by_stop).and_then(|side| self.state.travel[side]);
+        let end = held.filter(|_| by_stop).and_then(|place| self.state.travel.rigid[place.side]);
         if end.is_none_or(|end| end.stop != stop) {
             return Ok(N::constant(0.0));
         }
@@ -279,15 +279,16 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
         let Forces { free, held, by_stop, .. } = self.forces()?;
         let (all, engaged) = (&self.reduced.loading().locks, &self.inputs.locks);
         let stop = all[lock].stop;
-        let holds = |side: &usize| self.state.travel[*side].is_some_and(|end| end.stop == stop);
-        let Some(side) = held.filter(holds).filter(|_| !by_stop && engaged[lock]) else {
+        let travel = &*self.state.travel;
+        let holds = |place: &Place| travel.holds(*place, stop);
+        let Some(place) = held.filter(holds).filter(|_| !by_stop && engaged[lock]) else {
             return Ok(N::constant(0.0));
         };
-        let outward = if side == 0 { -1.0 } else { 1.0 };
-        // Several locks at one stop share the load evenly along the curve.
-        let sharing = all.iter().zip(engaged).filter(|(lock, engaged)| **engaged && lock.stop == stop).count();
+        // Several locks at one place share the load evenly along the curve.
+        let engaged = all.iter().zip(engaged).filter(|(_, engaged)| **engaged);
+        let sharing = engaged.filter(|(lock, _)| travel.holds(place, lock.stop)).count();
         let path = self.reduced.lock_path(lock, self.state.sigma);
-        Ok(finite(-free * outward / N::constant(path.norm() * sharing as f64)))
+        Ok(finite(-free * place.outward() / N::constant(path.norm() * sharing as f64)))
     }
 
     fn one_element(&mut self, drive: usize, term: OneElement) -> Result<N, OutputError> {

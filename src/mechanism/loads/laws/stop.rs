@@ -3,7 +3,7 @@
 //! In: displacement S of its load, S_dot. Out: distance beyond the stop, push of the bumper. It must not know the
 //! linkage.
 use crate::mechanism::definition::Limit;
-use crate::numerics::dual::Number;
+use std::ops::{Add, Mul};
 
 /// A stop at one end of the travel of S.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,9 +39,17 @@ impl Stop {
         }
     }
 
+    /// Sign of S beyond the stop, seen from the stop.
+    pub fn sign(&self) -> f64 {
+        match self.limit {
+            Limit::Lower => -1.0,
+            Limit::Upper => 1.0,
+        }
+    }
+
     /// Push of the bumper in contact [N or N.m], at a distance beyond the stop that grows at `rate`. The push is odd in
     /// both: with S - value and S_dot for them it is the force that resists S at either end.
-    pub fn push<T: Number>(&self, beyond: T, rate: T) -> T {
-        beyond * T::constant(self.stiffness) + rate * T::constant(self.damping)
+    pub fn push<T: Add<Output = T> + Mul<f64, Output = T>>(&self, beyond: T, rate: T) -> T {
+        beyond * self.stiffness + rate * self.damping
     }
 }

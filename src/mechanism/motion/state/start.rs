@@ -13,6 +13,7 @@ use crate::mechanism::motion::contact::Contact;
 use crate::mechanism::motion::saved::SavedState;
 use crate::mechanism::motion::travel::{beyond_stop, can_hold, travel};
 use crate::mechanism::reduced::{Reduced, ReductionError};
+use std::sync::Arc;
 
 impl State {
     /// The state that the definition states.
@@ -60,7 +61,7 @@ impl State {
         }
         let travel = travel(reduced, sigma, revolutions)?;
         let here = sigma + revolutions * reduced.period().unwrap_or(0.0);
-        let resting = (0..2).find(|&side| sigma_dot == 0.0 && travel[side].is_some_and(|e| e.position == here));
+        let resting = travel.places().find(|(_, position)| sigma_dot == 0.0 && *position == here);
         can_hold(reduced, &travel)?;
         let air = blows_under(reduced, inputs);
         let state_loads = state_loads(reduced, air, revolutions)?;
@@ -71,8 +72,8 @@ impl State {
                 sigma,
                 sigma_dot,
                 revolutions,
-                contact: Contact::at_start(resting),
-                travel,
+                contact: Contact::at_start(resting.map(|(place, _)| place)),
+                travel: Arc::new(travel),
                 applied,
                 airspeed: airspeed(reduced, inputs),
                 air,

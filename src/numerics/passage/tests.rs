@@ -1,0 +1,110 @@
+//! Passages of known functions, short ones above all.
+#![allow(clippy::unwrap_used)]
+use super::*;
+use crate::numerics::bracket::bisect;
+use crate::numerics::enclosure::Interval;
+use proptest::prelude::*;
+use std::convert::Infallible;
+
+fn quartic(f: impl Fn(f64) -> f64, [a, b]: [f64; 2]) -> Option<f64> {
+    first_rise_of_quartic(|t| Ok::<_, Infallible>(f(t)), [a, b], 1e-15 * (b - a)).unwrap()
+}
+
+/// sin, searched with Lipschitz bounds: sin within |slope| <= frequency of its middle.
+fn rise_of_sine(frequency: f64, phase: f64, level: f64, grid: usize) -> Option<f64> {
+    let f = move |s: f64| (frequency * s + phase).sin() - level;
+    let slope = move |s: f64| frequency * (frequency * s + phase).cos();
+    let bounds = move |a: f64, b: f64| {
+        let (m, r) = (0.5 * (a + b), 0.5 * (b - a));
+        let curvature = frequency * frequency * r;
+        Enclosure { value: Interval::around(f(m), frequency * r), slope: Interval::around(slope(m), curvature) }
+    };
+    let locate = |f: &mut dyn FnMut(f64) -> f64, a: Sample, b: Sample| bisect(|s| f(s) > 0.0, a.0, b.0)[1];
+    Bounded { f, bounds, locate }.first_rise(f(0.0), grid)
+}
+
+#[test]
+fn a_fall_and_a_level_function_do_not_rise() {
+    assert_eq!(quartic(|t| 1.0 - 3.0 * t, [0.0, 1.0]), None);
+    assert_eq!(quartic(|_| -0.0, [0.0, 1.0]), None);
+    assert_eq!(quartic(|_| -1e-300, [0.0, 1.0]), None);
+    assert_eq!(quartic(|t| -(t - 0.3) * (t - 0.3), [0.0, 1.0]), None, "a touch");
+    assert_eq!(first_rise_of_quartic(|_| Err::<f64, _>("no value"), [0.0, 1.0], 1e-15), Err("no value"));
+}
+
+/// The case of the issue: 5 ms of 0.52 s.
+#[test]
+fn a_short_parabola_is_met() {
+    let at = quartic(|t| 1e4 - 1.6e9 * (t - 0.5078) * (t - 0.5078), [0.0, 0.52]).unwrap();
+    assert!((at - (0.5078 - 2.5e-3)).abs() < 1e-14, "{at}");
+}
+
+proptest! {
+    /// A window of release anywhere in a long step, down to the size at which its height is rounding; given as inputs
+    /// are, by a value and two derivatives.
+    #[test]
+    fn no_window_of_a_parabola_is_too_short(
+        span in 1e-3..1e3f64,
+        center in 0.0..=1.0f64,
+        decades in -6.5..-0.5f64,
+        scale in -6.0..9.0f64,
+    ) {
+        let (center, half) = (center * span, 10f64.powf(decades) * span);
+        let bend = 10f64.powf(scale) / (span * span);
+        let [u0, u1, u2] = [bend * (half * half - center * center), 2.0 * bend * center, -2.0 * bend];
+        let f = |t: f64| u0 + t * (u1 + 0.5 * u2 * t);
+        let found = quartic(f, [0.0, span]);
+        if half < center {
+            let at = found.unwrap();
+            // Rounding of the value where the slope is 2 bend half.
+            let rounding = 16.0 * f64::EPSILON * (bend * center * center) / (2.0 * bend * half) + 1e-14 * span;
+            prop_assert!((at - (center - half)).abs() < rounding, "{at} {}", center - half);
+            prop_assert!(f(at) > 0.0);
+        }
+    }
+
+    /// Quartics with known roots: the first rise, however near the next fall is.
+    #[test]
+    fn the_first_rise_of_a_quartic_is_met(
+        roots in proptest::array::uniform2(0.0..1.0f64),
+        gaps in proptest::array::uniform2(-5.0..-0.5f64),
+        turned in any::<bool>(),
+    ) {
+        let mut all = [roots[0], roots[0] + 10f64.powf(gaps[0]), roots[1], roots[1] + 10f64.powf(gaps[1])];
+        all.sort_by(f64::total_cmp);
+        // Below 0 at the start.
+        all[0] -= if turned { 0.0 } else { 2.0 };
+        let sign = if turned { -1.0 } else { 1.0 };
+        let f = |t: f64| sign * all.iter().map(|r| t - r).product::<f64>();
+        let rises = if turned { [all[0], all[2]] } else { [all[1], all[3]] };
+        let expected = rises.into_iter().find(|r| *r > 0.0 && *r < 1.0);
+        // Roots closer to each other than this differ by rounding of the coefficients only.
+        let apart = all.windows(2).map(|w| w[1] - w[0]).fold(1.0, f64::min);
+        prop_assume!(apart > 5e-6 && rises.iter().all(|r| (r - 1.0).abs() > 1e-9 && r.abs() > 1e-9));
+        match (quartic(f, [0.0, 1.0]), expected) {
+            (Some(at), Some(expected)) => prop_assert!((at - expected).abs() < 1e-9, "{at} {expected}"),
+            (found, expected) => prop_assert_eq!(found, expected),
+        }
+    }
+
+    /// A wave that shows its crest for any short time, on grids that do not see it.
+    #[test]
+    fn a_crest_is_met_however_short(
+        frequency in 1.0..60.0f64,
+        phase in -6.0..6.0f64,
+        below in -9.0..-0.01f64,
+        grid in 1..13usize,
+    ) {
+        let level = 1.0 - 10f64.powf(below);
+        let tau = std::f64::consts::TAU;
+        // The first s > 0 with sin = level on the way up.
+        let at = (level.asin() - phase).rem_euclid(tau) / frequency;
+        let found = rise_of_sine(frequency, phase, level, grid);
+        if at < 1.0 - 1e-9 && at > 1e-9 {
+            let found = found.unwrap();
+            prop_assert!((found - at).abs() < 1e-7, "{found} {at}");
+        } else if at > 1.0 + 1e-9 {
+            prop_assert_eq!(found, None);
+        }
+    }
+}
