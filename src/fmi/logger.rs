@@ -121,7 +121,8 @@ fn shortened(line: String) -> String {
     if line.len() <= LONGEST {
         return line;
     }
-    let (first, last) = (line.floor_char_boundary(LONGEST - END - MARK), line.ceil_char_boundary(line.len() - END));
+    let boundary = |from: usize| (0..=from).rev().find(|index| line.is_char_boundary(*index)).unwrap_or(0);
+    let (first, last) = (boundary(LONGEST - END - MARK), boundary(line.len() - END));
     format!("{} ... ({} bytes left out) ... {}", &line[..first], last - first, &line[last..])
 }
 

@@ -154,7 +154,7 @@ impl<F: FnMut(f64) -> f64> Quartic<F> {
             return passes(a, b).then(|| false_position(&mut self.f, a, b, self.close));
         }
         // Every other time in the middle, so that the interval halves whatever the polynomial.
-        let part = if depth % 2 == 0 { turning_point(&differences) } else { 0.5 };
+        let part = if depth.is_multiple_of(2) { turning_point(&differences) } else { 0.5 };
         let at = a.0 + part * (b.0 - a.0);
         if !(a.0 < at && at < b.0) {
             return passes(a, b).then(|| false_position(&mut self.f, a, b, self.close));

@@ -168,7 +168,7 @@ impl<D: Dynamics<2>, W: Fn() -> bool> Coasting<'_, D, W> {
                 return Some(last);
             }
             let h = (last.h + correction).min(step.h);
-            if !(h > 0.0) {
+            if h.is_nan() || h <= 0.0 {
                 return None;
             }
             last = integrator.retake(self.dynamics, step, h);
