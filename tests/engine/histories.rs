@@ -80,7 +80,7 @@ fn gear(flags: &[&str], values: &[(&str, f64)]) -> Run {
 fn block() -> Run {
     let text = json!({
         "name": "Block",
-        "gravity": { "acceleration": 9.81, "up_angle": 1.5707963267948966 },
+        "gravity": { "acceleration": 9.81, "up_angle": std::f64::consts::FRAC_PI_2 },
         "bodies": { "ground": {}, "block": { "mass": 2 } },
         "joints": { "slide": { "type": "prismatic", "first": "ground.origin", "second": "block.origin" } },
         "friction": {

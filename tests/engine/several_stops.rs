@@ -675,7 +675,7 @@ fn a_release_is_met_however_short() {
 /// turns: the instant of release in closed form, in one long step.
 #[test]
 fn a_release_by_a_drive_with_losses_or_by_the_wind_is_met() {
-    let (g, efficiency, area) = (9.81, 0.5, 0.3);
+    let (g, efficiency, area): (f64, f64, f64) = (9.81, 0.5, 0.3);
     let scene = Scene { machine: Machine::Block(1.0), ..block(&[rigid(Quantity::Slide, -1.0, 0.0, 0.0)]) };
     let definition = changed(&scene.definition(), |json| {
         json["gravity"] = json!({ "acceleration": g, "up_angle": 0 });

@@ -3,7 +3,7 @@
 use super::*;
 use crate::integrator::System;
 use crate::mechanism::loads::friction_loop::Locked;
-use crate::mechanism::motion::contact::{End, StopKind};
+use crate::mechanism::motion::contact::{EngagedLocks, RigidEnd, Travel};
 use std::f64::consts::{PI, TAU};
 
 /// theta'' = -sin theta: a pendulum of unit length in unit gravity.
@@ -59,12 +59,12 @@ fn coast(
 ) -> ([f64; 2], f64, u64, bool) {
     let (mut y, mut passed, mut integrator) = (start, 0.0, Integrator::default());
     let length = travel.iter().all(Option::is_none).then_some(TAU);
-    let kind = StopKind::Rigid { restitution: 1.0 };
-    let travel = travel.map(|position| position.map(|position| End { position, stop: 0, kind }));
+    let rigid = travel.map(|position| position.map(|position| RigidEnd { position, stop: 0, restitution: 1.0 }));
+    let travel = Travel { rigid, ..Travel::default() };
     let mut coasting = Coasting {
         dynamics: &mut Pendulum,
         integrator: &mut integrator,
-        ends: &Ends { travel, locked: [false; 2] },
+        ends: &Ends { travel: &travel, shift: 0.0, locked: EngagedLocks::default() },
         contact: &mut Contact::default(),
         tolerance,
         range: None,
@@ -136,7 +136,7 @@ fn the_bound_ends_a_motion_that_has_no_period() {
     let mut coasting = Coasting {
         dynamics: &mut Pendulum,
         integrator: &mut integrator,
-        ends: &Ends::default(),
+        ends: &Ends { travel: &Travel::default(), shift: 0.0, locked: EngagedLocks::default() },
         contact: &mut Contact::default(),
         tolerance: 1e-9,
         range: None,
