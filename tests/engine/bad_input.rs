@@ -267,7 +267,7 @@ fn positions_in_messages_are_those_of_the_outputs() {
         ("start.angle", 13.0.into()),
     ]);
     let mut run = Run::new(&text).started();
-    let line = run.0.get("crank.acceleration").unwrap_err();
+    let line = run.0.undefined("crank.acceleration").unwrap().unwrap();
     let position = format!("near crank = {:.6} rad, rod = {:.6} rad", run.get("crank.angle"), run.get("rod.angle"));
     assert_says(line, &[&position]);
     assert_says(position, &["13.000000"]);

@@ -96,10 +96,15 @@ fn dependencies_hold_for_both_formulations() {
     }
 }
 
-/// Change a Real by a hundredth, or from 0 to 0.05.
+/// Change a Real by a hundredth, from 0 to 0.05, or from its largest value 1 down.
 fn alter(run: &mut Run, reference: Reference) {
     let value = run.real(reference).unwrap();
-    run.set_real(reference, value * 1.01 + if value == 0.0 { 0.05 } else { 0.0 }).unwrap();
+    let change = match value {
+        0.0 => 0.05,
+        1.0 => -0.01,
+        _ => 0.01 * value,
+    };
+    run.set_real(reference, value + change).unwrap();
 }
 
 /// `exactly`: every listed dependency is seen too.
