@@ -58,7 +58,7 @@ fn the_guid_follows_the_interface_not_the_numbers() {
 fn the_identity_of_the_gear_is_pinned() {
     let gear = Model::from_json(GEAR).unwrap();
     assert_eq!(gear.variables().guid(), "{0465ecce-fb0f-eb54-ee3e-f352f5bde79a}");
-    assert_eq!(gear.identity(), [0x0ED9_EEFD_DF52_1721, 0xF003_F4EA_344D_35C1]);
+    assert_eq!(gear.identity(), [0x4AFB_17F3_C342_7E2B, 0x734F_ECE4_E8AF_AE83]);
 }
 
 /// The gear in one formulation only.
