@@ -7,8 +7,8 @@
 //! has the length that is told.
 use super::host::{Log, callbacks};
 use super::types::{
-    Boolean, CO_SIMULATION, CallbackFunctions, Component, FALSE, FmuState, LoggerCallback, Real, Status,
-    Text, ValueReference,
+    Boolean, CO_SIMULATION, CallbackFunctions, Component, FALSE, FmuState, LoggerCallback, Real, Status, Text,
+    ValueReference,
 };
 use std::ffi::{CStr, CString, OsStr, c_int, c_void};
 use std::ptr::null_mut;
@@ -270,8 +270,7 @@ impl Instance {
     pub fn reals<const N: usize>(&self, references: &[ValueReference; N]) -> Result<[f64; N], String> {
         let mut values = [f64::NAN; N];
         // SAFETY: the component is valid; both arrays have the length that is passed.
-        let status =
-            unsafe { (self.library.functions.get_real)(self.c, references.as_ptr(), N, values.as_mut_ptr()) };
+        let status = unsafe { (self.library.functions.get_real)(self.c, references.as_ptr(), N, values.as_mut_ptr()) };
         self.answer("fmi2GetReal", status).map(|()| values)
     }
 
@@ -291,8 +290,7 @@ impl Instance {
     /// As [`Self::set_up`].
     pub fn set_boolean(&self, reference: ValueReference, value: bool) -> Result<(), String> {
         // SAFETY: the component is valid; one reference, one value.
-        let status =
-            unsafe { (self.library.functions.set_boolean)(self.c, &reference, 1, &Boolean::from(value)) };
+        let status = unsafe { (self.library.functions.set_boolean)(self.c, &reference, 1, &Boolean::from(value)) };
         self.answer("fmi2SetBoolean", status)
     }
 
