@@ -1,6 +1,7 @@
 //! Benchmarks: run time against error, on scenes with exact references. Writes its tables beside this package.
 mod benchmarks;
 mod bodies;
+pub mod cosim;
 mod gear;
 mod instructions;
 mod measure;
