@@ -1,0 +1,5 @@
+//! Stub
+use super::probe::Probe;
+pub fn attack(_probe: &mut Probe) -> Result<(), String> {
+    Ok(())
+}
