@@ -128,7 +128,7 @@ fn solver(random: &mut Random, json: &mut Value) {
     if random.chance(0.2) {
         solver.insert("speed_floor".into(), json!(random.decades(1e-9, 1.0)));
     }
-    if random.chance(0.05) {
+    if random.chance(0.02) {
         solver.insert("tables".into(), json!(false));
     }
     json["solver"] = solver.into();
@@ -287,7 +287,7 @@ fn four_bar(random: &mut Random) -> Parts {
     let (coupler, follower) = ((cx - bx).hypot(cy - by), (cx - ground).hypot(cy));
     let (beta, gamma) = ((cy - by).atan2(cx - bx), cy.atan2(cx - ground));
     let mass = random.decades(0.1, 10.0);
-    let fem = random.chance(0.15);
+    let fem = random.chance(0.06);
     let body = |length: f64, mass: f64| {
         let mut body = json!({ "length": length, "mass": mass, "shape": "uniform_rod" });
         if fem {

@@ -116,6 +116,11 @@ impl Oracle {
         self.value(self.machine().coordinate, &self.state)
     }
 
+    /// Largest speed of a body: at a dead centre of the coordinate it is not 0.
+    fn speed(&self) -> f64 {
+        self.state.v.iter().fold(0.0, |speed, v| speed.max(v.abs()))
+    }
+
     fn value(&self, quantity: Quantity, state: &State) -> [f64; 2] {
         [self.newton.quantity(quantity, &state.q).0, self.newton.rate(quantity, &state.q, &state.v)]
     }
@@ -275,9 +280,8 @@ impl Oracle {
     pub fn advance(&mut self, load: f64, span: f64) -> bool {
         self.load = load;
         let (coordinate, efficient) = (self.machine().coordinate, self.machine().efficiency >= 1.0);
-        let speed = self.coordinate()[1];
         if self.held.is_none() && !efficient {
-            if speed.abs() < 1e-9 {
+            if self.speed() < 1e-9 {
                 self.state.v = [0.0; 9];
                 self.held = Some(Held::Drive);
             } else {
@@ -347,7 +351,7 @@ impl Oracle {
             Event::Drive => {
                 // At a dead centre of the drive it goes on; else it is at rest for an instant, or for longer.
                 self.forward = !self.forward;
-                if self.coordinate()[1].abs() < 1e-6 {
+                if self.speed() < 1e-6 {
                     (self.state.v, self.held) = ([0.0; 9], Some(Held::Drive));
                     self.press();
                 }
