@@ -474,7 +474,7 @@ fn block(stops: &[Stop]) -> Scene {
     Scene { machine: Machine::Block(1.0), start: [0.0; 2], stops: stops.to_vec(), lock: None, phases: Vec::new() }
 }
 
-/// The first case of the issue, and the flags on the way.
+/// A block passes the place of its bumper and comes to the rigid stop behind it; the flags on the way.
 #[test]
 fn a_rigid_stop_behind_a_bumper_ends_the_travel() {
     let stops = [bumper(Quantity::Slide, 1.0, 0.5, 3000.0, 0.0), rigid(Quantity::Slide, 1.0, 0.51, 0.0)];
@@ -651,7 +651,7 @@ fn too_many_bumpers_are_refused() {
     assert!((0..65).all(|k| run.is(&format!("s{k}.reached"))), "{}", run.get("slide.position"));
 }
 
-/// The case of the issue, at the model: 5 ms of release in one step of 0.52 s, and any other.
+/// 5 ms of release in one step of 0.52 s, and any other.
 #[test]
 fn a_release_is_met_however_short() {
     let stops = [rigid(Quantity::Slide, -1.0, 0.0, 0.0)];
