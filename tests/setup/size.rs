@@ -204,6 +204,7 @@ fn many_stops_end_the_travel_at_the_nearest() {
         );
         let mut definition: Value = serde_json::from_str(&stops).unwrap();
         definition["start"]["speed"] = json!(100.0 * direction);
+        definition["actuators"]["drive"]["torque"] = json!(3.0 * direction);
         let mut model = Model::from_json(&definition.to_string()).unwrap();
         model.initialize().unwrap();
         let angle = model.variables().find("crank.angle").unwrap();
