@@ -722,7 +722,7 @@ fn a_release_by_a_drive_with_losses_or_by_the_wind_is_met() {
     // By how much the input passes what lifts the block, how fast it bends, where it is largest, the whole step.
     for (surplus, bend, center, span) in [(0.5, 1e3, 0.3, 1.0), (1e-3, 1e4, 4.321, 5.0), (1e-5, 300.0, 0.01, 2.0)] {
         let half = f64::sqrt(surplus / bend);
-        let speed = (g / (0.5 * 1.2 * area)).sqrt();
+        let speed = f64::sqrt(g / (0.5 * 1.2 * area));
         for (input, least) in [("load.force", g / efficiency), ("airspeed", speed)] {
             let peak = least + surplus;
             let set = |run: &mut Run, t: f64| {
