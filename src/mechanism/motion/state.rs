@@ -261,6 +261,10 @@ impl State {
                 }
                 // Over many revolutions the difference may be beyond the ends by rounding.
                 y[0] = (y[0] - revolutions * period).clamp(first, last);
+                if let Some(position) = contact.at_rest().and_then(|place| self.travel.position(place)) {
+                    // At rest it is at a place to the bit, in whatever revolution sigma is counted.
+                    y[0] = position - all * period;
+                }
                 self.revolutions = all;
                 // The panel in use and a step ahead are counted on over whole revolutions, but sigma is not any more.
                 self.memory.recount();
@@ -305,10 +309,10 @@ impl State {
     /// Whether the mechanism is at a stop or beyond: past the place where the stop is first met, and not back within
     /// the stop behind a dead centre.
     pub fn at_stop(&self, reduced: &Reduced, stop: usize) -> bool {
-        let here = self.sigma + self.revolutions * reduced.period().unwrap_or(0.0);
+        let shift = self.revolutions * reduced.period().unwrap_or(0.0);
         let travel = &*self.travel;
         travel.places().filter(|(place, _)| travel.holds(*place, stop)).any(|(place, position)| {
-            let past = (here - position) * place.outward();
+            let past = (self.sigma - (position - shift)) * place.outward();
             past == 0.0 || past > 0.0 && (place.bumper.is_none() || self.is_beyond(reduced, stop))
         })
     }

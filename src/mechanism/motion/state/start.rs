@@ -60,8 +60,10 @@ impl State {
             sigma_dot = start.speed / slope;
         }
         let travel = travel(reduced, sigma, revolutions)?;
-        let here = sigma + revolutions * reduced.period().unwrap_or(0.0);
-        let resting = travel.places().find(|(_, position)| sigma_dot == 0.0 && *position == here);
+        let shift = revolutions * reduced.period().unwrap_or(0.0);
+        let resting = travel.places().find(|(_, position)| sigma_dot == 0.0 && *position == sigma + shift);
+        // At rest it is at the place to the bit, in whatever revolution sigma is counted.
+        let sigma = resting.map_or(sigma, |(_, position)| position - shift);
         can_hold(reduced, &travel)?;
         let air = blows_under(reduced, inputs);
         let state_loads = state_loads(reduced, air, revolutions)?;
