@@ -88,7 +88,7 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
         let ([y, v], [z, w]) = (one.coordinate(), other.coordinate());
         let scale = one.fastest.max(0.1);
         let doubt = (y - z).abs().max((v - w).abs() / scale);
-        if !(doubt < LOST) || one.held.is_some() != other.held.is_some() {
+        if doubt.is_nan() || doubt >= LOST || one.held.is_some() != other.held.is_some() {
             probe.count("scenes that ended as an error grows too much");
             break;
         }
@@ -103,7 +103,7 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
             );
         }
         probe.ratio(ratio, "error over tolerance");
-        if !(ratio <= MOST) {
+        if ratio.is_nan() || ratio > MOST {
             return Err(format!("phase {phase}: {x} {u}, expected {y} {v}: {ratio:.3e} times what it may be"));
         }
         probe.count("phases judged");
