@@ -14,6 +14,8 @@ pub mod stress;
 mod stress_report;
 mod untabled;
 
+use fmu_build::package;
+use fmu_build::workspace::Workspace;
 use measure::Pages;
 use std::path::Path;
 
@@ -27,12 +29,14 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
     match arguments {
         [] => tables(&descriptions, &results),
         ["instructions"] => count(&results),
+        ["cosim", words @ ..] => couple(&results, words),
         ["stress", groups @ ..] => stress_report::run(&results, groups),
         &[instructions::REPEAT, scene, reads, steps, repetitions] => {
             instructions::repeat(&descriptions.join("LandingGearRetraction"), [scene, reads, steps, repetitions])
         }
         _ => {
-            Err("arguments: none for the tables of run times, `instructions`, or `stress` with names of groups".into())
+            Err("arguments: none for the tables of run times, `instructions`, `cosim`, or `stress` with names of groups"
+                .into())
         }
     }
 }
@@ -62,6 +66,29 @@ fn count(results: &Path) -> Result<(), String> {
             Ok(())
         }
     }
+}
+
+/// Couple the packed FMUs by every scheme; with `circuit`, the gear's FMU and the circuit in plain numbers. The page is
+/// written with `--write`.
+fn couple(results: &Path, words: &[&str]) -> Result<(), String> {
+    if let Some(word) = words.iter().find(|word| !["--write", "circuit"].contains(word)) {
+        return Err(format!("cosim {word}: no such word; `circuit` and `--write` are"));
+    }
+    let workspace = Workspace::locate();
+    let open = |name: &str| -> Result<_, String> {
+        let paths = vec![workspace.descriptions().join(name)];
+        let arguments = package::Arguments { paths, ..package::Arguments::default() };
+        let files = package::run(&workspace, &arguments).map_err(|e| format!("{e:#}"))?;
+        let file = files.first().ok_or("nothing was packed")?;
+        cosim::unpacked::Fmu::open(file, &workspace.target("cosim").join(name))
+    };
+    let hydraulic = if words.contains(&"circuit") { None } else { Some(open("HydraulicActuator")?) };
+    let pages = cosim::table(&cosim::scenes::Fmus { gear: open("LandingGearRetraction")?, hydraulic })?;
+    if words.contains(&"--write") {
+        return publish(results, "cosim", &pages);
+    }
+    print!("{}", pages.page);
+    Ok(())
 }
 
 fn publish(results: &Path, name: &str, pages: &Pages) -> Result<(), String> {

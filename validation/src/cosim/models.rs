@@ -187,19 +187,19 @@ impl<L: Laws> Integrated<L> {
         self.present.x
     }
 
-    /// From the present motion on over h: states, length, speed, and the moments of force.
-    fn foresee(&self, Kept { element, drift }: Kept, h: f64) -> [f64; 8] {
+    /// From the present motion on over h: states, length, speed, the moments of force, the work done.
+    fn foresee(&self, Kept { element, drift }: Kept, h: f64) -> [f64; 9] {
         let Present { x, time, length, speed, .. } = self.present;
         let [a, b, c, d] = x;
-        let mut f = |t: f64, y: &[f64; 8]| {
+        let mut f = |t: f64, y: &[f64; 9]| {
             let x = [y[0], y[1], y[2], y[3]];
             let (s, v) = (y[4], y[5]);
             let force = self.laws.force(v, &x);
             let rates = self.laws.rates(t, s, v, &x);
             let a = acceleration(&element, drift, [s - length, v, t - time], force);
-            [rates[0], rates[1], rates[2], rates[3], v, a, force, force * (t - time) / h]
+            [rates[0], rates[1], rates[2], rates[3], v, a, force, force * (t - time) / h, force * v]
         };
-        integrate(&mut f, time, [a, b, c, d, length, speed[0], 0.0, 0.0], h, LONGEST)
+        integrate(&mut f, time, [a, b, c, d, length, speed[0], 0.0, 0.0, 0.0], h, LONGEST)
     }
 }
 
@@ -262,7 +262,7 @@ impl<L: Laws> Actuator for Integrated<L> {
         let force = self.force()?;
         let from = acceleration(&element, drift, [0.0, v, 0.0], force);
         let kept = Kept { element, drift };
-        let [a, b, c, d, s, end, impulse, moment] = self.foresee(kept, h);
+        let [a, b, c, d, s, end, impulse, moment, _] = self.foresee(kept, h);
         let to = acceleration(&element, drift, [s - length, end, h], self.laws.force(end, &[a, b, c, d]));
         let [m0, m1] = [impulse / h, moment / h];
         let rate = 6.0 * (2.0 * m1 - m0) / h;
@@ -273,7 +273,8 @@ impl<L: Laws> Actuator for Integrated<L> {
 
     fn step(&mut self, _t: f64, h: f64) -> Result<(), Refused> {
         if let Some(kept) = self.keeps.take() {
-            let [a, b, c, d, length, v, ..] = self.foresee(kept, h);
+            let [a, b, c, d, length, v, _, _, work] = self.foresee(kept, h);
+            self.present.work += work;
             (self.present.x, self.present.length) = ([a, b, c, d], length);
             self.present.speed = [v, 0.0, 0.0, 0.0, 0.0];
         } else {
