@@ -29,15 +29,16 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
     match arguments {
         [] => tables(&descriptions, &results),
         ["instructions"] => count(&results),
+        ["cosim", "foreign", file] => foreign(Path::new(file)),
         ["cosim", words @ ..] => couple(&results, words),
         ["stress", groups @ ..] => stress_report::run(&results, groups),
         &[instructions::REPEAT, scene, reads, steps, repetitions] => {
             instructions::repeat(&descriptions.join("LandingGearRetraction"), [scene, reads, steps, repetitions])
         }
-        _ => {
-            Err("arguments: none for the tables of run times, `instructions`, `cosim`, or `stress` with names of groups"
-                .into())
-        }
+        _ => Err(
+            "arguments: none for the tables of run times, `instructions`, `cosim`, or `stress` with names of groups"
+                .into(),
+        ),
     }
 }
 
@@ -66,6 +67,14 @@ fn count(results: &Path) -> Result<(), String> {
             Ok(())
         }
     }
+}
+
+/// The coupling host on an FMU of another exporter.
+fn foreign(file: &Path) -> Result<(), String> {
+    let name = file.file_stem().ok_or_else(|| format!("{}: no FMU", file.display()))?;
+    let fmu = cosim::unpacked::Fmu::open(file, &Workspace::locate().target("cosim").join(name))?;
+    println!("{}", cosim::foreign::compare(&fmu)?);
+    Ok(())
 }
 
 /// Couple the packed FMUs by every scheme; with `circuit`, the gear's FMU and the circuit in plain numbers. The page is

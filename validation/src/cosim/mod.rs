@@ -5,6 +5,7 @@
 pub mod circuit;
 pub mod extrapolation;
 pub mod fmus;
+pub mod foreign;
 pub mod models;
 mod page;
 pub mod pair;

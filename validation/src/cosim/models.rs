@@ -256,7 +256,10 @@ impl<L: Laws> Actuator for Integrated<L> {
         if self.corrects
             && let Some([foreseen, last]) = self.foreseen
         {
-            self.correction -= element.mass * (v - foreseen) / last;
+            let missed = element.mass * (v - foreseen) / last;
+            // A contact within the step: its impulse is none of the load's.
+            let is_load = missed.abs() <= self.force()?.abs() + element.holding.abs();
+            self.correction = if is_load { self.correction - missed } else { 0.0 };
         }
         element.holding += self.correction;
         let force = self.force()?;
