@@ -36,7 +36,10 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
             _ => {}
         }
     }
-    command::run(Command::new(validation(workspace)?).args(&arguments.rest).current_dir(workspace.root()), "validation")?;
+    command::run(
+        Command::new(validation(workspace)?).args(&arguments.rest).current_dir(workspace.root()),
+        "validation",
+    )?;
     if arguments.rest.iter().any(|word| word == "stress") {
         random_linkages(workspace)?;
     }

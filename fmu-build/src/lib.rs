@@ -13,6 +13,7 @@ mod page;
 pub mod report;
 mod schema;
 mod source;
+mod ssp;
 pub mod test;
 pub mod workspace;
 mod xml;
