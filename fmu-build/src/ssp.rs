@@ -56,5 +56,5 @@ fn structure([gear, hydraulics]: [&[Variable]; 2]) -> Result<String> {
         Part { name: "hydraulics", file: "HydraulicActuator.fmu", variables: hydraulics, values: &of_hydraulics },
     ];
     let exposed = [(1, "valve.command"), (0, "crank.angle")];
-    System { name: NAME, parts: &parts, connections: &connections, exposed: &exposed, stop_time: STOP_TIME }.to_xml()
+    System { name: NAME, parts: &parts, connections: &connections, exposed: &exposed, stop_time: STOP_TIME }.text()
 }

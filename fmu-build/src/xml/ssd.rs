@@ -52,7 +52,7 @@ impl System<'_> {
     /// # Errors
     /// A variable does not exist, a connection does not lead from an output to an input of the same type and unit, an
     /// input has two connections, or a value has another type than its variable.
-    pub fn to_xml(&self) -> Result<String> {
+    pub fn text(&self) -> Result<String> {
         self.check()?;
         let namespace = |part: &str| format!("http://ssp-standard.org/SSP1/SystemStructure{part}");
         let header = [
@@ -248,7 +248,7 @@ mod tests {
             Part { name: "spring", file: "Spring.fmu", variables: &spring, values },
         ];
         System { name: "Pair", parts: &parts, connections, exposed: &[(1, "preload"), (0, "length")], stop_time: 2.0 }
-            .to_xml()
+            .text()
     }
 
     #[test]

@@ -75,8 +75,11 @@ impl Rates {
     }
 }
 
-/// Every scheme, by its name on the page.
-pub const ALL: [(&str, fn() -> Box<dyn Scheme>); 19] = [
+/// A scheme's name on the page, and a new one of it.
+pub type Named = (&'static str, fn() -> Box<dyn Scheme>);
+
+/// Every scheme.
+pub const ALL: [Named; 19] = [
     ("Jacobi 0", || Box::new(Jacobi::new(Extrapolation::Past(0)))),
     ("NEPCE on it", || Box::new(Jacobi::with_correction())),
     ("Jacobi 1", || Box::new(Jacobi::new(Extrapolation::Past(1)))),
