@@ -4,10 +4,10 @@
 
 use crate::archive::{self, Entry, MODEL_DESCRIPTION};
 use crate::binary::{self, Binary};
-use crate::source::Source;
+use crate::source::{self, Companions, Source};
 use crate::workspace::{DEFAULT_FMU, Workspace};
 use crate::xml::{fmi2, terminals};
-use crate::{library, page, schema, ssp};
+use crate::{files, library, page, schema, ssp};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use linkage_fmu::component::Component;
@@ -138,7 +138,10 @@ fn pack(workspace: &Workspace, fmu: Prepared, library: &[u8], binaries: &[Binary
     if let Some(folder) = fmu.source.folder.as_deref().filter(|_| fmu.source.keeps_description) {
         write_if_changed(&folder.join(MODEL_DESCRIPTION), &fmu.description)?;
     }
-    let mut entries = fmu.source.companions()?;
+    let Companions { mut entries, left_out } = fmu.source.companions()?;
+    if !left_out.is_empty() {
+        println!("{}: left out of the FMU: {}", fmu.source.definition.display(), source::listed(&left_out));
+    }
     if let Some(page) = entries.iter_mut().find(|entry| entry.name == page::PATH) {
         page.content = page::whole(&fmu.name, fmu.file, std::mem::take(&mut page.content));
     }
@@ -166,7 +169,7 @@ fn write_if_changed(path: &Path, text: &str) -> Result<()> {
     if fs::read(path).is_ok_and(|present| present == text.as_bytes()) {
         return Ok(());
     }
-    fs::write(path, text).with_context(|| format!("{}: cannot be written", path.display()))?;
+    files::replace(path, text.as_bytes())?;
     println!("{} (generated anew)", path.display());
     Ok(())
 }

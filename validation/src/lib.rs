@@ -1,4 +1,5 @@
 //! Benchmarks: run time against error, on scenes with exact references. Writes its tables beside this package.
+pub mod attack;
 mod benchmarks;
 mod bodies;
 pub mod cosim;
@@ -29,6 +30,7 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
     match arguments {
         [] => tables(&descriptions, &results),
         ["instructions"] => count(&results),
+        ["attack", words @ ..] => attack::run(&results, words),
         ["cosim", "foreign", file] => foreign(Path::new(file)),
         ["cosim", words @ ..] => couple(&results, words),
         ["stress", groups @ ..] => stress_report::run(&results, groups),
@@ -36,7 +38,8 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
             instructions::repeat(&descriptions.join("LandingGearRetraction"), [scene, reads, steps, repetitions])
         }
         _ => Err(
-            "arguments: none for the tables of run times, `instructions`, `cosim`, or `stress` with names of groups"
+            "arguments: none for the tables of run times, `instructions`, `cosim`, `stress` with names of groups, or \
+                 `attack` with its options"
                 .into(),
         ),
     }

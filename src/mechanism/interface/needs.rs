@@ -23,7 +23,7 @@ pub(super) struct Needs<'a> {
     pub masses: bool,
     /// Inputs, by index.
     pub inputs: &'a [usize],
-    /// Geometry and constants of these loads.
+    /// Geometry and constants of these loads, ascending.
     pub loads: &'a [usize],
     /// Whether efficiencies of drives do not count among the constants of loads.
     pub lossless: bool,
@@ -69,8 +69,8 @@ impl Needs<'_> {
             Cause::Speed => self.speed,
             Cause::Inertia => self.inertia,
             Cause::Masses => self.masses,
-            Cause::Load(load) => self.loads.contains(load),
-            Cause::Efficiency(load) => !self.lossless && self.loads.contains(load),
+            Cause::Load(load) => self.loads.binary_search(load).is_ok(),
+            Cause::Efficiency(load) => !self.lossless && self.loads.binary_search(load).is_ok(),
             Cause::Marker(marker) => self.marker == Some(*marker),
             Cause::Radius(load) => self.radius == Some(*load),
             Cause::Statics => self.statics,
