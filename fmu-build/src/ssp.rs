@@ -1,7 +1,7 @@
 //! `cargo fmu package --ssp`: the gear and its hydraulic actuator as a system of SSP 1.0.
 //!
-//! In: the two packed FMUs. Out: `<Name>.ssp` beside them. A master that holds inputs couples them as they are: the force
-//! handed over is the mean that the actuator foresees for the next step.
+//! In: the two packed FMUs. Out: `<Name>.ssp` beside them. A master that holds inputs couples them as they are: the
+//! force handed over is the mean that the actuator foresees for the next step.
 use crate::archive::{self, Entry};
 use crate::xml::ssd::{self, Part, System};
 use anyhow::{Context, Result};

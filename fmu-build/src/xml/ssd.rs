@@ -1,6 +1,7 @@
 //! `SystemStructure.ssd` of SSP 1.0: FMUs, their connections, values of parameters, units.
 //!
-//! In: the variables of the FMUs and what is connected. Out: the text of the file. It must not know what the FMUs model.
+//! In: the variables of the FMUs and what is connected. Out: the text of the file. It must not know what the FMUs
+//! model.
 use super::common::{Xml, document, element, empty, group, number, write_unit};
 use anyhow::{Context, Result, bail};
 use linkage_fmu::variables::{Causality, Kind, Unit, Value, Variable};

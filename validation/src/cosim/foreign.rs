@@ -1,7 +1,7 @@
 //! The host on an FMU that this project did not make: an oil spring with a leak, exported by another tool.
 //!
-//! In: the FMU, with `speed`, `force`, `stiffness` and `leak_time`. Out: how far a run with it is from one with the same
-//! law in closed form.
+//! In: the FMU, with `speed`, `force`, `stiffness` and `leak_time`. Out: how far a run with it is from one with the
+//! same law in closed form.
 use super::models::{Integrated, Mass, OilSpring};
 use super::pair::{Actuator, Element, Pair, Preview, Refused};
 use super::schemes;

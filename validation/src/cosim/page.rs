@@ -97,7 +97,8 @@ pub fn table(fmus: &Fmus) -> Result<Pages, String> {
         let _ = writeln!(
             out,
             "## Scene {}\n\nThe reference run differs from an independent integration of the whole as one system by \
-             {angle:.1e} rad and {force:.1e} N. Small: figures of an earlier measurement, with another implementation of both sides.\n",
+             {angle:.1e} rad and {force:.1e} N. Small: figures of an earlier measurement, with another \
+             implementation of both sides.\n",
             scene.name()
         );
         let steps = STEPS.map(|every| format!("{} ms", every as f64 * FINEST * 1e3));
