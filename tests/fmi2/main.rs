@@ -5,6 +5,7 @@ mod abi;
 mod clock;
 mod host;
 mod hostile;
+mod importer;
 mod instantiate;
 mod interrupted;
 mod method;
