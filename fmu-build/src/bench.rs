@@ -16,7 +16,8 @@ pub struct Arguments {
     /// `importers`: the landing gear in FMPy, libcosim and ECOS; `peers`: work against error beside other solvers and
     /// multibody programs; `plots`: figures from the tables' CSV; all else goes to the validation package as it is:
     /// nothing for the tables of run times, `instructions` for callgrind's counts, `stress` for the stress suite and
-    /// 600 random linkages of each property
+    /// 600 random linkages of each property, `attack` for random histories, states, definitions and scenes, with
+    /// `--minutes N`, `--seed S`, `--only PART`, `--count N`, `--threads N`, `--verbose`, `--write`
     #[arg(value_name = "ARGS", trailing_var_arg = true, allow_hyphen_values = true)]
     pub rest: Vec<OsString>,
 }

@@ -9,6 +9,8 @@ use std::time::Instant;
 
 /// Environment variable with the folder of the FMUs, for the Python tests.
 const FMU_FOLDER: &str = "LINKAGE_FMU_DIR";
+/// Environment variable with the seed of proptest's random cases.
+const SEED: &str = "PROPTEST_RNG_SEED";
 
 /// Run all stages.
 ///
@@ -18,7 +20,12 @@ pub fn run(workspace: &Workspace) -> Result<()> {
     let start = Instant::now();
     stage("Rust tests", || {
         // The dev profile is optimised too, and builds faster than release does.
-        command::run(command::cargo(workspace).args(["test", "--workspace"]), "cargo test")
+        let mut cargo = command::cargo(workspace);
+        if std::env::var_os(SEED).is_none() {
+            // The same random cases in every run; new ones come from `cargo fmu bench attack`.
+            cargo.env(SEED, "1");
+        }
+        command::run(cargo.args(["test", "--workspace"]), "cargo test")
     })?;
     stage("packaging", || package::run(workspace, &package::Arguments { all: true, ..Default::default() }).map(drop))?;
     let python = stage("Python environment", || command::python(workspace))?;

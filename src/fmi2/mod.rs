@@ -36,6 +36,7 @@ macro_rules! exported {
 
 mod functions;
 pub mod host;
+pub mod importer;
 pub mod types;
 
 pub use functions::*;

@@ -74,6 +74,8 @@ pub enum OneElement {
     /// Force that holds the mechanism at rest under the present loads, without friction and losses of drives; it lies
     /// between the two breakaway forces.
     HoldingForce,
+    /// Derivative of [`Self::HoldingForce`] along the drive, dW/ds.
+    HoldingForceDerivative,
     /// Force that begins to move the mechanism from rest forward along the drive, against static friction and the
     /// losses of all drives in this direction.
     BreakawayForward,

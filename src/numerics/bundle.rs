@@ -81,7 +81,8 @@ pub fn add_side_by_side(sums: &mut [Row], size: f64, rows: &[Row]) {
 #[inline]
 pub fn side_by_side_at<T: Number>(rows: &[Row], x: T, values: &mut [[T; ROW]]) {
     for (values, row) in values.iter_mut().zip(rows) {
-        x.chain_all(values, |values| polynomials(row, x.value(), values), |values| slopes(row, x.value(), values));
+        let (at, first, second) = (x.value(), slopes, curvatures);
+        x.compose_all(values, |out| polynomials(row, at, out), |out| first(row, at, out), |out| second(row, at, out));
     }
 }
 
@@ -111,6 +112,16 @@ fn slopes(row: &Row, x: f64, sums: &mut [f64; ROW]) {
     for (k, power) in row.powers().iter().enumerate().skip(1).rev() {
         for (sum, c) in sums.iter_mut().zip(power) {
             *sum = *sum * x + k as f64 * c;
+        }
+    }
+}
+
+/// Second derivatives at x, by Horner's scheme.
+fn curvatures(row: &Row, x: f64, sums: &mut [f64; ROW]) {
+    sums.fill(0.0);
+    for (k, power) in row.powers().iter().enumerate().skip(2).rev() {
+        for (sum, c) in sums.iter_mut().zip(power) {
+            *sum = *sum * x + (k * (k - 1)) as f64 * c;
         }
     }
 }

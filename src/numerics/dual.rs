@@ -18,6 +18,8 @@ pub trait Number:
 {
     /// Whether the type carries derivatives.
     const CARRIES: bool;
+    /// Whether the type carries derivatives of derivatives, so that a function's second derivative counts.
+    const CARRIES_SECOND: bool = false;
     /// A constant.
     fn constant(value: f64) -> Self;
     /// The value.
@@ -26,21 +28,29 @@ pub trait Number:
     fn is_constant(self) -> bool;
     /// Square root, for a value >= 0; at 0 without derivatives.
     fn sqrt(self) -> Self;
-    /// A function of this number, given its value and its derivative.
+    /// A linear function of this number, given its value and its derivative.
     fn chain(self, value: f64, derivative: f64) -> Self;
-    /// Functions of this number into `out`. `values` and `derivatives` write the functions' values and derivatives at
-    /// it; `derivatives` is called only by types that carry some.
-    fn chain_all<const M: usize>(
+    /// A function of this number, given its value and its first and second derivative.
+    #[inline]
+    fn compose(self, [value, first, _]: [f64; 3]) -> Self {
+        self.chain(value, first)
+    }
+    /// Functions of this number into `out`. `values`, `derivatives` and `second` write the functions' values, first and
+    /// second derivatives at it; the last two are called only by types that carry as many.
+    fn compose_all<const M: usize>(
         self,
         out: &mut [Self; M],
         values: impl FnOnce(&mut [f64; M]),
         derivatives: impl FnOnce(&mut [f64; M]),
+        second: impl FnOnce(&mut [f64; M]),
     );
 
     /// Integer power.
     #[inline]
     fn powi(self, n: i32) -> Self {
-        self.chain(self.value().powi(n), f64::from(n) * self.value().powi(n - 1))
+        let (x, order) = (self.value(), f64::from(n));
+        let second = if Self::CARRIES_SECOND { order * (order - 1.0) * x.powi(n - 2) } else { 0.0 };
+        self.compose([x.powi(n), order * x.powi(n - 1), second])
     }
 
     /// Length of the vector (self, other); at length 0 without derivatives.
@@ -79,11 +89,12 @@ impl Number for f64 {
     }
 
     #[inline]
-    fn chain_all<const M: usize>(
+    fn compose_all<const M: usize>(
         self,
         out: &mut [Self; M],
         values: impl FnOnce(&mut [f64; M]),
         _derivatives: impl FnOnce(&mut [f64; M]),
+        _second: impl FnOnce(&mut [f64; M]),
     ) {
         values(out);
     }
@@ -179,11 +190,12 @@ impl<const N: usize> Number for Dual<N> {
         Self { value, slope: self.slope.map(|s| s * derivative) }
     }
 
-    fn chain_all<const M: usize>(
+    fn compose_all<const M: usize>(
         self,
         out: &mut [Self; M],
         values: impl FnOnce(&mut [f64; M]),
         derivatives: impl FnOnce(&mut [f64; M]),
+        _second: impl FnOnce(&mut [f64; M]),
     ) {
         let (mut of_self, mut slopes) = ([0.0; M], [0.0; M]);
         values(&mut of_self);
@@ -191,6 +203,157 @@ impl<const N: usize> Number for Dual<N> {
         for (out, (value, slope)) in out.iter_mut().zip(of_self.into_iter().zip(slopes)) {
             *out = self.chain(value, slope);
         }
+    }
+}
+
+/// A value with its derivative along sigma, both with derivatives along a direction of state and inputs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nested {
+    /// Value.
+    pub value: Dual<1>,
+    /// Derivative along sigma.
+    pub slope: Dual<1>,
+}
+
+impl Add for Nested {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { value: self.value + other.value, slope: self.slope + other.slope }
+    }
+}
+
+impl Sub for Nested {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Self { value: self.value - other.value, slope: self.slope - other.slope }
+    }
+}
+
+impl Mul for Nested {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        Self { value: self.value * other.value, slope: self.value * other.slope + self.slope * other.value }
+    }
+}
+
+impl Mul<f64> for Nested {
+    type Output = Self;
+    fn mul(self, factor: f64) -> Self {
+        Self { value: self.value * factor, slope: self.slope * factor }
+    }
+}
+
+impl Div for Nested {
+    type Output = Self;
+    fn div(self, other: Self) -> Self {
+        let value = self.value / other.value;
+        Self { value, slope: (self.slope - value * other.slope) / other.value }
+    }
+}
+
+impl Neg for Nested {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self { value: -self.value, slope: -self.slope }
+    }
+}
+
+impl Number for Nested {
+    const CARRIES: bool = true;
+    const CARRIES_SECOND: bool = true;
+
+    fn constant(value: f64) -> Self {
+        Self { value: Dual::constant(value), slope: Dual::constant(0.0) }
+    }
+
+    fn value(self) -> f64 {
+        self.value.value
+    }
+
+    fn is_constant(self) -> bool {
+        self.value.is_constant() && self.slope.is_constant() && self.slope.value == 0.0
+    }
+
+    fn sqrt(self) -> Self {
+        let value = self.value.sqrt();
+        let slope = if value.value > 0.0 { self.slope * 0.5 / value } else { Dual::constant(0.0) };
+        Self { value, slope }
+    }
+
+    fn chain(self, value: f64, derivative: f64) -> Self {
+        self.compose([value, derivative, 0.0])
+    }
+
+    fn compose(self, [value, first, second]: [f64; 3]) -> Self {
+        Self { value: self.value.chain(value, first), slope: self.slope * self.value.chain(first, second) }
+    }
+
+    fn compose_all<const M: usize>(
+        self,
+        out: &mut [Self; M],
+        values: impl FnOnce(&mut [f64; M]),
+        derivatives: impl FnOnce(&mut [f64; M]),
+        second: impl FnOnce(&mut [f64; M]),
+    ) {
+        let mut of_self = [[0.0; M]; 3];
+        values(&mut of_self[0]);
+        derivatives(&mut of_self[1]);
+        second(&mut of_self[2]);
+        for (k, out) in out.iter_mut().enumerate() {
+            *out = self.compose(of_self.map(|of_self| of_self[k]));
+        }
+    }
+
+    fn hypot(self, other: Self) -> Self {
+        let value = self.value.hypot(other.value);
+        let power = self.value * self.slope + other.value * other.slope;
+        let slope = if value.value > 0.0 { power / value } else { Dual::constant(0.0) };
+        Self { value, slope }
+    }
+}
+
+/// A number of which a derivative along sigma, beside sigma_dot or the number's own derivatives, can be taken.
+pub trait Differentiable: Number {
+    /// This number with derivatives along sigma.
+    type Along: Number;
+    /// A number that does not change along sigma.
+    fn held(self) -> Self::Along;
+    /// sigma itself.
+    fn varied(self) -> Self::Along;
+    /// Derivative along sigma.
+    fn slope_of(number: Self::Along) -> Self;
+}
+
+/// The second derivative of [`Dual<2>`] is along sigma_dot.
+impl Differentiable for f64 {
+    type Along = Dual<2>;
+
+    fn held(self) -> Dual<2> {
+        Dual::constant(self)
+    }
+
+    fn varied(self) -> Dual<2> {
+        Dual::variable(self, 0)
+    }
+
+    fn slope_of(number: Dual<2>) -> Self {
+        number.slope[0]
+    }
+}
+
+impl Differentiable for Dual<1> {
+    type Along = Nested;
+
+    fn held(self) -> Nested {
+        Nested { value: self, slope: Self::constant(0.0) }
+    }
+
+    fn varied(self) -> Nested {
+        Nested { value: self, slope: Self::constant(1.0) }
+    }
+
+    fn slope_of(number: Nested) -> Self {
+        number.slope
     }
 }
 
@@ -218,5 +381,23 @@ mod tests {
         assert!((length.slope[0] - 0.7 / root).abs() < 1e-15 && (length.slope[1] + 1.3 / root).abs() < 1e-15);
         let zero = (x * 0.0).hypot(y * 0.0);
         assert!(zero.is_constant() && zero.value == 0.0);
+    }
+    /// f(x, y) = (x^2 y / (1 + y^2))^(1/2) + hypot(x^3, y): its derivatives by x, and those of them by y, from
+    /// differences of the first derivatives.
+    #[test]
+    fn nested_numbers_carry_second_derivatives() {
+        fn f<T: Number>(x: T, y: T) -> T {
+            (x * x * y / (T::constant(1.0) + y.powi(2))).sqrt() + x.powi(3).hypot(-y) - y * 2.0
+        }
+        let (x, y) = (0.7, 1.3);
+        let by_x = |x: f64, y: f64| f(Dual::<1>::variable(x, 0), Dual::constant(y)).slope[0];
+        let h = 1e-5;
+        let nested = f(Dual::<1>::constant(x).varied(), Dual::<1>::variable(y, 0).held());
+        assert!((nested.slope.value - by_x(x, y)).abs() < 1e-15);
+        assert!((nested.slope.slope[0] - (by_x(x, y + h) - by_x(x, y - h)) / (2.0 * h)).abs() < 1e-9);
+        let twice = f(Dual::<1>::variable(x, 0).varied(), Dual::<1>::constant(y).held());
+        assert!((twice.slope.slope[0] - (by_x(x + h, y) - by_x(x - h, y)) / (2.0 * h)).abs() < 1e-9);
+        let sine = Dual::<1>::variable(x, 0).varied().compose([x.sin(), x.cos(), -x.sin()]);
+        assert_eq!((sine.value.slope[0], sine.slope.slope[0]), (x.cos(), -x.sin()));
     }
 }

@@ -70,7 +70,8 @@ pub struct TablePosition {
 #[inline]
 pub fn polynomial_at<T: Number>(c: &Series, x: T) -> T {
     let slope = if T::CARRIES { polynomial(&slopes_of(c), x.value()) } else { 0.0 };
-    x.chain(polynomial(c, x.value()), slope)
+    let second = if T::CARRIES_SECOND { polynomial(&slopes_of(&slopes_of(c)), x.value()) } else { 0.0 };
+    x.compose([polynomial(c, x.value()), slope, second])
 }
 
 impl Table {

@@ -1,11 +1,10 @@
 //! Random histories: a twin that is saved and restored at any time, with derivatives of all inputs set or not, has the
 //! bits of one that is not; and every state that is written is read back.
 
-use crate::support::{ANDREWS, GEAR, Run, TWO_DRIVES, cases, changed, reals, replaced};
+use crate::support::{ANDREWS, GEAR, Run, TWO_DRIVES, changed, reals, replaced, runner};
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::variables::{Causality, Kind, Reference};
 use proptest::prelude::*;
-use proptest::test_runner::{Config, TestRunner};
 use serde_json::json;
 
 /// How a twin goes on after a step.
@@ -80,7 +79,7 @@ fn gear(flags: &[&str], values: &[(&str, f64)]) -> Run {
 fn block() -> Run {
     let text = json!({
         "name": "Block",
-        "gravity": { "acceleration": 9.81, "up_angle": 1.5707963267948966 },
+        "gravity": { "acceleration": 9.81, "up_angle": std::f64::consts::FRAC_PI_2 },
         "bodies": { "ground": {}, "block": { "mass": 2 } },
         "joints": { "slide": { "type": "prismatic", "first": "ground.origin", "second": "block.origin" } },
         "friction": {
@@ -220,9 +219,8 @@ fn run(scene: &Scene, ops: &[Op]) -> Result<(), TestCaseError> {
 
 #[test]
 fn rollback_leaves_no_trace_whatever_the_inputs_do() {
-    let config = Config { cases: cases().unwrap_or(40), failure_persistence: None, ..Config::default() };
     for scene in scenes() {
-        let result = TestRunner::new(config.clone()).run(&prop::collection::vec(op(), 1..25), |ops| run(&scene, &ops));
+        let result = runner(40).run(&prop::collection::vec(op(), 1..25), |ops| run(&scene, &ops));
         result.unwrap_or_else(|error| panic!("{}: {error}", scene.name));
     }
 }

@@ -6,7 +6,6 @@
 use crate::support::{Run, assert_says, changed};
 use linkage_fmu::simulation::Simulation;
 use proptest::prelude::*;
-use proptest::test_runner::TestRunner;
 use serde_json::{Value, json};
 use std::cell::Cell;
 
@@ -107,6 +106,10 @@ struct Oracle {
     lock: Option<(usize, bool)>,
     /// Size of its steps [s].
     h: f64,
+    /// Part by which the speed is wrong at the start and after each event, for what a small error makes of a motion.
+    nudge: f64,
+    /// Whether it has turned so close to a rigid stop that rounding decides whether it met the stop.
+    grazed: bool,
 }
 
 /// Depth at which a stop counts as met [m or rad]: rounding is less.
@@ -181,6 +184,15 @@ impl Oracle {
         self.beyond(&self.stops[k], self.y, a)[1] >= 0.0
     }
 
+    /// Whether a rigid stop that the machine came nearer to is very near at this coordinate.
+    fn came_near_a_rigid_stop(&self, y: f64) -> bool {
+        let is_near = |stop: &Stop| {
+            let [beyond, rate, _] = self.beyond(stop, y, self.v);
+            stop.rigid.is_some() && rate > 0.0 && beyond.abs() < 1e-6
+        };
+        self.stops.iter().any(is_near)
+    }
+
     fn engage(&mut self, lock: Option<usize>) {
         if self.held == Some(Held::Lock) && lock.is_none() {
             let stop = self.lock.unwrap().0;
@@ -205,6 +217,7 @@ impl Oracle {
             let h = self.h.min(span - t);
             let end = self.step(load, h);
             if self.event(end).is_none() {
+                self.grazed |= self.v * end[1] <= 0.0 && self.came_near_a_rigid_stop(end[0]);
                 ([self.y, self.v], t) = (end, t + h);
                 continue;
             }
@@ -222,6 +235,7 @@ impl Oracle {
 
     /// A stop is met, or a bumper begins or ceases to push.
     fn change(&mut self, k: usize, load: f64) {
+        self.v *= 1.0 + self.nudge;
         let rate = self.beyond(&self.stops[k], self.y, self.v)[1];
         let caught = |(lock, was_beyond): (usize, bool)| {
             let beyond = self.beyond(&self.stops[k], self.y, self.v)[0];
@@ -338,7 +352,7 @@ impl Scene {
     fn oracle(&self, h: f64, nudge: f64) -> Oracle {
         let ([y, v], touching) = (self.start, vec![false; self.stops.len()]);
         let (machine, stops) = (self.machine, self.stops.clone());
-        Oracle { machine, stops, y, v: v * (1.0 + nudge), touching, held: None, lock: None, h }
+        Oracle { machine, stops, y, v: v * (1.0 + nudge), touching, held: None, lock: None, h, nudge, grazed: false }
     }
 
     /// Go through the phases beside two oracles, whose difference tells how far one of them may err. Returns how many
@@ -364,7 +378,7 @@ impl Scene {
                 oracle.advance(load, span);
             }
             let doubt = (one.y - other.y).abs() + 0.01 * (one.v - other.v).abs();
-            if doubt > 1e-6 {
+            if doubt > 1e-6 || one.grazed {
                 break;
             }
             compared += 1;
@@ -395,16 +409,16 @@ impl Scene {
 
 /// A stop at a distance from the start of its quantity.
 fn stop() -> impl Strategy<Value = (u8, bool, f64, Option<f64>, f64, f64)> {
-    let rigid = proptest::option::weighted(0.35, 0.0..=1.0f64);
+    let rigid = proptest::option::weighted(0.3, 0.0..=1.0f64);
     let damping = prop_oneof![Just(0.0), 0.1..60.0f64];
-    (0..3u8, any::<bool>(), 0.02..0.6f64, rigid, 2.0..4.3f64, damping)
+    (0..3u8, any::<bool>(), 0.02..0.35f64, rigid, 1.7..3.7f64, damping)
 }
 
 fn scene() -> impl Strategy<Value = Scene> {
     let phase = (-100.0..100.0f64, any::<bool>(), 0.02..0.3f64, 1..8u32);
     let phases = proptest::collection::vec(phase, 1..6);
     let start = (0.3..2.8f64, -4.0..4.0f64);
-    let (stops, lock) = (proptest::collection::vec(stop(), 1..7), proptest::option::weighted(0.4, 0..6usize));
+    let (stops, lock) = (proptest::collection::vec(stop(), 2..7), proptest::option::weighted(0.3, 0..6usize));
     (any::<bool>(), 0.3..4.0f64, start, stops, lock, phases).prop_map(|(block, mass, start, stops, lock, phases)| {
         let machine = if block { Machine::Block(mass) } else { Machine::Crank(0.4, mass) };
         let start = [if block { start.0 - 1.5 } else { start.0 }, start.1];
@@ -433,8 +447,7 @@ fn scene() -> impl Strategy<Value = Scene> {
 fn random_scenes_agree_with_an_independent_integration() {
     let cases = crate::support::cases().unwrap_or(300);
     let (compared, several) = (Cell::new(0), Cell::new(0));
-    let mut runner = TestRunner::new(ProptestConfig::with_cases(cases));
-    let result = runner.run(&scene(), |scene| {
+    let result = crate::support::runner(cases).run(&scene(), |scene| {
         let (phases, met) = scene.compare()?;
         compared.set(compared.get() + phases);
         several.set(several.get() + u32::from(met > 1));
@@ -461,7 +474,7 @@ fn block(stops: &[Stop]) -> Scene {
     Scene { machine: Machine::Block(1.0), start: [0.0; 2], stops: stops.to_vec(), lock: None, phases: Vec::new() }
 }
 
-/// The first case of the issue, and the flags on the way.
+/// A block passes the place of its bumper and comes to the rigid stop behind it; the flags on the way.
 #[test]
 fn a_rigid_stop_behind_a_bumper_ends_the_travel() {
     let stops = [bumper(Quantity::Slide, 1.0, 0.5, 3000.0, 0.0), rigid(Quantity::Slide, 1.0, 0.51, 0.0)];
@@ -488,7 +501,7 @@ fn a_rigid_stop_behind_a_bumper_ends_the_travel() {
     }
 }
 
-/// The second case of the issue: over the bumper and the dead centre to the lower rigid stop; and back.
+/// Over the bumper and the dead centre to the lower rigid stop; and back.
 #[test]
 fn a_crank_that_overruns_its_bumper_meets_the_stop_behind_the_dead_centre() {
     let stops = [bumper(Quantity::Slide, 1.0, 1.09, 300.0, 5.0), rigid(Quantity::Slide, -1.0, 0.7, 0.3)];
@@ -638,7 +651,7 @@ fn too_many_bumpers_are_refused() {
     assert!((0..65).all(|k| run.is(&format!("s{k}.reached"))), "{}", run.get("slide.position"));
 }
 
-/// The case of the issue, at the model: 5 ms of release in one step of 0.52 s, and any other.
+/// 5 ms of release in one step of 0.52 s, and any other.
 #[test]
 fn a_release_is_met_however_short() {
     let stops = [rigid(Quantity::Slide, -1.0, 0.0, 0.0)];
@@ -671,11 +684,34 @@ fn a_release_is_met_however_short() {
     }
 }
 
+/// Within a step that goes from one revolution of a closed curve to the next, a crank comes to rest at a stop there.
+#[test]
+fn rest_in_another_revolution_is_rest_at_the_stop() {
+    let start = 1.0398903345316985;
+    for k in 0..40 {
+        let length = 0.46868801572172875 + 1e-3 * f64::from(k);
+        let machine = Machine::Crank(0.4, 1.3750900431962578);
+        let stop = rigid(Quantity::Distance, 1.0, length, 0.0);
+        let scene = Scene { machine, start: [start, 0.0], stops: vec![stop], lock: None, phases: vec![] };
+        for parts in [1, 7] {
+            let mut run = scene.run();
+            // The curve begins at the start, so the first step ends in the revolution before.
+            run.set("load.torque", -10.515086458192942);
+            run.step(0.02);
+            run.set("load.torque", 76.0);
+            (0..parts).for_each(|_| run.step(0.5 / f64::from(parts)));
+            let [distance, _] = machine.quantity(Quantity::Distance, run.get("crank.angle"));
+            assert!((distance - length).abs() < 1e-12 && run.get("crank.speed") == 0.0, "{distance} {length}");
+            assert!(run.is("s0.reached"), "at {length} in {parts} steps");
+        }
+    }
+}
+
 /// From rest at a stop under its weight, lifted by a drive with losses whose force changes its sign, or by a wind that
 /// turns: the instant of release in closed form, in one long step.
 #[test]
 fn a_release_by_a_drive_with_losses_or_by_the_wind_is_met() {
-    let (g, efficiency, area) = (9.81, 0.5, 0.3);
+    let (g, efficiency, area): (f64, f64, f64) = (9.81, 0.5, 0.3);
     let scene = Scene { machine: Machine::Block(1.0), ..block(&[rigid(Quantity::Slide, -1.0, 0.0, 0.0)]) };
     let definition = changed(&scene.definition(), |json| {
         json["gravity"] = json!({ "acceleration": g, "up_angle": 0 });
@@ -697,7 +733,10 @@ fn a_release_by_a_drive_with_losses_or_by_the_wind_is_met() {
             let mut run = Run::new(&definition).started();
             set(&mut run, 0.0);
             run.step(center - half * (1.0 + 1e-6));
-            assert_eq!(run.get("slide.position"), 0.0, "{input} {surplus}: held");
+            assert!(
+                run.get("slide.position").abs() < 1e-15 && run.get("slide.speed") == 0.0,
+                "{input} {surplus}: held"
+            );
             // From there on in one long step, and in short ones, to the middle of the release.
             let mut run = Run::new(&definition).started();
             set(&mut run, 0.0);
@@ -714,8 +753,62 @@ fn a_release_by_a_drive_with_losses_or_by_the_wind_is_met() {
             let mut run = Run::new(&definition).started();
             set(&mut run, 0.0);
             run.step(span);
-            assert_eq!((run.get("slide.position"), run.get("slide.speed")), (0.0, 0.0), "{input} {surplus}");
+            assert!(run.get("slide.position").abs() < 1e-15 && run.get("slide.speed") == 0.0, "{input} {surplus}");
             assert!(run.get("energy.drift").abs() < 1e-9 && run.is("s0.reached"));
         }
     }
+}
+
+/// A four-bar linkage goes back beyond the place from which its curve is counted, and comes to rest at a stop on the
+/// other side: its position is that of the stop to the bit, so that the flag is true and a lock that is engaged holds.
+#[test]
+fn rest_at_a_stop_is_at_the_stop_in_whatever_revolution_it_is_counted() {
+    let definition = json!({
+        "name": "Scene",
+        "bodies": {
+            "ground": { "points": { "a": [0.0, 0.0], "d": [0.45679669370187065, 0.0], "post": [0.2, 0.7] } },
+            "crank": {
+                "length": 0.35515352391385724, "mass": 5.383184001376022, "inertia": 0.07403431620696398,
+                "center": [0.22042932275433227, -0.021492749518821644],
+            },
+            "coupler": {
+                "length": 0.5651921891635404, "mass": 2.691592000688011, "inertia": 0.10780625084651567,
+                "center": [0.19205191309471836, -0.018472289916182206],
+            },
+            "follower": {
+                "length": 0.5234039169052543, "mass": 10.766368002752044, "inertia": 0.20005039601392613,
+                "center": [0.2957000887509702, 0.03671456618773459],
+            },
+        },
+        "joints": {
+            "a": { "type": "revolute", "first": "ground.a", "second": "crank.origin" },
+            "b": { "type": "revolute", "first": "crank.end", "second": "coupler.origin" },
+            "c": { "type": "revolute", "first": "coupler.end", "second": "follower.end" },
+            "d": { "type": "revolute", "first": "ground.d", "second": "follower.origin" },
+        },
+        "actuators": { "load": { "joint": "a" } },
+        "stops": {
+            "s0": {
+                "body": "crank", "limit": "lower", "angle": -3.1020440638990388, "rigid": false,
+                "stiffness": 10.507332165627965,
+            },
+            "s1": { "body": "crank", "limit": "upper", "angle": -2.2771213335831813 },
+        },
+        "locks": { "latch": { "stop": "s1", "at": "crank.end" } },
+        "start": { "body": "crank", "angle": -2.348081666313255, "speed": -2.9501375040218285 },
+        "guess": { "coupler": -0.42684736584334504, "crank": -2.348081666313255, "follower": -1.9451670171654327 },
+        "solver": { "tolerance": 2.3004947677142523e-8 },
+    });
+    let mut run = Run::new(&definition.to_string()).started();
+    run.set("load.torque", 43.30438005112297);
+    run.steps(7, 0.32297009838491525);
+    assert!((run.get("crank.angle") + 2.2771213335831813).abs() < 1e-14 && run.is("s1.reached"));
+    run.set("latch.engage", true);
+    run.set("load.torque", -40.0);
+    run.steps(3, 0.5);
+    assert!((run.get("crank.angle") + 2.2771213335831813).abs() < 1e-14 && run.is("s1.reached"));
+    assert!(run.get("latch.force") != 0.0);
+    run.set("latch.engage", false);
+    run.step(0.1);
+    assert!(!run.is("s1.reached"));
 }

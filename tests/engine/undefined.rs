@@ -2,11 +2,10 @@
 //! Self-locking of an excavator's bucket against statics by friction circles.
 
 use crate::random_linkages::generate::linkages;
-use crate::support::{BUCKET, GEAR, Run, Vec2, assert_says, cases, changed, read_all, reals, without_stops};
+use crate::support::{BUCKET, GEAR, Run, Vec2, assert_says, changed, read_all, reals, runner, without_stops};
 use linkage_fmu::simulation::Simulation;
 use linkage_fmu::variables::Causality;
 use proptest::prelude::*;
-use proptest::test_runner::TestRunner;
 use serde_json::json;
 use std::cell::Cell;
 
@@ -293,9 +292,7 @@ fn every_output_of_random_linkages_with_friction_can_be_read() {
     let forces = prop::collection::vec(-50.0..50.0f64, 8);
     let scenes = (linkages(), radii, -3.0..-0.7f64, 0.0..0.5f64, forces);
     let (locked, inverse, free) = (Cell::new(0), Cell::new(0), Cell::new(0));
-    let config =
-        ProptestConfig { cases: cases().unwrap_or(60), failure_persistence: None, ..ProptestConfig::default() };
-    let mut runner = TestRunner::new(config);
+    let mut runner = runner(60);
     let result = runner.run(&scenes, |(linkage, radii, size, mu, forces)| {
         let text = changed(&linkage.json(), |m| {
             let joints = m["joints"].as_object_mut().unwrap().values_mut();

@@ -5,6 +5,7 @@ use linkage_fmu::mechanism::Model;
 use linkage_fmu::simulation::{Settable, Simulation};
 use linkage_fmu::variables::{Causality, Kind, Reference};
 use nalgebra::Vector2;
+use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::ops::{Deref, DerefMut};
@@ -69,6 +70,16 @@ pub fn assert_says(message: impl ToString, pieces: &[&str]) {
 /// Number of random cases of each kind that the environment asks for.
 pub fn cases() -> Option<u32> {
     std::env::var("LINKAGE_FMU_CASES").ok().map(|text| text.parse().unwrap())
+}
+
+/// Random cases from a fixed seed, as many as `default`; the environment's number of cases from a seed of their own.
+pub fn runner(default: u32) -> TestRunner {
+    let asked = cases();
+    let config = Config { cases: asked.unwrap_or(default), failure_persistence: None, ..Config::default() };
+    match asked {
+        Some(_) => TestRunner::new(config),
+        None => TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha)),
+    }
 }
 
 /// The Reals of this causality.

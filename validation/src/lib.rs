@@ -1,6 +1,8 @@
 //! Benchmarks: run time against error, on scenes with exact references. Writes its tables beside this package.
+pub mod attack;
 mod benchmarks;
 mod bodies;
+pub mod cosim;
 mod gear;
 mod instructions;
 mod measure;
@@ -26,13 +28,16 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
     match arguments {
         [] => tables(&descriptions, &results),
         ["instructions"] => count(&results),
+        ["attack", words @ ..] => attack::run(&results, words),
         ["stress", groups @ ..] => stress_report::run(&results, groups),
         &[instructions::REPEAT, scene, reads, steps, repetitions] => {
             instructions::repeat(&descriptions.join("LandingGearRetraction"), [scene, reads, steps, repetitions])
         }
-        _ => {
-            Err("arguments: none for the tables of run times, `instructions`, or `stress` with names of groups".into())
-        }
+        _ => Err(
+            "arguments: none for the tables of run times, `instructions`, `stress` with names of groups, or `attack` \
+                 with its options"
+                .into(),
+        ),
     }
 }
 

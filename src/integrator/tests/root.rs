@@ -210,3 +210,20 @@ proptest! {
         }
     }
 }
+
+/// A step that starts beyond the level, comes nearer, turns and goes away again does not pass the level.
+#[test]
+fn a_turn_beyond_the_level_is_no_passage() {
+    for (start, speed) in [(0.05, 0.577), (0.5, 8.0), (1e-6, 1e-3)] {
+        // start - speed s + curvature s^2, whose minimum is a tenth of the start.
+        let curvature = speed * speed / (3.6 * start);
+        let turn = [(curvature - speed), -curvature, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let dense = dense(start, turn);
+        assert!((dense.at(0.5)[0] - (start - 0.5 * speed + 0.25 * curvature)).abs() < 1e-13 * curvature);
+        assert_eq!(dense.first_passage(0, 0.0, Rising, true), None);
+        // Past it and back it does.
+        let through = dense.first_passage(0, 0.5 * start, Rising, true).unwrap();
+        let exact = (speed + (speed * speed - 2.0 * curvature * start).sqrt()) / (2.0 * curvature);
+        assert!((through - exact).abs() < 1e-12, "{through} {exact}");
+    }
+}

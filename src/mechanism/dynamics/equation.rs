@@ -12,22 +12,22 @@ use crate::mechanism::dynamics::state_loads::{Evaluation, Mode, StateLoadEvaluat
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::loads::laws::friction::Regime;
 use crate::mechanism::reduced::{Reduced, StateLoads};
-use crate::numerics::dual::{Dual, Number};
+use crate::numerics::dual::{Differentiable, Dual, Number};
 use crate::numerics::table::{polynomial, polynomial_at};
 
 /// Scratch of the equation of motion in numbers T, with the results of its last evaluation.
 #[derive(Clone, Debug)]
-pub struct Scratch<T = f64> {
+pub struct Scratch<T: Differentiable = f64> {
     /// Applied loads on the panel used last.
     pub panel_force: PanelForce,
     pub evaluator: StateLoadEvaluator<T>,
-    /// State loads with derivatives along sigma and sigma_dot.
-    tangent: StateLoadEvaluator<Dual<2>>,
+    /// State loads with derivatives along sigma.
+    tangent: StateLoadEvaluator<T::Along>,
     /// Whether the state loads include those of moving air.
     pub air: bool,
 }
 
-impl<T: Number> Scratch<T> {
+impl<T: Differentiable> Scratch<T> {
     pub fn new(state_loads: Option<&StateLoads>) -> Self {
         Self {
             panel_force: PanelForce::new(state_loads),
@@ -39,7 +39,7 @@ impl<T: Number> Scratch<T> {
 }
 
 /// The equation of motion over one communication step, in numbers T.
-pub struct EquationOfMotion<'a, T = f64> {
+pub struct EquationOfMotion<'a, T: Differentiable = f64> {
     pub reduced: &'a Reduced,
     /// The loads that the state decides.
     pub state_loads: Option<&'a StateLoads>,
@@ -54,7 +54,7 @@ pub struct EquationOfMotion<'a, T = f64> {
     pub locked: bool,
 }
 
-impl<T: Number> EquationOfMotion<'_, T> {
+impl<T: Differentiable> EquationOfMotion<'_, T> {
     /// x at sigma on its panel, which is entered if it is not the present one.
     #[inline(always)]
     pub fn locate(&mut self, sigma: f64) -> f64 {
@@ -122,6 +122,22 @@ impl<T: Number> EquationOfMotion<'_, T> {
         Ok(self.effect(sigma, sigma_dot)?.acceleration)
     }
 
+    /// Derivative along sigma of the acceleration at rest, without losses of drives.
+    pub fn slope_at_rest(&mut self, sigma: T) -> Result<T, Locked> {
+        self.clear_regimes();
+        self.mode.direction = 0.0;
+        let evaluation = self.along([self.time.held(), sigma.varied(), T::Along::constant(0.0)])?;
+        Ok(T::slope_of(evaluation.acceleration))
+    }
+
+    /// Evaluation at (t, sigma, sigma_dot) in numbers with derivatives along sigma.
+    fn along(&mut self, y: [T::Along; 3]) -> Result<Evaluation<T::Along>, Locked> {
+        self.locate(y[1].value());
+        let Scratch { panel_force, tangent, .. } = &mut *self.scratch;
+        let Some(state_loads) = self.state_loads else { return Ok(of_applied_loads(panel_force, y)) };
+        tangent.evaluate((self.reduced, state_loads), &self.applied, panel_force, &self.mode, y)
+    }
+
     /// State the regime of a friction joint; with none, it follows from the slip speed in each evaluation.
     pub fn set_regime(&mut self, friction_joint: usize, regime: Option<Regime>) {
         if let Some(state_loads) = self.state_loads {
@@ -141,11 +157,7 @@ impl<T: Number> EquationOfMotion<'_, T> {
 impl EquationOfMotion<'_> {
     /// [`Self::effect`] with its derivatives along sigma and sigma_dot.
     pub fn tangent(&mut self, sigma: f64, sigma_dot: f64) -> Result<Evaluation<Dual<2>>, Locked> {
-        self.locate(sigma);
-        let y = [Dual::constant(self.time), Dual::variable(sigma, 0), Dual::variable(sigma_dot, 1)];
-        let Scratch { panel_force, tangent, .. } = &mut *self.scratch;
-        let Some(state_loads) = self.state_loads else { return Ok(of_applied_loads(panel_force, y)) };
-        tangent.evaluate((self.reduced, state_loads), &self.applied, panel_force, &self.mode, y)
+        self.along([self.time.held(), sigma.varied(), Dual::variable(sigma_dot, 1)])
     }
 
     /// Scales of sigma and sigma_dot: the length of a motion of the size of one radian; sigma_dot itself, or the part

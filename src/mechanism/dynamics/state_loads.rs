@@ -224,7 +224,7 @@ impl<T: Number> StateLoadEvaluator<T> {
         }
         // This load balances the friction, so sigma_ddot does not depend on friction: the reactions to the load replace
         // the inertial ones.
-        let inverse = influence.chain(1.0 / influence.value(), -1.0 / influence.value().powi(2));
+        let inverse = influence.powi(-1);
         let (reactions, inertial) = self.scratch.split_at_mut(2 * n);
         let pairs = effects[state_loads.inertial()].iter().zip(self.reactions.as_flattened());
         for (k, (effect, reaction)) in pairs.enumerate() {

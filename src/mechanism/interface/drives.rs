@@ -5,7 +5,8 @@ use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::quantity::{OneElement, Output, Quantity};
 use crate::variables::Unit::{
     self, Kilogram, KilogramPerMetre, KilogramSquareMetre, KilogramSquareMetrePerRadian, Metre, MetrePerSecond,
-    MetrePerSecondSquared, Newton, NewtonMetre, Radian, RadianPerSecond, RadianPerSecondSquared,
+    MetrePerSecondSquared, Newton, NewtonMetre, NewtonMetrePerRadian, NewtonPerMetre, Radian, RadianPerSecond,
+    RadianPerSecondSquared,
 };
 
 pub(super) fn add_inputs(b: &mut Builder) {
@@ -57,8 +58,8 @@ pub(super) fn add(b: &mut Builder) {
 /// The terms of the mechanism reduced to a drive.
 fn add_one_element(b: &mut Builder, drive: usize) {
     use OneElement::{
-        AdditionalForce, BreakawayBackward, BreakawayForward, HoldingForce, ReducedMass, ReducedMassDerivative,
-        RequiredForce, StaticLoad,
+        AdditionalForce, BreakawayBackward, BreakawayForward, HoldingForce, HoldingForceDerivative, ReducedMass,
+        ReducedMassDerivative, RequiredForce, StaticLoad,
     };
     let (s, l) = (b.source, &b.source.loading);
     let (n, is_rotary, loses) = (l.drives[drive].name.as_str(), l.drives[drive].is_rotary, l.drives[drive].efficiency);
@@ -102,6 +103,10 @@ fn add_one_element(b: &mut Builder, drive: usize) {
     add("required_force", "required_force", text, force, RequiredForce, required);
     let text = "What holds the mechanism still here, under the present loads, of";
     add("holding_force", "holding_torque", text, force, HoldingForce, holding);
+    let text = "Derivative of the holding force or torque along";
+    let (linear, rotary) = ("holding_force_derivative", "holding_torque_derivative");
+    let (stiffness, term) = ([NewtonPerMetre, NewtonMetrePerRadian], HoldingForceDerivative);
+    add(linear, rotary, text, stiffness, term, holding);
     if rubs {
         let text = "What begins to move the mechanism forward from rest against static friction, of";
         add("breakaway_force_forward", "breakaway_torque_forward", text, force, BreakawayForward, breakaway);

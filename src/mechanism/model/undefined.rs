@@ -6,6 +6,9 @@ use crate::mechanism::outputs::OutputError;
 use crate::mechanism::quantity::{Output, Quantity};
 use crate::variables::Reference;
 
+/// Size of an input [SI] beyond which what it is multiplied with may overflow.
+const HUGE: f64 = 1e100;
+
 impl Model {
     /// Why an output has no value in the present state under the present inputs; None if it has one, and for what is no
     /// Real output. Costs as much as the output.
@@ -42,7 +45,7 @@ impl Model {
         let (state, reduced) = (self.state.as_ref()?.along_curve(), self.reduced.as_ref()?);
         Some(match value {
             Ok(value) if value.is_finite() => return None,
-            Ok(value) if value.is_nan() => {
+            Ok(value) if value.is_nan() && !self.inputs.reals.iter().any(|input| input.abs() > HUGE) => {
                 format!("indeterminate at {}, a dead centre or a crossing of branches", state.describe(reduced))
             }
             Ok(_) => "beyond the largest number under the present inputs and parameters: check their sizes".into(),

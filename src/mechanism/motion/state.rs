@@ -259,8 +259,14 @@ impl State {
                 if all.is_nan() || all.abs() > MOST_REVOLUTIONS {
                     return Err(ModelError::Overflow { name: "the number of revolutions".into() });
                 }
-                // Over many revolutions the difference may be beyond the ends by rounding.
-                y[0] = (y[0] - revolutions * period).clamp(first, last);
+                let shift = self.revolutions * period;
+                let place = self.travel.places().find(|(_, position)| position - shift == y[0]);
+                y[0] = match place {
+                    // At a stop before, at the stop after: what is at a place is known by equal numbers.
+                    Some((_, position)) => position - all * period,
+                    // Over many revolutions the difference may be beyond the ends by rounding.
+                    None => (y[0] - revolutions * period).clamp(first, last),
+                };
                 self.revolutions = all;
                 // The panel in use and a step ahead are counted on over whole revolutions, but sigma is not any more.
                 self.memory.recount();
@@ -305,10 +311,10 @@ impl State {
     /// Whether the mechanism is at a stop or beyond: past the place where the stop is first met, and not back within
     /// the stop behind a dead centre.
     pub fn at_stop(&self, reduced: &Reduced, stop: usize) -> bool {
-        let here = self.sigma + self.revolutions * reduced.period().unwrap_or(0.0);
+        let shift = self.revolutions * reduced.period().unwrap_or(0.0);
         let travel = &*self.travel;
         travel.places().filter(|(place, _)| travel.holds(*place, stop)).any(|(place, position)| {
-            let past = (here - position) * place.outward();
+            let past = (self.sigma - (position - shift)) * place.outward();
             past == 0.0 || past > 0.0 && (place.bumper.is_none() || self.is_beyond(reduced, stop))
         })
     }

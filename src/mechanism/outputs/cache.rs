@@ -5,12 +5,12 @@ use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::motion::contact::Place;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::chebyshev::{NODES, Series};
-use crate::numerics::dual::Number;
+use crate::numerics::dual::{Differentiable, Number};
 use crate::numerics::table::{Table, TablePosition};
 
 /// Intermediate results of outputs in the present state under the present inputs, in numbers N.
 #[derive(Clone, Debug)]
-pub struct OutputCache<N> {
+pub struct OutputCache<N: Differentiable> {
     /// Direction of the derivatives that N carries.
     pub direction: Direction<N>,
     /// Forces and acceleration, once evaluated in this state.
@@ -53,7 +53,7 @@ pub struct Computed {
     pub reactions: u64,
 }
 
-impl<N: Number> OutputCache<N> {
+impl<N: Differentiable> OutputCache<N> {
     pub fn new(reduced: &Reduced, state_loads: Option<&StateLoads>, direction: Direction<N>) -> Self {
         Self {
             direction,

@@ -3,7 +3,7 @@
 //! In: the reduced model in one state. Out: reduced mass, loads and forces along the drive. It must not know the
 //! drive's kind.
 use crate::mechanism::loads::friction_loop::Locked;
-use crate::mechanism::outputs::evaluator::{OutputError, finite};
+use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite};
 use crate::mechanism::outputs::view::{Reading, View};
 use crate::mechanism::quantity::OneElement;
 
@@ -47,6 +47,14 @@ impl<N: Reading> View<'_, N> {
                 let zero = N::constant(0.0);
                 if others.value() == 0.0 && slope.value() == 0.0 { zero } else { zero - others / slope }
             }
+            OneElement::HoldingForceDerivative => {
+                // W = -G / S_sigma, with G the force along sigma of the other loads: W_S = W_sigma / S_sigma.
+                let (others, change) = (self.others_at_rest(drive)?, self.slope_of_others(drive)?);
+                let zero = N::constant(0.0);
+                let rises = -change + others * curvature / slope;
+                let none = slope.value() == 0.0 && others.value() == 0.0 && change.value() == 0.0;
+                if none { zero } else { rises / (slope * slope) }
+            }
             OneElement::BreakawayForward | OneElement::BreakawayBackward => {
                 let forward = if term == OneElement::BreakawayForward { 1.0 } else { -1.0 };
                 let direction = forward * slope.value().signum();
@@ -73,6 +81,13 @@ impl<N: Reading> View<'_, N> {
         self.cache.forces = None;
         let at_rest = self.equation()?.heading(0.0, sigma, N::constant(0.0))?;
         Ok(at_rest - self.delivered(drive) * influence)
+    }
+
+    /// Derivative along sigma of [`Self::others_at_rest`].
+    fn slope_of_others(&mut self, drive: usize) -> Result<N, OutputError> {
+        let (sigma, size, influence_slope) = (self.sigma(), self.size(drive), self.influence_slope(drive));
+        let at_rest = self.equation()?.slope_at_rest(sigma)?;
+        Ok(at_rest - size * influence_slope)
     }
 
     /// Force along sigma that a drive must give, where friction depends on it: for an acceleration along the curve, or

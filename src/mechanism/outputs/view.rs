@@ -13,8 +13,8 @@ use crate::mechanism::outputs::cache::{Forces, OutputCache, PresentLoads};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite};
 use crate::mechanism::quantity::OneElement;
 use crate::mechanism::reduced::{Reduced, StateLoads};
-use crate::numerics::chebyshev::Series;
-use crate::numerics::dual::{Dual, Number};
+use crate::numerics::chebyshev::{Series, slopes_of};
+use crate::numerics::dual::{Differentiable, Dual, Number};
 use crate::numerics::table::{Table, TablePosition, polynomial, polynomial_at};
 
 /// The reduced model in one state under the present inputs.
@@ -29,7 +29,7 @@ pub struct View<'a, N: Reading> {
 }
 
 /// Numbers in which the reduced model is read.
-pub trait Reading: Number {
+pub trait Reading: Differentiable {
     /// Access to the values beside these numbers.
     type Values<'a>;
 
@@ -140,6 +140,16 @@ impl<'a, N: Reading> View<'a, N> {
                 self.before_derivative(table, position, first + 1) * acceleration + curvature * sigma_dot * sigma_dot
             }
         })
+    }
+
+    /// Derivative along sigma of S_sigma of a sized load.
+    pub fn influence_slope(&self, load: usize) -> N {
+        let (table, sigma) = (self.reduced.influence(), self.sigma());
+        let position = table.position(self.state.sigma);
+        let (a, b) = table.borders(position.panel);
+        let scale = 2.0 / (b - a);
+        let slopes = slopes_of(table.series(position.panel, load));
+        polynomial_at(&slopes, sigma.chain(position.x, scale)) * scale
     }
 
     /// The equation of motion under the present inputs.

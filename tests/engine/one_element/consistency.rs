@@ -1,7 +1,8 @@
 //! Forward and inverse use of eqs. (16), (17), (37), (38) undo each other, for any state and loads of every mechanism.
 use super::worst::{ACCURACY, Worst};
-use crate::support::{CRANE, FOUR_BAR, GEAR, JIB, Run, SLIDER_CRANK};
+use crate::support::{CRANE, FOUR_BAR, GEAR, JIB, Run, SLIDER_CRANK, changed};
 use proptest::prelude::*;
+use serde_json::json;
 
 /// A mechanism, its drive, whether the drive is rotary, the range of the stated start, the largest start speed, and
 /// inputs.
@@ -106,5 +107,60 @@ proptest! {
     ) {
         check(case, part, speed, &sizes, 1.0);
         check(case, part, speed, &sizes, 0.7);
+    }
+}
+
+/// dW/ds of every drive against central differences of W over the drive's displacement, along the whole range of the
+/// start, under loads of every kind: the mechanism is placed at both sides of each position.
+#[test]
+fn the_derivative_of_the_holding_force_is_its_slope_along_the_drive() {
+    for case in &CASES {
+        let (force, position) = if case.is_rotary { ("torque", "angle") } else { ("force", "length") };
+        let names = [position, &format!("holding_{force}"), &format!("holding_{force}_derivative")]
+            .map(|suffix| format!("{}.{suffix}", case.drive));
+        let mut run = Run::shared(case.json);
+        for (k, input) in case.inputs.split(", ").enumerate() {
+            let (name, largest) = input.split_once(' ').unwrap();
+            run.set(name, largest.parse::<f64>().unwrap() * (0.3 - 0.17 * k as f64));
+        }
+        let (start, low, high) = case.start;
+        let width = 1e-4 * (high - low);
+        for k in 0..=40 {
+            let middle = low + 2.0 * width + (high - low - 4.0 * width) * f64::from(k) / 40.0;
+            let mut at = |offset: f64| {
+                run.place((start, middle + offset * width), (case.speed.0, 0.0));
+                [run.get(&names[0]), run.get(&names[1]), run.get(&names[2])]
+            };
+            let sides = [-2.0, -1.0, 1.0, 2.0].map(&mut at);
+            let here = at(0.0);
+            let rise = |k: usize| (8.0 * (sides[2][k] - sides[1][k]) - (sides[3][k] - sides[0][k])) / 12.0;
+            let slope = rise(1) / rise(0);
+            // Rounding of W over the width; near a dead centre both grow beyond bounds.
+            let rounding = 1e-12 * sides.iter().fold(here[1].abs(), |a, w| a.max(w[1].abs())) / rise(0).abs();
+            let difference = (slope - here[2]).abs();
+            assert!(difference <= 1e-6 * slope.abs() + rounding, "{} at {middle}: {slope} {}", case.drive, here[2]);
+        }
+    }
+}
+
+/// Bumpers, springs and still air count at rest, friction does not: each beside the difference of W.
+#[test]
+fn springs_bumpers_and_wind_count_in_the_derivative_of_the_holding_force() {
+    let sprung = changed(GEAR, |gear| {
+        gear["springs"] = json!({ "assist": { "joint": "joint1", "stiffness": 900, "free_angle": 0.1 } });
+    });
+    for (airspeed, friction) in [(0.0, false), (70.0, false), (-50.0, true)] {
+        let mut run = Run::shared(&sprung).with(&[("airspeed", airspeed)]).with(&[("friction.enabled", friction)]);
+        for angle in [-1.2, -0.7, 0.0, 0.4, 0.75] {
+            let mut at = |offset: f64| {
+                run.place(("crank.start_angle", angle + offset), ("crank.start_speed", 0.0));
+                ["length", "holding_force", "holding_force_derivative"].map(|n| run.get(&format!("actuator.{n}")))
+            };
+            let h = 2e-4;
+            let [a, b, c, d] = [-2.0 * h, -h, h, 2.0 * h].map(&mut at);
+            let rise = |k: usize| (8.0 * (c[k] - b[k]) - (d[k] - a[k])) / 12.0;
+            let (slope, here) = (rise(1) / rise(0), at(0.0)[2]);
+            assert!((slope - here).abs() < 2e-7 * slope.abs() + 1e-3, "{airspeed} {angle}: {slope} {here}");
+        }
     }
 }

@@ -100,6 +100,11 @@ fn closed_forms(run: &mut Run, inertia: f64) {
         worst.compare("T", run.get("energy.kinetic"), 0.5 * reduced * speed * speed, 0.0);
         // At rest the same loads are held by F_Su.
         worst.compare("holding", run.get("cylinder.holding_force"), static_load, MASS * 9.81 / iv);
+        // dF_Su/dx: the loads turn with the jib, d theta / dx = 1 / R_e, and i_v changes.
+        let radial = -(end_x * theta.cos() + (end_y - MASS * 9.81) * theta.sin());
+        let slope = -(radial / re) / iv - static_load * div / iv;
+        let size = (MASS * 9.81 + end_x.abs() + end_y.abs()) / iv * (1.0 / re + (div / iv).abs());
+        worst.compare("dF_Su/dx", run.get("cylinder.holding_force_derivative"), slope, size);
     }
     worst.assert_within(ACCURACY);
 }

@@ -35,7 +35,11 @@ impl Spring {
     /// Energy stored, less the energy at S = free [J].
     pub fn energy<T: Number>(&self, s: T) -> T {
         let extension = s.value() - self.free;
-        s.chain(extension * (self.preload + 0.5 * self.stiffness * extension), self.force(s.value()))
+        s.compose([
+            extension * (self.preload + 0.5 * self.stiffness * extension),
+            self.force(s.value()),
+            self.stiffness,
+        ])
     }
 
     /// Power lost in the damper at the rate S_dot [W].

@@ -480,7 +480,7 @@ fn a_bumper_that_would_pull_after_an_impact_lets_go() {
     assert_eq!(mass.v, v, "free flight");
 }
 
-/// The case of the issue: 5 ms in which the force draws the mass off its stop, in one step of 0.52 s.
+/// 5 ms in which the force draws the mass off its stop, in one step of 0.52 s.
 #[test]
 fn a_short_release_within_a_long_step_is_met() {
     let (peak, bend, center, span) = (1e4_f64, 1.6e9, 0.5078, 0.52);

@@ -60,8 +60,14 @@ impl State {
             sigma_dot = start.speed / slope;
         }
         let travel = travel(reduced, sigma, revolutions)?;
-        let here = sigma + revolutions * reduced.period().unwrap_or(0.0);
-        let resting = travel.places().find(|(_, position)| sigma_dot == 0.0 && *position == here);
+        let shift = revolutions * reduced.period().unwrap_or(0.0);
+        let mut sigma = sigma;
+        let mut resting = None;
+        if let Some((place, position)) = travel.places().find(|(_, position)| *position == sigma + shift) {
+            // What is at a place is known by equal numbers in the frame of sigma.
+            sigma = position - shift;
+            resting = (sigma_dot == 0.0).then_some(place);
+        }
         can_hold(reduced, &travel)?;
         let air = blows_under(reduced, inputs);
         let state_loads = state_loads(reduced, air, revolutions)?;
@@ -72,7 +78,7 @@ impl State {
                 sigma,
                 sigma_dot,
                 revolutions,
-                contact: Contact::at_start(resting.map(|(place, _)| place)),
+                contact: Contact::at_start(resting),
                 travel: Arc::new(travel),
                 applied,
                 airspeed: airspeed(reduced, inputs),

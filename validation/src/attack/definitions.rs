@@ -1,0 +1,214 @@
+//! Hostile definitions: numbers to extremes, keys dropped, doubled or exchanged, long names, deep nesting, bytes. Each is
+//! refused in words, or is a model that starts and steps.
+use super::mechanism;
+use super::probe::Probe;
+use super::random::Random;
+use linkage_fmu::mechanism::Model;
+use linkage_fmu::variables::{Causality, Kind};
+use serde_json::Value;
+
+macro_rules! mechanism {
+    ($name:literal) => {
+        include_str!(concat!("../../../modelDescription/", $name, "/resources/mechanism.json"))
+    };
+}
+
+/// Definitions beside the random ones.
+const GIVEN: [&str; 6] = [
+    mechanism!("LandingGearRetraction"),
+    mechanism!("SliderCrank"),
+    mechanism!("FourBar"),
+    mechanism!("Jib"),
+    mechanism!("CraneJib"),
+    mechanism!("AndrewsSqueezer"),
+];
+
+/// Steps of a model that a hostile definition gives.
+const STEPS: usize = 3;
+/// Stands in a text where a piece of text shall be that JSON cannot hold.
+const PLACE: &str = "\"@@place@@\"";
+
+/// A part's case: one definition.
+///
+/// # Errors
+/// A refusal without words or over several lines; a value that is not finite without a reason.
+pub fn attack(probe: &mut Probe) -> Result<(), String> {
+    let mut random = probe.random.clone();
+    let text =
+        if random.chance(0.5) { random.pick(&GIVEN).to_owned() } else { mechanism::definition(&mut random).text };
+    let text = spoiled(&mut random, &text);
+    if probe.verbose {
+        println!("{text}");
+    }
+    let refused = |probe: &mut Probe, message: String| {
+        probe.count("definitions refused");
+        // It may quote a name; the logger of an instance cuts it.
+        let long = message.len() > 3 * text.len() + 1000;
+        if message.is_empty() || message.contains('\n') || long {
+            return Err(format!("a refusal of {} bytes: {message:.200}", message.len()));
+        }
+        Ok(())
+    };
+    let mut model = match probe.timed("instantiation", || Model::from_json(&text)) {
+        Ok(model) => model,
+        Err(error) => return refused(probe, error.to_string()),
+    };
+    if let Err(error) = probe.timed("initialisation", || model.initialize()) {
+        return refused(probe, error.to_string());
+    }
+    probe.count("models");
+    read(probe, &mut model).map_err(|e| format!("at the start: {e}"))?;
+    for n in 0..STEPS {
+        let h = random.decades(1e-6, 1.0);
+        match probe.timed("step", || model.step(h)) {
+            Ok(()) => probe.count("steps"),
+            Err(_) => probe.count("steps that ended with an error"),
+        }
+        read(probe, &mut model).map_err(|e| format!("after step {n} of {h:e} s: {e}"))?;
+    }
+    Ok(())
+}
+
+/// Every output is read: finite, or not without a reason. A refusal has words.
+fn read(probe: &mut Probe, model: &mut Model) -> Result<(), String> {
+    let list = model.variables().list();
+    let those = list.iter().zip(0..).filter(|(v, _)| v.causality == Causality::Output);
+    let those: Vec<_> = those.map(|(v, reference)| (v.kind, reference, v.name.clone())).collect();
+    for (kind, reference, name) in those {
+        if kind == Kind::Real {
+            let value = probe.timed("output", || model.real(reference)).map_err(|e| format!("{name}: {e}"))?;
+            if !value.is_finite() && (!value.is_nan() || model.undefined(reference).is_none()) {
+                return Err(format!("{name} = {value} without a reason"));
+            }
+        } else {
+            model.boolean(reference).map_err(|e| format!("{name}: {e}"))?;
+        }
+    }
+    Ok(())
+}
+
+/// A number in place of another one.
+fn number(random: &mut Random, old: f64) -> String {
+    const ODD: [&str; 24] = [
+        "0", "-0", "1", "-1", "1e-6", "1e3", "-1e3", "1e6", "1e17", "-1e17", "1e100", "1e150", "-1e155", "1e200",
+        "1e308", "-1e308", "1e-160", "1e-308", "5e-324", "1e999", "NaN", "true", "\"1\"", "null",
+    ];
+    match random.below(4) {
+        0 => random.pick(&ODD).into(),
+        1 => format!("{:e}", f64::from_bits(random.word())),
+        2 => format!("{:e}", old * (1.0 + random.pick(&[1e-16, 1e-12, -1e-9, 1e-3]))),
+        _ => format!("{:e}", old * random.pick(&[-1.0, 1.0]) * random.decades(1e-6, 1e6)),
+    }
+}
+
+/// The members and elements of a value, by their JSON pointers.
+fn pointers(value: &Value, at: &str, found: &mut Vec<String>) {
+    let mut below = |key: &str, member: &Value| {
+        let pointer = format!("{at}/{key}");
+        found.push(pointer.clone());
+        pointers(member, &pointer, found);
+    };
+    match value {
+        Value::Object(members) => members.iter().for_each(|(key, member)| below(key, member)),
+        Value::Array(elements) => elements.iter().enumerate().for_each(|(k, element)| below(&k.to_string(), element)),
+        _ => {}
+    }
+}
+
+/// A definition with up to three changes.
+fn spoiled(random: &mut Random, text: &str) -> String {
+    let mut value: Value = serde_json::from_str(text).unwrap_or_default();
+    let mut text = None;
+    for _ in 0..=random.below(3) {
+        let mut found = Vec::new();
+        pointers(&value, "", &mut found);
+        if found.is_empty() {
+            break;
+        }
+        let place = &found[random.below(found.len())];
+        let numbers: Vec<&String> = found.iter().filter(|at| value.pointer(at).is_some_and(Value::is_number)).collect();
+        match random.below(12) {
+            0..=5 if !numbers.is_empty() => {
+                let place = numbers[random.below(numbers.len())].clone();
+                let old = value.pointer(&place).and_then(Value::as_f64).unwrap_or(1.0);
+                let new = number(random, old);
+                match serde_json::from_str(&new) {
+                    Ok(new) => put(&mut value, &place, new),
+                    Err(_) => text = Some(placed(&value, &place, &new)),
+                }
+            }
+            6 => remove(&mut value, place),
+            7 => {
+                // Written twice.
+                if let Some((_, key)) =
+                    place.rsplit_once('/').filter(|_| !place.ends_with(|c: char| c.is_ascii_digit()))
+                {
+                    let own = value.pointer(place).map(Value::to_string).unwrap_or_default();
+                    text = Some(placed(&value, place, &format!("{own},\"{key}\":{own}")));
+                }
+            }
+            8 => {
+                let other = value.pointer(&found[random.below(found.len())]).cloned().unwrap_or_default();
+                put(&mut value, place, other);
+            }
+            9 => {
+                let strings: Vec<&String> =
+                    found.iter().filter(|at| value.pointer(at).is_some_and(Value::is_string)).collect();
+                if strings.len() > 1 {
+                    let [a, b] = [0, 1].map(|_| strings[random.below(strings.len())].clone());
+                    let other = value.pointer(&b).cloned().unwrap_or_default();
+                    put(&mut value, &a, other);
+                }
+            }
+            10 => {
+                let name = random.pick(&["x", "\u{e9}", "a.", " ", "\n", "_"]).repeat(1 << random.below(17));
+                rename(&mut value, place, &name);
+            }
+            _ => {
+                let depth = 1 << random.below(14);
+                let open = random.pick(&["[", "{\"a\":"]);
+                let close = if open == "[" { "]" } else { "}" };
+                text = Some(placed(&value, place, &format!("{}1{}", open.repeat(depth), close.repeat(depth))));
+            }
+        }
+    }
+    let mut text = text.unwrap_or_else(|| value.to_string()).into_bytes();
+    if random.chance(0.1) && !text.is_empty() {
+        let at = random.below(text.len());
+        match random.below(3) {
+            0 => text.truncate(at),
+            1 => text[at] = random.word() as u8,
+            _ => drop(text.remove(at)),
+        }
+    }
+    String::from_utf8_lossy(&text).into_owned()
+}
+
+fn put(value: &mut Value, place: &str, new: Value) {
+    if let Some(own) = value.pointer_mut(place) {
+        *own = new;
+    }
+}
+
+/// The text with another piece of text at a place.
+fn placed(value: &Value, place: &str, piece: &str) -> String {
+    let mut value = value.clone();
+    put(&mut value, place, PLACE.trim_matches('"').into());
+    value.to_string().replace(PLACE, piece)
+}
+
+fn remove(value: &mut Value, place: &str) {
+    let Some((parent, key)) = place.rsplit_once('/') else { return };
+    if let Some(members) = value.pointer_mut(parent).and_then(Value::as_object_mut) {
+        members.remove(key);
+    }
+}
+
+fn rename(value: &mut Value, place: &str, name: &str) {
+    let Some((parent, key)) = place.rsplit_once('/') else { return };
+    if let Some(members) = value.pointer_mut(parent).and_then(Value::as_object_mut)
+        && let Some(member) = members.remove(key)
+    {
+        members.insert(name.into(), member);
+    }
+}

@@ -1,0 +1,276 @@
+//! A standing attack: random histories, spoiled states, hostile definitions, scenes against an independent integration,
+//! threads. Each case is made from a seed, which its failure tells.
+//!
+//! In: what the command line asks for. Out: failures with their seeds, counts, the longest call, a page. It must not know
+//! how a mechanism is solved.
+mod definitions;
+mod histories;
+mod mechanism;
+mod page;
+mod probe;
+mod random;
+mod scenes;
+mod states;
+mod threads;
+
+pub use probe::{Largest, Tally};
+
+use probe::{Probe, Pulse, milliseconds};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+/// The longest that a call may take [s of its thread's time].
+pub const LONGEST: f64 = 5.0;
+/// The longest that a call is waited for [ms]: on a busy machine, or in a build that is not optimised, it takes longer.
+const PATIENCE: u64 = 120_000;
+/// Failures after which a part ends.
+const ENOUGH: usize = 20;
+
+/// One kind of attack.
+pub struct Part {
+    /// As `--only` names it.
+    pub name: &'static str,
+    /// What is asked for.
+    pub claim: &'static str,
+    case: fn(&mut Probe) -> Result<(), String>,
+    /// Cases if neither their number nor a time is asked for.
+    count: u64,
+    /// Share of the time that is asked for.
+    share: f64,
+    /// Cases in a row that one thread runs, as they share a mechanism.
+    block: u64,
+}
+
+/// All kinds of attack.
+pub const PARTS: [Part; 5] = [
+    Part {
+        name: "histories",
+        claim: "twins of a random history, one of them read, saved, restored and serialised in between, agree to the bit; every state that is written is read back",
+        case: histories::attack,
+        count: 12_000,
+        share: 0.45,
+        block: histories::SHARED,
+    },
+    Part {
+        name: "states",
+        claim: "a state with changed bytes and a right check sum is refused, or the instance goes on from it",
+        case: states::attack,
+        count: 6_000,
+        share: 0.08,
+        block: histories::SHARED,
+    },
+    Part {
+        name: "definitions",
+        claim: "a hostile definition is refused in words, or is a model that steps",
+        case: definitions::attack,
+        count: 2_000,
+        share: 0.12,
+        block: 1,
+    },
+    Part {
+        name: "scenes",
+        claim: "the motion is within 100 times the tolerance, times what the scene makes of an error, of an independent integration",
+        case: scenes::attack,
+        count: 1_000,
+        share: 0.28,
+        block: 1,
+    },
+    Part {
+        name: "threads",
+        claim: "instances that step in threads at once give the bits of each alone",
+        case: threads::attack,
+        count: 200,
+        share: 0.07,
+        block: 1,
+    },
+];
+
+/// What the command line asks for.
+#[derive(Clone, Debug)]
+pub struct Asked {
+    /// Time for all parts together [min]; else a fixed number of cases.
+    pub minutes: Option<f64>,
+    /// Seed of the first case of each part.
+    pub seed: u64,
+    /// Names of the parts; none for all.
+    pub only: Vec<String>,
+    /// Cases of each part.
+    pub count: Option<u64>,
+    /// Whether the page is written.
+    pub write: bool,
+    /// Threads that run cases.
+    pub threads: usize,
+    /// Whether a case tells what it does.
+    pub verbose: bool,
+}
+
+impl Default for Asked {
+    fn default() -> Self {
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        Self { minutes: None, seed: 1, only: Vec::new(), count: None, write: false, threads, verbose: false }
+    }
+}
+
+impl Asked {
+    /// Read the words after `attack`.
+    ///
+    /// # Errors
+    /// A word that is none, a value that is missing or none, `--write` of a part of the attack.
+    pub fn read(words: &[&str]) -> Result<Self, String> {
+        fn value<T: std::str::FromStr>(option: &str, word: Option<&&str>) -> Result<T, String> {
+            let word = word.ok_or_else(|| format!("{option}: a value is missing"))?;
+            word.parse().map_err(|_| format!("{option} {word}: not a value for this option"))
+        }
+        let (mut asked, mut words) = (Self::default(), words.iter());
+        while let Some(option) = words.next() {
+            match *option {
+                "--minutes" => asked.minutes = Some(value(option, words.next())?),
+                "--seed" => asked.seed = value(option, words.next())?,
+                "--count" => asked.count = Some(value(option, words.next())?),
+                "--threads" => asked.threads = value::<usize>(option, words.next())?.clamp(1, 256),
+                "--only" => asked.only.push(value(option, words.next())?),
+                "--write" => asked.write = true,
+                "--verbose" => asked.verbose = true,
+                other => {
+                    let options = "--minutes N, --seed S, --only PART, --count N, --threads N, --verbose, --write";
+                    return Err(format!("attack: {other}: the options are {options}"));
+                }
+            }
+        }
+        if let Some(name) = asked.only.iter().find(|name| PARTS.iter().all(|part| part.name != **name)) {
+            let names = PARTS.map(|part| part.name).join(", ");
+            return Err(format!("--only {name}: the parts are {names}"));
+        }
+        if asked.minutes.is_some_and(|minutes| !(minutes.is_finite() && minutes > 0.0)) {
+            return Err("--minutes: must be a finite number > 0".into());
+        }
+        if asked.write && !asked.only.is_empty() {
+            return Err("--write needs all parts: leave --only out".into());
+        }
+        Ok(asked)
+    }
+}
+
+/// What a part gave.
+pub struct Outcome {
+    /// The part.
+    pub part: &'static Part,
+    /// What its cases gave.
+    pub tally: Tally,
+    /// Time that it took [s].
+    pub seconds: f64,
+}
+
+/// `attack`: run, tell, and write the page if that is asked for.
+///
+/// # Errors
+/// The words are not understood, a case fails, the page cannot be written.
+pub fn run(results: &Path, words: &[&str]) -> Result<(), String> {
+    let asked = Asked::read(words)?;
+    let outcomes = all(&asked);
+    let page = page::page(&asked, &outcomes);
+    println!("\n{page}");
+    if asked.write {
+        let target = results.join("attack.md");
+        std::fs::write(&target, page).map_err(|e| format!("{}: {e}", target.display()))?;
+        println!("written to {}", target.display());
+    }
+    match outcomes.iter().map(|outcome| outcome.tally.failures.len()).sum() {
+        0 => Ok(()),
+        failed => Err(format!("{failed} cases fail")),
+    }
+}
+
+/// All parts that are asked for, one after the other.
+pub fn all(asked: &Asked) -> Vec<Outcome> {
+    let those = || PARTS.iter().filter(|part| asked.only.is_empty() || asked.only.iter().any(|name| name == part.name));
+    let shares: f64 = those().map(|part| part.share).sum();
+    those()
+        .map(|part| {
+            let began = Instant::now();
+            let time = asked.minutes.map(|minutes| Duration::from_secs_f64(60.0 * minutes * part.share / shares));
+            let tally = cases(part, asked, time);
+            let outcome = Outcome { part, tally, seconds: began.elapsed().as_secs_f64() };
+            println!("{}", page::line(&outcome));
+            outcome
+        })
+        .collect()
+}
+
+/// The cases of one part, shared among threads. A call that does not end ends the process, after its seed is told.
+fn cases(part: &'static Part, asked: &Asked, time: Option<Duration>) -> Tally {
+    let start = Instant::now();
+    let count = asked.count.unwrap_or(if time.is_some() { u64::MAX } else { part.count });
+    let (next, failed, done) = (AtomicU64::new(0), AtomicU64::new(0), AtomicBool::new(false));
+    let pulses: Vec<Pulse> = (0..asked.threads).map(|_| Pulse::default()).collect();
+    let work = |pulse| {
+        let mut probe = Probe::new(start, pulse, asked.verbose);
+        loop {
+            let first = next.fetch_add(part.block, Ordering::Relaxed);
+            for case in first..first.saturating_add(part.block) {
+                let late = time.is_some_and(|time| start.elapsed() >= time);
+                if case >= count || late || failed.load(Ordering::Relaxed) >= ENOUGH as u64 {
+                    return probe.tally;
+                }
+                failed.fetch_add(u64::from(!judge(part, &mut probe, asked.seed.wrapping_add(case))), Ordering::Relaxed);
+            }
+        }
+    };
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = pulses.iter().map(|pulse| scope.spawn(|| work(pulse))).collect();
+        let watch = scope.spawn(|| {
+            while !done.load(Ordering::Relaxed) {
+                std::thread::park_timeout(Duration::from_millis(500));
+                pulses.iter().for_each(|pulse| watch(part, pulse, start));
+            }
+        });
+        let mut tally = Tally::default();
+        threads.into_iter().for_each(|thread| tally.add(thread.join().unwrap_or_default()));
+        done.store(true, Ordering::Relaxed);
+        watch.thread().unpark();
+        tally
+    })
+}
+
+/// End the process if the call of a thread has taken too long.
+fn watch(part: &Part, pulse: &Pulse, start: Instant) {
+    let since = pulse.since.load(Ordering::Relaxed);
+    if since > 0 && milliseconds(start).saturating_sub(since) > PATIENCE {
+        let seed = pulse.seed.load(Ordering::Relaxed);
+        eprintln!("a call has not ended within {} s\n  {}", PATIENCE / 1000, again(part, seed));
+        std::process::exit(1);
+    }
+}
+
+/// The command that runs one case alone.
+fn again(part: &Part, seed: u64) -> String {
+    format!("cargo fmu bench attack --seed {seed} --only {} --count 1 --verbose", part.name)
+}
+
+/// Run a case; whether it holds.
+fn judge(part: &Part, probe: &mut Probe, seed: u64) -> bool {
+    probe.begin(seed);
+    let longest = std::mem::take(&mut probe.tally.longest);
+    let result = catch_unwind(AssertUnwindSafe(|| (part.case)(probe)));
+    let own = std::mem::replace(&mut probe.tally.longest, longest);
+    let result = match result {
+        Err(payload) => {
+            probe.prepared = None;
+            let words = payload.downcast_ref::<String>().map(String::as_str);
+            Err(format!("panic: {}", words.or(payload.downcast_ref::<&str>().copied()).unwrap_or_default()))
+        }
+        Ok(Ok(())) if own.value > LONGEST => Err(format!("{} took {:.1} s", own.what, own.value)),
+        Ok(result) => result,
+    };
+    probe.tally.add(Tally { longest: own, ..Tally::default() });
+    match result {
+        Ok(()) => true,
+        Err(why) => {
+            println!("{}, seed {seed}: {why}\n  {}", part.name, again(part, seed));
+            probe.tally.failures.push((seed, why));
+            false
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! Spoiled states: bytes of a state are changed, and its check sum is made right again. Such a state is refused, or the
+//! instance goes on from it: each output finite or undefined for a reason, each call ends.
+use super::histories::{length, outputs, prepared, set, written};
+use super::mechanism::Prepared;
+use super::probe::Probe;
+use super::random::Random;
+use linkage_fmu::codec::checksum::crc32;
+use linkage_fmu::fmi2::host::{Description, Host, State, logger};
+use linkage_fmu::fmi2::types::Status;
+use std::path::Path;
+use std::sync::{Arc, OnceLock};
+
+/// Steps before a state is written, and after a spoiled one is taken.
+const STEPS: usize = 4;
+/// Bytes of the head of an instance's state that tell its form, length and mechanism, and those of its check sum.
+const HEAD: usize = 36;
+const CHECK: usize = 4;
+
+/// A part's case: a model's state, or that of an instance through the C functions.
+///
+/// # Errors
+/// An output is not finite without a reason, or a state that was taken cannot be written or read again.
+pub fn attack(probe: &mut Probe) -> Result<(), String> {
+    if probe.seed % 4 == 3 {
+        return instance(probe);
+    }
+    let prepared = prepared(probe);
+    let result = model(probe, &prepared.1);
+    probe.prepared = Some(prepared);
+    result
+}
+
+/// Numbers that a state should never have, or hardly ever.
+fn odd(random: &mut Random) -> f64 {
+    let any = f64::from_bits(random.word());
+    let small = random.within(-2.0, 2.0);
+    let numbers = [0.0, -0.0, 1.0, -1.0, 1e308, -1e308, 5e-324, 1e-300, 1e17, 1e6, f64::NAN, f64::INFINITY, any, small];
+    random.pick(&numbers)
+}
+
+/// Change some bytes of a state's body.
+fn spoil(random: &mut Random, bytes: &mut [u8]) {
+    for _ in 0..=random.below(3) {
+        let at = random.below(bytes.len());
+        match random.below(5) {
+            0 => bytes[at] = random.word() as u8,
+            1 => bytes[at] ^= 1 << random.below(8),
+            2 => bytes[at] = random.below(3) as u8,
+            3 => {
+                let value = bytes.get(at..at + 8).and_then(|b| b.try_into().ok()).map_or(1.0, f64::from_le_bytes);
+                let scaled = (value * random.decades(1e-9, 1e9)).to_le_bytes();
+                bytes.iter_mut().skip(at).zip(scaled).for_each(|(byte, new)| *byte = new);
+            }
+            _ => {
+                let number = odd(random).to_le_bytes();
+                bytes.iter_mut().skip(at).zip(number).for_each(|(byte, new)| *byte = new);
+            }
+        }
+    }
+}
+
+fn model(probe: &mut Probe, prepared: &Prepared) -> Result<(), String> {
+    let mut random = probe.random.clone();
+    let mut model = prepared.start.clone();
+    for _ in 0..random.below(STEPS) {
+        let h = length(&mut random, prepared);
+        set(&mut random, prepared, h, [&mut model], false);
+        let _ = probe.timed("step", || model.step(h));
+    }
+    let mut bytes = written(&model)?;
+    spoil(&mut random, &mut bytes);
+    let Ok(snapshot) = probe.timed("state read", || model.read_snapshot(&bytes)) else {
+        probe.count("states refused");
+        return Ok(());
+    };
+    if let Err(error) = probe.timed("restore", || model.restore(&snapshot)) {
+        probe.count("states refused");
+        return if error.to_string().is_empty() { Err("a refusal without words".into()) } else { Ok(()) };
+    }
+    probe.count("states taken");
+    for n in 0..STEPS {
+        probe.timed("outputs", || outputs(&mut model, prepared)).map_err(|e| format!("before step {n}: {e}"))?;
+        let h = length(&mut random, prepared);
+        set(&mut random, prepared, h, [&mut model], false);
+        if probe.verbose {
+            println!("step {n} of {h:e} s");
+        }
+        match probe.timed("step from a spoiled state", || model.step(h)) {
+            Ok(()) => probe.count("steps after"),
+            Err(_) => probe.count("steps after that ended with an error"),
+        }
+        let bytes = written(&model)?;
+        model.read_snapshot(&bytes).map_err(|e| format!("the state that it wrote after step {n} is refused: {e}"))?;
+    }
+    outputs(&mut model, prepared).map(drop)
+}
+
+/// The FMUs whose states are spoiled.
+fn descriptions() -> &'static [Arc<Description>] {
+    static ALL: OnceLock<Vec<Arc<Description>>> = OnceLock::new();
+    ALL.get_or_init(|| {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../modelDescription");
+        let names = ["LandingGearRetraction", "SliderCrank", "FourBar", "Jib", "CraneJib"];
+        names.iter().filter_map(|name| Description::read(&folder.join(name)).ok()).collect()
+    })
+}
+
+/// Every output of an instance, whose status is OK, or a warning with a text.
+fn read(host: &Host, outputs: &[u32]) -> Result<(), String> {
+    let mut values = vec![0.0; outputs.len()];
+    let status = host.reals(outputs, &mut values);
+    let log = host.log.take();
+    match status {
+        Status::Ok if values.iter().all(|value| value.is_finite()) => Ok(()),
+        Status::Warning if !log.is_empty() => Ok(()),
+        // The phase of the state may be one without outputs.
+        Status::Error if log.iter().any(|message| message.text.contains("from initialization mode on")) => Ok(()),
+        status => Err(format!("fmi2GetReal answers {status:?}: {values:?} {log:?}")),
+    }
+}
+
+/// Refuses any status but OK.
+fn fine(call: &str, status: Status) -> Result<(), String> {
+    if status == Status::Ok { Ok(()) } else { Err(format!("{call} answers {status:?}")) }
+}
+
+fn instance(probe: &mut Probe) -> Result<(), String> {
+    let mut random = probe.random.clone();
+    let description = &descriptions()[random.below(descriptions().len())];
+    let host = probe.timed("fmi2Instantiate", || description.instantiate(Some(logger()), false))?;
+    fine("fmi2SetupExperiment", host.set_up(None, 0.0, None))?;
+    fine("initialisation", host.initialize())?;
+    let list = description.interface().list();
+    let of = |kind| (0..).zip(list).filter(|(_, v)| v.kind == kind).map(|(r, _)| r).collect::<Vec<u32>>();
+    let reals = of(linkage_fmu::variables::Kind::Real);
+    let mut time = 0.0;
+    for _ in 0..random.below(STEPS) {
+        let h = random.decades(1e-5, 0.1);
+        if host.step(time, h) != Status::Ok {
+            break;
+        }
+        time += h;
+    }
+    host.log.take();
+    let mut state = State::NONE;
+    fine("fmi2GetFMUstate", host.save_into(&mut state))?;
+    let mut bytes = host.serialize(&state).map_err(|s| format!("fmi2SerializeFMUstate: {s:?}"))?;
+    host.free(&mut state);
+    let end = bytes.len() - CHECK;
+    spoil(&mut random, &mut bytes[HEAD..end]);
+    let sum = crc32(&bytes[..end]).to_le_bytes();
+    bytes[end..].copy_from_slice(&sum);
+    let Ok(mut state) = probe.timed("fmi2DeSerializeFMUstate", || host.deserialize(&bytes)) else {
+        probe.count("states refused");
+        return if host.log.take().is_empty() { Err("a state is refused without a word".into()) } else { Ok(()) };
+    };
+    let status = probe.timed("fmi2SetFMUstate", || host.restore(&state));
+    host.free(&mut state);
+    host.log.take();
+    if status != Status::Ok {
+        probe.count("states refused");
+        return Ok(());
+    }
+    probe.count("states taken");
+    for _ in 0..STEPS {
+        read(&host, &reals)?;
+        let h = random.decades(1e-5, 0.1);
+        let status = probe.timed("fmi2DoStep from a spoiled state", || host.step(time, h));
+        let log = host.log.take();
+        if status == Status::Ok {
+            time += h;
+            probe.count("steps after");
+        } else if log.is_empty() {
+            return Err(format!("fmi2DoStep answers {status:?} without a word"));
+        } else {
+            // Mostly another time than that of the spoiled clock.
+            probe.count("steps after that ended with an error");
+            break;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,206 @@
+//! The hydraulic circuit in plain numbers, written from its laws alone: a second formulation beside the engine's.
+//!
+//! In: pressures, spool, length and speed. Out: their rates, flows and force. Sources: Merritt, Hydraulic Control
+//! Systems; Jelali and Kroll, Hydraulic Servo-systems; Modelica.Fluid.Utilities.regRoot.
+use std::f64::consts::PI;
+
+/// Numbers of a circuit with a 4/3 valve and a differential cylinder, all in SI units; pressures are gauge.
+#[derive(Clone, Debug)]
+#[expect(missing_docs, reason = "the names are those of the FMU's parameters")]
+pub struct Circuit {
+    pub supply_pressure: f64,
+    pub tank_pressure: f64,
+    pub ambient_pressure: f64,
+    pub bulk_modulus: f64,
+    pub air_fraction: f64,
+    pub polytropic_exponent: f64,
+    pub bore: f64,
+    pub rod: f64,
+    pub stroke: f64,
+    pub closed_length: f64,
+    pub dead_volumes: [f64; 2],
+    pub rated_flow: f64,
+    pub rated_pressure_drop: f64,
+    pub transition_pressure: f64,
+    pub clearance: f64,
+    pub overlap: f64,
+    pub frequency: f64,
+    pub damping_ratio: f64,
+    pub restrictors: [f64; 2],
+    pub check_pressure: f64,
+    pub cushion_lengths: [f64; 2],
+    pub cushions: [f64; 2],
+    pub relief_pressure: f64,
+    pub relief_width: f64,
+    pub relief_conductance: f64,
+    pub anticavitation_conductance: f64,
+    pub leakage_internal: f64,
+    pub leakage_external: [f64; 2],
+    pub coulomb: f64,
+    pub static_friction: f64,
+    pub stribeck_speed: f64,
+    pub transition_speed: f64,
+    pub viscous: f64,
+    /// Command: value before all, ramp to an amplitude within a time, amplitude and frequency of a sine.
+    pub command: f64,
+    pub ramp: [f64; 2],
+    pub sine: [f64; 2],
+}
+
+/// Pressures of chambers A and B [Pa], spool position [1] and speed [1/s].
+pub type State = [f64; 4];
+
+fn soft(x: f64, w: f64) -> f64 {
+    0.5 * (x + x.hypot(w))
+}
+
+fn gate(x: f64, w: f64) -> f64 {
+    0.5 * (1.0 + x / x.hypot(w))
+}
+
+impl Circuit {
+    /// Circuit of scene H1, and the pressures at its start.
+    pub fn h1() -> (Self, State) {
+        let circuit = Self {
+            supply_pressure: 20.7e6,
+            tank_pressure: 0.35e6,
+            ambient_pressure: 101_325.0,
+            bulk_modulus: 1.4e9,
+            air_fraction: 0.005,
+            polytropic_exponent: 1.4,
+            bore: 0.045,
+            rod: 0.025,
+            stroke: 0.330,
+            closed_length: 0.412,
+            dead_volumes: [6e-5; 2],
+            rated_flow: 1e-4,
+            rated_pressure_drop: 3.5e6,
+            transition_pressure: 1e5,
+            clearance: 2e-3,
+            overlap: 0.0,
+            frequency: 60.0,
+            damping_ratio: 0.8,
+            restrictors: [5e-5, 0.0],
+            check_pressure: 5e4,
+            cushion_lengths: [0.030; 2],
+            cushions: [1.2e-5; 2],
+            relief_pressure: 28e6,
+            relief_width: 1e5,
+            relief_conductance: 1e-10,
+            anticavitation_conductance: 1e-10,
+            leakage_internal: 2e-13,
+            leakage_external: [0.0, 5e-14],
+            coulomb: 250.0,
+            static_friction: 400.0,
+            stribeck_speed: 0.02,
+            transition_speed: 0.005,
+            viscous: 500.0,
+            command: 0.0,
+            ramp: [0.65, 0.1],
+            sine: [0.0, 0.0],
+        };
+        (circuit, [6e6, 11.15e6, 0.0, 0.0])
+    }
+
+    /// Circuit of scene H2, in which all laws are analytic, and the pressures at its start.
+    pub fn h2() -> (Self, State) {
+        let (h1, _) = Self::h1();
+        let friction = Self { coulomb: 0.0, static_friction: 0.0, viscous: 0.0, ..h1 };
+        let smooth = Self { air_fraction: 0.0, cushion_lengths: [0.0; 2], ..friction };
+        (Self { ramp: [0.0, 0.1], sine: [0.5, 2.0], ..smooth }, [8e6, 10.08e6, 0.0, 0.0])
+    }
+
+    /// Areas of the piston and rod side [m2].
+    pub fn areas(&self) -> [f64; 2] {
+        let piston = 0.25 * PI * self.bore * self.bore;
+        [piston, piston - 0.25 * PI * self.rod * self.rod]
+    }
+
+    /// Effective bulk modulus at a pressure [Pa].
+    pub fn bulk(&self, p: f64) -> f64 {
+        let (absolute, n) = (p + self.ambient_pressure, self.polytropic_exponent);
+        let r = self.air_fraction * (self.ambient_pressure / absolute).powf(1.0 / n);
+        self.bulk_modulus * (1.0 + r) / (1.0 + r * self.bulk_modulus / (n * absolute))
+    }
+
+    /// Command at the time t [s].
+    fn command(&self, t: f64) -> f64 {
+        let [amplitude, time] = self.ramp;
+        let ramp = amplitude * if time > 0.0 { (t / time).clamp(0.0, 1.0) } else { 1.0 };
+        (self.command + ramp + self.sine[0] * (2.0 * PI * self.sine[1] * t).sin()).clamp(-1.0, 1.0)
+    }
+
+    /// Flow into a chamber at p from a port, through an edge of this opening and a resistance to outflow.
+    fn path(&self, port: f64, p: f64, opening: f64, resistance: f64) -> f64 {
+        let d = port - p;
+        let root = d / (d * d + self.transition_pressure.powi(2)).powf(0.25);
+        let k = self.rated_flow / self.rated_pressure_drop.sqrt() * opening;
+        root / (1.0 / (k * k) + resistance * gate(-d, self.check_pressure)).sqrt()
+    }
+
+    /// Flows into the chambers at the length s [m3/s].
+    pub fn flows(&self, s: f64, [p_a, p_b, y, _]: &State) -> [f64; 2] {
+        let (p_a, p_b) = (*p_a, *p_b);
+        let x = s - self.closed_length;
+        let plus = soft(y - self.overlap, self.clearance);
+        let minus = soft(-y - self.overlap, self.clearance);
+        let square = |flow: f64| if flow > 0.0 { self.rated_pressure_drop / (flow * flow) } else { 0.0 };
+        let resistance = |chamber: usize, e: f64| {
+            let length = self.cushion_lengths[chamber];
+            let share = if length > 0.0 { (1.0 - e / length).max(0.0).powi(3) } else { 0.0 };
+            square(self.restrictors[chamber]) + square(self.cushions[chamber]) * share
+        };
+        let [r_a, r_b] = [resistance(0, x), resistance(1, self.stroke - x)];
+        let (supply, tank) = (self.supply_pressure, self.tank_pressure);
+        let valve = [
+            self.path(supply, p_a, plus, r_a) + self.path(tank, p_a, minus, r_a),
+            self.path(supply, p_b, minus, r_b) + self.path(tank, p_b, plus, r_b),
+        ];
+        let leak = self.leakage_internal * (p_a - p_b);
+        let ports = |p: f64, external: f64| {
+            self.anticavitation_conductance * soft(tank - p, self.relief_width)
+                - self.relief_conductance * soft(p - self.relief_pressure, self.relief_width)
+                - external * p
+        };
+        [valve[0] + ports(p_a, self.leakage_external[0]) - leak, valve[1] + ports(p_b, self.leakage_external[1]) + leak]
+    }
+
+    /// Volumes of the chambers at the length s [m3].
+    fn volumes(&self, s: f64) -> [f64; 2] {
+        let ([a, b], x) = (self.areas(), s - self.closed_length);
+        [self.dead_volumes[0] + a * x, self.dead_volumes[1] + b * (self.stroke - x)]
+    }
+
+    /// Rates of the state at the time t [s], with the length s [m] and the speed v [m/s].
+    pub fn rates(&self, t: f64, s: f64, v: f64, state: &State) -> State {
+        let [p_a, p_b, y, w] = *state;
+        let ([a, b], [q_a, q_b], [v_a, v_b]) = (self.areas(), self.flows(s, state), self.volumes(s));
+        let omega = 2.0 * PI * self.frequency;
+        [
+            self.bulk(p_a) / v_a * (q_a - a * v),
+            self.bulk(p_b) / v_b * (q_b + b * v),
+            w,
+            omega * (omega * (self.command(t) - y) - 2.0 * self.damping_ratio * w),
+        ]
+    }
+
+    /// Friction of the seals at the speed v [N], and its derivative [N.s/m].
+    pub fn friction(&self, v: f64) -> [f64; 2] {
+        let bell = (-(v / self.stribeck_speed).powi(2)).exp() * (self.static_friction - self.coulomb);
+        let (size, th) = (self.coulomb + bell, (v / self.transition_speed).tanh());
+        let slope = -2.0 * v / self.stribeck_speed.powi(2) * bell * th + size * (1.0 - th * th) / self.transition_speed;
+        [size * th + self.viscous * v, slope + self.viscous]
+    }
+
+    /// Force on the ends of the cylinder [N].
+    pub fn force(&self, v: f64, [p_a, p_b, ..]: &State) -> f64 {
+        let [a, b] = self.areas();
+        a * p_a - b * p_b - self.friction(v)[0]
+    }
+
+    /// Stiffness -dF/ds at once [N/m].
+    pub fn stiffness(&self, s: f64, [p_a, p_b, ..]: &State) -> f64 {
+        let ([a, b], [v_a, v_b]) = (self.areas(), self.volumes(s));
+        self.bulk(*p_a) * a * a / v_a + self.bulk(*p_b) * b * b / v_b
+    }
+}

@@ -1,0 +1,162 @@
+//! The two sides of a coupling at one cylinder, and what passes between them.
+//!
+//! In: nothing. Out: the traits that a coupling scheme drives. A side may be an FMU or a model in closed form: a scheme
+//! cannot tell.
+
+/// Length s [m], speed v [m/s] and acceleration a [m/s2] of the cylinder.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Motion {
+    /// s.
+    pub length: f64,
+    /// v.
+    pub speed: f64,
+    /// a under the present force.
+    pub acceleration: f64,
+}
+
+/// The mechanism as one element at the cylinder: (m + m' s) a + m' v^2 / 2 + W + W' s = F, with s from here on.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Element {
+    /// Reduced mass m [kg]; 0: not told.
+    pub mass: f64,
+    /// dm/ds [kg/m].
+    pub mass_derivative: f64,
+    /// Holding force W [N].
+    pub holding: f64,
+    /// dW/ds [N/m]; 0: not told.
+    pub holding_derivative: f64,
+}
+
+/// The force that the actuator foresees for the next step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Preview {
+    /// Start [N] and rate [N/s] of the line that has the impulse and the first moment of the force.
+    pub line: [f64; 2],
+    /// Mean [N].
+    pub mean: f64,
+    /// Foreseen acceleration at the start and at the end of the step [m/s2].
+    pub accelerations: [f64; 2],
+}
+
+/// Why a step was refused, in the words of the side that refused.
+pub type Refused = String;
+
+/// The side that takes the force and gives the motion.
+///
+/// # Errors
+/// Of all methods: the side refuses the call.
+pub trait Mechanism {
+    /// Motion under the present force.
+    fn motion(&mut self) -> Result<Motion, Refused>;
+    /// Rate of the acceleration under a constant force [m/s3], and da/dF [1/kg].
+    fn jerk(&mut self) -> Result<[f64; 2], Refused>;
+    /// The mechanism as one element.
+    fn element(&mut self) -> Result<Element, Refused>;
+    /// Force at the beginning of the next step with its first and second derivative in time [N, N/s, N/s2].
+    fn set_force(&mut self, force: [f64; 3]) -> Result<(), Refused>;
+    /// Advance from the communication point `t` by `h` [s].
+    fn step(&mut self, t: f64, h: f64) -> Result<(), Refused>;
+    /// Keep the present state for [`Self::restore`].
+    fn save(&mut self) -> Result<(), Refused>;
+    /// Return to the state kept last.
+    fn restore(&mut self) -> Result<(), Refused>;
+    /// Kinetic and potential energy [J].
+    fn energy(&mut self) -> Result<f64, Refused>;
+    /// Where the mechanism is, in the coordinate whose error is measured.
+    fn position(&mut self) -> Result<f64, Refused>;
+}
+
+/// The side that takes the motion and gives the force.
+///
+/// # Errors
+/// Of all methods: the side refuses the call.
+pub trait Actuator {
+    /// Length at the beginning of the next step, and the speed there with its derivatives in time up to order 4.
+    fn set_motion(&mut self, length: f64, speed: [f64; 5]) -> Result<(), Refused>;
+    /// Force [N].
+    fn force(&mut self) -> Result<f64, Refused>;
+    /// Rate of the force under this acceleration [N/s].
+    fn force_rate(&mut self, acceleration: f64) -> Result<f64, Refused>;
+    /// Stiffness -dF/ds [N/m] at once, and damping -dF/dv [N.s/m].
+    fn compliance(&mut self) -> Result<[f64; 2], Refused>;
+    /// The force foreseen for a step of `h` [s] of this element from the present motion on. With `keeps`, the next step
+    /// follows the motion foreseen; else the motion set.
+    fn preview(&mut self, element: Element, h: f64, keeps: bool) -> Result<Preview, Refused>;
+    /// Advance from the communication point `t` by `h` [s].
+    fn step(&mut self, t: f64, h: f64) -> Result<(), Refused>;
+    /// Keep the present state for [`Self::restore`].
+    fn save(&mut self) -> Result<(), Refused>;
+    /// Return to the state kept last.
+    fn restore(&mut self) -> Result<(), Refused>;
+    /// Work done on the mechanism since the start [J].
+    fn work(&mut self) -> Result<f64, Refused>;
+}
+
+/// Both sides, with the number of steps that each has made.
+pub struct Pair<'a> {
+    /// Side that takes the force.
+    pub mechanism: &'a mut dyn Mechanism,
+    /// Side that gives the force.
+    pub actuator: &'a mut dyn Actuator,
+    /// Steps of the mechanism and of the actuator.
+    pub steps: [u64; 2],
+}
+
+/// What both sides tell at a communication point.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Point {
+    /// Motion of the mechanism under `force`.
+    pub motion: Motion,
+    /// Force of the actuator with that speed [N].
+    pub force: f64,
+}
+
+impl<'a> Pair<'a> {
+    /// A pair at its start.
+    pub fn new(mechanism: &'a mut dyn Mechanism, actuator: &'a mut dyn Actuator) -> Self {
+        Self { mechanism, actuator, steps: [0; 2] }
+    }
+
+    /// Exchange the present values: the motion to the actuator, its force to the mechanism.
+    ///
+    /// # Errors
+    /// A side refuses.
+    pub fn exchange(&mut self) -> Result<Point, Refused> {
+        let Motion { length, speed, .. } = self.mechanism.motion()?;
+        self.actuator.set_motion(length, [speed, 0.0, 0.0, 0.0, 0.0])?;
+        let force = self.actuator.force()?;
+        self.mechanism.set_force([force, 0.0, 0.0])?;
+        Ok(Point { motion: self.mechanism.motion()?, force })
+    }
+
+    /// [`Mechanism::step`], counted.
+    ///
+    /// # Errors
+    /// It is refused.
+    pub fn step_mechanism(&mut self, t: f64, h: f64) -> Result<(), Refused> {
+        self.steps[0] += 1;
+        self.mechanism.step(t, h)
+    }
+
+    /// [`Actuator::step`], counted.
+    ///
+    /// # Errors
+    /// It is refused.
+    pub fn step_actuator(&mut self, t: f64, h: f64) -> Result<(), Refused> {
+        self.steps[1] += 1;
+        self.actuator.step(t, h)
+    }
+}
+
+/// The speed as the polynomial of degree 4 in time that has the speed and the acceleration of both ends of a step of
+/// `h` [s] and its change of length: value and derivatives at the start.
+pub fn hermite(from: Motion, to: Motion, h: f64) -> [f64; 5] {
+    // v(tau) = v0 + a0 tau + c2 x^2 + c3 x^3 + c4 x^4 with x = tau / h: three conditions for c.
+    let speed = to.speed - from.speed - from.acceleration * h;
+    let slope = (to.acceleration - from.acceleration) * h;
+    let length = (to.length - from.length) / h - from.speed - 0.5 * from.acceleration * h;
+    let c4 = 30.0 * (length - 0.5 * speed + slope / 12.0);
+    let c3 = slope - 2.0 * speed - 2.0 * c4;
+    let c2 = speed - c3 - c4;
+    [from.speed, from.acceleration, 2.0 * c2 / (h * h), 6.0 * c3 / h.powi(3), 24.0 * c4 / h.powi(4)]
+}
