@@ -33,11 +33,11 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
         &[instructions::REPEAT, scene, reads, steps, repetitions] => {
             instructions::repeat(&descriptions.join("LandingGearRetraction"), [scene, reads, steps, repetitions])
         }
-        _ => {
-            Err("arguments: none for the tables of run times, `instructions`, `stress` with names of groups, or `attack` \
+        _ => Err(
+            "arguments: none for the tables of run times, `instructions`, `stress` with names of groups, or `attack` \
                  with its options"
-                .into())
-        }
+                .into(),
+        ),
     }
 }
 

@@ -34,11 +34,8 @@ const PLACE: &str = "\"@@place@@\"";
 /// A refusal without words or over several lines; a value that is not finite without a reason.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
-    let text = if random.chance(0.5) {
-        random.pick(&GIVEN).to_owned()
-    } else {
-        mechanism::definition(&mut random).text
-    };
+    let text =
+        if random.chance(0.5) { random.pick(&GIVEN).to_owned() } else { mechanism::definition(&mut random).text };
     let text = spoiled(&mut random, &text);
     if probe.verbose {
         println!("{text}");
@@ -129,8 +126,7 @@ fn spoiled(random: &mut Random, text: &str) -> String {
             break;
         }
         let place = &found[random.below(found.len())];
-        let numbers: Vec<&String> =
-            found.iter().filter(|at| value.pointer(at).is_some_and(Value::is_number)).collect();
+        let numbers: Vec<&String> = found.iter().filter(|at| value.pointer(at).is_some_and(Value::is_number)).collect();
         match random.below(12) {
             0..=5 if !numbers.is_empty() => {
                 let place = numbers[random.below(numbers.len())].clone();
@@ -144,7 +140,8 @@ fn spoiled(random: &mut Random, text: &str) -> String {
             6 => remove(&mut value, place),
             7 => {
                 // Written twice.
-                if let Some((_, key)) = place.rsplit_once('/').filter(|_| !place.ends_with(|c: char| c.is_ascii_digit()))
+                if let Some((_, key)) =
+                    place.rsplit_once('/').filter(|_| !place.ends_with(|c: char| c.is_ascii_digit()))
                 {
                     let own = value.pointer(place).map(Value::to_string).unwrap_or_default();
                     text = Some(placed(&value, place, &format!("{own},\"{key}\":{own}")));

@@ -315,7 +315,8 @@ fn four_bar(random: &mut Random) -> Parts {
     json["guess"] = json!({ "crank": angle, "coupler": beta, "follower": gamma });
     if fem {
         json["torques"] = json!({ "motor": { "on": "crank" } });
-        json["solver"] = json!({ "method": random.pick(&["rigid_fem", "reduced"]), "fem_step": random.decades(2e-5, 1e-3) });
+        json["solver"] =
+            json!({ "method": random.pick(&["rigid_fem", "reduced"]), "fem_step": random.decades(2e-5, 1e-3) });
         if let Some(json) = json.as_object_mut() {
             json.remove("friction");
         }

@@ -26,7 +26,8 @@ pub fn page(asked: &Asked, outcomes: &[Outcome]) -> String {
         asked.threads, asked.seed, asked.seed
     );
     let mut page = measure::page("Attack", &words);
-    page += &measure::heading(&["part", "what is asked for", "cases", "fail", "longest call [s]", "in", "its seed", "[s]"]);
+    page +=
+        &measure::heading(&["part", "what is asked for", "cases", "fail", "longest call [s]", "in", "its seed", "[s]"]);
     for Outcome { part, tally, seconds } in outcomes {
         let longest = &tally.longest;
         let _ = writeln!(

@@ -127,7 +127,8 @@ impl Machine {
         };
         if random.chance(0.6) {
             let slow = random.decades(3e-3, 0.1);
-            machine.friction = Some([random.within(0.0, 0.3), random.within(0.0, 0.2), slow, slow * random.decades(2.0, 50.0)]);
+            machine.friction =
+                Some([random.within(0.0, 0.3), random.within(0.0, 0.2), slow, slow * random.decades(2.0, 50.0)]);
         }
         if random.chance(0.3) {
             machine.efficiency = random.within(0.4, 1.0);
@@ -136,7 +137,13 @@ impl Machine {
         machine
     }
 
-    fn of(bodies: Vec<Body>, joints: Vec<Joint>, drive: Quantity, names: [&'static str; 3], random: &mut Random) -> Self {
+    fn of(
+        bodies: Vec<Body>,
+        joints: Vec<Joint>,
+        drive: Quantity,
+        names: [&'static str; 3],
+        random: &mut Random,
+    ) -> Self {
         let gravity = [if random.chance(0.7) { 9.81 } else { 0.0 }, random.within(-PI, PI)];
         Self {
             bodies,
@@ -242,7 +249,8 @@ impl Machine {
             }
             _ => json!({ "body": self.bodies[0].name, "angle": self.bodies[0].angle, "speed": self.speed }),
         };
-        let stops: Map<_, _> = self.stops.iter().enumerate().map(|(k, stop)| (format!("s{k}"), self.stop(stop))).collect();
+        let stops: Map<_, _> =
+            self.stops.iter().enumerate().map(|(k, stop)| (format!("s{k}"), self.stop(stop))).collect();
         let mut out = json!({
             "name": "Scene", "bodies": bodies, "joints": joints, "stops": stops, "start": start, "guess": guess,
             "gravity": { "acceleration": self.gravity[0], "up_angle": self.gravity[1] },
@@ -337,8 +345,15 @@ fn slider_crank(random: &mut Random) -> Machine {
     let wrist = turned([x + (length * length - lift * lift).sqrt(), offset], axis);
     let mass = random.decades(0.3, 10.0);
     let part = random.decades(0.2, 3.0);
-    let slider =
-        Body { name: "slider", length: 0.0, mass: mass * part, inertia: 1.0, center: [0.0; 2], origin: wrist, angle: axis };
+    let slider = Body {
+        name: "slider",
+        length: 0.0,
+        mass: mass * part,
+        inertia: 1.0,
+        center: [0.0; 2],
+        origin: wrist,
+        angle: axis,
+    };
     let bodies =
         vec![rod(random, "crank", [[0.0; 2], end], mass), rod(random, "rod", [end, wrist], 0.6 * mass), slider];
     let guide = Joint {

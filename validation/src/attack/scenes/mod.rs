@@ -48,7 +48,8 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
     };
     let tolerance = machine.tolerance;
     let oracles = [(1e-3, 1e-12, 0.0), (1.7e-3, 3e-12, tolerance)];
-    let [Some(mut one), Some(mut other)] = oracles.map(|(most, error, nudge)| Oracle::new(&machine, most, error, nudge))
+    let [Some(mut one), Some(mut other)] =
+        oracles.map(|(most, error, nudge)| Oracle::new(&machine, most, error, nudge))
     else {
         probe.count("scenes refused");
         return Ok(());
@@ -96,7 +97,10 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
         let off = (x - y).abs().max((u - v).abs() / scale);
         let ratio = off / (tolerance.max(doubt) + OWN);
         if probe.verbose {
-            println!("  {x} {u}, expected {y} {v}: {off:.1e}, moved start {doubt:.1e}, ratio {ratio:.2}, {:?}", one.held);
+            println!(
+                "  {x} {u}, expected {y} {v}: {off:.1e}, moved start {doubt:.1e}, ratio {ratio:.2}, {:?}",
+                one.held
+            );
         }
         probe.ratio(ratio, "error over tolerance");
         if !(ratio <= MOST) {
