@@ -265,15 +265,16 @@ pub fn starts(actuator: &HydraulicActuator) -> [f64; Input::ALL.len()] {
     })
 }
 
-/// The variables that make up the connection with what the actuator moves.
+/// The variables that make up the connection with what the actuator moves: force and motion as a drive of a mechanism
+/// names them, then the terms of the one element.
 pub fn terminals<Q: Copy>(variables: &Variables<Q>) -> Vec<Terminal> {
-    let members = variables.list().iter().enumerate();
-    let members = members.filter(|(_, variable)| variable.name.starts_with("actuator."));
-    vec![Terminal {
-        name: "actuator".to_owned(),
-        description: "Force and motion of the actuator".to_owned(),
-        members: members.map(|(index, _)| index as Reference).collect(),
-    }]
+    let list = variables.list();
+    let mut members: Vec<Reference> = variables.find("actuator.force").into_iter().collect();
+    let inputs = list.iter().enumerate().filter(|(_, variable)| variable.causality == Causality::Input);
+    let inputs = inputs.filter(|(_, variable)| variable.name.starts_with("actuator."));
+    members.extend(inputs.map(|(index, _)| index as Reference));
+    let description = "Force and motion of the actuator".to_owned();
+    vec![Terminal { name: "actuator".to_owned(), description, members }]
 }
 
 /// Sections of parameters on which the value at the start of an output depends.
