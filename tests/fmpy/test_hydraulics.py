@@ -90,7 +90,7 @@ def test_start_values_are_those_of_the_binary(actuator: Instance) -> None:
 def test_with_defaults_the_cylinder_is_held() -> None:
     """Nothing is commanded, nothing moves: leakage alone changes the pressures, and the energies balance."""
     result = simulate_fmu(str(FMU))
-    assert result["time"][-1] == 1.0
+    assert result["time"][-1] == pytest.approx(float(read_model_description(str(FMU)).defaultExperiment.stopTime))
     for name in result.dtype.names:
         assert np.all(np.isfinite(result[name])), name
     assert np.all(result["valve.position"] == 0.0)
@@ -168,7 +168,7 @@ def test_a_run_is_repeated_from_a_serialised_state(actuator: Instance, folder: P
 def test_a_length_beyond_the_cylinder_is_refused(actuator: Instance, length: float) -> None:
     actuator.start()
     actuator.slave.doStep(0.0, 1e-3)
-    before = actuator.outputs()
+    before, valid = actuator.outputs(), actuator.get("actuator.length")[0]
     actuator.set("actuator.length", length)
     actuator.messages.clear()
     with pytest.raises(FMICallException):
@@ -176,7 +176,7 @@ def test_a_length_beyond_the_cylinder_is_refused(actuator: Instance, length: flo
     text = "\n".join(actuator.messages)
     for piece in (f"actuator.length = {length:g} m", "0.412 m", "0.742 m", "cylinder.closed_length", "cylinder.stroke"):
         assert piece in text, text
-    actuator.set("actuator.length", 0.577)
+    actuator.set("actuator.length", valid)
     assert actuator.outputs() == before
     actuator.slave.doStep(1e-3, 1e-3)
 
