@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib as mpl
+from demo import GEAR_UP, time_to
 from part import Part
 
 mpl.use("Agg")
@@ -20,10 +21,10 @@ import matplotlib.pyplot as plt
 
 STEP = 1e-3
 """Communication step [s]."""
+TOLERANCE = 1e-12
+"""Relative tolerance of both integrations: their errors stay below those of the coupling."""
 LONGEST = 4500
 """Most steps of a run; the gear is up after 4066."""
-GEAR_UP = -1.3
-"""Angle of the crank at which the gear is up [rad]."""
 LOST = 30_000.0
 """Force beyond which a coupling is lost [N]: more than the cylinder can push."""
 
@@ -70,7 +71,7 @@ class Scheme:
     title: str
     colour: str
     previews: bool = True
-    """Whether the hydraulics know the gear as one element; else each side holds what the other told at the beginning."""
+    """Whether the hydraulics know the gear as one element; else each side holds what the other told before."""
     linear: bool = False
     """Whether the gear has the line foreseen, by an input derivative; else the mean force, held."""
     two_passes: bool = False
@@ -101,7 +102,7 @@ class Run:
         return [row[index] for row in self.rows]
 
     def interface_energy(self) -> list[float]:
-        """Energy that the coupling made [J]: gain of the gear, less the work that the hydraulics did, since the start."""
+        """Energy that the coupling made [J]: gain of the gear since the start, less the work of the hydraulics."""
         gear = [kinetic + potential for kinetic, potential in self.pairs("energy.kinetic", "energy.potential")]
         return [own - gear[0] - work for own, work in zip(gear, self.column("energy.piston"), strict=True)]
 
@@ -123,12 +124,12 @@ def hermite(speed: float, end: list[float], way: float, accelerations: list[floa
     """Derivatives of orders 1 to 4 of the speed at the beginning of a step of size h. The speed is the polynomial of
     degree 4 in time with the values and slopes of both ends, and with the integral `way`."""
     start, last = accelerations
-    rise, mean = end[1] - speed - start * h, way / h - speed - 0.5 * start * h
-    slope = (last - start) * h
-    a = 30.0 * mean - 12.0 * rise + 1.5 * slope
-    b = 28.0 * rise - 4.0 * slope - 60.0 * mean
-    c = 30.0 * mean - 15.0 * rise + 2.5 * slope
-    return [start, 2.0 * a / h**2, 6.0 * b / h**3, 24.0 * c / h**4]
+    rise, slope = end[1] - speed - start * h, (last - start) * h
+    mean = way / h - speed - 0.5 * start * h
+    fourth = 30.0 * (mean - 0.5 * rise + slope / 12.0)
+    third = slope - 2.0 * rise - 2.0 * fourth
+    second = rise - third - fourth
+    return [start, 2.0 * second / h**2, 6.0 * third / h**3, 24.0 * fourth / h**4]
 
 
 class Pair:
@@ -147,13 +148,11 @@ class Pair:
         for part in (self.gear, self.hydraulics):
             part.slave.reset()
         self.gear.choose("downstop.enabled", False)
-        self.hydraulics.write(
-            {"command.ramp_amplitude": 0.65, "command.ramp_time": 0.1, "preview.horizon": STEP}
-        )
+        self.hydraulics.write({"command.ramp_amplitude": 0.65, "command.ramp_time": 0.1, "preview.horizon": STEP})
         if scheme.two_passes:
             self.hydraulics.slave.setString([self.hydraulics.references["coupling.mode"]], ["follow"])
         for part in (self.gear, self.hydraulics):
-            part.slave.setupExperiment(startTime=0.0)
+            part.slave.setupExperiment(tolerance=TOLERANCE, startTime=0.0)
             part.slave.enterInitializationMode()
         self.tell(scheme)
         for part in (self.gear, self.hydraulics):
@@ -199,9 +198,9 @@ class Pair:
             self.step(scheme, i * STEP)
             outputs = self.outputs()
             run.rows.append([(i + 1) * STEP, *outputs])
-            angle, speed = outputs[:2]
-            if angle + speed * STEP <= GEAR_UP:
-                run.time_up = (i + 1) * STEP + (GEAR_UP - angle) / speed
+            rest = time_to(GEAR_UP - outputs[0], *self.gear.read("crank.speed", "crank.acceleration"))
+            if rest <= STEP:
+                run.time_up = (i + 1) * STEP + rest
                 break
             if abs(outputs[len(OF_GEAR)]) > LOST:
                 break
@@ -214,9 +213,9 @@ def report(runs: list[Run]) -> str:
     for run in runs:
         errors = run.errors().values()
         energy = max(map(abs, run.interface_energy()))
-        up = "lost" if run.time_up is None else f"up after {run.time_up:.6f} s"
+        up = "lost" if run.time_up is None else f"up after {run.time_up:.9f} s"
         lines.append(
-            f"{run.scheme.title:30s}{up}   largest errors {max(e[0] for e in errors):.1e} rad, "
+            f"{run.scheme.title:30s}{up:23s}   largest errors {max(e[0] for e in errors):.1e} rad, "
             f"{max(e[1] for e in errors):.1e} N, energy made at the interface {energy:.1e} J"
         )
     standard = runs[STANDARD]
@@ -226,7 +225,8 @@ def report(runs: list[Run]) -> str:
     limits = [limit for limit in standard.column("coupling.stable_step") if limit > 0.0]
     lines += [
         f"energies                      supplied {last['energy.supplied']:.1f} J, throttled "
-        f"{last['energy.throttling']:.1f} J, on the piston {last['energy.piston']:.1f} J, gained by the gear {gained:.1f} J",
+        f"{last['energy.throttling']:.1f} J, on the piston {last['energy.piston']:.1f} J, gained by the gear "
+        f"{gained:.1f} J",
         f"energy.balance                {last['energy.balance']:.1e} J (error of the hydraulics' integration)",
         f"coupling.stable_step          {1e3 * min(limits):.2f} to {1e3 * max(limits):.2f} ms on the way: what a plain "
         "exchange stands",
@@ -262,7 +262,7 @@ def write_plot(runs: list[Run], path: Path) -> None:
         dot = {"linestyle": "none", "marker": "o", "markersize": 4, "color": "black", "fillstyle": "none"}
         force.plot(marks, [1e-3 * f for _, f in REFERENCE.values()], label="reference", **dot)
         force.set_ylabel("actuator force [kN]")
-        force.legend()
+        force.legend(loc="lower right")
         angle.plot(time, [math.degrees(a) for a in run.column("crank.angle")])
         angle.plot(marks, [math.degrees(a) for a, _ in REFERENCE.values()], label="reference", **dot)
         angle.set_ylabel("crank angle [deg]")
@@ -282,9 +282,9 @@ def write_plot(runs: list[Run], path: Path) -> None:
             made = [max(abs(e), 1e-12) for e in other.interface_energy()[1:]]
             energy.semilogy(other.column("time")[1:], made, color=colour, linewidth=1.0, label=other.scheme.title)
         error.set_ylabel("error of the crank angle [rad]")
-        error.set_ylim(1e-14, 1.0)
+        error.set_ylim(1e-13, 1e-1)
         energy.set_ylabel("energy made at the interface [J]")
-        energy.set_ylim(1e-9, 1e3)
+        energy.set_ylim(1e-9, 1e2)
         energy.legend(fontsize=8, ncols=2, loc="upper left")
         for panel in panels.flat:
             panel.set_xlim(0.0, time[-1])

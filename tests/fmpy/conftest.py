@@ -26,8 +26,8 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 
 
 MESSAGES: dict[int, list[str]] = {}
-"""Messages of each instance, by the environment it hands back; 0: of instances that FMPy itself makes. FMPy's proxy knows
-one logger for the whole process."""
+"""Messages of each instance, by the environment it hands back; 0: of instances that FMPy itself makes. FMPy's proxy
+knows one logger for the whole process."""
 
 
 def log(environment: int | None, _name: bytes, _status: int, _category: bytes, message: bytes) -> None:
