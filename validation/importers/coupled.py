@@ -131,7 +131,7 @@ def ecos(fmus: Path, step: float, previews: bool, package: bool = False) -> Angl
     ctypes.CDLL(str(Path(sys.prefix) / "lib" / "libtbb.so.12"), mode=ctypes.RTLD_GLOBAL)
     from ecospy import EcosSimulation, EcosSimulationStructure
 
-    def run(simulation: EcosSimulation, values: str | None) -> Angles:
+    def run(simulation: EcosSimulation, values: str) -> Angles:
         assert simulation.init(parameter_set=values)
         angles = []
         for _ in range(round(END * 1e-3 / step)):
@@ -142,7 +142,7 @@ def ecos(fmus: Path, step: float, previews: bool, package: bool = False) -> Angl
 
     if package:
         with EcosSimulation(ssp_path=str(fmus / SSP), step_size=step) as simulation:
-            return run(simulation, None)
+            return run(simulation, "initialValues")
     with EcosSimulationStructure() as structure:
         structure.add_model("gear", str(fmus / GEAR))
         structure.add_model("hydraulics", str(fmus / HYDRAULICS))

@@ -10,6 +10,8 @@ use std::io;
 
 /// Name of the file in the package.
 pub const PATH: &str = "SystemStructure.ssd";
+/// Name of the set of values of each FMU. One name for all: ECOS takes the values of one name from all of them.
+const VALUES: &str = "initialValues";
 
 /// One FMU of a system.
 #[derive(Clone, Copy, Debug)]
@@ -157,7 +159,7 @@ impl System<'_> {
             if values.is_empty() {
                 return Ok(());
             }
-            let header = [("version", "1.0".to_owned()), ("name", format!("{name} values"))];
+            let header = [("version", "1.0".to_owned()), ("name", VALUES.to_owned())];
             group(xml, "ssd:ParameterBindings", |xml| {
                 group(xml, "ssd:ParameterBinding", |xml| {
                     group(xml, "ssd:ParameterValues", |xml| {
