@@ -5,6 +5,7 @@ mod abi;
 mod clock;
 mod host;
 mod hostile;
+mod hydraulics;
 mod instantiate;
 mod interrupted;
 mod method;
