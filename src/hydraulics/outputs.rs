@@ -4,7 +4,7 @@
 //! It must not know how a step is made.
 use super::circuit::{Equations, Flows, Point, Powers};
 use super::state::Preview;
-use super::systems::{ENERGIES, ENERGY};
+use super::systems::ENERGIES;
 use crate::numerics::dual::{Dual, Number};
 
 /// A computed quantity; a side is 0 for chamber A and 1 for chamber B.
@@ -28,6 +28,7 @@ pub enum Output {
     SpoolPosition,
     SpoolSpeed,
     SupplyFlow,
+    SupplyPressure,
     TankFlow,
     StrokePosition,
     Power(usize),
@@ -99,10 +100,7 @@ impl<T: Number> Present<T> {
         Some(match output {
             Output::Force => self.powers.force,
             Output::Stiffness => laws.stiffness(at.pressures, at.length),
-            Output::Damping => {
-                let (_, slope, curvature) = laws.friction_at(at.speed.value());
-                at.speed.chain(slope, curvature)
-            }
+            Output::Damping => laws.damping(at.pressures, at.speed),
             Output::Pressure(side) => at.pressures[side],
             Output::Flow(side) => flows.chambers[side],
             Output::Volume(side) => flows.volumes[side],
@@ -110,6 +108,7 @@ impl<T: Number> Present<T> {
             Output::SpoolPosition => at.spool,
             Output::SpoolSpeed => at.spool_speed,
             Output::SupplyFlow => flows.supply,
+            Output::SupplyPressure => at.supply,
             Output::TankFlow => flows.tank,
             Output::StrokePosition => at.length - T::constant(laws.lengths()[0]),
             Output::Power(index) => self.powers()[index],
@@ -122,10 +121,6 @@ impl<T: Number> Present<T> {
         })
     }
 }
-
-/// Index of the energy of the piston's work among the energies.
-pub const PISTON: usize = 2;
-const _: () = assert!(ENERGY + PISTON == 6);
 
 /// Largest step [s] of a coupling that exchanges force and motion with held inputs: with the eigenvalue lambda = -zeta
 /// omega +- i omega sqrt(1 - zeta^2) of (s, v, p_A, p_B) for a mass m, explicit Euler's |1 + h lambda| <= 1 for h <= 2

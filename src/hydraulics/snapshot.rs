@@ -117,7 +117,7 @@ impl Model {
         record.flag("in motion", &mut moves)?;
         let state = if moves {
             parameters.actuator.check()?;
-            let mut state = State::at_start(&parameters.actuator.circuit);
+            let mut state = parameters.start(&inputs);
             state.record(record)?;
             Some(state)
         } else {
