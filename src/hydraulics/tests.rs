@@ -624,7 +624,8 @@ fn a_lock_valve_holds_until_its_pilot_opens() {
         spool_speed: 0.0,
         length: 0.6,
         speed: 0.0,
-        supply: 20.7e6,
+        // Of the pressure in the chamber, so that nothing leaks into it.
+        supply: 12e6,
         tank: 0.35e6,
         command: 0.0,
     };
@@ -635,9 +636,9 @@ fn a_lock_valve_holds_until_its_pilot_opens() {
     assert!(out(&free, closed) < -1e-5);
     assert!(out(&locked, closed).abs() < 1e-7 * out(&free, closed).abs(), "{}", out(&locked, closed));
     assert!((out(&locked, open) / out(&free, open) - 1.0).abs() < 1e-3);
-    // Inflow passes whatever the pilot says.
+    // Inflow passes whatever the pilot says, but for the tail of the gate, (w/2d)^2 at the pressure drop d.
     let inflow = |laws: &Equations| laws.flows(&Point { spool: 0.5, ..at([5e6, 0.0]) }).chambers[0];
-    assert!((inflow(&locked) / inflow(&free) - 1.0).abs() < 1e-5);
+    assert!((inflow(&locked) / inflow(&free) - 1.0).abs() < 1e-4);
     let powers = locked.powers(&at(closed), &locked.flows(&at(closed)));
     let out = powers.returned + powers.piston + powers.seal_friction + powers.compression + powers.throttling;
     assert!((powers.supply - out).abs() < 1e-12 * powers.throttling.abs().max(1.0));

@@ -44,6 +44,7 @@ macro_rules! host {
     ($name:ident, $model:ty) => {
         struct $name($model);
 
+        #[allow(dead_code)]
         impl $name {
             fn reference(&self, name: &str) -> u32 {
                 self.0.variables().find(name).unwrap_or_else(|| panic!("{name}"))
