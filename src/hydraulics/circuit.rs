@@ -2,8 +2,8 @@
 //!
 //! In: the numbers of a circuit; pressures, spool, motion of the cylinder, pressures of the ports, command. Out: rates
 //! of the state, flows, the force, powers. All laws are generic over [`Number`], so that values and exact derivatives
-//! share one law, and all are smooth: no law has a kink where a flow, the spool or the piston reverses. It must not know
-//! time, nor how the laws are integrated.
+//! share one law, and all are smooth: no law has a kink where a flow, the spool or the piston reverses. It must not
+//! know time, nor how the laws are integrated.
 //!
 //! Sources: Merritt, Hydraulic Control Systems (1967); Jelali, Kroll, Hydraulic Servo-systems (2003); regRoot of
 //! Modelica.Fluid.Utilities.
@@ -287,16 +287,16 @@ impl Equations {
         edge * d / series.sqrt()
     }
 
-    /// Part of the flow under the pressure drop d into chamber A that the lock valve lets pass: all inflow; outflow while
-    /// p_B > pilot ratio x p_A. Squares of gates leave a closed valve 1e-9 of the flow at 100 times its width.
+    /// Part of the flow under the pressure drop d into chamber A that the lock valve lets pass: all inflow; outflow
+    /// while p_B > pilot ratio x p_A. Squares of gates leave a closed valve 1e-9 of the flow at 100 times its width.
     fn lock<T: Number>(&self, d: T, [p_a, p_b]: [T; 2]) -> T {
         let (inflow, outflow) = (gate(d, self.lock_width), gate(-d, self.lock_width));
         let pilot = gate(p_b - p_a * self.pilot_ratio, self.lock_width);
         inflow * inflow + outflow * (T::constant(1.0) + inflow) * pilot * pilot
     }
 
-    /// Friction of the seals without the part of the pressures [N] at a speed v [m/s]: (coulomb + (static - coulomb) exp(-(v/stribeck)^2)) tanh(v /
-    /// transition) + viscous v.
+    /// Friction of the seals without the part of the pressures [N] at a speed v [m/s]: (coulomb + (static - coulomb)
+    /// exp(-(v/stribeck)^2)) tanh(v / transition) + viscous v.
     #[inline]
     pub fn friction<T: Number>(&self, speed: T) -> T {
         let (value, slope, _) = self.friction_at(speed.value());
@@ -378,7 +378,7 @@ impl Equations {
         let leak = across * self.internal;
         throttling = throttling + across * leak;
         let mut chambers = [-leak, leak];
-        for side in 0..2 {
+        for (side, chamber) in chambers.iter_mut().enumerate() {
             let p = at.pressures[side];
             let [from_supply, from_tank] = if side == 0 { [plus, minus] } else { [minus, plus] };
             let resistance = self.resistance(side, at.length);
@@ -390,7 +390,7 @@ impl Equations {
             let relief = soft(p - T::constant(self.relief_pressure), self.relief_width) * self.relief;
             let suction = soft(rise, self.relief_width) * self.anticavitation;
             let external = p * self.external[side];
-            chambers[side] = chambers[side] + q_p + q_t - relief + suction - external;
+            *chamber = *chamber + q_p + q_t - relief + suction - external;
             supply = supply + q_p;
             tank = tank - q_t + relief - suction;
             throttling = throttling + fall * q_p + rise * (q_t + suction - relief) + p * external;
@@ -466,8 +466,8 @@ impl SupplyUnit {
         [self.full, self.most]
     }
 
-    /// Rate of the supply's pressure [Pa/s] under the flow to the valve: p_S' = n p_abs/V_gas (Q_pump - Q_P), V_gas = V_0
-    /// (p_pre/p_abs)^(1/n), Q_pump = Q_max clip((p_max - p_S)/(p_max - p_full), 0, 1).
+    /// Rate of the supply's pressure [Pa/s] under the flow to the valve: p_S' = n p_abs/V_gas (Q_pump - Q_P), V_gas =
+    /// V_0 (p_pre/p_abs)^(1/n), Q_pump = Q_max clip((p_max - p_S)/(p_max - p_full), 0, 1).
     pub fn rate<T: Number>(&self, pressure: T, flow: T) -> T {
         let (absolute, n) = (pressure.value() + self.ambient, self.exponent);
         // n p_abs/V_gas grows as p_abs^(1 + 1/n).

@@ -1,8 +1,8 @@
 //! The definition of a hydraulic actuator: the content of `hydraulics.json`, with all checks.
 //!
 //! In: the text of the file. Out: a [`HydraulicActuator`] whose numbers are finite and in range; the list of its
-//! parameters. It must not know the laws of the circuit, nor FMI. SI units; pressures are gauge, relative to the ambient
-//! pressure.
+//! parameters. It must not know the laws of the circuit, nor FMI. SI units; pressures are gauge, relative to the
+//! ambient pressure.
 use crate::format::{DefinitionError, Experiment, Owner, Parameter, Range, read};
 use crate::numerics::decimal::Decimal;
 use crate::variables::Unit;
@@ -78,7 +78,8 @@ sections! {
         stroke = 0.330, Metre, Length, 0, "Travel of the piston";
         /// Length of the actuator where the piston rests at the bottom of chamber A [m], >= 0.
         closed_length = 0.412, Metre, NonNegative, 0, "Length of the actuator with the rod in";
-        /// Bulk modulus E_cyl of the cylinder's walls, pressure over relative growth of the volume [Pa], >= 0; 0: rigid.
+        /// Bulk modulus E_cyl of the cylinder's walls, pressure over relative growth of the volume [Pa], >= 0; 0:
+        /// rigid.
         wall_modulus = 0.0, Pascal, NonNegative, 0, "Pressure over relative growth of the cylinder, 0 for rigid";
     }
 
@@ -212,7 +213,8 @@ sections! {
 
     /// Accumulator between pump and valve.
     Accumulator "accumulator" {
-        /// Volume V_0 of the gas at the precharge pressure [m3], >= 0; 0: none, the supply has the pressure of the input.
+        /// Volume V_0 of the gas at the precharge pressure [m3], >= 0; 0: none, the supply has the pressure of the
+        /// input.
         volume = 0.0, CubicMetre, NonNegative, 0, "Volume of the gas at the precharge pressure, 0 for no accumulator";
         /// Pressure of the gas without oil [Pa], above -p_0.
         precharge_pressure = 10e6, Pascal, Finite, 0, "Pressure of the gas without oil";

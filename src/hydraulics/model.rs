@@ -360,9 +360,9 @@ impl Model {
         Ok(())
     }
 
-    /// Advance by exactly `h` [s], > 0: by the foreseen motion, or by that of the inputs. The inputs keep their values at
-    /// the end. On an error the state is what it was, but for [`HydraulicsError::Interrupted`]: the state and the inputs
-    /// are then those at the time reached.
+    /// Advance by exactly `h` [s], > 0: by the foreseen motion, or by that of the inputs. The inputs keep their values
+    /// at the end. On an error the state is what it was, but for [`HydraulicsError::Interrupted`]: the state and the
+    /// inputs are then those at the time reached.
     ///
     /// # Errors
     /// Not initialised, h out of range, a length that the cylinder does not have, the integration stopped, an absolute

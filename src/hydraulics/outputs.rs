@@ -168,8 +168,8 @@ pub fn stable_step(laws: &Equations, at: &Point<f64>, mass: f64) -> f64 {
     if step.is_finite() { step.max(0.0) } else { 0.0 }
 }
 
-/// Eigenvalues of a matrix of order 4 as real and imaginary parts: roots of its characteristic polynomial, by the method
-/// of Durand and Kerner. The polynomial is made by that of Faddeev and Le Verrier.
+/// Eigenvalues of a matrix of order 4 as real and imaginary parts: roots of its characteristic polynomial, by the
+/// method of Durand and Kerner. The polynomial is made by that of Faddeev and Le Verrier.
 pub fn eigenvalues(matrix: &[[f64; 4]; 4]) -> [[f64; 2]; 4] {
     // Scaled to size 1.
     let size = matrix.iter().flatten().fold(0.0_f64, |size, entry| size.max(entry.abs()));
@@ -231,10 +231,9 @@ mod tests {
         let shear = |row: [f64; 4]| [row[0], row[1], row[2] + 0.5 * row[0], row[3] - row[1]];
         let mut a =
             [[-1.0, 3.0, 0.0, 0.0], [-3.0, -1.0, 0.0, 0.0], [0.0, 0.0, -5.0, 0.0], [0.0, 0.0, 0.0, 2.0]].map(shear);
-        for j in 0..4 {
-            a[0][j] -= 0.5 * a[2][j];
-            a[1][j] += a[3][j];
-        }
+        let [_, _, third, fourth] = a;
+        (0..4).for_each(|j| a[0][j] -= 0.5 * third[j]);
+        (0..4).for_each(|j| a[1][j] += fourth[j]);
         let mut roots = eigenvalues(&a);
         roots.sort_by(|a, b| (a[0], a[1]).partial_cmp(&(b[0], b[1])).unwrap());
         for (root, expected) in roots.iter().zip([[-5.0, 0.0], [-1.0, -3.0], [-1.0, 3.0], [2.0, 0.0]]) {

@@ -201,9 +201,9 @@ impl State {
         Ok(march.t)
     }
 
-    /// The load's correction r, and whether the last step met a contact: m (v - v_foreseen)/h is what the element did not
-    /// know. A contact stops or reverses the motion, or its impulse is more than that of force and load together; then r
-    /// is 0, as the next step knows nothing of it.
+    /// The load's correction r, and whether the last step met a contact: m (v - v_foreseen)/h is what the element did
+    /// not know. A contact stops or reverses the motion, or its impulse is more than that of force and load together;
+    /// then r is 0, as the next step knows nothing of it.
     fn correction(&self, setting: &Setting<'_>) -> (f64, bool) {
         let Some(last) = self.last else { return (0.0, false) };
         let get = |input| setting.inputs.get(input);
@@ -440,8 +440,8 @@ impl<T: Number> Preview<T> {
     }
 }
 
-/// Levels of components at which the laws are not smooth, so that a step should end there: of the length, where a cushion
-/// begins, and of the pressure of the supply, where the pump changes.
+/// Levels of components at which the laws are not smooth, so that a step should end there: of the length, where a
+/// cushion begins, and of the pressure of the supply, where the pump changes.
 struct Levels([Option<(usize, f64, f64)>; 4]);
 
 impl Levels {
@@ -499,8 +499,8 @@ impl<'a> March<'a> {
         Self { laws: setting.laws, tolerance, t: 0.0, most }
     }
 
-    /// Integrate up to `end` [s] since the beginning of the step; a step that passes one of the levels ends there. Returns
-    /// whether the end is reached.
+    /// Integrate up to `end` [s] since the beginning of the step; a step that passes one of the levels ends there.
+    /// Returns whether the end is reached.
     #[inline]
     fn to<S: System<N>, const N: usize>(
         &mut self,

@@ -1,7 +1,7 @@
 //! The circuit as systems of differential equations: under a prescribed motion, and with one element that it moves.
 //!
-//! In: the laws of a circuit, inputs as functions of time, a point-mass model of what the actuator moves. Out: right-hand
-//! sides, Jacobians and error weights for the integration. It must not know how steps are made, nor events.
+//! In: the laws of a circuit, inputs as functions of time, a point-mass model of what the actuator moves. Out:
+//! right-hand sides, Jacobians and error weights for the integration. It must not know how steps are made, nor events.
 use super::circuit::{Equations, Point, SupplyUnit};
 use super::inputs::{CommandSignal, Polynomial};
 use crate::integrator::System;
@@ -175,8 +175,8 @@ impl<T: Number> Element<T> {
     }
 }
 
-/// Rates of a circuit with an element, at the time t [s] after the beginning. `ports`: pressures of supply and tank, and
-/// the command.
+/// Rates of a circuit with an element, at the time t [s] after the beginning. `ports`: pressures of supply and tank,
+/// and the command.
 #[inline]
 pub fn element_rates<T: Number>(
     laws: &Equations,

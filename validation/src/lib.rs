@@ -4,6 +4,7 @@ mod benchmarks;
 mod bodies;
 pub mod cosim;
 mod gear;
+mod hydraulics;
 mod instructions;
 mod measure;
 mod rigid_fem;
@@ -28,6 +29,7 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
     match arguments {
         [] => tables(&descriptions, &results),
         ["instructions"] => count(&results),
+        ["hydraulics"] => publish(&results, "hydraulics", &hydraulics::table(&descriptions)?),
         ["attack", words @ ..] => attack::run(&results, words),
         ["stress", groups @ ..] => stress_report::run(&results, groups),
         &[instructions::REPEAT, scene, reads, steps, repetitions] => {
@@ -45,7 +47,7 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
 type Table = (&'static str, fn(&Path) -> Result<Pages, String>);
 
 fn tables(descriptions: &Path, results: &Path) -> Result<(), String> {
-    let tables: [Table; 8] = [
+    let tables: [Table; 9] = [
         ("setup", setup::table),
         ("steps", steps::table),
         ("scenes", scenes::table),
@@ -54,6 +56,7 @@ fn tables(descriptions: &Path, results: &Path) -> Result<(), String> {
         ("retraction", benchmarks::retraction),
         ("rigid_fem", rigid_fem::table),
         ("benchmarks", benchmarks::table),
+        ("hydraulics", hydraulics::table),
     ];
     tables.into_iter().try_for_each(|(name, table)| publish(results, name, &table(descriptions)?))
 }

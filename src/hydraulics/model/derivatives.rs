@@ -1,7 +1,7 @@
 //! Derivatives as a host asks for them: of outputs by inputs, of outputs in time, and those of inputs that it sets.
 //!
-//! In: references, orders, seeds. Out: derivatives by the outputs' laws with dual numbers, or a refusal by name. It must
-//! not know any law.
+//! In: references, orders, seeds. Out: derivatives by the outputs' laws with dual numbers, or a refusal by name. It
+//! must not know any law.
 use super::{INPUT_COUNT, Model, Parameters, point};
 use crate::hydraulics::circuit::Point;
 use crate::hydraulics::error::HydraulicsError;
@@ -64,8 +64,8 @@ fn preview(parameters: &Parameters, inputs: &Inputs, state: &State, direction: &
 
 impl Model {
     /// Directional derivatives of outputs at the present state: for each unknown the sum over the knowns of dy / du
-    /// times the seed. `report` is called once for each unknown, with its index; with NaN for one that has no derivative
-    /// in this state, of which [`Self::undefined_derivative`] tells why.
+    /// times the seed. `report` is called once for each unknown, with its index; with NaN for one that has no
+    /// derivative in this state, of which [`Self::undefined_derivative`] tells why.
     ///
     /// # Errors
     /// An unknown that is no continuous output, a known that is no continuous input, a seed that is not finite.
@@ -115,8 +115,8 @@ impl Model {
     /// Rate of a continuous output in time, under inputs that change at the rates set by
     /// [`Self::set_input_derivative`], and under the speed and the acceleration of the inputs. Outputs of the foreseen
     /// motion belong to the next step: the rate of `preview.force` is that of the line, `preview.force_mean` and
-    /// `preview.force_rate` are constant, `preview.length` and `preview.speed` have the speed and the acceleration at the
-    /// end of the step; the accelerations have no rate.
+    /// `preview.force_rate` are constant, `preview.length` and `preview.speed` have the speed and the acceleration at
+    /// the end of the step; the accelerations have no rate.
     ///
     /// # Errors
     /// No continuous output has this reference, or another order than 1.
