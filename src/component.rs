@@ -213,7 +213,7 @@ impl Component {
     questions! {
         /// For each variable, if it is an output: the inputs and parameters on which its initial value depends,
         /// ascending. Refused: a parameter that may not change a little.
-        fn initial_dependencies(self: &Self) -> Vec<Vec<Reference>>;
+        fn initial_dependencies(self: &Self) -> Option<Vec<Vec<Reference>>>;
 
         /// Present value of a Real; NaN for an output that has no value in this state, of which [`Self::undefined`]
         /// tells why. Refused: no such Real, or the present parameters give no start.

@@ -3,9 +3,9 @@
 //! In: names and contents. Out: deflated entries in a fixed order, `modelDescription.xml` first, with fixed times and
 //! permissions, without entries for directories (FMI 2.0.5, 2.3).
 
+use crate::{files, names};
 use anyhow::{Context, Result, bail};
-use std::fs::{self, File};
-use std::io::{BufWriter, Seek, Write};
+use std::io::{Cursor, Write};
 use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
@@ -24,51 +24,43 @@ pub struct Entry {
     pub content: Vec<u8>,
 }
 
-/// Write the FMU to `path`; a file that stands there is replaced at once, or not at all.
+/// Write the FMU to `path`; a file that stands there is replaced at once, or not at all. Any number of programs may do so
+/// at the same time.
 ///
 /// # Errors
-/// The folder or the file cannot be written, or two entries have one name.
+/// Two entries have one name or names that differ by case only, a name is none on some system, or the folder or the
+/// file cannot be written.
 pub fn write(path: &Path, entries: Vec<Entry>) -> Result<()> {
-    if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder)
-            .with_context(|| format!("{}: the folder cannot be made; name another with --out", folder.display()))?;
-    }
-    let partial = path.with_extension("fmu.partial");
-    let file = File::create(&partial)
-        .with_context(|| format!("{}: cannot be written; name another folder with --out", partial.display()))?;
-    let result = write_to(BufWriter::new(file), entries).and_then(|writer| {
-        writer.into_inner()?;
-        Ok(fs::rename(&partial, path)?)
-    });
-    if result.is_err() {
-        // The first error is the one to report.
-        let _ = fs::remove_file(&partial);
-    }
-    result.with_context(|| format!("{}: cannot be written", path.display()))
+    // The zip is finished in memory: where writing fails, there is one error and no attempt to end the zip.
+    let zip = zipped(entries).with_context(|| format!("{}: cannot be packed", path.display()))?;
+    files::replace(path, &zip)
 }
 
-fn write_to<W: Write + Seek>(sink: W, mut entries: Vec<Entry>) -> Result<W> {
+/// The bytes of the zip.
+fn zipped(mut entries: Vec<Entry>) -> Result<Vec<u8>> {
     entries.sort_by(|a, b| (a.name != MODEL_DESCRIPTION, &a.name).cmp(&(b.name != MODEL_DESCRIPTION, &b.name)));
     if let Some(pair) = entries.windows(2).find(|pair| pair[0].name == pair[1].name) {
         bail!("{} would be packed twice; remove one of the two files", pair[0].name);
     }
+    entries.iter().try_for_each(|entry| names::check(&entry.name))?;
+    names::check_case(entries.iter().map(|entry| entry.name.as_str()))?;
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
         .compression_level(Some(9))
         .last_modified_time(DateTime::DEFAULT)
         .unix_permissions(PERMISSIONS);
-    let mut zip = ZipWriter::new(sink);
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     for entry in &entries {
         zip.start_file(entry.name.as_str(), options)?;
         zip.write_all(&entry.content)?;
     }
-    Ok(zip.finish()?)
+    Ok(zip.finish()?.into_inner())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::io::{Cursor, Read};
+    use std::io::Read;
     use zip::ZipArchive;
 
     fn entry(name: &str, content: &str) -> Entry {
@@ -85,7 +77,7 @@ mod tests {
     }
 
     fn bytes(entries: Vec<Entry>) -> Vec<u8> {
-        write_to(Cursor::new(Vec::new()), entries).unwrap().into_inner()
+        zipped(entries).unwrap()
     }
 
     #[test]
@@ -124,7 +116,7 @@ mod tests {
 
     #[test]
     fn a_name_given_twice_is_refused() {
-        let error = write_to(Cursor::new(Vec::new()), vec![entry("a", "1"), entry("a", "2")]).unwrap_err();
+        let error = zipped(vec![entry("a", "1"), entry("a", "2")]).unwrap_err();
         assert!(error.to_string().starts_with("a would be packed twice"), "{error}");
     }
 }

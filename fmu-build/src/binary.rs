@@ -4,11 +4,11 @@
 //! the functions of FMI 2.0 in it.
 
 use crate::archive::Entry;
+use crate::files;
 use anyhow::{Context, Result, bail};
 use object::read::NameOrOrdinal;
 use object::read::macho::{FatArch, MachOFatFile32, MachOFatFile64};
 use object::{Architecture, BinaryFormat, FileKind, Object, ObjectKind};
-use std::fs;
 use std::path::PathBuf;
 
 /// A function that every library of an FMU has.
@@ -81,7 +81,7 @@ impl Binary {
         if !named.file.is_file() {
             bail!("{file}: there is no such file; name the library for {}", platform.name);
         }
-        let content = fs::read(&named.file).with_context(|| format!("{file}: cannot be read"))?;
+        let content = files::read(&named.file, u64::MAX)?;
         check(platform, &content).with_context(|| format!("{file}: is no FMU's library for {}", platform.name))?;
         Ok(Self { platform, content })
     }
@@ -197,7 +197,7 @@ mod tests {
     #[test]
     #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
     fn a_program_is_no_library() {
-        let program = fs::read(std::env::current_exe().unwrap()).unwrap();
+        let program = std::fs::read(std::env::current_exe().unwrap()).unwrap();
         let message = check(platform("win64"), &program).unwrap_err().to_string();
         assert!(message.contains("Elf for X86_64") && message.contains("Pe for X86_64"), "{message}");
         assert!(exports_fmi_only(b"no library").is_err());

@@ -2,17 +2,20 @@
 //!
 //! In: the command line. Out: files under `target/`.
 
-mod archive;
+pub mod archive;
 pub mod bench;
 mod binary;
 pub mod chain;
 mod command;
+mod files;
 mod library;
+mod names;
 pub mod package;
 mod page;
 pub mod report;
 mod schema;
-mod source;
+pub mod source;
+mod ssp;
 pub mod test;
 pub mod workspace;
 mod xml;

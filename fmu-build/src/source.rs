@@ -2,15 +2,32 @@
 //!
 //! In: a path. Out: the definition's kind and text, and the files that accompany it in the FMU.
 
-use crate::archive::Entry;
+use crate::archive::{Entry, MODEL_DESCRIPTION};
 use crate::workspace::Workspace;
+use crate::{files, names};
 use anyhow::{Context, Result, bail};
 use linkage_fmu::component::Component;
+use linkage_fmu::fmi::LARGEST_DEFINITION;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// What a folder may hold besides the definition, under the names that FMI 2.0.5 (2.1, 2.5) gives them.
 const COMPANIONS: [&str; 5] = ["documentation", "extra", "licenses", "model.png", "terminalsAndIcons"];
+
+/// What belongs to the folder of a model and not to its FMU, or is made anew for the FMU.
+const OF_THE_FOLDER: [&str; 2] = ["README.md", MODEL_DESCRIPTION];
+/// Folder of the definition, in a model's folder and in an FMU.
+const RESOURCES: &str = "resources";
+
+/// The files that accompany a definition.
+#[derive(Debug, Default)]
+pub struct Companions {
+    /// Those that go into the FMU, under their names there.
+    pub entries: Vec<Entry>,
+    /// Files and folders that stay out, by their paths from the model's folder: hidden ones, and those under names to
+    /// which FMI gives no meaning.
+    pub left_out: Vec<String>,
+}
 
 /// A definition on disk.
 #[derive(Debug)]
@@ -27,8 +44,8 @@ impl Source {
     /// Find the definition that `path` names.
     ///
     /// # Errors
-    /// There is nothing there, or a device, a pipe or the like, or a folder without a definition or
-    /// with several.
+    /// There is nothing there, or a device, a pipe or the like, or a folder without a definition or with several, or
+    /// with a link in the place of one.
     pub fn find(workspace: &Workspace, path: &Path) -> Result<Self> {
         if path.is_file() {
             return Ok(match described_folder(workspace, path) {
@@ -41,10 +58,23 @@ impl Source {
             let fault = if path.exists() { "this is no regular file" } else { "there is no such file or folder" };
             bail!("{}: {fault}; name a {} or a folder that holds one", path.display(), files.join(" or a "));
         }
-        let places = |file| [path.join("resources").join(file), path.join(file)];
-        let mut found = files.into_iter().filter_map(|file| places(file).into_iter().find(|place| place.is_file()));
+        let places = |file| [path.join(RESOURCES).join(file), path.join(file)];
+        // What is no file is found too, and refused by name.
+        let stands = |place: &PathBuf| fs::symlink_metadata(place).is_ok();
+        let mut found = files.into_iter().filter_map(|file| places(file).into_iter().find(stands));
         match (found.next(), found.next()) {
-            (Some(definition), None) => Ok(Self::in_folder(workspace, path, definition)),
+            (Some(definition), None) => {
+                for part in [&path.join(RESOURCES), &definition] {
+                    match fs::symlink_metadata(part) {
+                        Ok(metadata) if part == &definition && !metadata.is_file() => {
+                            return Err(refused(&definition, &metadata));
+                        }
+                        Ok(metadata) if metadata.is_symlink() => return Err(refused(part, &metadata)),
+                        _ => {}
+                    }
+                }
+                Ok(Self::in_folder(workspace, path, definition))
+            }
             (Some(one), Some(other)) => {
                 bail!("{} and {}: an FMU has one definition; remove one of them", one.display(), other.display())
             }
@@ -72,26 +102,44 @@ impl Source {
     /// The definition's text.
     ///
     /// # Errors
-    /// The file cannot be read or is not UTF-8.
+    /// The file cannot be read, is larger than an FMU reads, or is not UTF-8.
     pub fn text(&self) -> Result<String> {
         let path = self.definition.display();
-        let bytes = fs::read(&self.definition).with_context(|| format!("{path}: cannot be read"))?;
+        let bytes = files::read(&self.definition, LARGEST_DEFINITION)?;
         String::from_utf8(bytes).ok().with_context(|| format!("{path}: is not UTF-8 text; save it as UTF-8"))
     }
 
-    /// The accompanying files under their names in the FMU; hidden files stay out.
+    /// The accompanying files. Each that stands under a name of the standard is packed or refused, but for hidden ones.
     ///
     /// # Errors
-    /// A file cannot be read, or its name is not UTF-8.
-    pub fn companions(&self) -> Result<Vec<Entry>> {
-        let mut entries = Vec::new();
-        if let Some(folder) = &self.folder {
-            for name in COMPANIONS {
-                collect(&folder.join(name), name, &mut entries)?;
+    /// What stands there is neither file nor folder, such as a symbolic link, a pipe or a device; a file cannot be
+    /// read; a name is not UTF-8, or none on some system.
+    pub fn companions(&self) -> Result<Companions> {
+        let mut all = Companions::default();
+        let Some(folder) = &self.folder else { return Ok(all) };
+        for name in names_in(folder)? {
+            let path = folder.join(&name);
+            if COMPANIONS.contains(&name.as_str()) {
+                collect(&path, &name, &mut all)?;
+            } else if name == RESOURCES && path.is_dir() {
+                let others = names_in(&path)?.into_iter().filter(|name| path.join(name) != self.definition);
+                all.left_out.extend(others.map(|other| format!("{name}/{other}")));
+            } else if path != self.definition && !OF_THE_FOLDER.contains(&name.as_str()) {
+                all.left_out.push(name);
             }
         }
-        Ok(entries)
+        Ok(all)
     }
+}
+
+/// Some of these names, and how many there are besides.
+pub fn listed(names: &[String]) -> String {
+    const SHOWN: usize = 10;
+    let mut text = names[..names.len().min(SHOWN)].join(", ").escape_debug().to_string();
+    if names.len() > SHOWN {
+        text.push_str(&format!(" and {} more", names.len() - SHOWN));
+    }
+    text
 }
 
 /// The folder of `modelDescription/` among whose resources this definition file is.
@@ -107,20 +155,44 @@ fn is_same(parent: Option<&Path>, workspace: &Workspace) -> bool {
     parent.is_some_and(|parent| workspace.descriptions().canonicalize().is_ok_and(|folder| folder == parent))
 }
 
-fn collect(path: &Path, name: &str, entries: &mut Vec<Entry>) -> Result<()> {
-    if path.is_file() {
-        let content = fs::read(path).with_context(|| format!("{}: cannot be read", path.display()))?;
-        entries.push(Entry { name: name.to_owned(), content });
-    } else if path.is_dir() {
-        for entry in fs::read_dir(path).with_context(|| format!("{}: cannot be listed", path.display()))? {
-            let child = entry?.path();
-            let Some(file_name) = child.file_name().and_then(|file_name| file_name.to_str()) else {
-                bail!("{}: the name is not UTF-8; rename the file", child.display());
-            };
-            if !file_name.starts_with('.') {
-                collect(&child, &format!("{name}/{file_name}"), entries)?;
+/// Error for what stands in a folder and is neither file nor folder.
+fn refused(path: &Path, metadata: &fs::Metadata) -> anyhow::Error {
+    let (shown, kind) = (path.display(), files::kind(metadata));
+    anyhow::anyhow!("{shown}: this is {kind}; put a regular file in its place, or remove it")
+}
+
+/// Names in a folder, in order.
+fn names_in(folder: &Path) -> Result<Vec<String>> {
+    let unlisted = || format!("{}: cannot be listed", folder.display());
+    let mut names = Vec::new();
+    for entry in fs::read_dir(folder).with_context(unlisted)? {
+        let entry = entry.with_context(unlisted)?;
+        let Ok(name) = entry.file_name().into_string() else {
+            bail!("{}: the name is not UTF-8; rename the file", entry.path().display());
+        };
+        names.push(name);
+    }
+    names.sort_unstable();
+    Ok(names)
+}
+
+/// Add a file, or all that is in a folder, under this name in the FMU. The names are checked on the way, so that a
+/// folder has an end however deep it is.
+fn collect(path: &Path, name: &str, all: &mut Companions) -> Result<()> {
+    names::check(name)?;
+    let metadata = fs::symlink_metadata(path).with_context(|| format!("{}: cannot be read", path.display()))?;
+    if metadata.is_file() {
+        all.entries.push(Entry { name: name.to_owned(), content: files::read(path, u64::MAX)? });
+    } else if metadata.is_dir() {
+        for child in names_in(path)? {
+            let child_name = format!("{name}/{child}");
+            match child.starts_with('.') {
+                true => all.left_out.push(child_name),
+                false => collect(&path.join(child), &child_name, all)?,
             }
         }
+    } else {
+        return Err(refused(path, &metadata));
     }
     Ok(())
 }

@@ -18,3 +18,5 @@ pub(crate) mod resources;
 pub(crate) mod saved;
 pub(crate) mod state_handle;
 pub(crate) mod undefined;
+
+pub use resources::LARGEST_DEFINITION;

@@ -14,7 +14,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Largest number of bytes of a definition file; a mechanism of 100 bodies has about 30 thousand.
-const LARGEST: u64 = 16 << 20;
+pub const LARGEST_DEFINITION: u64 = 16 << 20;
 
 /// Component of a new instance. Its definition is read at each instantiation, so that a user may edit the numbers in
 /// it.
@@ -58,16 +58,17 @@ fn read(file: &Path) -> Result<String, Refusal> {
     if !metadata.is_file() {
         return Err(refused("it is no file; put the model's definition there".to_owned()));
     }
-    let too_large =
-        |size: u64| refused(format!("it has {size} bytes, and a definition at most {LARGEST}; is it the right file?"));
-    if metadata.len() > LARGEST {
+    let too_large = |size: u64| {
+        refused(format!("it has {size} bytes, and a definition at most {LARGEST_DEFINITION}; is it the right file?"))
+    };
+    if metadata.len() > LARGEST_DEFINITION {
         return Err(too_large(metadata.len()));
     }
     let mut text = String::new();
-    let read = File::open(file).and_then(|file| file.take(LARGEST + 1).read_to_string(&mut text));
+    let read = File::open(file).and_then(|file| file.take(LARGEST_DEFINITION + 1).read_to_string(&mut text));
     match read {
         // The size in the metadata need not be the true one.
-        Ok(size) if size as u64 > LARGEST => Err(too_large(size as u64)),
+        Ok(size) if size as u64 > LARGEST_DEFINITION => Err(too_large(size as u64)),
         Ok(_) => Ok(text),
         Err(error) => Err(refused(error.to_string())),
     }

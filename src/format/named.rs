@@ -1,33 +1,49 @@
-//! A JSON object as an ordered list of named entries.
+//! A JSON object as an ordered list of named entries, found by name without a search through the list.
 use serde::de::{Deserialize, DeserializeSeed, Deserializer, Error, MapAccess, Visitor};
 use serde::ser::{Serialize, Serializer};
+use std::collections::HashMap;
 use std::fmt;
 use std::marker::PhantomData;
+use std::sync::Arc;
+
+/// Number of entries up to which a search through the list costs less than a map.
+const FEW: usize = 16;
 
 /// Entries in the order of the file; names are unique.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Named<T>(Vec<(String, T)>);
+#[derive(Clone, Debug)]
+pub struct Named<T> {
+    entries: Vec<(String, T)>,
+    /// Index of each name, if there are more than [`FEW`] entries. No name changes, so copies share the map.
+    indices: Option<Arc<HashMap<String, usize>>>,
+}
 
 impl<T> Default for Named<T> {
     fn default() -> Self {
-        Self(Vec::new())
+        Self { entries: Vec::new(), indices: None }
+    }
+}
+
+impl<T: PartialEq> PartialEq for Named<T> {
+    fn eq(&self, other: &Self) -> bool {
+        self.entries == other.entries
     }
 }
 
 impl<T> Named<T> {
     /// Entries in order.
     pub fn iter(&self) -> impl Iterator<Item = (&str, &T)> {
-        self.0.iter().map(|(name, value)| (name.as_str(), value))
+        self.entries.iter().map(|(name, value)| (name.as_str(), value))
     }
 
     /// Entries in order, to change their values.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = (&str, &mut T)> {
-        self.0.iter_mut().map(|(name, value)| (name.as_str(), value))
+        self.entries.iter_mut().map(|(name, value)| (name.as_str(), value))
     }
 
     /// Index of the entry with this name, and the entry.
     pub fn find(&self, name: &str) -> Option<(usize, &T)> {
-        self.iter().enumerate().find(|(_, (n, _))| *n == name).map(|(index, (_, value))| (index, value))
+        let index = position(&self.entries, self.indices.as_deref(), name)?;
+        Some((index, &self.entries[index].1))
     }
 
     /// Entry with this name.
@@ -42,17 +58,25 @@ impl<T> Named<T> {
 
     /// All names, in order.
     pub fn names(&self) -> Vec<&str> {
-        self.0.iter().map(|(n, _)| n.as_str()).collect()
+        self.entries.iter().map(|(n, _)| n.as_str()).collect()
     }
 
     /// Number of entries.
     pub fn len(&self) -> usize {
-        self.0.len()
+        self.entries.len()
     }
 
     /// Whether there is no entry.
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.entries.is_empty()
+    }
+}
+
+/// Index of the entry with this name: by the map if there is one, else by a search.
+fn position<T>(entries: &[(String, T)], indices: Option<&HashMap<String, usize>>, name: &str) -> Option<usize> {
+    match indices {
+        Some(indices) => indices.get(name).copied(),
+        None => entries.iter().position(|(n, _)| n == name),
     }
 }
 
@@ -67,11 +91,18 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Named<T> {
             }
 
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-                let mut list: Vec<(String, T)> = Vec::new();
-                while let Some(name) = map.next_key_seed(NewName(&list))? {
-                    list.push((name, map.next_value()?));
+                let mut entries: Vec<(String, T)> = Vec::new();
+                let mut indices: Option<HashMap<String, usize>> = None;
+                while let Some(name) = map.next_key_seed(NewName(&entries, indices.as_ref()))? {
+                    if let Some(indices) = &mut indices {
+                        indices.insert(name.clone(), entries.len());
+                    }
+                    entries.push((name, map.next_value()?));
+                    if indices.is_none() && entries.len() > FEW {
+                        indices = Some(entries.iter().enumerate().map(|(i, (name, _))| (name.clone(), i)).collect());
+                    }
                 }
-                Ok(Named(list))
+                Ok(Named { entries, indices: indices.map(Arc::new) })
             }
         }
         deserializer.deserialize_map(Entries(PhantomData))
@@ -85,14 +116,14 @@ impl<T: Serialize> Serialize for Named<T> {
 }
 
 /// The name of one more entry; refused as part of the key, so that the error's path has the name.
-struct NewName<'l, T>(&'l [(String, T)]);
+struct NewName<'l, T>(&'l [(String, T)], Option<&'l HashMap<String, usize>>);
 
 impl<'de, T> DeserializeSeed<'de> for NewName<'_, T> {
     type Value = String;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<String, D::Error> {
         let name = String::deserialize(deserializer)?;
-        match self.0.iter().any(|(n, _)| *n == name) {
+        match position(self.0, self.1, &name).is_some() {
             true => Err(D::Error::custom(format!("the name `{name}` stands twice"))),
             false => Ok(name),
         }

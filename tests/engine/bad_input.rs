@@ -113,6 +113,7 @@ fn names_that_nothing_carries() {
         (r#""start": { "body": "crank""#, r#""start": { "body": "crnk""#, &["start.body", r#""crnk""#, "bodies are"]),
         (r#""leg.end""#, r#""wheel.origin""#, &["bodies.wheel.fixed_to", "circle"]),
         (r#""coupler": 0.46"#, r#""copuler": 0.46"#, &["guess.copuler", "crank, coupler, follower"]),
+        (r#""coupler": 0.46"#, r#""cou\npler": 0.46"#, &[r"guess.cou\npler", "crank, coupler, follower"]),
         (r#""coupler": 0.46"#, r#""coupler": 1e308"#, &["guess.coupler = 1e308", "from -1e6 to 1e6 rad"]),
         (r#", "coupler": 0.46"#, "", &["guess.coupler", "missing", "rough angle [rad]"]),
     ] {

@@ -295,7 +295,7 @@ fn the_holding_force_depends_on_no_efficiency() {
     let (forces, efficiencies) = ([3.0, 20.0, -5.0], [Some(0.9), Some(0.5), None]);
     let case = Case { mechanism: 1, friction: true, angle: 0.9, speed: 0.0, forces, efficiencies, demand: 0.0 };
     let (mut run, _) = started(&case);
-    let initial = run.initial_dependencies().unwrap();
+    let initial = run.initial_dependencies().unwrap().unwrap();
     let parameters = ["servo.efficiency", "cylinder.efficiency"];
     for (output, on) in [
         ("servo.holding_torque", [false, false]),

@@ -106,7 +106,7 @@ fn alter(run: &mut Run, reference: Reference) {
 /// `exactly`: every listed dependency is seen too.
 fn check_dependencies(base: &Run, exactly: bool) {
     let list = base.variables().list().to_vec();
-    let initial_dependencies = base.initial_dependencies().unwrap();
+    let initial_dependencies = base.initial_dependencies().unwrap().unwrap();
     // Stops and locks have a test of their own.
     let apart = |r: &Reference| {
         ["upstop", "downstop", "uplock", "downlock"].iter().any(|n| list[*r as usize].name.starts_with(n))

@@ -6,6 +6,7 @@ mod clock;
 mod host;
 mod hostile;
 mod hydraulics;
+mod importer;
 mod instantiate;
 mod interrupted;
 mod method;

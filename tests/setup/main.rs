@@ -4,6 +4,7 @@
 
 #[path = "../support/counting.rs"]
 mod counting;
+mod size;
 
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::mechanism::definition::Mechanism;

@@ -33,8 +33,9 @@ struct Interface<'a> {
     description: &'a str,
     guid: &'a str,
     variables: &'a [Variable],
-    /// Of each variable.
-    initial_dependencies: Vec<Vec<Reference>>,
+    /// Of each variable; none where the model is too large to find them. The attribute is then left out, which says that
+    /// each output depends on all that is known (FMI 2.0.5, 2.2.8).
+    initial_dependencies: Option<Vec<Vec<Reference>>>,
     experiment: Experiment,
     tolerance: f64,
     /// Largest orders of the derivatives in time of inputs and outputs.
@@ -116,11 +117,12 @@ impl<'a> Interface<'a> {
             return Ok(());
         }
         group(xml, "Outputs", |xml| {
-            outputs().try_for_each(|(reference, output)| write_unknown(xml, reference, &output.dependencies))
+            outputs().try_for_each(|(reference, output)| write_unknown(xml, reference, Some(&output.dependencies)))
         })?;
         group(xml, "InitialUnknowns", |xml| {
             outputs().try_for_each(|(reference, _)| {
-                write_unknown(xml, reference, &self.initial_dependencies[reference as usize])
+                let dependencies = self.initial_dependencies.as_ref().map(|all| &*all[reference as usize]);
+                write_unknown(xml, reference, dependencies)
             })
         })
     }
@@ -169,9 +171,13 @@ fn kind_attributes(variable: &Variable) -> Attributes<'static> {
 }
 
 /// An element of ModelStructure; the standard counts variables from 1.
-fn write_unknown(xml: &mut Xml, reference: Reference, dependencies: &[Reference]) -> io::Result<()> {
-    let indexes: Vec<String> = dependencies.iter().map(|dependency| (dependency + 1).to_string()).collect();
-    empty(xml, "Unknown", &[("index", (reference + 1).to_string()), ("dependencies", indexes.join(" "))])
+fn write_unknown(xml: &mut Xml, reference: Reference, dependencies: Option<&[Reference]>) -> io::Result<()> {
+    let mut attributes = vec![("index", (reference + 1).to_string())];
+    attributes.extend(dependencies.map(|dependencies| {
+        let indexes: Vec<String> = dependencies.iter().map(|dependency| (dependency + 1).to_string()).collect();
+        ("dependencies", indexes.join(" "))
+    }));
+    empty(xml, "Unknown", &attributes)
 }
 
 #[cfg(test)]
@@ -196,7 +202,7 @@ mod tests {
         let (experiment, tolerance) = (Experiment { stop_time: 0.133, step_size: 1e-3 }, 1e-9);
         // As if every output began with what the variables before it do.
         let of = |i: usize| (0..i as Reference).collect();
-        let initial_dependencies = (0..variables.len()).map(of).collect();
+        let initial_dependencies = Some((0..variables.len()).map(of).collect());
         let orders = [2, 1];
         Interface { name, description, guid, variables, initial_dependencies, experiment, tolerance, orders }.to_xml()
     }

@@ -49,9 +49,15 @@ impl Stiffness {
         record.small("misses", &mut self.misses)?;
         record.small("failures", &mut self.failures)?;
         record.finite("saved steps", &mut self.saved)?;
-        let implicit = self.implicit;
-        let allowed = |h: f64| h.is_finite() && (h > 0.0 || (h == 0.0 && !implicit));
-        record.number("last explicit step", &mut self.explicit_h, allowed, "a finite number > 0, or 0 before Radau")
+        // Without a step that was held back there is no size of one, and Radau does not take over.
+        let blank = !self.implicit && self.hits == 0;
+        let allowed = |h: f64| h.is_finite() && (h > 0.0 || (h == 0.0 && blank));
+        record.number(
+            "last explicit step",
+            &mut self.explicit_h,
+            allowed,
+            "a finite number > 0, or 0 where no step was held back",
+        )
     }
 
     /// An explicit step of size h at this h |lambda|, that could have grown by `grow`, has been accepted.
@@ -71,7 +77,7 @@ impl Stiffness {
 
     /// An implicit step of size h where |lambda| is the largest eigenvalue has been accepted.
     pub fn implicit_step(&mut self, h: f64, lambda: f64) {
-        self.saved += h / self.explicit_h - 1.0;
+        self.saved = (self.saved + h / self.explicit_h - 1.0).min(f64::MAX);
         if h * lambda >= HELD_BACK.max(self.explicit_h * lambda) {
             self.hits = 0;
             return;
@@ -98,4 +104,28 @@ pub fn largest_eigenvalue<const N: usize>(a: &[[f64; N]; N]) -> f64 {
     let fourth = square(&square(a));
     let trace: f64 = (0..N).map(|i| (0..N).map(|j| fourth[i][j] * fourth[j][i]).sum::<f64>()).sum();
     trace.abs().sqrt().sqrt().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is written of a choice is read back, whatever its fields were when it was read first.
+    #[test]
+    fn a_choice_that_is_taken_is_written_and_read_back() {
+        for (implicit, hits, explicit_h) in [(false, 9, 0.0), (false, 0, 0.0), (false, 9, 5e-324), (true, 0, 5e-324)] {
+            let mut bytes = Vec::new();
+            let mut choice = Stiffness { implicit, hits, explicit_h, ..Stiffness::default() };
+            choice.record(&mut Record::Write(&mut bytes)).unwrap();
+            let read = choice.record(&mut Record::Read(&bytes));
+            assert_eq!(read.is_ok(), explicit_h > 0.0 || hits == 0, "{choice:?}");
+            if read.is_ok() {
+                (0..3).for_each(|_| choice.explicit_step(1.0, 0.5, 1.0));
+                (0..3).for_each(|_| choice.implicit_step(1.0, 10.0));
+                bytes.clear();
+                choice.record(&mut Record::Write(&mut bytes)).unwrap();
+                choice.record(&mut Record::Read(&bytes)).unwrap();
+            }
+        }
+    }
 }

@@ -8,6 +8,7 @@ mod factors;
 pub use error::AssemblyError;
 pub use factors::{Factors, dot};
 
+use crate::format::on_one_line;
 use crate::mechanism::definition::Named;
 use crate::mechanism::linkage::{Linkage, Positions};
 use nalgebra::{DMatrix, DVector};
@@ -334,7 +335,7 @@ pub fn guessed(linkage: &Linkage, guess: &Named<f64>) -> Result<Vec<f64>, Assemb
             Some((i, v)) => q[i] = Some(v),
             None => {
                 let message = format!("gives no coordinate; those are {}", linkage.coordinates.join(", "));
-                return Err(AssemblyError::Guess { name: name.into(), message });
+                return Err(AssemblyError::Guess { name: on_one_line(name), message });
             }
         }
     }

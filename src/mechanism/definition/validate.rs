@@ -1,5 +1,5 @@
 //! Checks of a definition that need no geometry: numbers in range, names that resolve, keys that go together.
-use super::bodies::JointKind;
+use super::bodies::{Body, JointKind};
 use super::experiment::Solver;
 use super::mechanism::{GROUND, Mechanism};
 use crate::format::{DefinitionError, Named, Range};
@@ -162,25 +162,29 @@ impl Mechanism {
             if body.shape.is_some() && (body.center.is_some() || body.inertia.is_some()) {
                 return refused("shape", "a uniform_rod has its own center and inertia: remove them");
             }
-            if let Some(to) = &body.fixed_to {
-                self.check_chain(name, to)?;
+        }
+        self.check_chains()
+    }
+
+    /// Every chain of fixed_to ends at a body that is not fixed.
+    fn check_chains(&self) -> Check {
+        let bodies: Vec<(&str, &Body)> = self.bodies.iter().collect();
+        // Number of the walk that has come by a body; one walk ends where an earlier one has been.
+        let mut walks = vec![0; bodies.len()];
+        for first in 0..bodies.len() {
+            let (walk, mut body) = (first + 1, first);
+            while walks[body] == 0 {
+                walks[body] = walk;
+                let (name, Body { fixed_to: Some(to), .. }) = bodies[body] else { break };
+                let key = format_args!("bodies.{name}.fixed_to");
+                (body, _) = self.point(key, to)?;
+                if walks[body] == walk {
+                    let key = format_args!("bodies.{}.fixed_to", bodies[first].0);
+                    return refused(key, "the bodies are fixed to one another in a circle");
+                }
             }
         }
         Ok(())
-    }
-
-    /// A chain of fixed_to ends at a body that is not fixed.
-    fn check_chain(&self, name: &str, to: &str) -> Check {
-        let key = format!("bodies.{name}.fixed_to");
-        let mut next = to;
-        for _ in 0..=self.bodies.len() {
-            let (index, _) = self.point(&key, next)?;
-            match self.bodies.iter().nth(index).and_then(|(_, b)| b.fixed_to.as_ref()) {
-                Some(further) => next = further,
-                None => return Ok(()),
-            }
-        }
-        refused(key, "the bodies are fixed to one another in a circle")
     }
 
     fn check_joints(&self) -> Check {

@@ -50,7 +50,8 @@ pub(super) fn add_reactions(b: &mut Builder) {
         if !is_revolute {
             add("torque", "Moment about the second point", NewtonMetre, reaction(ReactionPart::Moment));
         }
-        let Some(friction_joint) = friction_joints.iter().position(|p| p.joint == joint) else { continue };
+        // The joints with friction are in the order of the joints.
+        let Ok(friction_joint) = friction_joints.binary_search_by_key(&joint, |p| p.joint) else { continue };
         let friction = Output::Friction { friction_joint };
         match is_revolute {
             true => add("friction_torque", "Friction torque", NewtonMetre, friction),

@@ -1,4 +1,5 @@
 //! Collects the variables, each with its quantity and dependencies.
+use super::MOST_DEPENDENCIES;
 use super::needs::{Cause, Needs, placed};
 use super::source::Source;
 use crate::mechanism::quantity::{Output, Quantity};
@@ -16,11 +17,14 @@ pub(super) struct Builder<'a> {
     causes: Option<(Reference, Vec<Vec<Cause>>)>,
     /// Inputs and parameters on which the initial value of each variable depends, ascending; empty without `causes`.
     pub initial: Vec<Vec<Reference>>,
+    /// Number of dependencies of outputs on inputs, all outputs together. Beyond [`MOST_DEPENDENCIES`] they are counted
+    /// and not kept.
+    pub dependencies: usize,
 }
 
 impl<'a> Builder<'a> {
     pub fn new(source: &'a Source<'a>, causes: Option<(Reference, Vec<Vec<Cause>>)>) -> Self {
-        Self { source, list: Vec::new(), quantities: Vec::new(), causes, initial: Vec::new() }
+        Self { source, list: Vec::new(), quantities: Vec::new(), causes, initial: Vec::new(), dependencies: 0 }
     }
 
     /// Input that sizes a load, named by the loading.
@@ -86,7 +90,9 @@ impl<'a> Builder<'a> {
             (_, Kind::Real) => Variability::Continuous,
             _ => Variability::Discrete,
         };
-        let dependencies = needs.inputs.iter().map(|&i| i as Reference).collect();
+        self.dependencies += needs.inputs.len();
+        let kept = if self.dependencies > MOST_DEPENDENCIES { &[][..] } else { needs.inputs };
+        let dependencies = kept.iter().map(|&i| i as Reference).collect();
         self.initial.push(self.initial_of(quantity, &needs));
         self.list.push(Variable { name, description, kind, causality, variability, unit, start, dependencies });
         self.quantities.push(quantity);

@@ -69,20 +69,22 @@ fn add_one_element(b: &mut Builder, drive: usize) {
     let free: Vec<usize> = s.inputs.iter().copied().filter(|i| !s.locks().contains(i)).collect();
     let others: Vec<usize> = free.iter().copied().filter(|i| *i != drive).collect();
     let demand = l.inputs.len() + drive;
-    let demanded: Vec<usize> = (0..s.locks().start).filter(|i| *i == demand || others.contains(i)).collect();
+    let mut demanded = others.clone();
+    demanded.insert(demanded.partition_point(|i| *i < demand), demand);
     // With an efficiency the sign of the drive's power counts, so the drive's own force and the speed. Friction depends
     // on all inputs; what a drive with losses delivers depends on the direction in which the mechanism moves or would
     // move.
     let own = if loses.is_some() { &[drive][..] } else { &[] };
     let present = if any_loses || rubs { &free } else { &others };
-    let friction_joint = |load: &usize| l.friction.iter().flat_map(|f| &f.friction_joints).any(|p| p.load == *load);
-    let frictionless: Vec<usize> = s.loads.iter().copied().filter(|load| !friction_joint(load)).collect();
+    // The loads of friction are the last ones.
+    let first = l.friction.iter().flat_map(|f| &f.friction_joints).map(|p| p.load).next();
+    let frictionless = &s.loads[..first.unwrap_or(s.loads.len())];
     let additional = Needs { speed: true, inertia: true, inputs: own, loads: &[drive], ..placed() };
     let mass = Needs { speed: loses.is_some(), ..additional };
     let required = Needs { masses: rubs, inputs: &demanded, ..s.acceleration() };
     let speed = any_loses || rubs || damped || l.air.is_some();
     let load = Needs { speed, inertia: rubs, inputs: present, ..required };
-    let holding = Needs { inputs: &others, loads: &frictionless, lossless: true, ..placed() };
+    let holding = Needs { inputs: &others, loads: frictionless, lossless: true, ..placed() };
     let breakaway = Needs { statics: true, lossless: false, ..holding };
     let mut add = |linear, rotary, text, units: [Unit; 2], term, needs| {
         let (suffix, unit) = if is_rotary { (rotary, units[1]) } else { (linear, units[0]) };

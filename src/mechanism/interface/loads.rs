@@ -30,7 +30,7 @@ pub(super) fn add_airspeed(b: &mut Builder) {
 
 pub(super) fn add_springs(b: &mut Builder) {
     let s = b.source;
-    for (i, spring) in s.loading.springs.iter().enumerate() {
+    for ((i, spring), (_, defined)) in s.loading.springs.iter().enumerate().zip(s.mechanism.springs.iter()) {
         let (n, load) = (spring.name.as_str(), spring.load);
         let (what, unit, force, force_unit) = match s.loading.loads[load] {
             Load::Couple { .. } => ("angle", Radian, "torque", NewtonMetre),
@@ -38,8 +38,7 @@ pub(super) fn add_springs(b: &mut Builder) {
             _ => ("length", Metre, "force", Newton),
         };
         let position = Needs { loads: &[load], ..s.displacement(load) };
-        let damped = s.mechanism.springs.get(n).is_some_and(|s| s.damping.is_some());
-        let needs = Needs { speed: damped, ..position };
+        let needs = Needs { speed: defined.damping.is_some(), ..position };
         b.output(n, what, &["Present ", what, " of ", n], unit, Output::Displacement { load, order: 0 }, position);
         let text = ["Pull of ", n, ": preload, spring and damper"];
         b.output(n, force, &text, force_unit, Output::SpringForce { spring: i }, needs);
@@ -68,9 +67,9 @@ pub(super) fn add_engagements(b: &mut Builder) {
 
 pub(super) fn add_stops(b: &mut Builder) {
     let s = b.source;
-    for (i, stop) in s.loading.stops.iter().enumerate() {
+    for ((i, stop), (_, defined)) in s.loading.stops.iter().enumerate().zip(s.mechanism.stops.iter()) {
         let n = stop.name.as_str();
-        let stated = s.mechanism.stops.get(n).and_then(|stop| stop.flag.clone());
+        let stated = defined.flag.clone();
         let position = match s.loading.loads[stop.load] {
             Load::Torque { body } => s.position(&[body]),
             _ => s.displacement(stop.load),

@@ -19,27 +19,47 @@ use needs::{Cause, causes};
 use source::Source;
 pub use terminals::terminals;
 
+/// Most dependencies of outputs on inputs that a table of variables holds, all outputs together: 200 MB. Each
+/// acceleration depends on each force, so that n drives have about 4 n^2 dependencies.
+pub const MOST_DEPENDENCIES: usize = 50_000_000;
+
+/// Most comparisons that [`initial_dependencies`] makes: some seconds of work.
+const MOST_COMPARISONS: usize = 10_000_000;
+
 /// The variables of a mechanism: inputs, outputs, then parameters.
 ///
 /// # Errors
-/// Two variables of one name; a definition that does not resolve.
+/// Two variables of one name; a definition that does not resolve; more than [`MOST_DEPENDENCIES`].
 pub fn variables(mechanism: &Mechanism) -> Result<Variables<Quantity>, DefinitionError> {
     let source = Source::new(mechanism)?;
-    let Builder { list, quantities, .. } = build(&source, None);
+    let Builder { list, quantities, dependencies, .. } = build(&source, None);
+    if dependencies > MOST_DEPENDENCIES {
+        let message = format!(
+            "outputs depend on inputs {dependencies} times, at most {MOST_DEPENDENCIES}: \
+             state fewer drives, markers and stops, or make forces and torques constant"
+        );
+        return Err(DefinitionError::key("mechanism", message));
+    }
     Variables::new(&mechanism.name, list, quantities)
         .map_err(|twice| DefinitionError::key(twice.0, "two elements give a variable of this name: rename one"))
 }
 
 /// For each output of the mechanism the inputs and parameters on which its initial value depends, ascending; for each
-/// other variable none. It costs a comparison for each parameter, so it is not part of [`variables`].
+/// other variable none. Each parameter is compared with each element and with each output, so this is not part of
+/// [`variables`]. None if the definition is so large that the comparisons would take minutes: an output may then depend
+/// on every input and every parameter.
 ///
 /// # Errors
 /// As [`variables`]; a parameter that may not change a little.
-pub fn initial_dependencies(mechanism: &Mechanism) -> Result<Vec<Vec<Reference>>, DefinitionError> {
+pub fn initial_dependencies(mechanism: &Mechanism) -> Result<Option<Vec<Vec<Reference>>>, DefinitionError> {
     let source = Source::new(mechanism)?;
     let known = build(&source, None).list;
-    let first = known.iter().take_while(|v| v.causality != Parameter).count() as Reference;
-    Ok(build(&source, Some((first, causes(&source)?))).initial)
+    let first = known.iter().take_while(|v| v.causality != Parameter).count();
+    let elements = mechanism.bodies.len() + mechanism.joints.len() + source.loads.len() + source.markers.len();
+    if (known.len() - first).saturating_mul(elements.max(first)) > MOST_COMPARISONS {
+        return Ok(None);
+    }
+    Ok(Some(build(&source, Some((first as Reference, causes(&source)?))).initial))
 }
 
 /// All variables in order; with `causes` also the dependencies of initial values.

@@ -16,6 +16,8 @@ pub(super) struct Source<'a> {
     pub inputs: Vec<usize>,
     /// All loads, by index.
     pub loads: Vec<usize>,
+    /// The joint that holds the body that states the start to the ground, and this body; none if no joint does.
+    held: Option<(usize, usize)>,
 }
 
 impl<'a> Source<'a> {
@@ -25,7 +27,8 @@ impl<'a> Source<'a> {
         let linkage = Linkage::new(mechanism)?;
         let (loading, markers) = (Loading::new(mechanism, &linkage)?, markers(mechanism, &linkage)?);
         let loads = (0..loading.loads.len()).collect();
-        let mut source = Self { mechanism, linkage, loading, markers, inputs: Vec::new(), loads };
+        let held = held(mechanism, &linkage);
+        let mut source = Self { mechanism, linkage, loading, markers, inputs: Vec::new(), loads, held };
         source.inputs = (0..source.loading.inputs.len()).chain(source.airspeed()).chain(source.locks()).collect();
         Ok(source)
     }
@@ -54,20 +57,8 @@ impl<'a> Source<'a> {
     /// What the positions of bodies follow from: the stated start alone if one joint holds the body that states it to
     /// the ground and no other body is named, else everything.
     pub fn position(&self, bodies: &[usize]) -> Needs<'static> {
-        let start = &self.mechanism.start;
-        let joint = self.linkage.joints.iter().position(|j| {
-            let ends = [j.first.body, j.second.body];
-            let stated = match (&start.body, &start.joint) {
-                (Some(name), _) => self
-                    .linkage
-                    .carrier(self.mechanism, name)
-                    .map(|(body, _)| body)
-                    .filter(|body| j.freedom == Freedom::Revolute && ends.contains(body)),
-                (None, Some(name)) => ends.into_iter().find(|b| *b != GROUND).filter(|_| j.name == *name),
-                (None, None) => None,
-            };
-            ends.contains(&GROUND) && stated.is_some_and(|s| bodies.iter().all(|b| *b == s || *b == GROUND))
-        });
+        let held = self.held.filter(|(_, held)| bodies.iter().all(|body| body == held || *body == GROUND));
+        let joint = held.map(|(joint, _)| joint);
         if joint.is_some() { Needs { joint, position: true, ..Needs::default() } } else { placed() }
     }
 
@@ -90,4 +81,19 @@ impl<'a> Source<'a> {
             _ => placed(),
         }
     }
+}
+
+/// The first joint that holds the body that states the start to the ground, and this body.
+fn held(mechanism: &Mechanism, linkage: &Linkage) -> Option<(usize, usize)> {
+    let start = &mechanism.start;
+    let stated = start.body.as_ref().and_then(|name| linkage.carrier(mechanism, name)).map(|(body, _)| body);
+    linkage.joints.iter().enumerate().find_map(|(index, joint)| {
+        let ends = [joint.first.body, joint.second.body];
+        let held = match (stated, &start.joint) {
+            (Some(body), _) => (joint.freedom == Freedom::Revolute && ends.contains(&body)).then_some(body),
+            (None, Some(name)) => ends.into_iter().find(|b| *b != GROUND).filter(|_| joint.name == *name),
+            (None, None) => None,
+        };
+        held.filter(|_| ends.contains(&GROUND)).map(|body| (index, body))
+    })
 }

@@ -42,6 +42,51 @@ impl Moments {
     }
 }
 
+/// Frame of each body of the definition in its carrier. Each is composed once with the frame of the body to which it is
+/// fixed, so that a chain of n bodies takes n compositions.
+fn frames_of(
+    mechanism: &Mechanism,
+    named: &[(&str, &definition::Body)],
+    carriers: &[usize],
+) -> Result<Vec<Frame>, DefinitionError> {
+    let mut frames: Vec<Option<Frame>> = vec![None; named.len()];
+    let mut outward = Vec::new();
+    for i in 0..named.len() {
+        // Inward along fixed_to to a body whose frame is known, then outward again.
+        let mut at = i;
+        let mut frame = loop {
+            if let Some(known) = frames[at] {
+                break known;
+            }
+            let (name, body) = named[at];
+            let Some(to) = &body.fixed_to else {
+                let own = Frame { body: carriers[at], origin: Vec2::zeros(), angle: 0.0 };
+                frames[at] = Some(own);
+                break own;
+            };
+            let (parent, [x, y]) = mechanism.point(format_args!("bodies.{name}.fixed_to"), to)?;
+            outward.push((at, Vec2::new(x, y), body.angle.unwrap_or(0.0)));
+            at = parent;
+        };
+        for (body, point, angle) in outward.drain(..).rev() {
+            let origin = frame.origin + turned(point, frame.angle);
+            frame = Frame { body: frame.body, origin, angle: frame.angle + angle };
+            frames[body] = Some(frame);
+        }
+    }
+    Ok(frames.into_iter().flatten().collect())
+}
+
+/// Number that stands for the part of a graph in which a node is: the node reached by `parts` from node to node.
+fn part_of(parts: &mut [usize], mut node: usize) -> usize {
+    while parts[node] != node {
+        // Halving the path keeps later walks short.
+        parts[node] = parts[parts[node]];
+        node = parts[node];
+    }
+    node
+}
+
 impl Linkage {
     /// Resolve a definition.
     ///
@@ -91,23 +136,10 @@ impl Linkage {
             carriers[i] = carrier;
         }
         let mut moments = vec![Moments::default(); order.len()];
-        let mut frames = Vec::new();
+        let frames = frames_of(mechanism, &named, &carriers)?;
         let mut size: f64 = 0.0;
-        for (i, &(name, body)) in named.iter().enumerate() {
-            // Compose origins and angles along fixed_to.
-            let (mut origin, mut angle, mut at) = (Vec2::zeros(), 0.0, i);
-            let mut current = body;
-            while let Some(to) = &current.fixed_to {
-                let (parent, [x, y]) = mechanism.point(format_args!("bodies.{name}.fixed_to"), to)?;
-                let own = current.angle.unwrap_or(0.0);
-                origin = Vec2::new(x, y) + turned(origin, own);
-                angle += own;
-                at = parent;
-                current = named[parent].1;
-            }
-            let carrier = carriers[at];
+        for (&(_, body), &Frame { body: carrier, origin, angle }) in named.iter().zip(&frames) {
             moments[carrier].add(Moments::of(body, origin, angle));
-            frames.push(Frame { body: carrier, origin, angle });
             size = size.max(origin.norm()).max(body.length.unwrap_or(0.0));
             size = body.points.iter().fold(size, |s, (_, [x, y])| s.max(x.hypot(*y)));
         }
@@ -145,23 +177,25 @@ impl Linkage {
             };
             self.joints.push(Joint { name: name.into(), freedom, first, second });
         }
+        let mut groups: Vec<Vec<usize>> = (0..self.bodies.len()).map(|body| vec![body]).collect();
         for (i, (_, joint)) in mechanism.joints.iter().enumerate() {
             if joint.kind == JointKind::Prismatic {
                 let angle = |point: &str| self.angle_of(mechanism, point);
                 let relative = joint.angle.unwrap_or(0.0) + angle(&joint.first) - angle(&joint.second);
-                self.join_angles(i, relative)?;
+                self.join_angles(&mut groups, i, relative)?;
             }
         }
         Ok(())
     }
 
-    /// Merge the groups of one angle of a prismatic joint's bodies: second angle = first angle + relative.
-    fn join_angles(&mut self, joint: usize, relative: f64) -> Result<(), DefinitionError> {
+    /// Merge the groups of one angle of a prismatic joint's bodies: second angle = first angle + relative. `groups`: the
+    /// bodies of each leading body's group.
+    fn join_angles(&mut self, groups: &mut [Vec<usize>], joint: usize, relative: f64) -> Result<(), DefinitionError> {
         let (a, b) = (self.joints[joint].first.body, self.joints[joint].second.body);
         // Until the coordinates are numbered, `angle_coordinate` holds the index of the group's leading body.
         let leader = |bodies: &[Body], i: usize| bodies[i].angle_coordinate.unwrap_or(i);
-        let (from, to) = (leader(&self.bodies, b), leader(&self.bodies, a));
-        let shift = self.bodies[a].offset + relative - self.bodies[b].offset;
+        let (mut from, mut to) = (leader(&self.bodies, b), leader(&self.bodies, a));
+        let mut shift = self.bodies[a].offset + relative - self.bodies[b].offset;
         if from == to {
             let excess = shift.rem_euclid(std::f64::consts::TAU);
             if excess.min(std::f64::consts::TAU - excess) > 1e-9 {
@@ -170,11 +204,14 @@ impl Linkage {
             }
             return Ok(());
         }
-        for i in 0..self.bodies.len() {
-            if leader(&self.bodies, i) == from {
-                self.bodies[i].angle_coordinate = Some(to);
-                self.bodies[i].offset += shift;
-            }
+        // The smaller group joins the larger one: a body changes its group log2 n times at most.
+        if groups[from].len() > groups[to].len() {
+            (from, to, shift) = (to, from, -shift);
+        }
+        for body in std::mem::take(&mut groups[from]) {
+            self.bodies[body].angle_coordinate = Some(to);
+            self.bodies[body].offset += shift;
+            groups[to].push(body);
         }
         Ok(())
     }
@@ -215,27 +252,34 @@ impl Linkage {
     fn grow_tree(&mut self) -> Vec<bool> {
         let n = self.bodies.len();
         // Kruskal's algorithm: a joint belongs to the tree if it connects two parts.
-        let mut part: Vec<usize> = (0..n).collect();
+        let mut parts: Vec<usize> = (0..n).collect();
         let mut chosen = vec![false; self.joints.len()];
         let slides = |j: &Joint| matches!(j.freedom, Freedom::Prismatic(_));
         for pass in [true, false] {
             for (i, joint) in self.joints.iter().enumerate().filter(|(_, j)| slides(j) == pass) {
-                let (a, b) = (part[joint.first.body], part[joint.second.body]);
+                let (a, b) = (part_of(&mut parts, joint.first.body), part_of(&mut parts, joint.second.body));
                 if a != b {
                     chosen[i] = true;
-                    part.iter_mut().filter(|p| **p == b).for_each(|p| *p = a);
+                    parts[b] = a;
                 }
             }
         }
         self.cuts = (0..self.joints.len()).filter(|&i| !chosen[i]).collect();
+        // The tree's joints at each body, in the order of the file.
+        let mut joints_at: Vec<Vec<usize>> = vec![Vec::new(); n];
+        for (i, joint) in self.joints.iter().enumerate().filter(|(i, _)| chosen[*i]) {
+            joints_at[joint.first.body].push(i);
+            joints_at[joint.second.body].push(i);
+        }
         let mut reached = vec![false; n];
         reached[GROUND] = true;
         let mut front = vec![GROUND];
         while let Some(parent) = front.pop() {
-            for (i, joint) in self.joints.iter().enumerate() {
+            for &i in &joints_at[parent] {
+                let joint = &self.joints[i];
                 let (a, b) = (joint.first.body, joint.second.body);
                 let child = if a == parent { b } else { a };
-                if chosen[i] && (a == parent || b == parent) && !reached[child] {
+                if !reached[child] {
                     reached[child] = true;
                     let reversed = child == a;
                     let (on_parent, on_child) =

@@ -11,6 +11,7 @@ use crate::mechanism::definition::{DefinitionError, Friction, Mechanism};
 use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point};
 use crate::numerics::decimal::Decimal;
 use crate::numerics::plane::{Vec2, turned};
+use std::collections::HashMap;
 use std::fmt;
 
 /// All loads of a mechanism.
@@ -118,10 +119,33 @@ pub struct Drive {
     pub efficiency: Option<f64>,
 }
 
+/// The joints between each two bodies, so that nobody searches all joints.
+struct JointsBetween(HashMap<[usize; 2], Vec<usize>>);
+
+impl JointsBetween {
+    fn new(linkage: &Linkage) -> Self {
+        let mut joints: HashMap<_, Vec<usize>> = HashMap::new();
+        for (index, joint) in linkage.joints.iter().enumerate() {
+            joints.entry(Self::pair(joint.first.body, joint.second.body)).or_default().push(index);
+        }
+        Self(joints)
+    }
+
+    fn pair(a: usize, b: usize) -> [usize; 2] {
+        [a.min(b), a.max(b)]
+    }
+
+    /// Indices of the joints between two bodies, ascending.
+    fn of(&self, a: usize, b: usize) -> impl Iterator<Item = usize> {
+        self.0.get(&Self::pair(a, b)).into_iter().flatten().copied()
+    }
+}
+
 /// Load between two points, or in a joint.
 fn between(
     mechanism: &Mechanism,
     linkage: &Linkage,
+    joints_between: &JointsBetween,
     key: fmt::Arguments,
     first: &Option<String>,
     second: &Option<String>,
@@ -138,7 +162,7 @@ fn between(
         }
         let ends = [first, second];
         let is_at = |a: Point, b: Point| a.body == b.body && (a.local - b.local).norm() <= 1e-12 * linkage.size;
-        let joined = linkage.joints.iter().find(|j| {
+        let joined = joints_between.of(first.body, second.body).map(|joint| &linkage.joints[joint]).find(|j| {
             let points = [[j.first, j.second], [j.second, j.first]];
             j.freedom == Freedom::Revolute && points.iter().any(|p| is_at(p[0], ends[0]) && is_at(p[1], ends[1]))
         });
@@ -150,7 +174,7 @@ fn between(
         return Ok(Load::Pair { first, second });
     }
     let name = joint.as_ref().ok_or_else(missing)?;
-    let joint = linkage.joints.iter().position(|j| j.name == *name).ok_or_else(missing)?;
+    let joint = mechanism.joints.position(name).ok_or_else(missing)?;
     Ok(joint_load(linkage, joint))
 }
 
@@ -169,11 +193,20 @@ impl Loading {
     /// # Errors
     /// A point, body or joint does not exist; the two ends of a load are on one body or at one point.
     pub fn new(mechanism: &Mechanism, linkage: &Linkage) -> Result<Self, DefinitionError> {
+        let joints_between = &JointsBetween::new(linkage);
         let mut sized: Vec<(String, Load)> = Vec::new();
         let mut constant: Vec<(f64, Load)> = Vec::new();
         let mut drives = Vec::new();
         for (name, a) in mechanism.actuators.iter() {
-            let load = between(mechanism, linkage, format_args!("actuators.{name}"), &a.first, &a.second, &a.joint)?;
+            let load = between(
+                mechanism,
+                linkage,
+                joints_between,
+                format_args!("actuators.{name}"),
+                &a.first,
+                &a.second,
+                &a.joint,
+            )?;
             let is_rotary = matches!(load, Load::Couple { .. });
             sized.push((format!("{name}.{}", if is_rotary { "torque" } else { "force" }), load));
             drives.push(Drive { name: name.into(), is_rotary, efficiency: a.efficiency });
@@ -203,7 +236,15 @@ impl Loading {
         loads.extend(more);
         let mut springs = Vec::new();
         for (name, s) in mechanism.springs.iter() {
-            let load = between(mechanism, linkage, format_args!("springs.{name}"), &s.first, &s.second, &s.joint)?;
+            let load = between(
+                mechanism,
+                linkage,
+                joints_between,
+                format_args!("springs.{name}"),
+                &s.first,
+                &s.second,
+                &s.joint,
+            )?;
             springs.push(Spring {
                 name: name.into(),
                 load: loads.len(),
@@ -215,13 +256,18 @@ impl Loading {
             loads.push(load);
         }
         let mut loading = Self { loads, inputs, constants, springs, drives, gravity, ..Self::default() };
-        loading.add_stops(mechanism, linkage)?;
+        loading.add_stops(mechanism, linkage, joints_between)?;
         loading.add_air(mechanism, linkage)?;
         loading.add_friction(mechanism, linkage)?;
         Ok(loading)
     }
 
-    fn add_stops(&mut self, mechanism: &Mechanism, linkage: &Linkage) -> Result<(), DefinitionError> {
+    fn add_stops(
+        &mut self,
+        mechanism: &Mechanism,
+        linkage: &Linkage,
+        joints_between: &JointsBetween,
+    ) -> Result<(), DefinitionError> {
         for (name, s) in mechanism.stops.iter() {
             let mut value = s.angle.or(s.position).or(s.length).unwrap_or(0.0);
             let load = match &s.body {
@@ -234,7 +280,15 @@ impl Loading {
                     value -= angle;
                     Load::Torque { body: carrier }
                 }
-                None => between(mechanism, linkage, format_args!("stops.{name}"), &s.first, &s.second, &s.joint)?,
+                None => between(
+                    mechanism,
+                    linkage,
+                    joints_between,
+                    format_args!("stops.{name}"),
+                    &s.first,
+                    &s.second,
+                    &s.joint,
+                )?,
             };
             let quantity = match load {
                 Load::Torque { .. } | Load::Couple { .. } => "angle",

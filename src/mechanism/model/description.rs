@@ -23,10 +23,11 @@ impl Model {
     }
 
     /// For each variable, if it is an output: the inputs and parameters on which its initial value depends, ascending.
+    /// None for a definition so large that finding them would take minutes.
     ///
     /// # Errors
     /// A parameter that may not change a little.
-    pub fn initial_dependencies(&self) -> Result<Vec<Vec<Reference>>, ModelError> {
+    pub fn initial_dependencies(&self) -> Result<Option<Vec<Vec<Reference>>>, ModelError> {
         Ok(interface::initial_dependencies(&self.original.parameter_values.mechanism)?)
     }
 

@@ -9,7 +9,7 @@ use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::motion::contact::{Contact, Ends, EngagedLocks, Place, outward};
 use crate::mechanism::motion::dynamics::Dynamics;
-use crate::mechanism::motion::events::{Event, Found, REGIME_TOLERANCE, earliest_event};
+use crate::mechanism::motion::events::{Event, Found, REGIME_TOLERANCE, earliest_event, excess};
 use crate::mechanism::motion::step_ahead::{Lookahead, StepAhead};
 use crate::mechanism::motion::work::Work;
 
@@ -281,8 +281,8 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         step.interpolates() && dense.is_within(self.tolerance, &scale)
     }
 
-    /// Locate an event: on the interpolant if that is exact, or by a step that ends there, which is returned; an end of
-    /// the travel to the last digit.
+    /// Locate an event: on the interpolant if that is exact, or by a step that ends there, which is returned; the place of
+    /// a stop to the last digit.
     #[inline(always)]
     fn locate(&mut self, step: &Step<N>, found: &Found<N>, dense: Option<&Dense<N>>) -> Option<Step<N>> {
         let is_smooth = matches!(found.event, Event::Regime(_) | Event::Bumper(_) | Event::Reversal);
@@ -305,8 +305,40 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                 shorter = self.integrator.retake(self.dynamics, step, next);
                 self.progress.work.extra += 1;
             }
+        } else if let (true, Some(dense)) = (is_smooth, dense) {
+            self.polish(step, found, dense, &mut shorter);
         }
         Some(shorter)
+    }
+
+    /// Let a step end where the event is and not where an interpolant that is not exact has it: Newton's method on the
+    /// size of the step, with the slope of the interpolant and then of the secant.
+    #[cold]
+    fn polish(&mut self, step: &Step<N>, found: &Found<N>, dense: &Dense<N>, shorter: &mut Step<N>) {
+        /// Part of the time to the event over which the first slope is taken.
+        const DIFFERENCE: f64 = 1e-3;
+        let Self { dynamics, integrator, contact, .. } = self;
+        let width = DIFFERENCE * found.part;
+        let [before, at] =
+            [&dense.at(found.part - width), &found.state].map(|z| excess(*dynamics, contact, found.event, z));
+        let mut slope = (at - before) / (width * step.h);
+        let mut miss = excess(*dynamics, contact, found.event, &shorter.end);
+        for _ in 0..8 {
+            let correction = -miss / slope;
+            let next = shorter.h + correction;
+            let is_within = next > 0.0 && next <= step.h && correction.abs() < 0.1 * step.h;
+            if !is_within || correction.abs() <= REGIME_TOLERANCE * step.h {
+                break;
+            }
+            let end = integrator.retake(*dynamics, step, next);
+            self.progress.work.extra += 1;
+            let after = excess(*dynamics, contact, found.event, &end.end);
+            let secant = (after - miss) / (end.h - shorter.h);
+            if secant.is_finite() && secant != 0.0 {
+                slope = secant;
+            }
+            (*shorter, miss) = (end, after);
+        }
     }
 
     /// The transition that an event at the state z causes. `at_once`: it came at the very start of its step.

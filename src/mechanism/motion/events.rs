@@ -185,6 +185,32 @@ fn back_to_lock<const N: usize>(
     comes_back.then(|| dense.first_passage(0, position, towards(-place.outward()), false))?
 }
 
+/// How far a state is past an event, in the unit of what decides: the speed, a push or the slip speed of a joint. 0 at
+/// the event, negative before. Places of stops are told by sigma alone.
+pub fn excess<D: Dynamics<N>, const N: usize>(dynamics: &mut D, contact: &Contact, event: Event, z: &[f64; N]) -> f64 {
+    match event {
+        Event::Reversal => -dynamics.direction() * z[1],
+        Event::Bumper(bumper) => excess_of_bumper(dynamics, bumper, contact.touching().contains(bumper), [z[0], z[1]]),
+        Event::Regime(joint) => excess_of_slip(dynamics, joint, [z[0], z[1]]),
+        Event::Stop(_) | Event::Undefined => 0.0,
+    }
+}
+
+fn excess_of_bumper<D: Dynamics<N>, const N: usize>(
+    dynamics: &mut D,
+    bumper: usize,
+    touches: bool,
+    [sigma, sigma_dot]: [f64; 2],
+) -> f64 {
+    let (beyond, push) = dynamics.bumper_push(bumper, sigma, sigma_dot);
+    if touches { -push } else { beyond.min(push) }
+}
+
+fn excess_of_slip<D: Dynamics<N>, const N: usize>(dynamics: &mut D, joint: usize, [sigma, sigma_dot]: [f64; 2]) -> f64 {
+    let ((low, high), v) = (dynamics.slip_range(joint), dynamics.slip(joint, sigma, sigma_dot));
+    (low - v).max(v - high)
+}
+
 fn towards(sign: f64) -> Direction {
     if sign > 0.0 { Direction::Rising } else { Direction::Falling }
 }
@@ -199,11 +225,7 @@ fn bumper_event<D: Dynamics<N>, const N: usize>(
 ) -> Option<f64> {
     const PARTS: usize = 12;
     let dynamics = &RefCell::new(dynamics);
-    let f = |s: f64| {
-        let mut dynamics = dynamics.borrow_mut();
-        let (beyond, push) = dynamics.bumper_push(bumper, dense.component(0, s), dense.component(1, s));
-        if touches { -push } else { beyond.min(push) }
-    };
+    let f = |s: f64| excess_of_bumper(*dynamics.borrow_mut(), bumper, touches, [0, 1].map(|n| dense.component(n, s)));
     let bounds = |a: f64, b: f64| {
         let [sigma, sigma_dot] = [0, 1].map(|n| dense.enclosure(n, [a, b]));
         let [beyond, push] = dynamics.borrow_mut().bumper_bounds(bumper, sigma, sigma_dot);
@@ -243,10 +265,7 @@ fn regime_change<D: Dynamics<N>, const N: usize>(dynamics: &mut D, dense: &Dense
     const PARTS: usize = 8;
     let (low, high) = dynamics.slip_range(joint);
     let dynamics = &RefCell::new(dynamics);
-    let f = |s: f64| {
-        let v = dynamics.borrow_mut().slip(joint, dense.component(0, s), dense.component(1, s));
-        (low - v).max(v - high)
-    };
+    let f = |s: f64| excess_of_slip(*dynamics.borrow_mut(), joint, [0, 1].map(|n| dense.component(n, s)));
     let bounds = |a: f64, b: f64| {
         let [sigma, sigma_dot] = [0, 1].map(|n| dense.enclosure(n, [a, b]));
         let v = dynamics.borrow_mut().slip_bounds(joint, sigma, sigma_dot);

@@ -180,6 +180,7 @@ impl Search<'_> {
             if panel == last {
                 period?;
                 revolution += direction;
+                revolution += direction * self.in_vain(revolution, direction);
                 panel = first;
             } else {
                 panel = if direction > 0.0 { panel + 1 } else { panel - 1 };
@@ -189,6 +190,24 @@ impl Search<'_> {
                 return None;
             }
         }
+    }
+
+    /// Number of whole revolutions from here on in which the stop cannot be passed: the displacement in a revolution is
+    /// at most the sum of the absolute coefficients of its series, and each revolution adds the growth. A search takes
+    /// as long for a stop after 1e5 revolutions as for one after two.
+    fn in_vain(&self, revolution: f64, direction: f64) -> f64 {
+        let rate = self.growth * direction * self.sign;
+        if rate <= 0.0 {
+            return 0.0;
+        }
+        let largest = |panel: usize| {
+            let coefficients = self.table.series(panel, 0);
+            self.sign * coefficients[0] + coefficients[1..].iter().map(|c| c.abs()).sum::<f64>()
+        };
+        let most = (0..self.table.panels()).map(largest).fold(f64::NEG_INFINITY, f64::max);
+        let lack = self.sign * (self.wanted - revolution * self.growth) - most;
+        // One revolution less, for rounding.
+        ((lack / rate).floor() - 1.0).max(0.0)
     }
 
     /// Whether one more revolution brings the stop nearer, so that it may be passed in a later one.

@@ -40,8 +40,11 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
     Ok(())
 }
 
+/// State and outputs after a step.
+type After = (Vec<u8>, Vec<u64>);
+
 /// State and outputs after each step.
-fn run(prepared: &Prepared, seed: u64) -> Result<Vec<(Vec<u8>, Vec<u64>)>, String> {
+fn run(prepared: &Prepared, seed: u64) -> Result<Vec<After>, String> {
     let (mut random, mut model) = (Random::new(seed), prepared.start.clone());
     let mut all = Vec::with_capacity(STEPS);
     for _ in 0..STEPS {

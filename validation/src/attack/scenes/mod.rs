@@ -2,8 +2,9 @@
 //! friction, bumpers and several stops on a side, a lock, a drive with losses.
 //!
 //! A scene is integrated twice, the second time with its start moved by the tolerance: how far the two are apart is what
-//! the scene makes of an error of that size. The engine may be off by 100 times the tolerance or that distance,
-//! whichever is larger. From where the distance is above 1e-3 a scene says nothing, and ends.
+//! the scene makes of an error of that size. The engine, which errs in every step, may be off by 100 times the tolerance
+//! or that distance, whichever is larger, at the start and once more for each radian or metre of the way. From where the
+//! distance is above 1e-3 a scene says nothing, and ends.
 mod machine;
 mod newton;
 mod oracle;
@@ -14,7 +15,7 @@ use linkage_fmu::simulation::{Simulation, SimulationError};
 use machine::{Machine, Quantity};
 use oracle::{Held, Oracle};
 
-/// Largest ratio of an error to the tolerance or to what the scene makes of it.
+/// Largest ratio of an error to the tolerance or to what the scene makes of it, for each radian or metre.
 const MOST: f64 = 100.0;
 /// Distance of the two integrations from which on nothing can be said.
 const LOST: f64 = 1e-3;
@@ -56,6 +57,7 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
     };
     let [position, speed, input] = machine.names;
     let (mut engaged, mut met, mut judged) = (false, 0, 0);
+    let (mut way, mut last) = (0.0, one.coordinate()[0]);
     for phase in 0..1 + random.below(5) {
         let load = if random.chance(0.2) { 0.0 } else { machine.load * random.within(-1.0, 1.0) };
         let (span, steps) = (random.decades(0.02, 0.4), 1 + random.below(10));
@@ -80,6 +82,9 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
             if let Err(error) = stepped {
                 return ended(probe, &error, ok);
             }
+            let present = run.get(position).map_err(|e| format!("{position}: {e}"))?;
+            way += (present - last).abs();
+            last = present;
         }
         if !ok {
             probe.count("scenes that the integration gave up");
@@ -88,14 +93,14 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
         let ([y, v], [z, w]) = (one.coordinate(), other.coordinate());
         let scale = one.fastest.max(0.1);
         let doubt = (y - z).abs().max((v - w).abs() / scale);
-        if !(doubt < LOST) || one.held.is_some() != other.held.is_some() {
+        if doubt.is_nan() || doubt >= LOST || one.held.is_some() != other.held.is_some() {
             probe.count("scenes that ended as an error grows too much");
             break;
         }
         let mut get = |name: &str| run.get(name).map_err(|e| format!("{name}: {e}"));
         let [x, u] = [get(position)?, get(speed)?];
         let off = (x - y).abs().max((u - v).abs() / scale);
-        let ratio = off / (tolerance.max(doubt) + OWN);
+        let ratio = off / (tolerance.max(doubt) * (1.0 + way) + OWN);
         if probe.verbose {
             println!(
                 "  {x} {u}, expected {y} {v}: {off:.1e}, moved start {doubt:.1e}, ratio {ratio:.2}, {:?}",
@@ -103,7 +108,7 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
             );
         }
         probe.ratio(ratio, "error over tolerance");
-        if !(ratio <= MOST) {
+        if ratio.is_nan() || ratio > MOST {
             return Err(format!("phase {phase}: {x} {u}, expected {y} {v}: {ratio:.3e} times what it may be"));
         }
         probe.count("phases judged");

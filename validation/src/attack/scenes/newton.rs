@@ -5,6 +5,7 @@
 //!
 //! M a = Q + J^T lambda, J a = gamma. As M is diagonal here, (J M^-1 J^T) lambda = gamma - J M^-1 Q is solved by
 //! Gauss with pivots. Friction makes Q depend on lambda: found by repetition, as each round changes less than the last.
+#![expect(clippy::needless_range_loop, reason = "rows and columns are written as in the equations")]
 use super::machine::{Freedom, Joint, Machine, Point, Quantity, Vector, turned};
 
 /// Coordinates of three bodies: x, y and angle of each; those of bodies that are not there stay 0.

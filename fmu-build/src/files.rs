@@ -1,0 +1,203 @@
+//! Files on disk: read whole if they are regular, replaced whole or not at all.
+//!
+//! In: paths and contents. Out: contents, or one message that names the file. It must not know what a file holds.
+
+use anyhow::{Context, Result, bail};
+use std::ffi::OsStr;
+use std::fs::{self, File, Metadata, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process;
+
+/// End of the name of a file that is being written.
+const PARTIAL: &str = ".partial";
+/// Most names that are tried for a file that is being written; one is taken by each run of the same number that writes
+/// the same file, or was killed on a file system without locks.
+const ATTEMPTS: usize = 1000;
+
+/// What stands at a path that is neither file nor folder, in a word.
+pub fn kind(metadata: &Metadata) -> &'static str {
+    let of = metadata.file_type();
+    if of.is_symlink() {
+        return "a symbolic link";
+    }
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        if of.is_fifo() {
+            return "a pipe";
+        }
+        if of.is_socket() {
+            return "a socket";
+        }
+        if of.is_char_device() || of.is_block_device() {
+            return "a device";
+        }
+    }
+    if of.is_dir() { "a folder" } else { "no regular file" }
+}
+
+/// Content of a file. Anything else is not opened: reading a pipe could wait, and reading a device go on, for ever.
+///
+/// # Errors
+/// There is no such file, it is no regular one, it has more than `largest` bytes, or it cannot be read.
+pub fn read(path: &Path, largest: u64) -> Result<Vec<u8>> {
+    let shown = path.display();
+    let metadata = fs::metadata(path).with_context(|| format!("{shown}: cannot be read"))?;
+    if !metadata.is_file() {
+        bail!("{shown}: this is {}; name a regular file", kind(&metadata));
+    }
+    if metadata.len() > largest {
+        bail!("{shown}: has {} bytes, at most {largest}; is it the right file?", metadata.len());
+    }
+    fs::read(path).with_context(|| format!("{shown}: cannot be read"))
+}
+
+/// Put a file with this content at `path`, with its folder; a file that stands there is replaced at once, or not at
+/// all. Any number of programs may do so at the same time: each writes a file of its own name, and the last one to
+/// rename its file wins.
+///
+/// # Errors
+/// The folder or the file cannot be written; what stood at `path` still stands there, and nothing beside it is left.
+pub fn replace(path: &Path, content: &[u8]) -> Result<()> {
+    replace_with(path, |file| file.write_all(content))
+}
+
+fn replace_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<()> {
+    let remedy = "free space there, or name another folder with --out";
+    // The folder of a bare file name is the present one.
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    fs::create_dir_all(folder)
+        .with_context(|| format!("{}: the folder cannot be made; name another with --out", folder.display()))?;
+    let name = path.file_name().with_context(|| format!("{}: names no file", path.display()))?;
+    clear(folder, name);
+    let (partial, mut file) =
+        begin(folder, name).with_context(|| format!("{}: cannot be written; {remedy}", path.display()))?;
+    let result = write(&mut file).and_then(|()| fs::rename(&partial, path));
+    if result.is_err() {
+        drop(file);
+        // The first error is the one to report.
+        let _ = fs::remove_file(&partial);
+    }
+    result.with_context(|| format!("{}: cannot be written; {remedy}", path.display()))
+}
+
+/// A new file for what is to become `name`, locked as long as it is open, so that nobody takes it for a leftover.
+fn begin(folder: &Path, name: &OsStr) -> io::Result<(PathBuf, File)> {
+    for attempt in 0..ATTEMPTS {
+        let mut own = name.to_owned();
+        own.push(format!(".{}-{attempt}{PARTIAL}", process::id()));
+        let path = folder.join(own);
+        let file = match OpenOptions::new().write(true).create_new(true).open(&path) {
+            Ok(file) => file,
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
+            Err(error) => return Err(error),
+        };
+        // A file system without locks leaves leftovers, and does no harm otherwise.
+        let _ = file.lock();
+        // Before the lock another run may have taken the file for a leftover.
+        if path.exists() {
+            return Ok((path, file));
+        }
+    }
+    Err(io::Error::new(io::ErrorKind::AlreadyExists, format!("{ATTEMPTS} unfinished files of this name stand there")))
+}
+
+/// Remove what runs left that were killed while they wrote `name`: unfinished files that nobody has locked. Nothing
+/// depends on whether this succeeds.
+fn clear(folder: &Path, name: &OsStr) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let path = entry.path();
+        if is_partial(&entry.file_name(), name)
+            && entry.file_type().is_ok_and(|of| of.is_file())
+            && OpenOptions::new().write(true).open(&path).is_ok_and(|file| file.try_lock().is_ok())
+            && fs::remove_file(&path).is_ok()
+        {
+            println!("{} (left unfinished by a run that was ended; removed)", path.display());
+        }
+    }
+}
+
+/// Whether `file` is a name that [`begin`] gives to what is to become `name`.
+fn is_partial(file: &OsStr, name: &OsStr) -> bool {
+    let (Some(file), Some(name)) = (file.to_str(), name.to_str()) else { return false };
+    let middle = file.strip_prefix(name).and_then(|rest| rest.strip_prefix('.')?.strip_suffix(PARTIAL));
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    middle.and_then(|middle| middle.split_once('-')).is_some_and(|(run, attempt)| is_number(run) && is_number(attempt))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::env;
+
+    /// A new folder of this test.
+    fn folder(test: &str) -> PathBuf {
+        let path = env::temp_dir().join(format!("fmu-build-files-{}-{test}", process::id()));
+        let _ = fs::remove_dir_all(&path);
+        fs::create_dir_all(&path).unwrap();
+        path
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> =
+            fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    /// On a full disk what stood there stays, nothing is left beside it, and one message says it.
+    #[test]
+    fn a_disk_that_fills_up_changes_nothing() {
+        let folder = folder("full");
+        let path = folder.join("A.fmu");
+        replace(&path, b"before").unwrap();
+        let error = replace_with(&path, |file| {
+            file.write_all(b"the first half")?;
+            Err(io::Error::from(io::ErrorKind::StorageFull))
+        })
+        .unwrap_err();
+        let message = format!("{error:#}");
+        assert!(message.starts_with(&path.display().to_string()), "{message}");
+        assert_eq!(message.matches("cannot be written; free space there").count(), 1, "{message}");
+        assert!(!message.contains('\n') && !message.contains(PARTIAL), "{message}");
+        assert_eq!(fs::read(&path).unwrap(), b"before");
+        assert_eq!(names(&folder), ["A.fmu"]);
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn leftovers_of_killed_runs_are_removed_and_those_of_others_stay() {
+        let folder = folder("leftovers");
+        for name in ["A.fmu.123-0.partial", "B.fmu.123-0.partial", "A.fmu.partial.txt", "A.fmu.x-0.partial"] {
+            fs::write(folder.join(name), "left").unwrap();
+        }
+        // A run that goes on keeps its lock.
+        let (alive, file) = begin(&folder, OsStr::new("A.fmu")).unwrap();
+        replace(&folder.join("A.fmu"), b"new").unwrap();
+        assert!(alive.exists());
+        drop(file);
+        let own = alive.file_name().unwrap().to_str().unwrap();
+        let mut expected = ["A.fmu", own, "A.fmu.partial.txt", "A.fmu.x-0.partial", "B.fmu.123-0.partial"];
+        expected.sort_unstable();
+        assert_eq!(names(&folder), expected);
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn devices_are_not_read() {
+        let message = read(Path::new("/dev/zero"), 10).unwrap_err().to_string();
+        assert_eq!(message, "/dev/zero: this is a device; name a regular file");
+    }
+
+    #[test]
+    fn a_file_that_is_too_large_is_not_read() {
+        let folder = folder("large");
+        let path = folder.join("a");
+        fs::write(&path, [0; 11]).unwrap();
+        assert!(read(&path, 11).is_ok());
+        assert!(read(&path, 10).unwrap_err().to_string().ends_with("has 11 bytes, at most 10; is it the right file?"));
+        fs::remove_dir_all(folder).unwrap();
+    }
+}

@@ -1,0 +1,229 @@
+//! Set-up takes time in proportion to the size of the definition: no element is searched for among all others, no chain
+//! is walked once for each of its links.
+//!
+//! Times are compared for n and 4 n elements. In proportion to n they differ by 4, to n^2 by 16, to n^3 by 64. A machine
+//! with other work can make one measurement longer, so the best of several decides.
+#![allow(clippy::unwrap_used)]
+
+use linkage_fmu::mechanism::Model;
+use linkage_fmu::mechanism::definition::Mechanism;
+use linkage_fmu::mechanism::interface;
+use serde_json::{Value, json};
+use std::time::Instant;
+
+const SLIDER_CRANK: &str = include_str!("../../modelDescription/SliderCrank/resources/mechanism.json");
+/// Between 4 for work in proportion to n and 16 for n^2.
+const MOST: f64 = 9.0;
+const ATTEMPTS: usize = 6;
+
+/// The slider-crank with n more elements of a group.
+fn with(group: &str, n: usize, element: impl Fn(usize) -> Value) -> String {
+    let mut definition: Value = serde_json::from_str(SLIDER_CRANK).unwrap();
+    let elements = definition.as_object_mut().unwrap().entry(group).or_insert(json!({}));
+    (0..n).for_each(|i| elements[format!("e{i}")] = element(i));
+    definition.to_string()
+}
+
+/// A chain of bodies, each fixed to the end of the one before it, listed from its outer end if `reversed`.
+fn chain(n: usize, reversed: bool) -> String {
+    with("bodies", n, |i| {
+        let first = if reversed { n - 1 } else { 0 };
+        let before = if reversed { i + 1 } else { i.wrapping_sub(1) };
+        let to = if i == first { "crank.end".into() } else { format!("e{before}.end") };
+        json!({ "fixed_to": to, "angle": 1e-3, "length": 1e-5, "mass": 1e-6, "inertia": 0 })
+    })
+}
+
+/// Points on the crank, each with a marker.
+fn points(n: usize) -> String {
+    let text = with("markers", n, |i| json!({ "at": format!("crank.p{i}") }));
+    let mut definition: Value = serde_json::from_str(&text).unwrap();
+    let points: serde_json::Map<_, _> = (0..n).map(|i| (format!("p{i}"), json!([0.1, 1e-6 * i as f64]))).collect();
+    definition["bodies"]["crank"]["points"] = points.into();
+    definition.to_string()
+}
+
+/// Blocks that slide on one another along the cylinder, and a joint that holds each to the ground again.
+fn blocks(n: usize) -> String {
+    let text = with("bodies", n, |_| json!({ "mass": 0.01 }));
+    let mut definition: Value = serde_json::from_str(&text).unwrap();
+    for i in 0..n {
+        let before = if i == 0 { "piston.origin".into() } else { format!("e{}.origin", i - 1) };
+        definition["joints"][format!("slide{i}")] = json!({
+            "type": "prismatic", "first": before, "second": format!("e{i}.origin"), "axis_angle": 1.5
+        });
+    }
+    definition.to_string()
+}
+
+fn spring(i: usize) -> Value {
+    json!({ "first": "ground.origin", "second": "crank.end", "stiffness": 1e-3, "free_length": 1e-4 * (i + 1) as f64 })
+}
+
+fn rotary_spring(_: usize) -> Value {
+    json!({ "joint": "bearing", "stiffness": 1e-4, "free_angle": 0 })
+}
+
+fn stop(i: usize) -> Value {
+    json!({ "body": "crank", "limit": "upper", "angle": 100.0 + 1e-4 * i as f64 })
+}
+
+fn force(_: usize) -> Value {
+    json!({ "at": "crank.end", "force": [0.01, 0] })
+}
+
+fn constant_force(_: usize) -> Value {
+    json!({ "at": "crank.end", "force": [0.01, 0], "constant": true })
+}
+
+fn marker(_: usize) -> Value {
+    json!({ "at": "rod.end" })
+}
+
+/// Time of a call in seconds.
+fn time<T>(call: impl FnOnce() -> T) -> f64 {
+    let before = Instant::now();
+    let given = call();
+    let time = before.elapsed().as_secs_f64();
+    drop(given);
+    time
+}
+
+/// Assert that `task` takes time in proportion to the number of elements, for n and 4 n of them.
+fn in_proportion(what: &str, n: usize, definition: impl Fn(usize) -> String, task: impl Fn(&str)) {
+    let texts = [definition(n), definition(4 * n)];
+    let mut best = [f64::INFINITY; 2];
+    for _ in 0..ATTEMPTS {
+        for (best, text) in best.iter_mut().zip(&texts) {
+            *best = best.min(time(|| task(text)));
+        }
+        if best[1] <= MOST * best[0] {
+            return;
+        }
+    }
+    panic!("{what}: {n} elements take {} s, {} take {} s", best[0], 4 * n, best[1]);
+}
+
+fn variables(text: &str) {
+    let mechanism = Mechanism::from_json(text).unwrap();
+    assert!(!interface::variables(&mechanism).unwrap().list().is_empty());
+}
+
+fn initial_dependencies(text: &str) {
+    let mechanism = Mechanism::from_json(text).unwrap();
+    assert!(interface::initial_dependencies(&mechanism).unwrap().is_some());
+}
+
+fn model(text: &str) {
+    let mut model = Model::from_json(text).unwrap();
+    model.initialize().unwrap();
+    assert!(model.step(1e-3).is_ok());
+}
+
+#[test]
+fn the_interface_takes_time_in_proportion_to_the_definition() {
+    in_proportion("a chain of fixed bodies", 2000, |n| chain(n, false), variables);
+    in_proportion("a chain of fixed bodies, outermost first", 2000, |n| chain(n, true), variables);
+    in_proportion("springs", 4000, |n| with("springs", n, spring), variables);
+    in_proportion("springs in a joint", 4000, |n| with("springs", n, rotary_spring), variables);
+    in_proportion("stops", 4000, |n| with("stops", n, stop), variables);
+    in_proportion("forces", 4000, |n| with("forces", n, force), variables);
+    in_proportion("constant forces", 4000, |n| with("forces", n, constant_force), variables);
+    in_proportion("markers", 8000, |n| with("markers", n, marker), variables);
+    in_proportion("points with markers", 4000, points, variables);
+    in_proportion("sliding blocks", 1000, blocks, variables);
+}
+
+#[test]
+fn the_model_takes_time_in_proportion_to_the_definition() {
+    in_proportion("a chain of fixed bodies", 500, |n| chain(n, false), model);
+    in_proportion("springs", 250, |n| with("springs", n, spring), model);
+    in_proportion("stops", 250, |n| with("stops", n, stop), model);
+    in_proportion("forces", 250, |n| with("forces", n, force), model);
+    in_proportion("markers", 4000, |n| with("markers", n, marker), model);
+}
+
+/// Stops of the same number after 10 and after 1e5 revolutions: the search for a stop does not turn the mechanism.
+#[test]
+fn a_distant_stop_is_found_at_once() {
+    let at = |angle: f64| with("stops", 50, move |_| json!({ "body": "crank", "limit": "upper", "angle": angle }));
+    let mut best = [f64::INFINITY; 2];
+    for _ in 0..ATTEMPTS {
+        for (best, angle) in best.iter_mut().zip([60.0, 6e5]) {
+            let text = at(angle);
+            *best = best.min(time(|| Model::from_json(&text).unwrap()));
+        }
+    }
+    assert!(best[1] < 3.0 * best[0] + 0.01, "{best:?} s");
+}
+
+/// The frame of a body at the end of a chain against the sum of its links in closed form.
+#[test]
+fn frames_along_a_chain_are_the_sum_of_its_links() {
+    let (n, angle, length) = (300, 1e-3, 1e-5);
+    for reversed in [false, true] {
+        let text = chain(n, reversed);
+        let mut definition: Value = serde_json::from_str(&text).unwrap();
+        let outermost = if reversed { "e0.end".to_owned() } else { format!("e{}.end", n - 1) };
+        definition["markers"]["end"] = json!({ "at": outermost });
+        let mut model = Model::from_json(&definition.to_string()).unwrap();
+        model.initialize().unwrap();
+        let variables = model.variables();
+        let references = ["crank.angle", "end.x", "end.y"].map(|name| variables.find(name).unwrap());
+        let [crank, x, y] = references.map(|reference| model.real(reference).unwrap());
+        let links = |f: fn(f64) -> f64| (1..=n).map(|k| length * f(crank + angle * k as f64)).sum::<f64>();
+        assert!((x - (0.05 * crank.cos() + links(f64::cos))).abs() < 1e-13, "{x}");
+        assert!((y - (0.05 * crank.sin() + links(f64::sin))).abs() < 1e-13, "{y}");
+    }
+}
+
+/// Every acceleration depends on every drive: such a table is refused with its size, not built until memory ends.
+#[test]
+fn too_many_dependencies_are_refused_with_limit_and_remedy() {
+    let drive = |_| json!({ "first": "ground.origin", "second": "crank.end", "force": 0 });
+    let mechanism = Mechanism::from_json(&with("actuators", 5000, drive)).unwrap();
+    let message = interface::variables(&mechanism).err().unwrap().to_string();
+    assert!(message.contains("at most 50000000: state fewer drives"), "{message}");
+}
+
+/// A body's length acts on every marker on the body.
+#[test]
+fn initial_dependencies_of_few_parameters_take_time_in_proportion() {
+    in_proportion("markers", 4000, |n| with("markers", n, marker), initial_dependencies);
+}
+
+/// A definition for which the comparisons would take minutes has no list of initial dependencies; a small one has.
+#[test]
+fn initial_dependencies_of_a_large_definition_are_left_out() {
+    let of = |n| {
+        let mechanism = Mechanism::from_json(&with("springs", n, spring)).unwrap();
+        interface::initial_dependencies(&mechanism).unwrap()
+    };
+    assert!(of(50).is_some_and(|all| all.iter().any(|one| !one.is_empty())));
+    assert_eq!(of(20_000), None);
+}
+
+/// Of many stops after nine revolutions, forward or backward, the nearest ends the travel.
+#[test]
+fn many_stops_end_the_travel_at_the_nearest() {
+    for direction in [1.0, -1.0] {
+        let limit = if direction > 0.0 { "upper" } else { "lower" };
+        let stops = with(
+            "stops",
+            500,
+            |i| json!({ "body": "crank", "limit": limit, "angle": direction * (60.0 + 1e-4 * i as f64) }),
+        );
+        let mut definition: Value = serde_json::from_str(&stops).unwrap();
+        definition["start"]["speed"] = json!(100.0 * direction);
+        definition["actuators"]["drive"]["torque"] = json!(3.0 * direction);
+        let mut model = Model::from_json(&definition.to_string()).unwrap();
+        model.initialize().unwrap();
+        let angle = model.variables().find("crank.angle").unwrap();
+        let farthest = (0..2000).fold(0.0, |most: f64, _| {
+            model.step(1e-3).unwrap();
+            most.max(direction * model.real(angle).unwrap())
+        });
+        // In a step the crank turns by about 0.1 rad.
+        assert!((59.5..60.0 + 1e-9).contains(&farthest), "{farthest}");
+    }
+}
