@@ -86,6 +86,7 @@ fn stepped_hydraulic(error: HydraulicsError) -> Result<Stepped, Refused> {
 }
 
 /// A model of any kind.
+#[expect(clippy::large_enum_variant, reason = "the calls of a mechanism pay for no indirection")]
 #[derive(Clone, Debug)]
 pub enum Component {
     /// A planar linkage with one degree of freedom.
@@ -95,6 +96,7 @@ pub enum Component {
 }
 
 /// All that decides how a component goes on.
+#[expect(clippy::large_enum_variant, reason = "the calls of a mechanism pay for no indirection")]
 #[derive(Clone, Debug)]
 pub enum Snapshot {
     /// Of a mechanism.

@@ -87,10 +87,11 @@ fn nor_does_the_hydraulic_actuator() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/modelDescription/HydraulicActuator");
     let description = Description::read(std::path::Path::new(folder)).unwrap();
     for mode in ["preview", "follow"] {
-        let h = 1e-3;
+        let h = 1e-4;
         let actuator = description.instantiate(None, false).unwrap();
         assert_eq!(actuator.set_text("coupling.mode", mode), Status::Ok);
         assert_eq!(actuator.set("actuator.length", 0.5), Status::Ok);
+        assert_eq!(actuator.set("preview.horizon", h), Status::Ok);
         assert_eq!(actuator.initialize(), Status::Ok);
         let reals = (0..description.interface().list().len() as u32).filter(|reference| {
             let variable = description.interface().get(*reference).unwrap();

@@ -1,8 +1,9 @@
-//! The hydraulic actuator through the C interface: life cycle, saved states to the bit, derivatives, warnings, refusals.
+//! The hydraulic actuator through the C interface: life cycle, saved states to the bit, derivatives, warnings,
+//! refusals.
 
+use linkage_fmu::fmi2::fmi2GetRealOutputDerivatives;
 use linkage_fmu::fmi2::host::{Description, Host, State, logger};
 use linkage_fmu::fmi2::types::Status;
-use linkage_fmu::fmi2::{fmi2GetRealOutputDerivatives, fmi2SetRealInputDerivatives};
 use linkage_fmu::variables::{Causality, Kind};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
@@ -28,12 +29,7 @@ fn started(mode: &str) -> Host {
 }
 
 fn rates(actuator: &Host, name: &str, rates: &[f64]) -> Status {
-    let references = vec![actuator.reference(name); rates.len()];
-    let orders: Vec<i32> = (1..=rates.len() as i32).collect();
-    // SAFETY: the component is valid; all arrays have the length that is passed.
-    unsafe {
-        fmi2SetRealInputDerivatives(actuator.c, references.as_ptr(), rates.len(), orders.as_ptr(), rates.as_ptr())
-    }
+    actuator.set_rates(actuator.reference(name), rates)
 }
 
 /// Statuses and bits of all Reals.
