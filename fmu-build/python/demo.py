@@ -8,15 +8,13 @@ from __future__ import annotations
 import argparse
 import csv
 import math
-import shutil
 import statistics
 import time
 from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib as mpl
-from fmpy import extract, read_model_description
-from fmpy.fmi2 import FMU2Slave
+from part import Part
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt
@@ -72,35 +70,14 @@ class Retraction:
         return Retraction([*(row for row in self.rows if row[0] < self.up[0]), self.up], self.up)
 
 
-class Gear:
-    """The FMU as FMPy sees it."""
-
-    def __init__(self, fmu: Path) -> None:
-        self.folder = extract(fmu)
-        description = read_model_description(self.folder)
-        self.references = {variable.name: variable.valueReference for variable in description.modelVariables}
-        self.slave = FMU2Slave(
-            guid=description.guid,
-            unzipDirectory=self.folder,
-            modelIdentifier=description.coSimulation.modelIdentifier,
-            instanceName="demo",
-        )
-        self.slave.instantiate()
-
-    def close(self) -> None:
-        """Free the instance and remove the extracted files."""
-        self.slave.freeInstance()
-        shutil.rmtree(self.folder, ignore_errors=True)
+class Gear(Part):
+    """The landing gear."""
 
     def start(self) -> None:
         """Set up a run with all defaults."""
         self.slave.setupExperiment(startTime=0.0)
         self.slave.enterInitializationMode()
         self.slave.exitInitializationMode()
-
-    def read(self, *names: str) -> list[float]:
-        """Present values of Reals."""
-        return self.slave.getReal([self.references[name] for name in names])
 
     def retract(self, parts: int = 1) -> Retraction:
         """Run with all outputs, each step in so many parts; the part in which the gear comes up is split there.

@@ -1,4 +1,5 @@
-"""Draw each mechanism near its start as the FMU's icon, modelDescription/<Name>/model.png.
+"""Draw each mechanism near its start, or the cylinder of a hydraulic actuator, as the FMU's icon,
+modelDescription/<Name>/model.png.
 
 usage: icons.py DIR [NAME...]      DIR holds the packed FMUs; without names, every folder of modelDescription/
 
@@ -108,14 +109,38 @@ class Figure:
         plt.close(figure)
 
 
+def draw_cylinder(path: Path) -> None:
+    """Write the icon of a hydraulic actuator: cylinder with piston and rod, and the two lines to its chambers."""
+    figure = plt.figure(figsize=(1, 1), dpi=PIXELS)
+    axes = figure.add_axes((0.06, 0.06, 0.88, 0.88))
+    axes.set_aspect("equal")
+    axes.axis("off")
+    axes.add_patch(plt.Rectangle((0.08, 0.40), 0.58, 0.30, facecolor="white", edgecolor=BODY, linewidth=2.2))
+    axes.add_patch(plt.Rectangle((0.10, 0.42), 0.20, 0.26, facecolor=DRIVE, alpha=0.5, linewidth=0))
+    axes.plot([0.34, 0.34], [0.42, 0.68], color=BODY, linewidth=4.0, solid_capstyle="butt")
+    axes.plot([0.34, 0.93], [0.55, 0.55], color=BODY, linewidth=3.0)
+    for x in (0.16, 0.58):
+        axes.plot([x, x], [0.40, 0.20], color=DRIVE, linewidth=2.2)
+    for x in (0.08, 0.93):
+        axes.plot(x, 0.55, "o", color="white", markeredgecolor=BODY, markersize=3.2, markeredgewidth=0.8)
+    axes.set_xlim(0.0, 1.0)
+    axes.set_ylim(0.0, 1.0)
+    figure.savefig(path, transparent=True, metadata={"Software": None})
+    plt.close(figure)
+
+
 def main() -> None:
     """Draw the icons."""
     parser = argparse.ArgumentParser(description="Draw the icons of the mechanisms.")
     parser.add_argument("fmus", type=Path, metavar="DIR", help="folder of the packed FMUs")
     parser.add_argument("names", nargs="*", metavar="NAME", help="folders of modelDescription/")
     arguments = parser.parse_args()
-    files = DESCRIPTIONS.glob("*/resources/mechanism.json")
-    for name in arguments.names or sorted(path.parent.parent.name for path in files):
+    for name in arguments.names or sorted(path.parent.parent.name for path in DESCRIPTIONS.glob("*/resources/*.json")):
+        path = DESCRIPTIONS / name / "model.png"
+        if (DESCRIPTIONS / name / "resources" / "hydraulics.json").is_file():
+            draw_cylinder(path)
+            print(path)
+            continue
         mechanism = json.loads((DESCRIPTIONS / name / "resources" / "mechanism.json").read_text(encoding="utf-8"))
         fmu = str(arguments.fmus / f"{name}.fmu")
         outputs = [v.name for v in read_model_description(fmu).modelVariables if v.name.endswith(".angle")]
@@ -123,7 +148,6 @@ def main() -> None:
         step = mechanism.get("experiment", {}).get("step_size", 1e-3)
         result = simulate_fmu(fmu, stop_time=STEPS * step, output_interval=step, output=outputs)
         figures = [Figure(mechanism, {output: float(row[output]) for output in outputs}) for row in result]
-        path = DESCRIPTIONS / name / "model.png"
         # Some start flat, where there is little to be seen.
         start, best = figures[0], max(figures, key=Figure.flatness)
         (best if start.flatness() < 0.1 else start).draw(path)

@@ -16,8 +16,8 @@ struct Cli {
 enum Task {
     /// Pack mechanisms into target/fmu/<Name>.fmu
     Package(package::Arguments),
-    /// Run the retraction through FMPy: figures, retraction.csv, retraction.png
-    Demo(report::Arguments),
+    /// Run the retraction through FMPy: figures, table, plot
+    Demo(report::Demo),
     /// Write the mechanism of a chain of N four-bars
     Chain(chain::Arguments),
     /// Recompute the papers' figures through FMPy: validation/report.md, validation/figures

@@ -22,7 +22,7 @@ pub struct Arguments {
     /// A definition file (mechanism.json), or a folder that holds one [default: modelDescription/LandingGearRetraction]
     #[arg(value_name = "PATH", conflicts_with = "all")]
     pub paths: Vec<PathBuf>,
-    /// Every folder of modelDescription/
+    /// Every folder of modelDescription/, and the system of the landing gear and its hydraulic actuator
     #[arg(long)]
     pub all: bool,
     /// The landing gear and its hydraulic actuator, and the system of both as an SSP package
@@ -82,11 +82,14 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
     let binaries = further(&arguments.binaries)?;
     let library = library::build(workspace)?;
     let out = arguments.out.clone().unwrap_or_else(|| workspace.fmu_folder());
-    let interfaces: Vec<_> = prepared.iter().map(|fmu| fmu.interface.clone()).collect();
+    let interfaces: HashMap<_, _> = prepared.iter().map(|fmu| (fmu.name.clone(), fmu.interface.clone())).collect();
     let pack = |fmu| pack(workspace, fmu, &library, &binaries, &out);
     let mut paths = prepared.into_iter().map(pack).collect::<Result<Vec<_>>>()?;
-    if let ([gear, hydraulics], true) = (&interfaces[..], arguments.ssp) {
-        paths.push(ssp::write(&out, [(&paths[0], gear.list()), (&paths[1], hydraulics.list())])?);
+    if let ([Some(gear), Some(hydraulics)], true) =
+        (ssp::FMUS.map(|name| interfaces.get(name)), arguments.ssp || arguments.all)
+    {
+        let [first, second] = ssp::FMUS.map(|name| out.join(name).with_extension("fmu"));
+        paths.push(ssp::write(&out, [(&first, gear.list()), (&second, hydraulics.list())])?);
     }
     Ok(paths)
 }

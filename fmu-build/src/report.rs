@@ -1,11 +1,11 @@
 //! `cargo fmu demo` and `cargo fmu report`: Python programs that run packed FMUs through FMPy.
 //!
-//! In: the packed FMUs. Out: of the demo, figures on the terminal, `retraction.csv` and `retraction.png`; of the
-//! report, the figures and claims of the two papers, recomputed: `report.md` and `figures/`, in `validation/` by
+//! In: the packed FMUs. Out: of the demo, figures on the terminal, `retraction.csv` and `retraction.png`, or
+//! `hydraulic.csv` and `hydraulic.png`; of the report, the figures and claims of the two papers, recomputed: `report.md` and `figures/`, in `validation/` by
 //! default.
 
 use crate::workspace::{DEFAULT_FMU, Workspace};
-use crate::{command, package};
+use crate::{command, package, ssp};
 use anyhow::{Context, Result};
 use clap::Args;
 use std::path::{self, PathBuf};
@@ -14,24 +14,38 @@ use std::process::Command;
 /// FMUs that the report runs.
 const FMUS: [&str; 3] = [DEFAULT_FMU, "SliderCrank", "Jib"];
 
-/// What the command line says.
+/// What the command line of the report says.
 #[derive(Args)]
 pub struct Arguments {
-    /// Folder for what is written [default: target/demo for the demo, validation for the report, in the repository]
+    /// Folder for what is written [default: validation in the repository]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }
 
-/// Retract the landing gear: pack the default FMU and run the demo on it.
+/// What the command line of the demo says.
+#[derive(Args)]
+pub struct Demo {
+    /// Retract by the hydraulic actuator: both FMUs coupled by several schemes; hydraulic.csv, hydraulic.png
+    #[arg(long)]
+    pub hydraulic: bool,
+    /// Folder for what is written [default: target/demo]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// Retract the landing gear: pack the default FMU, or it and the hydraulic actuator, and run the demo on it.
 ///
 /// # Errors
 /// Packing, Python's environment or the run itself fails.
-pub fn demo(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
-    let fmu = package::default(workspace)?;
+pub fn demo(workspace: &Workspace, arguments: &Demo) -> Result<()> {
+    let (script, names) =
+        if arguments.hydraulic { ("demo_hydraulic.py", &ssp::FMUS[..]) } else { ("demo.py", &[DEFAULT_FMU][..]) };
+    let paths = names.iter().map(|name| workspace.descriptions().join(name)).collect();
+    let fmus = package::run(workspace, &package::Arguments { paths, ..Default::default() })?;
     let out = arguments.out.clone().unwrap_or_else(|| workspace.target("demo"));
     let mut demo = Command::new(command::python(workspace)?);
-    demo.arg(workspace.demo_script()).arg(fmu).arg("--out").arg(out);
-    command::run(&mut demo, "demo.py")
+    demo.arg(workspace.python_scripts().join(script)).args(fmus).arg("--out").arg(out);
+    command::run(&mut demo, script)
 }
 
 /// Pack the FMUs and write the report from them.

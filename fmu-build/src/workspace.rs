@@ -65,9 +65,9 @@ impl Workspace {
         self.root.join("tests").join("fmpy")
     }
 
-    /// The demo's Python script.
-    pub fn demo_script(&self) -> PathBuf {
-        self.root.join("fmu-build").join("python").join("demo.py")
+    /// The Python scripts of the demo.
+    pub fn python_scripts(&self) -> PathBuf {
+        self.root.join("fmu-build").join("python")
     }
 
     /// What was measured, with the programs that measure and draw it, and the report on the papers.

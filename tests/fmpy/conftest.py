@@ -26,12 +26,13 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 
 
 MESSAGES: dict[int, list[str]] = {}
-"""Messages of each instance, by the environment it hands back. FMPy's proxy knows one logger for the whole process."""
+"""Messages of each instance, by the environment it hands back; 0: of instances that FMPy itself makes. FMPy's proxy
+knows one logger for the whole process."""
 
 
-def log(environment: int, _name: bytes, _status: int, _category: bytes, message: bytes) -> None:
+def log(environment: int | None, _name: bytes, _status: int, _category: bytes, message: bytes) -> None:
     """The one logger."""
-    MESSAGES[environment].append(message.decode())
+    MESSAGES.setdefault(environment or 0, []).append(message.decode())
 
 
 LOGGER = fmi2CallbackLoggerTYPE(log)
@@ -42,7 +43,7 @@ class Instance:
 
     def __init__(self, folder: Path, guid: str | None = None) -> None:
         description = read_model_description(folder)
-        environment = len(MESSAGES) + 1
+        environment = max(MESSAGES, default=0) + 1
         self.messages = MESSAGES.setdefault(environment, [])
         self.variables = {variable.name: variable for variable in description.modelVariables}
         self.references = {name: variable.valueReference for name, variable in self.variables.items()}

@@ -26,9 +26,11 @@ def test_default_experiment(fmu: Path) -> None:
     names = result.dtype.names
     assert len(names) > 10
     assert [name for name in names if not all(math.isfinite(value) for value in result[name])] == []
-    pairs = [("energy.drift", "energy.kinetic"), ("energy.balance", "energy.supplied")]
-    drift, size = next(pair for pair in pairs if pair[0] in names)
-    assert np.max(np.abs(result[drift])) < DRIFT * np.max(result[size])
+    if "energy.drift" in names:
+        assert np.max(np.abs(result["energy.drift"])) < DRIFT * np.max(result["energy.kinetic"])
+    else:
+        # A hydraulic actuator has no mass.
+        assert np.max(np.abs(result["energy.balance"])) < DRIFT * np.max(np.abs(result["energy.supplied"]))
 
 
 @pytest.mark.parametrize("fmu", FMUS, ids=[fmu.stem for fmu in FMUS])
