@@ -117,7 +117,7 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     ("chamber_a.flow", "Flow into chamber A", Unit::CubicMetrePerSecond, Output::Flow(0), FLOW),
     ("chamber_a.volume", "Volume of chamber A", Unit::CubicMetre, Output::Volume(0), &[Length]),
-    ("chamber_a.bulk_modulus", "Effective bulk modulus in chamber A", Unit::Pascal, Output::BulkModulus(0), &[]),
+    ("chamber_a.bulk_modulus", "Effective bulk modulus in chamber A", Unit::Pascal, Output::BulkModulus(0), &[Length]),
     (
         "chamber_b.pressure",
         "Pressure in chamber B, relative to the ambient pressure",
@@ -127,9 +127,16 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     ("chamber_b.flow", "Flow into chamber B", Unit::CubicMetrePerSecond, Output::Flow(1), FLOW),
     ("chamber_b.volume", "Volume of chamber B", Unit::CubicMetre, Output::Volume(1), &[Length]),
-    ("chamber_b.bulk_modulus", "Effective bulk modulus in chamber B", Unit::Pascal, Output::BulkModulus(1), &[]),
+    ("chamber_b.bulk_modulus", "Effective bulk modulus in chamber B", Unit::Pascal, Output::BulkModulus(1), &[Length]),
     ("valve.position", "Position of the spool", Unit::One, Output::SpoolPosition, &[]),
     ("valve.speed", "Speed of the spool", Unit::PerSecond, Output::SpoolSpeed, &[]),
+    (
+        "accumulator.pressure",
+        "Pressure at the supply: that of the accumulator; without one, the input",
+        Unit::Pascal,
+        Output::SupplyPressure,
+        &[Supply],
+    ),
     ("supply.flow", "Flow from the supply", Unit::CubicMetrePerSecond, Output::SupplyFlow, FLOW),
     ("tank.flow", "Flow into the tank", Unit::CubicMetrePerSecond, Output::TankFlow, FLOW),
     (
@@ -294,20 +301,24 @@ fn sections(output: Output) -> &'static [&'static str] {
         "relief.",
         "anticavitation.",
         "leakage.",
+        "hose.",
+        "lock_valve.",
     ];
-    const FORCE: &[&str] = &["cylinder.bore", "cylinder.rod", "chamber_a.start", "chamber_b.start", "seal."];
+    const FORCE: &[&str] =
+        &["cylinder.bore", "cylinder.rod", "chamber_a.start", "chamber_b.start", "seal.", "valve.transition"];
     match output {
         output if output.is_foreseen() => &[""],
         Output::Force | Output::Power(2) => FORCE,
-        Output::Stiffness => &["fluid.", "cylinder.", "chamber_"],
-        Output::Damping | Output::Power(3) => &["seal."],
+        Output::Stiffness => &["fluid.", "cylinder.", "chamber_", "hose."],
+        Output::Damping | Output::Power(3) => &["seal.", "chamber_a.start", "chamber_b.start", "valve.transition"],
         Output::Pressure(0) => &["chamber_a.start"],
         Output::Pressure(_) => &["chamber_b.start"],
         Output::Volume(0) => &["cylinder.bore", "cylinder.closed_length", "chamber_a.dead"],
         Output::Volume(_) => &["cylinder.", "chamber_b.dead"],
-        Output::BulkModulus(0) => &["fluid.", "chamber_a.start"],
-        Output::BulkModulus(_) => &["fluid.", "chamber_b.start"],
+        Output::BulkModulus(0) => &["fluid.", "chamber_a.", "cylinder.", "hose."],
+        Output::BulkModulus(_) => &["fluid.", "chamber_b.", "cylinder.", "hose."],
         Output::StrokePosition => &["cylinder.closed_length"],
+        Output::SupplyPressure => &[],
         Output::StableStep => &[""],
         Output::SpoolPosition | Output::SpoolSpeed | Output::Energy(_) | Output::Balance => &[],
         _ => FLOWS,

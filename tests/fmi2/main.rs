@@ -5,6 +5,7 @@ mod abi;
 mod clock;
 mod host;
 mod hostile;
+mod hydraulics;
 mod importer;
 mod instantiate;
 mod interrupted;

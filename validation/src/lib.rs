@@ -4,6 +4,7 @@ mod benchmarks;
 mod bodies;
 pub mod cosim;
 mod gear;
+mod hydraulics;
 mod instructions;
 mod measure;
 mod rigid_fem;
@@ -30,6 +31,7 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
     match arguments {
         [] => tables(&descriptions, &results),
         ["instructions"] => count(&results),
+        ["hydraulics"] => publish(&results, "hydraulics", &hydraulics::table(&descriptions)?),
         ["attack", words @ ..] => attack::run(&results, words),
         ["cosim", "foreign", file] => foreign(Path::new(file)),
         ["cosim", words @ ..] => couple(&results, words),
@@ -49,7 +51,7 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
 type Table = (&'static str, fn(&Path) -> Result<Pages, String>);
 
 fn tables(descriptions: &Path, results: &Path) -> Result<(), String> {
-    let tables: [Table; 8] = [
+    let tables: [Table; 9] = [
         ("setup", setup::table),
         ("steps", steps::table),
         ("scenes", scenes::table),
@@ -58,6 +60,7 @@ fn tables(descriptions: &Path, results: &Path) -> Result<(), String> {
         ("retraction", benchmarks::retraction),
         ("rigid_fem", rigid_fem::table),
         ("benchmarks", benchmarks::table),
+        ("hydraulics", hydraulics::table),
     ];
     tables.into_iter().try_for_each(|(name, table)| publish(results, name, &table(descriptions)?))
 }
