@@ -21,6 +21,7 @@ pub mod component;
 pub mod fmi;
 pub mod fmi2;
 pub mod format;
+pub mod hydraulics;
 pub mod integrator;
 pub mod mechanism;
 pub mod numerics;

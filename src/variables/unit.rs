@@ -25,6 +25,14 @@ pub enum Unit {
     NewtonMetreSecondPerRadian,
     KilogramPerMetre,
     KilogramSquareMetrePerRadian,
+    PerSecond,
+    Hertz,
+    Pascal,
+    CubicMetre,
+    CubicMetrePerSecond,
+    CubicMetrePerSecondPascal,
+    Watt,
+    NewtonPerSecond,
 }
 
 impl Unit {
@@ -52,6 +60,14 @@ impl Unit {
             Self::NewtonMetreSecondPerRadian => ("N.m.s/rad", [1, 2, -1, -1]),  // torsional damping
             Self::KilogramPerMetre => ("kg/m", [1, -1, 0, 0]),                  // change of mass with length
             Self::KilogramSquareMetrePerRadian => ("kg.m2/rad", [1, 2, 0, -1]), // change of moment of inertia with angle
+            Self::PerSecond => ("1/s", [0, 0, -1, 0]),                          // rate of a ratio
+            Self::Hertz => ("Hz", [0, 0, -1, 0]),                               // frequency
+            Self::Pascal => ("Pa", [1, -1, -2, 0]),                             // pressure
+            Self::CubicMetre => ("m3", [0, 3, 0, 0]),                           // volume
+            Self::CubicMetrePerSecond => ("m3/s", [0, 3, -1, 0]),               // flow
+            Self::CubicMetrePerSecondPascal => ("m3/(s.Pa)", [-1, 4, 1, 0]),    // flow per pressure
+            Self::Watt => ("W", [1, 2, -3, 0]),                                 // power
+            Self::NewtonPerSecond => ("N/s", [1, 1, -3, 0]),                    // rate of a force
         }
     }
 
