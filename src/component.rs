@@ -4,9 +4,9 @@
 //! or the reason of a refusal. It must not know any law of a model, nor anything of FMI but value references.
 //!
 //! A further kind of model takes one variant of [`Component`] and of [`Snapshot`], one row in `KINDS`, and one arm in
-//! each `match` of this file. Its model has methods of the same names, whose errors convert to [`Refused`]. While there
-//! is one kind, the matches cost nothing.
+//! each `match` of this file. Its model has methods of the same names, whose errors convert to [`Refused`].
 use crate::format::Experiment;
+use crate::hydraulics::{self, HydraulicsError};
 use crate::integrator::Method;
 use crate::mechanism::{self, ModelError};
 use crate::variables::{Interface, Reference, Terminal};
@@ -28,6 +28,13 @@ impl std::error::Error for Refused {}
 impl From<ModelError> for Refused {
     #[cold]
     fn from(error: ModelError) -> Self {
+        Self(error.to_string())
+    }
+}
+
+impl From<HydraulicsError> for Refused {
+    #[cold]
+    fn from(error: HydraulicsError) -> Self {
         Self(error.to_string())
     }
 }
@@ -65,11 +72,26 @@ fn stepped(error: ModelError) -> Result<Stepped, Refused> {
     }
 }
 
+/// How far a step of a hydraulic actuator has come that did not come to its end.
+///
+/// # Errors
+/// The step was refused before it began.
+#[cold]
+fn stepped_hydraulic(error: HydraulicsError) -> Result<Stepped, Refused> {
+    match error {
+        HydraulicsError::Interrupted { time, why } => Ok(Stepped::Part(Interrupted { time, why })),
+        error if error.ends_step() => Ok(Stepped::Failed(error.into())),
+        error => Err(error.into()),
+    }
+}
+
 /// A model of any kind.
 #[derive(Clone, Debug)]
 pub enum Component {
     /// A planar linkage with one degree of freedom.
     Mechanism(mechanism::Model),
+    /// A hydraulic actuator.
+    Hydraulic(hydraulics::Model),
 }
 
 /// All that decides how a component goes on.
@@ -77,19 +99,24 @@ pub enum Component {
 pub enum Snapshot {
     /// Of a mechanism.
     Mechanism(mechanism::Snapshot),
+    /// Of a hydraulic actuator.
+    Hydraulic(hydraulics::Snapshot),
 }
 
 type Constructor = fn(&str) -> Result<Component, Refused>;
 
 /// Definition file of each kind of model, and how a component is made from its text.
-const KINDS: [(&str, Constructor); 1] =
-    [("mechanism.json", |text| Ok(Component::Mechanism(mechanism::Model::from_json(text)?)))];
+const KINDS: [(&str, Constructor); 2] = [
+    ("mechanism.json", |text| Ok(Component::Mechanism(mechanism::Model::from_json(text)?))),
+    ("hydraulics.json", |text| Ok(Component::Hydraulic(hydraulics::Model::from_json(text)?))),
+];
 
 /// The same expression for the model of each kind.
 macro_rules! each {
     ($component:expr, $model:ident => $answer:expr) => {
         match $component {
             Component::Mechanism($model) => $answer,
+            Component::Hydraulic($model) => $answer,
         }
     };
 }
@@ -128,6 +155,7 @@ impl Component {
     pub fn definition_file(&self) -> &'static str {
         match self {
             Self::Mechanism(_) => KINDS[0].0,
+            Self::Hydraulic(_) => KINDS[1].0,
         }
     }
 
@@ -155,6 +183,7 @@ impl Component {
     pub fn input_order(&self) -> i32 {
         match self {
             Self::Mechanism(_) => mechanism::INPUT_ORDER,
+            Self::Hydraulic(_) => hydraulics::INPUT_ORDER,
         }
     }
 
@@ -162,6 +191,7 @@ impl Component {
     pub fn output_order(&self) -> i32 {
         match self {
             Self::Mechanism(_) => mechanism::OUTPUT_ORDER,
+            Self::Hydraulic(_) => hydraulics::OUTPUT_ORDER,
         }
     }
 
@@ -238,6 +268,16 @@ impl Component {
     pub fn step(&mut self, h: f64) -> Result<Stepped, Refused> {
         match self {
             Self::Mechanism(model) => model.step(h).map_or_else(stepped, |()| Ok(Stepped::Whole)),
+            Self::Hydraulic(model) => model.step(h).map_or_else(stepped_hydraulic, |()| Ok(Stepped::Whole)),
+        }
+    }
+
+    /// What the steps and values since the last call give reason to warn of; None mostly.
+    #[inline]
+    pub fn take_warning(&mut self) -> Option<String> {
+        match self {
+            Self::Mechanism(_) => None,
+            Self::Hydraulic(model) => model.take_warning(),
         }
     }
 
@@ -276,6 +316,7 @@ impl Component {
     pub fn snapshot(&self) -> Snapshot {
         match self {
             Self::Mechanism(model) => Snapshot::Mechanism(model.snapshot()),
+            Self::Hydraulic(model) => Snapshot::Hydraulic(model.snapshot()),
         }
     }
 
@@ -285,6 +326,8 @@ impl Component {
     pub fn snapshot_into(&self, snapshot: &mut Snapshot) {
         match (self, snapshot) {
             (Self::Mechanism(model), Snapshot::Mechanism(snapshot)) => model.snapshot_into(snapshot),
+            (Self::Hydraulic(model), Snapshot::Hydraulic(snapshot)) => model.snapshot_into(snapshot),
+            (component, snapshot) => *snapshot = component.snapshot(),
         }
     }
 
@@ -296,6 +339,8 @@ impl Component {
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Refused> {
         match (self, snapshot) {
             (Self::Mechanism(model), Snapshot::Mechanism(snapshot)) => Ok(model.restore(snapshot)?),
+            (Self::Hydraulic(model), Snapshot::Hydraulic(snapshot)) => Ok(model.restore(snapshot)?),
+            _ => Err(Refused("the state is of another kind of model".to_owned())),
         }
     }
 
@@ -306,6 +351,7 @@ impl Component {
     pub fn read_snapshot(&self, bytes: &[u8]) -> Result<Snapshot, Refused> {
         match self {
             Self::Mechanism(model) => Ok(Snapshot::Mechanism(model.read_snapshot(bytes)?)),
+            Self::Hydraulic(model) => Ok(Snapshot::Hydraulic(model.read_snapshot(bytes)?)),
         }
     }
 }
@@ -315,6 +361,7 @@ impl Snapshot {
     pub fn is_initialized(&self) -> bool {
         match self {
             Self::Mechanism(snapshot) => snapshot.has_motion(),
+            Self::Hydraulic(snapshot) => snapshot.has_motion(),
         }
     }
 
@@ -325,6 +372,7 @@ impl Snapshot {
     pub fn write(&self, out: &mut Vec<u8>) -> Result<(), Refused> {
         match self {
             Self::Mechanism(snapshot) => Ok(snapshot.write(out)?),
+            Self::Hydraulic(snapshot) => Ok(snapshot.write(out)?),
         }
     }
 }
@@ -338,6 +386,8 @@ mod tests {
         let gear = Component::from_definition("mechanism.json", mechanism::GEAR).unwrap();
         assert_eq!(gear.definition_file(), "mechanism.json");
         assert!(Component::from_definition("mechanism.json", "{}").is_err());
+        let actuator = Component::from_definition("hydraulics.json", r#"{ "name": "Actuator" }"#).unwrap();
+        assert_eq!(actuator.definition_file(), "hydraulics.json");
         assert!(Component::from_definition("other.json", mechanism::GEAR).unwrap_err().0.contains("other.json"));
     }
 }

@@ -293,13 +293,13 @@ impl Instance {
     /// The time after the step is the host's `point` plus `h`, so that the rounding of the host's sums is never counted
     /// as its error. A step that is refused before it begins changes nothing. After a step that cannot be computed, the
     /// state is that of the last communication point; after one that met the bound on its work, that at the time
-    /// reached.
+    /// reached. A warning comes after a step that is done.
     pub fn do_step(&mut self, point: f64, h: f64) -> Result<(), Refusal> {
         let end = self.clock.end_of_step(point, h)?;
         match self.component.step(h)? {
             Stepped::Whole => {
                 self.clock.time = end;
-                Ok(())
+                self.component.take_warning().map_or(Ok(()), |warning| Err(Refusal::warning(warning)))
             }
             Stepped::Part(interrupted) => {
                 (self.clock.time, self.phase) = (point + interrupted.time, Phase::Interrupted);

@@ -68,6 +68,8 @@ pub struct Powers<T> {
     pub compression: T,
     /// Lost in all flow paths.
     pub throttling: T,
+    /// Force of the actuator F [N], of which the power of the piston is made.
+    pub force: T,
 }
 
 /// max(0, x), rounded over the width w: (x + sqrt(x^2 + w^2)) / 2.
@@ -349,13 +351,15 @@ impl Equations {
     pub fn powers<T: Number>(&self, at: &Point<T>, flows: &Flows<T>) -> Powers<T> {
         let ([p_a, p_b], [q_a, q_b], v) = (at.pressures, flows.chambers, at.speed);
         let friction = self.friction(v);
+        let force = p_a * self.areas[0] - p_b * self.areas[1] - friction;
         Powers {
             supply: at.supply * flows.supply,
             returned: at.tank * flows.tank,
-            piston: (p_a * self.areas[0] - p_b * self.areas[1] - friction) * v,
+            piston: force * v,
             seal_friction: friction * v,
             compression: p_a * (q_a - v * self.areas[0]) + p_b * (q_b + v * self.areas[1]),
             throttling: flows.throttling,
+            force,
         }
     }
 }

@@ -1,6 +1,25 @@
 //! Hydraulic actuators: a servo valve, a differential cylinder and the oil between them.
 //!
-//! In: the definition of a circuit, the motion of the cylinder, valve commands. Out: pressures, flows, the force, energy
-//! terms. It must not know what the cylinder moves, nor FMI.
+//! In: the definition of a circuit, the motion of the cylinder, valve commands. Out: pressures, flows, the force, energies,
+//! and the motion with what the actuator moves, foreseen over the next step. It must not know mechanisms, nor FMI.
+//!
+//! ```text
+//! definition -> circuit -> systems -> state -> outputs, model -> snapshot
+//! ```
 pub mod circuit;
 pub mod definition;
+mod error;
+mod inputs;
+mod interface;
+mod model;
+mod outputs;
+mod snapshot;
+mod state;
+mod systems;
+
+pub use error::HydraulicsError;
+pub use model::{INPUT_ORDER, Model, OUTPUT_ORDER};
+pub use snapshot::Snapshot;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,103 @@
+//! Why a hydraulic model refuses a call, or cannot make a step.
+use crate::codec::record::Damaged;
+use crate::format::DefinitionError;
+use crate::numerics::decimal::Decimal;
+use std::fmt;
+
+/// A refused call, or a step that could not be made. The text names the quantity, the value, the limit and the remedy.
+#[derive(Clone, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the sentence of a variant names its fields")]
+pub enum HydraulicsError {
+    /// The definition, or the present parameters, are out of range.
+    Definition(DefinitionError),
+    /// No variable of this kind has this reference.
+    Reference { reference: u32, kind: &'static str, own: Option<(String, &'static str)>, count: usize },
+    /// An output cannot be set.
+    Output { name: String },
+    /// A value out of range.
+    Value { name: String, value: f64, allowed: String },
+    /// A text that is none of the allowed words.
+    Text { name: String, value: String, allowed: String },
+    /// A derivative that does not exist.
+    Derivative { what: String, reason: String },
+    /// A step of this size is none.
+    StepSize { h: f64 },
+    /// No step before the initialisation.
+    NotInitialised,
+    /// The actuator is shorter or longer than the cylinder allows.
+    Travel { length: f64, lengths: [f64; 2] },
+    /// The absolute pressure of a chamber has come to 0, `time` [s] after the beginning of the step.
+    Vacuum { chamber: &'static str, pressure: f64, time: f64 },
+    /// No step of the integration meets the tolerance, `time` [s] after the beginning of the step.
+    Stuck { time: f64, pressures: [f64; 2] },
+    /// The step met `solver.max_steps`, `time` [s] after its beginning.
+    Interrupted { time: f64, why: String },
+    /// A saved state that cannot be read.
+    Damaged(Damaged),
+}
+
+impl HydraulicsError {
+    /// Whether a step began that could not be made; else it was refused before it began.
+    pub fn ends_step(&self) -> bool {
+        matches!(self, Self::Vacuum { .. } | Self::Stuck { .. })
+    }
+}
+
+impl From<DefinitionError> for HydraulicsError {
+    fn from(error: DefinitionError) -> Self {
+        Self::Definition(error)
+    }
+}
+
+impl From<Damaged> for HydraulicsError {
+    fn from(error: Damaged) -> Self {
+        Self::Damaged(error)
+    }
+}
+
+impl std::error::Error for HydraulicsError {}
+
+impl fmt::Display for HydraulicsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Definition(error) => error.fmt(f),
+            Self::Reference { reference, kind, own: Some((name, own)), .. } => {
+                write!(f, "value reference {reference} is {name}, a {own}, not a {kind}")
+            }
+            Self::Reference { reference, kind, own: None, count } => {
+                write!(f, "value reference {reference}: no {kind} has it; there are {count} variables, from 0")
+            }
+            Self::Output { name } => write!(f, "{name} is an output, which cannot be set"),
+            Self::Value { name, value, allowed } => write!(f, "{name} = {}: must be {allowed}", Decimal(*value)),
+            Self::Text { name, value, allowed } => write!(f, "{name} = \"{value}\": must be {allowed}"),
+            Self::Derivative { what, reason } => write!(f, "{what}: {reason}"),
+            Self::StepSize { h } => write!(f, "step size {} s: must be finite and greater than 0", Decimal(*h)),
+            Self::NotInitialised => f.write_str("not initialised: initialise before the first step"),
+            Self::Travel { length, lengths: [least, most] } => write!(
+                f,
+                "actuator.length = {} m: the cylinder allows {} m (cylinder.closed_length) to {} m (cylinder.closed_length \
+                 + cylinder.stroke); lengthen the stroke, or stop the mechanism before",
+                Decimal::rounded(*length),
+                Decimal::rounded(*least),
+                Decimal::rounded(*most)
+            ),
+            Self::Vacuum { chamber, pressure, time } => write!(
+                f,
+                "the absolute pressure of {chamber} came to {} Pa {} s after the beginning of the step: oil without air \
+                 has none below 0; give fluid.air_fraction a value > 0, or raise anticavitation.conductance",
+                Decimal::rounded(*pressure),
+                Decimal::rounded(*time)
+            ),
+            Self::Stuck { time, pressures: [a, b] } => write!(
+                f,
+                "no step of the integration meets solver.tolerance {} s after the beginning of the step, at \
+                 chamber_a.pressure = {} Pa and chamber_b.pressure = {} Pa: check the inputs, or raise solver.tolerance",
+                Decimal::rounded(*time),
+                Decimal::rounded(*a),
+                Decimal::rounded(*b)
+            ),
+            Self::Interrupted { why, .. } => f.write_str(why),
+            Self::Damaged(Damaged(reason)) => write!(f, "no saved state of this model: {reason}"),
+        }
+    }
+}

@@ -1,0 +1,331 @@
+//! The variables of a hydraulic actuator: inputs, outputs, parameters, with units and dependencies.
+//!
+//! In: a definition. Out: the table of variables with the quantity of each. It must not know the state.
+use super::definition::{HydraulicActuator, Mode};
+use super::inputs::Input::{self, Acceleration, Command, Horizon, Load, LoadDerivative, Mass, MassDerivative};
+use super::inputs::Input::{Length, Speed, Supply, Tank};
+use super::outputs::Output;
+use crate::variables::{Causality, Kind, Reference, Terminal, Unit, Value, Variability, Variable, Variables};
+
+/// Quantity of a variable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Quantity {
+    /// A Real that the host sets between steps, by its index.
+    Input(usize),
+    /// A number of the definition, by its index among the parameters.
+    Parameter(usize),
+    /// What a step does with the foreseen motion: `coupling.mode`.
+    Mode,
+    /// Computed from the state.
+    Output(Output),
+}
+
+/// Name, text and unit of each input, in the order of [`Input::ALL`].
+const INPUT_WORDS: [(&str, &str, Unit); Input::ALL.len()] = [
+    (
+        "actuator.length",
+        "Length of the actuator; within a step its value at the beginning plus the integral of the speed",
+        Unit::Metre,
+    ),
+    ("actuator.speed", "Rate of the length of the actuator", Unit::MetrePerSecond),
+    (
+        "actuator.acceleration",
+        "Acceleration of the actuator, for derivatives of outputs only",
+        Unit::MetrePerSecondSquared,
+    ),
+    ("valve.command", "Command of the valve, from -1 to 1", Unit::One),
+    ("supply.pressure", "Pressure of the supply, relative to the ambient pressure", Unit::Pascal),
+    ("tank.pressure", "Pressure of the tank, relative to the ambient pressure", Unit::Pascal),
+    (
+        "actuator.reduced_mass",
+        "Mass of what the actuator moves, reduced to the actuator; 0: unknown, no preview",
+        Unit::Kilogram,
+    ),
+    (
+        "actuator.reduced_mass_derivative",
+        "Derivative of the reduced mass with respect to the length",
+        Unit::KilogramPerMetre,
+    ),
+    ("actuator.holding_force", "Force of the actuator that holds what it moves at rest", Unit::Newton),
+    (
+        "actuator.holding_force_derivative",
+        "Derivative of the holding force with respect to the length; 0: unknown",
+        Unit::NewtonPerMetre,
+    ),
+    ("preview.horizon", "Next step of the host", Unit::Second),
+];
+
+/// Inputs that all outputs of the foreseen motion depend on.
+const FORESEEN: &[Input] = &Input::ALL;
+/// Inputs that flows depend on.
+const FLOW: &[Input] = &[Length, Supply, Tank];
+
+/// Name, text, unit and quantity of each output, and the inputs on which its present value depends.
+const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
+    ("actuator.force", "Force of the actuator, positive pushing its ends apart", Unit::Newton, Output::Force, &[Speed]),
+    (
+        "actuator.stiffness",
+        "Stiffness of the oil along the actuator",
+        Unit::NewtonPerMetre,
+        Output::Stiffness,
+        &[Length],
+    ),
+    (
+        "actuator.damping",
+        "Derivative of the seal friction with respect to the speed",
+        Unit::NewtonSecondPerMetre,
+        Output::Damping,
+        &[Speed],
+    ),
+    (
+        "preview.force",
+        "Force at the beginning of the next step of the line with the impulse and the first moment foreseen",
+        Unit::Newton,
+        Output::PreviewForce,
+        FORESEEN,
+    ),
+    ("preview.force_rate", "Rate of that line", Unit::NewtonPerSecond, Output::PreviewForceRate, FORESEEN),
+    ("preview.force_mean", "Mean force foreseen over the next step", Unit::Newton, Output::PreviewForceMean, FORESEEN),
+    ("preview.length", "Length foreseen at the end of the next step", Unit::Metre, Output::PreviewLength, FORESEEN),
+    (
+        "preview.speed",
+        "Speed foreseen at the end of the next step",
+        Unit::MetrePerSecond,
+        Output::PreviewSpeed,
+        FORESEEN,
+    ),
+    (
+        "preview.start_acceleration",
+        "Acceleration under the force at the beginning of the next step",
+        Unit::MetrePerSecondSquared,
+        Output::PreviewStartAcceleration,
+        FORESEEN,
+    ),
+    (
+        "preview.acceleration",
+        "Acceleration under the force foreseen at the end of the next step",
+        Unit::MetrePerSecondSquared,
+        Output::PreviewAcceleration,
+        FORESEEN,
+    ),
+    (
+        "chamber_a.pressure",
+        "Pressure in chamber A, relative to the ambient pressure",
+        Unit::Pascal,
+        Output::Pressure(0),
+        &[],
+    ),
+    ("chamber_a.flow", "Flow into chamber A", Unit::CubicMetrePerSecond, Output::Flow(0), FLOW),
+    ("chamber_a.volume", "Volume of chamber A", Unit::CubicMetre, Output::Volume(0), &[Length]),
+    ("chamber_a.bulk_modulus", "Effective bulk modulus in chamber A", Unit::Pascal, Output::BulkModulus(0), &[]),
+    (
+        "chamber_b.pressure",
+        "Pressure in chamber B, relative to the ambient pressure",
+        Unit::Pascal,
+        Output::Pressure(1),
+        &[],
+    ),
+    ("chamber_b.flow", "Flow into chamber B", Unit::CubicMetrePerSecond, Output::Flow(1), FLOW),
+    ("chamber_b.volume", "Volume of chamber B", Unit::CubicMetre, Output::Volume(1), &[Length]),
+    ("chamber_b.bulk_modulus", "Effective bulk modulus in chamber B", Unit::Pascal, Output::BulkModulus(1), &[]),
+    ("valve.position", "Position of the spool", Unit::One, Output::SpoolPosition, &[]),
+    ("valve.speed", "Speed of the spool", Unit::PerSecond, Output::SpoolSpeed, &[]),
+    ("supply.flow", "Flow from the supply", Unit::CubicMetrePerSecond, Output::SupplyFlow, FLOW),
+    ("tank.flow", "Flow into the tank", Unit::CubicMetrePerSecond, Output::TankFlow, FLOW),
+    (
+        "cylinder.stroke_position",
+        "Position of the piston, from the closed length",
+        Unit::Metre,
+        Output::StrokePosition,
+        &[Length],
+    ),
+    ("power.supply", "Power from the supply", Unit::Watt, Output::Power(0), FLOW),
+    ("power.return", "Power into the tank", Unit::Watt, Output::Power(1), FLOW),
+    ("power.piston", "Power of the force on what the actuator moves", Unit::Watt, Output::Power(2), &[Speed]),
+    ("power.seal_friction", "Power lost in the seals", Unit::Watt, Output::Power(3), &[Speed]),
+    (
+        "power.compression",
+        "Power into the elasticity of the oil",
+        Unit::Watt,
+        Output::Power(4),
+        &[Length, Speed, Supply, Tank],
+    ),
+    (
+        "power.throttling",
+        "Power lost in valve, restrictors, cushions, relief valves and leakages",
+        Unit::Watt,
+        Output::Power(5),
+        FLOW,
+    ),
+    ("energy.supplied", "Energy from the supply since the start", Unit::Joule, Output::Energy(0), &[]),
+    ("energy.returned", "Energy into the tank since the start", Unit::Joule, Output::Energy(1), &[]),
+    ("energy.piston", "Work of the force since the start", Unit::Joule, Output::Energy(2), &[]),
+    ("energy.seal_friction", "Energy lost in the seals since the start", Unit::Joule, Output::Energy(3), &[]),
+    (
+        "energy.compression",
+        "Energy into the elasticity of the oil since the start",
+        Unit::Joule,
+        Output::Energy(4),
+        &[],
+    ),
+    (
+        "energy.throttling",
+        "Energy lost in valve, restrictors, cushions, relief valves and leakages since the start",
+        Unit::Joule,
+        Output::Energy(5),
+        &[],
+    ),
+    (
+        "energy.balance",
+        "Energy supplied less all other energies: error of the integration",
+        Unit::Joule,
+        Output::Balance,
+        &[],
+    ),
+    (
+        "coupling.stable_step",
+        "Largest step of a coupling with held inputs and without preview; 0: none, or no mass is told",
+        Unit::Second,
+        Output::StableStep,
+        &[Length, Speed, Supply, Tank, Mass],
+    ),
+];
+
+/// The variables of an actuator, with the range of each parameter. Inputs come first: the reference of an input is its
+/// index.
+pub fn variables(actuator: &HydraulicActuator) -> (Vec<Variable>, Vec<Quantity>) {
+    let (mut list, mut quantities) = (Vec::new(), Vec::new());
+    for ((name, words, unit), (index, start)) in INPUT_WORDS.into_iter().zip(starts(actuator).into_iter().enumerate()) {
+        list.push(Variable {
+            name: name.to_owned(),
+            description: words.to_owned(),
+            kind: Kind::Real,
+            causality: Causality::Input,
+            variability: Variability::Continuous,
+            unit: Some(unit),
+            start: Some(Value::Real(start)),
+            dependencies: Vec::new(),
+        });
+        quantities.push(Quantity::Input(index));
+    }
+    for &(name, words, unit, output, inputs) in OUTPUTS {
+        let mut dependencies: Vec<Reference> = inputs.iter().map(|input| *input as Reference).collect();
+        dependencies.sort_unstable();
+        list.push(Variable {
+            name: name.to_owned(),
+            description: words.to_owned(),
+            kind: Kind::Real,
+            causality: Causality::Output,
+            variability: if output == Output::StableStep { Variability::Discrete } else { Variability::Continuous },
+            unit: Some(unit),
+            start: None,
+            dependencies,
+        });
+        quantities.push(Quantity::Output(output));
+    }
+    let mut index = 0;
+    actuator.clone().parameters(&mut |parameter, value| {
+        list.push(Variable {
+            name: parameter.name.concat(),
+            description: parameter.description.concat(),
+            kind: Kind::Real,
+            causality: Causality::Parameter,
+            variability: Variability::Fixed,
+            unit: Some(parameter.unit),
+            start: Some(Value::Real(*value)),
+            dependencies: Vec::new(),
+        });
+        quantities.push(Quantity::Parameter(index));
+        index += 1;
+    });
+    let words = Mode::ALL.map(|mode| format!("\"{}\"", mode.word())).join(" or ");
+    list.push(Variable {
+        name: "coupling.mode".to_owned(),
+        description: format!("Motion of a step: {words}; foreseen, or that of the inputs"),
+        kind: Kind::String,
+        causality: Causality::Parameter,
+        variability: Variability::Fixed,
+        unit: None,
+        start: Some(Value::String(actuator.coupling.mode.word().to_owned())),
+        dependencies: Vec::new(),
+    });
+    quantities.push(Quantity::Mode);
+    (list, quantities)
+}
+
+/// Start values of the inputs.
+pub fn starts(actuator: &HydraulicActuator) -> [f64; Input::ALL.len()] {
+    Input::ALL.map(|input| match input {
+        Length => actuator.actuator.length,
+        Speed => actuator.actuator.speed,
+        Supply => actuator.circuit.supply.pressure,
+        Tank => actuator.circuit.tank.pressure,
+        Horizon => actuator.experiment.step_size,
+        Acceleration | Command | Mass | MassDerivative | Load | LoadDerivative => 0.0,
+    })
+}
+
+/// The variables that make up the connection with what the actuator moves.
+pub fn terminals<Q: Copy>(variables: &Variables<Q>) -> Vec<Terminal> {
+    let members = variables.list().iter().enumerate();
+    let members = members.filter(|(_, variable)| variable.name.starts_with("actuator."));
+    vec![Terminal {
+        name: "actuator".to_owned(),
+        description: "Force and motion of the actuator".to_owned(),
+        members: members.map(|(index, _)| index as Reference).collect(),
+    }]
+}
+
+/// Sections of parameters on which the value at the start of an output depends.
+fn sections(output: Output) -> &'static [&'static str] {
+    const FLOWS: &[&str] = &[
+        "fluid.",
+        "cylinder.",
+        "chamber_a.start",
+        "chamber_b.start",
+        "valve.rated",
+        "valve.transition",
+        "valve.clearance",
+        "valve.overlap",
+        "restrictor_",
+        "check.",
+        "cushion_",
+        "relief.",
+        "anticavitation.",
+        "leakage.",
+    ];
+    const FORCE: &[&str] = &["cylinder.bore", "cylinder.rod", "chamber_a.start", "chamber_b.start", "seal."];
+    match output {
+        output if output.is_foreseen() => &[""],
+        Output::Force | Output::Power(2) => FORCE,
+        Output::Stiffness => &["fluid.", "cylinder.", "chamber_"],
+        Output::Damping | Output::Power(3) => &["seal."],
+        Output::Pressure(0) => &["chamber_a.start"],
+        Output::Pressure(_) => &["chamber_b.start"],
+        Output::Volume(0) => &["cylinder.bore", "cylinder.closed_length", "chamber_a.dead"],
+        Output::Volume(_) => &["cylinder.", "chamber_b.dead"],
+        Output::BulkModulus(0) => &["fluid.", "chamber_a.start"],
+        Output::BulkModulus(_) => &["fluid.", "chamber_b.start"],
+        Output::StrokePosition => &["cylinder.closed_length"],
+        Output::StableStep => &[""],
+        Output::SpoolPosition | Output::SpoolSpeed | Output::Energy(_) | Output::Balance => &[],
+        _ => FLOWS,
+    }
+}
+
+/// For each variable, if it is an output: the inputs and parameters on which its initial value depends, ascending.
+pub fn initial_dependencies(variables: &Variables<Quantity>) -> Vec<Vec<Reference>> {
+    let list = variables.list();
+    let of = |index: usize| match variables.quantity(index as Reference) {
+        Some(Quantity::Output(output)) => {
+            let mut all = list[index].dependencies.clone();
+            let parameters = list.iter().enumerate().filter(|(_, v)| v.causality == Causality::Parameter);
+            let numbers = parameters.filter(|(_, v)| v.kind == Kind::Real && !v.name.starts_with("solver.max"));
+            let named = numbers.filter(|(_, v)| sections(output).iter().any(|section| v.name.starts_with(section)));
+            all.extend(named.map(|(index, _)| index as Reference));
+            all
+        }
+        _ => Vec::new(),
+    };
+    (0..list.len()).map(of).collect()
+}

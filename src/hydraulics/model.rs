@@ -1,0 +1,525 @@
+//! The model of a hydraulic actuator: present parameters, inputs and state, and its outputs on demand.
+//!
+//! In: a definition's text, values set by the host, steps. Out: values by reference, warnings. It must not know FMI's
+//! life cycle.
+mod derivatives;
+mod warnings;
+
+use super::circuit::{Equations, Point};
+use super::definition::{ABOVE_VACUUM, HydraulicActuator, Mode, Role};
+use super::error::HydraulicsError;
+use super::inputs::{INPUTS, Input, Inputs};
+use super::interface::{self, Quantity};
+use super::outputs::{Output, Present, stable_step};
+use super::state::{Blind, Foreseen, Preview, Setting, State, interrupted};
+use super::systems::{ENERGY, LENGTH, SPEED};
+use crate::format::{DefinitionError, Experiment, Range};
+use crate::integrator::Statistics;
+use crate::variables::{Reference, Terminal, Variables};
+pub use derivatives::{INPUT_ORDER, OUTPUT_ORDER};
+use std::sync::Arc;
+use warnings::{Warning, Warnings};
+
+/// One hydraulic actuator with its parameters, inputs and state.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// As read; [`Self::reset`] returns to it.
+    pub(super) original: Arc<Original>,
+    /// The present parameters; shared with the snapshots that were taken under them.
+    pub(super) parameters: Arc<Parameters>,
+    pub(super) inputs: Inputs,
+    pub(super) state: Option<State>,
+    /// What the present state and inputs give, while they are the present ones.
+    pub(super) cache: Cache,
+    warnings: Warnings,
+}
+
+/// A definition as read, before any value is set.
+#[derive(Debug)]
+pub(super) struct Original {
+    pub parameters: Arc<Parameters>,
+    pub variables: Variables<Quantity>,
+    pub ranges: Vec<(Range, Role)>,
+    pub inputs: Inputs,
+}
+
+/// A definition with the values of its parameters, and the laws that follow from them.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Parameters {
+    pub actuator: HydraulicActuator,
+    /// Numeric parameters, in the order of [`HydraulicActuator::parameters`].
+    pub values: Vec<f64>,
+    pub laws: Equations,
+}
+
+impl Parameters {
+    fn new(mut actuator: HydraulicActuator) -> Self {
+        let mut values = Vec::new();
+        actuator.parameters(&mut |_, value| values.push(*value));
+        Self { laws: Equations::new(&actuator.circuit), actuator, values }
+    }
+
+    /// Write the values into the definition.
+    pub fn update(&mut self) {
+        let mut values = self.values.iter();
+        self.actuator.parameters(&mut |_, value| *value = values.next().copied().unwrap_or(*value));
+        self.laws = Equations::new(&self.actuator.circuit);
+    }
+
+    fn setting<'a>(&'a self, inputs: &'a Inputs) -> Setting<'a> {
+        let HydraulicActuator { circuit, solver, .. } = &self.actuator;
+        Setting { laws: &self.laws, circuit, solver, inputs }
+    }
+}
+
+/// Results for the present state and inputs.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Cache {
+    present: Option<Present<f64>>,
+    foreseen: Option<Result<Foreseen, Blind>>,
+    /// Whether the host has read the foreseen motion since the last step.
+    read: bool,
+}
+
+impl Cache {
+    /// The state, the parameters or all inputs have changed.
+    pub fn clear(&mut self) {
+        (self.present, self.foreseen, self.read) = (None, None, false);
+    }
+}
+
+impl Model {
+    /// Model of the definition in a JSON text.
+    ///
+    /// # Errors
+    /// What is wrong with the definition.
+    pub fn from_json(text: &str) -> Result<Self, HydraulicsError> {
+        Self::new(HydraulicActuator::from_json(text)?)
+    }
+
+    /// Model of a checked definition.
+    ///
+    /// # Errors
+    /// Two variables of one name.
+    pub fn new(actuator: HydraulicActuator) -> Result<Self, HydraulicsError> {
+        let (list, quantities) = interface::variables(&actuator);
+        let variables = Variables::new(&actuator.name, list, quantities)
+            .map_err(|twice| DefinitionError::key(twice.0, "two variables have this name"))?;
+        let mut ranges = Vec::new();
+        actuator.clone().parameters(&mut |parameter, _| ranges.push((parameter.range, parameter.role)));
+        let inputs = Inputs::new(interface::starts(&actuator));
+        let parameters = Arc::new(Parameters::new(actuator));
+        let original = Arc::new(Original { parameters: Arc::clone(&parameters), variables, ranges, inputs });
+        let (cache, warnings) = (Cache::default(), Warnings::default());
+        Ok(Self { original, parameters, inputs, state: None, cache, warnings })
+    }
+
+    /// Name of the actuator, the FMU's modelName and modelIdentifier.
+    pub fn name(&self) -> &str {
+        &self.original.parameters.actuator.name
+    }
+
+    /// One-line description of the actuator.
+    pub fn description(&self) -> &str {
+        &self.original.parameters.actuator.description
+    }
+
+    /// Default experiment.
+    pub fn experiment(&self) -> Experiment {
+        self.original.parameters.actuator.experiment
+    }
+
+    /// The variables that the host sees.
+    pub fn variables(&self) -> &Variables<Quantity> {
+        &self.original.variables
+    }
+
+    /// The variables of the connection with what the actuator moves.
+    pub fn terminals(&self) -> Vec<Terminal> {
+        interface::terminals(self.variables())
+    }
+
+    /// For each variable, if it is an output: the inputs and parameters on which its initial value depends, ascending.
+    ///
+    /// # Errors
+    /// None.
+    pub fn initial_dependencies(&self) -> Result<Vec<Vec<Reference>>, HydraulicsError> {
+        Ok(interface::initial_dependencies(self.variables()))
+    }
+
+    /// Present value of a Real. Computed when first read in a state. NaN for an output beyond the range of numbers.
+    ///
+    /// # Errors
+    /// No Real has this reference, or the present parameters give no circuit.
+    #[inline]
+    pub fn real(&mut self, reference: Reference) -> Result<f64, HydraulicsError> {
+        match self.original.variables.quantity(reference) {
+            Some(Quantity::Parameter(index)) => Ok(self.parameters.values[index]),
+            Some(Quantity::Input(index)) => Ok(self.inputs.values[index]),
+            Some(Quantity::Output(output)) => {
+                let value = self.output(output)?;
+                Ok(if value.is_finite() { value } else { f64::NAN })
+            }
+            _ => Err(self.no_such(reference, "Real")),
+        }
+    }
+
+    fn output(&mut self, output: Output) -> Result<f64, HydraulicsError> {
+        self.started()?;
+        let Self { parameters, inputs, state: Some(state), cache, warnings, .. } = self else {
+            return Err(HydraulicsError::NotInitialised);
+        };
+        if output.is_foreseen() {
+            let h = inputs.get(Input::Horizon);
+            cache.read = true;
+            let foreseen = foreseen(parameters, inputs, state, cache, h);
+            if foreseen == &Err(Blind::Toggle) {
+                warnings.raise(Warning::Toggle, [inputs.get(Input::Mass), h]);
+            }
+            let preview = preview(parameters, inputs, state, foreseen.as_ref().ok(), h);
+            return Ok(output.foreseen(&preview).unwrap_or(f64::NAN));
+        }
+        if output == Output::StableStep {
+            return Ok(stable_step(&parameters.laws, &point(state, inputs), inputs.get(Input::Mass)));
+        }
+        let present = cache.present.get_or_insert_with(|| {
+            let energies = std::array::from_fn(|index| state.circuit[ENERGY + index]);
+            Present::new(&parameters.laws, point(state, inputs), energies)
+        });
+        Ok(present.output(&parameters.laws, output).unwrap_or(f64::NAN))
+    }
+
+    /// Whether [`Self::set_real`] would accept this value; changes nothing.
+    ///
+    /// # Errors
+    /// No Real has this reference, it is an output, or the value is out of range.
+    pub fn check_real(&self, reference: Reference, value: f64) -> Result<(), HydraulicsError> {
+        let refuse = |allowed: String| Err(HydraulicsError::Value { name: self.name_of(reference), value, allowed });
+        let range = match self.original.variables.quantity(reference) {
+            Some(Quantity::Parameter(index)) => self.original.ranges[index].0,
+            Some(Quantity::Input(index)) => match Input::ALL[index] {
+                Input::Supply | Input::Tank => {
+                    let vacuum = -self.parameters.laws.ambient();
+                    let allowed = || format!("a finite number {ABOVE_VACUUM}; that is {vacuum} Pa");
+                    return if value > vacuum && value.is_finite() { Ok(()) } else { refuse(allowed()) };
+                }
+                Input::Mass => Range::NonNegative,
+                Input::Horizon => Range::Positive,
+                _ => Range::Finite,
+            },
+            Some(Quantity::Output(_)) => return Err(HydraulicsError::Output { name: self.name_of(reference) }),
+            _ => return Err(self.no_such(reference, "Real")),
+        };
+        if range.contains(value) { Ok(()) } else { refuse(range.text()) }
+    }
+
+    /// Set an input or a parameter. After a step, a parameter takes effect with the next initialisation only.
+    ///
+    /// # Errors
+    /// As [`Self::check_real`].
+    pub fn set_real(&mut self, reference: Reference, value: f64) -> Result<(), HydraulicsError> {
+        self.check_real(reference, value)?;
+        match self.original.variables.quantity(reference) {
+            Some(Quantity::Input(index)) => {
+                let same = self.inputs.values[index].to_bits() == value.to_bits();
+                self.inputs.set(index, value);
+                if !same {
+                    self.cache.present = None;
+                    if Input::ALL[index] != Input::Acceleration {
+                        self.cache.foreseen = None;
+                    }
+                }
+            }
+            Some(Quantity::Parameter(index)) if self.parameters.values[index].to_bits() != value.to_bits() => {
+                let parameters = Arc::make_mut(&mut self.parameters);
+                parameters.values[index] = value;
+                parameters.update();
+                self.state = None;
+                self.cache.clear();
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Present value of a Boolean.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn boolean(&mut self, reference: Reference) -> Result<bool, HydraulicsError> {
+        Err(self.no_such(reference, "Boolean"))
+    }
+
+    /// Whether [`Self::set_boolean`] would accept this value.
+    ///
+    /// # Errors
+    /// There is no Boolean.
+    pub fn check_boolean(&self, reference: Reference, _value: bool) -> Result<(), HydraulicsError> {
+        Err(self.no_such(reference, "Boolean"))
+    }
+
+    /// Set a Boolean.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn set_boolean(&mut self, reference: Reference, value: bool) -> Result<(), HydraulicsError> {
+        self.check_boolean(reference, value)
+    }
+
+    /// Present value of a String.
+    ///
+    /// # Errors
+    /// No String has this reference.
+    pub fn text(&self, reference: Reference) -> Result<&'static str, HydraulicsError> {
+        match self.original.variables.quantity(reference) {
+            Some(Quantity::Mode) => Ok(self.parameters.actuator.coupling.mode.word()),
+            _ => Err(self.no_such(reference, "String")),
+        }
+    }
+
+    /// Whether [`Self::set_text`] would accept this value; changes nothing.
+    ///
+    /// # Errors
+    /// No String has this reference, or the text is none of its words.
+    pub fn check_text(&self, reference: Reference, value: &str) -> Result<(), HydraulicsError> {
+        self.mode_of(reference, value).map(|_| ())
+    }
+
+    /// Set a String parameter. After a step, it takes effect with the next initialisation only.
+    ///
+    /// # Errors
+    /// As [`Self::check_text`].
+    pub fn set_text(&mut self, reference: Reference, value: &str) -> Result<(), HydraulicsError> {
+        let mode = self.mode_of(reference, value)?;
+        if self.parameters.actuator.coupling.mode != mode {
+            Arc::make_mut(&mut self.parameters).actuator.coupling.mode = mode;
+            self.state = None;
+            self.cache.clear();
+        }
+        Ok(())
+    }
+
+    fn mode_of(&self, reference: Reference, value: &str) -> Result<Mode, HydraulicsError> {
+        match self.original.variables.quantity(reference) {
+            Some(Quantity::Mode) => Mode::of_word(value).ok_or_else(|| {
+                let words = Mode::ALL.map(|mode| format!("\"{}\"", mode.word()));
+                let name = self.name_of(reference);
+                HydraulicsError::Text { name, value: value.into(), allowed: words.join(" or ") }
+            }),
+            _ => Err(self.no_such(reference, "String")),
+        }
+    }
+
+    /// Override the relative tolerance of the integration; the same as setting solver.tolerance.
+    ///
+    /// # Errors
+    /// The tolerance is out of range.
+    pub fn set_tolerance(&mut self, tolerance: f64) -> Result<(), HydraulicsError> {
+        match self.original.variables.find("solver.tolerance") {
+            Some(reference) => self.set_real(reference, tolerance),
+            None => Ok(()),
+        }
+    }
+
+    /// Put the circuit at its start under the present parameters and inputs.
+    ///
+    /// # Errors
+    /// The present parameters give no circuit, or the cylinder does not have the present length.
+    pub fn initialize(&mut self) -> Result<(), HydraulicsError> {
+        self.state = None;
+        self.cache.clear();
+        self.warnings = Warnings::default();
+        self.started()?;
+        self.parameters.setting(&self.inputs).check_length(self.inputs.get(Input::Length))
+    }
+
+    /// Put the circuit at its start if it has no state yet.
+    #[inline]
+    pub(super) fn started(&mut self) -> Result<(), HydraulicsError> {
+        if self.state.is_none() {
+            self.parameters.actuator.check()?;
+            self.state = Some(State::at_start(&self.parameters.actuator.circuit));
+        }
+        Ok(())
+    }
+
+    /// Advance by exactly `h` [s], > 0: by the foreseen motion, or by that of the inputs. The inputs keep their values at
+    /// the end. On an error the state is what it was, but for [`HydraulicsError::Interrupted`]: the state and the inputs
+    /// are then those at the time reached.
+    ///
+    /// # Errors
+    /// Not initialised, h out of range, a length that the cylinder does not have, the integration stopped, an absolute
+    /// pressure came to 0 in oil without air, or `solver.max_steps` was met.
+    pub fn step(&mut self, h: f64) -> Result<(), HydraulicsError> {
+        if !(h.is_finite() && h > 0.0) {
+            return Err(HydraulicsError::StepSize { h });
+        }
+        let Self { parameters, inputs, state: Some(state), cache, warnings, .. } = self else {
+            return Err(HydraulicsError::NotInitialised);
+        };
+        let setting = parameters.setting(inputs);
+        let begin = inputs.get(Input::Length);
+        setting.check_length(begin)?;
+        let read = cache.read;
+        let seen = if inputs.get(Input::Mass) > 0.0 {
+            if inputs.get(Input::Horizon).to_bits() != h.to_bits() {
+                warnings.raise(Warning::Horizon, [inputs.get(Input::Horizon), h]);
+                cache.foreseen = None;
+            }
+            foreseen(parameters, inputs, state, cache, h)
+        } else {
+            &Err(Blind::NoMass)
+        };
+        let mode = parameters.actuator.coupling.mode;
+        let mut next = *state;
+        let (reached, motion) = match seen {
+            Ok(foreseen) if mode == Mode::Preview => {
+                next.keep(foreseen);
+                (foreseen.reached, Some([foreseen.end[LENGTH], foreseen.end[SPEED]]))
+            }
+            blind => {
+                if let Err(blind) = blind {
+                    if *blind == Blind::Toggle {
+                        warnings.raise(Warning::Toggle, [inputs.get(Input::Mass), h]);
+                    }
+                    if *blind == Blind::Failed && mode == Mode::Preview {
+                        // Found again for its text.
+                        let failed = state.foresee(&setting, h).err().and_then(|(_, error)| error);
+                        return Err(failed.unwrap_or(HydraulicsError::NotInitialised));
+                    }
+                }
+                check_inputs_at(&setting, h)?;
+                (next.follow(&setting, h)?, None)
+            }
+        };
+        let end = motion.map_or_else(|| inputs.length().at(reached), |[length, _]| length);
+        next.arrive(&setting, reached, end, seen.as_ref().ok());
+        if warnings.may_raise() {
+            warnings::watch(warnings, &setting, state, h, read || mode == Mode::Preview);
+        }
+        *state = next;
+        inputs.leave(reached, motion);
+        cache.clear();
+        if reached < h { Err(interrupted(&parameters.actuator.solver, reached, h)) } else { Ok(()) }
+    }
+
+    /// A warning that came up since the last call; None if there is none.
+    #[inline]
+    pub fn take_warning(&mut self) -> Option<String> {
+        if self.warnings.any() { self.warnings.take() } else { None }
+    }
+
+    /// Back to what [`Self::from_json`] gave.
+    pub fn reset(&mut self) {
+        self.parameters = Arc::clone(&self.original.parameters);
+        self.inputs = self.original.inputs;
+        self.state = None;
+        self.cache.clear();
+        self.warnings = Warnings::default();
+    }
+
+    /// Right-hand-side evaluations and accepted and rejected integration steps since initialisation.
+    pub fn statistics(&self) -> Statistics {
+        let Some(state) = &self.state else { return Statistics::default() };
+        let mut all = state.driven;
+        all.count(&state.coupled.with_components());
+        all.statistics()
+    }
+
+    /// Why an output has no value in the present state; None if it has one.
+    #[cold]
+    pub fn undefined(&mut self, reference: Reference) -> Option<String> {
+        let Some(Quantity::Output(output)) = self.original.variables.quantity(reference) else { return None };
+        let value = self.output(output).ok()?;
+        let text = "beyond the largest number under the present inputs and parameters: check their sizes";
+        (!value.is_finite()).then(|| text.to_owned())
+    }
+
+    /// Name of a variable; empty if there is none.
+    pub(super) fn name_of(&self, reference: Reference) -> String {
+        self.original.variables.get(reference).map_or_else(String::new, |v| v.name.clone())
+    }
+
+    fn no_such(&self, reference: Reference, kind: &'static str) -> HydraulicsError {
+        let list = self.original.variables.list();
+        let own = list.get(reference as usize).map(|variable| (variable.name.clone(), variable.kind.word()));
+        HydraulicsError::Reference { reference, own, kind, count: list.len() }
+    }
+}
+
+/// Refuse a step of size h at the end of which an input is out of range.
+fn check_inputs_at(setting: &Setting<'_>, h: f64) -> Result<(), HydraulicsError> {
+    let (inputs, laws) = (setting.inputs, setting.laws);
+    if !inputs.ahead && inputs.get(Input::Speed) == 0.0 {
+        return Ok(());
+    }
+    for (input, name) in [(Input::Supply, "supply.pressure"), (Input::Tank, "tank.pressure")] {
+        let value = inputs.polynomial(input).at(h);
+        if !(value > -laws.ambient() && value.is_finite()) {
+            let name = format!("{name} at the end of the step");
+            return Err(HydraulicsError::Value { name, value, allowed: ABOVE_VACUUM.into() });
+        }
+    }
+    for (input, name) in [(Input::Speed, "actuator.speed"), (Input::Command, "valve.command")] {
+        let value = inputs.polynomial(input).at(h);
+        if !value.is_finite() {
+            let name = format!("{name} at the end of the step");
+            return Err(HydraulicsError::Value { name, value, allowed: "finite".into() });
+        }
+    }
+    setting.check_length(inputs.length().at(h))
+}
+
+/// The point of the laws at the present state and inputs.
+pub(super) fn point(state: &State, inputs: &Inputs) -> Point<f64> {
+    Point {
+        pressures: state.pressures(),
+        spool: state.circuit[2],
+        spool_speed: state.circuit[3],
+        length: inputs.get(Input::Length),
+        speed: inputs.get(Input::Speed),
+        supply: inputs.get(Input::Supply),
+        tank: inputs.get(Input::Tank),
+        command: 0.0,
+    }
+}
+
+/// The motion foreseen over a step of size h from the present state and inputs.
+fn foreseen<'c>(
+    parameters: &Parameters,
+    inputs: &Inputs,
+    state: &State,
+    cache: &'c mut Cache,
+    h: f64,
+) -> &'c Result<Foreseen, Blind> {
+    if !matches!(&cache.foreseen, Some(Ok(seen)) if seen.h.to_bits() != h.to_bits()) && cache.foreseen.is_some() {
+        // Of the same step.
+    } else {
+        cache.foreseen = None;
+    }
+    cache.foreseen.get_or_insert_with(|| state.foresee(&parameters.setting(inputs), h).map_err(|(blind, _)| blind))
+}
+
+/// What the foreseen motion tells.
+fn preview(
+    parameters: &Parameters,
+    inputs: &Inputs,
+    state: &State,
+    foreseen: Option<&Foreseen>,
+    h: f64,
+) -> Preview<f64> {
+    let (laws, speed) = (&parameters.laws, inputs.get(Input::Speed));
+    match foreseen {
+        Some(Foreseen { element, end, reached, .. }) if *reached == h => {
+            Preview::new(laws, element, (state.pressures(), speed), end, h)
+        }
+        _ => {
+            let force = laws.force(state.pressures(), speed);
+            let [length, acceleration] = [Input::Length, Input::Acceleration].map(|input| inputs.get(input));
+            Preview::blind(force, [length, speed, acceleration], h)
+        }
+    }
+}
+
+/// Number of inputs, whose references are their indices.
+pub(super) const INPUT_COUNT: usize = INPUTS;

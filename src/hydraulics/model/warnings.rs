@@ -1,0 +1,124 @@
+//! What a step tells its host without refusing it, each once after the initialisation.
+//!
+//! In: the inputs and the state of a step. Out: one line of text. It must not change the state.
+use super::Setting;
+use crate::hydraulics::inputs::Input;
+use crate::hydraulics::outputs::stable_step;
+use crate::hydraulics::state::State;
+use crate::numerics::decimal::Decimal;
+
+/// Kinds of warnings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Warning {
+    /// The command is clipped.
+    Clipped,
+    /// The length contradicts the speed.
+    Drift,
+    /// The step is not the one that `preview.horizon` announced.
+    Horizon,
+    /// The step is longer than a coupling without preview stands.
+    Unstable,
+    /// Near a toggle no motion is foreseen.
+    Toggle,
+}
+
+const KINDS: usize = 5;
+/// Difference of lengths that no coupling explains, beside the way of a step [m].
+const DRIFT: f64 = 1e-3;
+
+/// Warnings raised, each with two numbers.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Warnings {
+    raised: [bool; KINDS],
+    pending: [bool; KINDS],
+    numbers: [[f64; 2]; KINDS],
+    /// Steps since the initialisation.
+    steps: u64,
+}
+
+impl Warnings {
+    /// Raise a warning, unless it was raised before.
+    pub fn raise(&mut self, warning: Warning, numbers: [f64; 2]) {
+        let index = warning as usize;
+        if !self.raised[index] {
+            (self.raised[index], self.pending[index], self.numbers[index]) = (true, true, numbers);
+        }
+    }
+
+    /// Whether any may still be raised by [`watch`].
+    pub fn may_raise(&self) -> bool {
+        !(self.raised[0] && self.raised[1] && self.raised[3])
+    }
+
+    /// Whether one is to be told.
+    pub fn any(&self) -> bool {
+        self.pending.contains(&true)
+    }
+
+    /// The line of those to be told.
+    #[cold]
+    pub fn take(&mut self) -> Option<String> {
+        let kinds = [Warning::Clipped, Warning::Drift, Warning::Horizon, Warning::Unstable, Warning::Toggle];
+        let mut lines = Vec::new();
+        for kind in kinds {
+            let index = kind as usize;
+            if std::mem::take(&mut self.pending[index]) {
+                lines.push(text(kind, self.numbers[index].map(Decimal::rounded)));
+            }
+        }
+        (!lines.is_empty()).then(|| lines.join("; "))
+    }
+}
+
+fn text(kind: Warning, [one, two]: [Decimal; 2]) -> String {
+    match kind {
+        Warning::Clipped => format!("valve.command with command.* is {one}: clipped to the range from -1 to 1"),
+        Warning::Drift => format!(
+            "actuator.length = {one} m, but actuator.speed led to {two} m: connect both to the same motion, and set the \
+             speed's derivatives if the step is long"
+        ),
+        Warning::Horizon => format!(
+            "a step of {two} s was announced as preview.horizon = {one} s: the motion was foreseen anew; set \
+             preview.horizon to the next step"
+        ),
+        Warning::Unstable => format!(
+            "a step of {two} s without preview exceeds coupling.stable_step = {one} s: held inputs make the force grow; \
+             shorten the step, or give the mechanism preview.force or preview.force_mean"
+        ),
+        Warning::Toggle => format!(
+            "actuator.reduced_mass = {one} kg changes too much within a step of {two} s, as near a toggle of the \
+             actuator: no motion is foreseen there"
+        ),
+    }
+}
+
+/// Raise what this step of size h, from the present state, gives reason for. `previewed`: whether the host uses the
+/// foreseen motion.
+pub fn watch(warnings: &mut Warnings, setting: &Setting<'_>, state: &State, h: f64, previewed: bool) {
+    let inputs = setting.inputs;
+    warnings.steps += 1;
+    let command = setting.command(state.time());
+    if command.may_clip(h) {
+        let largest = [0.0, h]
+            .map(|t| command.wanted(t))
+            .into_iter()
+            .fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
+        if largest.abs() > 1.0 {
+            warnings.raise(Warning::Clipped, [largest, 0.0]);
+        }
+    }
+    if let Some([arrival, way]) = state.arrival {
+        let length = inputs.get(Input::Length);
+        if (length - arrival).abs() > DRIFT + way {
+            warnings.raise(Warning::Drift, [length, arrival]);
+        }
+    }
+    let mass = inputs.get(Input::Mass);
+    // The eigenvalues cost as much as the step.
+    if !previewed && mass > 0.0 && warnings.steps.is_power_of_two() && !warnings.raised[Warning::Unstable as usize] {
+        let stable = stable_step(setting.laws, &super::point(state, inputs), mass);
+        if stable > 0.0 && h > stable {
+            warnings.raise(Warning::Unstable, [stable, h]);
+        }
+    }
+}

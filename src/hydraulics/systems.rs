@@ -1,0 +1,260 @@
+//! The circuit as systems of differential equations: under a prescribed motion, and with one element that it moves.
+//!
+//! In: the laws of a circuit, inputs as functions of time, a point-mass model of what the actuator moves. Out: right-hand
+//! sides, Jacobians and error weights for the integration. It must not know how steps are made, nor events.
+use super::circuit::{Equations, Flows, Point};
+use super::inputs::{CommandSignal, Polynomial};
+use crate::integrator::System;
+use crate::numerics::dual::{Dual, Number};
+
+/// Components of the state of a circuit: two pressures, spool position and speed, six energies.
+pub const CIRCUIT: usize = 10;
+/// Components of the state of a circuit with one element: the former, length and speed, impulse and first moment of the
+/// force.
+pub const ELEMENT: usize = 14;
+/// Number of energies.
+pub const ENERGIES: usize = 6;
+/// Components that the right-hand side depends on: the first four; with an element, length and speed too.
+const DRIVING: [usize; 6] = [0, 1, 2, 3, LENGTH, SPEED];
+
+/// Index of the first energy in the state.
+pub const ENERGY: usize = 4;
+/// Index of the length in the state of a circuit with an element.
+pub const LENGTH: usize = 10;
+/// Index of the speed.
+pub const SPEED: usize = 11;
+/// Index of the impulse of the force, int F dt [N s].
+pub const IMPULSE: usize = 12;
+/// Index of the first moment of the force, int F t dt [N s2].
+pub const MOMENT: usize = 13;
+
+/// Part of the error weight of the spool that holds where it is at rest; with it, openings near the edges are exact.
+const SPOOL_FLOOR: f64 = 0.1;
+/// Weight of components whose errors follow from those of the others.
+const FREE: f64 = 1e300;
+/// Speed of the element below which errors are absolute [m/s].
+const SPEED_FLOOR: f64 = 0.01;
+
+/// Pressures of the ports and the command during a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Surroundings {
+    pub supply: Polynomial,
+    pub tank: Polynomial,
+    pub command: CommandSignal,
+}
+
+/// Error weights of the first ten components.
+#[inline]
+fn circuit_scale(laws: &Equations, y: &[f64]) -> [f64; CIRCUIT] {
+    let ambient = laws.ambient();
+    let pressure = |p: f64| (p + ambient).max(ambient);
+    let spool = SPOOL_FLOOR + y[2].abs();
+    let mut scale = [FREE; CIRCUIT];
+    (scale[0], scale[1]) = (pressure(y[0]), pressure(y[1]));
+    (scale[2], scale[3]) = (spool, laws.spool_frequency() * spool);
+    scale
+}
+
+/// Rates of the first ten components.
+#[inline]
+fn circuit_rates<T: Number>(laws: &Equations, at: &Point<T>) -> ([T; CIRCUIT], Flows<T>, T) {
+    let flows = laws.flows(at);
+    let powers = laws.powers(at, &flows);
+    let [a, b] = flows.pressure_rates;
+    let rates = [
+        a,
+        b,
+        at.spool_speed,
+        flows.spool_acceleration,
+        powers.supply,
+        powers.returned,
+        powers.piston,
+        powers.seal_friction,
+        powers.compression,
+        powers.throttling,
+    ];
+    (rates, flows, powers.force)
+}
+
+/// A circuit under a prescribed motion.
+#[derive(Clone, Copy, Debug)]
+pub struct Driven<'a> {
+    pub laws: &'a Equations,
+    pub surroundings: Surroundings,
+    pub length: Polynomial,
+    pub speed: Polynomial,
+}
+
+impl Driven<'_> {
+    fn point<T: Number>(&self, t: f64, [p_a, p_b, spool, spool_speed]: [T; 4]) -> Point<T> {
+        let Surroundings { supply, tank, command } = &self.surroundings;
+        Point {
+            pressures: [p_a, p_b],
+            spool,
+            spool_speed,
+            length: T::constant(self.length.at(t)),
+            speed: T::constant(self.speed.at(t)),
+            supply: T::constant(supply.at(t)),
+            tank: T::constant(tank.at(t)),
+            command: T::constant(command.at(t)),
+        }
+    }
+}
+
+impl System<CIRCUIT> for Driven<'_> {
+    const CAN_BE_STIFF: bool = true;
+
+    #[inline]
+    fn derivative(&mut self, t: f64, y: &[f64; CIRCUIT]) -> [f64; CIRCUIT] {
+        circuit_rates(self.laws, &self.point(t, [y[0], y[1], y[2], y[3]])).0
+    }
+
+    #[inline]
+    fn scale(&mut self, y: &[f64; CIRCUIT], _f: &[f64; CIRCUIT]) -> [f64; CIRCUIT] {
+        circuit_scale(self.laws, y)
+    }
+
+    fn jacobian(&mut self, t: f64, y: &[f64; CIRCUIT]) -> [[f64; CIRCUIT]; CIRCUIT] {
+        let duals: [Dual<4>; 4] = std::array::from_fn(|k| Dual::variable(y[k], k));
+        let (rates, ..) = circuit_rates(self.laws, &self.point(t, duals));
+        rates.map(|rate| std::array::from_fn(|k| if k < 4 { rate.slope[k] } else { 0.0 }))
+    }
+}
+
+/// What an actuator moves, as one element along it: (m + m' (s - s_0)) v' = F - W_0 - W_1 (s - s_0) - W_t t - m' v^2/2.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Element<T> {
+    /// Mass m [kg] at the length s_0.
+    pub mass: T,
+    /// Its derivative m' with respect to the length [kg/m].
+    pub mass_derivative: T,
+    /// Load W_0 [N].
+    pub load: T,
+    /// Derivative W_1 of the load with respect to the length [N/m].
+    pub load_derivative: T,
+    /// Rate W_t of the load [N/s].
+    pub load_rate: T,
+    /// Length s_0 [m].
+    pub length: T,
+}
+
+impl<T: Number> Element<T> {
+    /// Acceleration [m/s2] under a force, t [s] after the beginning; NaN where the element has no mass.
+    #[inline]
+    pub fn acceleration(&self, force: T, length: T, speed: T, t: T) -> T {
+        let way = length - self.length;
+        let mass = self.mass + self.mass_derivative * way;
+        let load =
+            self.load + self.load_derivative * way + self.load_rate * t + self.mass_derivative * speed * speed * 0.5;
+        let mass = if mass.value() > 0.0 { mass } else { T::constant(f64::NAN) };
+        (force - load) / mass
+    }
+}
+
+/// Rates of a circuit with an element, at the time t [s] after the beginning. `ports`: pressures of supply and tank, and
+/// the command.
+#[inline]
+pub fn element_rates<T: Number>(
+    laws: &Equations,
+    element: &Element<T>,
+    ports: [T; 3],
+    t: T,
+    y: &[T; ELEMENT],
+) -> [T; ELEMENT] {
+    let [supply, tank, command] = ports;
+    let (pressures, spool, spool_speed, length, speed) = ([y[0], y[1]], y[2], y[3], y[LENGTH], y[SPEED]);
+    let at = Point { pressures, spool, spool_speed, length, speed, supply, tank, command };
+    let (rates, _, force) = circuit_rates(laws, &at);
+    let mut all = [T::constant(0.0); ELEMENT];
+    all[..CIRCUIT].copy_from_slice(&rates);
+    all[LENGTH] = speed;
+    all[SPEED] = element.acceleration(force, length, speed, t);
+    all[IMPULSE] = force;
+    all[MOMENT] = force * t;
+    all
+}
+
+/// A circuit with an element that it moves.
+#[derive(Clone, Copy, Debug)]
+pub struct Coupled<'a> {
+    pub laws: &'a Equations,
+    pub surroundings: Surroundings,
+    pub element: Element<f64>,
+    /// Stroke of the cylinder [m].
+    pub stroke: f64,
+}
+
+impl Coupled<'_> {
+    #[inline]
+    fn ports(&self, t: f64) -> [f64; 3] {
+        let Surroundings { supply, tank, command } = &self.surroundings;
+        [supply.at(t), tank.at(t), command.at(t)]
+    }
+}
+
+impl System<ELEMENT> for Coupled<'_> {
+    const CAN_BE_STIFF: bool = true;
+
+    #[inline]
+    fn derivative(&mut self, t: f64, y: &[f64; ELEMENT]) -> [f64; ELEMENT] {
+        element_rates(self.laws, &self.element, self.ports(t), t, y)
+    }
+
+    #[inline]
+    fn scale(&mut self, y: &[f64; ELEMENT], _f: &[f64; ELEMENT]) -> [f64; ELEMENT] {
+        let mut scale = [FREE; ELEMENT];
+        scale[..CIRCUIT].copy_from_slice(&circuit_scale(self.laws, y));
+        (scale[LENGTH], scale[SPEED]) = (self.stroke, y[SPEED].abs().max(SPEED_FLOOR));
+        scale
+    }
+
+    fn jacobian(&mut self, t: f64, y: &[f64; ELEMENT]) -> [[f64; ELEMENT]; ELEMENT] {
+        let mut duals: [Dual<6>; ELEMENT] = y.map(Dual::constant);
+        for (k, component) in DRIVING.into_iter().enumerate() {
+            duals[component] = Dual::variable(y[component], k);
+        }
+        let Element { mass, mass_derivative, load, load_derivative, load_rate, length } = self.element;
+        let [mass, mass_derivative, load] = [mass, mass_derivative, load].map(Dual::constant);
+        let [load_derivative, load_rate, length] = [load_derivative, load_rate, length].map(Dual::constant);
+        let element = Element { mass, mass_derivative, load, load_derivative, load_rate, length };
+        let rates = element_rates(self.laws, &element, self.ports(t).map(Dual::constant), Dual::constant(t), &duals);
+        rates.map(|rate| {
+            let mut row = [0.0; ELEMENT];
+            for (slope, component) in rate.slope.into_iter().zip(DRIVING) {
+                row[component] = slope;
+            }
+            row
+        })
+    }
+}
+
+/// Components of the state of a circuit with an element, and of its derivative along one direction.
+pub const TANGENT: usize = 2 * ELEMENT;
+
+/// A circuit with an element, and the derivative of its motion along one direction of the inputs: the variational
+/// equations, by dual numbers.
+#[derive(Clone, Copy, Debug)]
+pub struct Tangent<'a> {
+    pub coupled: Coupled<'a>,
+    /// The element with its change along the direction.
+    pub element: Element<Dual<1>>,
+    /// Change of supply, tank and command along the direction.
+    pub ports: [f64; 3],
+}
+
+impl System<TANGENT> for Tangent<'_> {
+    fn derivative(&mut self, t: f64, y: &[f64; TANGENT]) -> [f64; TANGENT] {
+        let duals = std::array::from_fn(|k| Dual { value: y[k], slope: [y[ELEMENT + k]] });
+        let ports = self.coupled.ports(t);
+        let ports = std::array::from_fn(|k| Dual { value: ports[k], slope: [self.ports[k]] });
+        let rates = element_rates(self.coupled.laws, &self.element, ports, Dual::constant(t), &duals);
+        std::array::from_fn(|k| if k < ELEMENT { rates[k].value } else { rates[k - ELEMENT].slope[0] })
+    }
+
+    fn scale(&mut self, y: &[f64; TANGENT], f: &[f64; TANGENT]) -> [f64; TANGENT] {
+        let values = std::array::from_fn(|k| y[k]);
+        let scale = self.coupled.scale(&values, &std::array::from_fn(|k| f[k]));
+        // The derivative is as exact as the motion, which the control of its errors sees to.
+        std::array::from_fn(|k| if k < ELEMENT { scale[k] } else { FREE })
+    }
+}
