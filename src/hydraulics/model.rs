@@ -143,8 +143,8 @@ impl Model {
     ///
     /// # Errors
     /// None.
-    pub fn initial_dependencies(&self) -> Result<Vec<Vec<Reference>>, HydraulicsError> {
-        Ok(interface::initial_dependencies(self.variables()))
+    pub fn initial_dependencies(&self) -> Result<Option<Vec<Vec<Reference>>>, HydraulicsError> {
+        Ok(Some(interface::initial_dependencies(self.variables())))
     }
 
     /// Present value of a Real. Computed when first read in a state. NaN for an output beyond the range of numbers.
