@@ -1,6 +1,5 @@
 //! Errors of a model.
 use crate::codec::record::Damaged;
-use crate::hydraulics::definition::ABOVE_VACUUM;
 use crate::integrator::IntegrationError;
 use crate::mechanism::definition::DefinitionError;
 use crate::mechanism::reduced::{Reduced, ReductionError};
@@ -177,7 +176,7 @@ impl fmt::Display for ModelError {
             ),
             Self::Vacuum { chamber, pressure } => write!(
                 f,
-                "{chamber}.pressure = {} Pa: must be {ABOVE_VACUUM}; oil without air has no other: give \
+                "{chamber}.pressure = {} Pa is not above absolute zero: oil without air has no such pressure; give \
                  fluid.air_fraction a value > 0, or raise anticavitation.conductance",
                 Decimal::rounded(*pressure)
             ),
