@@ -42,6 +42,7 @@ pub struct Actuator {
     pub efficiency: Option<f64>,
     /// Not in a revolute joint: the hydraulic circuit that drives it, with the sections of a hydraulic actuator. The force
     /// is then an output.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub hydraulics: Option<Circuit>,
 }
 
