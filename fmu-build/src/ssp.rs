@@ -55,6 +55,6 @@ fn structure([gear, hydraulics]: [&[Variable]; 2]) -> Result<String> {
         Part { name: "gear", file: "LandingGearRetraction.fmu", variables: gear, values: &of_gear },
         Part { name: "hydraulics", file: "HydraulicActuator.fmu", variables: hydraulics, values: &of_hydraulics },
     ];
-    let exposed = [(1, "valve.command"), (0, "crank.angle")];
-    System { name: NAME, parts: &parts, connections: &connections, exposed: &exposed, stop_time: STOP_TIME }.text()
+    let open = [(1, "valve.command"), (0, "crank.angle")];
+    System { name: NAME, parts: &parts, connections: &connections, open: &open, stop_time: STOP_TIME }.text()
 }

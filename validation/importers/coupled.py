@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 GEAR, HYDRAULICS, SSP = "LandingGearRetraction.fmu", "HydraulicActuator.fmu", "LandingGearRetractionWithHydraulics.ssp"
-STEPS = (1, 5, 20)
+STEPS = (1, 5, 10, 20)
 """Communication steps [ms]."""
 END = 4000
 """End of a run [ms]: the gear is up after 4066 ms."""
@@ -33,8 +33,10 @@ REFERENCE = {
     4000: -1.28835660508442,
 }
 """Angle of the crank [rad] after so many milliseconds: Taylor-series integration of gear and hydraulics as one system."""
-ALLOWED = {1: 1e-5, 5: 5e-4, 20: 2e-2}
+ALLOWED = {1: 1e-5, 5: 5e-4, 10: 1e-2, 20: 1e-2}
 """Allowed error of the angle [rad] with preview, by the step [ms]."""
+LATE = (1, 5, 10)
+"""Steps [ms] up to which hosts that pass every output on one step late must meet that."""
 
 ANGLE, FORCE = "crank.angle", "actuator.force"
 MOTION = ("actuator.length", "actuator.speed", "actuator.acceleration")
@@ -111,8 +113,9 @@ def cosim(fmus: Path, step: float, previews: bool, package: bool = False) -> Ang
         for name, value in parameters(step).items():
             assert execution.real_initial_value(oil, of_oil[name], value)
         for name in (*MOTION, *ELEMENT) if previews else MOTION:
-            assert execution.connect_real_variables(gear, of_gear[name], oil, of_oil[name])
-        assert execution.connect_real_variables(oil, of_oil[MEAN if previews else FORCE], gear, of_gear[FORCE])
+            assert execution.connect_real_variables(gear, of_gear[name], oil, of_oil[name]) == 0
+        source = of_oil[MEAN if previews else FORCE]
+        assert execution.connect_real_variables(oil, source, gear, of_gear[FORCE]) == 0
     observer = CosimObserver.create_last_value()
     execution.add_observer(observer)
     angles = []
@@ -128,7 +131,7 @@ def ecos(fmus: Path, step: float, previews: bool, package: bool = False) -> Angl
     ctypes.CDLL(str(Path(sys.prefix) / "lib" / "libtbb.so.12"), mode=ctypes.RTLD_GLOBAL)
     from ecospy import EcosSimulation, EcosSimulationStructure
 
-    def run(simulation: EcosSimulation, values: str | None) -> Angles:
+    def run(simulation: EcosSimulation, values: str) -> Angles:
         assert simulation.init(parameter_set=values)
         angles = []
         for _ in range(round(END * 1e-3 / step)):
@@ -139,7 +142,7 @@ def ecos(fmus: Path, step: float, previews: bool, package: bool = False) -> Angl
 
     if package:
         with EcosSimulation(ssp_path=str(fmus / SSP), step_size=step) as simulation:
-            return run(simulation, None)
+            return run(simulation, "initialValues")
     with EcosSimulationStructure() as structure:
         structure.add_model("gear", str(fmus / GEAR))
         structure.add_model("hydraulics", str(fmus / HYDRAULICS))
@@ -159,18 +162,19 @@ class Host:
     title: str
     run: Callable[[Path, float], Angles]
     steps: tuple[int, ...] = STEPS
-    previews: bool = True
+    promised: tuple[int, ...] = ()
+    """Steps [ms] at which the allowed error is promised."""
 
 
 HOSTS = {
-    "fmpy": Host("FMPy, loop, gear's outputs first", lambda f, h: fmpy(f, h, True)),
-    "fmpy-plain": Host("FMPy, plain exchange of force and motion", lambda f, h: fmpy(f, h, False), previews=False),
-    "cosim": Host("libcosim", lambda f, h: cosim(f, h, True)),
-    "cosim-plain": Host("libcosim, plain exchange", lambda f, h: cosim(f, h, False), previews=False),
-    "cosim-ssp": Host("libcosim, from the SSP package", lambda f, h: cosim(f, h, True, True), (1,)),
-    "ecos": Host("ECOS", lambda f, h: ecos(f, h, True)),
-    "ecos-plain": Host("ECOS, plain exchange", lambda f, h: ecos(f, h, False), previews=False),
-    "ecos-ssp": Host("ECOS, from the SSP package", lambda f, h: ecos(f, h, True, True), (1,)),
+    "fmpy": Host("FMPy, loop, gear's outputs first", lambda f, h: fmpy(f, h, True), promised=STEPS),
+    "fmpy-plain": Host("FMPy, plain exchange of force and motion", lambda f, h: fmpy(f, h, False)),
+    "cosim": Host("libcosim", lambda f, h: cosim(f, h, True), promised=LATE),
+    "cosim-plain": Host("libcosim, plain exchange", lambda f, h: cosim(f, h, False)),
+    "cosim-ssp": Host("libcosim, from the SSP package", lambda f, h: cosim(f, h, True, True), (1,), (1,)),
+    "ecos": Host("ECOS", lambda f, h: ecos(f, h, True), promised=LATE),
+    "ecos-plain": Host("ECOS, plain exchange", lambda f, h: ecos(f, h, False)),
+    "ecos-ssp": Host("ECOS, from the SSP package", lambda f, h: ecos(f, h, True, True), (1,), (1,)),
 }
 
 
@@ -199,7 +203,7 @@ def table(fmus: Path, work: Path) -> tuple[list[str], bool]:
                 cells.append("")
                 continue
             found = error(name, fmus, step, work)
-            good &= not host.previews or found <= ALLOWED[step]
+            good &= step not in host.promised or found <= ALLOWED[step]
             cells.append(f"{found:.1e}" if found < 0.1 else "lost")
         lines.append(f"| {' | '.join(cells)} |")
     return lines, good

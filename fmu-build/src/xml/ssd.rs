@@ -10,6 +10,8 @@ use std::io;
 
 /// Name of the file in the package.
 pub const PATH: &str = "SystemStructure.ssd";
+/// Name of the set of values of each FMU. One name for all: ECOS takes the values of one name from all of them.
+const VALUES: &str = "initialValues";
 
 /// One FMU of a system.
 #[derive(Clone, Copy, Debug)]
@@ -24,8 +26,9 @@ pub struct Part<'a> {
     pub values: &'a [(&'a str, Value)],
 }
 
-/// A system: name, FMUs, connections from an output of one to an input of another, inputs and outputs of the whole,
-/// stop time [s].
+/// A system: name, FMUs, connections from an output of one to an input of another, connectors left open, stop time [s].
+///
+/// The system has no connectors of its own: libcosim and ECOS refuse a connection that begins or ends at the system.
 #[derive(Clone, Copy, Debug)]
 pub struct System<'a> {
     /// Name.
@@ -34,8 +37,8 @@ pub struct System<'a> {
     pub parts: &'a [Part<'a>],
     /// Part and output, part and input.
     pub connections: &'a [[(usize, &'a str); 2]],
-    /// Part and variable.
-    pub exposed: &'a [(usize, &'a str)],
+    /// Part and variable of connectors that are connected with nothing.
+    pub open: &'a [(usize, &'a str)],
     /// End of the default experiment [s].
     pub stop_time: f64,
 }
@@ -97,7 +100,7 @@ impl System<'_> {
                 bail!("{} has two connections; keep one", input.name);
             }
         }
-        for &(part, name) in self.exposed {
+        for &(part, name) in self.open {
             self.parts[part].find(name)?;
         }
         for part in self.parts {
@@ -116,9 +119,9 @@ impl System<'_> {
         Ok(())
     }
 
-    /// Variables of a part that are connected or given a value, each once, in the order of the FMU.
+    /// Variables of a part that are connected, left open or given a value, each once, in the order of the FMU.
     fn connectors(&self, part: usize) -> impl Iterator<Item = &Variable> {
-        let ends = self.connections.iter().flatten().chain(self.exposed);
+        let ends = self.connections.iter().flatten().chain(self.open);
         let named: BTreeSet<&str> = ends.filter(|end| end.0 == part).map(|end| end.1).collect();
         let given: BTreeSet<&str> = self.parts[part].values.iter().map(|(name, _)| *name).collect();
         let is_wanted = move |v: &&Variable| named.contains(v.name.as_str()) || given.contains(v.name.as_str());
@@ -126,25 +129,17 @@ impl System<'_> {
     }
 
     fn write_system(&self, xml: &mut Xml) -> io::Result<()> {
-        if !self.exposed.is_empty() {
-            group(xml, "ssd:Connectors", |xml| {
-                self.exposed.iter().try_for_each(|&(part, name)| {
-                    let found = self.parts[part].variables.iter().find(|variable| variable.name == name);
-                    found.map_or(Ok(()), |variable| write_connector(xml, variable))
-                })
-            })?;
-        }
         group(xml, "ssd:Elements", |xml| (0..self.parts.len()).try_for_each(|part| self.write_part(xml, part)))?;
         group(xml, "ssd:Connections", |xml| {
             self.connections.iter().try_for_each(|&[(from, output), (to, input)]| {
-                let (from, to) = (Some(self.parts[from].name), Some(self.parts[to].name));
-                connect(xml, [(from, output), (to, input)])
-            })?;
-            self.exposed.iter().try_for_each(|&(part, name)| {
-                let inner = (Some(self.parts[part].name), name);
-                let variables = self.parts[part].variables;
-                let outward = variables.iter().any(|v| v.name == name && v.causality == Causality::Output);
-                connect(xml, if outward { [inner, (None, name)] } else { [(None, name), inner] })
+                let [start, end] = [from, to].map(|part| self.parts[part].name.to_owned());
+                let ends = [
+                    ("startElement", start),
+                    ("startConnector", output.to_owned()),
+                    ("endElement", end),
+                    ("endConnector", input.to_owned()),
+                ];
+                empty(xml, "ssd:Connection", &ends)
             })
         })
     }
@@ -164,7 +159,7 @@ impl System<'_> {
             if values.is_empty() {
                 return Ok(());
             }
-            let header = [("version", "1.0".to_owned()), ("name", format!("{name} values"))];
+            let header = [("version", "1.0".to_owned()), ("name", VALUES.to_owned())];
             group(xml, "ssd:ParameterBindings", |xml| {
                 group(xml, "ssd:ParameterBinding", |xml| {
                     group(xml, "ssd:ParameterValues", |xml| {
@@ -181,17 +176,6 @@ impl System<'_> {
             })
         })
     }
-}
-
-fn connect(xml: &mut Xml, [start, end]: [(Option<&str>, &str); 2]) -> io::Result<()> {
-    let mut attributes = Vec::new();
-    for ((part, connector), names) in
-        [(start, ["startElement", "startConnector"]), (end, ["endElement", "endConnector"])]
-    {
-        attributes.extend(part.map(|part| (names[0], part.to_owned())));
-        attributes.push((names[1], connector.to_owned()));
-    }
-    empty(xml, "ssd:Connection", &attributes)
 }
 
 fn write_connector(xml: &mut Xml, variable: &Variable) -> io::Result<()> {
@@ -248,7 +232,7 @@ mod tests {
             Part { name: "mass", file: "Mass.fmu", variables: &mass, values: &[] },
             Part { name: "spring", file: "Spring.fmu", variables: &spring, values },
         ];
-        System { name: "Pair", parts: &parts, connections, exposed: &[(1, "preload"), (0, "length")], stop_time: 2.0 }
+        System { name: "Pair", parts: &parts, connections, open: &[(1, "preload"), (0, "length")], stop_time: 2.0 }
             .text()
     }
 
@@ -260,8 +244,7 @@ mod tests {
             "<ssd:System name=\"Pair\">",
             "source=\"resources/Spring.fmu\" implementation=\"CoSimulation\"",
             "<ssd:Connection startElement=\"spring\" startConnector=\"force\" endElement=\"mass\" endConnector=\"force\"/>",
-            "<ssd:Connection startConnector=\"preload\" endElement=\"spring\" endConnector=\"preload\"/>",
-            "<ssd:Connection startElement=\"mass\" startConnector=\"length\" endConnector=\"length\"/>",
+            "<ssd:Connector name=\"preload\" kind=\"input\">",
             "<ssv:Real value=\"2000000\" unit=\"N/m\"/>",
             "<ssc:BaseUnit kg=\"1\" s=\"-2\"/>",
             "<ssd:DefaultExperiment startTime=\"0\" stopTime=\"2\"/>",
