@@ -213,10 +213,9 @@ mod tests {
     fn a_path_without_a_definition_is_refused_with_the_remedy() {
         let workspace = Workspace::locate();
         let message = |path: &str| Source::find(&workspace, &workspace.root().join(path)).unwrap_err().to_string();
-        assert!(
-            message("nowhere")
-                .ends_with("there is no such file or folder; name a mechanism.json or a folder that holds one")
-        );
+        assert!(message("nowhere").ends_with(
+            "there is no such file or folder; name a mechanism.json or a hydraulics.json or a folder that holds one"
+        ));
         assert!(message("fmu-build").ends_with("put the definition there"));
     }
 }

@@ -317,6 +317,23 @@ impl Default for Tank {
     }
 }
 
+/// The first parameter out of its range; only that one is named, as names are put together.
+struct Ranges(Result<(), DefinitionError>);
+
+impl Default for Ranges {
+    fn default() -> Self {
+        Self(Ok(()))
+    }
+}
+
+impl Ranges {
+    fn check<R>(&mut self, parameter: &Parameter<'_, R>, value: f64) {
+        if self.0.is_ok() && !parameter.range.contains(value) {
+            self.0 = parameter.range.check(parameter.name.concat(), value);
+        }
+    }
+}
+
 /// Range of the pressures that are relative to the ambient pressure, in words.
 pub const ABOVE_VACUUM: &str = "above -fluid.ambient_pressure, as pressures are relative to the surroundings";
 
@@ -348,13 +365,9 @@ impl Circuit {
     /// # Errors
     /// The first number out of range, with its name, its value and what is allowed.
     pub fn check(&self) -> Result<(), DefinitionError> {
-        let mut wrong = None;
-        self.clone().parameters([(); 2], &mut |parameter, value| {
-            if wrong.is_none() {
-                wrong = parameter.range.check(parameter.name.concat(), *value).err();
-            }
-        });
-        wrong.map_or(Ok(()), Err)?;
+        let mut ranges = Ranges::default();
+        self.clone().parameters([(); 2], &mut |parameter, value| ranges.check(&parameter, *value));
+        ranges.0?;
         let (cylinder, vacuum) = (&self.cylinder, -self.fluid.ambient_pressure);
         if cylinder.rod >= cylinder.bore {
             let allowed = format!("below cylinder.bore = {} m, for chamber B to have an area", Decimal(cylinder.bore));
@@ -522,13 +535,13 @@ impl HydraulicActuator {
     /// The first number out of range, with its name, its value and what is allowed.
     pub fn check(&self) -> Result<(), DefinitionError> {
         self.circuit.check()?;
-        let mut wrong = Ok(());
-        self.clone().parameters(&mut |parameter, value| {
-            if wrong.is_ok() {
-                wrong = parameter.range.check(parameter.name.concat(), *value);
-            }
-        });
-        wrong?;
+        let mut ranges = Ranges::default();
+        let (mut accumulator, mut pump, mut solver) = (self.accumulator, self.pump, self.solver);
+        let check: &mut Visit<'_, ()> = &mut |parameter, value| ranges.check(&parameter, *value);
+        accumulator.parameters([(); 2], check);
+        pump.parameters([(); 2], check);
+        solver.parameters((), check);
+        ranges.0?;
         let (pump, vacuum) = (&self.pump, -self.circuit.fluid.ambient_pressure);
         if self.accumulator.precharge_pressure <= vacuum {
             let allowed = format!("{ABOVE_VACUUM}; that is {} Pa", Decimal(vacuum));

@@ -10,7 +10,7 @@
 pub mod circuit;
 pub mod definition;
 mod error;
-mod inputs;
+pub(crate) mod inputs;
 mod interface;
 mod model;
 mod outputs;

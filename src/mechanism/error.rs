@@ -58,6 +58,10 @@ pub enum ModelError {
     Saved { what: String },
     /// The motion leaves the traced part of the curve.
     Travel { position: String },
+    /// The cylinder of a drive does not have this length [m] at a place: its name, least and largest length, the place.
+    Stroke { name: String, length: f64, lengths: [f64; 2], what: String },
+    /// The pressure of a chamber [Pa] is not above absolute zero.
+    Vacuum { chamber: &'static str, pressure: f64 },
     /// An input so large that its load or its work overflows: its name and largest size in the step.
     LoadOverflow { name: String, value: f64 },
     /// A step met `solver.max_steps`: the time from its beginning to the state reached [s], and what took so many
@@ -71,7 +75,7 @@ impl ModelError {
     pub fn ends_step(&self) -> bool {
         match self {
             Self::Integration(_) | Self::Locked { .. } | Self::Travel { .. } | Self::StopPassed { .. } => true,
-            Self::Overflow { .. } => true,
+            Self::Overflow { .. } | Self::Stroke { .. } | Self::Vacuum { .. } => true,
             Self::RigidFem(error) => matches!(error, RigidFemError::Equilibrium { .. } | RigidFemError::Strain { .. }),
             _ => false,
         }
@@ -162,6 +166,20 @@ impl fmt::Display for ModelError {
                  name a point that moves there"
             ),
             Self::Saved { what } => write!(f, "the saved state is none of this mechanism: {what}"),
+            Self::Stroke { name, length, lengths: [least, most], what } => write!(
+                f,
+                "{name} = {} m at {what}: the cylinder allows {} m (cylinder.closed_length) to {} m \
+                 (cylinder.closed_length + cylinder.stroke); lengthen the stroke, or stop the mechanism before",
+                Decimal::rounded(*length),
+                Decimal::rounded(*least),
+                Decimal::rounded(*most)
+            ),
+            Self::Vacuum { chamber, pressure } => write!(
+                f,
+                "{chamber}.pressure = {} Pa is not above absolute zero: oil without air has no such pressure; give \
+                 fluid.air_fraction a value > 0, or raise anticavitation.conductance",
+                Decimal::rounded(*pressure)
+            ),
             Self::LoadOverflow { name, value } => write!(
                 f,
                 "{name} = {}: under inputs of this size a load or its work overflows, beyond {:.1e}; set a smaller value",

@@ -12,11 +12,11 @@ use super::interface;
 use super::motion::state::State;
 use super::outputs::{Computed, ReducedMotion};
 use super::parameters::ParameterValues;
-use super::quantity::Quantity;
+use super::quantity::{Hydraulic, Output, Quantity};
 use crate::integrator::Statistics;
 use crate::mechanism::definition::{Mechanism, Method, Range, Role};
 use crate::mechanism::reduced::Reduced;
-use crate::variables::{Causality, Reference, Value, Variables};
+use crate::variables::{Reference, Value, Variables};
 pub use derivatives::{INPUT_ORDER, OUTPUT_ORDER};
 use std::sync::{Arc, OnceLock};
 
@@ -68,10 +68,12 @@ impl Model {
         let mut ranges = Vec::new();
         mechanism.parameters(&mut |p, _| ranges.push((p.range, p.role)));
         let (mut reals, mut locks) = (Vec::new(), Vec::new());
-        for v in variables.list().iter().filter(|v| v.causality == Causality::Input) {
-            match v.start {
-                Some(Value::Real(x)) => reals.push(x),
-                Some(Value::Boolean(x)) => locks.push(x),
+        for (v, reference) in variables.list().iter().zip(0..) {
+            match (variables.quantity(reference), &v.start) {
+                (Some(Quantity::Input(_)), Some(Value::Real(x))) => reals.push(*x),
+                (Some(Quantity::Lock(_)), Some(Value::Boolean(x))) => locks.push(*x),
+                // The force of a drive with a circuit is in the place of an input, which stays 0.
+                (Some(Quantity::Output(Output::Hydraulic(Hydraulic::Force))), _) => reals.push(0.0),
                 _ => {}
             }
         }
@@ -400,7 +402,7 @@ impl Model {
 
 /// Whether the reduced model depends on a parameter of this role.
 pub(super) fn is_reduced(role: Role) -> bool {
-    matches!(role, Role::Geometry | Role::Inertia | Role::Load | Role::Scale)
+    matches!(role, Role::Geometry | Role::Inertia | Role::Load | Role::Scale | Role::Circuit)
 }
 
 impl Formulation {

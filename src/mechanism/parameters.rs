@@ -59,6 +59,9 @@ pub fn fingerprint(mechanism: &Mechanism) -> u64 {
     }
     for (_, actuator) in bare.actuators.iter_mut() {
         (actuator.force, actuator.torque) = (actuator.force.map(|_| 0.0), actuator.torque.map(|_| 0.0));
+        if let Some(circuit) = &mut actuator.hydraulics {
+            (circuit.supply.pressure, circuit.tank.pressure) = (0.0, 0.0);
+        }
     }
     bare.forces.iter_mut().for_each(|(_, force)| force.force = [0.0; 2]);
     bare.torques.iter_mut().for_each(|(_, torque)| torque.torque = 0.0);

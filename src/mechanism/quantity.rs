@@ -55,6 +55,43 @@ pub enum Output {
     Potential,
     /// Energy now less energy at the start less work done.
     Drift,
+    /// A quantity of the hydraulic circuit of a drive.
+    Hydraulic(Hydraulic),
+}
+
+/// A quantity of a hydraulic circuit. Chamber A has the index 0, B the index 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hydraulic {
+    /// Force of the actuator.
+    Force,
+    /// Stiffness of the oil along the actuator.
+    Stiffness,
+    /// Derivative of the friction of the seals with respect to the speed.
+    Damping,
+    /// Pressure of a chamber.
+    Pressure(usize),
+    /// Flow into a chamber.
+    Flow(usize),
+    /// Volume of a chamber.
+    Volume(usize),
+    /// Effective bulk modulus of the oil in a chamber.
+    BulkModulus(usize),
+    /// Position of the spool.
+    SpoolPosition,
+    /// Speed of the spool.
+    SpoolSpeed,
+    /// Flow from the supply.
+    SupplyFlow,
+    /// Flow into the tank.
+    TankFlow,
+    /// Position of the piston from the closed length.
+    StrokePosition,
+    /// A power: from the supply, into the tank, of the piston, of the seals, of compression, of throttling.
+    Power(usize),
+    /// The integral of a power over time, in the same order.
+    Energy(usize),
+    /// Energy supplied less all other energies.
+    Balance,
 }
 
 /// A term of the one-element model of [CK16]: F_S = F_Su + m_zS a_S - Delta F_S, eqs. (16), (37).

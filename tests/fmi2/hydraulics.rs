@@ -49,13 +49,13 @@ fn run(actuator: &Host, from: u32, to: u32, mass: f64) -> Vec<Vec<(Status, u64)>
     let h = 1e-3;
     let step = |n: u32| {
         let t = f64::from(n) * h;
-        if n % 5 == 0 {
+        if n.is_multiple_of(5) {
             assert_eq!(actuator.set("valve.command", 0.9 * (f64::from(n)).sin()), Status::Ok);
             assert_eq!(actuator.set("actuator.reduced_mass", mass), Status::Ok);
             assert_eq!(actuator.set("actuator.holding_force", 300.0 + f64::from(n)), Status::Ok);
         }
         assert_eq!(actuator.set("actuator.speed", 0.02 * (0.1 * f64::from(n)).cos()), Status::Ok);
-        if n % 3 == 0 {
+        if n.is_multiple_of(3) {
             assert_eq!(rates(actuator, "actuator.speed", &[0.1, -2.0, 30.0, 1e3]), Status::Ok);
         }
         let status = actuator.step(t, h);

@@ -24,6 +24,7 @@ pub const CHAIN: &str = mechanism!("FourBarChain");
 pub const CRANE: &str = mechanism!("CraneJib");
 pub const FOUR_BAR: &str = mechanism!("FourBar");
 pub const GEAR: &str = mechanism!("LandingGearRetraction");
+pub const HYDRAULIC_GEAR: &str = mechanism!("LandingGearRetractionHydraulic");
 pub const JIB: &str = mechanism!("Jib");
 pub const SL_CRANK: &str = mechanism!("SlCrank");
 pub const SLIDER_CRANK: &str = mechanism!("SliderCrank");

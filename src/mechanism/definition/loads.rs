@@ -1,6 +1,7 @@
 //! Loads: gravity, drives, forces, torques, springs and drag.
 use super::{AXES, Role, Visit};
 use crate::format::{Flag, Owner, Parameter, Range};
+use crate::hydraulics::definition::Circuit;
 use crate::variables::Unit;
 use serde::{Deserialize, Serialize};
 
@@ -39,6 +40,10 @@ pub struct Actuator {
     /// Efficiency eta [1], 0 < eta <= 1 ([CK16] eq. (5)): part of the power that the drive passes on to the mechanism,
     /// and back from it; 1 where absent.
     pub efficiency: Option<f64>,
+    /// Not in a revolute joint: the hydraulic circuit that drives it, with the sections of a hydraulic actuator. The force
+    /// is then an output.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hydraulics: Option<Circuit>,
 }
 
 /// A force at a point, in the mechanism frame.
@@ -147,6 +152,9 @@ impl Actuator {
     pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
         let mut list = Owner::new(Some("actuators"), name, Role::Load, visit);
         list.add("efficiency", "Efficiency", Unit::One, Range::Fraction, &mut self.efficiency);
+        if let Some(circuit) = &mut self.hydraulics {
+            circuit.parameters([Role::Circuit, Role::CircuitStart], visit);
+        }
     }
 }
 

@@ -5,6 +5,7 @@ use super::contact::{Lock, Stop};
 use super::experiment::{Solver, Start};
 use super::loads::{Actuator, Air, Force, Gravity, Spring, Surface, Torque};
 use crate::format::{Experiment, Flag, Named};
+use crate::hydraulics::definition::Circuit;
 use serde::{Deserialize, Serialize};
 
 /// Name of the body that does not move.
@@ -69,6 +70,12 @@ pub struct Mechanism {
 }
 
 impl Mechanism {
+    /// The drive with a hydraulic circuit, by its index, with its name and the circuit; none if no drive has one.
+    pub fn hydraulic_drive(&self) -> Option<(usize, &str, &Circuit)> {
+        let mut drives = self.actuators.iter().enumerate();
+        drives.find_map(|(index, (name, actuator))| Some((index, name, actuator.hydraulics.as_ref()?)))
+    }
+
     /// Call `visit` with every numeric parameter and its value, in the order of the file.
     pub fn parameters(&mut self, visit: &mut Visit) {
         let joints = &mut self.joints;

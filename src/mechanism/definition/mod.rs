@@ -38,6 +38,10 @@ pub enum Role {
     Tolerance,
     /// What the errors of the integration are relative to.
     Scale,
+    /// The laws of a hydraulic circuit.
+    Circuit,
+    /// The pressures at the start.
+    CircuitStart,
 }
 
 /// Function that is called with each parameter and its value.

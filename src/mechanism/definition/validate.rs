@@ -223,6 +223,22 @@ impl Mechanism {
                 return refused(key, format!("give {asked}: {message}"));
             }
             Range::Finite.check(format_args!("{key}.{asked}"), a.force.or(a.torque).unwrap_or(0.0))?;
+            if let Some(circuit) = &a.hydraulics {
+                let refuse = |message: &str| refused(format_args!("{key}.hydraulics"), message);
+                if is_rotary {
+                    return refuse("a cylinder drives along a line: give first and second, or a prismatic joint");
+                }
+                if a.force.is_some() {
+                    return refuse("the circuit gives the force, which is an output: remove force");
+                }
+                if a.efficiency.is_some() {
+                    return refuse("the circuit has the friction of its seals: remove efficiency");
+                }
+                if let Some((_, other, _)) = self.hydraulic_drive().filter(|(_, other, _)| *other != name) {
+                    return refuse(&format!("{other} has a circuit already, and one drive may have one: remove one"));
+                }
+                circuit.check()?;
+            }
         }
         for (name, spring) in self.springs.iter() {
             let key = format!("springs.{name}");

@@ -7,6 +7,7 @@
 //! In: a reduced model, its state loads, sizes of loads, a state. Out: acceleration and power lost. It must not know
 //! steps.
 use crate::integrator::System;
+use crate::mechanism::dynamics::hydraulic::Ports;
 use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::dynamics::state_loads::{Evaluation, Mode, StateLoadEvaluator};
 use crate::mechanism::loads::friction_loop::Locked;
@@ -36,6 +37,12 @@ impl<T: Differentiable> Scratch<T> {
             air: state_loads.is_some_and(|s| s.air),
         }
     }
+
+    /// State the pressures of the chambers of a hydraulic circuit [Pa].
+    pub fn set_pressures(&mut self, pressures: [T; 2]) {
+        self.evaluator.pressures = pressures;
+        self.tangent.pressures = pressures.map(T::held);
+    }
 }
 
 /// The equation of motion over one communication step, in numbers T.
@@ -52,6 +59,8 @@ pub struct EquationOfMotion<'a, T: Differentiable = f64> {
     pub scratch: &'a mut Scratch<T>,
     /// Whether friction had no solution somewhere.
     pub locked: bool,
+    /// The hydraulic circuit of a drive, in a step with one.
+    pub ports: Option<Ports<'a>>,
 }
 
 impl<T: Differentiable> EquationOfMotion<'_, T> {
@@ -73,7 +82,7 @@ impl<T: Differentiable> EquationOfMotion<'_, T> {
 
     /// Whether a drive has an efficiency, so that the right-hand side jumps where sigma_dot changes its sign.
     pub fn reverses(&self) -> bool {
-        self.state_loads.is_some_and(|s| !s.drives_with_efficiency.is_empty())
+        self.state_loads.is_some_and(|s| s.efficient > 0)
     }
 
     /// Direction of the motion; at rest the direction in which the mechanism sets off, 0 if its drives hold it ([CK16]

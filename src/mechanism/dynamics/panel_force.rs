@@ -296,12 +296,10 @@ impl PanelForce {
     }
 }
 
-/// The applied loads that act in full, with their sizes: drives with an efficiency do not.
+/// The applied loads that act in full, with their sizes: drives whose force the state decides do not.
 fn loads<'a>(state_loads: Option<&'a StateLoads>, sizes: &'a [f64]) -> impl Iterator<Item = (usize, f64)> + Clone {
     let sizes = sizes.iter().copied().enumerate();
-    sizes.filter(move |(load, size)| {
-        *size != 0.0 && !state_loads.is_some_and(|s| s.drives_with_efficiency.contains(load))
-    })
+    sizes.filter(move |(load, size)| *size != 0.0 && !state_loads.is_some_and(|s| s.drives.contains(load)))
 }
 
 /// Length of the whole revolutions before sigma, and their number.

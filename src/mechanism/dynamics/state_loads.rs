@@ -34,8 +34,10 @@ pub struct Evaluation<T> {
 /// Scratch for an evaluation, with the results of the last one.
 #[derive(Clone, Debug)]
 pub struct StateLoadEvaluator<T> {
-    /// Delivered forces of the drives with an efficiency.
+    /// Delivered forces of the drives whose force the state decides.
     pub delivered: Vec<T>,
+    /// Pressures of the chambers of the hydraulic circuit [Pa]; 0 without one.
+    pub pressures: [T; 2],
     pub loads: Vec<T>,
     /// Loop between friction and the reactions that cause it.
     pub friction: FrictionLoop<T>,
@@ -58,12 +60,13 @@ pub struct StateLoadEvaluator<T> {
 impl<T: Number> StateLoadEvaluator<T> {
     pub fn new(state_loads: Option<&StateLoads>) -> Self {
         let zero = T::constant(0.0);
-        let (drives_with_efficiency, loads, friction_joints) =
-            state_loads.map_or((0, 0, 0), |s| (s.drives_with_efficiency.len(), s.loads.len(), s.friction_joints.len()));
+        let (drives, loads, friction_joints) =
+            state_loads.map_or((0, 0, 0), |s| (s.drives.len(), s.loads.len(), s.friction_joints.len()));
         let groups = state_loads.and_then(|s| s.groups.iter().max()).map_or(0, |last| last + 1);
         let reactions = Bundle::rows(2 * friction_joints);
         Self {
-            delivered: vec![zero; drives_with_efficiency],
+            delivered: vec![zero; drives],
+            pressures: [zero; 2],
             loads: vec![zero; loads],
             friction: FrictionLoop::new(friction_joints, groups),
             regimes: vec![None; friction_joints],
@@ -71,7 +74,7 @@ impl<T: Number> StateLoadEvaluator<T> {
             effects: vec![[zero; ROW]; state_loads.map_or(0, |s| Bundle::rows(s.bundled()))],
             motion: zero,
             reactions: vec![[zero; ROW]; reactions],
-            kept: vec![zero; drives_with_efficiency + 1 + ROW * reactions],
+            kept: vec![zero; drives + 1 + ROW * reactions],
             scratch: vec![zero; 4 * friction_joints],
         }
     }
@@ -103,8 +106,16 @@ impl<T: Number> StateLoadEvaluator<T> {
         side_by_side_at(&panel_force.reactions, x, &mut self.reactions);
         self.motion = panel_force.at(x, t);
         let mut lost = T::constant(0.0);
-        for (k, &load) in state_loads.drives_with_efficiency.iter().enumerate() {
+        for (k, &load) in state_loads.drives.iter().enumerate() {
             let influence = at(state_loads.given(0, load));
+            if k >= state_loads.efficient {
+                let Some(drive) = &reduced.loading().hydraulics else { continue };
+                self.delivered[k] = drive.laws.force(self.pressures, influence * sigma_dot);
+                let driven = influence * self.delivered[k];
+                self.motion = self.motion + driven;
+                lost = lost - driven * sigma_dot;
+                continue;
+            }
             let size = applied.size(load, t);
             let full = influence * size;
             let efficiency = reduced.loading().drives[load].efficiency.unwrap_or(1.0);
@@ -164,13 +175,13 @@ impl<T: Number> StateLoadEvaluator<T> {
                 *sum = *sum + *effect * size;
             }
         }
-        if damping.is_some() || !state_loads.drives_with_efficiency.is_empty() || panel_force.changes() {
+        if damping.is_some() || !state_loads.drives.is_empty() || panel_force.changes() {
             for (k, sum) in reactions.iter_mut().enumerate() {
                 *sum = *sum + panel_force.excess(k + 1, x, t);
                 if let Some(damping) = damping {
                     *sum = *sum - at(state_loads.given(k + 1, damping)) * sigma_dot;
                 }
-                for (&load, &size) in state_loads.drives_with_efficiency.iter().zip(&self.delivered) {
+                for (&load, &size) in state_loads.drives.iter().zip(&self.delivered) {
                     *sum = *sum + at(state_loads.given(k + 1, load)) * size;
                 }
             }

@@ -218,6 +218,10 @@ fn refuse_losses(reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
         Err(ModelError::NotInRigidFem { name: name.into(), value, remedy: remedy.into() })
     };
     let loading = reduced.loading();
+    if let Some(drive) = &loading.hydraulics {
+        let name = format!("actuators.{}.hydraulics", loading.drives[drive.load].name);
+        return refuse(&name, "a circuit".into(), "give a force");
+    }
     if loading.friction.as_ref().is_some_and(|f| f.enabled && !f.friction_joints.is_empty()) {
         return refuse("friction.enabled", "true".into(), "set it to false");
     }

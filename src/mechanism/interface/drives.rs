@@ -1,5 +1,6 @@
 //! Variables of drives: inputs, motion, and the terms of the mechanism reduced to one element.
 use super::builder::Builder;
+use super::hydraulics;
 use super::needs::{Needs, placed};
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::quantity::{OneElement, Output, Quantity};
@@ -11,7 +12,11 @@ use crate::variables::Unit::{
 
 pub(super) fn add_inputs(b: &mut Builder) {
     let s = b.source;
-    for ((name, a), drive) in s.mechanism.actuators.iter().zip(&s.loading.drives) {
+    for (((name, a), drive), load) in s.mechanism.actuators.iter().zip(&s.loading.drives).zip(0..) {
+        if s.hydraulic_load() == Some(load) {
+            hydraulics::add_force(b, name);
+            continue;
+        }
         let (what, unit, start) = match drive.is_rotary {
             true => ("Torque of ", NewtonMetre, a.torque),
             false => ("Force of ", Newton, a.force),
@@ -68,6 +73,7 @@ fn add_one_element(b: &mut Builder, drive: usize) {
     // No term depends on whether a lock holds.
     let free: Vec<usize> = s.inputs.iter().copied().filter(|i| !s.locks().contains(i)).collect();
     let others: Vec<usize> = free.iter().copied().filter(|i| *i != drive).collect();
+    let circuit = l.hydraulics.is_some();
     let demand = l.inputs.len() + drive;
     let mut demanded = others.clone();
     demanded.insert(demanded.partition_point(|i| *i < demand), demand);
@@ -84,7 +90,7 @@ fn add_one_element(b: &mut Builder, drive: usize) {
     let required = Needs { masses: rubs, inputs: &demanded, ..s.acceleration() };
     let speed = any_loses || rubs || damped || l.air.is_some();
     let load = Needs { speed, inertia: rubs, inputs: present, ..required };
-    let holding = Needs { inputs: &others, loads: frictionless, lossless: true, ..placed() };
+    let holding = Needs { inputs: &others, loads: frictionless, lossless: true, circuit, ..placed() };
     let breakaway = Needs { statics: true, lossless: false, ..holding };
     let mut add = |linear, rotary, text, units: [Unit; 2], term, needs| {
         let (suffix, unit) = if is_rotary { (rotary, units[1]) } else { (linear, units[0]) };

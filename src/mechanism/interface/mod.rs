@@ -5,6 +5,7 @@
 mod bodies;
 mod builder;
 mod drives;
+mod hydraulics;
 mod loads;
 mod needs;
 mod source;
@@ -68,6 +69,7 @@ fn build<'a>(source: &'a Source<'a>, causes: Option<(Reference, Vec<Vec<Cause>>)
     drives::add_inputs(&mut b);
     loads::add_inputs(&mut b);
     drives::add_demands(&mut b);
+    hydraulics::add_inputs(&mut b);
     loads::add_airspeed(&mut b);
     loads::add_engagements(&mut b);
     bodies::add_bodies(&mut b);
@@ -80,6 +82,7 @@ fn build<'a>(source: &'a Source<'a>, causes: Option<(Reference, Vec<Vec<Cause>>)
     loads::add_stops(&mut b);
     loads::add_locks(&mut b);
     bodies::add_energy(&mut b);
+    hydraulics::add(&mut b);
     add_parameters(&mut b);
     b
 }

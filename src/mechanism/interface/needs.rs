@@ -35,6 +35,8 @@ pub(super) struct Needs<'a> {
     pub statics: bool,
     /// The stretch of bodies as rods.
     pub elasticity: bool,
+    /// The laws of the hydraulic circuit and its pressures at the start.
+    pub circuit: bool,
 }
 
 /// What the position of every body follows from.
@@ -58,6 +60,7 @@ pub(super) enum Cause {
     Radius(usize),
     Statics,
     Elasticity,
+    Circuit,
 }
 
 impl Needs<'_> {
@@ -85,6 +88,7 @@ impl Needs<'_> {
             || self.radius.is_some_and(|load| acts(Cause::Radius(load)))
             || (self.statics && acts(Cause::Statics))
             || (self.elasticity && acts(Cause::Elasticity))
+            || (self.circuit && acts(Cause::Circuit))
     }
 }
 
@@ -110,6 +114,7 @@ pub(super) fn causes(source: &Source) -> Result<Vec<Vec<Cause>>, DefinitionError
         Role::StartPosition => Ok(vec![Cause::Position]),
         Role::StartSpeed => Ok(vec![Cause::Speed]),
         Role::Elasticity => Ok(vec![Cause::Elasticity]),
+        Role::Circuit | Role::CircuitStart => Ok(vec![Cause::Circuit]),
         Role::Tolerance | Role::Scale => Ok(Vec::new()),
         Role::Geometry | Role::Inertia | Role::Load => changed(&mut |other| {
             let mut indices = 0..;

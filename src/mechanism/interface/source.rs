@@ -29,18 +29,27 @@ impl<'a> Source<'a> {
         let loads = (0..loading.loads.len()).collect();
         let held = held(mechanism, &linkage);
         let mut source = Self { mechanism, linkage, loading, markers, inputs: Vec::new(), loads, held };
-        source.inputs = (0..source.loading.inputs.len()).chain(source.airspeed()).chain(source.locks()).collect();
+        let sizes = (0..source.loading.inputs.len()).filter(|load| source.hydraulic_load() != Some(*load));
+        source.inputs = sizes.chain(source.airspeed()).chain(source.locks()).collect();
         Ok(source)
     }
 
     /// Index of the airspeed among the inputs: after those that size loads and the demanded accelerations.
     pub fn airspeed(&self) -> Option<usize> {
-        self.loading.air.as_ref().map(|_| self.loading.inputs.len() + self.loading.drives.len())
+        self.loading.air.as_ref().map(|_| self.loading.inputs.len() + self.loading.drives.len() + self.loading.ports())
+    }
+
+    /// Load of the drive with a hydraulic circuit.
+    pub fn hydraulic_load(&self) -> Option<usize> {
+        self.loading.hydraulics.as_ref().map(|drive| drive.load)
     }
 
     /// Indices of the locks among the inputs.
     pub fn locks(&self) -> Range<usize> {
-        let first = self.loading.inputs.len() + self.loading.drives.len() + usize::from(self.loading.air.is_some());
+        let first = self.loading.inputs.len()
+            + self.loading.drives.len()
+            + self.loading.ports()
+            + usize::from(self.loading.air.is_some());
         first..first + self.loading.locks.len()
     }
 
@@ -51,7 +60,8 @@ impl<'a> Source<'a> {
 
     /// What the acceleration follows from.
     pub fn acceleration(&self) -> Needs<'_> {
-        Needs { speed: true, inertia: true, inputs: &self.inputs, loads: &self.loads, ..placed() }
+        let circuit = self.loading.hydraulics.is_some();
+        Needs { speed: true, inertia: true, inputs: &self.inputs, loads: &self.loads, circuit, ..placed() }
     }
 
     /// What the positions of bodies follow from: the stated start alone if one joint holds the body that states it to

@@ -7,6 +7,8 @@ use super::laws::friction::{Cubic, Law, Regime};
 use super::laws::spring::Spring;
 use super::laws::stop::Stop;
 use super::unit_load::Load;
+use crate::hydraulics::circuit::Equations;
+use crate::hydraulics::definition::Command;
 use crate::mechanism::definition::{DefinitionError, Friction, Mechanism};
 use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point};
 use crate::numerics::decimal::Decimal;
@@ -38,7 +40,25 @@ pub struct Loading {
     pub air: Option<Air>,
     /// Friction in the joints.
     pub friction: Option<JointFriction>,
+    /// The hydraulic circuit that sizes the load of one drive.
+    pub hydraulics: Option<HydraulicDrive>,
 }
+
+/// A drive with a hydraulic circuit. Its place among the inputs that size loads stays 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HydraulicDrive {
+    /// Index of the drive and of its load.
+    pub load: usize,
+    /// Laws of the circuit.
+    pub laws: Equations,
+    /// Command of the valve as a function of time, which is added to the input.
+    pub command: Command,
+    /// Index of the input `valve.command`; the pressures of supply and tank follow.
+    pub first_input: usize,
+}
+
+/// Number of inputs of a hydraulic circuit: command of the valve, pressures of supply and tank.
+pub const PORTS: usize = 3;
 
 /// A lock.
 #[derive(Clone, Debug, PartialEq)]
@@ -255,7 +275,15 @@ impl Loading {
             });
             loads.push(load);
         }
-        let mut loading = Self { loads, inputs, constants, springs, drives, gravity, ..Self::default() };
+        let hydraulics = match mechanism.hydraulic_drive() {
+            Some((load, _, circuit)) => {
+                circuit.check()?;
+                let first_input = inputs.len() + drives.len();
+                Some(HydraulicDrive { load, laws: Equations::new(circuit), command: circuit.command, first_input })
+            }
+            None => None,
+        };
+        let mut loading = Self { loads, inputs, constants, springs, drives, gravity, hydraulics, ..Self::default() };
         loading.add_stops(mechanism, linkage, joints_between)?;
         loading.add_air(mechanism, linkage)?;
         loading.add_friction(mechanism, linkage)?;
@@ -376,6 +404,11 @@ impl Loading {
         }
         self.friction = Some(JointFriction { enabled, friction_joints });
         Ok(())
+    }
+
+    /// Number of inputs of the hydraulic circuit; 0 without one.
+    pub fn ports(&self) -> usize {
+        if self.hydraulics.is_some() { PORTS } else { 0 }
     }
 
     /// Number of loads sized by inputs, constants and springs. The other loads are sized by a state.

@@ -20,8 +20,21 @@ pub enum Stopped {
     Integration(IntegrationError),
     /// Friction and reactions have no common solution.
     Locked,
+    /// The circuit of a drive was left: length of its actuator, or pressure of a chamber.
+    Circuit(Left),
     /// The work allowed was done; the state is that at the time reached, and the advance can go on from it.
     Budget(Progress),
+}
+
+/// How a motion has left what a hydraulic circuit allows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Left {
+    /// The actuator has this length [m], from a place where the cylinder has none.
+    Stroke(f64),
+    /// A chamber, A or B, has this pressure [Pa], at or below absolute zero.
+    Vacuum(usize, f64),
+    /// The length of the actuator is not smooth along the motion.
+    Length,
 }
 
 impl From<Locked> for Stopped {
@@ -87,7 +100,7 @@ enum Instant {
 
 // All, with `rest.rs`, is inlined into `run`, so that no reference to the advance escapes and its fields stay in registers.
 impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
-    /// Advance z = (sigma, sigma_dot, energy lost if N = 3) by exactly `span` [s]; returns the energy lost in impacts
+    /// Advance z = (sigma, sigma_dot, energy lost if N > 2, ...) by exactly `span` [s]; returns the energy lost in impacts
     /// [J].
     pub fn run(mut self, z: &mut [f64; N], span: f64) -> Result<f64, Stopped> {
         if self.resume(z, span)? {
@@ -110,6 +123,9 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             let t = self.progress.t;
             let beyond = self.progress.may_pass && self.integrator.outlasts(span - t);
             let end = if beyond { f64::INFINITY } else { span };
+            let kink = self.dynamics.next_kink(t);
+            let is_cut = kink < end;
+            let end = if is_cut { kink } else { end };
             let step = self.integrator.step(self.dynamics, t, z, end, self.tolerance);
             let step = match &step {
                 Ok(step) => step,
@@ -150,9 +166,10 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             // Transition.
             *z = state;
             self.progress.t += h;
+            self.dynamics.set_state(z);
             match found {
                 Some(Found { event, part, .. }) => self.apply_event(event, part <= REGIME_TOLERANCE, z)?,
-                None if step.reached => break,
+                None if step.reached && !is_cut => break,
                 None => {}
             }
         }
@@ -172,6 +189,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         self.progress.t = ahead.rest();
         self.progress.is_settled = true;
         self.dynamics.set_time(self.progress.t);
+        self.dynamics.set_state(z);
         self.dynamics.set_touching(self.contact.touching());
         let middle = ahead.middle();
         self.dynamics.set_regimes(middle[0], middle[1]);
@@ -199,14 +217,15 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
 
     /// What follows from the state before a step: rest, impacts, bumpers touched, the mode of friction and drives.
     #[inline(always)]
-    fn instant(&mut self, z: &mut [f64; N], span: f64) -> Result<Instant, Locked> {
+    fn instant(&mut self, z: &mut [f64; N], span: f64) -> Result<Instant, Stopped> {
         self.dynamics.set_time(self.progress.t);
+        self.dynamics.set_state(z);
         // Contact changes with a jump only, so a settled mechanism does not rest.
         if !self.progress.is_settled
             && let Some(place) = self.contact.at_rest()
         {
             self.dynamics.set_touching(self.contact.touching());
-            return self.rest(place, z[0], span);
+            return self.rest(place, z, span);
         }
         if let Some(side) = self.pushed_end(z) {
             self.impact(Place::rigid(side), z)?;
@@ -227,7 +246,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             self.progress.is_settled = true;
         }
         if self.dynamics.has_reversals() && self.dynamics.find_direction(z[0], z[1])? == 0.0 {
-            return self.wait_for_drives(z[0], span);
+            return self.wait_for_drives(z, span);
         }
         Ok(Instant::Moves)
     }
@@ -285,7 +304,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// a stop to the last digit.
     #[inline(always)]
     fn locate(&mut self, step: &Step<N>, found: &Found<N>, dense: Option<&Dense<N>>) -> Option<Step<N>> {
-        let is_smooth = matches!(found.event, Event::Regime(_) | Event::Bumper(_) | Event::Reversal);
+        let is_smooth = matches!(found.event, Event::Regime(_) | Event::Bumper(_) | Event::Reversal | Event::Border(_));
         if is_smooth && dense.is_some_and(|dense| self.is_exact(step, dense)) {
             self.integrator.branch_off();
             return None;
@@ -346,6 +365,8 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     fn apply_event(&mut self, event: Event, at_once: bool, z: &mut [f64; N]) -> Result<(), Locked> {
         match event {
             Event::Undefined => self.integrator.refresh(),
+            // The right-hand side is continuous there.
+            Event::Border(_) => {}
             Event::Regime(joint) => {
                 self.integrator.refresh();
                 self.progress.work.regimes += 1;

@@ -5,6 +5,7 @@
 use crate::integrator::System;
 use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
+use crate::mechanism::dynamics::hydraulic::{DRIVEN, MOTION};
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::loads::laws::friction::Regime;
 use crate::numerics::dual::Dual;
@@ -12,11 +13,37 @@ use crate::numerics::enclosure::Enclosure;
 use crate::numerics::table::polynomial;
 
 /// A motion along sigma whose right-hand side is smooth between events. The state is (sigma, sigma_dot), or (sigma,
-/// sigma_dot, energy lost). Bumpers, drives with an efficiency and friction joints are the three kinds of parts that
+/// sigma_dot, energy lost), or these with more that goes on with them. Bumpers, drives with an efficiency and friction joints are the three kinds of parts that
 /// switch their laws; by default there are none.
 pub trait Dynamics<const N: usize>: System<N> {
     /// State the time since the start of the span [s] at which inputs are evaluated.
     fn set_time(&mut self, t: f64);
+
+    /// Whether parts of the state go on while the mechanism is held at rest.
+    fn evolves_at_rest(&self) -> bool {
+        false
+    }
+
+    /// State the parts of the state on which the acceleration depends besides sigma and sigma_dot.
+    fn set_state(&mut self, _z: &[f64; N]) {}
+
+    /// State whether the mechanism is held at rest, for [`System::derivative`].
+    fn set_held(&mut self, _held: bool) {}
+
+    /// The next instant after t [s] at which the right-hand side is less smooth than elsewhere; infinite if there is none.
+    fn next_kink(&self, _t: f64) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Number of borders along sigma at which the right-hand side is less smooth than elsewhere.
+    fn borders(&self) -> usize {
+        0
+    }
+
+    /// How far a state is beyond a border; 0 where there is none.
+    fn beyond_border(&mut self, _border: usize, _sigma: f64) -> f64 {
+        0.0
+    }
 
     /// Whether inputs change with time within the span.
     fn inputs_change(&self) -> bool {
@@ -119,6 +146,42 @@ where
         self.time = t;
     }
 
+    #[inline(always)]
+    fn evolves_at_rest(&self) -> bool {
+        N == DRIVEN
+    }
+
+    #[inline(always)]
+    fn set_state(&mut self, z: &[f64; N]) {
+        if N == DRIVEN {
+            self.scratch.evaluator.pressures = [z[MOTION], z[MOTION + 1]];
+        }
+    }
+
+    #[inline(always)]
+    fn set_held(&mut self, held: bool) {
+        if let (true, Some(ports)) = (N == DRIVEN, &mut self.ports) {
+            ports.held = held;
+        }
+    }
+
+    #[inline(always)]
+    fn next_kink(&self, t: f64) -> f64 {
+        match &self.ports {
+            Some(ports) if N == DRIVEN => ports.next_kink(t),
+            _ => f64::INFINITY,
+        }
+    }
+
+    #[inline(always)]
+    fn borders(&self) -> usize {
+        if N == DRIVEN { 2 } else { 0 }
+    }
+
+    fn beyond_border(&mut self, border: usize, sigma: f64) -> f64 {
+        self.beyond_cushion(border, sigma).unwrap_or(0.0)
+    }
+
     #[inline]
     fn inputs_change(&self) -> bool {
         self.applied.change.is_some()
@@ -169,7 +232,7 @@ where
     }
 
     fn switching_input(&self, index: usize) -> Option<[f64; 3]> {
-        let drives = self.state_loads.map_or(&[][..], |s| &s.drives_with_efficiency);
+        let drives = self.state_loads.map_or(&[][..], |s| &s.drives[..s.efficient]);
         let change = self.applied.change.as_ref()?;
         match drives.get(index) {
             Some(&load) => Some([self.applied.sizes[load], change.first[load], change.second[load]]),

@@ -32,6 +32,8 @@ pub enum Event {
     Reversal,
     /// The slip speed of a friction joint leaves the range of its regime.
     Regime(usize),
+    /// A border along sigma is passed at which the right-hand side is less smooth.
+    Border(usize),
     /// The interpolant has no finite value, as friction locks in a state that it tried: the step is taken again,
     /// shorter.
     Undefined,
@@ -45,9 +47,10 @@ impl Event {
             Self::Bumper(bumper) => (1, bumper, Place::default()),
             Self::Reversal => (2, 0, Place::default()),
             Self::Regime(joint) => (3, joint, Place::default()),
+            Self::Border(border) => (4, border, Place::default()),
             Self::Undefined => return Err(Damaged("event: an undefined one is not kept".to_owned())),
         };
-        record.choice("event", &mut kind, 4)?;
+        record.choice("event", &mut kind, 5)?;
         if kind == 0 {
             place.record(record)?;
         } else {
@@ -57,7 +60,8 @@ impl Event {
             0 => Self::Stop(place),
             1 => Self::Bumper(index),
             2 => Self::Reversal,
-            _ => Self::Regime(index),
+            3 => Self::Regime(index),
+            _ => Self::Border(index),
         };
         Ok(())
     }
@@ -88,7 +92,12 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
     let is_near = near.any(ends) || contact.touching() != BumperSet::EMPTY;
     let joints = dynamics.friction_joints();
     let changing = (0..joints).find(|&joint| held_regime != Some(joint) && may_change_regime(dynamics, joint, step));
-    if !(reverses || is_near || changing.is_some()) {
+    let passed = |dynamics: &mut D, border: usize| {
+        let [before, after] = [&step.start, &step.end].map(|z| dynamics.beyond_border(border, z[0]));
+        before * after < 0.0
+    };
+    let is_passed = (0..dynamics.borders()).any(|border| passed(dynamics, border));
+    if !(reverses || is_near || changing.is_some() || is_passed) {
         return None;
     }
     let dense = dense.get_or_insert_with(|| integrator.dense(dynamics, step));
@@ -109,6 +118,13 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
     for joint in (changing.unwrap_or(joints)..joints).filter(|joint| held_regime != Some(*joint)) {
         if changing == Some(joint) || may_change_regime(dynamics, joint, step) {
             offer(regime_change(dynamics, dense, joint), Event::Regime(joint));
+        }
+    }
+    if is_passed {
+        for border in 0..dynamics.borders() {
+            if passed(dynamics, border) {
+                offer(Some(border_passage(dynamics, dense, border)), Event::Border(border));
+            }
         }
     }
     for side in 0..2 {
@@ -192,6 +208,7 @@ pub fn excess<D: Dynamics<N>, const N: usize>(dynamics: &mut D, contact: &Contac
         Event::Reversal => -dynamics.direction() * z[1],
         Event::Bumper(bumper) => excess_of_bumper(dynamics, bumper, contact.touching().contains(bumper), [z[0], z[1]]),
         Event::Regime(joint) => excess_of_slip(dynamics, joint, [z[0], z[1]]),
+        Event::Border(border) => dynamics.beyond_border(border, z[0]),
         Event::Stop(_) | Event::Undefined => 0.0,
     }
 }
@@ -243,6 +260,14 @@ fn bumper_event<D: Dynamics<N>, const N: usize>(
         }
     }
     Bounded { f, bounds, locate }.first_rise(start, PARTS)
+}
+
+/// Part of a step after which a border is passed that is between its ends.
+#[cold]
+fn border_passage<D: Dynamics<N>, const N: usize>(dynamics: &mut D, dense: &Dense<N>, border: usize) -> f64 {
+    let mut beyond = |part: f64| dynamics.beyond_border(border, dense.component(0, part));
+    let after = beyond(1.0);
+    bisect(|part| beyond(part) * after >= 0.0, 0.0, 1.0)[1]
 }
 
 /// Whether the slip speed of a friction joint may leave the range of its regime within a step. Bounds are the Bezier

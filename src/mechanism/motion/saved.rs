@@ -5,10 +5,11 @@
 use super::state::{blows, state_loads};
 use crate::codec::record::{Damaged, Record};
 use crate::integrator::{Integrator, Statistics};
+use crate::mechanism::dynamics::hydraulic::{CIRCUIT, DRIVEN};
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::contact::{BumperPlaces, Contact, Place, RigidEnd, Travel};
 use crate::mechanism::motion::events::Event;
-use crate::mechanism::motion::step_ahead::{Lookahead, StepAhead};
+use crate::mechanism::motion::step_ahead::Lookahead;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::bits::become_same;
 use std::sync::Arc;
@@ -41,14 +42,66 @@ pub struct SavedState {
     pub memory: Memory,
 }
 
-/// Memory of the integration, with or without the energy lost as a component of the state.
+/// Memory of the integration, with or without the energy lost and a circuit as components of the state.
 #[expect(clippy::large_enum_variant, reason = "a step allocates nothing, so there is no box")]
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub enum Memory {
     /// No power is lost: the state is (sigma, sigma_dot).
     Conservative(Integrator<2>),
     /// The energy lost is integrated too, and steps may go on beyond the present.
     WithDissipation(Integrator<3>, Lookahead<3>),
+    /// The hydraulic circuit of a drive is integrated too.
+    WithCircuit(Box<CircuitMemory>),
+}
+
+/// State of the hydraulic circuit of a drive, with the memory of the integration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CircuitMemory {
+    pub integrator: Integrator<DRIVEN>,
+    pub lookahead: Lookahead<DRIVEN>,
+    pub circuit: CircuitState,
+    /// State at the beginning of the last step, for a step that fails.
+    pub before: CircuitState,
+}
+
+/// State of the hydraulic circuit of a drive.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CircuitState {
+    /// Time since the start [s], and what its sum has lost to rounding.
+    pub time: [f64; 2],
+    /// Pressures of the chambers A and B [Pa], position and speed of the spool, six energies [J].
+    pub values: [f64; CIRCUIT],
+}
+
+impl CircuitState {
+    /// Pressures of the chambers A and B [Pa].
+    pub fn pressures(&self) -> [f64; 2] {
+        [self.values[0], self.values[1]]
+    }
+
+    /// `h` [s] have gone by, summed in two parts so that many short steps do not lose the time.
+    pub fn pass(&mut self, h: f64) {
+        let [time, lost] = self.time;
+        let delta = h + lost;
+        let sum = time + delta;
+        self.time = [sum, delta - (sum - time)];
+    }
+}
+
+impl CircuitMemory {
+    /// A circuit that begins in this state.
+    pub fn new(circuit: CircuitState) -> Self {
+        Self { integrator: Integrator::default(), lookahead: Lookahead::default(), circuit, before: circuit }
+    }
+
+    /// All fields, written or read.
+    fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        record.all_finite("time", &mut self.circuit.time)?;
+        record.all_finite("state of the circuit", &mut self.circuit.values)?;
+        self.before = self.circuit;
+        self.integrator.record(record)?;
+        self.lookahead.record(record)
+    }
 }
 
 impl Default for Memory {
@@ -75,6 +128,32 @@ impl Memory {
         match self {
             Self::Conservative(i) => i.statistics(),
             Self::WithDissipation(i, _) => i.statistics(),
+            Self::WithCircuit(memory) => memory.integrator.statistics(),
+        }
+    }
+
+    /// State of the hydraulic circuit of a drive; none without one.
+    #[inline]
+    pub fn circuit(&self) -> Option<&CircuitState> {
+        match self {
+            Self::WithCircuit(memory) => Some(&memory.circuit),
+            _ => None,
+        }
+    }
+
+    /// A step has failed: the circuit is where it was.
+    pub fn undo_circuit(&mut self) {
+        if let Self::WithCircuit(memory) = self {
+            memory.circuit = memory.before;
+        }
+    }
+
+    /// The event at the end of a step ahead.
+    fn event_ahead(&self) -> Option<Event> {
+        match self {
+            Self::WithDissipation(_, ahead) => ahead.step_ahead.as_ref()?.event,
+            Self::WithCircuit(memory) => memory.lookahead.step_ahead.as_ref()?.event,
+            Self::Conservative(_) => None,
         }
     }
 
@@ -86,7 +165,12 @@ impl Memory {
                 own.copy_from(other);
                 own_ahead.copy_from(other_ahead);
             }
-            (own, other) => *own = *other,
+            (Self::WithCircuit(own), Self::WithCircuit(other)) => {
+                own.integrator.copy_from(&other.integrator);
+                own.lookahead.copy_from(&other.lookahead);
+                (own.circuit, own.before) = (other.circuit, other.before);
+            }
+            (own, other) => *own = other.clone(),
         }
     }
 
@@ -98,15 +182,27 @@ impl Memory {
                 i.restart();
                 ahead.invalidate();
             }
+            Self::WithCircuit(memory) => {
+                memory.integrator.restart();
+                memory.lookahead.invalidate();
+            }
         }
     }
 
     /// sigma is counted from another revolution.
     pub fn recount(&mut self) {
-        if let Self::WithDissipation(i, ahead) = self
-            && ahead.step_ahead.take().is_some()
-        {
-            i.branch_off();
+        match self {
+            Self::WithDissipation(i, ahead) => {
+                if ahead.step_ahead.take().is_some() {
+                    i.branch_off();
+                }
+            }
+            Self::WithCircuit(memory) => {
+                if memory.lookahead.step_ahead.take().is_some() {
+                    memory.integrator.branch_off();
+                }
+            }
+            Self::Conservative(_) => {}
         }
     }
 
@@ -119,6 +215,12 @@ impl Memory {
                     i.branch_off();
                 }
                 i.refresh();
+            }
+            Self::WithCircuit(memory) => {
+                if memory.lookahead.invalidate() {
+                    memory.integrator.branch_off();
+                }
+                memory.integrator.refresh();
             }
         }
     }
@@ -155,6 +257,9 @@ impl SavedState {
         let bumpers = bumpers.map(|(stop, _)| BumperPlaces { stop, positions: [None; 2] }).collect();
         let travel = Arc::new(Travel { bumpers, ..Travel::default() });
         let mut saved = Self { applied: vec![0.0; reduced.components().sized], travel, ..Self::default() };
+        if reduced.loading().hydraulics.is_some() {
+            saved.memory = Memory::WithCircuit(Box::new(CircuitMemory::new(CircuitState::default())));
+        }
         saved.record(record)?;
         saved.check(reduced)?;
         for end in Arc::make_mut(&mut saved.travel).rigid.iter_mut().flatten() {
@@ -176,7 +281,7 @@ impl SavedState {
         record.finite("airspeed", &mut self.airspeed)?;
         record.flag("air acts", &mut self.air)?;
         record.finite("energy", &mut self.reference)?;
-        let mut with_dissipation = matches!(self.memory, Memory::WithDissipation(..));
+        let mut with_dissipation = !matches!(self.memory, Memory::Conservative(_));
         record.flag("energy lost integrated", &mut with_dissipation)?;
         self.memory.set_dissipation(with_dissipation);
         match &mut self.memory {
@@ -185,6 +290,7 @@ impl SavedState {
                 integrator.record(record)?;
                 lookahead.record(record)
             }
+            Memory::WithCircuit(memory) => memory.record(record),
         }
     }
 
@@ -221,9 +327,7 @@ impl SavedState {
         if constants.iter().zip(&loading.constants).any(|(a, b)| a.to_bits() != b.to_bits()) {
             return refuse("the constant loads are not those of the parameters".into());
         }
-        if let Memory::WithDissipation(_, Lookahead { step_ahead: Some(StepAhead { event: Some(event), .. }), .. }) =
-            self.memory
-        {
+        if let Some(event) = self.memory.event_ahead() {
             let (exists, what) = match event {
                 Event::Regime(joint) => (
                     joint < state_loads.map_or(0, |s| s.friction_joints.len()),
@@ -233,6 +337,10 @@ impl SavedState {
                     (bumper < bumpers, format!("index of an event = {bumper}: there is no such bumper"))
                 }
                 Event::Stop(place) => (is_place(place), "event ahead: no stop is met there".into()),
+                Event::Border(border) => {
+                    let exists = border < 2 && loading.hydraulics.is_some();
+                    (exists, format!("index of an event = {border}: there is no such cushion"))
+                }
                 Event::Reversal | Event::Undefined => (true, String::new()),
             };
             if !exists {

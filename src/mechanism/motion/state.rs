@@ -2,6 +2,7 @@
 //!
 //! In: a start, inputs, a reduced model. Out: the state after each step, on an error the state before it. It must not
 //! know outputs.
+mod circuit;
 mod start;
 
 use crate::integrator::Statistics;
@@ -20,6 +21,8 @@ use crate::mechanism::motion::travel::AT_STOP;
 use crate::mechanism::motion::work::Spent;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::table::Unresolved;
+pub use circuit::check_lengths;
+use circuit::left_circuit;
 use std::ops::{Deref, DerefMut};
 
 /// The state of motion, with the memory of the integration.
@@ -162,6 +165,7 @@ impl State {
         let before = (self.revolutions, self.memory.statistics());
         let advanced = self.advance((reduced, state_loads), inputs, h, solver).map_err(|stopped| match stopped {
             Stopped::Integration(error) => ModelError::Integration(error),
+            Stopped::Circuit(left) => left_circuit(reduced, left),
             _ => ModelError::Locked { position: self.describe(reduced) },
         });
         if inputs.signal.ahead {
@@ -197,7 +201,16 @@ impl State {
         let sizes = &saved.applied;
         let applied = AppliedLoads { sizes, airspeed, revolutions, change: inputs.change(reduced) };
         let mode = Mode::default();
-        let dynamics = &mut EquationOfMotion { reduced, state_loads, applied, time: 0.0, mode, scratch, locked: false };
+        let dynamics = &mut EquationOfMotion {
+            reduced,
+            state_loads,
+            applied,
+            time: 0.0,
+            mode,
+            scratch,
+            locked: false,
+            ports: None,
+        };
         let (tolerance, max_steps) = (solver.tolerance, solver.max_steps as u64);
         let mut passed = 0.0;
         let (advanced, lost) = match &mut saved.memory {
@@ -228,6 +241,12 @@ impl State {
                 };
                 let advanced = advance.run(&mut z, h);
                 lookahead.end();
+                y = [z[0], z[1]];
+                (advanced, z[2])
+            }
+            Memory::WithCircuit(memory) => {
+                let driven = circuit::Driven { dynamics, memory, ends, contact: &mut contact, tolerance, inputs };
+                let (advanced, z) = driven.run(y, h, max_steps);
                 y = [z[0], z[1]];
                 (advanced, z[2])
             }
@@ -343,6 +362,7 @@ impl State {
     ) -> Result<(Option<&'a StateLoads>, bool), ModelError> {
         let air = blows_under(reduced, inputs);
         let state_loads = state_loads(reduced, air, self.revolutions)?;
+        circuit::check_ports(reduced, inputs)?;
         let loads = reduced.loading().inputs.len();
         let (mut work, mut largest) = (0.0, 0.0_f64);
         let mut changed = false;
@@ -396,7 +416,8 @@ impl State {
         let (airspeed, revolutions) = (airspeed(reduced, inputs), self.revolutions);
         let applied = AppliedLoads { sizes: &sizes, airspeed, revolutions, change: inputs.change(reduced) };
         let (mode, scratch) = (Mode::default(), &mut Scratch::new(state_loads));
-        let mut equation = EquationOfMotion { reduced, state_loads, applied, time: 0.0, mode, scratch, locked: false };
+        let mut equation =
+            EquationOfMotion { reduced, state_loads, applied, time: 0.0, mode, scratch, locked: false, ports: None };
         let mut overflows = !(self.reference + work).is_finite();
         for time in [0.0, h] {
             equation.time = time;
@@ -418,6 +439,7 @@ impl State {
     #[cold]
     fn undo(&mut self, reduced: &Reduced, changed: bool) {
         self.memory.restart();
+        self.memory.undo_circuit();
         if changed {
             self.saved.applied.copy_from_slice(&self.before);
         }

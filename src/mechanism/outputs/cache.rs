@@ -1,5 +1,6 @@
 //! What several outputs of one state share, computed when an output first needs it.
 use crate::mechanism::dynamics::equation::Scratch;
+use crate::mechanism::dynamics::hydraulic::CIRCUIT;
 use crate::mechanism::dynamics::inputs::Change;
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::motion::contact::Place;
@@ -85,6 +86,8 @@ pub struct Direction<N> {
     pub s: N,
     /// d sigma / d s and d sigma_dot / d s.
     pub along: [f64; 2],
+    /// Derivatives along s of the pressures, of position and speed of the spool, and of the energies of a circuit.
+    pub circuit: [f64; CIRCUIT],
     /// du / d s of the Real inputs; none where nothing changes.
     pub rates: Vec<f64>,
     /// As many zeros: the second derivatives of the inputs along s.
@@ -94,7 +97,7 @@ pub struct Direction<N> {
 impl<N: Number> Direction<N> {
     /// A direction along s in which nothing changes yet.
     pub fn new(s: N, inputs: usize) -> Self {
-        Self { s, along: [0.0; 2], rates: vec![0.0; inputs], zeros: vec![0.0; inputs] }
+        Self { s, along: [0.0; 2], circuit: [0.0; CIRCUIT], rates: vec![0.0; inputs], zeros: vec![0.0; inputs] }
     }
 
     /// A Real input, from its value.

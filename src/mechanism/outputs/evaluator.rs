@@ -5,7 +5,7 @@
 //! a formulation finds what it gives.
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::loads::resolved::Loading;
-use crate::mechanism::quantity::{OneElement, Output, ReactionPart};
+use crate::mechanism::quantity::{Hydraulic, OneElement, Output, ReactionPart};
 use crate::mechanism::rigid_fem::RigidFemError;
 use crate::numerics::dual::Number;
 use crate::numerics::table::Unresolved;
@@ -86,6 +86,11 @@ pub trait Kinematics<N: Number> {
     /// A term of the mechanism reduced to a drive.
     fn one_element(&mut self, drive: usize, term: OneElement) -> Result<N, OutputError>;
 
+    /// A quantity of the hydraulic circuit of a drive.
+    fn hydraulic(&mut self, _output: Hydraulic) -> Result<N, OutputError> {
+        Ok(N::constant(0.0))
+    }
+
     /// Kinetic energy [J].
     fn kinetic(&self) -> N;
 
@@ -142,6 +147,7 @@ pub fn evaluate<N: Number, K: Kinematics<N>>(
         Output::Kinetic => motion.kinetic(),
         Output::Potential => potential(motion, loading)?,
         Output::Drift => motion.drift(),
+        Output::Hydraulic(output) => motion.hydraulic(output)?,
     })
 }
 

@@ -4,6 +4,7 @@
 //! FMI.
 mod cache;
 mod evaluator;
+mod hydraulic;
 mod one_element;
 mod reaction;
 mod reduced_motion;

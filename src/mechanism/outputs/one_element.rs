@@ -85,7 +85,10 @@ impl<N: Reading> View<'_, N> {
 
     /// Derivative along sigma of [`Self::others_at_rest`].
     fn slope_of_others(&mut self, drive: usize) -> Result<N, OutputError> {
-        let (sigma, size, influence_slope) = (self.sigma(), self.size(drive), self.influence_slope(drive));
+        let (sigma, influence_slope) = (self.sigma(), self.influence_slope(drive));
+        // A drive with a circuit gives what its pressures do, as evaluated at rest.
+        let has_circuit = self.reduced.loading().hydraulics.as_ref().is_some_and(|own| own.load == drive);
+        let size = if has_circuit { self.delivered(drive) } else { self.size(drive) };
         let at_rest = self.equation()?.slope_at_rest(sigma)?;
         Ok(at_rest - size * influence_slope)
     }

@@ -27,8 +27,8 @@ impl<N: Reading> View<'_, N> {
         let loading = reduced.loading();
         let sized = reduced.components().sized;
         let state_loads = self.state_loads();
-        // The state decides the delivered force of a drive with an efficiency.
-        let with_efficiency = state_loads.map_or(&[][..], |s| &s.drives_with_efficiency);
+        // The state decides the delivered force of a drive with an efficiency or a circuit.
+        let decided = state_loads.map_or(&[][..], |s| &s.drives);
         let table = reduced.reaction(joint);
         let exact = match table {
             // The exact evaluator has no derivative along sigma.
@@ -43,7 +43,7 @@ impl<N: Reading> View<'_, N> {
             let columns = 2 + loading.base();
             let PresentLoads { sizes, reactions } = &mut *self.loads;
             let sizes = sizes[..sized].iter().enumerate();
-            let sizes = sizes.map(|(load, size)| if with_efficiency.contains(&load) { 0.0 } else { *size });
+            let sizes = sizes.map(|(load, size)| if decided.contains(&load) { 0.0 } else { *size });
             let panel = &mut reactions[joint];
             if !panel.holds(self.state.sigma) {
                 panel.enter(table, self.state.sigma, (parts, columns), sizes);
@@ -61,14 +61,14 @@ impl<N: Reading> View<'_, N> {
             self.add(&units, 1, square, &mut value)?;
         }
         if N::CARRIES || units.table.is_err() {
-            for load in (0..sized).filter(|load| !with_efficiency.contains(load)) {
+            for load in (0..sized).filter(|load| !decided.contains(load)) {
                 let size = self.size(load);
                 // The polynomials have the values.
                 let size = if units.table.is_ok() { size - N::constant(size.value()) } else { size };
                 self.add(&units, 2 + load, size, &mut value)?;
             }
         }
-        for &load in with_efficiency {
+        for &load in decided {
             self.add(&units, 2 + load, self.delivered(load), &mut value)?;
         }
         for (index, spring) in loading.springs.iter().enumerate() {

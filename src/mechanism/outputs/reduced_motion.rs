@@ -3,6 +3,7 @@
 //! In: steps, changed inputs, saved states, directions. Out: the state with a cache that belongs to it, outputs and
 //! their derivatives. It must not know any law.
 use crate::mechanism::definition::{Mechanism, Solver};
+use crate::mechanism::dynamics::hydraulic::CIRCUIT;
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::SavedState;
@@ -161,7 +162,7 @@ impl ReducedMotion {
     /// Head in a direction in which the state stays and the inputs change by `seeds`.
     pub fn head_for_inputs(&mut self, reduced: &Reduced, inputs: &Inputs, seeds: &dyn Fn(usize) -> f64) {
         let direction = self.direction(reduced, inputs);
-        direction.along = [0.0; 2];
+        (direction.along, direction.circuit) = ([0.0; 2], [0.0; CIRCUIT]);
         direction.rates.iter_mut().enumerate().for_each(|(i, rate)| *rate = seeds(i));
     }
 
@@ -169,8 +170,9 @@ impl ReducedMotion {
     pub fn head_for_time(&mut self, reduced: &Reduced, inputs: &Inputs) {
         let acceleration = self.view(reduced, inputs).forces().map_or(f64::NAN, |forces| forces.acceleration);
         let along = [self.state.sigma_dot, acceleration];
+        let circuit = self.view(reduced, inputs).circuit_rates().unwrap_or([f64::NAN; CIRCUIT]);
         let direction = self.direction(reduced, inputs);
-        direction.along = along;
+        (direction.along, direction.circuit) = (along, circuit);
         direction.rates.copy_from_slice(&inputs.signal.first);
     }
 

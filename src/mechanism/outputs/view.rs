@@ -11,7 +11,7 @@ use crate::mechanism::motion::contact::{Holder, Place};
 use crate::mechanism::motion::state::{State, airspeed, state_loads_under};
 use crate::mechanism::outputs::cache::{Forces, OutputCache, PresentLoads};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite};
-use crate::mechanism::quantity::OneElement;
+use crate::mechanism::quantity::{Hydraulic, OneElement};
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::chebyshev::{Series, slopes_of};
 use crate::numerics::dual::{Differentiable, Dual, Number};
@@ -168,7 +168,15 @@ impl<'a, N: Reading> View<'a, N> {
             change: direction.change(reduced.loading()),
         };
         let mode = Mode { touching: state.contact.touching(), ..Mode::default() };
-        Ok(EquationOfMotion { reduced, state_loads, applied, time: direction.s, mode, scratch, locked: false })
+        if let Some(circuit) = state.memory.circuit() {
+            let [a, b] = circuit.pressures();
+            scratch.set_pressures([
+                direction.s.chain(a, direction.circuit[0]),
+                direction.s.chain(b, direction.circuit[1]),
+            ]);
+        }
+        let (time, locked, ports) = (direction.s, false, None);
+        Ok(EquationOfMotion { reduced, state_loads, applied, time, mode, scratch, locked, ports })
     }
 
     /// Forces and acceleration; evaluated once for a state.
@@ -194,7 +202,7 @@ impl<'a, N: Reading> View<'a, N> {
 
     /// Delivered force of a sized load, after the loss of its drive if it has one; as last evaluated.
     pub fn delivered(&self, load: usize) -> N {
-        let index = self.state_loads().and_then(|s| s.drives_with_efficiency.iter().position(|l| *l == load));
+        let index = self.state_loads().and_then(|s| s.drives.iter().position(|l| *l == load));
         index.map_or_else(|| self.size(load), |k| self.cache.scratch.evaluator.delivered[k])
     }
 }
@@ -303,6 +311,10 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
 
     fn one_element(&mut self, drive: usize, term: OneElement) -> Result<N, OutputError> {
         self.drive_term(drive, term)
+    }
+
+    fn hydraulic(&mut self, output: Hydraulic) -> Result<N, OutputError> {
+        self.circuit(output)
     }
 
     fn kinetic(&self) -> N {

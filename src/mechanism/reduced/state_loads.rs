@@ -1,7 +1,8 @@
 //! State loads: loads sized by the state, and their effects in one table that the integration reads.
 //!
 //! In: the curve and the loads. Out: effects of all loads on the motion and on the reactions of the joints with
-//! friction. Without dampers, efficiencies, bumpers, friction and moving air there is no such table. It must not know
+//! friction. Without dampers, efficiencies, a hydraulic circuit, bumpers, friction and moving air there is no such
+//! table. It must not know
 //! states.
 use super::source::{Source, SpringLoad};
 use crate::mechanism::curve::Configuration;
@@ -22,8 +23,11 @@ use std::ops::Range;
 /// of a group get the sign of the first.
 #[derive(Clone, Debug)]
 pub struct StateLoads {
-    /// Drives with an efficiency, by their loads.
-    pub drives_with_efficiency: Vec<usize>,
+    /// Drives whose delivered force the state decides, by their loads: those with an efficiency, then the one with a
+    /// hydraulic circuit.
+    pub drives: Vec<usize>,
+    /// How many of them have an efficiency.
+    pub efficient: usize,
     /// Whether drag acts.
     pub air: bool,
     /// Bumpers, by their stops.
@@ -125,8 +129,9 @@ impl StateLoads {
     pub(super) fn build(source: &Source, grid: &Grid, air: bool) -> Result<Option<Self>, Unresolved> {
         let (loading, linkage) = (&source.loading, source.linkage());
         let drives = loading.drives.iter().enumerate();
-        let drives_with_efficiency: Vec<usize> =
-            drives.filter(|(_, d)| d.efficiency.is_some()).map(|(i, _)| i).collect();
+        let mut drives: Vec<usize> = drives.filter(|(_, d)| d.efficiency.is_some()).map(|(i, _)| i).collect();
+        let efficient = drives.len();
+        drives.extend(loading.hydraulics.as_ref().map(|drive| drive.load));
         let stops = loading.stops.iter().enumerate();
         let bumpers: Vec<usize> = stops.filter(|(_, s)| s.enabled && !s.rigid).map(|(i, _)| i).collect();
         let friction_joints = match &loading.friction {
@@ -135,12 +140,7 @@ impl StateLoads {
         };
         let surfaces = loading.air.as_ref().filter(|_| air).map_or(&[][..], |air| &air.surfaces);
         let damped = source.components.damping.is_some();
-        if drives_with_efficiency.is_empty()
-            && bumpers.is_empty()
-            && friction_joints.is_empty()
-            && surfaces.is_empty()
-            && !damped
-        {
+        if drives.is_empty() && bumpers.is_empty() && friction_joints.is_empty() && surfaces.is_empty() && !damped {
             return Ok(None);
         }
         let mut loads: Vec<usize> = surfaces.iter().flat_map(|s| s.load..s.load + 3).collect();
@@ -161,7 +161,8 @@ impl StateLoads {
         }
         let air = !surfaces.is_empty();
         let mut state_loads = Self {
-            drives_with_efficiency,
+            drives,
+            efficient,
             air,
             bumpers,
             friction_joints,

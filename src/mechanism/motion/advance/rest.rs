@@ -2,22 +2,27 @@
 //!
 //! In: a mechanism at rest, inputs that may change with time. Out: the time at which it sets off. It must not know what
 //! moves.
-use super::{Advance, Instant};
+use super::{Advance, Instant, Stopped};
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::motion::contact::Place;
 use crate::mechanism::motion::dynamics::Dynamics;
+use crate::numerics::bracket::bisect;
 use crate::numerics::passage::first_rise_of_quartic;
 
 impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// At rest at a place: held by a lock, or by a rigid stop until the loads no longer press the mechanism against it.
     #[inline(always)]
-    pub(super) fn rest(&mut self, place: Place, sigma: f64, span: f64) -> Result<Instant, Locked> {
+    pub(super) fn rest(&mut self, place: Place, z: &mut [f64; N], span: f64) -> Result<Instant, Stopped> {
+        let sigma = z[0];
         if self.contact.is_latched() {
+            if self.dynamics.evolves_at_rest() {
+                self.go_on_at_rest(z, span, &[])?;
+            }
             return Ok(Instant::Held);
         }
         if self.is_pressed(place, sigma)? {
             let inward = -place.outward();
-            if !self.wait_until(sigma, span, [inward; 2])? {
+            if !self.wait_until(z, span, [inward; 2])? {
                 return Ok(Instant::Held);
             }
         }
@@ -35,8 +40,8 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
 
     /// Held at rest by drives with an efficiency, until the loads overcome them in one direction.
     #[inline(always)]
-    pub(super) fn wait_for_drives(&mut self, sigma: f64, span: f64) -> Result<Instant, Locked> {
-        if !self.wait_until(sigma, span, [1.0, -1.0])? {
+    pub(super) fn wait_for_drives(&mut self, z: &mut [f64; N], span: f64) -> Result<Instant, Stopped> {
+        if !self.wait_until(z, span, [1.0, -1.0])? {
             return Ok(Instant::Held);
         }
         self.jumped();
@@ -50,8 +55,13 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// a quartic in air of changing speed, as long as no drive's force and no airspeed changes its sign. So it is
     /// searched piece by piece, and none is too short to be found.
     #[inline(always)]
-    fn wait_until(&mut self, sigma: f64, span: f64, directions: [f64; 2]) -> Result<bool, Locked> {
+    fn wait_until(&mut self, z: &mut [f64; N], span: f64, directions: [f64; 2]) -> Result<bool, Stopped> {
         const CLOSE: f64 = 1e-15;
+        let sigma = z[0];
+        let directions = if directions[0] == directions[1] { &directions[..1] } else { &directions[..] };
+        if self.dynamics.evolves_at_rest() {
+            return self.go_on_at_rest(z, span, directions);
+        }
         if !self.dynamics.inputs_change() {
             return Ok(false);
         }
@@ -60,11 +70,11 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         while a < span {
             let b = self.next_switch(a, span);
             let mut first = None;
-            for direction in if directions[0] == directions[1] { &directions[..1] } else { &directions[..] } {
+            for direction in directions {
                 let dynamics = &mut *self.dynamics;
                 let excess = |t: f64| {
                     dynamics.set_time(t);
-                    Ok(dynamics.acceleration_from_rest(sigma, *direction)? * direction)
+                    Ok::<f64, Locked>(dynamics.acceleration_from_rest(sigma, *direction)? * direction)
                 };
                 let rise = first_rise_of_quartic(excess, [a, b], CLOSE * (span - from))?;
                 first = [first, rise].into_iter().flatten().reduce(f64::min);
@@ -75,6 +85,81 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                 return Ok(t < span);
             }
             a = b;
+        }
+        Ok(false)
+    }
+
+    /// Integrate what goes on at rest, to where the mechanism sets off in one of these directions; false if it does not
+    /// before the end of the span.
+    #[cold]
+    fn go_on_at_rest(&mut self, z: &mut [f64; N], span: f64, directions: &[f64]) -> Result<bool, Stopped> {
+        self.dynamics.set_held(true);
+        let went = self.hold(z, span, directions);
+        self.dynamics.set_held(false);
+        if matches!(went, Err(Stopped::Integration(_))) && self.dynamics.take_locked() {
+            return Err(Stopped::Locked);
+        }
+        went
+    }
+
+    /// [`Self::go_on_at_rest`] with the mechanism held.
+    fn hold(&mut self, z: &mut [f64; N], span: f64, directions: &[f64]) -> Result<bool, Stopped> {
+        /// Part of the time from which a step is too short to be taken again shorter.
+        const SHORT: f64 = 1e-14;
+        while self.progress.t < span {
+            if self.progress.work.is_spent(self.integrator.attempts()) {
+                return Err(Stopped::Budget(self.progress));
+            }
+            let t = self.progress.t;
+            let kink = self.dynamics.next_kink(t);
+            let is_cut = kink < span;
+            let end = if is_cut { kink } else { span };
+            let step = self.integrator.step(self.dynamics, t, z, end, self.tolerance).map_err(Stopped::Integration)?;
+            if !self.sets_off(t + step.h, &step.end, directions)? {
+                *z = step.end;
+                self.progress.t += step.h;
+                if step.reached && !is_cut {
+                    return Ok(false);
+                }
+                continue;
+            }
+            let dense = self.integrator.dense(self.dynamics, &step);
+            let mut locked = false;
+            let [_, part] = bisect(
+                |part| {
+                    let off = self.sets_off(t + part * step.h, &dense.at(part), directions);
+                    locked |= off.is_err();
+                    off != Ok(false)
+                },
+                0.0,
+                1.0,
+            );
+            if locked {
+                return Err(Stopped::Locked);
+            }
+            let h = part * step.h;
+            let is_short = h <= SHORT * span;
+            let end = if is_short || part >= 1.0 { step } else { self.integrator.retake(self.dynamics, &step, h) };
+            self.progress.work.extra += 1;
+            *z = end.end;
+            self.progress.t += end.h;
+            // By rounding of the interpolant it may not be there yet.
+            if is_short || self.sets_off(self.progress.t, z, directions)? {
+                self.dynamics.set_time(self.progress.t);
+                return Ok(self.progress.t < span);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Whether a mechanism at rest sets off in one of these directions.
+    fn sets_off(&mut self, t: f64, z: &[f64; N], directions: &[f64]) -> Result<bool, Locked> {
+        self.dynamics.set_time(t);
+        self.dynamics.set_state(z);
+        for &direction in directions {
+            if self.dynamics.acceleration_from_rest(z[0], direction)? * direction > 0.0 {
+                return Ok(true);
+            }
         }
         Ok(false)
     }

@@ -2,15 +2,16 @@
 //!
 //! In: the definition's start, inputs, a reduced model. Out: a state at rest or in motion, with the travel between the
 //! stops. It must not know steps.
-use super::{State, airspeed, blows_under, state_loads};
+use super::{State, airspeed, blows_under, check_lengths, state_loads};
 use crate::mechanism::definition::{DefinitionError, Mechanism};
 use crate::mechanism::dynamics::equation::Scratch;
+use crate::mechanism::dynamics::hydraulic::CIRCUIT;
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::laws::stop::Stop;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::motion::contact::Contact;
-use crate::mechanism::motion::saved::SavedState;
+use crate::mechanism::motion::saved::{CircuitMemory, CircuitState, Memory, SavedState};
 use crate::mechanism::motion::travel::{beyond_stop, can_hold, travel};
 use crate::mechanism::reduced::{Reduced, ReductionError};
 use std::sync::Arc;
@@ -69,6 +70,7 @@ impl State {
             resting = (sigma_dot == 0.0).then_some(place);
         }
         can_hold(reduced, &travel)?;
+        check_lengths(reduced, &travel, sigma, revolutions)?;
         let air = blows_under(reduced, inputs);
         let state_loads = state_loads(reduced, air, revolutions)?;
         let applied = reduced.sizes(&inputs.reals);
@@ -87,6 +89,12 @@ impl State {
             },
             scratch: Scratch::new(state_loads),
         };
+        if let Some((_, _, circuit)) = mechanism.hydraulic_drive() {
+            let mut values = [0.0; CIRCUIT];
+            values[..2].copy_from_slice(&[circuit.chamber_a.start_pressure, circuit.chamber_b.start_pressure]);
+            let circuit = CircuitState { values, ..CircuitState::default() };
+            state.memory = Memory::WithCircuit(Box::new(CircuitMemory::new(circuit)));
+        }
         state.memory.set_dissipation(state_loads.is_some());
         state.reference = state.kinetic() + state.load_potential(reduced);
         Ok(state)

@@ -1,0 +1,131 @@
+//! Variables of the hydraulic circuit of a drive: ports, pressures, flows, valve, powers, energies.
+use super::builder::Builder;
+use super::needs::{Needs, placed};
+use crate::mechanism::quantity::{Hydraulic, Output};
+use crate::variables::Unit::{
+    self, CubicMetre, CubicMetrePerSecond, Joule, Metre, Newton, NewtonPerMetre, NewtonSecondPerMetre, One, Pascal,
+    PerSecond, Watt,
+};
+
+/// The force of the drive, in the place of the input that other drives have.
+pub(super) fn add_force(b: &mut Builder, name: &str) {
+    let text = ["Force of ", name, " that its circuit gives, positive when it pushes its ends apart"];
+    let needs = Needs { speed: true, circuit: true, ..placed() };
+    b.output(name, "force", &text, Newton, Output::Hydraulic(Hydraulic::Force), needs);
+}
+
+pub(super) fn add_inputs(b: &mut Builder) {
+    let Some((_, _, circuit)) = b.source.mechanism.hydraulic_drive() else { return };
+    b.input("valve.command".into(), &["Command of the valve, from -1 to 1"], One, 0.0);
+    let text = ["Pressure of the supply, relative to the ambient pressure"];
+    b.input("supply.pressure".into(), &text, Pascal, circuit.supply.pressure);
+    let text = ["Pressure of the tank, relative to the ambient pressure"];
+    b.input("tank.pressure".into(), &text, Pascal, circuit.tank.pressure);
+}
+
+/// Owner, suffix, text, unit and quantity of each output, and what it follows from besides pressures and spool: the
+/// length, the speed, the ports.
+const OUTPUTS: &[(&str, &str, &str, Unit, Hydraulic, [bool; 3])] = &[
+    (
+        "chamber_a",
+        "pressure",
+        "Pressure in chamber A, relative to the ambient pressure",
+        Pascal,
+        Hydraulic::Pressure(0),
+        [false; 3],
+    ),
+    ("chamber_a", "flow", "Flow into chamber A", CubicMetrePerSecond, Hydraulic::Flow(0), [true, false, true]),
+    ("chamber_a", "volume", "Volume of chamber A", CubicMetre, Hydraulic::Volume(0), [true, false, false]),
+    ("chamber_a", "bulk_modulus", "Effective bulk modulus in chamber A", Pascal, Hydraulic::BulkModulus(0), [false; 3]),
+    (
+        "chamber_b",
+        "pressure",
+        "Pressure in chamber B, relative to the ambient pressure",
+        Pascal,
+        Hydraulic::Pressure(1),
+        [false; 3],
+    ),
+    ("chamber_b", "flow", "Flow into chamber B", CubicMetrePerSecond, Hydraulic::Flow(1), [true, false, true]),
+    ("chamber_b", "volume", "Volume of chamber B", CubicMetre, Hydraulic::Volume(1), [true, false, false]),
+    ("chamber_b", "bulk_modulus", "Effective bulk modulus in chamber B", Pascal, Hydraulic::BulkModulus(1), [false; 3]),
+    ("valve", "position", "Position of the spool", One, Hydraulic::SpoolPosition, [false; 3]),
+    ("valve", "speed", "Speed of the spool", PerSecond, Hydraulic::SpoolSpeed, [false; 3]),
+    ("supply", "flow", "Flow from the supply", CubicMetrePerSecond, Hydraulic::SupplyFlow, [true, false, true]),
+    ("tank", "flow", "Flow into the tank", CubicMetrePerSecond, Hydraulic::TankFlow, [true, false, true]),
+    (
+        "cylinder",
+        "stroke_position",
+        "Position of the piston, from the closed length",
+        Metre,
+        Hydraulic::StrokePosition,
+        [true, false, false],
+    ),
+    ("power", "supply", "Power from the supply", Watt, Hydraulic::Power(0), [true, false, true]),
+    ("power", "return", "Power into the tank", Watt, Hydraulic::Power(1), [true, false, true]),
+    (
+        "power",
+        "piston",
+        "Power of the force on what the actuator moves",
+        Watt,
+        Hydraulic::Power(2),
+        [true, true, false],
+    ),
+    ("power", "seal_friction", "Power lost in the seals", Watt, Hydraulic::Power(3), [true, true, false]),
+    ("power", "compression", "Power into the elasticity of the oil", Watt, Hydraulic::Power(4), [true, true, true]),
+    (
+        "power",
+        "throttling",
+        "Power lost in valve, restrictors, cushions, relief valves and leakages",
+        Watt,
+        Hydraulic::Power(5),
+        [true, false, true],
+    ),
+    ("energy", "supplied", "Energy from the supply since the start", Joule, Hydraulic::Energy(0), [false; 3]),
+    ("energy", "returned", "Energy into the tank since the start", Joule, Hydraulic::Energy(1), [false; 3]),
+    ("energy", "piston", "Work of the force since the start", Joule, Hydraulic::Energy(2), [false; 3]),
+    ("energy", "seal_friction", "Energy lost in the seals since the start", Joule, Hydraulic::Energy(3), [false; 3]),
+    (
+        "energy",
+        "compression",
+        "Energy into the elasticity of the oil since the start",
+        Joule,
+        Hydraulic::Energy(4),
+        [false; 3],
+    ),
+    (
+        "energy",
+        "throttling",
+        "Energy lost in valve, restrictors, cushions, relief valves and leakages since the start",
+        Joule,
+        Hydraulic::Energy(5),
+        [false; 3],
+    ),
+    (
+        "energy",
+        "balance",
+        "Energy supplied less all other energies of the circuit: error of the integration",
+        Joule,
+        Hydraulic::Balance,
+        [false; 3],
+    ),
+];
+
+pub(super) fn add(b: &mut Builder) {
+    let s = b.source;
+    let (Some(drive), Some((_, name, _))) = (&s.loading.hydraulics, s.mechanism.hydraulic_drive()) else { return };
+    let ports = [drive.first_input + 1, drive.first_input + 2];
+    let position = Needs { loads: &[drive.load], ..s.displacement(drive.load) };
+    let stiffness = Needs { circuit: true, ..position };
+    let text = ["Stiffness of the oil along ", name];
+    b.output(name, "stiffness", &text, NewtonPerMetre, Output::Hydraulic(Hydraulic::Stiffness), stiffness);
+    let damping = Needs { speed: true, ..stiffness };
+    let text = ["Derivative of the friction of the seals with respect to the speed of ", name];
+    b.output(name, "damping", &text, NewtonSecondPerMetre, Output::Hydraulic(Hydraulic::Damping), damping);
+    for &(owner, suffix, text, unit, output, [length, speed, flows]) in OUTPUTS {
+        let is_sum = matches!(output, Hydraulic::Energy(_) | Hydraulic::Balance);
+        let placed = if length { position } else { Needs::default() };
+        let inputs = if flows { &ports[..] } else { &[] };
+        let needs = Needs { speed: speed || placed.speed, inputs, circuit: !is_sum, ..placed };
+        b.output(owner, suffix, &[text], unit, Output::Hydraulic(output), needs);
+    }
+}
