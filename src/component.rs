@@ -86,21 +86,23 @@ fn stepped_hydraulic(error: HydraulicsError) -> Result<Stepped, Refused> {
 }
 
 /// A model of any kind.
+#[expect(clippy::large_enum_variant, reason = "the calls of a mechanism pay for no indirection")]
 #[derive(Clone, Debug)]
 pub enum Component {
     /// A planar linkage with one degree of freedom.
     Mechanism(mechanism::Model),
     /// A hydraulic actuator.
-    Hydraulic(hydraulics::Model),
+    Hydraulic(Box<hydraulics::Model>),
 }
 
 /// All that decides how a component goes on.
+#[expect(clippy::large_enum_variant, reason = "the calls of a mechanism pay for no indirection")]
 #[derive(Clone, Debug)]
 pub enum Snapshot {
     /// Of a mechanism.
     Mechanism(mechanism::Snapshot),
     /// Of a hydraulic actuator.
-    Hydraulic(hydraulics::Snapshot),
+    Hydraulic(Box<hydraulics::Snapshot>),
 }
 
 type Constructor = fn(&str) -> Result<Component, Refused>;
@@ -108,7 +110,7 @@ type Constructor = fn(&str) -> Result<Component, Refused>;
 /// Definition file of each kind of model, and how a component is made from its text.
 const KINDS: [(&str, Constructor); 2] = [
     ("mechanism.json", |text| Ok(Component::Mechanism(mechanism::Model::from_json(text)?))),
-    ("hydraulics.json", |text| Ok(Component::Hydraulic(hydraulics::Model::from_json(text)?))),
+    ("hydraulics.json", |text| Ok(Component::Hydraulic(Box::new(hydraulics::Model::from_json(text)?)))),
 ];
 
 /// The same expression for the model of each kind.
@@ -316,7 +318,7 @@ impl Component {
     pub fn snapshot(&self) -> Snapshot {
         match self {
             Self::Mechanism(model) => Snapshot::Mechanism(model.snapshot()),
-            Self::Hydraulic(model) => Snapshot::Hydraulic(model.snapshot()),
+            Self::Hydraulic(model) => Snapshot::Hydraulic(Box::new(model.snapshot())),
         }
     }
 
@@ -351,7 +353,7 @@ impl Component {
     pub fn read_snapshot(&self, bytes: &[u8]) -> Result<Snapshot, Refused> {
         match self {
             Self::Mechanism(model) => Ok(Snapshot::Mechanism(model.read_snapshot(bytes)?)),
-            Self::Hydraulic(model) => Ok(Snapshot::Hydraulic(model.read_snapshot(bytes)?)),
+            Self::Hydraulic(model) => Ok(Snapshot::Hydraulic(Box::new(model.read_snapshot(bytes)?))),
         }
     }
 }

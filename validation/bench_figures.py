@@ -161,6 +161,31 @@ def by_bodies(rows: list[Row], canvas: Canvas) -> None:
     axes.legend(loc="center right", bbox_to_anchor=(1.0, 0.42))
 
 
+SCHEMES = [
+    Curve("Jacobi 0", "Jacobi, held", BLACK, "o"),
+    Curve("Gauss-Seidel rates", "Gauss-Seidel, rates", PURPLE, "v"),
+    Curve("interface Jacobian, quadratic F", "interface Jacobian, quadratic", GREEN, "D"),
+    Curve("preview, one pass, held", "preview, one pass, held", BLUE, "s"),
+    Curve("preview, two passes, with dW/ds", "preview, two passes", ORANGE, "^"),
+]
+"""Coupling schemes in the figure."""
+
+
+def by_coupling(rows: list[Row], canvas: Canvas) -> None:
+    """Error of the coupling against the communication step."""
+    panels = canvas.subplots(1, 2, sharey=True)
+    for axes, scene in zip(panels, ("H1", "H2"), strict=True):
+        for curve in SCHEMES:
+            mine = pick(rows, scene=scene, scheme=curve.scene)
+            steps, errors = [1e3 * h for h in column(mine, "step")], column(mine, "angle")
+            axes.plot(steps, errors, color=curve.colour, marker=curve.marker, ms=5, lw=1.3, label=curve.label)
+        axes.set(xscale="log", yscale="log", xlim=(0.07, 30), ylim=(1e-15, 1e-1), xlabel="communication step [ms]")
+        axes.set_title(f"Scene {scene}", loc="left", fontsize=10)
+        axes.yaxis.set_major_locator(FixedLocator([1e-15, 1e-12, 1e-9, 1e-6, 1e-3]))
+    panels[0].set_ylabel("largest error of the crank angle [rad]")
+    panels[1].legend(loc="lower right", fontsize=7.5)
+
+
 def figures(results: Path) -> list[Figure]:
     """All, without captions: those stand in the tables."""
     precision = read(results, "retraction") + read(results, "benchmarks")
@@ -169,6 +194,7 @@ def figures(results: Path) -> list[Figure]:
         Figure("bench_scenes", "Cost by scene", "", partial(by_scene, read(results, "scenes")), (7.2, 4.6)),
         Figure("bench_steps", "Cost of one doStep", "", partial(by_step, read(results, "steps")), (9.0, 3.8)),
         Figure("bench_bodies", "Cost against bodies", "", partial(by_bodies, read(results, "bodies")), (6.0, 3.8)),
+        Figure("bench_cosim", "Coupling", "", partial(by_coupling, read(results, "cosim")), (9.0, 4.2)),
     ]
 
 

@@ -114,7 +114,8 @@ def main() -> None:
     parser.add_argument("fmus", type=Path, metavar="DIR", help="folder of the packed FMUs")
     parser.add_argument("names", nargs="*", metavar="NAME", help="folders of modelDescription/")
     arguments = parser.parse_args()
-    for name in arguments.names or sorted(path.parent.parent.name for path in DESCRIPTIONS.glob("*/resources/*.json")):
+    files = DESCRIPTIONS.glob("*/resources/mechanism.json")
+    for name in arguments.names or sorted(path.parent.parent.name for path in files):
         mechanism = json.loads((DESCRIPTIONS / name / "resources" / "mechanism.json").read_text(encoding="utf-8"))
         fmu = str(arguments.fmus / f"{name}.fmu")
         outputs = [v.name for v in read_model_description(fmu).modelVariables if v.name.endswith(".angle")]

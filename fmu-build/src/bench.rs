@@ -15,9 +15,10 @@ use std::process::Command;
 pub struct Arguments {
     /// `importers`: the landing gear in FMPy, libcosim and ECOS; `peers`: work against error beside other solvers and
     /// multibody programs; `plots`: figures from the tables' CSV; all else goes to the validation package as it is:
-    /// nothing for the tables of run times, `instructions` for callgrind's counts, `stress` for the stress suite and
-    /// 600 random linkages of each property, `attack` for random histories, states, definitions and scenes, with
-    /// `--minutes N`, `--seed S`, `--only PART`, `--count N`, `--threads N`, `--verbose`, `--write`
+    /// nothing for the tables of run times, `instructions` for callgrind's counts, `cosim` for the coupling of the packed
+    /// FMUs by every scheme (`--write` writes the page; `circuit` takes the circuit in plain numbers), `stress` for the
+    /// stress suite and 600 random linkages of each property, `attack` for random histories, states, definitions and
+    /// scenes, with `--minutes N`, `--seed S`, `--only PART`, `--count N`, `--threads N`, `--verbose`, `--write`
     #[arg(value_name = "ARGS", trailing_var_arg = true, allow_hyphen_values = true)]
     pub rest: Vec<OsString>,
 }
@@ -36,17 +37,24 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
             _ => {}
         }
     }
+    command::run(
+        Command::new(validation(workspace)?).args(&arguments.rest).current_dir(workspace.root()),
+        "validation",
+    )?;
+    if arguments.rest.iter().any(|word| word == "stress") {
+        random_linkages(workspace)?;
+    }
+    Ok(())
+}
+
+/// The program of the validation package, built.
+fn validation(workspace: &Workspace) -> Result<PathBuf> {
     // Both packages are named so that dependencies have the features they have for this program, and the engine is not
     // built again for each of the two in turn.
     let mut cargo = command::cargo(workspace);
     cargo.args(["build", "--release", "--quiet", "--package", "fmu-build", "--package", "validation"]);
     command::run(cargo.args(["--bin", "validation"]), "cargo build")?;
-    let program = env::current_exe()?.with_file_name(format!("validation{}", env::consts::EXE_SUFFIX));
-    command::run(Command::new(program).args(&arguments.rest).current_dir(workspace.root()), "validation")?;
-    if arguments.rest.iter().any(|word| word == "stress") {
-        random_linkages(workspace)?;
-    }
-    Ok(())
+    Ok(env::current_exe()?.with_file_name(format!("validation{}", env::consts::EXE_SUFFIX)))
 }
 
 /// The random linkages of the engine's tests, six times as many as in a run of the tests.
@@ -71,6 +79,9 @@ fn comparison(workspace: &Workspace, name: &str) -> Result<(Command, PathBuf, Pa
 fn importers(workspace: &Workspace) -> Result<()> {
     let (mut script, _, work) = comparison(workspace, "importers")?;
     script.arg("--out").arg(workspace.results().join("importers.md")).arg("--work").arg(work);
+    if cfg!(target_os = "linux") {
+        script.arg("--host").arg(validation(workspace)?);
+    }
     command::run(&mut script, "importers.py")
 }
 

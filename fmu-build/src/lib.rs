@@ -15,6 +15,7 @@ mod page;
 pub mod report;
 mod schema;
 pub mod source;
+mod ssp;
 pub mod test;
 pub mod workspace;
 mod xml;

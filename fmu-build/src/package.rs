@@ -7,10 +7,11 @@ use crate::binary::{self, Binary};
 use crate::source::{self, Companions, Source};
 use crate::workspace::{DEFAULT_FMU, Workspace};
 use crate::xml::{fmi2, terminals};
-use crate::{files, library, page, schema};
+use crate::{files, library, page, schema, ssp};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use linkage_fmu::component::Component;
+use linkage_fmu::variables::Interface;
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -24,6 +25,9 @@ pub struct Arguments {
     /// Every folder of modelDescription/
     #[arg(long)]
     pub all: bool,
+    /// The landing gear and its hydraulic actuator, and the system of both as an SSP package
+    #[arg(long, conflicts_with_all = ["paths", "all"])]
+    pub ssp: bool,
     /// Folder for the FMUs [default: target/fmu in the repository]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -42,7 +46,7 @@ struct Prepared {
     file: &'static str,
     description: String,
     terminals: Option<String>,
-    variables: usize,
+    interface: Interface,
 }
 
 /// Pack the definitions; the paths of the FMUs, in the order of the arguments.
@@ -52,6 +56,8 @@ struct Prepared {
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>> {
     let paths = if arguments.all {
         workspace.description_folders()?
+    } else if arguments.ssp {
+        ssp::FMUS.iter().map(|name| workspace.descriptions().join(name)).collect()
     } else if arguments.paths.is_empty() {
         vec![workspace.descriptions().join(DEFAULT_FMU)]
     } else {
@@ -76,7 +82,13 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
     let binaries = further(&arguments.binaries)?;
     let library = library::build(workspace)?;
     let out = arguments.out.clone().unwrap_or_else(|| workspace.fmu_folder());
-    prepared.into_iter().map(|fmu| pack(workspace, fmu, &library, &binaries, &out)).collect()
+    let interfaces: Vec<_> = prepared.iter().map(|fmu| fmu.interface.clone()).collect();
+    let pack = |fmu| pack(workspace, fmu, &library, &binaries, &out);
+    let mut paths = prepared.into_iter().map(pack).collect::<Result<Vec<_>>>()?;
+    if let ([gear, hydraulics], true) = (&interfaces[..], arguments.ssp) {
+        paths.push(ssp::write(&out, [(&paths[0], gear.list()), (&paths[1], hydraulics.list())])?);
+    }
+    Ok(paths)
 }
 
 /// Pack the default FMU; its path.
@@ -118,8 +130,8 @@ fn prepare(source: Source) -> Result<Prepared> {
         }
     }
     let terminals = terminals::to_xml(&component).with_context(|| path.to_string())?;
-    let variables = component.interface().list().len();
-    Ok(Prepared { name, definition, file, description, terminals, variables, source })
+    let interface = component.interface().clone();
+    Ok(Prepared { name, definition, file, description, terminals, interface, source })
 }
 
 fn pack(workspace: &Workspace, fmu: Prepared, library: &[u8], binaries: &[Binary], out: &Path) -> Result<PathBuf> {
@@ -149,7 +161,7 @@ fn pack(workspace: &Workspace, fmu: Prepared, library: &[u8], binaries: &[Binary
     let path = out.join(format!("{}.fmu", fmu.name));
     archive::write(&path, entries)?;
     let size = fs::metadata(&path)?.len().div_ceil(1024);
-    println!("{} ({size} KiB, {} variables)", path.display(), fmu.variables);
+    println!("{} ({size} KiB, {} variables)", path.display(), fmu.interface.list().len());
     Ok(path)
 }
 

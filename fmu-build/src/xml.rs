@@ -4,4 +4,5 @@
 
 mod common;
 pub mod fmi2;
+pub mod ssd;
 pub mod terminals;

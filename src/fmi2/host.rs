@@ -207,6 +207,16 @@ impl Host {
         unsafe { fmi2GetDirectionalDerivative(self.c, unknown, count, &known, 1, &1.0, values.as_mut_ptr()) }
     }
 
+    /// `fmi2SetRealInputDerivatives` of one input: the orders 1, 2, and so on.
+    #[inline]
+    pub fn set_rates(&self, reference: ValueReference, rates: &[f64]) -> Status {
+        const MOST: usize = 8;
+        let (references, orders) = ([reference; MOST], [1, 2, 3, 4, 5, 6, 7, 8]);
+        let count = rates.len().min(MOST);
+        // SAFETY: the component is valid; all arrays have `count` elements or more.
+        unsafe { fmi2SetRealInputDerivatives(self.c, references.as_ptr(), count, orders.as_ptr(), rates.as_ptr()) }
+    }
+
     /// Value of one Real.
     pub fn get(&self, name: &str) -> Result<f64, Status> {
         let mut value = f64::NAN;

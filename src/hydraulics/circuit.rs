@@ -2,12 +2,12 @@
 //!
 //! In: the numbers of a circuit; pressures, spool, motion of the cylinder, pressures of the ports, command. Out: rates
 //! of the state, flows, the force, powers. All laws are generic over [`Number`], so that values and exact derivatives
-//! share one law, and all are smooth: no law has a kink where a flow, the spool or the piston reverses. It must not know
-//! time, nor how the laws are integrated.
+//! share one law, and all are smooth: no law has a kink where a flow, the spool or the piston reverses. It must not
+//! know time, nor how the laws are integrated.
 //!
 //! Sources: Merritt, Hydraulic Control Systems (1967); Jelali, Kroll, Hydraulic Servo-systems (2003); regRoot of
 //! Modelica.Fluid.Utilities.
-use super::definition::Circuit;
+use super::definition::{Accumulator, Circuit, Pump};
 use crate::numerics::dual::Number;
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -126,6 +126,15 @@ pub struct Equations {
     stribeck: f64,
     transition_speed: f64,
     viscous: f64,
+    /// Growth of the friction with the pressure in each chamber [m2].
+    pressure_area: f64,
+    /// Volumes of the hoses [m3], and the reciprocals of the moduli of hoses and walls [1/Pa].
+    hoses: [f64; 2],
+    hose_compliance: f64,
+    wall_compliance: f64,
+    /// Pilot ratio of the lock valve, 0 for none, and the pressure over which it opens [Pa].
+    pilot_ratio: f64,
+    lock_width: f64,
 }
 
 impl Equations {
@@ -168,6 +177,12 @@ impl Equations {
             stribeck: seal.stribeck_speed,
             transition_speed: seal.transition_speed,
             viscous: seal.viscous,
+            pressure_area: seal.pressure_area,
+            hoses: [circuit.hose.volume_a, circuit.hose.volume_b],
+            hose_compliance: 1.0 / circuit.hose.modulus,
+            wall_compliance: if cylinder.wall_modulus > 0.0 { 1.0 / cylinder.wall_modulus } else { 0.0 },
+            pilot_ratio: circuit.lock_valve.pilot_ratio,
+            lock_width: circuit.lock_valve.width,
         }
     }
 
@@ -231,6 +246,20 @@ impl Equations {
         pressure.chain(value, slope)
     }
 
+    /// Bulk modulus of chamber `side` [Pa], of oil, hose and walls together: 1/E_eff = 1/E + (V_hose/V)/E_hose +
+    /// (V_cyl/V)/E_cyl, V_cyl = V - V_hose.
+    #[inline]
+    pub fn chamber_modulus<T: Number>(&self, side: usize, pressure: T, volume: T) -> T {
+        let oil = self.bulk_modulus(pressure);
+        let hose = self.hoses[side];
+        if hose == 0.0 && self.wall_compliance == 0.0 {
+            return oil;
+        }
+        let part = T::constant(hose) / volume;
+        let walls = (T::constant(1.0) - part) * self.wall_compliance + part * self.hose_compliance;
+        oil / (T::constant(1.0) + oil * walls)
+    }
+
     /// Resistance in series with the edges of chamber `side` for flow out of it [Pa s2/m6].
     #[inline]
     fn resistance<T: Number>(&self, side: usize, length: T) -> T {
@@ -258,8 +287,16 @@ impl Equations {
         edge * d / series.sqrt()
     }
 
-    /// Friction of the seals [N] at a speed v [m/s]: (coulomb + (static - coulomb) exp(-(v/stribeck)^2)) tanh(v /
-    /// transition) + viscous v.
+    /// Part of the flow under the pressure drop d into chamber A that the lock valve lets pass: all inflow; outflow
+    /// while p_B > pilot ratio x p_A. Squares of gates leave a closed valve 1e-9 of the flow at 100 times its width.
+    fn lock<T: Number>(&self, d: T, [p_a, p_b]: [T; 2]) -> T {
+        let (inflow, outflow) = (gate(d, self.lock_width), gate(-d, self.lock_width));
+        let pilot = gate(p_b - p_a * self.pilot_ratio, self.lock_width);
+        inflow * inflow + outflow * (T::constant(1.0) + inflow) * pilot * pilot
+    }
+
+    /// Friction of the seals without the part of the pressures [N] at a speed v [m/s]: (coulomb + (static - coulomb)
+    /// exp(-(v/stribeck)^2)) tanh(v / transition) + viscous v.
     #[inline]
     pub fn friction<T: Number>(&self, speed: T) -> T {
         let (value, slope, _) = self.friction_at(speed.value());
@@ -285,17 +322,47 @@ impl Equations {
         )
     }
 
+    /// Growth of the friction level with the pressures [N]: area times the sum of both pressures, each rounded at 0.
+    #[inline]
+    fn pressed<T: Number>(&self, pressures: [T; 2]) -> T {
+        (soft(pressures[0], self.transition) + soft(pressures[1], self.transition)) * self.pressure_area
+    }
+
+    /// Friction of the seals [N] under the pressures of the chambers: [`Self::friction`] plus area times the pressures
+    /// times tanh(v / transition).
+    #[inline]
+    pub fn seal_friction<T: Number>(&self, pressures: [T; 2], speed: T) -> T {
+        let dry = self.friction(speed);
+        if self.pressure_area == 0.0 {
+            return dry;
+        }
+        let t = (speed.value() / self.transition_speed).tanh();
+        dry + self.pressed(pressures) * speed.chain(t, (1.0 - t * t) / self.transition_speed)
+    }
+
+    /// Damping of the seals [N s/m]: derivative of the friction with respect to the speed.
+    pub fn damping<T: Number>(&self, pressures: [T; 2], speed: T) -> T {
+        let (_, slope, curvature) = self.friction_at(speed.value());
+        let dry = speed.chain(slope, curvature);
+        if self.pressure_area == 0.0 {
+            return dry;
+        }
+        let t = (speed.value() / self.transition_speed).tanh();
+        let steepness = (1.0 - t * t) / self.transition_speed;
+        dry + self.pressed(pressures) * speed.chain(steepness, -2.0 * t * steepness / self.transition_speed)
+    }
+
     /// Force of the actuator [N], > 0 pushing its ends apart: A_A p_A - A_B p_B - F_f(v).
     #[inline]
     pub fn force<T: Number>(&self, pressures: [T; 2], speed: T) -> T {
-        pressures[0] * self.areas[0] - pressures[1] * self.areas[1] - self.friction(speed)
+        pressures[0] * self.areas[0] - pressures[1] * self.areas[1] - self.seal_friction(pressures, speed)
     }
 
     /// Stiffness of the oil [N/m]: k = E(p_A) A_A^2/V_A + E(p_B) A_B^2/V_B.
     pub fn stiffness<T: Number>(&self, pressures: [T; 2], length: T) -> T {
         let [a, b] = self.volumes(length);
-        self.bulk_modulus(pressures[0]) / a * (self.areas[0] * self.areas[0])
-            + self.bulk_modulus(pressures[1]) / b * (self.areas[1] * self.areas[1])
+        self.chamber_modulus(0, pressures[0], a) / a * (self.areas[0] * self.areas[0])
+            + self.chamber_modulus(1, pressures[1], b) / b * (self.areas[1] * self.areas[1])
     }
 
     /// Flows, rates of the state, volumes and bulk moduli.
@@ -311,22 +378,25 @@ impl Equations {
         let leak = across * self.internal;
         throttling = throttling + across * leak;
         let mut chambers = [-leak, leak];
-        for side in 0..2 {
+        for (side, chamber) in chambers.iter_mut().enumerate() {
             let p = at.pressures[side];
             let [from_supply, from_tank] = if side == 0 { [plus, minus] } else { [minus, plus] };
             let resistance = self.resistance(side, at.length);
             let (fall, rise) = (at.supply - p, at.tank - p);
-            let (q_p, q_t) = (self.path(fall, from_supply, resistance), self.path(rise, from_tank, resistance));
+            let (mut q_p, mut q_t) = (self.path(fall, from_supply, resistance), self.path(rise, from_tank, resistance));
+            if side == 0 && self.pilot_ratio > 0.0 {
+                (q_p, q_t) = (q_p * self.lock(fall, at.pressures), q_t * self.lock(rise, at.pressures));
+            }
             let relief = soft(p - T::constant(self.relief_pressure), self.relief_width) * self.relief;
             let suction = soft(rise, self.relief_width) * self.anticavitation;
             let external = p * self.external[side];
-            chambers[side] = chambers[side] + q_p + q_t - relief + suction - external;
+            *chamber = *chamber + q_p + q_t - relief + suction - external;
             supply = supply + q_p;
             tank = tank - q_t + relief - suction;
             throttling = throttling + fall * q_p + rise * (q_t + suction - relief) + p * external;
         }
         let volumes = self.volumes(at.length);
-        let bulk_moduli = at.pressures.map(|p| self.bulk_modulus(p));
+        let bulk_moduli = std::array::from_fn(|side| self.chamber_modulus(side, at.pressures[side], volumes[side]));
         let swept = [at.speed * -self.areas[0], at.speed * self.areas[1]];
         Flows {
             pressure_rates: std::array::from_fn(|i| bulk_moduli[i] / volumes[i] * (chambers[i] + swept[i])),
@@ -350,7 +420,7 @@ impl Equations {
     #[inline]
     pub fn powers<T: Number>(&self, at: &Point<T>, flows: &Flows<T>) -> Powers<T> {
         let ([p_a, p_b], [q_a, q_b], v) = (at.pressures, flows.chambers, at.speed);
-        let friction = self.friction(v);
+        let friction = self.seal_friction(at.pressures, v);
         let force = p_a * self.areas[0] - p_b * self.areas[1] - friction;
         Powers {
             supply: at.supply * flows.supply,
@@ -361,6 +431,56 @@ impl Equations {
             throttling: flows.throttling,
             force,
         }
+    }
+}
+
+/// Accumulator and pump at the supply.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SupplyUnit {
+    /// V_0 [m3], precharge pressure [Pa, absolute], exponent n.
+    volume: f64,
+    precharge: f64,
+    exponent: f64,
+    ambient: f64,
+    max_flow: f64,
+    full: f64,
+    most: f64,
+}
+
+impl SupplyUnit {
+    /// The accumulator of a checked definition; None without volume.
+    pub fn new(accumulator: &Accumulator, pump: &Pump, ambient: f64) -> Option<Self> {
+        (accumulator.volume > 0.0).then_some(Self {
+            volume: accumulator.volume,
+            precharge: accumulator.precharge_pressure + ambient,
+            exponent: accumulator.polytropic_exponent,
+            ambient,
+            max_flow: pump.max_flow,
+            full: pump.full_pressure,
+            most: pump.max_pressure,
+        })
+    }
+
+    /// Pressures at which the flow of the pump has a kink [Pa], where a step of the integration should end.
+    pub fn borders(&self) -> [f64; 2] {
+        [self.full, self.most]
+    }
+
+    /// Rate of the supply's pressure [Pa/s] under the flow to the valve: p_S' = n p_abs/V_gas (Q_pump - Q_P), V_gas =
+    /// V_0 (p_pre/p_abs)^(1/n), Q_pump = Q_max clip((p_max - p_S)/(p_max - p_full), 0, 1).
+    pub fn rate<T: Number>(&self, pressure: T, flow: T) -> T {
+        let (absolute, n) = (pressure.value() + self.ambient, self.exponent);
+        // n p_abs/V_gas grows as p_abs^(1 + 1/n).
+        let stiffness = n * absolute / (self.volume * (self.precharge / absolute).powf(1.0 / n));
+        let stiffness = pressure.chain(stiffness, stiffness * (1.0 + 1.0 / n) / absolute);
+        let span = self.most - self.full;
+        let part = (self.most - pressure.value()) / span;
+        let pump = match part {
+            part if part >= 1.0 => T::constant(self.max_flow),
+            part if part <= 0.0 => T::constant(0.0),
+            part => pressure.chain(self.max_flow * part, -self.max_flow / span),
+        };
+        stiffness * (pump - flow)
     }
 }
 

@@ -1,8 +1,8 @@
 //! The definition of a hydraulic actuator: the content of `hydraulics.json`, with all checks.
 //!
 //! In: the text of the file. Out: a [`HydraulicActuator`] whose numbers are finite and in range; the list of its
-//! parameters. It must not know the laws of the circuit, nor FMI. SI units; pressures are gauge, relative to the ambient
-//! pressure.
+//! parameters. It must not know the laws of the circuit, nor FMI. SI units; pressures are gauge, relative to the
+//! ambient pressure.
 use crate::format::{DefinitionError, Experiment, Owner, Parameter, Range, read};
 use crate::numerics::decimal::Decimal;
 use crate::variables::Unit;
@@ -78,6 +78,9 @@ sections! {
         stroke = 0.330, Metre, Length, 0, "Travel of the piston";
         /// Length of the actuator where the piston rests at the bottom of chamber A [m], >= 0.
         closed_length = 0.412, Metre, NonNegative, 0, "Length of the actuator with the rod in";
+        /// Bulk modulus E_cyl of the cylinder's walls, pressure over relative growth of the volume [Pa], >= 0; 0:
+        /// rigid.
+        wall_modulus = 0.0, Pascal, NonNegative, 0, "Pressure over relative growth of the cylinder, 0 for rigid";
     }
 
     /// Chamber A, on the side of the piston.
@@ -186,6 +189,47 @@ sections! {
         transition_speed = 0.005, MetrePerSecond, Positive, 0, "Speed over which friction reverses";
         /// Viscous friction [N s/m], >= 0.
         viscous = 500.0, NewtonSecondPerMetre, NonNegative, 0, "Viscous friction";
+        /// Growth of the kinetic and static friction with the pressure in each chamber [m2], >= 0; 0: none.
+        pressure_area = 0.0, SquareMetre, NonNegative, 0, "Growth of the friction with the pressure in each chamber";
+    }
+
+    /// Hoses of both chambers.
+    Hose "hose" {
+        /// Volume of the hose of chamber A, a part of its dead volume [m3], >= 0; 0: none.
+        volume_a = 0.0, CubicMetre, NonNegative, 0, "Volume of the hose of chamber A, a part of its dead volume";
+        /// Volume of the hose of chamber B, a part of its dead volume [m3], >= 0; 0: none.
+        volume_b = 0.0, CubicMetre, NonNegative, 0, "Volume of the hose of chamber B, a part of its dead volume";
+        /// Pressure over relative growth of the volume of a hose, E_hose [Pa], > 0.
+        modulus = 5e8, Pascal, Positive, 0, "Pressure over relative growth of the volume of a hose";
+    }
+
+    /// Lock valve in the line of chamber A: oil leaves the chamber only while p_B > pilot ratio x p_A.
+    LockValve "lock_valve" {
+        /// Pilot ratio [1], >= 0; 0: no lock valve.
+        pilot_ratio = 0.0, One, NonNegative, 0, "Pressure in chamber B over that in chamber A which opens, 0 for none";
+        /// Pressure over which it opens [Pa], > 0.
+        width = 5e4, Pascal, Positive, 0, "Pressure over which the lock valve opens";
+    }
+
+    /// Accumulator between pump and valve.
+    Accumulator "accumulator" {
+        /// Volume V_0 of the gas at the precharge pressure [m3], >= 0; 0: none, the supply has the pressure of the
+        /// input.
+        volume = 0.0, CubicMetre, NonNegative, 0, "Volume of the gas at the precharge pressure, 0 for no accumulator";
+        /// Pressure of the gas without oil [Pa], above -p_0.
+        precharge_pressure = 10e6, Pascal, Finite, 0, "Pressure of the gas without oil";
+        /// Polytropic exponent n of the gas [1], > 0.
+        polytropic_exponent = 1.4, One, Positive, 0, "Polytropic exponent of the gas";
+    }
+
+    /// Pressure-compensated pump that fills the accumulator.
+    Pump "pump" {
+        /// Flow up to the pressure `full_pressure` [m3/s], >= 0.
+        max_flow = 1.5e-4, CubicMetrePerSecond, NonNegative, 0, "Flow at low pressure";
+        /// Pressure up to which it gives all its flow [Pa].
+        full_pressure = 20e6, Pascal, Finite, 0, "Pressure up to which the pump gives all its flow";
+        /// Pressure from which it gives none [Pa], above `full_pressure`.
+        max_pressure = 20.7e6, Pascal, Finite, 0, "Pressure from which the pump gives no flow";
     }
 
     /// Command of the valve as a function of time since the start, added to the input.
@@ -237,6 +281,10 @@ pub struct Circuit {
     pub leakage: Leakage,
     /// Friction of the seals.
     pub seal: Seal,
+    /// Hoses.
+    pub hose: Hose,
+    /// Lock valve.
+    pub lock_valve: LockValve,
     /// Command as a function of time.
     pub command: Command,
 }
@@ -290,6 +338,8 @@ impl Circuit {
         self.anticavitation.parameters(roles, visit);
         self.leakage.parameters(roles, visit);
         self.seal.parameters(roles, visit);
+        self.hose.parameters(roles, visit);
+        self.lock_valve.parameters(roles, visit);
         self.command.parameters(roles, visit);
     }
 
@@ -309,6 +359,16 @@ impl Circuit {
         if cylinder.rod >= cylinder.bore {
             let allowed = format!("below cylinder.bore = {} m, for chamber B to have an area", Decimal(cylinder.bore));
             return Err(DefinitionError::value("cylinder.rod", Decimal(cylinder.rod), allowed));
+        }
+        for (side, hose, dead) in [
+            ("a", self.hose.volume_a, self.chamber_a.dead_volume),
+            ("b", self.hose.volume_b, self.chamber_b.dead_volume),
+        ] {
+            if hose > dead {
+                let allowed =
+                    format!("at most chamber_{side}.dead_volume = {} m3, of which it is a part", Decimal(dead));
+                return Err(DefinitionError::value(format!("hose.volume_{side}"), Decimal(hose), allowed));
+            }
         }
         for (key, pressure) in [
             ("supply.pressure", self.supply.pressure),
@@ -419,6 +479,12 @@ pub struct HydraulicActuator {
     /// Supply, valve, cylinder and oil.
     #[serde(default)]
     pub circuit: Circuit,
+    /// Accumulator at the supply.
+    #[serde(default)]
+    pub accumulator: Accumulator,
+    /// Pump of the accumulator.
+    #[serde(default)]
+    pub pump: Pump,
     /// Start values of the motion.
     #[serde(default)]
     pub actuator: Actuator,
@@ -456,13 +522,23 @@ impl HydraulicActuator {
     /// The first number out of range, with its name, its value and what is allowed.
     pub fn check(&self) -> Result<(), DefinitionError> {
         self.circuit.check()?;
-        let (mut solver, mut wrong) = (self.solver, Ok(()));
-        solver.parameters((), &mut |parameter, value| {
+        let mut wrong = Ok(());
+        self.clone().parameters(&mut |parameter, value| {
             if wrong.is_ok() {
                 wrong = parameter.range.check(parameter.name.concat(), *value);
             }
         });
         wrong?;
+        let (pump, vacuum) = (&self.pump, -self.circuit.fluid.ambient_pressure);
+        if self.accumulator.precharge_pressure <= vacuum {
+            let allowed = format!("{ABOVE_VACUUM}; that is {} Pa", Decimal(vacuum));
+            let value = Decimal(self.accumulator.precharge_pressure);
+            return Err(DefinitionError::value("accumulator.precharge_pressure", value, allowed));
+        }
+        if pump.max_pressure <= pump.full_pressure {
+            let allowed = format!("above pump.full_pressure = {} Pa", Decimal(pump.full_pressure));
+            return Err(DefinitionError::value("pump.max_pressure", Decimal(pump.max_pressure), allowed));
+        }
         Range::NonNegative.check("actuator.length", self.actuator.length)?;
         Range::Finite.check("actuator.speed", self.actuator.speed)?;
         self.experiment.check()
@@ -471,6 +547,8 @@ impl HydraulicActuator {
     /// Call `visit` with every numeric parameter and its value, in the order of the file.
     pub fn parameters(&mut self, visit: &mut Visit<'_, Role>) {
         self.circuit.parameters([Role::Law, Role::Start], visit);
+        self.accumulator.parameters([Role::Law, Role::Start], visit);
+        self.pump.parameters([Role::Law, Role::Start], visit);
         self.solver.parameters(Role::Tolerance, visit);
     }
 }

@@ -117,7 +117,7 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     ("chamber_a.flow", "Flow into chamber A", Unit::CubicMetrePerSecond, Output::Flow(0), FLOW),
     ("chamber_a.volume", "Volume of chamber A", Unit::CubicMetre, Output::Volume(0), &[Length]),
-    ("chamber_a.bulk_modulus", "Effective bulk modulus in chamber A", Unit::Pascal, Output::BulkModulus(0), &[]),
+    ("chamber_a.bulk_modulus", "Effective bulk modulus in chamber A", Unit::Pascal, Output::BulkModulus(0), &[Length]),
     (
         "chamber_b.pressure",
         "Pressure in chamber B, relative to the ambient pressure",
@@ -127,9 +127,16 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     ("chamber_b.flow", "Flow into chamber B", Unit::CubicMetrePerSecond, Output::Flow(1), FLOW),
     ("chamber_b.volume", "Volume of chamber B", Unit::CubicMetre, Output::Volume(1), &[Length]),
-    ("chamber_b.bulk_modulus", "Effective bulk modulus in chamber B", Unit::Pascal, Output::BulkModulus(1), &[]),
+    ("chamber_b.bulk_modulus", "Effective bulk modulus in chamber B", Unit::Pascal, Output::BulkModulus(1), &[Length]),
     ("valve.position", "Position of the spool", Unit::One, Output::SpoolPosition, &[]),
     ("valve.speed", "Speed of the spool", Unit::PerSecond, Output::SpoolSpeed, &[]),
+    (
+        "accumulator.pressure",
+        "Pressure at the supply: that of the accumulator; without one, the input",
+        Unit::Pascal,
+        Output::SupplyPressure,
+        &[Supply],
+    ),
     ("supply.flow", "Flow from the supply", Unit::CubicMetrePerSecond, Output::SupplyFlow, FLOW),
     ("tank.flow", "Flow into the tank", Unit::CubicMetrePerSecond, Output::TankFlow, FLOW),
     (
@@ -265,15 +272,16 @@ pub fn starts(actuator: &HydraulicActuator) -> [f64; Input::ALL.len()] {
     })
 }
 
-/// The variables that make up the connection with what the actuator moves.
+/// The variables that make up the connection with what the actuator moves: force and motion as a drive of a mechanism
+/// names them, then the terms of the one element.
 pub fn terminals<Q: Copy>(variables: &Variables<Q>) -> Vec<Terminal> {
-    let members = variables.list().iter().enumerate();
-    let members = members.filter(|(_, variable)| variable.name.starts_with("actuator."));
-    vec![Terminal {
-        name: "actuator".to_owned(),
-        description: "Force and motion of the actuator".to_owned(),
-        members: members.map(|(index, _)| index as Reference).collect(),
-    }]
+    let list = variables.list();
+    let mut members: Vec<Reference> = variables.find("actuator.force").into_iter().collect();
+    let inputs = list.iter().enumerate().filter(|(_, variable)| variable.causality == Causality::Input);
+    let inputs = inputs.filter(|(_, variable)| variable.name.starts_with("actuator."));
+    members.extend(inputs.map(|(index, _)| index as Reference));
+    let description = "Force and motion of the actuator".to_owned();
+    vec![Terminal { name: "actuator".to_owned(), description, members }]
 }
 
 /// Sections of parameters on which the value at the start of an output depends.
@@ -293,20 +301,24 @@ fn sections(output: Output) -> &'static [&'static str] {
         "relief.",
         "anticavitation.",
         "leakage.",
+        "hose.",
+        "lock_valve.",
     ];
-    const FORCE: &[&str] = &["cylinder.bore", "cylinder.rod", "chamber_a.start", "chamber_b.start", "seal."];
+    const FORCE: &[&str] =
+        &["cylinder.bore", "cylinder.rod", "chamber_a.start", "chamber_b.start", "seal.", "valve.transition"];
     match output {
         output if output.is_foreseen() => &[""],
         Output::Force | Output::Power(2) => FORCE,
-        Output::Stiffness => &["fluid.", "cylinder.", "chamber_"],
-        Output::Damping | Output::Power(3) => &["seal."],
+        Output::Stiffness => &["fluid.", "cylinder.", "chamber_", "hose."],
+        Output::Damping | Output::Power(3) => &["seal.", "chamber_a.start", "chamber_b.start", "valve.transition"],
         Output::Pressure(0) => &["chamber_a.start"],
         Output::Pressure(_) => &["chamber_b.start"],
         Output::Volume(0) => &["cylinder.bore", "cylinder.closed_length", "chamber_a.dead"],
         Output::Volume(_) => &["cylinder.", "chamber_b.dead"],
-        Output::BulkModulus(0) => &["fluid.", "chamber_a.start"],
-        Output::BulkModulus(_) => &["fluid.", "chamber_b.start"],
+        Output::BulkModulus(0) => &["fluid.", "chamber_a.", "cylinder.", "hose."],
+        Output::BulkModulus(_) => &["fluid.", "chamber_b.", "cylinder.", "hose."],
         Output::StrokePosition => &["cylinder.closed_length"],
+        Output::SupplyPressure => &[],
         Output::StableStep => &[""],
         Output::SpoolPosition | Output::SpoolSpeed | Output::Energy(_) | Output::Balance => &[],
         _ => FLOWS,

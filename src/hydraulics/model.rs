@@ -5,14 +5,14 @@
 mod derivatives;
 mod warnings;
 
-use super::circuit::{Equations, Point};
+use super::circuit::{Equations, Point, SupplyUnit};
 use super::definition::{ABOVE_VACUUM, HydraulicActuator, Mode, Role};
 use super::error::HydraulicsError;
 use super::inputs::{INPUTS, Input, Inputs};
 use super::interface::{self, Quantity};
 use super::outputs::{Output, Present, stable_step};
 use super::state::{Blind, Foreseen, Preview, Setting, State, interrupted};
-use super::systems::{ENERGY, LENGTH, SPEED};
+use super::systems::{ENERGY, LENGTH, SPEED, SUPPLY};
 use crate::format::{DefinitionError, Experiment, Range};
 use crate::integrator::Statistics;
 use crate::variables::{Reference, Terminal, Variables};
@@ -50,26 +50,38 @@ pub(super) struct Parameters {
     /// Numeric parameters, in the order of [`HydraulicActuator::parameters`].
     pub values: Vec<f64>,
     pub laws: Equations,
+    pub unit: Option<SupplyUnit>,
 }
 
 impl Parameters {
     fn new(mut actuator: HydraulicActuator) -> Self {
         let mut values = Vec::new();
         actuator.parameters(&mut |_, value| values.push(*value));
-        Self { laws: Equations::new(&actuator.circuit), actuator, values }
+        let (laws, unit) = (Equations::new(&actuator.circuit), unit_of(&actuator));
+        Self { laws, unit, actuator, values }
     }
 
     /// Write the values into the definition.
     pub fn update(&mut self) {
         let mut values = self.values.iter();
         self.actuator.parameters(&mut |_, value| *value = values.next().copied().unwrap_or(*value));
-        self.laws = Equations::new(&self.actuator.circuit);
+        (self.laws, self.unit) = (Equations::new(&self.actuator.circuit), unit_of(&self.actuator));
     }
 
     fn setting<'a>(&'a self, inputs: &'a Inputs) -> Setting<'a> {
         let HydraulicActuator { circuit, solver, .. } = &self.actuator;
-        Setting { laws: &self.laws, circuit, solver, inputs }
+        Setting { laws: &self.laws, unit: &self.unit, circuit, solver, inputs }
     }
+
+    /// The start under these parameters and inputs.
+    pub fn start(&self, inputs: &Inputs) -> State {
+        State::at_start(&self.actuator.circuit, self.unit.map(|_| inputs.get(Input::Supply)))
+    }
+}
+
+/// Accumulator and pump, if there is one.
+fn unit_of(actuator: &HydraulicActuator) -> Option<SupplyUnit> {
+    SupplyUnit::new(&actuator.accumulator, &actuator.pump, actuator.circuit.fluid.ambient_pressure)
 }
 
 /// Results for the present state and inputs.
@@ -180,11 +192,11 @@ impl Model {
             return Ok(output.foreseen(&preview).unwrap_or(f64::NAN));
         }
         if output == Output::StableStep {
-            return Ok(stable_step(&parameters.laws, &point(state, inputs), inputs.get(Input::Mass)));
+            return Ok(stable_step(&parameters.laws, &point(parameters, state, inputs), inputs.get(Input::Mass)));
         }
         let present = cache.present.get_or_insert_with(|| {
             let energies = std::array::from_fn(|index| state.circuit[ENERGY + index]);
-            Present::new(&parameters.laws, point(state, inputs), energies)
+            Present::new(&parameters.laws, point(parameters, state, inputs), energies)
         });
         Ok(present.output(&parameters.laws, output).unwrap_or(f64::NAN))
     }
@@ -224,6 +236,11 @@ impl Model {
                 let same = self.inputs.values[index].to_bits() == value.to_bits();
                 self.inputs.set(index, value);
                 if !same {
+                    // Before the first step the input is the start of an accumulator.
+                    let fills = Input::ALL[index] == Input::Supply && self.parameters.unit.is_some();
+                    if let Some(state) = self.state.as_mut().filter(|state| fills && state.arrival.is_none()) {
+                        state.circuit[SUPPLY] = value;
+                    }
                     self.cache.present = None;
                     if Input::ALL[index] != Input::Acceleration {
                         self.cache.foreseen = None;
@@ -338,14 +355,14 @@ impl Model {
     pub(super) fn started(&mut self) -> Result<(), HydraulicsError> {
         if self.state.is_none() {
             self.parameters.actuator.check()?;
-            self.state = Some(State::at_start(&self.parameters.actuator.circuit));
+            self.state = Some(self.parameters.start(&self.inputs));
         }
         Ok(())
     }
 
-    /// Advance by exactly `h` [s], > 0: by the foreseen motion, or by that of the inputs. The inputs keep their values at
-    /// the end. On an error the state is what it was, but for [`HydraulicsError::Interrupted`]: the state and the inputs
-    /// are then those at the time reached.
+    /// Advance by exactly `h` [s], > 0: by the foreseen motion, or by that of the inputs. The inputs keep their values
+    /// at the end. On an error the state is what it was, but for [`HydraulicsError::Interrupted`]: the state and the
+    /// inputs are then those at the time reached.
     ///
     /// # Errors
     /// Not initialised, h out of range, a length that the cylinder does not have, the integration stopped, an absolute
@@ -395,7 +412,8 @@ impl Model {
         let end = motion.map_or_else(|| inputs.length().at(reached), |[length, _]| length);
         next.arrive(&setting, reached, end, seen.as_ref().ok());
         if warnings.may_raise() {
-            warnings::watch(warnings, &setting, state, h, read || mode == Mode::Preview);
+            let now = point(parameters, state, inputs);
+            warnings::watch(warnings, &setting, (state, &now), h, read || mode == Mode::Preview);
         }
         *state = next;
         inputs.leave(reached, motion);
@@ -471,14 +489,15 @@ fn check_inputs_at(setting: &Setting<'_>, h: f64) -> Result<(), HydraulicsError>
 }
 
 /// The point of the laws at the present state and inputs.
-pub(super) fn point(state: &State, inputs: &Inputs) -> Point<f64> {
+pub(super) fn point(parameters: &Parameters, state: &State, inputs: &Inputs) -> Point<f64> {
+    let supply = if parameters.unit.is_some() { state.circuit[SUPPLY] } else { inputs.get(Input::Supply) };
     Point {
         pressures: state.pressures(),
         spool: state.circuit[2],
         spool_speed: state.circuit[3],
         length: inputs.get(Input::Length),
         speed: inputs.get(Input::Speed),
-        supply: inputs.get(Input::Supply),
+        supply,
         tank: inputs.get(Input::Tank),
         command: 0.0,
     }

@@ -4,7 +4,7 @@
 //! It must not know how a step is made.
 use super::circuit::{Equations, Flows, Point, Powers};
 use super::state::Preview;
-use super::systems::{ENERGIES, ENERGY};
+use super::systems::ENERGIES;
 use crate::numerics::dual::{Dual, Number};
 
 /// A computed quantity; a side is 0 for chamber A and 1 for chamber B.
@@ -28,6 +28,7 @@ pub enum Output {
     SpoolPosition,
     SpoolSpeed,
     SupplyFlow,
+    SupplyPressure,
     TankFlow,
     StrokePosition,
     Power(usize),
@@ -99,10 +100,7 @@ impl<T: Number> Present<T> {
         Some(match output {
             Output::Force => self.powers.force,
             Output::Stiffness => laws.stiffness(at.pressures, at.length),
-            Output::Damping => {
-                let (_, slope, curvature) = laws.friction_at(at.speed.value());
-                at.speed.chain(slope, curvature)
-            }
+            Output::Damping => laws.damping(at.pressures, at.speed),
             Output::Pressure(side) => at.pressures[side],
             Output::Flow(side) => flows.chambers[side],
             Output::Volume(side) => flows.volumes[side],
@@ -110,6 +108,7 @@ impl<T: Number> Present<T> {
             Output::SpoolPosition => at.spool,
             Output::SpoolSpeed => at.spool_speed,
             Output::SupplyFlow => flows.supply,
+            Output::SupplyPressure => at.supply,
             Output::TankFlow => flows.tank,
             Output::StrokePosition => at.length - T::constant(laws.lengths()[0]),
             Output::Power(index) => self.powers()[index],
@@ -122,10 +121,6 @@ impl<T: Number> Present<T> {
         })
     }
 }
-
-/// Index of the energy of the piston's work among the energies.
-pub const PISTON: usize = 2;
-const _: () = assert!(ENERGY + PISTON == 6);
 
 /// Largest step [s] of a coupling that exchanges force and motion with held inputs: with the eigenvalue lambda = -zeta
 /// omega +- i omega sqrt(1 - zeta^2) of (s, v, p_A, p_B) for a mass m, explicit Euler's |1 + h lambda| <= 1 for h <= 2
@@ -173,8 +168,8 @@ pub fn stable_step(laws: &Equations, at: &Point<f64>, mass: f64) -> f64 {
     if step.is_finite() { step.max(0.0) } else { 0.0 }
 }
 
-/// Eigenvalues of a matrix of order 4 as real and imaginary parts: roots of its characteristic polynomial, by the method
-/// of Durand and Kerner. The polynomial is made by that of Faddeev and Le Verrier.
+/// Eigenvalues of a matrix of order 4 as real and imaginary parts: roots of its characteristic polynomial, by the
+/// method of Durand and Kerner. The polynomial is made by that of Faddeev and Le Verrier.
 pub fn eigenvalues(matrix: &[[f64; 4]; 4]) -> [[f64; 2]; 4] {
     // Scaled to size 1.
     let size = matrix.iter().flatten().fold(0.0_f64, |size, entry| size.max(entry.abs()));
@@ -236,10 +231,9 @@ mod tests {
         let shear = |row: [f64; 4]| [row[0], row[1], row[2] + 0.5 * row[0], row[3] - row[1]];
         let mut a =
             [[-1.0, 3.0, 0.0, 0.0], [-3.0, -1.0, 0.0, 0.0], [0.0, 0.0, -5.0, 0.0], [0.0, 0.0, 0.0, 2.0]].map(shear);
-        for j in 0..4 {
-            a[0][j] -= 0.5 * a[2][j];
-            a[1][j] += a[3][j];
-        }
+        let [_, _, third, fourth] = a;
+        (0..4).for_each(|j| a[0][j] -= 0.5 * third[j]);
+        (0..4).for_each(|j| a[1][j] += fourth[j]);
         let mut roots = eigenvalues(&a);
         roots.sort_by(|a, b| (a[0], a[1]).partial_cmp(&(b[0], b[1])).unwrap());
         for (root, expected) in roots.iter().zip([[-5.0, 0.0], [-1.0, -3.0], [-1.0, 3.0], [2.0, 0.0]]) {

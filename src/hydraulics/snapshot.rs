@@ -1,7 +1,7 @@
 //! Snapshots of a hydraulic actuator: all that decides how it goes on.
 //!
-//! In: a model. Out: a copy of its state, which shares the parameters; a model restored from a snapshot, which continues
-//! to the bit; the record of a snapshot. It must not know FMI.
+//! In: a model. Out: a copy of its state, which shares the parameters; a model restored from a snapshot, which
+//! continues to the bit; the record of a snapshot. It must not know FMI.
 use super::definition::Mode;
 use super::error::HydraulicsError;
 use super::inputs::{Input, Inputs};
@@ -117,7 +117,7 @@ impl Model {
         record.flag("in motion", &mut moves)?;
         let state = if moves {
             parameters.actuator.check()?;
-            let mut state = State::at_start(&parameters.actuator.circuit);
+            let mut state = parameters.start(&inputs);
             state.record(record)?;
             Some(state)
         } else {

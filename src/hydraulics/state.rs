@@ -3,11 +3,13 @@
 //! In: laws, inputs, a step. Out: the state after the step; the motion with one element over the next step of the host.
 //! A step of the integration ends where a cushion begins or ends and where the command has a kink. It must not know
 //! variables, nor outputs.
-use super::circuit::Equations;
+use super::circuit::{Equations, SupplyUnit};
 use super::definition::{Circuit, Solver};
 use super::error::HydraulicsError;
 use super::inputs::{CommandSignal, Input, Inputs};
-use super::systems::{CIRCUIT, Coupled, Driven, ELEMENT, Element, IMPULSE, LENGTH, MOMENT, SPEED, Surroundings};
+use super::systems::{
+    CIRCUIT, Coupled, Driven, ELEMENT, Element, IMPULSE, LENGTH, MOMENT, SPEED, SUPPLY, Surroundings,
+};
 use super::systems::{TANGENT, Tangent};
 use crate::codec::record::{Damaged, Record};
 use crate::integrator::{Direction, IntegrationError, Integrator, Step, System};
@@ -85,6 +87,8 @@ pub enum Blind {
 #[derive(Clone, Copy, Debug)]
 pub struct Setting<'a> {
     pub laws: &'a Equations,
+    /// Accumulator and pump; none where the pressure of the supply is an input.
+    pub unit: &'a Option<SupplyUnit>,
     pub circuit: &'a Circuit,
     pub solver: &'a Solver,
     pub inputs: &'a Inputs,
@@ -93,6 +97,7 @@ pub struct Setting<'a> {
 impl Setting<'_> {
     fn surroundings(&self, time: f64) -> Surroundings {
         Surroundings {
+            unit: *self.unit,
             supply: self.inputs.polynomial(Input::Supply),
             tank: self.inputs.polynomial(Input::Tank),
             command: self.command(time),
@@ -142,8 +147,8 @@ impl Instants {
 }
 
 impl State {
-    /// The start: pressures of the definition, the spool at rest at 0.
-    pub fn at_start(circuit: &Circuit) -> Self {
+    /// The start: pressures of the definition, the spool at rest at 0; `supply`: pressure of an accumulator.
+    pub fn at_start(circuit: &Circuit, supply: Option<f64>) -> Self {
         let mut state = Self {
             time: [0.0; 2],
             circuit: [0.0; CIRCUIT],
@@ -153,6 +158,7 @@ impl State {
             arrival: None,
         };
         state.circuit[..2].copy_from_slice(&[circuit.chamber_a.start_pressure, circuit.chamber_b.start_pressure]);
+        state.circuit[SUPPLY] = supply.unwrap_or(0.0);
         state
     }
 
@@ -184,9 +190,10 @@ impl State {
         // The inputs may have changed.
         self.driven.refresh();
         let mut march = March::new(setting, &self.driven);
+        let levels = Levels::new(setting, false);
         for end in instants.ends(h) {
             let memory = &mut self.driven;
-            let whole = march.to(end, memory, &mut system, &mut self.circuit, |_, step, _| step)?;
+            let whole = march.to(end, memory, &mut system, &mut self.circuit, &levels)?;
             if !whole {
                 break;
             }
@@ -194,9 +201,9 @@ impl State {
         Ok(march.t)
     }
 
-    /// The load's correction r, and whether the last step met a contact: m (v - v_foreseen)/h is what the element did not
-    /// know. A contact stops or reverses the motion, or its impulse is more than that of force and load together; then r
-    /// is 0, as the next step knows nothing of it.
+    /// The load's correction r, and whether the last step met a contact: m (v - v_foreseen)/h is what the element did
+    /// not know. A contact stops or reverses the motion, or its impulse is more than that of force and load together;
+    /// then r is 0, as the next step knows nothing of it.
     fn correction(&self, setting: &Setting<'_>) -> (f64, bool) {
         let Some(last) = self.last else { return (0.0, false) };
         let get = |input| setting.inputs.get(input);
@@ -247,15 +254,10 @@ impl State {
         let mut memory = self.coupled;
         memory.branch_off();
         let mut march = March::new(setting, &memory);
-        let borders = setting.laws.borders();
+        let levels = Levels::new(setting, true);
         for instant in instants.ends(h) {
             let whole = march
-                .to(instant, &mut memory, &mut system, &mut end, |memory, step, system| {
-                    match border_passed(&borders, &step, system.stroke) {
-                        None => step,
-                        Some((border, direction)) => to_border(memory, system, step, border, direction),
-                    }
-                })
+                .to(instant, &mut memory, &mut system, &mut end, &levels)
                 .map_err(|error| (Blind::Failed, Some(error)))?;
             if !whole {
                 break;
@@ -270,7 +272,7 @@ impl State {
         &self,
         setting: &Setting<'_>,
         h: f64,
-        circuit: &[f64; 4],
+        circuit: &[f64; CIRCUIT],
         inputs: &dyn Fn(Input) -> f64,
     ) -> Option<([Dual<1>; ELEMENT], Element<Dual<1>>)> {
         self.element(setting, h).ok()?;
@@ -294,7 +296,7 @@ impl State {
         let mut system = Tangent { coupled, element, ports: [inputs(Input::Supply), inputs(Input::Tank), command] };
         let mut y = [0.0; TANGENT];
         y[..CIRCUIT].copy_from_slice(&self.circuit);
-        y[ELEMENT..ELEMENT + 4].copy_from_slice(circuit);
+        y[ELEMENT..ELEMENT + CIRCUIT].copy_from_slice(circuit);
         for (component, input) in [(LENGTH, Input::Length), (SPEED, Input::Speed)] {
             (y[component], y[ELEMENT + component]) = (setting.inputs.get(input), inputs(input));
         }
@@ -438,26 +440,43 @@ impl<T: Number> Preview<T> {
     }
 }
 
-/// The border of a cushion that a step has passed.
-fn border_passed<const N: usize>(borders: &[Option<f64>; 2], step: &Step<N>, stroke: f64) -> Option<(f64, Direction)> {
-    let (start, end) = (step.start[LENGTH], step.end[LENGTH]);
-    borders.iter().flatten().copied().find_map(|border| {
-        let passed = (start - border) * (end - border) < 0.0 && (start - border).abs() > ON_BORDER * stroke;
-        passed.then_some((border, if end > start { Direction::Rising } else { Direction::Falling }))
-    })
+/// Levels of components at which the laws are not smooth, so that a step should end there: of the length, where a
+/// cushion begins, and of the pressure of the supply, where the pump changes.
+struct Levels([Option<(usize, f64, f64)>; 4]);
+
+impl Levels {
+    /// Of a step with these laws; `moves`: whether the length is a component of the state.
+    fn new(setting: &Setting<'_>, moves: bool) -> Self {
+        let lengths = setting.laws.lengths();
+        let [a, b] = setting.laws.borders().map(|border| {
+            border.filter(|_| moves).map(|border| (LENGTH, border, ON_BORDER * (lengths[1] - lengths[0])))
+        });
+        let pressures = setting.unit.map(|unit| unit.borders().map(|p| (SUPPLY, p, ON_BORDER * p.abs())));
+        let [c, d] = pressures.map_or([None; 2], |pressures| pressures.map(Some));
+        Self([a, b, c, d])
+    }
+
+    /// The first of them that a step has passed: component, level, direction.
+    #[inline]
+    fn passed<const N: usize>(&self, step: &Step<N>) -> Option<(usize, f64, Direction)> {
+        self.0.iter().flatten().find_map(|&(component, level, near)| {
+            let (start, end) = (step.start[component], step.end[component]);
+            let passed = (start - level) * (end - level) < 0.0 && (start - level).abs() > near;
+            passed.then_some((component, level, if end > start { Direction::Rising } else { Direction::Falling }))
+        })
+    }
 }
 
-/// The step again, up to the border.
+/// The step again, up to the level of a component.
 #[cold]
-fn to_border(
-    memory: &mut Integrator<ELEMENT>,
-    system: &mut Coupled<'_>,
-    step: Step<ELEMENT>,
-    border: f64,
-    direction: Direction,
-) -> Step<ELEMENT> {
+fn to_level<S: System<N>, const N: usize>(
+    memory: &mut Integrator<N>,
+    system: &mut S,
+    step: Step<N>,
+    (component, level, direction): (usize, f64, Direction),
+) -> Step<N> {
     let dense = memory.dense(system, &step);
-    match dense.first_passage(LENGTH, border, direction, false) {
+    match dense.first_passage(component, level, direction, false) {
         Some(part) if part > 0.0 && part < 1.0 => memory.retake(system, &step, part * step.h),
         _ => step,
     }
@@ -480,8 +499,8 @@ impl<'a> March<'a> {
         Self { laws: setting.laws, tolerance, t: 0.0, most }
     }
 
-    /// Integrate up to `end` [s] since the beginning of the step; `cut` may shorten each step. Returns whether the end is
-    /// reached.
+    /// Integrate up to `end` [s] since the beginning of the step; a step that passes one of the levels ends there.
+    /// Returns whether the end is reached.
     #[inline]
     fn to<S: System<N>, const N: usize>(
         &mut self,
@@ -489,14 +508,17 @@ impl<'a> March<'a> {
         memory: &mut Integrator<N>,
         system: &mut S,
         y: &mut [f64; N],
-        mut cut: impl FnMut(&mut Integrator<N>, Step<N>, &mut S) -> Step<N>,
+        levels: &Levels,
     ) -> Result<bool, HydraulicsError> {
         while self.t < end {
             if memory.attempts() >= self.most {
                 return Ok(false);
             }
             let step = memory.step(system, self.t, y, end, self.tolerance).map_err(|error| self.stuck(error, y))?;
-            let step = cut(memory, step, system);
+            let step = match levels.passed(&step) {
+                None => step,
+                Some(level) => to_level(memory, system, step, level),
+            };
             *y = step.end;
             self.t = if step.reached { end } else { self.t + step.h };
             if !self.laws.has_air() {

@@ -1,32 +1,34 @@
 //! The circuit as systems of differential equations: under a prescribed motion, and with one element that it moves.
 //!
-//! In: the laws of a circuit, inputs as functions of time, a point-mass model of what the actuator moves. Out: right-hand
-//! sides, Jacobians and error weights for the integration. It must not know how steps are made, nor events.
-use super::circuit::{Equations, Flows, Point};
+//! In: the laws of a circuit, inputs as functions of time, a point-mass model of what the actuator moves. Out:
+//! right-hand sides, Jacobians and error weights for the integration. It must not know how steps are made, nor events.
+use super::circuit::{Equations, Point, SupplyUnit};
 use super::inputs::{CommandSignal, Polynomial};
 use crate::integrator::System;
 use crate::numerics::dual::{Dual, Number};
 
-/// Components of the state of a circuit: two pressures, spool position and speed, six energies.
-pub const CIRCUIT: usize = 10;
+/// Components of the state of a circuit: two pressures, spool position and speed, six energies, pressure of the supply.
+pub const CIRCUIT: usize = 11;
 /// Components of the state of a circuit with one element: the former, length and speed, impulse and first moment of the
 /// force.
-pub const ELEMENT: usize = 14;
+pub const ELEMENT: usize = CIRCUIT + 4;
 /// Number of energies.
 pub const ENERGIES: usize = 6;
-/// Components that the right-hand side depends on: the first four; with an element, length and speed too.
-const DRIVING: [usize; 6] = [0, 1, 2, 3, LENGTH, SPEED];
+/// Components that the right-hand side depends on; the last two with an element only.
+const DRIVING: [usize; 7] = [0, 1, 2, 3, SUPPLY, LENGTH, SPEED];
 
 /// Index of the first energy in the state.
 pub const ENERGY: usize = 4;
+/// Index of the pressure of an accumulator; without one the component stays 0.
+pub const SUPPLY: usize = ENERGY + ENERGIES;
 /// Index of the length in the state of a circuit with an element.
-pub const LENGTH: usize = 10;
+pub const LENGTH: usize = CIRCUIT;
 /// Index of the speed.
-pub const SPEED: usize = 11;
+pub const SPEED: usize = CIRCUIT + 1;
 /// Index of the impulse of the force, int F dt [N s].
-pub const IMPULSE: usize = 12;
+pub const IMPULSE: usize = CIRCUIT + 2;
 /// Index of the first moment of the force, int F t dt [N s2].
-pub const MOMENT: usize = 13;
+pub const MOMENT: usize = CIRCUIT + 3;
 
 /// Part of the error weight of the spool that holds where it is at rest; with it, openings near the edges are exact.
 const SPOOL_FLOOR: f64 = 0.1;
@@ -38,12 +40,22 @@ const SPEED_FLOOR: f64 = 0.01;
 /// Pressures of the ports and the command during a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Surroundings {
+    /// Accumulator and pump; none where the pressure of the supply is an input.
+    pub unit: Option<SupplyUnit>,
     pub supply: Polynomial,
     pub tank: Polynomial,
     pub command: CommandSignal,
 }
 
-/// Error weights of the first ten components.
+impl Surroundings {
+    /// Pressure of the supply, whose component of the state is `own`.
+    #[inline]
+    fn supply<T: Number>(&self, t: f64, own: T) -> T {
+        if self.unit.is_some() { own } else { T::constant(self.supply.at(t)) }
+    }
+}
+
+/// Error weights of the components of a circuit.
 #[inline]
 fn circuit_scale(laws: &Equations, y: &[f64]) -> [f64; CIRCUIT] {
     let ambient = laws.ambient();
@@ -52,12 +64,13 @@ fn circuit_scale(laws: &Equations, y: &[f64]) -> [f64; CIRCUIT] {
     let mut scale = [FREE; CIRCUIT];
     (scale[0], scale[1]) = (pressure(y[0]), pressure(y[1]));
     (scale[2], scale[3]) = (spool, laws.spool_frequency() * spool);
+    scale[SUPPLY] = pressure(y[SUPPLY]);
     scale
 }
 
-/// Rates of the first ten components.
+/// Rates of the components of a circuit, and the force.
 #[inline]
-fn circuit_rates<T: Number>(laws: &Equations, at: &Point<T>) -> ([T; CIRCUIT], Flows<T>, T) {
+fn circuit_rates<T: Number>(laws: &Equations, unit: Option<&SupplyUnit>, at: &Point<T>) -> ([T; CIRCUIT], T) {
     let flows = laws.flows(at);
     let powers = laws.powers(at, &flows);
     let [a, b] = flows.pressure_rates;
@@ -72,8 +85,9 @@ fn circuit_rates<T: Number>(laws: &Equations, at: &Point<T>) -> ([T; CIRCUIT], F
         powers.seal_friction,
         powers.compression,
         powers.throttling,
+        unit.map_or(T::constant(0.0), |unit| unit.rate(at.supply, flows.supply)),
     ];
-    (rates, flows, powers.force)
+    (rates, powers.force)
 }
 
 /// A circuit under a prescribed motion.
@@ -86,15 +100,15 @@ pub struct Driven<'a> {
 }
 
 impl Driven<'_> {
-    fn point<T: Number>(&self, t: f64, [p_a, p_b, spool, spool_speed]: [T; 4]) -> Point<T> {
-        let Surroundings { supply, tank, command } = &self.surroundings;
+    fn point<T: Number>(&self, t: f64, [p_a, p_b, spool, spool_speed, supply]: [T; 5]) -> Point<T> {
+        let Surroundings { tank, command, .. } = &self.surroundings;
         Point {
             pressures: [p_a, p_b],
             spool,
             spool_speed,
             length: T::constant(self.length.at(t)),
             speed: T::constant(self.speed.at(t)),
-            supply: T::constant(supply.at(t)),
+            supply: self.surroundings.supply(t, supply),
             tank: T::constant(tank.at(t)),
             command: T::constant(command.at(t)),
         }
@@ -106,7 +120,8 @@ impl System<CIRCUIT> for Driven<'_> {
 
     #[inline]
     fn derivative(&mut self, t: f64, y: &[f64; CIRCUIT]) -> [f64; CIRCUIT] {
-        circuit_rates(self.laws, &self.point(t, [y[0], y[1], y[2], y[3]])).0
+        let at = self.point(t, [y[0], y[1], y[2], y[3], y[SUPPLY]]);
+        circuit_rates(self.laws, self.surroundings.unit.as_ref(), &at).0
     }
 
     #[inline]
@@ -115,10 +130,19 @@ impl System<CIRCUIT> for Driven<'_> {
     }
 
     fn jacobian(&mut self, t: f64, y: &[f64; CIRCUIT]) -> [[f64; CIRCUIT]; CIRCUIT] {
-        let duals: [Dual<4>; 4] = std::array::from_fn(|k| Dual::variable(y[k], k));
-        let (rates, ..) = circuit_rates(self.laws, &self.point(t, duals));
-        rates.map(|rate| std::array::from_fn(|k| if k < 4 { rate.slope[k] } else { 0.0 }))
+        let duals: [Dual<5>; 5] = std::array::from_fn(|k| Dual::variable(y[DRIVING[k]], k));
+        let (rates, _) = circuit_rates(self.laws, self.surroundings.unit.as_ref(), &self.point(t, duals));
+        rates.map(|rate| row(rate.slope))
     }
+}
+
+/// Row of a Jacobian, from the derivatives by the components of [`DRIVING`].
+fn row<const K: usize, const N: usize>(slope: [f64; K]) -> [f64; N] {
+    let mut row = [0.0; N];
+    for (slope, component) in slope.into_iter().zip(DRIVING) {
+        row[component] = slope;
+    }
+    row
 }
 
 /// What an actuator moves, as one element along it: (m + m' (s - s_0)) v' = F - W_0 - W_1 (s - s_0) - W_t t - m' v^2/2.
@@ -151,11 +175,12 @@ impl<T: Number> Element<T> {
     }
 }
 
-/// Rates of a circuit with an element, at the time t [s] after the beginning. `ports`: pressures of supply and tank, and
-/// the command.
+/// Rates of a circuit with an element, at the time t [s] after the beginning. `ports`: pressures of supply and tank,
+/// and the command.
 #[inline]
 pub fn element_rates<T: Number>(
     laws: &Equations,
+    unit: Option<&SupplyUnit>,
     element: &Element<T>,
     ports: [T; 3],
     t: T,
@@ -164,7 +189,7 @@ pub fn element_rates<T: Number>(
     let [supply, tank, command] = ports;
     let (pressures, spool, spool_speed, length, speed) = ([y[0], y[1]], y[2], y[3], y[LENGTH], y[SPEED]);
     let at = Point { pressures, spool, spool_speed, length, speed, supply, tank, command };
-    let (rates, _, force) = circuit_rates(laws, &at);
+    let (rates, force) = circuit_rates(laws, unit, &at);
     let mut all = [T::constant(0.0); ELEMENT];
     all[..CIRCUIT].copy_from_slice(&rates);
     all[LENGTH] = speed;
@@ -186,9 +211,9 @@ pub struct Coupled<'a> {
 
 impl Coupled<'_> {
     #[inline]
-    fn ports(&self, t: f64) -> [f64; 3] {
-        let Surroundings { supply, tank, command } = &self.surroundings;
-        [supply.at(t), tank.at(t), command.at(t)]
+    fn ports<T: Number>(&self, t: f64, supply: T) -> [T; 3] {
+        let Surroundings { tank, command, .. } = &self.surroundings;
+        [self.surroundings.supply(t, supply), T::constant(tank.at(t)), T::constant(command.at(t))]
     }
 }
 
@@ -197,7 +222,7 @@ impl System<ELEMENT> for Coupled<'_> {
 
     #[inline]
     fn derivative(&mut self, t: f64, y: &[f64; ELEMENT]) -> [f64; ELEMENT] {
-        element_rates(self.laws, &self.element, self.ports(t), t, y)
+        element_rates(self.laws, self.surroundings.unit.as_ref(), &self.element, self.ports(t, y[SUPPLY]), t, y)
     }
 
     #[inline]
@@ -209,7 +234,7 @@ impl System<ELEMENT> for Coupled<'_> {
     }
 
     fn jacobian(&mut self, t: f64, y: &[f64; ELEMENT]) -> [[f64; ELEMENT]; ELEMENT] {
-        let mut duals: [Dual<6>; ELEMENT] = y.map(Dual::constant);
+        let mut duals: [Dual<7>; ELEMENT] = y.map(Dual::constant);
         for (k, component) in DRIVING.into_iter().enumerate() {
             duals[component] = Dual::variable(y[component], k);
         }
@@ -217,14 +242,9 @@ impl System<ELEMENT> for Coupled<'_> {
         let [mass, mass_derivative, load] = [mass, mass_derivative, load].map(Dual::constant);
         let [load_derivative, load_rate, length] = [load_derivative, load_rate, length].map(Dual::constant);
         let element = Element { mass, mass_derivative, load, load_derivative, load_rate, length };
-        let rates = element_rates(self.laws, &element, self.ports(t).map(Dual::constant), Dual::constant(t), &duals);
-        rates.map(|rate| {
-            let mut row = [0.0; ELEMENT];
-            for (slope, component) in rate.slope.into_iter().zip(DRIVING) {
-                row[component] = slope;
-            }
-            row
-        })
+        let (unit, ports) = (self.surroundings.unit.as_ref(), self.ports(t, duals[SUPPLY]));
+        let rates = element_rates(self.laws, unit, &element, ports, Dual::constant(t), &duals);
+        rates.map(|rate| row(rate.slope))
     }
 }
 
@@ -245,9 +265,15 @@ pub struct Tangent<'a> {
 impl System<TANGENT> for Tangent<'_> {
     fn derivative(&mut self, t: f64, y: &[f64; TANGENT]) -> [f64; TANGENT] {
         let duals = std::array::from_fn(|k| Dual { value: y[k], slope: [y[ELEMENT + k]] });
-        let ports = self.coupled.ports(t);
-        let ports = std::array::from_fn(|k| Dual { value: ports[k], slope: [self.ports[k]] });
-        let rates = element_rates(self.coupled.laws, &self.element, ports, Dual::constant(t), &duals);
+        let unit = self.coupled.surroundings.unit.as_ref();
+        let mut ports: [Dual<1>; 3] = self.coupled.ports(t, duals[SUPPLY]);
+        for (k, (port, change)) in ports.iter_mut().zip(self.ports).enumerate() {
+            // The pressure of an accumulator is a component of the state.
+            if k > 0 || unit.is_none() {
+                port.slope = [change];
+            }
+        }
+        let rates = element_rates(self.coupled.laws, unit, &self.element, ports, Dual::constant(t), &duals);
         std::array::from_fn(|k| if k < ELEMENT { rates[k].value } else { rates[k - ELEMENT].slope[0] })
     }
 

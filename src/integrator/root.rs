@@ -60,13 +60,9 @@ impl<const N: usize> Dense<N> {
         search.part(&b, 0.0, 1.0, 0).or_else(|| (search.below && b[TERMS] >= 0.0).then_some(1.0))
     }
 
-    /// Bounds of this component, and of its derivative with respect to s, between the parts a < b of the step.
-    pub fn enclosure(&self, component: usize, [a, b]: [f64; 2]) -> Enclosure {
-        let (before, _) = divided(&self.bernstein(component), b);
-        let (_, c) = divided(&before, if b > 0.0 { a / b } else { 0.0 });
-        let rate = TERMS as f64 / (b - a);
-        let slopes = c.windows(2).map(|pair| rate * (pair[1] - pair[0]));
-        Enclosure { value: Interval::of(c), slope: Interval::of(slopes) }
+    /// This component, to be bounded on parts of the step.
+    pub fn bounded(&self, component: usize) -> BoundedComponent {
+        BoundedComponent(self.bernstein(component))
     }
 
     /// Bernstein coefficients: Horner's rule of the nested form, where s and 1 - s raise the degree by one.
@@ -90,6 +86,26 @@ impl<const N: usize> Dense<N> {
         }
         b.iter_mut().for_each(|b| *b += self.start[component]);
         b
+    }
+}
+
+/// A component of an interpolant by its Bernstein coefficients on the whole step.
+#[derive(Clone, Copy, Debug)]
+pub struct BoundedComponent(Coefficients);
+
+impl BoundedComponent {
+    /// Bounds of the component, and of its derivative with respect to s, between the parts a < b of the step.
+    pub fn enclosure(&self, [a, b]: [f64; 2]) -> Enclosure {
+        let mut c = self.0;
+        if b < 1.0 {
+            (c, _) = divided(&c, b);
+        }
+        if a > 0.0 {
+            (_, c) = divided(&c, a / b);
+        }
+        let rate = TERMS as f64 / (b - a);
+        let slopes = c.windows(2).map(|pair| rate * (pair[1] - pair[0]));
+        Enclosure { value: Interval::of(c), slope: Interval::of(slopes) }
     }
 }
 

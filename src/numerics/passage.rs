@@ -31,7 +31,8 @@ where
     L: FnMut(&mut dyn FnMut(f64) -> f64, Sample, Sample) -> f64,
 {
     /// The first point of (0, 1] where the function passes from <= 0 to > 0; `start`: its value at 0, as far as it is
-    /// not rounding. Roots are located between points of a grid of so many equal parts.
+    /// not rounding. Roots are located where the bounds say that the function rises, else between points of a grid of so
+    /// many equal parts.
     ///
     /// An interval is left out where the bounds have one sign, or where the function falls; it is halved where they tell
     /// neither. So a passage and its return are missed only if they are closer than 2^-24 of a part, where bounds
@@ -45,8 +46,8 @@ where
     fn on_grid(&mut self, (i, j, grid): (usize, usize, usize), a: Sample, b: Sample, left: &mut u32) -> Option<f64> {
         let bounds = self.look(a, b, left)?;
         if j - i > 1 {
-            if bounds.slope.low >= 0.0 && !passes(a, b) {
-                return None;
+            if bounds.slope.low >= 0.0 {
+                return passes(a, b).then(|| (self.locate)(&mut self.f, a, b));
             }
             let middle = usize::midpoint(i, j);
             let at = middle as f64 / grid as f64;

@@ -8,7 +8,7 @@ mod host;
 
 use counting::{allocations, live};
 use host::Gear;
-use linkage_fmu::fmi2::host::State;
+use linkage_fmu::fmi2::host::{Description, State};
 use linkage_fmu::fmi2::types::Status;
 use linkage_fmu::fmi2::{fmi2GetDirectionalDerivative, fmi2GetRealOutputDerivatives, fmi2SetRealInputDerivatives};
 use linkage_fmu::mechanism::Model;
@@ -78,6 +78,56 @@ fn nor_do_saving_and_restoring_in_a_state_that_is_used_again() {
         };
         assert_allocates_nothing(&mut step_twice, &format!("{method}, friction {friction}"));
         assert_eq!(gear.free(&mut state), Status::Ok);
+    }
+}
+
+/// The hydraulic actuator in both modes, with all inputs, derivatives, outputs and a state that is used again.
+#[test]
+fn nor_does_the_hydraulic_actuator() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/modelDescription/HydraulicActuator");
+    let description = Description::read(std::path::Path::new(folder)).unwrap();
+    for mode in ["preview", "follow"] {
+        let h = 1e-4;
+        let actuator = description.instantiate(None, false).unwrap();
+        assert_eq!(actuator.set_text("coupling.mode", mode), Status::Ok);
+        assert_eq!(actuator.set("actuator.length", 0.5), Status::Ok);
+        assert_eq!(actuator.set("preview.horizon", h), Status::Ok);
+        assert_eq!(actuator.initialize(), Status::Ok);
+        let reals = (0..description.interface().list().len() as u32).filter(|reference| {
+            let variable = description.interface().get(*reference).unwrap();
+            variable.kind == linkage_fmu::variables::Kind::Real
+        });
+        let reals: Vec<u32> = reals.collect();
+        let mut values = vec![0.0; reals.len()];
+        let names = ["actuator.speed", "valve.command", "actuator.reduced_mass", "actuator.holding_force"];
+        let inputs = names.map(|name| actuator.reference(name));
+        let unknowns = ["actuator.force", "preview.force"].map(|name| actuator.reference(name));
+        let mut state = State::NONE;
+        let exchange = |n: i32| {
+            let t = f64::from(n) * h;
+            assert_eq!(actuator.save_into(&mut state), Status::Ok);
+            assert_eq!(actuator.set_reals(&inputs, &[0.01, 0.3 * t.sin(), 700.0, 500.0]), Status::Ok);
+            let (orders, rates) = ([1; 4], [0.1, 0.2, 0.0, 0.0]);
+            let mut derivatives = [0.0; 2];
+            // SAFETY: every array has the length that is passed.
+            unsafe {
+                let status =
+                    fmi2SetRealInputDerivatives(actuator.c, inputs.as_ptr(), 4, orders.as_ptr(), rates.as_ptr());
+                assert_eq!(status, Status::Ok);
+                assert_eq!(actuator.step(t, h), Status::Ok);
+                let (unknown, out) = (unknowns.as_ptr(), derivatives.as_mut_ptr());
+                assert_eq!(
+                    fmi2GetDirectionalDerivative(actuator.c, unknown, 2, inputs.as_ptr(), 4, rates.as_ptr(), out),
+                    Status::Ok
+                );
+                assert_eq!(fmi2GetRealOutputDerivatives(actuator.c, unknown, 2, orders.as_ptr(), out), Status::Ok);
+            }
+            assert_eq!(actuator.reals(&reals, &mut values), Status::Ok);
+            assert_eq!(actuator.restore(&state), Status::Ok);
+            assert_eq!(actuator.step(t, h), Status::Ok);
+        };
+        assert_allocates_nothing(exchange, mode);
+        assert_eq!(actuator.free(&mut state), Status::Ok);
     }
 }
 

@@ -14,6 +14,7 @@ mod friction_balance;
 mod gear_retraction;
 mod histories;
 mod hydraulic_drive;
+mod hydraulic_pair;
 mod input_derivatives;
 mod interface;
 mod look_ahead;

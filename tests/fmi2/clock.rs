@@ -59,7 +59,7 @@ fn a_stop_time_without_end_hides_no_lost_step() {
                 assert_eq!(gear.step(wrong, STEP), Status::Error, "{wrong} at {point}");
                 assert!(gear.refusal().contains("currentCommunicationPoint"));
             }
-            assert_eq!((state(&gear), time(&gear)), (before, point));
+            assert!(state(&gear) == before && (time(&gear) - point).abs() < 1e-15);
             assert_eq!(gear.step(point, STEP), Status::Ok);
             gear.log.take();
         }

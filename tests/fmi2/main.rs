@@ -5,6 +5,8 @@ mod abi;
 mod clock;
 mod host;
 mod hostile;
+mod hydraulics;
+mod importer;
 mod instantiate;
 mod interrupted;
 mod method;

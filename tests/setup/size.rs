@@ -109,6 +109,11 @@ fn variables(text: &str) {
     assert!(!interface::variables(&mechanism).unwrap().list().is_empty());
 }
 
+fn initial_dependencies(text: &str) {
+    let mechanism = Mechanism::from_json(text).unwrap();
+    assert!(interface::initial_dependencies(&mechanism).unwrap().is_some());
+}
+
 fn model(text: &str) {
     let mut model = Model::from_json(text).unwrap();
     model.initialize().unwrap();
@@ -179,6 +184,12 @@ fn too_many_dependencies_are_refused_with_limit_and_remedy() {
     let mechanism = Mechanism::from_json(&with("actuators", 5000, drive)).unwrap();
     let message = interface::variables(&mechanism).err().unwrap().to_string();
     assert!(message.contains("at most 50000000: state fewer drives"), "{message}");
+}
+
+/// A body's length acts on every marker on the body.
+#[test]
+fn initial_dependencies_of_few_parameters_take_time_in_proportion() {
+    in_proportion("markers", 4000, |n| with("markers", n, marker), initial_dependencies);
 }
 
 /// A definition for which the comparisons would take minutes has no list of initial dependencies; a small one has.

@@ -17,6 +17,7 @@ import os
 import re
 import subprocess
 import sys
+import sysconfig
 import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -290,7 +291,18 @@ def table(header: list[str], rows: list[list[str]]) -> list[str]:
     return [f"| {' | '.join(cells)} |" for cells in (header, ["---"] * len(header), *rows)]
 
 
-def report(fmu: Path, work: Path) -> tuple[str, bool]:
+def foreign(host: Path, work: Path) -> str:
+    """The coupling host of `cargo fmu bench cosim` on an FMU that another tool exports: what it says."""
+    build = [sys.executable, "-m", "pythonfmu", "build", "-f", str(Path(__file__).with_name("oil_spring.py"))]
+    subprocess.run([*build, "-d", str(work)], check=True, capture_output=True)
+    # The exported library takes Python's functions from the process that loads it.
+    names = sysconfig.get_config_vars("LIBDIR", "LDLIBRARY")
+    environment = {**os.environ, "LD_PRELOAD": "/".join(names), "PYTHONPATH": sysconfig.get_path("purelib")}
+    command = [str(host), "cosim", "foreign", str(work / "OilSpring.fmu")]
+    return subprocess.run(command, check=True, capture_output=True, text=True, env=environment).stdout.strip()
+
+
+def report(fmu: Path, host: Path | None, work: Path) -> tuple[str, bool]:
     """Run everything; the report, and whether all importers agree."""
     spy = spied(fmu, work)
     bound = GLOBAL_OVER_LOCAL * TOLERANCE
@@ -365,6 +377,16 @@ def report(fmu: Path, work: Path) -> tuple[str, bool]:
             [[q, *(a(name) for name in IMPORTERS)] for q, a in questions],
         ),
         "",
+        *(
+            [
+                "## Another exporter's FMU in this project's host",
+                "The host of `cargo fmu bench cosim` couples a mass with an oil spring, `oil_spring.py`, exported by",
+                f"pythonfmu {importlib.metadata.version('pythonfmu')}: {foreign(host, work)}.",
+                "",
+            ]
+            if host
+            else []
+        ),
         "## Not run",
         NOT_RUN,
         "",
@@ -376,6 +398,7 @@ def main() -> None:
     """Run the comparison, or one run of it."""
     parser = argparse.ArgumentParser(description="Compare importers on the landing gear.")
     parser.add_argument("fmu", type=Path, help="LandingGearRetraction.fmu")
+    parser.add_argument("--host", type=Path, help="program of the package validation, whose coupling host is tried")
     parser.add_argument("--out", type=Path, default=Path("importers.md"), help="the report")
     parser.add_argument("--work", type=Path, default=Path("importers"), help="folder for traces and results")
     parser.add_argument("--worker", nargs=3, metavar=("IMPORTER", "CASE", "OUT"), help=argparse.SUPPRESS)
@@ -385,7 +408,7 @@ def main() -> None:
         worker(name, case, arguments.fmu, Path(out))
         return
     arguments.work.mkdir(parents=True, exist_ok=True)
-    text, good = report(arguments.fmu.resolve(), arguments.work.resolve())
+    text, good = report(arguments.fmu.resolve(), arguments.host, arguments.work.resolve())
     arguments.out.write_text(text, encoding="utf-8")
     print(text)
     if not good:

@@ -4,6 +4,7 @@ mod benchmarks;
 mod bodies;
 pub mod cosim;
 mod gear;
+mod hydraulics;
 mod instructions;
 mod measure;
 mod rigid_fem;
@@ -15,6 +16,8 @@ pub mod stress;
 mod stress_report;
 mod untabled;
 
+use fmu_build::package;
+use fmu_build::workspace::Workspace;
 use measure::Pages;
 use std::path::Path;
 
@@ -28,14 +31,17 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
     match arguments {
         [] => tables(&descriptions, &results),
         ["instructions"] => count(&results),
+        ["hydraulics"] => publish(&results, "hydraulics", &hydraulics::table(&descriptions)?),
         ["attack", words @ ..] => attack::run(&results, words),
+        ["cosim", "foreign", file] => foreign(Path::new(file)),
+        ["cosim", words @ ..] => couple(&results, words),
         ["stress", groups @ ..] => stress_report::run(&results, groups),
         &[instructions::REPEAT, scene, reads, steps, repetitions] => {
             instructions::repeat(&descriptions.join("LandingGearRetraction"), [scene, reads, steps, repetitions])
         }
         _ => Err(
-            "arguments: none for the tables of run times, `instructions`, `stress` with names of groups, or `attack` \
-                 with its options"
+            "arguments: none for the tables of run times, `instructions`, `cosim`, `stress` with names of groups, or \
+                 `attack` with its options"
                 .into(),
         ),
     }
@@ -45,7 +51,7 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
 type Table = (&'static str, fn(&Path) -> Result<Pages, String>);
 
 fn tables(descriptions: &Path, results: &Path) -> Result<(), String> {
-    let tables: [Table; 8] = [
+    let tables: [Table; 9] = [
         ("setup", setup::table),
         ("steps", steps::table),
         ("scenes", scenes::table),
@@ -54,6 +60,7 @@ fn tables(descriptions: &Path, results: &Path) -> Result<(), String> {
         ("retraction", benchmarks::retraction),
         ("rigid_fem", rigid_fem::table),
         ("benchmarks", benchmarks::table),
+        ("hydraulics", hydraulics::table),
     ];
     tables.into_iter().try_for_each(|(name, table)| publish(results, name, &table(descriptions)?))
 }
@@ -66,6 +73,37 @@ fn count(results: &Path) -> Result<(), String> {
             Ok(())
         }
     }
+}
+
+/// The coupling host on an FMU of another exporter.
+fn foreign(file: &Path) -> Result<(), String> {
+    let name = file.file_stem().ok_or_else(|| format!("{}: no FMU", file.display()))?;
+    let fmu = cosim::unpacked::Fmu::open(file, &Workspace::locate().target("cosim").join(name))?;
+    println!("{}", cosim::foreign::compare(&fmu)?);
+    Ok(())
+}
+
+/// Couple the packed FMUs by every scheme; with `circuit`, the gear's FMU and the circuit in plain numbers. The page is
+/// written with `--write`.
+fn couple(results: &Path, words: &[&str]) -> Result<(), String> {
+    if let Some(word) = words.iter().find(|word| !["--write", "circuit"].contains(word)) {
+        return Err(format!("cosim {word}: no such word; `circuit` and `--write` are"));
+    }
+    let workspace = Workspace::locate();
+    let open = |name: &str| -> Result<_, String> {
+        let paths = vec![workspace.descriptions().join(name)];
+        let arguments = package::Arguments { paths, ..package::Arguments::default() };
+        let files = package::run(&workspace, &arguments).map_err(|e| format!("{e:#}"))?;
+        let file = files.first().ok_or("nothing was packed")?;
+        cosim::unpacked::Fmu::open(file, &workspace.target("cosim").join(name))
+    };
+    let hydraulic = if words.contains(&"circuit") { None } else { Some(open("HydraulicActuator")?) };
+    let pages = cosim::table(&cosim::scenes::Fmus { gear: open("LandingGearRetraction")?, hydraulic })?;
+    if words.contains(&"--write") {
+        return publish(results, "cosim", &pages);
+    }
+    print!("{}", pages.page);
+    Ok(())
 }
 
 fn publish(results: &Path, name: &str, pages: &Pages) -> Result<(), String> {

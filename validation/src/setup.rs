@@ -3,7 +3,7 @@
 use crate::gear::{LAST, live};
 use crate::measure::{self, Pages, heading, timed};
 use fmu_build::chain;
-use fmu_build::workspace::Workspace;
+use fmu_build::workspace::{MECHANISM, Workspace};
 use linkage_fmu::fmi2::host::Description;
 use linkage_fmu::mechanism::definition::Mechanism;
 use linkage_fmu::mechanism::interface;
@@ -28,6 +28,10 @@ pub fn table(descriptions: &Path) -> Result<Pages, String> {
     );
     page += &heading(&["mechanism", "read", "variables", "curve", "tables", "all", "first step"]);
     for folder in Workspace::locate().description_folders().map_err(|e| format!("{e:#}"))? {
+        // Other kinds of model trace no curve.
+        if !folder.join("resources").join(MECHANISM).is_file() {
+            continue;
+        }
         let name = folder.file_name().unwrap_or_default().to_string_lossy();
         page += &parts(&name, &measure::mechanism(&folder)?, RUNS).map_err(|e| format!("{name}: {e}"))?;
     }

@@ -1,4 +1,5 @@
 //! The coupling schemes on pairs in closed form, and the circuit against reference values.
+#![allow(clippy::unwrap_used)]
 
 use validation::cosim::circuit::Circuit;
 use validation::cosim::extrapolation::integrate;

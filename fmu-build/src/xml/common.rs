@@ -55,20 +55,24 @@ pub fn write_units(xml: &mut Xml, variables: &[Variable]) -> io::Result<()> {
     if units.is_empty() {
         return Ok(());
     }
-    group(xml, "UnitDefinitions", |xml| units.into_iter().try_for_each(|unit| write_unit(xml, unit)))
+    group(xml, "UnitDefinitions", |xml| {
+        let names = ["Unit", "BaseUnit", "DisplayUnit"];
+        units.into_iter().try_for_each(|unit| write_unit(xml, unit, names))
+    })
 }
 
-fn write_unit(xml: &mut Xml, unit: Unit) -> io::Result<()> {
+/// A unit, in elements of these names; without its display unit where the last name is empty.
+pub fn write_unit(xml: &mut Xml, unit: Unit, [outer, base, display]: [&str; 3]) -> io::Result<()> {
     let exponents: Attributes = unit
         .base()
         .into_iter()
         .filter(|&(_, exponent)| exponent != 0)
         .map(|(name, exponent)| (name, exponent.to_string()))
         .collect();
-    element(xml, "Unit", &[("name", unit.name().to_owned())], |xml| {
-        empty(xml, "BaseUnit", &exponents)?;
-        unit.display().map_or(Ok(()), |(name, factor)| {
-            empty(xml, "DisplayUnit", &[("name", name.to_owned()), ("factor", number(factor))])
+    element(xml, outer, &[("name", unit.name().to_owned())], |xml| {
+        empty(xml, base, &exponents)?;
+        unit.display().filter(|_| !display.is_empty()).map_or(Ok(()), |(name, factor)| {
+            empty(xml, display, &[("name", name.to_owned()), ("factor", number(factor))])
         })
     })
 }

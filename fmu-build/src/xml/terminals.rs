@@ -79,6 +79,19 @@ mod tests {
     }
 
     #[test]
+    fn a_hydraulic_actuator_has_the_terminal_of_the_drive_that_it_moves() {
+        let file = "hydraulics.json";
+        let path = Workspace::locate().descriptions().join("HydraulicActuator").join("resources").join(file);
+        let component = Component::from_definition(file, &fs::read_to_string(path).unwrap()).unwrap();
+        let text: String = to_xml(&component).unwrap().unwrap().lines().map(str::trim).collect();
+        let members: Vec<&str> =
+            text.split("memberName=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+        assert_eq!(members[..4], ["force", "length", "speed", "acceleration"]);
+        let gear = file_of("LandingGearRetraction").unwrap();
+        assert!(members[..4].iter().all(|member| gear.contains(&format!("memberName=\"{member}\""))));
+    }
+
+    #[test]
     fn without_a_drive_there_is_no_file() {
         assert_eq!(file_of("FourBarChain"), None);
         assert_eq!(file_of("AndrewsSqueezer"), None);

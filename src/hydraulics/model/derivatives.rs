@@ -1,7 +1,7 @@
 //! Derivatives as a host asks for them: of outputs by inputs, of outputs in time, and those of inputs that it sets.
 //!
-//! In: references, orders, seeds. Out: derivatives by the outputs' laws with dual numbers, or a refusal by name. It must
-//! not know any law.
+//! In: references, orders, seeds. Out: derivatives by the outputs' laws with dual numbers, or a refusal by name. It
+//! must not know any law.
 use super::{INPUT_COUNT, Model, Parameters, point};
 use crate::hydraulics::circuit::Point;
 use crate::hydraulics::error::HydraulicsError;
@@ -9,7 +9,7 @@ use crate::hydraulics::inputs::{Input, Inputs};
 use crate::hydraulics::interface::Quantity;
 use crate::hydraulics::outputs::{Output, Present};
 use crate::hydraulics::state::{Preview, State};
-use crate::hydraulics::systems::{ENERGIES, ENERGY};
+use crate::hydraulics::systems::{CIRCUIT, ENERGIES, ENERGY, SUPPLY};
 use crate::numerics::dual::Dual;
 use crate::variables::{Causality, Kind, Reference, Variability};
 
@@ -20,15 +20,14 @@ pub const INPUT_ORDER: i32 = 4;
 
 /// A direction in which state and inputs change.
 struct Direction {
-    circuit: [f64; 4],
-    energies: [f64; ENERGIES],
+    circuit: [f64; CIRCUIT],
     inputs: [f64; INPUT_COUNT],
 }
 
 /// The present state and its change along a direction.
 fn present(parameters: &Parameters, inputs: &Inputs, state: &State, direction: &Direction) -> Present<Dual<1>> {
     let dual = |value: f64, slope: f64| Dual { value, slope: [slope] };
-    let at = point(state, inputs);
+    let at = point(parameters, state, inputs);
     let input = |value: f64, input: Input| dual(value, direction.inputs[input as usize]);
     let at = Point {
         pressures: std::array::from_fn(|side| dual(at.pressures[side], direction.circuit[side])),
@@ -36,11 +35,14 @@ fn present(parameters: &Parameters, inputs: &Inputs, state: &State, direction: &
         spool_speed: dual(at.spool_speed, direction.circuit[3]),
         length: input(at.length, Input::Length),
         speed: input(at.speed, Input::Speed),
-        supply: input(at.supply, Input::Supply),
+        supply: match parameters.unit {
+            Some(_) => dual(at.supply, direction.circuit[SUPPLY]),
+            None => input(at.supply, Input::Supply),
+        },
         tank: input(at.tank, Input::Tank),
         command: dual(0.0, 0.0),
     };
-    let energies = std::array::from_fn(|k| dual(state.circuit[ENERGY + k], direction.energies[k]));
+    let energies = std::array::from_fn(|k| dual(state.circuit[ENERGY + k], direction.circuit[ENERGY + k]));
     Present::new(&parameters.laws, at, energies)
 }
 
@@ -62,8 +64,8 @@ fn preview(parameters: &Parameters, inputs: &Inputs, state: &State, direction: &
 
 impl Model {
     /// Directional derivatives of outputs at the present state: for each unknown the sum over the knowns of dy / du
-    /// times the seed. `report` is called once for each unknown, with its index; with NaN for one that has no derivative
-    /// in this state, of which [`Self::undefined_derivative`] tells why.
+    /// times the seed. `report` is called once for each unknown, with its index; with NaN for one that has no
+    /// derivative in this state, of which [`Self::undefined_derivative`] tells why.
     ///
     /// # Errors
     /// An unknown that is no continuous output, a known that is no continuous input, a seed that is not finite.
@@ -80,7 +82,7 @@ impl Model {
         for &unknown in unknowns {
             self.continuous(unknown, Causality::Output, "an unknown must be a continuous output")?;
         }
-        let mut direction = Direction { circuit: [0.0; 4], energies: [0.0; ENERGIES], inputs: [0.0; INPUT_COUNT] };
+        let mut direction = Direction { circuit: [0.0; CIRCUIT], inputs: [0.0; INPUT_COUNT] };
         for (known, seed) in knowns.iter().zip(seeds) {
             if !seed.is_finite() {
                 let name = self.name_of(*known);
@@ -113,8 +115,8 @@ impl Model {
     /// Rate of a continuous output in time, under inputs that change at the rates set by
     /// [`Self::set_input_derivative`], and under the speed and the acceleration of the inputs. Outputs of the foreseen
     /// motion belong to the next step: the rate of `preview.force` is that of the line, `preview.force_mean` and
-    /// `preview.force_rate` are constant, `preview.length` and `preview.speed` have the speed and the acceleration at the
-    /// end of the step; the accelerations have no rate.
+    /// `preview.force_rate` are constant, `preview.length` and `preview.speed` have the speed and the acceleration at
+    /// the end of the step; the accelerations have no rate.
     ///
     /// # Errors
     /// No continuous output has this reference, or another order than 1.
@@ -141,13 +143,15 @@ impl Model {
             return Err(HydraulicsError::NotInitialised);
         };
         let laws = &parameters.laws;
-        let at = point(state, inputs);
+        let at = point(parameters, state, inputs);
         let at = Point { command: parameters.setting(inputs).command(state.time()).at(0.0), ..at };
         let flows = laws.flows(&at);
         let [a, b] = flows.pressure_rates;
-        let energies = Present::new(laws, at, [0.0; ENERGIES]).powers();
-        let circuit = [a, b, at.spool_speed, flows.spool_acceleration];
-        let direction = Direction { circuit, energies, inputs: Input::ALL.map(|input| inputs.rate(input)) };
+        let mut circuit = [0.0; CIRCUIT];
+        circuit[..4].copy_from_slice(&[a, b, at.spool_speed, flows.spool_acceleration]);
+        circuit[ENERGY..SUPPLY].copy_from_slice(&Present::new(laws, at, [0.0; ENERGIES]).powers());
+        circuit[SUPPLY] = parameters.unit.map_or(0.0, |unit| unit.rate(at.supply, flows.supply));
+        let direction = Direction { circuit, inputs: Input::ALL.map(|input| inputs.rate(input)) };
         let rate = present(parameters, inputs, state, &direction).output(laws, output);
         Ok(rate.map_or(f64::NAN, |dual| dual.slope[0]))
     }

@@ -2,6 +2,7 @@
 //!
 //! In: the inputs and the state of a step. Out: one line of text. It must not change the state.
 use super::Setting;
+use crate::hydraulics::circuit::Point;
 use crate::hydraulics::inputs::Input;
 use crate::hydraulics::outputs::stable_step;
 use crate::hydraulics::state::State;
@@ -94,7 +95,13 @@ fn text(kind: Warning, [one, two]: [Decimal; 2]) -> String {
 
 /// Raise what this step of size h, from the present state, gives reason for. `previewed`: whether the host uses the
 /// foreseen motion.
-pub fn watch(warnings: &mut Warnings, setting: &Setting<'_>, state: &State, h: f64, previewed: bool) {
+pub fn watch(
+    warnings: &mut Warnings,
+    setting: &Setting<'_>,
+    (state, now): (&State, &Point<f64>),
+    h: f64,
+    previewed: bool,
+) {
     let inputs = setting.inputs;
     warnings.steps += 1;
     let command = setting.command(state.time());
@@ -116,7 +123,7 @@ pub fn watch(warnings: &mut Warnings, setting: &Setting<'_>, state: &State, h: f
     let mass = inputs.get(Input::Mass);
     // The eigenvalues cost as much as the step.
     if !previewed && mass > 0.0 && warnings.steps.is_power_of_two() && !warnings.raised[Warning::Unstable as usize] {
-        let stable = stable_step(setting.laws, &super::point(state, inputs), mass);
+        let stable = stable_step(setting.laws, now, mass);
         if stable > 0.0 && h > stable {
             warnings.raise(Warning::Unstable, [stable, h]);
         }

@@ -45,7 +45,7 @@ pub(super) fn placed() -> Needs<'static> {
 }
 
 /// What a parameter acts on.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Cause {
     Joint(usize),
     Position,
@@ -64,26 +64,42 @@ pub(super) enum Cause {
 }
 
 impl Needs<'_> {
-    /// Whether the value follows from one of the causes.
+    /// Whether the value follows from one of the causes, which are ascending. A parameter may act on all markers and all
+    /// loads, so causes are looked up and not gone through.
     pub fn meet(&self, causes: &[Cause]) -> bool {
-        causes.iter().any(|cause| match cause {
-            Cause::Joint(joint) => self.closure || self.joint == Some(*joint),
-            Cause::Position => self.position,
-            Cause::Speed => self.speed,
-            Cause::Inertia => self.inertia,
-            Cause::Masses => self.masses,
-            Cause::Load(load) => self.loads.binary_search(load).is_ok(),
-            Cause::Efficiency(load) => !self.lossless && self.loads.binary_search(load).is_ok(),
-            Cause::Marker(marker) => self.marker == Some(*marker),
-            Cause::Radius(load) => self.radius == Some(*load),
-            Cause::Statics => self.statics,
-            Cause::Elasticity => self.elasticity,
-            Cause::Circuit => self.circuit,
-        })
+        let acts = |cause: Cause| causes.binary_search(&cause).is_ok();
+        let any = |of: fn(usize) -> Cause| between(causes, of(0), of(usize::MAX));
+        let on_loads = |of: fn(usize) -> Cause| {
+            let acting = any(of);
+            match acting.len() < self.loads.len() {
+                true => acting.iter().any(|cause| self.loads.binary_search_by(|load| of(*load).cmp(cause)).is_ok()),
+                false => self.loads.iter().any(|load| acting.binary_search(&of(*load)).is_ok()),
+            }
+        };
+        (self.closure && !any(Cause::Joint).is_empty())
+            || self.joint.is_some_and(|joint| acts(Cause::Joint(joint)))
+            || (self.position && acts(Cause::Position))
+            || (self.speed && acts(Cause::Speed))
+            || (self.inertia && acts(Cause::Inertia))
+            || (self.masses && acts(Cause::Masses))
+            || on_loads(Cause::Load)
+            || (!self.lossless && on_loads(Cause::Efficiency))
+            || self.marker.is_some_and(|marker| acts(Cause::Marker(marker)))
+            || self.radius.is_some_and(|load| acts(Cause::Radius(load)))
+            || (self.statics && acts(Cause::Statics))
+            || (self.elasticity && acts(Cause::Elasticity))
+            || (self.circuit && acts(Cause::Circuit))
     }
 }
 
-/// What each parameter acts on, found by a small change and a comparison: numbers, flags, then the method if stated.
+/// Those of ascending causes that are not below `first` and not above `last`.
+fn between(causes: &[Cause], first: Cause, last: Cause) -> &[Cause] {
+    let from = causes.partition_point(|cause| *cause < first);
+    let to = causes.partition_point(|cause| *cause <= last);
+    &causes[from..to]
+}
+
+/// What each parameter acts on, ascending, found by a small change and a comparison: numbers, flags, then the method if stated.
 pub(super) fn causes(source: &Source) -> Result<Vec<Vec<Cause>>, DefinitionError> {
     let mechanism = source.mechanism;
     let (mut roles, mut flags) = (Vec::new(), 0);
@@ -123,7 +139,7 @@ pub(super) fn causes(source: &Source) -> Result<Vec<Vec<Cause>>, DefinitionError
     roles.iter().enumerate().map(of_number).chain((0..flags).map(of_flag)).chain(method).collect()
 }
 
-/// What differs between two mechanisms that are the same but for one parameter.
+/// What differs between two mechanisms that are the same but for one parameter, ascending.
 fn differences(one: &Source, other: &Source) -> Vec<Cause> {
     let mut causes = Vec::new();
     let mut add = |differs: bool, cause| causes.extend(differs.then_some(cause));
@@ -155,6 +171,7 @@ fn differences(one: &Source, other: &Source) -> Vec<Cause> {
         add(a.radius != b.radius, Cause::Radius(a.load));
     }
     add(statics(&one.loading) != statics(&other.loading), Cause::Statics);
+    causes.sort_unstable();
     causes
 }
 

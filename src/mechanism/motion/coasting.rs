@@ -54,7 +54,7 @@ impl<D: Dynamics<2>, W: Fn() -> bool> Coasting<'_, D, W> {
     ///
     /// # Errors
     /// [`Stopped`].
-    #[inline]
+    #[inline(always)]
     pub fn run(&mut self, y: &mut [f64; 2], span: f64, most: u64, passed: &mut f64) -> Result<f64, Stopped> {
         let first = most.min(self.integrator.attempts() + PATIENCE);
         match self.advance(y, span, Progress::within(first)) {
@@ -64,7 +64,7 @@ impl<D: Dynamics<2>, W: Fn() -> bool> Coasting<'_, D, W> {
     }
 
     /// Advance from the state and time in `progress`, up to the end of the span or of the work allowed there.
-    #[inline]
+    #[inline(always)]
     fn advance(&mut self, y: &mut [f64; 2], span: f64, mut progress: Progress) -> Result<f64, Stopped> {
         let Self { dynamics, integrator, ends, contact, tolerance, .. } = self;
         let tolerance = *tolerance;

@@ -102,7 +102,7 @@ pub(super) fn state_loads(reduced: &Reduced, air: bool, revolutions: f64) -> Res
 }
 
 /// The places of the stops in the frame of sigma after so many revolutions, and where these locks are engaged.
-#[inline]
+#[inline(always)]
 fn ends<'a>(travel: &'a Travel, reduced: &Reduced, revolutions: f64, locks: &[bool]) -> Ends<'a> {
     let mut locked = EngagedLocks::default();
     let engaged = reduced.loading().locks.iter().zip(locks).filter(|(_, engaged)| **engaged);

@@ -1,5 +1,5 @@
-//! An integrator of high order that shares nothing with the engine's: extrapolation of the modified midpoint rule (Gragg,
-//! Bulirsch, Stoer; Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.9).
+//! An integrator of high order that shares nothing with the engine's: extrapolation of the modified midpoint rule
+//! (Gragg, Bulirsch, Stoer; Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.9).
 //!
 //! In: y' = f(t, y) and a span. Out: y at its end, of order 12. It must not know what y means.
 

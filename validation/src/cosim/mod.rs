@@ -4,6 +4,13 @@
 //! measuring; users couple with the masters that they have.
 pub mod circuit;
 pub mod extrapolation;
+pub mod fmus;
+pub mod foreign;
 pub mod models;
+mod page;
 pub mod pair;
+pub mod scenes;
 pub mod schemes;
+pub mod unpacked;
+
+pub use page::table;

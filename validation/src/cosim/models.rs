@@ -148,12 +148,26 @@ struct Present {
     work: f64,
 }
 
-/// The element of a preview that the next step keeps.
+/// The element of a preview, with what its step needs to remember.
 #[derive(Clone, Copy, Debug)]
-struct Kept {
+struct Asked {
     element: Element,
     /// Rate of W in time, where its derivative along the length is not told [N/s].
     drift: f64,
+    /// Whether the next step keeps the motion foreseen.
+    keeps: bool,
+    past: Past,
+}
+
+/// What the steps before leave to a preview.
+#[derive(Clone, Copy, Debug, Default)]
+struct Past {
+    /// W [N] and the time [s] at the last step's start.
+    before: Option<[f64; 2]>,
+    /// Speed foreseen for the end of the last step [m/s], and the size of that step [s].
+    foreseen: Option<[f64; 2]>,
+    /// Load that the element model lacks, r [N].
+    correction: f64,
 }
 
 /// An actuator of some laws, integrated by [`integrate`].
@@ -163,14 +177,10 @@ pub struct Integrated<L> {
     pub laws: L,
     present: Present,
     saved: Present,
-    keeps: Option<Kept>,
-    /// W and the time at the last preview.
-    before: Option<[f64; 2]>,
-    /// Speed foreseen for the end of the last step, and the size of that step.
-    foreseen: Option<[f64; 2]>,
-    /// Load that the element model lacks, r [N].
-    correction: f64,
-    /// Whether r is kept up to date.
+    past: Past,
+    /// The last preview; a step takes it.
+    asked: Option<Asked>,
+    /// Whether the load is corrected by what the element model missed.
     pub corrects: bool,
 }
 
@@ -178,8 +188,7 @@ impl<L: Laws> Integrated<L> {
     /// In a state, at t = 0.
     pub fn new(laws: L, x: [f64; 4]) -> Self {
         let present = Present { x, ..Present::default() };
-        let (keeps, before, foreseen) = (None, None, None);
-        Self { laws, present, saved: present, keeps, before, foreseen, correction: 0.0, corrects: false }
+        Self { laws, present, saved: present, past: Past::default(), asked: None, corrects: false }
     }
 
     /// State of the laws.
@@ -187,19 +196,19 @@ impl<L: Laws> Integrated<L> {
         self.present.x
     }
 
-    /// From the present motion on over h: states, length, speed, and the moments of force.
-    fn foresee(&self, Kept { element, drift }: Kept, h: f64) -> [f64; 8] {
+    /// From the present motion on over h: states, length, speed, the moments of force, the work done.
+    fn foresee(&self, Asked { element, drift, .. }: Asked, h: f64) -> [f64; 9] {
         let Present { x, time, length, speed, .. } = self.present;
         let [a, b, c, d] = x;
-        let mut f = |t: f64, y: &[f64; 8]| {
+        let mut f = |t: f64, y: &[f64; 9]| {
             let x = [y[0], y[1], y[2], y[3]];
             let (s, v) = (y[4], y[5]);
             let force = self.laws.force(v, &x);
             let rates = self.laws.rates(t, s, v, &x);
             let a = acceleration(&element, drift, [s - length, v, t - time], force);
-            [rates[0], rates[1], rates[2], rates[3], v, a, force, force * (t - time) / h]
+            [rates[0], rates[1], rates[2], rates[3], v, a, force, force * (t - time) / h, force * v]
         };
-        integrate(&mut f, time, [a, b, c, d, length, speed[0], 0.0, 0.0], h, LONGEST)
+        integrate(&mut f, time, [a, b, c, d, length, speed[0], 0.0, 0.0, 0.0], h, LONGEST)
     }
 }
 
@@ -244,37 +253,46 @@ impl<L: Laws> Actuator for Integrated<L> {
         Ok(self.laws.compliance(length, v, &x))
     }
 
+    /// A preview changes nothing that a further one depends on.
     fn preview(&mut self, mut element: Element, h: f64, keeps: bool) -> Result<Preview, Refused> {
         let Present { time, speed: [v, ..], length, .. } = self.present;
-        let mut drift = 0.0;
+        let (mut past, mut drift) = (self.past, 0.0);
         if element.holding_derivative == 0.0
-            && let Some([holding, then]) = self.before
+            && let Some([holding, then]) = past.before
         {
             drift = (element.holding - holding) / (time - then);
         }
-        self.before = Some([element.holding, time]);
-        if self.corrects
-            && let Some([foreseen, last]) = self.foreseen
-        {
-            self.correction -= element.mass * (v - foreseen) / last;
-        }
-        element.holding += self.correction;
+        past.before = Some([element.holding, time]);
         let force = self.force()?;
+        if self.corrects
+            && let Some([foreseen, last]) = past.foreseen
+        {
+            let missed = element.mass * (v - foreseen) / last;
+            // A contact within the step: its impulse is none of the load's.
+            let is_load = missed.abs() <= force.abs() + element.holding.abs();
+            past.correction = if is_load { past.correction - missed } else { 0.0 };
+        }
+        element.holding += past.correction;
         let from = acceleration(&element, drift, [0.0, v, 0.0], force);
-        let kept = Kept { element, drift };
-        let [a, b, c, d, s, end, impulse, moment] = self.foresee(kept, h);
+        let mut asked = Asked { element, drift, keeps, past };
+        let [a, b, c, d, s, end, impulse, moment, _] = self.foresee(asked, h);
         let to = acceleration(&element, drift, [s - length, end, h], self.laws.force(end, &[a, b, c, d]));
         let [m0, m1] = [impulse / h, moment / h];
         let rate = 6.0 * (2.0 * m1 - m0) / h;
-        self.keeps = keeps.then_some(kept);
-        self.foreseen = Some([end, h]);
+        asked.past.foreseen = Some([end, h]);
+        self.asked = Some(asked);
         Ok(Preview { line: [m0 - 0.5 * rate * h, rate], mean: m0, accelerations: [from, to] })
     }
 
     fn step(&mut self, _t: f64, h: f64) -> Result<(), Refused> {
-        if let Some(kept) = self.keeps.take() {
-            let [a, b, c, d, length, v, ..] = self.foresee(kept, h);
+        let asked = self.asked.take();
+        if let Some(asked) = asked {
+            self.past = asked.past;
+        }
+        if let Some(asked) = asked.filter(|asked| asked.keeps) {
+            let [a, b, c, d, length, v, _, _, work] = self.foresee(asked, h);
             (self.present.x, self.present.length) = ([a, b, c, d], length);
+            self.present.work += work;
             self.present.speed = [v, 0.0, 0.0, 0.0, 0.0];
         } else {
             let Present { x: [a, b, c, d], time, length, speed, work } = self.present;

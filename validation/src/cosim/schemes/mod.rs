@@ -8,7 +8,7 @@ mod sequential;
 
 pub use iterated::Iterated;
 pub use parallel::Jacobi;
-pub use preview::Foreseen;
+pub use preview::{Foreseen, Late};
 pub use sequential::{GaussSeidel, HydraulicsFirst};
 
 use super::pair::{Pair, Point, Refused};
@@ -75,8 +75,11 @@ impl Rates {
     }
 }
 
-/// Every scheme, by its name on the page.
-pub const ALL: [(&str, fn() -> Box<dyn Scheme>); 17] = [
+/// A scheme's name on the page, and a new one of it.
+pub type Named = (&'static str, fn() -> Box<dyn Scheme>);
+
+/// Every scheme.
+pub const ALL: [Named; 19] = [
     ("Jacobi 0", || Box::new(Jacobi::new(Extrapolation::Past(0)))),
     ("NEPCE on it", || Box::new(Jacobi::with_correction())),
     ("Jacobi 1", || Box::new(Jacobi::new(Extrapolation::Past(1)))),
@@ -92,6 +95,8 @@ pub const ALL: [(&str, fn() -> Box<dyn Scheme>); 17] = [
     ("interface Jacobian, quadratic F", || Box::new(Iterated::interface_jacobian(2))),
     ("preview, one pass, held", || Box::new(Foreseen::held())),
     ("preview, one pass, linear", || Box::new(Foreseen::linear())),
+    ("preview, one pass, held, one step late", || Box::new(Late::new(false))),
+    ("preview, one pass, linear, one step late", || Box::new(Late::new(true))),
     ("preview, two passes, by difference", || Box::new(Foreseen::two_passes(false))),
     ("preview, two passes, with dW/ds", || Box::new(Foreseen::two_passes(true))),
 ];

@@ -1,7 +1,7 @@
 //! Preview: the actuator knows the mechanism as one element, foresees the motion of both over the next step, and hands
 //! over a force of the right impulse. No rollback, no repetition.
 use super::Scheme;
-use crate::cosim::pair::{Motion, Pair, Refused, hermite};
+use crate::cosim::pair::{Element, Motion, Pair, Refused, hermite};
 
 /// Coupling by preview.
 #[derive(Clone, Copy, Debug)]
@@ -50,6 +50,40 @@ impl Scheme for Foreseen {
             let to = Motion { acceleration: to, ..end };
             pair.actuator.set_motion(length, hermite(from, to, h))?;
         }
+        pair.step_actuator(t, h)
+    }
+}
+
+/// One pass in a host that passes every output on one step late, whatever feeds through: the force is foreseen from the
+/// motion foreseen before and the element of the step before.
+#[derive(Clone, Copy, Debug)]
+pub struct Late {
+    /// Whether the mechanism has the line foreseen; else its mean.
+    linear: bool,
+    element: Option<Element>,
+}
+
+impl Late {
+    /// With the line foreseen, or its mean held.
+    pub fn new(linear: bool) -> Self {
+        Self { linear, element: None }
+    }
+}
+
+impl Scheme for Late {
+    fn step(&mut self, pair: &mut Pair, t: f64, h: f64) -> Result<(), Refused> {
+        let Motion { length, speed, .. } = pair.mechanism.motion()?;
+        let now = pair.mechanism.element()?;
+        // At the start no host knows anything but the start values: both sides tell them before the first step.
+        let Some(before) = self.element.replace(now) else {
+            return Foreseen { linear: self.linear, ..Foreseen::held() }.step(pair, t, h);
+        };
+        let foreseen = pair.actuator.preview(before, h, true)?;
+        let [force, rate] = if self.linear { foreseen.line } else { [foreseen.mean, 0.0] };
+        pair.mechanism.set_force([force, rate, 0.0])?;
+        pair.actuator.set_motion(length, [speed, 0.0, 0.0, 0.0, 0.0])?;
+        pair.actuator.preview(now, h, true)?;
+        pair.step_mechanism(t, h)?;
         pair.step_actuator(t, h)
     }
 }

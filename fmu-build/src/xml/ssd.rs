@@ -1,0 +1,288 @@
+//! `SystemStructure.ssd` of SSP 1.0: FMUs, their connections, values of parameters, units.
+//!
+//! In: the variables of the FMUs and what is connected. Out: the text of the file. It must not know what the FMUs
+//! model.
+use super::common::{Xml, document, element, empty, group, number, write_unit};
+use anyhow::{Context, Result, bail};
+use linkage_fmu::variables::{Causality, Kind, Unit, Value, Variable};
+use std::collections::BTreeSet;
+use std::io;
+
+/// Name of the file in the package.
+pub const PATH: &str = "SystemStructure.ssd";
+
+/// One FMU of a system.
+#[derive(Clone, Copy, Debug)]
+pub struct Part<'a> {
+    /// Name in the system.
+    pub name: &'a str,
+    /// Name of the FMU file in the folder `resources`.
+    pub file: &'a str,
+    /// Variables of the FMU.
+    pub variables: &'a [Variable],
+    /// Values other than the FMU's own, of parameters and inputs.
+    pub values: &'a [(&'a str, Value)],
+}
+
+/// A system: name, FMUs, connections from an output of one to an input of another, inputs and outputs of the whole,
+/// stop time [s].
+#[derive(Clone, Copy, Debug)]
+pub struct System<'a> {
+    /// Name.
+    pub name: &'a str,
+    /// FMUs.
+    pub parts: &'a [Part<'a>],
+    /// Part and output, part and input.
+    pub connections: &'a [[(usize, &'a str); 2]],
+    /// Part and variable.
+    pub exposed: &'a [(usize, &'a str)],
+    /// End of the default experiment [s].
+    pub stop_time: f64,
+}
+
+impl Part<'_> {
+    fn find(&self, name: &str) -> Result<&Variable> {
+        let found = self.variables.iter().find(|variable| variable.name == name);
+        found.with_context(|| format!("{} has no variable {name}; pack an FMU that has it", self.name))
+    }
+}
+
+impl System<'_> {
+    /// Text of the file.
+    ///
+    /// # Errors
+    /// A variable does not exist, a connection does not lead from an output to an input of the same type and unit, an
+    /// input has two connections, or a value has another type than its variable.
+    pub fn text(&self) -> Result<String> {
+        self.check()?;
+        let namespace = |part: &str| format!("http://ssp-standard.org/SSP1/SystemStructure{part}");
+        let header = [
+            ("xmlns:ssc", namespace("Common")),
+            ("xmlns:ssd", namespace("Description")),
+            ("xmlns:ssv", namespace("ParameterValues")),
+            ("version", "1.0".to_owned()),
+            ("name", self.name.to_owned()),
+            ("generationTool", format!("linkage-fmu {}", env!("CARGO_PKG_VERSION"))),
+        ];
+        document("ssd:SystemStructureDescription", &header, |xml| {
+            element(xml, "ssd:System", &[("name", self.name.to_owned())], |xml| self.write_system(xml))?;
+            let variables = (0..self.parts.len()).flat_map(|part| self.connectors(part));
+            let units: BTreeSet<Unit> = variables.filter_map(|variable| variable.unit).collect();
+            group(xml, "ssd:Units", |xml| {
+                units.into_iter().try_for_each(|unit| write_unit(xml, unit, ["ssc:Unit", "ssc:BaseUnit", ""]))
+            })?;
+            let experiment = [("startTime", number(0.0)), ("stopTime", number(self.stop_time))];
+            empty(xml, "ssd:DefaultExperiment", &experiment)
+        })
+    }
+
+    fn check(&self) -> Result<()> {
+        let mut ends = BTreeSet::new();
+        for &[(from, output), (to, input)] in self.connections {
+            let (output, input) = (self.parts[from].find(output)?, self.parts[to].find(input)?);
+            let directed = output.causality == Causality::Output && input.causality == Causality::Input;
+            if !directed || output.unit != input.unit || output.kind != input.kind {
+                let unit = |variable: &Variable| variable.unit.map_or("no unit", Unit::name);
+                bail!(
+                    "{} ({:?}, {}) cannot be connected with {} ({:?}, {}): connect an output with an input of its unit",
+                    output.name,
+                    output.causality,
+                    unit(output),
+                    input.name,
+                    input.causality,
+                    unit(input)
+                );
+            }
+            if !ends.insert((to, &input.name)) {
+                bail!("{} has two connections; keep one", input.name);
+            }
+        }
+        for &(part, name) in self.exposed {
+            self.parts[part].find(name)?;
+        }
+        for part in self.parts {
+            for (name, value) in part.values {
+                let variable = part.find(name)?;
+                let kind = match value {
+                    Value::Real(_) => Kind::Real,
+                    Value::Boolean(_) => Kind::Boolean,
+                    Value::String(_) => Kind::String,
+                };
+                if variable.kind != kind {
+                    bail!("{name} is a {}; give it such a value", variable.kind.word());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Variables of a part that are connected or given a value, each once, in the order of the FMU.
+    fn connectors(&self, part: usize) -> impl Iterator<Item = &Variable> {
+        let ends = self.connections.iter().flatten().chain(self.exposed);
+        let named: BTreeSet<&str> = ends.filter(|end| end.0 == part).map(|end| end.1).collect();
+        let given: BTreeSet<&str> = self.parts[part].values.iter().map(|(name, _)| *name).collect();
+        let is_wanted = move |v: &&Variable| named.contains(v.name.as_str()) || given.contains(v.name.as_str());
+        self.parts[part].variables.iter().filter(is_wanted)
+    }
+
+    fn write_system(&self, xml: &mut Xml) -> io::Result<()> {
+        if !self.exposed.is_empty() {
+            group(xml, "ssd:Connectors", |xml| {
+                self.exposed.iter().try_for_each(|&(part, name)| {
+                    let found = self.parts[part].variables.iter().find(|variable| variable.name == name);
+                    found.map_or(Ok(()), |variable| write_connector(xml, variable))
+                })
+            })?;
+        }
+        group(xml, "ssd:Elements", |xml| (0..self.parts.len()).try_for_each(|part| self.write_part(xml, part)))?;
+        group(xml, "ssd:Connections", |xml| {
+            self.connections.iter().try_for_each(|&[(from, output), (to, input)]| {
+                let (from, to) = (Some(self.parts[from].name), Some(self.parts[to].name));
+                connect(xml, [(from, output), (to, input)])
+            })?;
+            self.exposed.iter().try_for_each(|&(part, name)| {
+                let inner = (Some(self.parts[part].name), name);
+                let variables = self.parts[part].variables;
+                let outward = variables.iter().any(|v| v.name == name && v.causality == Causality::Output);
+                connect(xml, if outward { [inner, (None, name)] } else { [(None, name), inner] })
+            })
+        })
+    }
+
+    fn write_part(&self, xml: &mut Xml, index: usize) -> io::Result<()> {
+        let Part { name, file, values, .. } = self.parts[index];
+        let attributes = [
+            ("name", name.to_owned()),
+            ("type", "application/x-fmu-sharedlibrary".to_owned()),
+            ("source", format!("resources/{file}")),
+            ("implementation", "CoSimulation".to_owned()),
+        ];
+        element(xml, "ssd:Component", &attributes, |xml| {
+            group(xml, "ssd:Connectors", |xml| {
+                self.connectors(index).try_for_each(|variable| write_connector(xml, variable))
+            })?;
+            if values.is_empty() {
+                return Ok(());
+            }
+            let header = [("version", "1.0".to_owned()), ("name", format!("{name} values"))];
+            group(xml, "ssd:ParameterBindings", |xml| {
+                group(xml, "ssd:ParameterBinding", |xml| {
+                    group(xml, "ssd:ParameterValues", |xml| {
+                        element(xml, "ssv:ParameterSet", &header, |xml| {
+                            group(xml, "ssv:Parameters", |xml| {
+                                values.iter().try_for_each(|(parameter, value)| {
+                                    let unit = self.parts[index].variables.iter().find(|v| v.name == *parameter);
+                                    write_value(xml, parameter, value, unit.and_then(|v| v.unit))
+                                })
+                            })
+                        })
+                    })
+                })
+            })
+        })
+    }
+}
+
+fn connect(xml: &mut Xml, [start, end]: [(Option<&str>, &str); 2]) -> io::Result<()> {
+    let mut attributes = Vec::new();
+    for ((part, connector), names) in
+        [(start, ["startElement", "startConnector"]), (end, ["endElement", "endConnector"])]
+    {
+        attributes.extend(part.map(|part| (names[0], part.to_owned())));
+        attributes.push((names[1], connector.to_owned()));
+    }
+    empty(xml, "ssd:Connection", &attributes)
+}
+
+fn write_connector(xml: &mut Xml, variable: &Variable) -> io::Result<()> {
+    let kind = match variable.causality {
+        Causality::Parameter => "parameter",
+        Causality::Input => "input",
+        Causality::Output => "output",
+    };
+    let attributes = [("name", variable.name.clone()), ("kind", kind.to_owned())];
+    element(xml, "ssd:Connector", &attributes, |xml| {
+        let unit: Vec<_> = variable.unit.iter().map(|unit| ("unit", unit.name().to_owned())).collect();
+        empty(xml, &format!("ssc:{}", variable.kind.word()), &unit)
+    })
+}
+
+fn write_value(xml: &mut Xml, name: &str, value: &Value, unit: Option<Unit>) -> io::Result<()> {
+    let unit = unit.map(|unit| ("unit", unit.name().to_owned()));
+    let (kind, attributes) = match value {
+        Value::Real(value) => ("ssv:Real", [("value", number(*value))].into_iter().chain(unit).collect::<Vec<_>>()),
+        Value::Boolean(value) => ("ssv:Boolean", vec![("value", value.to_string())]),
+        Value::String(value) => ("ssv:String", vec![("value", value.clone())]),
+    };
+    element(xml, "ssv:Parameter", &[("name", name.to_owned())], |xml| empty(xml, kind, &attributes))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linkage_fmu::variables::Variability;
+
+    fn real(name: &str, causality: Causality, unit: Unit) -> Variable {
+        Variable {
+            name: name.into(),
+            description: String::new(),
+            kind: Kind::Real,
+            causality,
+            variability: Variability::Continuous,
+            unit: Some(unit),
+            start: None,
+            dependencies: Vec::new(),
+        }
+    }
+
+    /// A mass and a spring, and what is wrong with their system.
+    fn system(connections: &[[(usize, &str); 2]], values: &[(&str, Value)]) -> Result<String> {
+        let mass = [real("force", Causality::Input, Unit::Newton), real("length", Causality::Output, Unit::Metre)];
+        let spring = [
+            real("force", Causality::Output, Unit::Newton),
+            real("length", Causality::Input, Unit::Metre),
+            real("stiffness", Causality::Parameter, Unit::NewtonPerMetre),
+            real("preload", Causality::Input, Unit::Newton),
+        ];
+        let parts = [
+            Part { name: "mass", file: "Mass.fmu", variables: &mass, values: &[] },
+            Part { name: "spring", file: "Spring.fmu", variables: &spring, values },
+        ];
+        System { name: "Pair", parts: &parts, connections, exposed: &[(1, "preload"), (0, "length")], stop_time: 2.0 }
+            .text()
+    }
+
+    #[test]
+    fn parts_connections_values_and_units_stand_in_the_file() {
+        let values = [("stiffness", Value::Real(2e6))];
+        let text = system(&[[(1, "force"), (0, "force")], [(0, "length"), (1, "length")]], &values).unwrap();
+        for piece in [
+            "<ssd:System name=\"Pair\">",
+            "source=\"resources/Spring.fmu\" implementation=\"CoSimulation\"",
+            "<ssd:Connection startElement=\"spring\" startConnector=\"force\" endElement=\"mass\" endConnector=\"force\"/>",
+            "<ssd:Connection startConnector=\"preload\" endElement=\"spring\" endConnector=\"preload\"/>",
+            "<ssd:Connection startElement=\"mass\" startConnector=\"length\" endConnector=\"length\"/>",
+            "<ssv:Real value=\"2000000\" unit=\"N/m\"/>",
+            "<ssc:BaseUnit kg=\"1\" s=\"-2\"/>",
+            "<ssd:DefaultExperiment startTime=\"0\" stopTime=\"2\"/>",
+        ] {
+            assert!(text.contains(piece), "no {piece} in\n{text}");
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused_by_name() {
+        let twice = [[(1, "force"), (0, "force")], [(1, "force"), (0, "force")]];
+        let text = [("stiffness", Value::String("stiff".into()))];
+        for (connections, values, piece) in [
+            (&[[(1, "force"), (1, "length")]][..], &[][..], "an output with an input of its unit"),
+            (&[[(0, "force"), (1, "preload")]], &[], "an output with an input of its unit"),
+            (&[[(1, "force"), (0, "torque")]], &[], "mass has no variable torque"),
+            (&twice, &[], "force has two connections"),
+            (&[], &text, "stiffness is a Real"),
+        ] {
+            let message = system(connections, values).unwrap_err().to_string();
+            assert!(message.contains(piece), "{message}");
+        }
+    }
+}

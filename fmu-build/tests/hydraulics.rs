@@ -1,0 +1,77 @@
+//! The schema, the examples of HYDRAULICS.md and the engine agree on what a hydraulic actuator is.
+#![allow(clippy::unwrap_used)]
+
+use linkage_fmu::component::{Component, Stepped};
+use linkage_fmu::hydraulics::definition::{Circuit, HydraulicActuator};
+use linkage_fmu::variables::Kind;
+use serde_json::{Value, json};
+
+const SCHEMA: &str = include_str!("../../modelDescription/hydraulics.schema.json");
+const PAGE: &str = include_str!("../../modelDescription/HYDRAULICS.md");
+
+fn schema() -> Value {
+    serde_json::from_str(SCHEMA).unwrap()
+}
+
+#[test]
+fn every_example_runs() {
+    let validator = jsonschema::draft202012::new(&schema()).unwrap();
+    let blocks: Vec<&str> = PAGE.split("```json\n").skip(1).map(|block| block.split_once("```").unwrap().0).collect();
+    assert!(blocks.len() >= 2);
+    for text in blocks {
+        let example: Value = serde_json::from_str(text).unwrap();
+        let errors: Vec<String> = validator.iter_errors(&example).map(|error| error.to_string()).collect();
+        assert!(errors.is_empty(), "{errors:?} in\n{text}");
+        let mut actuator = Component::from_definition("hydraulics.json", text).unwrap();
+        actuator.initialize().unwrap();
+        for _ in 0..10 {
+            assert_eq!(actuator.step(1e-3).unwrap(), Stepped::Whole);
+        }
+        for (reference, variable) in (0..).zip(actuator.interface().list().to_vec()) {
+            if variable.kind == Kind::Real {
+                assert!(actuator.real(reference).unwrap().is_finite(), "{} in\n{text}", variable.name);
+            }
+        }
+    }
+}
+
+/// Sections of the circuit in the schema, each with its keys.
+fn sections() -> Vec<(String, Value)> {
+    let circuit = schema()["properties"]["circuit"]["properties"].clone();
+    circuit.as_object().unwrap().iter().map(|(name, section)| (name.clone(), section["properties"].clone())).collect()
+}
+
+#[test]
+fn keys_and_defaults_are_those_of_the_engine() {
+    let defaults = serde_json::to_value(Circuit::default()).unwrap();
+    assert_eq!(defaults.as_object().unwrap().len(), sections().len());
+    for (name, keys) in sections() {
+        let own = defaults[&name].as_object().unwrap_or_else(|| panic!("the engine has no {name}"));
+        assert_eq!(own.len(), keys.as_object().unwrap().len(), "{name}");
+        for (key, value) in own {
+            assert_eq!(keys[key]["default"].as_f64(), value.as_f64(), "{name}.{key}");
+            let documented = PAGE.contains(&format!("`{name}.{key}`")) || PAGE.contains(&format!("`{name}`.`{key}`"));
+            assert!(documented, "HYDRAULICS.md does not explain {name}.{key}");
+        }
+    }
+    for key in schema()["properties"].as_object().unwrap().keys() {
+        assert!(PAGE.contains(&format!("`{key}`")), "HYDRAULICS.md does not explain {key}");
+    }
+}
+
+#[test]
+fn the_engine_has_the_limits_of_the_schema() {
+    for (name, keys) in sections() {
+        for (key, rule) in keys.as_object().unwrap() {
+            let reads = |value: f64| {
+                let text = json!({ "name": "A", "circuit": { &name: { key: value } } }).to_string();
+                HydraulicActuator::from_json(&text).is_ok()
+            };
+            match (rule.get("minimum"), rule.get("exclusiveMinimum")) {
+                (Some(_), _) => assert!(reads(0.0) && !reads(-1e-9), "{name}.{key}"),
+                (_, Some(_)) => assert!(!reads(0.0) && reads(rule["default"].as_f64().unwrap()), "{name}.{key}"),
+                _ => assert!(reads(rule["default"].as_f64().unwrap()), "{name}.{key}"),
+            }
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! The importer on this package's own shared library: the same bits as through the linked functions, and refusals of
+//! what is no FMU.
+use crate::host::{FOLDER, Gear};
+use linkage_fmu::fmi2::host::logger;
+use linkage_fmu::fmi2::importer::{Library, State};
+use linkage_fmu::fmi2::types::Status;
+use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
+use std::ffi::OsStr;
+
+/// The library that Cargo builds beside the tests.
+fn own() -> std::path::PathBuf {
+    std::env::current_exe().unwrap().with_file_name(format!("{DLL_PREFIX}linkage_fmu{DLL_SUFFIX}"))
+}
+
+#[test]
+fn a_loaded_library_answers_as_the_linked_functions() {
+    let resources = format!("file://{FOLDER}/resources");
+    let library = Library::open(own().as_os_str(), crate::host::interface().guid(), &resources).unwrap();
+    let loaded = library.instantiate("gear", Some(logger())).unwrap();
+    loaded.set_up(0.0, None).unwrap();
+    let linked = Gear::new();
+    assert_eq!(linked.set_up(None, 0.0, None), Status::Ok);
+    let [force, angle, acceleration] =
+        ["actuator.force", "crank.angle", "actuator.acceleration"].map(|name| linked.vr(name));
+    loaded.set_reals(&[force], &[2e4]).unwrap();
+    assert_eq!(linked.set("actuator.force", 2e4), Status::Ok);
+    loaded.initialize().unwrap();
+    assert_eq!(linked.initialize(), Status::Ok);
+    let mut state = State::NONE;
+    loaded.save(&mut state).unwrap();
+    for k in 0..20 {
+        let t = 1e-3 * f64::from(k);
+        loaded.step(t, 1e-3).unwrap();
+        assert_eq!(linked.step(t, 1e-3), Status::Ok);
+    }
+    let [seen, a] = loaded.reals(&[angle, acceleration]).unwrap();
+    assert_eq!(seen.to_bits(), linked.get("crank.angle").unwrap().to_bits());
+    // The force counts in the acceleration by 1/m, and its rate in that of the acceleration.
+    let mobility = loaded.derivative(acceleration, force).unwrap();
+    assert!((mobility * linked.get("actuator.reduced_mass").unwrap() - 1.0).abs() < 1e-12);
+    let rate = loaded.rate(acceleration).unwrap();
+    loaded.set_derivatives(force, &[1e3, 0.0]).unwrap();
+    assert!((loaded.rate(acceleration).unwrap() - rate - 1e3 * mobility).abs() < 1e-9 * rate.abs());
+    assert!(a.is_finite());
+    // Back to the start, and the same again.
+    loaded.restore(&state).unwrap();
+    (0..20).for_each(|k| loaded.step(1e-3 * f64::from(k), 1e-3).unwrap());
+    assert_eq!(loaded.reals(&[angle]).unwrap()[0].to_bits(), seen.to_bits());
+    loaded.free(&mut state).unwrap();
+    let refused = loaded.step(-1.0, 1e-3).unwrap_err();
+    assert!(refused.contains("fmi2DoStep: fmi2Status 3") && refused.contains("-1"), "{refused}");
+}
+
+#[test]
+fn what_is_no_fmu_is_refused_by_name() {
+    let refusal = |path: &OsStr, guid: &str| Library::open(path, guid, "").unwrap_err();
+    assert!(refusal(OsStr::new("/nowhere/x.so"), "").contains("/nowhere/x.so: "));
+    if cfg!(target_os = "linux") {
+        assert!(refusal(OsStr::new("libm.so.6"), "").contains("libm.so.6: the library does not export fmi2"));
+    }
+    let library = Library::open(own().as_os_str(), "{another}", &format!("file://{FOLDER}/resources")).unwrap();
+    let refused = library.instantiate("gear", Some(logger())).unwrap_err();
+    assert!(refused.contains("fmi2Instantiate: refused") && refused.contains("{another}"), "{refused}");
+}

@@ -1,0 +1,260 @@
+//! The page of the coupling: error against communication step for every scheme and scene.
+use super::scenes::{Fmus, Run, Scene, run};
+use super::schemes;
+use crate::measure::{Asked, Pages, asked, heading, page};
+use std::collections::HashMap;
+use std::fmt::Write;
+
+/// Communication step of the reference run, of which all others are multiples [s].
+const FINEST: f64 = 5e-5;
+/// Communication steps of the table, in multiples of the finest.
+const STEPS: [usize; 5] = [2, 10, 20, 100, 400];
+/// Scheme of the reference run.
+const REFERENCE: &str = "preview, two passes, with dW/ds";
+/// Largest errors of a usable run: crank angle [rad], force [N].
+const USABLE: [f64; 2] = [1e-2, 1e3];
+/// Force error beyond which a run counts as unstable [N].
+const UNSTABLE: f64 = 3e3;
+/// Longest step tried for the largest usable one, in multiples of the finest.
+const LONGEST: usize = 4000;
+
+/// Errors of a run: angle [rad], force [N], energy at the interface [J], steps of each side.
+#[derive(Clone, Copy, Debug)]
+struct Errors {
+    angle: f64,
+    force: f64,
+    interface: f64,
+    steps: [f64; 2],
+}
+
+/// The largest errors of a scheme over a scene in steps of so many finest ones; None if it was unstable.
+fn errors(fmus: &Fmus, scene: Scene, scheme: &str, every: usize, reference: &Run) -> Option<Errors> {
+    let run = run(fmus, scene, scheme, FINEST * every as f64).ok()?;
+    let mut errors = Errors { angle: 0.0, force: 0.0, interface: run.interface, steps: run.steps };
+    for (here, exact) in run.trace.iter().zip(reference.trace.iter().step_by(every)) {
+        if !here[0].is_finite() || !here[1].is_finite() {
+            return None;
+        }
+        errors.angle = errors.angle.max((here[0] - exact[0]).abs());
+        errors.force = errors.force.max((here[1] - exact[1]).abs());
+    }
+    Some(errors)
+}
+
+/// Largest multiple of the finest step at which a scheme is usable: the last one before the first that is not, on a
+/// grid that grows by an eighth, then between its last two by bisection.
+fn largest_usable(fmus: &Fmus, scene: Scene, scheme: &str, reference: &Run) -> usize {
+    let usable = |every: usize| {
+        errors(fmus, scene, scheme, every, reference).is_some_and(|e| e.angle < USABLE[0] && e.force < USABLE[1])
+    };
+    let (mut good, mut tried) = (0, 2);
+    while tried <= LONGEST && usable(tried) {
+        good = tried;
+        tried = (tried + 1).max(tried * 9 / 8);
+    }
+    if tried > LONGEST {
+        return LONGEST;
+    }
+    while tried - good > 1 {
+        let middle = (good + tried) / 2;
+        *(if usable(middle) { &mut good } else { &mut tried }) = middle;
+    }
+    good
+}
+
+/// Largest difference of the reference run from the reference values: angle [rad] and force [N].
+fn against_values(scene: Scene, reference: &Run) -> [f64; 2] {
+    let mut worst = [0.0_f64; 2];
+    for [t, angle, force] in scene.reference() {
+        let at = reference.trace.get((t / FINEST).round() as usize).copied().unwrap_or([f64::NAN; 2]);
+        worst = [worst[0].max((at[0] - angle).abs()), worst[1].max((at[1] - force).abs())];
+    }
+    worst
+}
+
+/// The page, and its figures as CSV.
+///
+/// # Errors
+/// The reference run is refused.
+pub fn table(fmus: &Fmus) -> Result<Pages, String> {
+    let side = match fmus.hydraulic {
+        Some(_) => "the FMU `HydraulicActuator`",
+        None => "the circuit in plain numbers",
+    };
+    let mut out = page(
+        "Coupling of the gear and its hydraulic actuator",
+        &format!(
+            "The FMU `LandingGearRetraction` (tolerance 1e-12) and {side}, coupled through the functions of FMI 2.0 by \
+             every scheme. Largest error of the crank angle [rad] over the run at communication points, against the run \
+             of \"{REFERENCE}\" in steps of {FINEST:e} s; x: unstable, a force error of more than {UNSTABLE} N."
+        ),
+    );
+    let mut csv = String::from("scene,scheme,step,angle,force,interface,mechanism_steps,actuator_steps\n");
+    let mut found = HashMap::new();
+    for scene in [Scene::H1, Scene::H2] {
+        let reference = run(fmus, scene, REFERENCE, FINEST)?;
+        let [angle, force] = against_values(scene, &reference);
+        let _ = writeln!(
+            out,
+            "## Scene {}\n\nThe reference run differs from an independent integration of the whole as one system by \
+             {angle:.1e} rad and {force:.1e} N. Small: figures of an earlier measurement, with another \
+             implementation of both sides.\n",
+            scene.name()
+        );
+        let steps = STEPS.map(|every| format!("{} ms", every as f64 * FINEST * 1e3));
+        let steps: Vec<&str> = steps.iter().map(String::as_str).collect();
+        let more = ["force at 1 ms [N]", "energy at 1 ms [J]", "steps of each", "largest usable [ms]"];
+        out += &heading(&[&["scheme"], &steps[..], &more].concat());
+        for (name, _) in schemes::ALL {
+            let expected = EXPECTED.iter().find(|row| row.0 == name).map(|row| row.1[usize::from(scene == Scene::H2)]);
+            let row = Row::measure(fmus, scene, name, &reference, &mut csv);
+            let _ = writeln!(out, "| {name} | {} |", row.cells(expected).join(" | "));
+            found.insert((scene.name(), name), row);
+        }
+        out.push('\n');
+    }
+    out += &goals(&found);
+    for scene in [Scene::Rough, Scene::Contact] {
+        out += &apart(fmus, scene, &mut csv)?;
+    }
+    Ok(Pages { page: out, csv })
+}
+
+/// A scheme over a scene: errors at each step, the largest usable step [s].
+#[derive(Clone, Debug)]
+struct Row {
+    errors: [Option<Errors>; STEPS.len()],
+    usable: f64,
+}
+
+/// Index of 1 ms and of 20 ms among the steps.
+const MILLISECOND: usize = 2;
+const LONG: usize = 4;
+
+impl Row {
+    fn measure(fmus: &Fmus, scene: Scene, name: &str, reference: &Run, csv: &mut String) -> Self {
+        let errors = STEPS.map(|every| {
+            let found = errors(fmus, scene, name, every, reference).filter(|e| e.force < UNSTABLE)?;
+            let Errors { angle, force, interface, steps: [a, b] } = found;
+            let h = every as f64 * FINEST;
+            let _ = writeln!(csv, "{},\"{name}\",{h:e},{angle:e},{force:e},{interface:e},{a},{b}", scene.name());
+            Some(found)
+        });
+        Self { errors, usable: largest_usable(fmus, scene, name, reference) as f64 * FINEST }
+    }
+
+    fn cells(&self, expected: Option<[&str; STEPS.len()]>) -> Vec<String> {
+        let beside = |k: usize| match expected.map(|row| row[k]) {
+            None | Some("") => String::new(),
+            Some(figure) => format!(" <sub>{figure}</sub>"),
+        };
+        let angle =
+            |(k, e): (usize, &Option<Errors>)| e.map_or("x".into(), |e| format!("{:.1e}", e.angle)) + &beside(k);
+        let mut cells: Vec<String> = self.errors.iter().enumerate().map(angle).collect();
+        let at_1_ms = self.errors[MILLISECOND];
+        let cell = |f: &dyn Fn(Errors) -> String| at_1_ms.map_or("x".into(), f);
+        cells.push(cell(&|e| format!("{:.1e}", e.force)));
+        cells.push(cell(&|e| format!("{:.1e}", e.interface)));
+        cells.push(cell(&|e| format!("{:.1} + {:.1}", e.steps[0], e.steps[1])));
+        cells.push(format!("{:.2}", self.usable * 1e3));
+        cells
+    }
+}
+
+/// Errors of the angle of an earlier measurement in scenes H1 and H2, at the steps of the table.
+type Expected = (&'static str, [[&'static str; STEPS.len()]; 2]);
+
+const EXPECTED: [Expected; 13] = [
+    ("Jacobi 0", [["4e-5", "", "4.6e-4", "x", "x"], ["3e-5", "2e-4", "x", "x", "x"]]),
+    ("NEPCE on it", [["1.9e-5", "", "2.1e-4", "x", "x"], ["1.5e-5", "8e-5", "2.4e-4", "x", "x"]]),
+    ("Gauss-Seidel 0", [["5e-6", "", "4.8e-5", "x", "x"], ["6e-6", "4e-5", "1.5e-4", "x", "x"]]),
+    ("Jacobi 1", [["1.6e-7", "", "1.6e-5", "x", "x"], ["1.6e-7", "4e-6", "1.6e-5", "x", "x"]]),
+    ("Jacobi rates", [["5e-10", "", "5e-7", "4.5e-5", "x"], ["5e-10", "7e-8", "5e-7", "5e-5", "x"]]),
+    ("Gauss-Seidel rates", [["4e-10", "", "4e-7", "3.2e-5", "x"], ["4e-10", "5e-8", "4e-7", "3.6e-5", "x"]]),
+    ("hydraulics first, rates", [["1e-10", "", "1e-7", "1.2e-5", "x"], ["9e-11", "1.2e-8", "9e-8", "1.1e-5", "x"]]),
+    ("waveform, linear F", [["1.3e-8", "", "1.3e-6", "2.7e-5", "x"], ["1.5e-8", "4e-7", "1.5e-6", "3.6e-5", "x"]]),
+    (
+        "interface Jacobian, linear F",
+        [["1.3e-8", "", "1.3e-6", "2.7e-5", "x"], ["1.5e-8", "4e-7", "1.5e-6", "3.6e-5", "2e-4"]],
+    ),
+    (
+        "interface Jacobian, quadratic F",
+        [["5e-11", "", "4.6e-8", "5.5e-6", "x"], ["4e-11", "6e-9", "4e-8", "5.4e-6", "x"]],
+    ),
+    (
+        "preview, one pass, held",
+        [["7e-8", "", "7e-6", "1.8e-4", "2.8e-3"], ["7e-9", "1.8e-7", "7e-7", "1.8e-5", "3e-4"]],
+    ),
+    (
+        "preview, one pass, linear",
+        [["1.2e-9", "", "1.2e-7", "2.9e-6", "4e-5"], ["1.3e-11", "3e-10", "1.3e-9", "3e-8", "4e-7"]],
+    ),
+    (
+        "preview, two passes, with dW/ds",
+        [["3e-12", "", "1.2e-9", "1.4e-7", "6e-6"], ["7e-15", "9e-13", "7e-12", "8e-10", "8e-7"]],
+    ),
+];
+
+/// The figures asked, beside those measured.
+fn goals(found: &HashMap<(&'static str, &'static str), Row>) -> String {
+    let of = |scene: &'static str, scheme: &'static str| found.get(&(scene, scheme));
+    let error = |scene, scheme, step: usize, pick: &dyn Fn(Errors) -> f64| {
+        of(scene, scheme).and_then(|row| row.errors[step]).map_or(f64::NAN, pick)
+    };
+    let angle = |e: Errors| e.angle;
+    let usable = |scene| of(scene, REFERENCE).map_or(f64::NAN, |row| row.usable * 1e3);
+    let (held, newton) = ("preview, one pass, held", "interface Jacobian, quadratic F");
+    let most =
+        |what: &str, scale: f64, value: f64, limit: f64, unit| Asked::at_most(what, value * scale, limit * scale, unit);
+    let nano = |what: &str, value: f64, limit: f64| most(what, 1e9, value, limit, " nrad");
+    let order = of("H2", REFERENCE).and_then(|row| {
+        let [coarse, fine] = [row.errors[3]?.angle, row.errors[2]?.angle];
+        Some((coarse / fine).log2() / 5f64.log2())
+    });
+    let figures = [
+        nano("two passes, H1, 1 ms", error("H1", REFERENCE, MILLISECOND, &angle), 5e-9),
+        nano("two passes, H2, 1 ms", error("H2", REFERENCE, MILLISECOND, &angle), 1e-10),
+        Asked::at_least("two passes, H2: order between 1 and 5 ms", order.unwrap_or(f64::NAN), 3.0, ""),
+        nano("one pass, held force, H1, 1 ms", error("H1", held, MILLISECOND, &angle), 1e-5),
+        nano("one pass, held force, H2, 1 ms", error("H2", held, MILLISECOND, &angle), 1e-6),
+        Asked::at_least("largest usable step, two passes, H1", usable("H1"), 20.0, " ms"),
+        Asked::at_least("largest usable step, two passes, H2", usable("H2"), 20.0, " ms"),
+        nano("two passes, H1, 20 ms", error("H1", REFERENCE, LONG, &angle), 2e-5),
+        nano("two passes, H2, 20 ms", error("H2", REFERENCE, LONG, &angle), 2e-5),
+        nano("interface Jacobian, H2, 1 ms", error("H2", newton, MILLISECOND, &angle), 1e-7),
+        most("its steps of each", 1.0, error("H2", newton, MILLISECOND, &|e| e.steps[0]), 2.1, ""),
+        most(
+            "energy at the interface, two passes, H1, 1 ms",
+            1e6,
+            error("H1", REFERENCE, MILLISECOND, &|e| e.interface),
+            2e-5,
+            " uJ",
+        ),
+    ];
+    String::from("## Figures asked\n\n") + &asked(&figures)
+}
+
+/// Preview where the element model is not exact: errors against its own result in the finest steps.
+fn apart(fmus: &Fmus, scene: Scene, csv: &mut String) -> Result<String, String> {
+    let reference = run(fmus, scene, REFERENCE, FINEST)?;
+    let mut out = format!(
+        "## {}\n\nErrors of the angle [rad] against the run of \"{REFERENCE}\" in steps of {FINEST:e} s; the load is \
+         corrected by what the element model missed in the last step.\n\n",
+        scene.name()
+    );
+    out += &heading(&["scheme", "0.1 ms", "0.5 ms", "1 ms", "5 ms", "20 ms"]);
+    for (name, _) in schemes::ALL.into_iter().filter(|(name, _)| name.starts_with("preview") || *name == "Jacobi 0") {
+        let mut cells = vec![name.to_owned()];
+        for every in STEPS {
+            let found = errors(fmus, scene, name, every, &reference);
+            cells.push(found.map_or("x".into(), |e| format!("{:.1e}", e.angle)));
+            if let Some(Errors { angle, force, interface, steps: [a, b] }) = found {
+                let h = every as f64 * FINEST;
+                let _ = writeln!(csv, "{},\"{name}\",{h:e},{angle:e},{force:e},{interface:e},{a},{b}", scene.name());
+            }
+        }
+        let _ = writeln!(out, "| {} |", cells.join(" | "));
+    }
+    out.push('\n');
+    Ok(out)
+}

@@ -1,0 +1,114 @@
+//! Cost of one doStep of the hydraulic actuator through the C functions, with and without preview, and of its set-up.
+
+use crate::measure::{self, Asked, Pages, digits, heading, timed};
+use linkage_fmu::fmi2::host::{Description, Host};
+use linkage_fmu::fmi2::types::Status;
+use std::fmt::Write;
+use std::path::Path;
+use std::time::Instant;
+
+/// Step [s], and the number of steps of a run: a retraction of 4 s.
+const H: f64 = 1e-3;
+const STEPS: u32 = 4000;
+/// Runs of which each part of [`PART`] steps counts where it was fastest.
+const RUNS: u32 = 20;
+const PART: u32 = 100;
+/// Instantiations of which the fastest counts.
+const SETUPS: u32 = 300;
+
+/// One use of the actuator.
+struct Use {
+    title: &'static str,
+    mode: &'static str,
+    /// Reduced mass [kg]; 0: no preview.
+    mass: f64,
+    /// Outputs that are read before each step.
+    reads: &'static [&'static str],
+    /// Most time of a step [us].
+    most: f64,
+}
+
+const USES: [Use; 3] = [
+    Use { title: "follow, speed with its rate", mode: "follow", mass: 0.0, reads: &[], most: 2.0 },
+    Use { title: "one pass", mode: "preview", mass: 700.0, reads: &["preview.force", "preview.force_rate"], most: 4.0 },
+    Use {
+        title: "two passes",
+        mode: "follow",
+        mass: 700.0,
+        reads: &["preview.force", "preview.force_rate", "preview.start_acceleration", "preview.acceleration"],
+        most: 4.0,
+    },
+];
+
+fn ok(status: Status, what: &str, host: &Host) -> Result<(), String> {
+    match status {
+        Status::Ok | Status::Warning => Ok(()),
+        _ => Err(format!("{what}: {status:?} {:?}", host.log.take())),
+    }
+}
+
+/// The table in Markdown and CSV.
+///
+/// # Errors
+/// A call is refused.
+pub fn table(descriptions: &Path) -> Result<Pages, String> {
+    let description = Description::read(&descriptions.join("HydraulicActuator"))?;
+    let (mut rows, mut csv, mut figures) = (heading(&["use", "step [us]"]), String::from("use,step_us\n"), Vec::new());
+    for scene in &USES {
+        let mut least = vec![f64::INFINITY; (STEPS / PART) as usize];
+        for _ in 0..RUNS {
+            let host = description.instantiate(None, false)?;
+            run(&host, scene, &mut least)?;
+        }
+        let micros = least.iter().sum::<f64>() * 1e6 / f64::from(STEPS);
+        let _ = writeln!(rows, "| {} | {} |", scene.title, digits(micros));
+        let _ = writeln!(csv, "{},{micros:.3}", scene.mode);
+        figures.push(Asked::at_most(format!("step of 1 ms at 1e-9, {}", scene.title), micros, scene.most, " us"));
+    }
+    let mut setup = f64::INFINITY;
+    for _ in 0..SETUPS {
+        timed(&mut setup, || description.instantiate(None, false).map(|host| host.initialize()))?;
+    }
+    figures.push(Asked::at_most("instantiate, initialise, free", setup * 1e6, 50.0, " us"));
+    let words = "The hydraulic actuator with its default parameters, called as a host does, through the C functions, in steps \
+         of 1 ms at the tolerance 1e-9; one core. The command is a ramp of 0.1 s to 0.65; the length goes from 0.4285 to \
+         0.7285 m and back within 4 s. A step is set, read, derivatives and doStep together.";
+    let page = measure::page("Cost of the hydraulic actuator", words) + &measure::asked(&figures) + &rows;
+    Ok(Pages { page, csv })
+}
+
+/// A run; the time of each part [s] goes into `least` if it is the least.
+fn run(host: &Host, scene: &Use, least: &mut [f64]) -> Result<(), String> {
+    ok(host.set_text("coupling.mode", scene.mode), "coupling.mode", host)?;
+    for (name, value) in [
+        ("command.ramp_amplitude", 0.65),
+        ("command.ramp_time", 0.1),
+        ("actuator.length", 0.4285),
+        ("actuator.reduced_mass", scene.mass),
+        ("actuator.holding_force", 500.0),
+        ("preview.horizon", H),
+    ] {
+        ok(host.set(name, value), name, host)?;
+    }
+    ok(host.initialize(), "initialise", host)?;
+    let motion = [host.reference("actuator.length"), host.reference("actuator.speed")];
+    let reads: Vec<u32> = scene.reads.iter().map(|name| host.reference(name)).collect();
+    let mut values = vec![0.0; reads.len()];
+    let omega = std::f64::consts::TAU / (f64::from(STEPS) * H);
+    for (part, least) in (0..).zip(least) {
+        let began = Instant::now();
+        for step in part * PART..(part + 1) * PART {
+            let t = f64::from(step) * H;
+            let (sine, cosine) = (omega * t).sin_cos();
+            let now = [0.5785 - 0.15 * cosine, 0.15 * omega * sine];
+            ok(host.set_reals(&motion, &now), "motion", host)?;
+            ok(host.reals(&reads, &mut values), "preview", host)?;
+            let rates = [0.15 * omega * omega * cosine, -0.15 * omega.powi(3) * sine];
+            let status = host.set_rates(motion[1], &rates);
+            ok(status, "derivatives", host)?;
+            ok(host.step(t, H), "doStep", host)?;
+        }
+        *least = least.min(began.elapsed().as_secs_f64());
+    }
+    Ok(())
+}
