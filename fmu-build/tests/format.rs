@@ -379,6 +379,16 @@ fn every_example_runs() {
     assert!(wholes >= 3 && parts >= 10, "{wholes} whole mechanisms and {parts} parts found");
 }
 
+/// The circuit of a drive is that of a hydraulic actuator, which may be left out.
+#[test]
+fn a_circuit_is_described_once() {
+    let mut actuator: Value =
+        serde_json::from_str(include_str!("../../modelDescription/hydraulics.schema.json")).unwrap();
+    let circuit = actuator["properties"]["circuit"].as_object_mut().unwrap();
+    assert_eq!(circuit.remove("default"), Some(json!({})));
+    assert_eq!(schema()["$defs"]["circuit"].as_object().unwrap(), circuit);
+}
+
 #[test]
 fn the_documented_keys_are_all_keys() {
     let schema = schema();

@@ -23,9 +23,12 @@ pub(super) fn add_inputs(b: &mut Builder) {
     b.input("tank.pressure".into(), &text, Pascal, circuit.tank.pressure);
 }
 
-/// Owner, suffix, text, unit and quantity of each output, and what it follows from besides pressures and spool: the
+/// Owner, suffix, text, unit and quantity of an output, and what it follows from besides pressures and spool: the
 /// length, the speed, the ports.
-const OUTPUTS: &[(&str, &str, &str, Unit, Hydraulic, [bool; 3])] = &[
+type Row = (&'static str, &'static str, &'static str, Unit, Hydraulic, [bool; 3]);
+
+/// All outputs of a circuit.
+const OUTPUTS: &[Row] = &[
     (
         "chamber_a",
         "pressure",
@@ -36,7 +39,14 @@ const OUTPUTS: &[(&str, &str, &str, Unit, Hydraulic, [bool; 3])] = &[
     ),
     ("chamber_a", "flow", "Flow into chamber A", CubicMetrePerSecond, Hydraulic::Flow(0), [true, false, true]),
     ("chamber_a", "volume", "Volume of chamber A", CubicMetre, Hydraulic::Volume(0), [true, false, false]),
-    ("chamber_a", "bulk_modulus", "Effective bulk modulus in chamber A", Pascal, Hydraulic::BulkModulus(0), [false; 3]),
+    (
+        "chamber_a",
+        "bulk_modulus",
+        "Effective bulk modulus in chamber A",
+        Pascal,
+        Hydraulic::BulkModulus(0),
+        [true, false, false],
+    ),
     (
         "chamber_b",
         "pressure",
@@ -47,7 +57,14 @@ const OUTPUTS: &[(&str, &str, &str, Unit, Hydraulic, [bool; 3])] = &[
     ),
     ("chamber_b", "flow", "Flow into chamber B", CubicMetrePerSecond, Hydraulic::Flow(1), [true, false, true]),
     ("chamber_b", "volume", "Volume of chamber B", CubicMetre, Hydraulic::Volume(1), [true, false, false]),
-    ("chamber_b", "bulk_modulus", "Effective bulk modulus in chamber B", Pascal, Hydraulic::BulkModulus(1), [false; 3]),
+    (
+        "chamber_b",
+        "bulk_modulus",
+        "Effective bulk modulus in chamber B",
+        Pascal,
+        Hydraulic::BulkModulus(1),
+        [true, false, false],
+    ),
     ("valve", "position", "Position of the spool", One, Hydraulic::SpoolPosition, [false; 3]),
     ("valve", "speed", "Speed of the spool", PerSecond, Hydraulic::SpoolSpeed, [false; 3]),
     ("supply", "flow", "Flow from the supply", CubicMetrePerSecond, Hydraulic::SupplyFlow, [true, false, true]),

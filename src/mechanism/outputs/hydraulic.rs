@@ -54,12 +54,15 @@ impl<'a, N: Reading> View<'a, N> {
         let energy = |view: &Self, k: usize| view.component_of(circuit, ENERGY + k);
         Ok(match output {
             Hydraulic::Pressure(chamber) => self.component_of(circuit, chamber),
-            Hydraulic::BulkModulus(chamber) => laws.bulk_modulus(self.component_of(circuit, chamber)),
             Hydraulic::SpoolPosition => self.component_of(circuit, 2),
             Hydraulic::SpoolSpeed => self.component_of(circuit, 3),
             Hydraulic::Energy(k) => energy(self, k),
             Hydraulic::Balance => (1..CIRCUIT - ENERGY).fold(energy(self, 0), |sum, k| sum - energy(self, k)),
             Hydraulic::Volume(chamber) => laws.volumes(self.point(circuit, false)?.length)[chamber],
+            Hydraulic::BulkModulus(chamber) => {
+                let volume = laws.volumes(self.point(circuit, false)?.length)[chamber];
+                laws.chamber_modulus(chamber, self.component_of(circuit, chamber), volume)
+            }
             Hydraulic::StrokePosition => self.point(circuit, false)?.length - N::constant(laws.lengths()[0]),
             Hydraulic::Stiffness => {
                 let at = self.point(circuit, false)?;
@@ -73,9 +76,8 @@ impl<'a, N: Reading> View<'a, N> {
                 laws.force(at.pressures, at.speed)
             }
             Hydraulic::Damping => {
-                let speed = self.point(circuit, true)?.speed;
-                let (_, slope, curvature) = laws.friction_at(speed.value());
-                speed.chain(slope, curvature)
+                let at = self.point(circuit, true)?;
+                laws.damping(at.pressures, at.speed)
             }
             Hydraulic::Power(k) => {
                 let at = self.point(circuit, true)?;

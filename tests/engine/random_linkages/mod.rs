@@ -108,7 +108,9 @@ fn agrees(run: &mut Run, linkage: &Linkage) -> Result<(), TestCaseError> {
         within("reaction", (force - f).norm().max((moment - m).abs()), bound)?;
     }
     let undefined = read_all(run.simulation.model_mut());
-    prop_assert!(undefined.is_empty(), "{undefined:?}");
+    // A drive whose length the motion does not change, but for rounding, has no inverse dynamics.
+    let stands_still = !undefined.is_empty() && run.simulation.get("push.reduced_mass").is_ok_and(|mass| mass > 1e20);
+    prop_assert!(undefined.iter().all(|name| stands_still && name.starts_with("push.")), "{undefined:?}");
     Ok(())
 }
 
