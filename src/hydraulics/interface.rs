@@ -60,8 +60,7 @@ const INPUT_WORDS: [(&str, &str, Unit); Input::ALL.len()] = [
 const FORESEEN_ACCELERATION: &[Input] = &Input::ALL;
 /// Inputs that all other outputs of the foreseen motion depend on. The acceleration is none of them, as the mechanism's
 /// depends on the force: a host that orders by these lists would find an algebraic loop.
-const FORESEEN: &[Input] =
-    &[Length, Speed, Command, Supply, Tank, Mass, MassDerivative, Load, LoadDerivative, Horizon];
+const FORESEEN: &[Input] = &[Length, Speed, Command, Supply, Tank, Mass, MassDerivative, Load, LoadDerivative, Horizon];
 /// Inputs that flows depend on.
 const FLOW: &[Input] = &[Length, Supply, Tank];
 
