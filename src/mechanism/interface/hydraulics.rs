@@ -23,9 +23,11 @@ pub(super) fn add_inputs(b: &mut Builder) {
     b.input("tank.pressure".into(), &text, Pascal, circuit.tank.pressure);
 }
 
-/// Owner, suffix, text, unit and quantity of each output, and what it follows from besides pressures and spool: the
+/// Owner, suffix, text, unit and quantity of an output, and what it follows from besides pressures and spool: the
 /// length, the speed, the ports.
-const OUTPUTS: &[(&str, &str, &str, Unit, Hydraulic, [bool; 3])] = &[
+type Row = (&'static str, &'static str, &'static str, Unit, Hydraulic, [bool; 3]);
+
+const OUTPUTS: &[Row] = &[
     (
         "chamber_a",
         "pressure",
