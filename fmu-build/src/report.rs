@@ -11,6 +11,8 @@ use clap::Args;
 use std::path::{self, PathBuf};
 use std::process::Command;
 
+/// FMU of gear and hydraulic actuator as one system.
+const WHOLE: &str = "LandingGearRetractionHydraulic";
 /// FMUs that the report runs.
 const FMUS: [&str; 3] = [DEFAULT_FMU, "SliderCrank", "Jib"];
 
@@ -25,7 +27,7 @@ pub struct Arguments {
 /// What the command line of the demo says.
 #[derive(Args)]
 pub struct Demo {
-    /// Retract by the hydraulic actuator: both FMUs coupled by several schemes; hydraulic.csv, hydraulic.png
+    /// Retract by the hydraulic actuator: both FMUs coupled by several schemes, beside the FMU of both as one system
     #[arg(long)]
     pub hydraulic: bool,
     /// Folder for what is written [default: target/demo]
@@ -38,8 +40,11 @@ pub struct Demo {
 /// # Errors
 /// Packing, Python's environment or the run itself fails.
 pub fn demo(workspace: &Workspace, arguments: &Demo) -> Result<()> {
-    let (script, names) =
-        if arguments.hydraulic { ("demo_hydraulic.py", &ssp::FMUS[..]) } else { ("demo.py", &[DEFAULT_FMU][..]) };
+    let (script, names) = if arguments.hydraulic {
+        ("demo_hydraulic.py", [&ssp::FMUS[..], &[WHOLE]].concat())
+    } else {
+        ("demo.py", vec![DEFAULT_FMU])
+    };
     let paths = names.iter().map(|name| workspace.descriptions().join(name)).collect();
     let fmus = package::run(workspace, &package::Arguments { paths, ..Default::default() })?;
     let out = arguments.out.clone().unwrap_or_else(|| workspace.target("demo"));

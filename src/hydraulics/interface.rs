@@ -55,8 +55,12 @@ const INPUT_WORDS: [(&str, &str, Unit); Input::ALL.len()] = [
     ("preview.horizon", "Next step of the host", Unit::Second),
 ];
 
-/// Inputs that all outputs of the foreseen motion depend on.
-const FORESEEN: &[Input] = &Input::ALL;
+/// Inputs that the accelerations at the ends of the foreseen motion depend on: without a mass the first is that of the
+/// input.
+const FORESEEN_ACCELERATION: &[Input] = &Input::ALL;
+/// Inputs that all other outputs of the foreseen motion depend on. The acceleration is none of them, as the mechanism's
+/// depends on the force: a host that orders by these lists would find an algebraic loop.
+const FORESEEN: &[Input] = &[Length, Speed, Command, Supply, Tank, Mass, MassDerivative, Load, LoadDerivative, Horizon];
 /// Inputs that flows depend on.
 const FLOW: &[Input] = &[Length, Supply, Tank];
 
@@ -99,14 +103,14 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
         "Acceleration under the force at the beginning of the next step",
         Unit::MetrePerSecondSquared,
         Output::PreviewStartAcceleration,
-        FORESEEN,
+        FORESEEN_ACCELERATION,
     ),
     (
         "preview.acceleration",
         "Acceleration under the force foreseen at the end of the next step",
         Unit::MetrePerSecondSquared,
         Output::PreviewAcceleration,
-        FORESEEN,
+        FORESEEN_ACCELERATION,
     ),
     (
         "chamber_a.pressure",

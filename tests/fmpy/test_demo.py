@@ -26,7 +26,8 @@ RETRACTION_TIME = 4.065842490726519
 def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:
     """What the demo prints, and the folder of what it writes."""
     out = tmp_path_factory.mktemp("demo")
-    fmus = [str(FMU_FOLDER / f"{name}.fmu") for name in ("LandingGearRetraction", "HydraulicActuator")]
+    names = ("LandingGearRetraction", "HydraulicActuator", "LandingGearRetractionHydraulic")
+    fmus = [str(FMU_FOLDER / f"{name}.fmu") for name in names]
     command = [sys.executable, str(SCRIPT), *fmus, "--out", str(out)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
@@ -46,6 +47,14 @@ def test_each_preview_meets_its_figures(made: tuple[str, Path], scheme: str) -> 
     assert time == pytest.approx(RETRACTION_TIME, abs=1e-8 + ERRORS[scheme][0] / 0.13)
     assert 0.0 < angle <= ERRORS[scheme][0]
     assert 0.0 < energy <= ERRORS[scheme][1]
+
+
+def test_the_whole_system_is_the_reference(made: tuple[str, Path]) -> None:
+    """The errors are taken against it."""
+    found = re.search(r"as one system +differs from the reference by (\S+) rad, (\S+) N", made[0])
+    assert found, made[0]
+    assert float(found[1]) < 1e-11
+    assert float(found[2]) < 1e-5
 
 
 def test_a_plain_exchange_is_worse_by_far(made: tuple[str, Path]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import zipfile
 from collections.abc import Iterator
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -74,6 +75,18 @@ def test_connectors_are_those_of_the_fmus(document: etree._Element) -> None:
             assert etree.QName(kind).localname == variable.type, variable.name
             assert kind.get("unit") == variable.unit, variable.name
             assert kind.get("unit") is None or kind.get("unit") in units, variable.name
+
+
+def test_a_host_finds_no_algebraic_loop() -> None:
+    """By the dependencies that the FMUs declare, some order has every input known before what needs it."""
+    needs: dict[tuple[str, str], set[tuple[str, str]]] = {}
+    for name, file in FMUS.items():
+        for unknown in read_model_description(str(FMU_FOLDER / file)).outputs:
+            needs[name, unknown.variable.name] = {(name, known.name) for known in unknown.dependencies}
+    for source, output, sink, given in connections():
+        needs[sink, given] = {(source, output)}
+    order = list(TopologicalSorter(needs).static_order())
+    assert order.index(("gear", "actuator.holding_force")) < order.index(("gear", "actuator.force"))
 
 
 @pytest.fixture

@@ -1,5 +1,5 @@
-"""Couple the packed landing gear and its hydraulic actuator with several importers, and with the plain exchange of each for
-comparison; the errors of the crank angle against an independent integration of both as one system.
+"""Couple the packed landing gear and its hydraulic actuator with several importers, and with the plain exchange of each
+for comparison; the errors of the crank angle against an independent integration of both as one system.
 
 usage: coupled.py FMUS --worker HOST STEP OUT      one run; FMUS is the folder of the packed FMUs and of the SSP package
 """
@@ -32,10 +32,10 @@ REFERENCE = {
     3800: -1.22821155571711,
     4000: -1.28835660508442,
 }
-"""Angle of the crank [rad] after so many milliseconds: Taylor-series integration of gear and hydraulics as one system."""
+"""Angle of the crank [rad] after so many milliseconds: Taylor-series integration of both as one system."""
 ALLOWED = {1: 1e-5, 5: 5e-4, 10: 1e-2, 20: 1e-2}
 """Allowed error of the angle [rad] with preview, by the step [ms]."""
-LATE = (1, 5, 10)
+LATE = (1, 5)
 """Steps [ms] up to which hosts that pass every output on one step late must meet that."""
 
 ANGLE, FORCE = "crank.angle", "actuator.force"
@@ -190,6 +190,20 @@ def error(host: str, fmus: Path, step: int, work: Path) -> float:
         return math.inf
     angles = json.loads(out.read_text(encoding="utf-8"))
     return max(abs(angles[time // step - 1] - angle) for time, angle in REFERENCE.items())
+
+
+HEAD = """## Gear and hydraulic actuator, coupled
+LandingGearRetraction.fmu and HydraulicActuator.fmu, each at its default tolerance, with the command as the parameters
+`command.*`. Largest error of `crank.angle` [rad] over 4 s against an independent integration of both as one system.
+With preview the gear's motion, reduced mass and load go to the actuator and `preview.force_mean` goes to the gear; the
+plain exchange is that of `actuator.force` and motion alone. Lost: an error above 0.1 rad, or a refused step.
+""".splitlines()
+TAIL = """
+In each step the loop in Python reads the gear's outputs before those of the actuator. libcosim and ECOS read all
+outputs after a step and pass them on before the next: the force is foreseen from the element of the step before, one
+step late. At 1 ms that costs nothing; beyond 8 ms the coupling is lost.
+""".splitlines()
+"""What stands before and after the table in the report."""
 
 
 def table(fmus: Path, work: Path) -> tuple[list[str], bool]:

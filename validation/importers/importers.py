@@ -1,4 +1,5 @@
-"""Drive the packed landing gear with several importers; compare the trajectories and write down what each one calls.
+"""Drive the packed landing gear with several importers; compare the trajectories and write down what each one calls;
+then couple the gear with its hydraulic actuator in each.
 
 usage: importers.py FMU --out importers.md [--work DIR]
 
@@ -22,6 +23,8 @@ import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+
+import coupled
 
 STEP = 1e-3
 """Communication step [s]."""
@@ -355,6 +358,8 @@ def report(fmu: Path, host: Path | None, work: Path) -> tuple[str, bool]:
         ("after the last step", ask("defaults", Trace.ending)),
         ("calls refused, all cases", lambda name: str(sum(len(traces[name, case].refused()) for case in CASES))),
     ]
+    pair, holds = coupled.table(fmu.parent, work)
+    good &= holds
     versions = ", ".join(f"{i.package} {importlib.metadata.version(i.package)}" for i in IMPORTERS.values())
     lines = [
         "# Importers",
@@ -377,6 +382,11 @@ def report(fmu: Path, host: Path | None, work: Path) -> tuple[str, bool]:
             [[q, *(a(name) for name in IMPORTERS)] for q, a in questions],
         ),
         "",
+        *coupled.HEAD,
+        "",
+        *pair,
+        *coupled.TAIL,
+        "",
         *(
             [
                 "## Another exporter's FMU in this project's host",
@@ -397,7 +407,7 @@ def report(fmu: Path, host: Path | None, work: Path) -> tuple[str, bool]:
 def main() -> None:
     """Run the comparison, or one run of it."""
     parser = argparse.ArgumentParser(description="Compare importers on the landing gear.")
-    parser.add_argument("fmu", type=Path, help="LandingGearRetraction.fmu")
+    parser.add_argument("fmu", type=Path, help="LandingGearRetraction.fmu, the others beside it")
     parser.add_argument("--host", type=Path, help="program of the package validation, whose coupling host is tried")
     parser.add_argument("--out", type=Path, default=Path("importers.md"), help="the report")
     parser.add_argument("--work", type=Path, default=Path("importers"), help="folder for traces and results")
