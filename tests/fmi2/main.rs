@@ -5,6 +5,7 @@ mod abi;
 mod clock;
 mod host;
 mod hostile;
+mod hydraulic_drive;
 mod hydraulics;
 mod importer;
 mod instantiate;
