@@ -149,6 +149,8 @@ fn nor_does_a_mechanism_with_a_hydraulic_circuit() {
         let mut values = vec![0.0; reals.len()];
         let inputs = ["valve.command", "supply.pressure"].map(|name| gear.reference(name));
         let (mut state, mut derivatives) = (State::NONE, [0.0]);
+        // A state has the inputs too.
+        assert_eq!(gear.set("valve.command", -0.1), Status::Ok);
         let exchange = |n: i32| {
             let t = f64::from(n) * h;
             assert_eq!(gear.save_into(&mut state), Status::Ok);
@@ -162,7 +164,7 @@ fn nor_does_a_mechanism_with_a_hydraulic_circuit() {
             assert_eq!(gear.step(t, h), Status::Ok);
         };
         assert_allocates_nothing(exchange, if held { "held" } else { "in motion" });
-        assert_eq!(gear.get("crank.angle") == Ok(0.8), held);
+        assert_eq!(gear.get("crank.speed") == Ok(0.0), held, "{:?}", gear.get("crank.angle"));
         assert_eq!(gear.free(&mut state), Status::Ok);
     }
 }
