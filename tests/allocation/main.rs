@@ -131,6 +131,44 @@ fn nor_does_the_hydraulic_actuator() {
     }
 }
 
+/// The landing gear with its hydraulic circuit, in motion and at rest at a stop.
+#[test]
+fn nor_does_a_mechanism_with_a_hydraulic_circuit() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/modelDescription/LandingGearRetractionHydraulic");
+    let description = Description::read(std::path::Path::new(folder)).unwrap();
+    for held in [false, true] {
+        let h = 1e-3;
+        let gear = description.instantiate(None, false).unwrap();
+        assert_eq!(gear.set_boolean("downstop.enabled", held), Status::Ok);
+        // More of it presses the gear against its down stop.
+        assert_eq!(gear.set("chamber_b.start_pressure", 15e6), Status::Ok);
+        assert_eq!(gear.initialize(), Status::Ok);
+        let list = description.interface().list();
+        let reals = (0..).zip(list).filter(|(_, v)| v.kind == linkage_fmu::variables::Kind::Real);
+        let reals: Vec<u32> = reals.map(|(reference, _)| reference).collect();
+        let mut values = vec![0.0; reals.len()];
+        let inputs = ["valve.command", "supply.pressure"].map(|name| gear.reference(name));
+        let (mut state, mut derivatives) = (State::NONE, [0.0]);
+        // A state has the inputs too.
+        assert_eq!(gear.set("valve.command", -0.1), Status::Ok);
+        let exchange = |n: i32| {
+            let t = f64::from(n) * h;
+            assert_eq!(gear.save_into(&mut state), Status::Ok);
+            let command = if held { -0.1 } else { 0.3 * t.sin() };
+            assert_eq!(gear.set_reals(&inputs, &[command, 20e6 + 1e5 * t]), Status::Ok);
+            assert_eq!(gear.set_rates(inputs[1], &[1e5, 0.0]), Status::Ok);
+            assert_eq!(gear.step(t, h), Status::Ok);
+            assert_eq!(gear.derivatives(&[gear.reference("supply.flow")], inputs[1], &mut derivatives), Status::Ok);
+            assert_eq!(gear.reals(&reals, &mut values), Status::Ok);
+            assert_eq!(gear.restore(&state), Status::Ok);
+            assert_eq!(gear.step(t, h), Status::Ok);
+        };
+        assert_allocates_nothing(exchange, if held { "held" } else { "in motion" });
+        assert_eq!(gear.get("crank.speed") == Ok(0.0), held, "{:?}", gear.get("crank.angle"));
+        assert_eq!(gear.free(&mut state), Status::Ok);
+    }
+}
+
 /// A state that is saved and restored in every step costs no evaluation and no further integration step, and takes one
 /// small block of memory. With the test above these are all its costs; `cargo fmu bench` has the times.
 #[test]

@@ -623,3 +623,20 @@ fn oil_without_air_has_no_pressure_below_absolute_zero() {
     let error = (0..500).find_map(|_| gear.0.step(1e-3).err()).unwrap().to_string();
     assert_says(error, &["chamber_", "absolute", "fluid.air_fraction"]);
 }
+
+/// An input that changes takes effect at once, though steps may have gone on beyond the communication point.
+#[test]
+fn a_change_of_a_port_takes_effect_at_once() {
+    for (name, value) in [("valve.command", -0.3), ("supply.pressure", 15e6), ("tank.pressure", 1e6)] {
+        let end = |steps: u32| {
+            let mut gear = retraction(1e-11);
+            gear.steps(steps, 0.5);
+            gear.set(name, value);
+            gear.steps(steps, 0.05);
+            (gear.get("crank.angle"), gear.get("chamber_a.pressure"), gear.get("energy.supplied"))
+        };
+        let (whole, many) = (end(1), end(500));
+        assert!((whole.0 - many.0).abs() < 1e-9, "{name}: {whole:?} {many:?}");
+        assert!((whole.1 / many.1 - 1.0).abs() < 1e-8 && (whole.2 / many.2 - 1.0).abs() < 1e-9, "{name}");
+    }
+}

@@ -7,6 +7,7 @@ use crate::codec::record::{Damaged, Record};
 use crate::integrator::{Integrator, Statistics};
 use crate::mechanism::dynamics::hydraulic::{CIRCUIT, DRIVEN};
 use crate::mechanism::error::ModelError;
+use crate::mechanism::loads::resolved::PORTS;
 use crate::mechanism::motion::contact::{BumperPlaces, Contact, Place, RigidEnd, Travel};
 use crate::mechanism::motion::events::Event;
 use crate::mechanism::motion::step_ahead::Lookahead;
@@ -62,6 +63,8 @@ pub struct CircuitMemory {
     pub circuit: CircuitState,
     /// State at the beginning of the last step, for a step that fails.
     pub before: CircuitState,
+    /// Command of the valve and pressures of supply and tank at the beginning of the last step.
+    pub ports: [f64; PORTS],
 }
 
 /// State of the hydraulic circuit of a drive.
@@ -91,7 +94,13 @@ impl CircuitState {
 impl CircuitMemory {
     /// A circuit that begins in this state.
     pub fn new(circuit: CircuitState) -> Self {
-        Self { integrator: Integrator::default(), lookahead: Lookahead::default(), circuit, before: circuit }
+        Self {
+            integrator: Integrator::default(),
+            lookahead: Lookahead::default(),
+            circuit,
+            before: circuit,
+            ports: [0.0; PORTS],
+        }
     }
 
     /// All fields, written or read.
@@ -99,6 +108,7 @@ impl CircuitMemory {
         record.all_finite("time", &mut self.circuit.time)?;
         record.all_finite("state of the circuit", &mut self.circuit.values)?;
         self.before = self.circuit;
+        record.all_finite("input of the circuit", &mut self.ports)?;
         self.integrator.record(record)?;
         self.lookahead.record(record)
     }
@@ -168,7 +178,7 @@ impl Memory {
             (Self::WithCircuit(own), Self::WithCircuit(other)) => {
                 own.integrator.copy_from(&other.integrator);
                 own.lookahead.copy_from(&other.lookahead);
-                (own.circuit, own.before) = (other.circuit, other.before);
+                (own.circuit, own.before, own.ports) = (other.circuit, other.before, other.ports);
             }
             (own, other) => *own = other.clone(),
         }

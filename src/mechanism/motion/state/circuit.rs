@@ -7,10 +7,12 @@ use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::hydraulic::{DRIVEN, MOTION, Ports};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
+use crate::mechanism::loads::resolved::PORTS;
 use crate::mechanism::motion::advance::{Advance, Left, Progress, Stopped};
 use crate::mechanism::motion::contact::{Contact, Ends, Travel};
 use crate::mechanism::motion::saved::CircuitMemory;
 use crate::mechanism::reduced::Reduced;
+use crate::numerics::bits::same_bits;
 
 /// Length beyond the ends of the cylinder's travel that rounding explains [m].
 const SLACK: f64 = 1e-9;
@@ -30,7 +32,7 @@ impl Driven<'_, '_> {
     /// state reached.
     pub fn run(self, [sigma, sigma_dot]: [f64; 2], h: f64, max_steps: u64) -> (Result<f64, Stopped>, [f64; DRIVEN]) {
         let Self { dynamics, memory, ends, contact, tolerance, inputs } = self;
-        let CircuitMemory { integrator, lookahead, circuit, before } = memory;
+        let CircuitMemory { integrator, lookahead, circuit, before, ports } = memory;
         *before = *circuit;
         let mut z = [0.0; DRIVEN];
         (z[0], z[1]) = (sigma, sigma_dot);
@@ -40,6 +42,14 @@ impl Driven<'_, '_> {
         let Ok(length) = reduced.displacement(drive.load) else { return (Err(Stopped::Circuit(Left::Length)), z) };
         if lookahead.begin(tolerance, ends.locked) {
             integrator.branch_off();
+        }
+        let now = &inputs.reals[drive.first_input..drive.first_input + PORTS];
+        if !same_bits(ports, now) {
+            ports.copy_from_slice(now);
+            if lookahead.invalidate() {
+                integrator.branch_off();
+            }
+            integrator.refresh();
         }
         dynamics.ports = Some(Ports::new(drive, length, inputs, circuit.time[0], h));
         let progress = Progress::within(integrator.attempts() + max_steps);
