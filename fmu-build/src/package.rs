@@ -1,6 +1,7 @@
 //! `cargo fmu package`: a definition becomes an FMU.
 //!
-//! In: a definition file of any kind of model. Out: `<Name>.fmu`, and for a folder of `modelDescription/` its `modelDescription.xml`.
+//! In: a definition file of any kind of model. Out: `<Name>.fmu`, and for a folder of `modelDescription/` its
+//! `modelDescription.xml`.
 
 use crate::archive::{self, Entry, MODEL_DESCRIPTION};
 use crate::binary::{self, Binary};

@@ -123,6 +123,7 @@ impl Default for Memory {
 impl Memory {
     /// Integrate the energy lost or not: it counts in steps with loads that the state decides or with inputs that
     /// change.
+    #[inline]
     pub fn set_dissipation(&mut self, with_dissipation: bool) {
         match self {
             Self::Conservative(i) if with_dissipation => {

@@ -63,7 +63,7 @@ struct Arrival {
     /// Revolutions that sigma does not count.
     passed: f64,
     /// How far an advance has come that met the bound on its work.
-    interrupted: Option<Progress>,
+    interrupted: Option<Box<Progress>>,
 }
 
 /// Whether air of this speed [m/s] acts on the surfaces.
@@ -163,7 +163,7 @@ impl State {
         let (airspeed, reference, air) = (self.airspeed, self.reference, self.air);
         let (state_loads, changed) = self.apply(reduced, inputs, h)?;
         let before = (self.revolutions, self.memory.statistics());
-        let advanced = self.advance((reduced, state_loads), inputs, h, solver).map_err(|stopped| match stopped {
+        let mut advanced = self.advance((reduced, state_loads), inputs, h, solver).map_err(|stopped| match stopped {
             Stopped::Integration(error) => ModelError::Integration(error),
             Stopped::Circuit(left) => left_circuit(reduced, left),
             _ => ModelError::Locked { position: self.describe(reduced) },
@@ -171,7 +171,7 @@ impl State {
         if inputs.signal.ahead {
             self.right_hand_side_changed();
         }
-        let interrupted = advanced.as_ref().ok().and_then(|arrival| arrival.interrupted);
+        let interrupted = advanced.as_mut().ok().and_then(|arrival| arrival.interrupted.take());
         let arrived = advanced.and_then(|arrival| self.arrive(reduced, arrival));
         if arrived.is_err() {
             (self.airspeed, self.reference, self.air) = (airspeed, reference, air);
@@ -254,7 +254,7 @@ impl State {
         match advanced {
             Ok(impacts) => Ok(Arrival { y, lost: impacts + lost, contact, passed, interrupted: None }),
             Err(Stopped::Budget(progress)) => {
-                Ok(Arrival { y, lost: progress.lost + lost, contact, passed, interrupted: Some(progress) })
+                Ok(Arrival { y, lost: progress.lost + lost, contact, passed, interrupted: Some(Box::new(progress)) })
             }
             Err(stopped) => Err(stopped),
         }
