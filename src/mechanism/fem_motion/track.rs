@@ -3,6 +3,7 @@
 //! In: the bodies' angles and speeds. Out: sigma, the minimum of 1/2 sum (q(sigma) - q_fem)^2 next to the last sigma,
 //! and sigma_dot, the projection of the speeds: sum q_sigma q_dot / sum q_sigma^2. It must not know forces.
 use crate::mechanism::error::ModelError;
+use crate::mechanism::motion::MOST_REVOLUTIONS;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::reduced::Reduced;
 use crate::mechanism::rigid_fem::{self, RigidFem};
@@ -75,6 +76,9 @@ impl<'a> Track<'a> {
                 let around = ((self.sigma - first) / period).floor();
                 self.sigma -= around * period;
                 self.revolutions += around;
+                if self.revolutions.abs() > MOST_REVOLUTIONS {
+                    return Err(ModelError::Overflow { name: "the number of revolutions".into() });
+                }
                 Ok(())
             }
             _ => Err(ModelError::Travel { position: reduced.curve().describe(self.sigma, self.revolutions) }),

@@ -10,4 +10,4 @@ pub mod step_ahead;
 pub mod travel;
 mod work;
 
-pub use saved::{CircuitState, SavedState};
+pub use saved::{CircuitState, MOST_REVOLUTIONS, SavedState};

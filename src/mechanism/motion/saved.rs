@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// Part of a closed curve's length by which sigma may be beyond its ends by rounding.
 const ROUNDING: f64 = 1e-12;
 /// Most revolutions, so that one more of them still counts.
-pub(super) const MOST_REVOLUTIONS: f64 = 1e15;
+pub const MOST_REVOLUTIONS: f64 = 1e15;
 
 /// The part of a state of motion that decides how it continues.
 #[derive(Clone, Debug, Default)]

@@ -267,7 +267,7 @@ impl State {
         reduced: &Reduced,
         Arrival { mut y, lost, contact, passed, .. }: Arrival,
     ) -> Result<(), ModelError> {
-        if !(y[1] + lost).is_finite() {
+        if !(y[1] + lost).is_finite() || !(self.reference - lost).is_finite() {
             return Err(ModelError::Overflow { name: "the motion at the end of the step".into() });
         }
         let (first, last) = reduced.curve().range;
