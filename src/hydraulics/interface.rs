@@ -188,7 +188,7 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     (
         "energy.balance",
-        "Energy supplied less all other energies: error of the integration",
+        "Energy supplied less all other energies: 0 but for rounding",
         Unit::Joule,
         Output::Balance,
         &[],

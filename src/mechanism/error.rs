@@ -176,8 +176,8 @@ impl fmt::Display for ModelError {
             ),
             Self::Vacuum { chamber, pressure } => write!(
                 f,
-                "{chamber}.pressure = {} Pa is not above absolute zero: oil without air has no such pressure; give \
-                 fluid.air_fraction a value > 0, or raise anticavitation.conductance",
+                "{chamber}.pressure = {} Pa is not above absolute zero; lower solver.tolerance, give fluid.air_fraction \
+                 a larger value, or raise anticavitation.conductance",
                 Decimal::rounded(*pressure)
             ),
             Self::LoadOverflow { name, value } => write!(

@@ -120,7 +120,7 @@ const OUTPUTS: &[Row] = &[
     (
         "energy",
         "balance",
-        "Energy supplied less all other energies of the circuit: error of the integration",
+        "Energy supplied less all other energies of the circuit: 0 but for rounding",
         Joule,
         Hydraulic::Balance,
         [false; 3],

@@ -75,7 +75,8 @@ impl Driven<'_, '_> {
 fn left(dynamics: &EquationOfMotion<'_>, z: &[f64; DRIVEN]) -> Option<Left> {
     let drive = dynamics.reduced.loading().hydraulics.as_ref()?;
     let vacuum = -drive.laws.ambient();
-    if let Some(chamber) = (0..2).find(|chamber| z[MOTION + chamber] <= vacuum) {
+    // At absolute zero a pressure has no rate, so that it may be no number after it.
+    if let Some(chamber) = (0..2).find(|chamber| z[MOTION + chamber].is_nan() || z[MOTION + chamber] <= vacuum) {
         return Some(Left::Vacuum(chamber, z[MOTION + chamber]));
     }
     let (length, [least, most]) = (dynamics.actuator_length(z[0])?, drive.laws.lengths());
@@ -88,7 +89,7 @@ pub fn left_circuit(reduced: &Reduced, left: Left) -> ModelError {
     let name =
         || reduced.loading().hydraulics.as_ref().map_or("", |d| &reduced.loading().drives[d.load].name).to_owned();
     match left {
-        Left::Stroke(length) => stroke(reduced, length, "a motion"),
+        Left::Stroke(length) => stroke(reduced, length, "the end of the step"),
         Left::Vacuum(chamber, pressure) => {
             ModelError::Vacuum { chamber: ["chamber_a", "chamber_b"][chamber], pressure }
         }
