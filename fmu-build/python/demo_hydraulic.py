@@ -247,7 +247,7 @@ def report(runs: list[Run], whole: list[tuple[float, float]]) -> str:
         f"energies                      supplied {last['energy.supplied']:.1f} J, throttled "
         f"{last['energy.throttling']:.1f} J, on the piston {last['energy.piston']:.1f} J, gained by the gear "
         f"{gained:.1f} J",
-        f"energy.balance                {last['energy.balance']:.1e} J (error of the hydraulics' integration)",
+        f"energy.balance                {last['energy.balance']:.1e} J (0 but for rounding)",
         f"coupling.stable_step          {1e3 * min(limits):.2f} to {1e3 * max(limits):.2f} ms on the way: what a plain "
         "exchange stands",
     ]
