@@ -306,6 +306,22 @@ impl CommandSignal {
     }
 }
 
+/// Pressures of the ports and the command during a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Surroundings {
+    pub supply: Polynomial,
+    pub tank: Polynomial,
+    pub command: CommandSignal,
+}
+
+impl Surroundings {
+    /// Pressures of supply and tank [Pa], and the command, t [s] after the beginning of the step.
+    #[inline]
+    pub fn at(&self, t: f64) -> [f64; 3] {
+        [self.supply.at(t), self.tank.at(t), self.command.at(t)]
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -167,7 +167,10 @@ impl Model {
                 if let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) {
                     let loads = reduced.loading().inputs.len();
                     match state {
-                        Formulation::Reduced(motion) => motion.set_input(i, loads, value),
+                        Formulation::Reduced(motion) => {
+                            motion.set_input(i, loads, value);
+                            motion.state.fill_accumulator(reduced, i, value);
+                        }
                         Formulation::RigidFem(motion) => motion.set_input(i, loads, value),
                     }
                 }

@@ -1,11 +1,11 @@
 //! What a step tells its host without refusing it, each once after the initialisation.
 //!
 //! In: the inputs and the state of a step. Out: one line of text. It must not change the state.
-use super::Setting;
+
 use crate::hydraulics::circuit::Point;
 use crate::hydraulics::inputs::Input;
 use crate::hydraulics::outputs::stable_step;
-use crate::hydraulics::state::State;
+use crate::hydraulics::state::{Setting, State};
 use crate::numerics::decimal::Decimal;
 
 /// Kinds of warnings.

@@ -32,7 +32,7 @@ pub enum Event {
     Reversal,
     /// The slip speed of a friction joint leaves the range of its regime.
     Regime(usize),
-    /// A border along sigma is passed at which the right-hand side is less smooth.
+    /// A border in the space of states is passed at which the right-hand side is less smooth.
     Border(usize),
     /// The interpolant has no finite value, as friction locks in a state that it tried: the step is taken again,
     /// shorter.
@@ -93,7 +93,7 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
     let joints = dynamics.friction_joints();
     let changing = (0..joints).find(|&joint| held_regime != Some(joint) && may_change_regime(dynamics, joint, step));
     let passed = |dynamics: &mut D, border: usize| {
-        let [before, after] = [&step.start, &step.end].map(|z| dynamics.beyond_border(border, z[0]));
+        let [before, after] = [&step.start, &step.end].map(|z| dynamics.beyond_border(border, z));
         before * after < 0.0
     };
     let is_passed = (0..dynamics.borders()).any(|border| passed(dynamics, border));
@@ -208,7 +208,7 @@ pub fn excess<D: Dynamics<N>, const N: usize>(dynamics: &mut D, contact: &Contac
         Event::Reversal => -dynamics.direction() * z[1],
         Event::Bumper(bumper) => excess_of_bumper(dynamics, bumper, contact.touching().contains(bumper), [z[0], z[1]]),
         Event::Regime(joint) => excess_of_slip(dynamics, joint, [z[0], z[1]]),
-        Event::Border(border) => dynamics.beyond_border(border, z[0]),
+        Event::Border(border) => dynamics.beyond_border(border, z),
         Event::Stop(_) | Event::Undefined => 0.0,
     }
 }
@@ -265,7 +265,7 @@ fn bumper_event<D: Dynamics<N>, const N: usize>(
 /// Part of a step after which a border is passed that is between its ends.
 #[cold]
 fn border_passage<D: Dynamics<N>, const N: usize>(dynamics: &mut D, dense: &Dense<N>, border: usize) -> f64 {
-    let mut beyond = |part: f64| dynamics.beyond_border(border, dense.component(0, part));
+    let mut beyond = |part: f64| dynamics.beyond_border(border, &dense.at(part));
     let after = beyond(1.0);
     bisect(|part| beyond(part) * after >= 0.0, 0.0, 1.0)[1]
 }

@@ -2,6 +2,8 @@
 //!
 //! In: an equation of motion, the state of the circuit, inputs. Out: the state after the step, or how the motion has left
 //! what the circuit allows. It must not know outputs.
+use super::State;
+use crate::hydraulics::circuit::SUPPLY;
 use crate::hydraulics::definition::ABOVE_VACUUM;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::hydraulic::{DRIVEN, MOTION, Ports};
@@ -10,7 +12,7 @@ use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::resolved::PORTS;
 use crate::mechanism::motion::advance::{Advance, Left, Progress, Stopped};
 use crate::mechanism::motion::contact::{Contact, Ends, Travel};
-use crate::mechanism::motion::saved::CircuitMemory;
+use crate::mechanism::motion::saved::{CircuitMemory, Memory};
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::bits::same_bits;
 
@@ -130,6 +132,21 @@ pub fn check_lengths(reduced: &Reduced, travel: &Travel, sigma: f64, revolutions
         met.reduce(Result::or).unwrap_or(Ok(()))?;
     }
     Ok(())
+}
+
+impl State {
+    /// The input with this index has this value: before the first step `supply.pressure` is the start of an accumulator.
+    pub fn fill_accumulator(&mut self, reduced: &Reduced, input: usize, value: f64) {
+        let Some(drive) = reduced.loading().hydraulics.as_ref().filter(|drive| drive.laws.supply_unit().is_some())
+        else {
+            return;
+        };
+        if let (true, Memory::WithCircuit(memory)) = (input == drive.first_input + 1, &mut self.saved.memory)
+            && memory.circuit.time == [0.0; 2]
+        {
+            memory.circuit.values[SUPPLY] = value;
+        }
+    }
 }
 
 /// Refuse pressures of the ports at or below absolute zero.

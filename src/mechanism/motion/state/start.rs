@@ -5,7 +5,6 @@
 use super::{State, airspeed, blows_under, check_lengths, state_loads};
 use crate::mechanism::definition::{DefinitionError, Mechanism};
 use crate::mechanism::dynamics::equation::Scratch;
-use crate::mechanism::dynamics::hydraulic::CIRCUIT;
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::laws::stop::Stop;
@@ -89,9 +88,8 @@ impl State {
             },
             scratch: Scratch::new(state_loads),
         };
-        if let Some((_, _, circuit)) = mechanism.hydraulic_drive() {
-            let mut values = [0.0; CIRCUIT];
-            values[..2].copy_from_slice(&[circuit.chamber_a.start_pressure, circuit.chamber_b.start_pressure]);
+        if let (Some((_, _, circuit)), Some(drive)) = (mechanism.hydraulic_drive(), &reduced.loading().hydraulics) {
+            let values = drive.laws.start(circuit, inputs.reals[drive.first_input + 1]);
             let circuit = CircuitState { values, ..CircuitState::default() };
             state.memory = Memory::WithCircuit(Box::new(CircuitMemory::new(circuit)));
         }
