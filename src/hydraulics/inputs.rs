@@ -4,6 +4,7 @@
 //! point; the instants within a step at which the law of the command has a kink. It must not know what they act on.
 use super::definition::Command;
 use crate::codec::record::{Damaged, Record};
+use crate::numerics::decimal::Decimal;
 use std::f64::consts::TAU;
 
 /// An input, by its index.
@@ -267,6 +268,17 @@ impl CommandSignal {
         self.input.0[0].abs() + self.input.spread(h) + size(self.ramp) + size(self.sine) > 1.0
     }
 
+    /// The largest command that is clipped at the ends and the quarters of a step of size h; none if none is.
+    #[inline]
+    pub fn clipped(&self, h: f64) -> Option<f64> {
+        if !self.may_clip(h) {
+            return None;
+        }
+        let wanted = [0.0, 0.25, 0.5, 0.75, 1.0].map(|part| self.wanted(part * h));
+        let largest = wanted.into_iter().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
+        (largest.abs() > 1.0).then_some(largest)
+    }
+
     /// Calls `found` with instants in (0, h) at which the command has a kink: the end of the ramp, and, where no sine
     /// acts, the passages of -1 and 1. The error control meets those of a sine.
     pub fn kinks(&self, h: f64, found: &mut impl FnMut(f64)) {
@@ -304,6 +316,13 @@ impl CommandSignal {
             clip(&after, end, h);
         }
     }
+}
+
+/// What a host is told of a command that is clipped.
+#[cold]
+pub fn clipping(command: f64) -> String {
+    let command = Decimal::rounded(command);
+    format!("valve.command with command.* is {command}: clipped to the range from -1 to 1")
 }
 
 /// Pressures of the ports and the command during a step.

@@ -8,7 +8,7 @@ mod step;
 mod warnings;
 
 use super::circuit::{ENERGY, Point, SUPPLY};
-use super::definition::{ABOVE_VACUUM, HydraulicActuator, Mode};
+use super::definition::{ABOVE_VACUUM, HydraulicActuator, Mode, is_pressure};
 use super::error::HydraulicsError;
 use super::inputs::{INPUTS, Input, Inputs};
 use super::interface::{self, Quantity};
@@ -20,7 +20,7 @@ use crate::variables::{Reference, Terminal, Variables};
 pub use derivatives::{INPUT_ORDER, OUTPUT_ORDER};
 pub(super) use parameters::{Original, Parameters};
 use std::sync::Arc;
-use warnings::{Warning, Warnings};
+use warnings::Warnings;
 
 /// One hydraulic actuator with its parameters, inputs and state.
 #[derive(Clone, Debug)]
@@ -137,8 +137,8 @@ impl Model {
             let h = inputs.get(Input::Horizon);
             cache.read = true;
             let foreseen = foreseen(parameters, inputs, state, cache, h);
-            if foreseen == &Err(Blind::Toggle) {
-                warnings.raise(Warning::Toggle, [inputs.get(Input::Mass), h]);
+            if let Err(blind) = foreseen {
+                warnings::blind(warnings, *blind, inputs, h);
             }
             let preview = preview(parameters, inputs, state, foreseen.as_ref().ok(), h);
             return Ok(output.foreseen(&preview).unwrap_or(f64::NAN));
@@ -163,9 +163,9 @@ impl Model {
             Some(Quantity::Parameter(index)) => self.original.ranges[index].0,
             Some(Quantity::Input(index)) => match Input::ALL[index] {
                 Input::Supply | Input::Tank => {
-                    let vacuum = -self.parameters.laws.ambient();
-                    let allowed = || format!("a finite number {ABOVE_VACUUM}; that is {vacuum} Pa");
-                    return if value > vacuum && value.is_finite() { Ok(()) } else { refuse(allowed()) };
+                    let ambient = self.parameters.laws.ambient();
+                    let allowed = || format!("a number {ABOVE_VACUUM}; the former is {} Pa", -ambient);
+                    return if is_pressure(value, ambient) { Ok(()) } else { refuse(allowed()) };
                 }
                 Input::Mass => Range::NonNegative,
                 Input::Horizon => Range::Positive,

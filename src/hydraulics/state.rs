@@ -17,9 +17,6 @@ pub use march::interrupted;
 use march::{Instants, Levels, March};
 pub use preview::{Blind, Foreseen, Preview};
 
-/// Length beyond the ends of the cylinder's travel that rounding of the host explains [m].
-const SLACK: f64 = 1e-9;
-
 /// Where a hydraulic actuator is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
@@ -77,9 +74,31 @@ impl Setting<'_> {
 
     /// Refuse a length that the cylinder does not have.
     pub fn check_length(&self, length: f64) -> Result<(), HydraulicsError> {
-        let lengths = self.laws.lengths();
-        let within = length >= lengths[0] - SLACK && length <= lengths[1] + SLACK;
-        if within { Ok(()) } else { Err(HydraulicsError::Travel { length, lengths }) }
+        if self.laws.has_length(length) {
+            return Ok(());
+        }
+        Err(HydraulicsError::Travel { length, lengths: self.laws.lengths() })
+    }
+
+    /// Refuse a motion of the inputs that leads within a step of size h to a length that the cylinder does not have.
+    pub fn check_way(&self, h: f64) -> Result<(), HydraulicsError> {
+        let (path, lengths) = (self.inputs.length(), self.laws.lengths());
+        let begin = self.inputs.get(Input::Length);
+        let spread = path.spread(h);
+        if begin - spread >= lengths[0] && begin + spread <= lengths[1] {
+            return Ok(());
+        }
+        // The farthest length is at the end, or where the speed is 0.
+        let mut farthest = path.at(h);
+        let beyond = |length: f64| (lengths[0] - length).max(length - lengths[1]);
+        self.inputs.polynomial(Input::Speed).passages(0.0, h, &mut |t| {
+            let length = path.at(t);
+            farthest = if beyond(length) > beyond(farthest) { length } else { farthest };
+        });
+        if self.laws.has_length(farthest) {
+            return Ok(());
+        }
+        Err(HydraulicsError::Overrun { speed: self.inputs.get(Input::Speed), length: farthest, lengths })
     }
 }
 

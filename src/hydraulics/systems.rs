@@ -58,6 +58,11 @@ impl System<CIRCUIT> for Driven<'_> {
         self.laws.sizes(y)
     }
 
+    #[inline]
+    fn admits(&mut self, y: &[f64; CIRCUIT]) -> bool {
+        self.laws.has_pressures(y)
+    }
+
     fn jacobian(&mut self, t: f64, y: &[f64; CIRCUIT]) -> [[f64; CIRCUIT]; CIRCUIT] {
         let mut duals: [Dual<5>; CIRCUIT] = y.map(Dual::constant);
         for (k, component) in DRIVING.into_iter().take(5).enumerate() {
@@ -154,6 +159,12 @@ impl System<ELEMENT> for Coupled<'_> {
         scale
     }
 
+    #[inline]
+    fn admits(&mut self, y: &[f64; ELEMENT]) -> bool {
+        let [circuit @ .., _, _, _, _] = y;
+        self.laws.has_pressures(circuit)
+    }
+
     fn jacobian(&mut self, t: f64, y: &[f64; ELEMENT]) -> [[f64; ELEMENT]; ELEMENT] {
         let mut duals: [Dual<7>; ELEMENT] = y.map(Dual::constant);
         for (k, component) in DRIVING.into_iter().enumerate() {
@@ -197,5 +208,9 @@ impl System<TANGENT> for Tangent<'_> {
         let scale = self.coupled.scale(&values, &std::array::from_fn(|k| f[k]));
         // The derivative is as exact as the motion, which the control of its errors sees to.
         std::array::from_fn(|k| if k < ELEMENT { scale[k] } else { FREE })
+    }
+
+    fn admits(&mut self, y: &[f64; TANGENT]) -> bool {
+        y.first_chunk().is_some_and(|values| self.coupled.admits(values))
     }
 }

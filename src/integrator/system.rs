@@ -23,6 +23,12 @@ pub trait System<const N: usize> {
     /// Size of each component, to which the relative tolerance applies; positive. `f` is f(t, y).
     fn scale(&mut self, y: &[f64; N], f: &[f64; N]) -> [f64; N];
 
+    /// Whether a step may end at y: a step to a state where f has no meaning was too long, whatever its error estimate.
+    #[inline]
+    fn admits(&mut self, _y: &[f64; N]) -> bool {
+        true
+    }
+
     /// df/dy: row i is the gradient of f_i. By default from one-sided differences; a system that can be stiff should
     /// know better, as Newton's method converges the faster the more exact this is.
     fn jacobian(&mut self, t: f64, y: &[f64; N]) -> [[f64; N]; N] {

@@ -12,6 +12,7 @@
 //! Sources: Merritt, Hydraulic Control Systems (1967); Jelali, Kroll, Hydraulic Servo-systems (2003); regRoot of
 //! Modelica.Fluid.Utilities.
 mod flows;
+mod limits;
 mod oil;
 mod rates;
 mod seal;
@@ -22,6 +23,7 @@ mod supply;
 mod tests;
 
 use super::definition::Circuit;
+pub use limits::{Left, SLACK};
 pub use rates::{CIRCUIT, ENERGIES, ENERGY, Rates, SUPPLY};
 pub use smooth::{gate, soft};
 use std::f64::consts::{FRAC_PI_4, TAU};
@@ -202,11 +204,6 @@ impl Equations {
     /// Natural frequency of the spool [rad/s].
     pub fn spool_frequency(&self) -> f64 {
         self.omega
-    }
-
-    /// Whether the oil holds air, which keeps absolute pressures above 0.
-    pub fn has_air(&self) -> bool {
-        self.air > 0.0
     }
 
     /// Least and largest length of the actuator [m].

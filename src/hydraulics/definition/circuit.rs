@@ -88,7 +88,18 @@ impl Default for Tank {
 }
 
 /// Range of the pressures that are relative to the ambient pressure, in words.
-pub const ABOVE_VACUUM: &str = "above -fluid.ambient_pressure, as pressures are relative to the surroundings";
+pub const ABOVE_VACUUM: &str =
+    "above -fluid.ambient_pressure, as pressures are relative to the surroundings, and at most 1e12 Pa";
+/// Largest pressure [Pa], beyond which a sum of flows and powers means nothing.
+const MOST_PRESSURE: f64 = 1e12;
+/// Least band of a pump over which its flow falls, as a part of its absolute pressure: less is not resolved by the
+/// integration.
+const LEAST_BAND: f64 = 1e-5;
+
+/// Whether a gauge pressure [Pa] is one that a port may have under this ambient pressure.
+pub fn is_pressure(pressure: f64, ambient: f64) -> bool {
+    pressure > -ambient && pressure <= MOST_PRESSURE
+}
 
 impl Circuit {
     /// Call `visit` with every parameter and its value, in the order of the file. `roles`: role of the parameters of a
@@ -145,14 +156,20 @@ impl Circuit {
             ("chamber_b.start_pressure", self.chamber_b.start_pressure),
             ("accumulator.precharge_pressure", self.accumulator.precharge_pressure),
         ] {
-            if !(pressure > vacuum && pressure.is_finite()) {
+            if !is_pressure(pressure, self.fluid.ambient_pressure) {
                 let allowed = format!("{ABOVE_VACUUM}; that is {} Pa", Decimal(vacuum));
                 return Err(DefinitionError::value(key, Decimal(pressure), allowed));
             }
         }
         let pump = &self.pump;
-        if pump.max_pressure <= pump.full_pressure {
-            let allowed = format!("above pump.full_pressure = {} Pa", Decimal(pump.full_pressure));
+        let band = LEAST_BAND * (pump.max_pressure.abs() + self.fluid.ambient_pressure);
+        if pump.max_pressure - pump.full_pressure < band {
+            let allowed = format!(
+                "above pump.full_pressure = {} Pa by at least {} Pa, 1e-5 of it, for the integration to resolve the band \
+                 over which the flow falls",
+                Decimal(pump.full_pressure),
+                Decimal::rounded(band)
+            );
             return Err(DefinitionError::value("pump.max_pressure", Decimal(pump.max_pressure), allowed));
         }
         Ok(())

@@ -4,7 +4,7 @@
 //! must not know outputs.
 use super::warnings::{self, Warning, Warnings};
 use super::{Model, foreseen, point};
-use crate::hydraulics::definition::{ABOVE_VACUUM, Mode};
+use crate::hydraulics::definition::{ABOVE_VACUUM, Mode, is_pressure};
 use crate::hydraulics::error::HydraulicsError;
 use crate::hydraulics::inputs::Input;
 use crate::hydraulics::state::{Blind, Setting, interrupted};
@@ -69,9 +69,7 @@ impl Model {
             }
             blind => {
                 if let Err(blind) = blind {
-                    if *blind == Blind::Toggle {
-                        warnings.raise(Warning::Toggle, [inputs.get(Input::Mass), h]);
-                    }
+                    warnings::blind(warnings, *blind, inputs, h);
                     if *blind == Blind::Failed && mode == Mode::Preview {
                         // Found again for its text.
                         let failed = state.foresee(&setting, h).err().and_then(|(_, error)| error);
@@ -103,7 +101,7 @@ fn check_inputs_at(setting: &Setting<'_>, h: f64) -> Result<(), HydraulicsError>
     }
     for (input, name) in [(Input::Supply, "supply.pressure"), (Input::Tank, "tank.pressure")] {
         let value = inputs.polynomial(input).at(h);
-        if !(value > -laws.ambient() && value.is_finite()) {
+        if !is_pressure(value, laws.ambient()) {
             let name = format!("{name} at the end of the step");
             return Err(HydraulicsError::Value { name, value, allowed: ABOVE_VACUUM.into() });
         }
@@ -115,5 +113,5 @@ fn check_inputs_at(setting: &Setting<'_>, h: f64) -> Result<(), HydraulicsError>
             return Err(HydraulicsError::Value { name, value, allowed: "finite".into() });
         }
     }
-    setting.check_length(inputs.length().at(h))
+    setting.check_way(h)
 }

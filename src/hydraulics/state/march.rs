@@ -125,27 +125,19 @@ impl<'a> March<'a> {
             };
             *y = step.end;
             self.t = if step.reached { end } else { self.t + step.h };
-            if !self.laws.has_air() {
-                self.check_vacuum(y)?;
-            }
         }
         Ok(true)
     }
 
-    /// Refuse absolute pressures that oil without air does not have.
-    fn check_vacuum(&self, y: &[f64]) -> Result<(), HydraulicsError> {
-        for (chamber, p) in ["chamber_a", "chamber_b"].into_iter().zip(y) {
-            let pressure = p + self.laws.ambient();
-            if pressure <= 0.0 {
-                return Err(HydraulicsError::Vacuum { chamber, pressure, time: self.t });
-            }
-        }
-        Ok(())
-    }
-
+    /// Why the integration comes no further from the state y; `length`: of the actuator there.
     #[cold]
     fn stuck(&self, IntegrationError::StepTooSmall { .. }: IntegrationError, y: &[f64]) -> HydraulicsError {
-        HydraulicsError::Stuck { time: self.t, pressures: [y[0], y[1]] }
+        let (laws, time) = (self.laws, self.t);
+        let near = |chamber: &usize| laws.is_at_vacuum(y[*chamber]);
+        if let Some(chamber) = (0..2).find(near) {
+            return HydraulicsError::Vacuum { chamber: ["chamber_a", "chamber_b"][chamber], time };
+        }
+        HydraulicsError::Stuck { time, what: laws.describe_pressures([y[0], y[1]]) }
     }
 }
 

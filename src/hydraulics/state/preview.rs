@@ -9,10 +9,13 @@ use crate::hydraulics::error::HydraulicsError;
 use crate::hydraulics::inputs::Input;
 use crate::hydraulics::systems::{Coupled, ELEMENT, Element, IMPULSE, LENGTH, MOMENT, SPEED, TANGENT, Tangent};
 use crate::integrator::{Integrator, System};
+use crate::numerics::decimal::Decimal;
 use crate::numerics::dual::{Dual, Number};
 
 /// Change of the mass over one step, as a part of the mass, from which one element does not foresee the motion.
 const MASS_CHANGE: f64 = 0.5;
+/// Acceleration of an element that no mass and load have [m/s2].
+const MOST_ACCELERATION: f64 = 1e30;
 
 /// The motion foreseen with one element over a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,6 +71,9 @@ impl State {
         let element = element_of(self.last.as_ref(), contact, &ELEMENT_INPUTS.map(get));
         let force = setting.laws.force(self.pressures(), speed);
         let acceleration = element.acceleration(force, element.length, speed, 0.0);
+        if acceleration.is_nan() || acceleration.abs() > MOST_ACCELERATION {
+            return Err(Blind::Failed);
+        }
         let way = (speed.abs() + 0.5 * acceleration.abs() * h) * h;
         // Not a comparison the other way round: NaN is no mass that changes little.
         if (element.mass_derivative * way).abs() <= MASS_CHANGE * mass {
@@ -82,7 +88,16 @@ impl State {
     /// # Errors
     /// Why none is foreseen.
     pub fn foresee(&self, setting: &Setting<'_>, h: f64) -> Result<Foreseen, (Blind, Option<HydraulicsError>)> {
-        let (element, correction) = self.element(setting, h).map_err(|blind| (blind, None))?;
+        let named = |time: f64, what: String| {
+            let [mass, load] = [Input::Mass, Input::Load].map(|input| Decimal(setting.inputs.get(input)));
+            let what = format!("{what}; with actuator.reduced_mass = {mass} kg and actuator.holding_force = {load} N");
+            HydraulicsError::Stuck { time, what }
+        };
+        let failed = |blind| {
+            let pressures = || setting.laws.describe_pressures(self.pressures());
+            (blind, (blind == Blind::Failed).then(|| named(0.0, pressures())))
+        };
+        let (element, correction) = self.element(setting, h).map_err(failed)?;
         let surroundings = setting.surroundings(self.time());
         let mut instants = Instants::none();
         surroundings.command.kinks(h, &mut |t| instants.add(t));
@@ -99,6 +114,10 @@ impl State {
         for instant in instants.ends(h) {
             let whole = march
                 .to(instant, &mut memory, &mut system, &mut end, &levels)
+                .map_err(|error| match error {
+                    HydraulicsError::Stuck { time, what } => named(time, what),
+                    other => other,
+                })
                 .map_err(|error| (Blind::Failed, Some(error)))?;
             if !whole {
                 break;

@@ -62,6 +62,66 @@ fn what_cannot_be_is_refused_by_name_and_changes_nothing() {
     assert!(actuator.step(-1.0).is_err() && actuator.step(f64::NAN).is_err());
 }
 
+/// The culprit is named: a speed that passes the end of the stroke within a step and comes back, a pump without a band,
+/// sizes that no circuit has, an element that no mechanism has.
+#[test]
+fn the_culprit_is_named_with_the_remedy() {
+    let mut actuator = model(ACTUATOR);
+    actuator.set_text(reference(&actuator, "coupling.mode"), "follow").unwrap();
+    set(&mut actuator, "chamber_b.dead_volume", 1e-9);
+    set(&mut actuator, "actuator.length", 0.74);
+    actuator.initialize().unwrap();
+    // 0.74 + 0.2 t - 2 t^2 is 0.745 at 50 ms, and 0.74 again at 100 ms.
+    set(&mut actuator, "actuator.speed", 0.2);
+    rate(&mut actuator, "actuator.speed", 1, -4.0);
+    let error = actuator.step(0.1).unwrap_err();
+    let text = error.to_string();
+    assert!(!error.ends_step(), "{text}");
+    for piece in ["actuator.speed = 0.2 m/s", "0.745 m", "0.742 m", "cylinder.stroke"] {
+        assert!(text.contains(piece), "{piece}: {text}");
+    }
+    for name in ["supply.pressure", "tank.pressure"] {
+        let error = actuator.set_real(reference(&actuator, name), 1e300).unwrap_err().to_string();
+        assert!(error.contains(name) && error.contains("1e12 Pa"), "{error}");
+    }
+    let mut actuator = model(ACTUATOR);
+    set(&mut actuator, "accumulator.volume", 1e-3);
+    set(&mut actuator, "pump.max_pressure", 20e6 + 1e-3);
+    let error = actuator.initialize().unwrap_err().to_string();
+    assert!(error.contains("pump.max_pressure") && error.contains("pump.full_pressure = 20000000 Pa"), "{error}");
+    for (mass, load) in [(1e-300, 1.0), (700.0, 1e300), (1e-300, 1e300)] {
+        for mode in ["preview", "follow"] {
+            let mut actuator = model(ACTUATOR);
+            actuator.set_text(reference(&actuator, "coupling.mode"), mode).unwrap();
+            actuator.initialize().unwrap();
+            set(&mut actuator, "actuator.reduced_mass", mass);
+            set(&mut actuator, "actuator.holding_force", load);
+            assert!(get(&mut actuator, "preview.force").is_finite());
+            let said = match actuator.step(1e-3) {
+                Err(error) => error.to_string(),
+                Ok(()) => actuator.take_warning().unwrap(),
+            };
+            assert!(said.contains("actuator.reduced_mass = ") && said.contains("actuator.holding_force = "), "{said}");
+        }
+    }
+}
+
+/// The narrowest band of a pump that is taken costs no more than some hundred steps.
+#[test]
+fn a_narrow_band_of_the_pump_is_integrated() {
+    let mut actuator = model(ACTUATOR);
+    actuator.set_text(reference(&actuator, "coupling.mode"), "follow").unwrap();
+    for (name, value) in [("accumulator.volume", 2e-4), ("supply.pressure", 19e6), ("pump.max_pressure", 20e6 + 250.0)]
+    {
+        set(&mut actuator, name, value);
+    }
+    actuator.initialize().unwrap();
+    (0..200).for_each(|_| actuator.step(1e-2).unwrap());
+    let (work, held) = (actuator.statistics(), get(&mut actuator, "accumulator.pressure"));
+    assert!((20e6..20e6 + 250.0).contains(&held), "{held}");
+    assert!(work.accepted + work.rejected < 2000, "{work:?}");
+}
+
 #[test]
 fn oil_without_air_that_cavitates_is_named() {
     let mut actuator = model(ACTUATOR);
@@ -74,7 +134,7 @@ fn oil_without_air_that_cavitates_is_named() {
     let error = actuator.step(0.1).unwrap_err();
     assert!(error.ends_step());
     let error = error.to_string();
-    assert!(error.contains("chamber_a") && error.contains("fluid.air_fraction"), "{error}");
+    assert!(error.contains("absolute pressure of chamber_a") && error.contains("fluid.air_fraction"), "{error}");
     assert_eq!(get(&mut actuator, "chamber_a.pressure"), before);
 }
 

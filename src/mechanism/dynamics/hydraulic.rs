@@ -4,7 +4,7 @@
 //! rates of (sigma, sigma_dot, energy lost, components of the circuit), their error weights, the places and times
 //! at which a step ends. The force of the drive acts like an applied load whose size follows from the pressures and the
 //! speed. It must not know steps.
-use crate::hydraulics::circuit::{CIRCUIT, Equations, SUPPLY};
+use crate::hydraulics::circuit::{CIRCUIT, Equations, Left, SUPPLY};
 use crate::hydraulics::inputs::{CommandSignal, Polynomial, Surroundings};
 use crate::integrator::System;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
@@ -93,9 +93,16 @@ fn length_at(equation: &EquationOfMotion<'_>, ports: &Ports<'_>, sigma: f64) -> 
 }
 
 impl EquationOfMotion<'_> {
-    /// Length of the actuator at sigma [m]; none without a circuit.
-    pub fn actuator_length(&self, sigma: f64) -> Option<f64> {
-        self.ports.as_ref().map(|ports| length_at(self, ports, sigma)[0])
+    /// What of the circuit keeps a motion from going on from this state, if anything does.
+    pub fn left(&self, y: &[f64; DRIVEN]) -> Option<Left> {
+        let (ports, [sigma, _, _, circuit @ ..]) = (self.ports.as_ref()?, y);
+        ports.laws.left(circuit, length_at(self, ports, *sigma)[0])
+    }
+
+    /// The pressures of a state in words, for messages.
+    pub fn describe_circuit(&self, y: &[f64; DRIVEN]) -> String {
+        let describe = |ports: &Ports<'_>| ports.laws.describe_pressures([y[MOTION], y[MOTION + 1]]);
+        self.ports.as_ref().map_or_else(String::new, describe)
     }
 
     /// Number of borders at which the laws of the circuit are not smooth.
@@ -155,6 +162,14 @@ impl System<DRIVEN> for EquationOfMotion<'_> {
             scale[MOTION..].copy_from_slice(&ports.laws.sizes(circuit));
         }
         scale
+    }
+
+    /// The pressures are above absolute zero, and the cylinder has the length.
+    #[inline]
+    fn admits(&mut self, y: &[f64; DRIVEN]) -> bool {
+        let Some(ports) = &self.ports else { return true };
+        let [sigma, _, _, circuit @ ..] = y;
+        ports.laws.has_pressures(circuit) && ports.laws.has_length(length_at(self, ports, *sigma)[0])
     }
 
     /// By one-sided differences along the components that the right-hand side depends on.

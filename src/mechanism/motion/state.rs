@@ -22,7 +22,7 @@ use crate::mechanism::motion::work::Spent;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::table::Unresolved;
 pub use circuit::check_lengths;
-use circuit::left_circuit;
+use circuit::{left_circuit, rough_length};
 use std::ops::{Deref, DerefMut};
 
 /// The state of motion, with the memory of the integration.
@@ -166,6 +166,8 @@ impl State {
         let mut advanced = self.advance((reduced, state_loads), inputs, h, solver).map_err(|stopped| match stopped {
             Stopped::Integration(error) => ModelError::Integration(error),
             Stopped::Circuit(left) => left_circuit(reduced, left),
+            Stopped::Stuck(error, circuit) => ModelError::Stuck { error, circuit: *circuit },
+            Stopped::Length => rough_length(reduced),
             _ => ModelError::Locked { position: self.describe(reduced) },
         });
         if inputs.signal.ahead {
@@ -362,7 +364,7 @@ impl State {
     ) -> Result<(Option<&'a StateLoads>, bool), ModelError> {
         let air = blows_under(reduced, inputs);
         let state_loads = state_loads(reduced, air, self.revolutions)?;
-        circuit::check_ports(reduced, inputs)?;
+        circuit::check_ports(reduced, inputs, h)?;
         let loads = reduced.loading().inputs.len();
         let (mut work, mut largest) = (0.0, 0.0_f64);
         let mut changed = false;

@@ -1,10 +1,11 @@
 //! The landing gear with a hydraulic circuit on its actuator, as one system. Reference values are those of an independent
 //! Taylor-series integration of gear and circuit together, whose runs in double and in 80 bit agree to 2e-13.
 
-use crate::support::{HYDRAULIC_GEAR, Run, assert_says, changed, read_all};
+use crate::support::{HYDRAULIC_GEAR, Run, assert_says, cases, changed, read_all};
 use serde_json::json;
 
 mod accumulator;
+mod cavitation;
 mod faults;
 mod reference;
 
