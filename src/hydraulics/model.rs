@@ -338,7 +338,7 @@ impl Model {
 pub(super) fn point(parameters: &Parameters, state: &State, inputs: &Inputs) -> Point<f64> {
     let motion = [Input::Length, Input::Speed].map(|input| inputs.get(input));
     // The command acts on the acceleration of the spool alone, which is no output.
-    parameters.laws.point(&state.circuit, motion, [inputs.get(Input::Supply), inputs.get(Input::Tank), 0.0])
+    parameters.laws.point(state.dynamic(), motion, [inputs.get(Input::Supply), inputs.get(Input::Tank), 0.0])
 }
 
 /// The motion foreseen over a step of size h from the present state and inputs.

@@ -6,7 +6,7 @@
 mod march;
 mod preview;
 
-use super::circuit::{CIRCUIT, Equations};
+use super::circuit::{CIRCUIT, DYNAMIC, Equations};
 use super::definition::{Circuit, Solver};
 use super::error::HydraulicsError;
 use super::inputs::{CommandSignal, Input, Inputs, Surroundings};
@@ -118,6 +118,12 @@ impl State {
     /// Time since the start [s].
     pub fn time(&self) -> f64 {
         self.time[0]
+    }
+
+    /// The components on which the rates depend.
+    pub fn dynamic(&self) -> [f64; DYNAMIC] {
+        let [a, b, spool, rate, supply, ..] = self.circuit;
+        [a, b, spool, rate, supply]
     }
 
     /// Pressures of the chambers [Pa].

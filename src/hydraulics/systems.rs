@@ -2,28 +2,37 @@
 //!
 //! In: the laws of a circuit, inputs as functions of time, a point-mass model of what the actuator moves. Out:
 //! right-hand sides, Jacobians and error weights for the integration. It must not know how steps are made, nor events.
-use super::circuit::{CIRCUIT, Equations, Rates, SUPPLY};
+use super::circuit::{CIRCUIT, DYNAMIC, ENERGIES, Equations, FREE, Rates};
 use super::inputs::{Polynomial, Surroundings};
 use crate::integrator::System;
 use crate::numerics::dual::{Dual, Number};
 
-/// Components of the state of a circuit with one element: those of the circuit, length and speed, impulse and first
-/// moment of the force.
+/// Components of the state of a circuit with one element: the leading ones of the circuit, length and speed, then the
+/// integrals beside them: the energies, impulse and first moment of the force.
 pub const ELEMENT: usize = CIRCUIT + 4;
-/// Components that the right-hand side depends on; the last two with an element only.
-const DRIVING: [usize; 7] = [0, 1, 2, 3, SUPPLY, LENGTH, SPEED];
-
+/// Number of leading components, on which the rates depend.
+const LEADING: usize = DYNAMIC + 2;
 /// Index of the length in the state of a circuit with an element.
-pub const LENGTH: usize = CIRCUIT;
+pub const LENGTH: usize = DYNAMIC;
 /// Index of the speed.
-pub const SPEED: usize = CIRCUIT + 1;
+pub const SPEED: usize = LENGTH + 1;
 /// Index of the impulse of the force, int F dt [N s].
-pub const IMPULSE: usize = CIRCUIT + 2;
+pub const IMPULSE: usize = LEADING + ENERGIES;
 /// Index of the first moment of the force, int F t dt [N s2].
-pub const MOMENT: usize = CIRCUIT + 3;
+pub const MOMENT: usize = IMPULSE + 1;
 
-/// Size of components whose errors follow from those of the others.
-const FREE: f64 = 1e300;
+/// State of a circuit with an element.
+pub fn with_element<T: Number>(circuit: &[T; CIRCUIT], [length, speed]: [T; 2]) -> [T; ELEMENT] {
+    let ([a, b, y, rate, supply, e1, e2, e3, e4, e5, e6], zero) = (*circuit, T::constant(0.0));
+    [a, b, y, rate, supply, length, speed, e1, e2, e3, e4, e5, e6, zero, zero]
+}
+
+/// The state of the circuit in that of a circuit with an element.
+pub fn without_element<T: Copy>(y: &[T; ELEMENT]) -> [T; CIRCUIT] {
+    let [a, b, y, rate, supply, _, _, e1, e2, e3, e4, e5, e6, _, _] = *y;
+    [a, b, y, rate, supply, e1, e2, e3, e4, e5, e6]
+}
+
 /// Speed of the element below which errors are absolute [m/s].
 const SPEED_FLOOR: f64 = 0.01;
 
@@ -38,7 +47,7 @@ pub struct Driven<'a> {
 
 impl Driven<'_> {
     #[inline]
-    fn rates<T: Number>(&self, t: f64, state: &[T; CIRCUIT]) -> [T; CIRCUIT] {
+    fn rates<T: Number>(&self, t: f64, state: [T; DYNAMIC]) -> [T; CIRCUIT] {
         let motion = [self.length.at(t), self.speed.at(t)].map(T::constant);
         let at = self.laws.point(state, motion, self.surroundings.at(t).map(T::constant));
         self.laws.rates(&at).state
@@ -47,37 +56,37 @@ impl Driven<'_> {
 
 impl System<CIRCUIT> for Driven<'_> {
     const CAN_BE_STIFF: bool = true;
+    const LEADING: usize = DYNAMIC;
 
     #[inline]
     fn derivative(&mut self, t: f64, y: &[f64; CIRCUIT]) -> [f64; CIRCUIT] {
-        self.rates(t, y)
+        let [a, b, spool, rate, supply, ..] = *y;
+        self.rates(t, [a, b, spool, rate, supply])
     }
 
     #[inline]
     fn scale(&mut self, y: &[f64; CIRCUIT], _f: &[f64; CIRCUIT]) -> [f64; CIRCUIT] {
-        self.laws.sizes(y)
+        let ([a, b, spool, rate, supply, ..], mut sizes) = (*y, [FREE; CIRCUIT]);
+        sizes[..DYNAMIC].copy_from_slice(&self.laws.sizes([a, b, spool, rate, supply]));
+        sizes
     }
 
     #[inline]
     fn admits(&mut self, y: &[f64; CIRCUIT]) -> bool {
-        self.laws.has_pressures(y)
+        let [a, b, spool, rate, supply, ..] = *y;
+        self.laws.has_pressures([a, b, spool, rate, supply])
     }
 
     fn jacobian(&mut self, t: f64, y: &[f64; CIRCUIT]) -> [[f64; CIRCUIT]; CIRCUIT] {
-        let mut duals: [Dual<5>; CIRCUIT] = y.map(Dual::constant);
-        for (k, component) in DRIVING.into_iter().take(5).enumerate() {
-            duals[component] = Dual::variable(y[component], k);
-        }
-        self.rates(t, &duals).map(|rate| row(rate.slope))
+        let duals: [Dual<DYNAMIC>; DYNAMIC] = std::array::from_fn(|k| Dual::variable(y[k], k));
+        self.rates(t, duals).map(|rate| row(rate.slope))
     }
 }
 
-/// Row of a Jacobian, from the derivatives by the components of [`DRIVING`].
+/// Row of a Jacobian, from the derivatives by the leading components.
 fn row<const K: usize, const N: usize>(slope: [f64; K]) -> [f64; N] {
     let mut row = [0.0; N];
-    for (slope, component) in slope.into_iter().zip(DRIVING) {
-        row[component] = slope;
-    }
+    row[..K].copy_from_slice(&slope);
     row
 }
 
@@ -121,12 +130,9 @@ pub fn element_rates<T: Number>(
     t: T,
     y: &[T; ELEMENT],
 ) -> [T; ELEMENT] {
-    let [circuit @ .., length, speed, _, _] = y;
-    let Rates { state, force } = laws.rates(&laws.point(circuit, [*length, *speed], ports));
-    let mut all = [T::constant(0.0); ELEMENT];
-    all[..CIRCUIT].copy_from_slice(&state);
-    all[LENGTH] = *speed;
-    all[SPEED] = element.acceleration(force, *length, *speed, t);
+    let [a, b, spool, rate, supply, length, speed, ..] = *y;
+    let Rates { state, force } = laws.rates(&laws.point([a, b, spool, rate, supply], [length, speed], ports));
+    let mut all = with_element(&state, [speed, element.acceleration(force, length, speed, t)]);
     all[IMPULSE] = force;
     all[MOMENT] = force * t;
     all
@@ -144,6 +150,7 @@ pub struct Coupled<'a> {
 
 impl System<ELEMENT> for Coupled<'_> {
     const CAN_BE_STIFF: bool = true;
+    const LEADING: usize = LEADING;
 
     #[inline]
     fn derivative(&mut self, t: f64, y: &[f64; ELEMENT]) -> [f64; ELEMENT] {
@@ -152,23 +159,22 @@ impl System<ELEMENT> for Coupled<'_> {
 
     #[inline]
     fn scale(&mut self, y: &[f64; ELEMENT], _f: &[f64; ELEMENT]) -> [f64; ELEMENT] {
-        let mut scale = [FREE; ELEMENT];
-        let [circuit @ .., _, _, _, _] = y;
-        scale[..CIRCUIT].copy_from_slice(&self.laws.sizes(circuit));
-        (scale[LENGTH], scale[SPEED]) = (self.stroke, y[SPEED].abs().max(SPEED_FLOOR));
+        let ([a, b, spool, rate, supply, _, speed, ..], mut scale) = (*y, [FREE; ELEMENT]);
+        scale[..DYNAMIC].copy_from_slice(&self.laws.sizes([a, b, spool, rate, supply]));
+        (scale[LENGTH], scale[SPEED]) = (self.stroke, speed.abs().max(SPEED_FLOOR));
         scale
     }
 
     #[inline]
     fn admits(&mut self, y: &[f64; ELEMENT]) -> bool {
-        let [circuit @ .., _, _, _, _] = y;
-        self.laws.has_pressures(circuit)
+        let [a, b, spool, rate, supply, ..] = *y;
+        self.laws.has_pressures([a, b, spool, rate, supply])
     }
 
     fn jacobian(&mut self, t: f64, y: &[f64; ELEMENT]) -> [[f64; ELEMENT]; ELEMENT] {
-        let mut duals: [Dual<7>; ELEMENT] = y.map(Dual::constant);
-        for (k, component) in DRIVING.into_iter().enumerate() {
-            duals[component] = Dual::variable(y[component], k);
+        let mut duals: [Dual<LEADING>; ELEMENT] = y.map(Dual::constant);
+        for (k, dual) in duals.iter_mut().enumerate().take(LEADING) {
+            *dual = Dual::variable(y[k], k);
         }
         let Element { mass, mass_derivative, load, load_derivative, load_rate, length } = self.element;
         let [mass, mass_derivative, load] = [mass, mass_derivative, load].map(Dual::constant);

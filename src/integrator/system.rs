@@ -9,6 +9,10 @@ pub trait System<const N: usize> {
     /// Whether y = (q, q') with q'' = f(t, q): the force does not depend on the speed.
     const SECOND_ORDER: bool = false;
 
+    /// Number of leading components on which f depends. The components after these are integrals beside the motion:
+    /// stages leave them as they are at the start of a step, and the scale is to give them no weight in its error.
+    const LEADING: usize = N;
+
     /// f(t, y); t is counted from the start of the span [s].
     fn derivative(&mut self, t: f64, y: &[f64; N]) -> [f64; N];
 

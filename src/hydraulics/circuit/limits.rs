@@ -2,7 +2,7 @@
 //!
 //! In: pressures, length of the actuator. Out: whether the laws hold there, and what a state has left. It must not know
 //! steps.
-use super::{CIRCUIT, Equations, SUPPLY};
+use super::{DYNAMIC, Equations};
 
 /// Length beyond the ends of the cylinder's travel that rounding explains [m].
 pub const SLACK: f64 = 1e-9;
@@ -25,9 +25,9 @@ impl Equations {
     /// Whether all absolute pressures are above 0, as those of oil with air always are: a step that ends elsewhere was
     /// too long. Oil without air comes to 0 where the laws end.
     #[inline]
-    pub fn has_pressures(&self, state: &[f64; CIRCUIT]) -> bool {
+    pub fn has_pressures(&self, [p_a, p_b, _, _, supply]: [f64; DYNAMIC]) -> bool {
         let vacuum = -self.ambient;
-        state[0] > vacuum && state[1] > vacuum && (self.unit.is_none() || state[SUPPLY] > vacuum)
+        p_a > vacuum && p_b > vacuum && (self.unit.is_none() || supply > vacuum)
     }
 
     /// Whether the cylinder has a length [m], but for rounding.
@@ -37,13 +37,13 @@ impl Equations {
         length >= least - SLACK && length <= most + SLACK
     }
 
-    /// What keeps an integration from going on from a state: the end of the stroke, or absolute zero in oil without air.
-    pub fn left(&self, state: &[f64; CIRCUIT], length: f64) -> Option<Left> {
+    /// What keeps an integration from going on at these pressures and this length: the end of the stroke, or absolute zero in oil without air.
+    pub fn left(&self, pressures: [f64; 2], length: f64) -> Option<Left> {
         let [least, most] = self.lengths();
         if length <= least || length >= most {
             return Some(Left::Stroke(length));
         }
-        (0..2).find(|chamber| self.is_at_vacuum(state[*chamber])).map(Left::Vacuum)
+        (0..2).find(|chamber| self.is_at_vacuum(pressures[*chamber])).map(Left::Vacuum)
     }
 
     /// Whether a gauge pressure [Pa] is that of oil without air at absolute zero, from which no integration goes on.

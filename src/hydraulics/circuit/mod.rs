@@ -24,7 +24,7 @@ mod tests;
 
 use super::definition::Circuit;
 pub use limits::{Left, SLACK};
-pub use rates::{CIRCUIT, ENERGIES, ENERGY, Rates, SUPPLY};
+pub use rates::{CIRCUIT, DYNAMIC, ENERGIES, ENERGY, FREE, Rates, SUPPLY};
 pub use smooth::{gate, soft};
 use std::f64::consts::{FRAC_PI_4, TAU};
 pub use supply::SupplyUnit;

@@ -6,20 +6,22 @@ use super::{Equations, Flows, Point, Powers};
 use crate::hydraulics::definition::Circuit;
 use crate::numerics::dual::Number;
 
-/// Components of the state of a circuit: two pressures, spool position and speed, six energies, pressure of the supply.
-pub const CIRCUIT: usize = ENERGY + ENERGIES + 1;
+/// Components of the state of a circuit: two pressures, spool position and speed, pressure of the supply, six energies.
+pub const CIRCUIT: usize = DYNAMIC + ENERGIES;
+/// Number of leading components on which the rates depend; the energies are integrals beside them.
+pub const DYNAMIC: usize = SUPPLY + 1;
 /// Number of energies: those of [`Powers::in_order`].
 pub const ENERGIES: usize = 6;
 /// Index of the first energy in the state.
-pub const ENERGY: usize = 4;
+pub const ENERGY: usize = DYNAMIC;
 /// Index of the pressure of an accumulator; without one the component stays 0.
-pub const SUPPLY: usize = ENERGY + ENERGIES;
+pub const SUPPLY: usize = 4;
 
 /// Part of the size of the spool position that holds where the spool is at rest; with it, openings near the edges are
 /// exact.
 const SPOOL_FLOOR: f64 = 0.1;
-/// Size of the energies: their errors follow from those of the other components.
-const FREE: f64 = 1e300;
+/// Size of components that are integrals beside the others: their errors follow from those of the others.
+pub const FREE: f64 = 1e300;
 
 /// Rates of the state of a circuit at a point.
 #[derive(Clone, Copy, Debug)]
@@ -49,12 +51,12 @@ impl Equations {
         state
     }
 
-    /// The point of a state, of length and speed of the actuator, and of supply, tank and command. With an accumulator
+    /// The point of the leading components of a state, of length and speed of the actuator, and of supply, tank and command. With an accumulator
     /// its pressure takes the place of that of the supply.
     #[inline]
-    pub fn point<T: Number>(&self, state: &[T; CIRCUIT], [length, speed]: [T; 2], ports: [T; 3]) -> Point<T> {
-        let ([p_a, p_b, spool, spool_speed, ..], [supply, tank, command]) = (*state, ports);
-        let supply = if self.unit.is_some() { state[SUPPLY] } else { supply };
+    pub fn point<T: Number>(&self, state: [T; DYNAMIC], [length, speed]: [T; 2], ports: [T; 3]) -> Point<T> {
+        let ([p_a, p_b, spool, spool_speed, own], [supply, tank, command]) = (state, ports);
+        let supply = if self.unit.is_some() { own } else { supply };
         Point { pressures: [p_a, p_b], spool, spool_speed, length, speed, supply, tank, command }
     }
 
@@ -72,22 +74,18 @@ impl Equations {
             (flows.pressure_rates, powers.in_order());
         let unit = self.unit.map_or(T::constant(0.0), |unit| unit.rate(at.supply, flows.supply));
         let (y, acceleration) = (at.spool_speed, flows.spool_acceleration);
-        let state = [a, b, y, acceleration, supplied, returned, piston, seal, compression, throttling, unit];
+        let state = [a, b, y, acceleration, unit, supplied, returned, piston, seal, compression, throttling];
         Rates { state, force: powers.force }
     }
 
-    /// Size of each component of a state, to which its errors are relative: absolute pressures, at least the ambient
-    /// pressure; the spool position, at least a tenth of the stroke of the spool, and its speed at the natural
-    /// frequency. Energies have the size 1e300: they follow from the others.
+    /// Size of each leading component of a state, to which its errors are relative: absolute pressures, at least the
+    /// ambient pressure; the spool position, at least a tenth of the stroke of the spool, and its speed at the natural
+    /// frequency.
     #[inline]
-    pub fn sizes(&self, state: &[f64; CIRCUIT]) -> [f64; CIRCUIT] {
+    pub fn sizes(&self, [p_a, p_b, spool, _, supply]: [f64; DYNAMIC]) -> [f64; DYNAMIC] {
         let ambient = self.ambient();
         let pressure = |p: f64| (p + ambient).max(ambient);
-        let spool = SPOOL_FLOOR + state[2].abs();
-        let mut sizes = [FREE; CIRCUIT];
-        (sizes[0], sizes[1]) = (pressure(state[0]), pressure(state[1]));
-        (sizes[2], sizes[3]) = (spool, self.spool_frequency() * spool);
-        sizes[SUPPLY] = pressure(state[SUPPLY]);
-        sizes
+        let spool = SPOOL_FLOOR + spool.abs();
+        [pressure(p_a), pressure(p_b), spool, self.spool_frequency() * spool, pressure(supply)]
     }
 }

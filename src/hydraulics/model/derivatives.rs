@@ -26,10 +26,11 @@ struct Direction {
 /// The present state and its change along a direction.
 fn present(parameters: &Parameters, inputs: &Inputs, state: &State, direction: &Direction) -> Present<Dual<1>> {
     let input = |input: Input| Dual { value: inputs.get(input), slope: [direction.inputs[input as usize]] };
-    let circuit = std::array::from_fn(|k| Dual { value: state.circuit[k], slope: [direction.circuit[k]] });
+    let component = |k: usize| Dual { value: state.circuit[k], slope: [direction.circuit[k]] };
     let motion = [Input::Length, Input::Speed].map(input);
-    let at = parameters.laws.point(&circuit, motion, [input(Input::Supply), input(Input::Tank), Dual::constant(0.0)]);
-    Present::new(&parameters.laws, at, std::array::from_fn(|k| circuit[ENERGY + k]))
+    let ports = [input(Input::Supply), input(Input::Tank), Dual::constant(0.0)];
+    let at = parameters.laws.point(std::array::from_fn(component), motion, ports);
+    Present::new(&parameters.laws, at, std::array::from_fn(|k| component(ENERGY + k)))
 }
 
 /// What the foreseen motion tells, and its change along a direction of the inputs.

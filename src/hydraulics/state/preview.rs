@@ -7,7 +7,9 @@ use super::{Last, Setting, State};
 use crate::hydraulics::circuit::{CIRCUIT, Equations};
 use crate::hydraulics::error::HydraulicsError;
 use crate::hydraulics::inputs::Input;
-use crate::hydraulics::systems::{Coupled, ELEMENT, Element, IMPULSE, LENGTH, MOMENT, SPEED, TANGENT, Tangent};
+use crate::hydraulics::systems::{
+    Coupled, ELEMENT, Element, IMPULSE, LENGTH, MOMENT, SPEED, TANGENT, Tangent, with_element, without_element,
+};
 use crate::integrator::{Integrator, System};
 use crate::numerics::decimal::Decimal;
 use crate::numerics::dual::{Dual, Number};
@@ -104,9 +106,8 @@ impl State {
         instants.sort();
         let lengths = setting.laws.lengths();
         let mut system = Coupled { laws: setting.laws, surroundings, element, stroke: lengths[1] - lengths[0] };
-        let mut end = [0.0; ELEMENT];
-        end[..CIRCUIT].copy_from_slice(&self.circuit);
-        (end[LENGTH], end[SPEED]) = (setting.inputs.get(Input::Length), setting.inputs.get(Input::Speed));
+        let motion = [Input::Length, Input::Speed];
+        let mut end = with_element(&self.circuit, motion.map(|input| setting.inputs.get(input)));
         let mut memory = self.coupled;
         memory.branch_off();
         let mut march = March::new(setting, &memory);
@@ -154,12 +155,10 @@ impl State {
         let clipped = surroundings.command.wanted(0.0).abs() > 1.0;
         let command = if clipped { 0.0 } else { inputs(Input::Command) };
         let mut system = Tangent { coupled, element, ports: [inputs(Input::Supply), inputs(Input::Tank), command] };
-        let mut y = [0.0; TANGENT];
-        y[..CIRCUIT].copy_from_slice(&self.circuit);
-        y[ELEMENT..ELEMENT + CIRCUIT].copy_from_slice(circuit);
-        for (component, input) in [(LENGTH, Input::Length), (SPEED, Input::Speed)] {
-            (y[component], y[ELEMENT + component]) = (setting.inputs.get(input), inputs(input));
-        }
+        let motion = [Input::Length, Input::Speed];
+        let start = with_element(&self.circuit, motion.map(|input| setting.inputs.get(input)));
+        let change = with_element(circuit, motion.map(inputs));
+        let mut y: [f64; TANGENT] = std::array::from_fn(|k| if k < ELEMENT { start[k] } else { change[k - ELEMENT] });
         let mut memory = Integrator::default();
         let mut t = 0.0;
         let most = setting.solver.max_steps as u64;
@@ -176,7 +175,7 @@ impl State {
 
     /// Keep the foreseen motion as a step's.
     pub fn keep(&mut self, foreseen: &Foreseen) {
-        self.circuit.copy_from_slice(&foreseen.end[..CIRCUIT]);
+        self.circuit = without_element(&foreseen.end);
     }
 }
 

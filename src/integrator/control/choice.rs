@@ -56,7 +56,7 @@ impl<const N: usize> Integrator<N> {
     ) -> bool {
         let &Begin { rest: h, ref scale, wish, .. } = begin;
         self.statistics.evaluations += P::EVALUATIONS;
-        let error = outcome.stages.error(h, scale, tolerance);
+        let error = outcome.stages.error::<S>(h, scale, tolerance);
         let longest = || h * inverse_root(error, P::ERROR_POWER);
         if error.is_nan() || error > 1.0 || !system.admits(&outcome.end) {
             // At least a part of the span, and more than 0: the pair is tried again after some steps of dearer ones.

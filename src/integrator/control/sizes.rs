@@ -49,7 +49,7 @@ impl<const N: usize> Integrator<N> {
             let h = fitted(wish, rest);
             self.statistics.evaluations += P::EVALUATIONS;
             let outcome = P::attempt(system, start, h);
-            let error = outcome.stages.error(h, scale, tolerance);
+            let error = outcome.stages.error::<S>(h, scale, tolerance);
             let is_admitted = system.admits(&outcome.end);
             if error <= 1.0 && is_admitted {
                 let mut grow = grow_most;
@@ -58,7 +58,7 @@ impl<const N: usize> Integrator<N> {
                 if S::CAN_BE_STIFF || h >= wish || h * grow_most > wish {
                     let growth = inverse_root(error, P::ERROR_POWER);
                     if S::CAN_BE_STIFF {
-                        let h_lambda = outcome.stages.stiffness(h, [&start.y, &outcome.end], scale);
+                        let h_lambda = outcome.stages.stiffness::<S>(h, [&start.y, &outcome.end], scale);
                         self.stiffness.explicit_step(h, h_lambda, SAFETY * growth);
                     }
                     grow = (SAFETY * self.foreseen(h, growth)).clamp(SHRINK_MOST, grow_most);

@@ -5,7 +5,7 @@
 //! the interpolant: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.5, table 5.2, and II.6, CONTD5; their order
 //! conditions are tested.
 use crate::integrator::dense::TERMS;
-use crate::integrator::pair::{Outcome, Pair, Path, Start, add_compensated, bulge, extremes, mean_square};
+use crate::integrator::pair::{Outcome, Pair, Path, Start, add_compensated, bulge, extremes, mean_square, stage};
 use crate::integrator::{Dense, Method, System};
 
 /// Stages, the last of them at the end of the step.
@@ -82,7 +82,7 @@ impl<const N: usize> Pair<N> for Dopri5<N> {
         let &Start { t, ref y, first, ref carry } = start;
         let mut k = [first; STAGES];
         for i in 1..STAGES - 1 {
-            let at = std::array::from_fn(|n| y[n] + h * (0..i).map(|j| A[i][j] * k[j][n]).sum::<f64>());
+            let at = stage::<S, N>(y, |n| h * (0..i).map(|j| A[i][j] * k[j][n]).sum::<f64>());
             k[i] = system.derivative(t + C[i] * h, &at);
         }
         let increment = std::array::from_fn(|n| h * (0..STAGES - 1).map(|j| A[STAGES - 1][j] * k[j][n]).sum::<f64>());
@@ -92,8 +92,8 @@ impl<const N: usize> Pair<N> for Dopri5<N> {
     }
 
     /// As that of RK4, with an estimate that is the local error of order 4 and falls as h^5.
-    fn error(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
+    fn error<S: System<N>>(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
         let difference = |n: usize| h * (0..STAGES).map(|j| E[j] * self.0[j][n]).sum::<f64>();
-        mean_square(scale, difference) * (MARGIN * tolerance).powi(-2)
+        mean_square(S::LEADING, scale, difference) * (MARGIN * tolerance).powi(-2)
     }
 }

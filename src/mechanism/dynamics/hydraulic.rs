@@ -4,7 +4,7 @@
 //! rates of (sigma, sigma_dot, energy lost, components of the circuit), their error weights, the places and times
 //! at which a step ends. The force of the drive acts like an applied load whose size follows from the pressures and the
 //! speed. It must not know steps.
-use crate::hydraulics::circuit::{CIRCUIT, Equations, Left, SUPPLY};
+use crate::hydraulics::circuit::{CIRCUIT, DYNAMIC, Equations, FREE, Left, SUPPLY};
 use crate::hydraulics::inputs::{CommandSignal, Polynomial, Surroundings};
 use crate::integrator::System;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
@@ -19,7 +19,9 @@ pub const MOTION: usize = 3;
 /// Components of the state of a motion with a circuit.
 pub const DRIVEN: usize = MOTION + CIRCUIT;
 /// Components that the right-hand side depends on.
-const DRIVING: [usize; 7] = [0, 1, 3, 4, 5, 6, MOTION + SUPPLY];
+const DRIVING: [usize; 7] = [0, 1, 3, 4, 5, 6, 7];
+/// Number of leading components, which these are but for the energy lost; the energies of the circuit follow.
+const LEADING: usize = MOTION + DYNAMIC;
 
 /// Most instants within a step at which its integration ends.
 const INSTANTS: usize = 16;
@@ -95,8 +97,8 @@ fn length_at(equation: &EquationOfMotion<'_>, ports: &Ports<'_>, sigma: f64) -> 
 impl EquationOfMotion<'_> {
     /// What of the circuit keeps a motion from going on from this state, if anything does.
     pub fn left(&self, y: &[f64; DRIVEN]) -> Option<Left> {
-        let (ports, [sigma, _, _, circuit @ ..]) = (self.ports.as_ref()?, y);
-        ports.laws.left(circuit, length_at(self, ports, *sigma)[0])
+        let (ports, [sigma, _, _, a, b, ..]) = (self.ports.as_ref()?, *y);
+        ports.laws.left([a, b], length_at(self, ports, sigma)[0])
     }
 
     /// The pressures of a state in words, for messages.
@@ -131,6 +133,7 @@ impl EquationOfMotion<'_> {
 /// (sigma, sigma_dot, energy lost, components of the circuit). The work of the drive counts as gained.
 impl System<DRIVEN> for EquationOfMotion<'_> {
     const CAN_BE_STIFF: bool = true;
+    const LEADING: usize = LEADING;
 
     fn derivative(&mut self, t: f64, y: &[f64; DRIVEN]) -> [f64; DRIVEN] {
         self.time = t;
@@ -142,11 +145,12 @@ impl System<DRIVEN> for EquationOfMotion<'_> {
             return [f64::NAN; DRIVEN];
         };
         let Some(ports) = &self.ports else { return [f64::NAN; DRIVEN] };
-        let [sigma, sigma_dot, _, circuit @ ..] = y;
-        let [length, slope] = length_at(self, ports, *sigma);
-        let at = ports.laws.point(circuit, [length, slope * sigma_dot], ports.surroundings.at(t));
+        let [sigma, sigma_dot, _, a, b, spool, rate, supply, ..] = *y;
+        let [length, slope] = length_at(self, ports, sigma);
+        let motion = [length, slope * sigma_dot];
+        let at = ports.laws.point([a, b, spool, rate, supply], motion, ports.surroundings.at(t));
         let mut rates = [0.0; DRIVEN];
-        rates[0] = if held { 0.0 } else { *sigma_dot };
+        rates[0] = if held { 0.0 } else { sigma_dot };
         (rates[1], rates[2]) = (acceleration, lost);
         rates[MOTION..].copy_from_slice(&ports.laws.rates(&at).state);
         rates
@@ -154,12 +158,12 @@ impl System<DRIVEN> for EquationOfMotion<'_> {
 
     fn scale(&mut self, y: &[f64; DRIVEN], f: &[f64; DRIVEN]) -> [f64; DRIVEN] {
         let motion = System::<MOTION>::scale(self, &[y[0], y[1], y[2]], &[f[0], f[1], f[2]]);
-        let [_, _, _, circuit @ ..] = y;
-        let mut scale = [1.0; DRIVEN];
+        let [_, _, _, a, b, spool, rate, supply, ..] = *y;
+        let mut scale = [FREE; DRIVEN];
         scale[..MOTION].copy_from_slice(&motion);
         scale[1] = y[1].abs().max(SPEED_FLOOR * motion[1]);
         if let Some(ports) = &self.ports {
-            scale[MOTION..].copy_from_slice(&ports.laws.sizes(circuit));
+            scale[MOTION..LEADING].copy_from_slice(&ports.laws.sizes([a, b, spool, rate, supply]));
         }
         scale
     }
@@ -168,8 +172,8 @@ impl System<DRIVEN> for EquationOfMotion<'_> {
     #[inline]
     fn admits(&mut self, y: &[f64; DRIVEN]) -> bool {
         let Some(ports) = &self.ports else { return true };
-        let [sigma, _, _, circuit @ ..] = y;
-        ports.laws.has_pressures(circuit) && ports.laws.has_length(length_at(self, ports, *sigma)[0])
+        let [sigma, _, _, a, b, spool, rate, supply, ..] = *y;
+        ports.laws.has_pressures([a, b, spool, rate, supply]) && ports.laws.has_length(length_at(self, ports, sigma)[0])
     }
 
     /// By one-sided differences along the components that the right-hand side depends on.

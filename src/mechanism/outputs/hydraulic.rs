@@ -33,7 +33,7 @@ impl<'a, N: Reading> View<'a, N> {
         let port = |input: usize| self.cache.direction.input(input, inputs.reals[input]);
         let state = std::array::from_fn(|k| self.component_of(circuit, k));
         // The command acts on the acceleration of the spool alone, which is no output.
-        Ok(laws.point(&state, [length, speed], [port(first + 1), port(first + 2), N::constant(signal.at(0.0))]))
+        Ok(laws.point(state, [length, speed], [port(first + 1), port(first + 2), N::constant(signal.at(0.0))]))
     }
 
     /// A quantity of the circuit.
