@@ -134,12 +134,16 @@ impl Inputs {
     /// and speed at the end, if they are not those of the inputs.
     pub fn leave(&mut self, h: f64, motion: Option<[f64; 2]>) {
         let length = self.length().at(h);
-        for input in Input::ALL {
-            let polynomial = self.polynomial(input);
-            self.values[input as usize] = polynomial.at(h);
-            let [a, b, c, d] = self.rates[input as usize];
-            let rates = [a + h * (b + h * (c / 2.0 + h * d / 6.0)), b + h * (c + h * d / 2.0), c + h * d, d];
-            self.rates[input as usize] = if self.ahead { rates } else { [0.0; SPEED_ORDER] };
+        if self.ahead {
+            for (value, rates) in self.values.iter_mut().zip(&mut self.rates) {
+                let [a, b, c, d] = *rates;
+                if [a, b, c, d] != [0.0; SPEED_ORDER] {
+                    *value = Polynomial([*value, a, b / 2.0, c / 6.0, d / 24.0, 0.0]).at(h);
+                    *rates = [a + h * (b + h * (c / 2.0 + h * d / 6.0)), b + h * (c + h * d / 2.0), c + h * d, d];
+                }
+            }
+        } else {
+            self.rates = [[0.0; SPEED_ORDER]; INPUTS];
         }
         [self.values[Input::Length as usize], self.values[Input::Speed as usize]] =
             motion.unwrap_or([length, self.get(Input::Speed)]);

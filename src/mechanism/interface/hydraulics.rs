@@ -150,7 +150,8 @@ pub(super) fn add(b: &mut Builder) {
         let is_sum = matches!(output, Hydraulic::Energy(_) | Hydraulic::Balance);
         let placed = if length { position } else { Needs::default() };
         let inputs = match output {
-            Hydraulic::SupplyPressure => &ports[..1],
+            Hydraulic::SupplyPressure | Hydraulic::SupplyFlow | Hydraulic::Power(0) => &ports[..1],
+            Hydraulic::TankFlow | Hydraulic::Power(1) => &ports[1..],
             _ if flows => &ports[..],
             _ => &[],
         };

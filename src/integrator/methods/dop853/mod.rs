@@ -97,13 +97,10 @@ impl<const N: usize> Pair<N> for Dop853<N> {
         stage!(9; 0 3 4 5 6 7 8);
         stage!(10; 0 3 4 5 6 7 8 9);
         stage!(11; 0 3 4 5 6 7 8 9 10);
-        let increment = std::array::from_fn(|n| {
-            let mut sum = A[12][0] * k[0][n];
-            for (j, stage) in k.iter().enumerate().take(STAGES).skip(5) {
-                sum += A[12][j] * stage[n];
-            }
-            h * sum
-        });
+        macro_rules! weighted {
+            ($n:ident; $($j:literal)*) => { h * (0.0 $(+ A[12][$j] * k[$j][$n])*) };
+        }
+        let increment = std::array::from_fn(|n| weighted!(n; 0 5 6 7 8 9 10 11));
         let (end, lost) = add_compensated(y, &increment, carry);
         k[STAGES] = system.derivative(t + h, &end);
         Outcome { last: k[STAGES], stages: Self(k), end, carry: lost }
