@@ -20,6 +20,11 @@ pub enum Direction {
 
 /// Bernstein coefficients of a polynomial of degree 7 on an interval.
 type Coefficients = [f64; TERMS + 1];
+/// Those of several polynomials side by side.
+type SideBySide<const L: usize> = [[f64; L]; TERMS + 1];
+
+/// Index of a coefficient, as a number.
+const NUMBER: [f64; TERMS + 1] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// Halvings of the step after which a part is a point.
 const DEEPEST: u32 = 50;
@@ -39,8 +44,7 @@ impl<const N: usize> Dense<N> {
             Direction::Rising => 1.0,
             Direction::Falling => -1.0,
         };
-        let mut b = self.bernstein(component);
-        b.iter_mut().for_each(|b| *b = sign * (*b - level));
+        let mut b: Coefficients = self.bernstein([component]).map(|[b]| sign * (b - level));
         b[0] = sign * (self.start[component] - level);
         b[TERMS] = sign * (self.end[component] - level);
         let largest = b.iter().fold(level.abs().max(self.start[component].abs()), |m, b| m.max(b.abs()));
@@ -60,52 +64,54 @@ impl<const N: usize> Dense<N> {
         search.part(&b, 0.0, 1.0, 0).or_else(|| (search.below && b[TERMS] >= 0.0).then_some(1.0))
     }
 
-    /// This component, to be bounded on parts of the step.
-    pub fn bounded(&self, component: usize) -> BoundedComponent {
-        BoundedComponent(self.bernstein(component))
+    /// These components, to be bounded on parts of the step.
+    pub fn bounded<const L: usize>(&self, components: [usize; L]) -> BoundedComponents<L> {
+        BoundedComponents(self.bernstein(components))
     }
 
     /// Bernstein coefficients: Horner's rule of the nested form, where s and 1 - s raise the degree by one.
-    fn bernstein(&self, component: usize) -> Coefficients {
-        let mut b = [0.0; TERMS + 1];
+    fn bernstein<const L: usize>(&self, components: [usize; L]) -> SideBySide<L> {
+        let mut b = [[0.0; L]; TERMS + 1];
         for (i, term) in self.terms.iter().enumerate().rev() {
             // b[..=degree] are the coefficients of the inner polynomial.
             let degree = TERMS - 1 - i;
-            b[..=degree].iter_mut().for_each(|b| *b += term[component]);
-            let raised = (degree + 1) as f64;
+            let (term, raised) = (components.map(|component| term[component]), NUMBER[degree + 1]);
             if i % 2 == 0 {
                 for k in (1..=degree + 1).rev() {
-                    b[k] = b[k - 1] * k as f64 / raised;
+                    b[k] = std::array::from_fn(|l| (b[k - 1][l] + term[l]) * NUMBER[k] / raised);
                 }
-                b[0] = 0.0;
+                b[0] = [0.0; L];
             } else {
-                for (k, b) in b[..=degree].iter_mut().enumerate() {
-                    *b *= (degree + 1 - k) as f64 / raised;
+                for k in 0..=degree {
+                    let factor = NUMBER[degree + 1 - k] / raised;
+                    b[k] = std::array::from_fn(|l| (b[k][l] + term[l]) * factor);
                 }
             }
         }
-        b.iter_mut().for_each(|b| *b += self.start[component]);
-        b
+        let start = components.map(|component| self.start[component]);
+        b.map(|b| std::array::from_fn(|l| b[l] + start[l]))
     }
 }
 
-/// A component of an interpolant by its Bernstein coefficients on the whole step.
+/// Components of an interpolant by their Bernstein coefficients on the whole step.
 #[derive(Clone, Copy, Debug)]
-pub struct BoundedComponent(Coefficients);
+pub struct BoundedComponents<const L: usize>(SideBySide<L>);
 
-impl BoundedComponent {
-    /// Bounds of the component, and of its derivative with respect to s, between the parts a < b of the step.
-    pub fn enclosure(&self, [a, b]: [f64; 2]) -> Enclosure {
+impl<const L: usize> BoundedComponents<L> {
+    /// Bounds of the components, and of their derivatives with respect to s, between the parts a < b of the step.
+    pub fn enclosures(&self, [a, b]: [f64; 2]) -> [Enclosure; L] {
         let mut c = self.0;
         if b < 1.0 {
-            (c, _) = divided(&c, b);
+            keep_before(&mut c, b);
         }
         if a > 0.0 {
-            (_, c) = divided(&c, a / b);
+            keep_behind(&mut c, a / b);
         }
-        let rate = TERMS as f64 / (b - a);
-        let slopes = c.windows(2).map(|pair| rate * (pair[1] - pair[0]));
-        Enclosure { value: Interval::of(c), slope: Interval::of(slopes) }
+        let rate = NUMBER[TERMS] / (b - a);
+        std::array::from_fn(|l| {
+            let slopes = c.windows(2).map(|pair| rate * (pair[1][l] - pair[0][l]));
+            Enclosure { value: Interval::of(c.iter().map(|c| c[l])), slope: Interval::of(slopes) }
+        })
     }
 }
 
@@ -159,16 +165,22 @@ impl Search {
     }
 }
 
-/// Coefficients before and behind a part of the interval: de Casteljau.
-fn divided(b: &Coefficients, part: f64) -> (Coefficients, Coefficients) {
-    let (mut left, mut right) = (*b, *b);
-    for (level, left) in left.iter_mut().enumerate().skip(1) {
-        for k in 0..=TERMS - level {
-            right[k] += part * (right[k + 1] - right[k]);
+/// Reduce coefficients to those before a part of the interval: de Casteljau.
+fn keep_before<const L: usize>(b: &mut SideBySide<L>, part: f64) {
+    for level in 1..=TERMS {
+        for k in (level..=TERMS).rev() {
+            b[k] = std::array::from_fn(|l| b[k - 1][l] + part * (b[k][l] - b[k - 1][l]));
         }
-        *left = right[0];
     }
-    (left, right)
+}
+
+/// Reduce coefficients to those behind a part of the interval: de Casteljau.
+fn keep_behind<const L: usize>(b: &mut SideBySide<L>, part: f64) {
+    for level in 1..=TERMS {
+        for k in 0..=TERMS - level {
+            b[k] = std::array::from_fn(|l| b[k][l] + part * (b[k + 1][l] - b[k][l]));
+        }
+    }
 }
 
 /// Coefficients on the two halves of the interval: de Casteljau.

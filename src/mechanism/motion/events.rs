@@ -243,9 +243,9 @@ fn bumper_event<D: Dynamics<N>, const N: usize>(
     const PARTS: usize = 12;
     let dynamics = &RefCell::new(dynamics);
     let f = |s: f64| excess_of_bumper(*dynamics.borrow_mut(), bumper, touches, [0, 1].map(|n| dense.component(n, s)));
-    let motion = [0, 1].map(|n| dense.bounded(n));
+    let motion = dense.bounded([0, 1]);
     let bounds = |a: f64, b: f64| {
-        let [sigma, sigma_dot] = motion.map(|component| component.enclosure([a, b]));
+        let [sigma, sigma_dot] = motion.enclosures([a, b]);
         let [beyond, push] = dynamics.borrow_mut().bumper_bounds(bumper, sigma, sigma_dot);
         if touches { -push } else { beyond.min(push) }
     };
@@ -292,9 +292,9 @@ fn regime_change<D: Dynamics<N>, const N: usize>(dynamics: &mut D, dense: &Dense
     let (low, high) = dynamics.slip_range(joint);
     let dynamics = &RefCell::new(dynamics);
     let f = |s: f64| excess_of_slip(*dynamics.borrow_mut(), joint, [0, 1].map(|n| dense.component(n, s)));
-    let motion = [0, 1].map(|n| dense.bounded(n));
+    let motion = dense.bounded([0, 1]);
     let bounds = |a: f64, b: f64| {
-        let [sigma, sigma_dot] = motion.map(|component| component.enclosure([a, b]));
+        let [sigma, sigma_dot] = motion.enclosures([a, b]);
         let v = dynamics.borrow_mut().slip_bounds(joint, sigma, sigma_dot);
         (-v + Enclosure::constant(low)).max(v + Enclosure::constant(-high))
     };

@@ -2,7 +2,7 @@
 //!
 //! In: the definition's start, inputs, a reduced model. Out: a state at rest or in motion, with the travel between the
 //! stops. It must not know steps.
-use super::{State, airspeed, blows_under, check_lengths, state_loads};
+use super::{Before, State, airspeed, blows_under, check_lengths, state_loads};
 use crate::mechanism::definition::{DefinitionError, Mechanism};
 use crate::mechanism::dynamics::equation::Scratch;
 use crate::mechanism::dynamics::hydraulic::CIRCUIT;
@@ -75,7 +75,7 @@ impl State {
         let state_loads = state_loads(reduced, air, revolutions)?;
         let applied = reduced.sizes(&inputs.reals);
         let mut state = Self {
-            before: applied.clone(),
+            before: Before::new(&applied),
             saved: SavedState {
                 sigma,
                 sigma_dot,
