@@ -72,18 +72,18 @@ impl<const N: usize> Dense<N> {
     /// Bernstein coefficients: Horner's rule of the nested form, where s and 1 - s raise the degree by one.
     fn bernstein<const L: usize>(&self, components: [usize; L]) -> SideBySide<L> {
         let mut b = [[0.0; L]; TERMS + 1];
-        for (i, term) in self.terms.iter().enumerate().rev() {
-            // b[..=degree] are the coefficients of the inner polynomial.
-            let degree = TERMS - 1 - i;
-            let (term, raised) = (components.map(|component| term[component]), NUMBER[degree + 1]);
+        for count in 1..TERMS + 1 {
+            // The first `count` are the coefficients of the inner polynomial.
+            let (i, raised) = (TERMS - count, NUMBER[count]);
+            let term = components.map(|component| self.terms[i][component]);
             if i % 2 == 0 {
-                for k in (1..=degree + 1).rev() {
-                    b[k] = std::array::from_fn(|l| (b[k - 1][l] + term[l]) * NUMBER[k] / raised);
+                for k in (0..count).rev() {
+                    b[k + 1] = std::array::from_fn(|l| (b[k][l] + term[l]) * NUMBER[k + 1] / raised);
                 }
                 b[0] = [0.0; L];
             } else {
-                for k in 0..=degree {
-                    let factor = NUMBER[degree + 1 - k] / raised;
+                for k in 0..count {
+                    let factor = NUMBER[count - k] / raised;
                     b[k] = std::array::from_fn(|l| (b[k][l] + term[l]) * factor);
                 }
             }
@@ -102,16 +102,16 @@ impl<const L: usize> BoundedComponents<L> {
     pub fn enclosures(&self, [a, b]: [f64; 2]) -> [Enclosure; L] {
         let mut c = self.0;
         if b < 1.0 {
-            keep_before(&mut c, b);
+            (c, _) = divided(&c, b);
         }
         if a > 0.0 {
-            keep_behind(&mut c, a / b);
+            (_, c) = divided(&c, a / b);
         }
         let rate = NUMBER[TERMS] / (b - a);
-        std::array::from_fn(|l| {
-            let slopes = c.windows(2).map(|pair| rate * (pair[1][l] - pair[0][l]));
-            Enclosure { value: Interval::of(c.iter().map(|c| c[l])), slope: Interval::of(slopes) }
-        })
+        let slopes: [[f64; L]; TERMS] =
+            std::array::from_fn(|k| std::array::from_fn(|l| rate * (c[k + 1][l] - c[k][l])));
+        let (values, slopes) = (ranges(&c), ranges(&slopes));
+        std::array::from_fn(|l| Enclosure { value: values[l], slope: slopes[l] })
     }
 }
 
@@ -165,32 +165,38 @@ impl Search {
     }
 }
 
-/// Reduce coefficients to those before a part of the interval: de Casteljau.
-fn keep_before<const L: usize>(b: &mut SideBySide<L>, part: f64) {
-    for level in 1..=TERMS {
-        for k in (level..=TERMS).rev() {
-            b[k] = std::array::from_fn(|l| b[k - 1][l] + part * (b[k][l] - b[k - 1][l]));
+/// Coefficients before and behind a part of the interval: de Casteljau.
+#[inline]
+fn divided<const L: usize>(b: &SideBySide<L>, part: f64) -> (SideBySide<L>, SideBySide<L>) {
+    let (mut left, mut right) = (*b, *b);
+    for count in (1..TERMS + 1).rev() {
+        for k in 0..count {
+            right[k] = std::array::from_fn(|l| right[k][l] + part * (right[k + 1][l] - right[k][l]));
         }
+        left[TERMS + 1 - count] = right[0];
     }
+    (left, right)
 }
 
-/// Reduce coefficients to those behind a part of the interval: de Casteljau.
-fn keep_behind<const L: usize>(b: &mut SideBySide<L>, part: f64) {
-    for level in 1..=TERMS {
-        for k in 0..=TERMS - level {
-            b[k] = std::array::from_fn(|l| b[k][l] + part * (b[k + 1][l] - b[k][l]));
-        }
+/// The least interval around the numbers of each polynomial.
+#[inline]
+fn ranges<const L: usize>(numbers: &[[f64; L]]) -> [Interval; L] {
+    let (mut low, mut high) = ([f64::INFINITY; L], [f64::NEG_INFINITY; L]);
+    for x in numbers {
+        low = std::array::from_fn(|l| if x[l] < low[l] { x[l] } else { low[l] });
+        high = std::array::from_fn(|l| if x[l] > high[l] { x[l] } else { high[l] });
     }
+    std::array::from_fn(|l| Interval { low: low[l], high: high[l] })
 }
 
 /// Coefficients on the two halves of the interval: de Casteljau.
 fn halves(b: &Coefficients) -> (Coefficients, Coefficients) {
     let (mut left, mut right) = (*b, *b);
-    for (level, left) in left.iter_mut().enumerate().skip(1) {
-        for k in 0..=TERMS - level {
+    for count in (1..TERMS + 1).rev() {
+        for k in 0..count {
             right[k] = 0.5 * (right[k] + right[k + 1]);
         }
-        *left = right[0];
+        left[TERMS + 1 - count] = right[0];
     }
     (left, right)
 }
@@ -200,8 +206,8 @@ fn halves(b: &Coefficients) -> (Coefficients, Coefficients) {
 fn root(b: &Coefficients) -> f64 {
     let at = |s: f64| {
         let mut b = *b;
-        for level in 1..=TERMS {
-            for k in 0..=TERMS - level {
+        for count in (1..TERMS + 1).rev() {
+            for k in 0..count {
                 b[k] += s * (b[k + 1] - b[k]);
             }
         }

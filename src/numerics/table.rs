@@ -215,6 +215,12 @@ impl Table {
     pub fn value(&self, at: TablePosition, component: usize) -> f64 {
         polynomial(self.series(at.panel, component), at.x)
     }
+
+    /// Value of a component at a position, and its derivative along sigma.
+    pub fn value_and_slope(&self, at: TablePosition, component: usize) -> [f64; 2] {
+        let (c, (a, b)) = (self.series(at.panel, component), self.borders(at.panel));
+        [polynomial(c, at.x), polynomial(&slopes_of(c), at.x) * (2.0 / (b - a))]
+    }
 }
 
 /// Functions that become one table.

@@ -244,7 +244,7 @@ impl State {
     ) -> Result<(), Stopped> {
         let Self { saved, scratch, .. } = self;
         let SavedState { airspeed, revolutions, .. } = *saved;
-        let ends = &Ends { travel: &saved.travel, shift: shift(reduced, revolutions), locked };
+        let ends = &Ends::new(&saved.travel, shift(reduced, revolutions), locked);
         contact.locks_set(ends);
         let sizes = &saved.applied;
         let applied = AppliedLoads { sizes, airspeed, revolutions, change: inputs.change(reduced) };
@@ -369,7 +369,7 @@ impl State {
     /// The places of the stops in the frame of sigma, and where locks are engaged.
     pub fn ends(&self, reduced: &Reduced, locks: &[bool]) -> Ends<'_> {
         let travel = &*self.travel;
-        Ends { travel, shift: shift(reduced, self.revolutions), locked: engaged_locks(travel, reduced, locks) }
+        Ends::new(travel, shift(reduced, self.revolutions), engaged_locks(travel, reduced, locks))
     }
 
     /// Whether the mechanism is at a stop or beyond: past the place where the stop is first met, and not back within

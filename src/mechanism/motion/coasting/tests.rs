@@ -64,7 +64,7 @@ fn coast(
     let mut coasting = Coasting {
         dynamics: &mut Pendulum,
         integrator: &mut integrator,
-        ends: &Ends { travel: &travel, shift: 0.0, locked: EngagedLocks::default() },
+        ends: &Ends::new(&travel, 0.0, EngagedLocks::default()),
         contact: &mut Contact::default(),
         tolerance,
         path: || Path { range: None, length, does_work: false },
@@ -127,7 +127,7 @@ fn the_bound_ends_a_motion_that_has_no_period() {
     let mut coasting = Coasting {
         dynamics: &mut Pendulum,
         integrator: &mut integrator,
-        ends: &Ends { travel: &Travel::default(), shift: 0.0, locked: EngagedLocks::default() },
+        ends: &Ends::new(&Travel::default(), 0.0, EngagedLocks::default()),
         contact: &mut Contact::default(),
         tolerance: 1e-9,
         path: || Path { range: None, length: Some(TAU), does_work: true },
