@@ -229,10 +229,10 @@ impl PanelForce {
         self.force = self.sum(state_loads, table, all.clone(), 0);
         if let Some(state_loads) = state_loads.filter(|s| !s.friction_joints.is_empty()) {
             self.reactions.clear();
-            self.reactions.resize(Bundle::rows(state_loads.rows() - 1), Row::ZERO);
             for (k, size) in all {
                 self.add_reactions(state_loads, k, size);
             }
+            self.reactions.resize(Bundle::rows(state_loads.rows() - 1), Row::ZERO);
         }
         self.rates.clear();
         if let Some(change) = &applied.change {

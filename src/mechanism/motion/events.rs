@@ -301,7 +301,7 @@ impl SlipBounds {
         let third_of = (b - a) / 3.0;
         let margin = MARGIN * (second - (a + third_of)).abs().max((third - (b - third_of)).abs());
         // The start is within the range, but for rounding.
-        second.min(third).min(b) - margin < low || second.max(third).max(b) + margin > high
+        [second, third, b].iter().any(|v| v - margin < low || v + margin > high)
     }
 }
 
@@ -310,7 +310,10 @@ fn regime_change<D: Dynamics<N>, const N: usize>(dynamics: &mut D, dense: &Dense
     const PARTS: usize = 8;
     let (low, high) = dynamics.slip_range(joint);
     let dynamics = &RefCell::new(dynamics);
-    let f = |s: f64| excess_of_slip(*dynamics.borrow_mut(), joint, [0, 1].map(|n| dense.component(n, s)));
+    let f = |s: f64| {
+        let v = dynamics.borrow_mut().slip(joint, dense.component(0, s), dense.component(1, s));
+        (low - v).max(v - high)
+    };
     let motion = dense.bounded([0, 1]);
     let bounds = |a: f64, b: f64| {
         let [sigma, sigma_dot] = motion.enclosures([a, b]);
