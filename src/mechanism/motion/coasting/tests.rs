@@ -124,10 +124,11 @@ fn the_bound_ends_a_motion_that_has_no_period() {
     assert!(!whole && steps <= 5001, "{steps} {y:?}");
     // Work without a period: sigma grows without bound.
     let (mut y, mut passed, mut integrator) = ([0.0, 3.0], 0.0, Integrator::default());
+    let travel = Travel::default();
     let mut coasting = Coasting {
         dynamics: &mut Pendulum,
         integrator: &mut integrator,
-        ends: &Ends::new(&Travel::default(), 0.0, EngagedLocks::default()),
+        ends: &Ends::new(&travel, 0.0, EngagedLocks::default()),
         contact: &mut Contact::default(),
         tolerance: 1e-9,
         path: || Path { range: None, length: Some(TAU), does_work: true },

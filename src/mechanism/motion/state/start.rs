@@ -3,7 +3,8 @@
 //! In: the definition's start, inputs, a reduced model. Out: a state at rest or in motion, with the travel between the
 //! stops. It must not know steps.
 use super::circuit::check_ports;
-use super::{Before, State, airspeed, blows_under, check_lengths, engaged_locks, state_loads};
+use super::inputs::{Before, airspeed, blows_under, engaged_locks, state_loads};
+use super::{State, check_lengths};
 use crate::mechanism::definition::{DefinitionError, Mechanism};
 use crate::mechanism::dynamics::equation::Scratch;
 use crate::mechanism::dynamics::hydraulic::CIRCUIT;
