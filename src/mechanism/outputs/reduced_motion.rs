@@ -100,11 +100,15 @@ impl ReducedMotion {
             self.loads.sizes[input] = value;
             self.invalidate_sizes();
         }
-        self.set_lock();
+        self.inputs_changed();
     }
 
     /// A Boolean input, or the rate of the airspeed, has changed.
     pub fn set_lock(&mut self) {
+        self.inputs_changed();
+    }
+
+    fn inputs_changed(&mut self) {
         self.cache.invalidate();
         self.state.inputs_changed();
     }
