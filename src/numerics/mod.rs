@@ -6,6 +6,7 @@ pub mod chebyshev;
 pub mod decimal;
 pub mod dual;
 pub mod enclosure;
+pub mod gapped;
 pub mod gauss;
 pub mod passage;
 pub mod plane;

@@ -5,6 +5,7 @@ use super::evaluate::Curve;
 use super::panel::Panel;
 use crate::mechanism::closure::{Scratch, dot};
 use crate::numerics::chebyshev::NODES;
+use crate::numerics::gapped::GAP;
 
 /// Margin at a node, relative to the largest of the panel, below which a minimum may be a crossing.
 const LOW: f64 = 0.3;
@@ -18,6 +19,15 @@ impl Curve {
         let mut found: Vec<f64> = Vec::new();
         let mut scratch = Scratch::default();
         for panel in &self.panels {
+            if let Some(x) = panel.crossing {
+                // The crossing is in the gap between the nodes.
+                if x.abs() <= 1.0 {
+                    let (below, above) = ((x - GAP).max(-1.0), (x + GAP).min(1.0));
+                    let x = self.least_margin(panel, [below, 0.5 * (below + above), above], &mut scratch);
+                    found.push(panel.sigma_at(x));
+                }
+                continue;
+            }
             let margins: [f64; NODES] = std::array::from_fn(|j| 1.0 / panel.amplifications[j]);
             let most = margins.iter().fold(0.0, |a: f64, m| a.max(*m));
             // Panels end away from crossings: no minimum is at a border.

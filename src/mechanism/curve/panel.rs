@@ -6,7 +6,7 @@ use super::configuration::{self, Configuration};
 use super::extrapolation::Extrapolation;
 use crate::mechanism::closure::Closure;
 use crate::mechanism::linkage::Positions;
-use crate::numerics::chebyshev::{NODES, Series, Transform, chopped, monomials, polynomial, slopes_of, tail};
+use crate::numerics::chebyshev::{NODES, Series, Transform, chopped, composed, monomials, polynomial, slopes_of, tail};
 
 /// A part of the curve that crosses every plane normal . (q - base) = u, 0 <= u <= width, once. Polynomials are in
 /// x = 2 u / width - 1, as monomial coefficients.
@@ -23,12 +23,12 @@ pub(super) struct Panel {
     /// Polynomial of each coordinate.
     pub coordinates: Vec<Series>,
     /// sigma - start = half + x length(x), and its value at the tip.
-    half: f64,
-    length: Series,
-    span: f64,
+    pub(super) half: f64,
+    pub(super) length: Series,
+    pub(super) span: f64,
     /// Polynomial of d sigma / d x, and its values at both ends.
-    speed: Series,
-    end_speeds: [f64; 2],
+    pub(super) speed: Series,
+    pub(super) end_speeds: [f64; 2],
     /// Coordinates at the tip.
     pub tip: Vec<f64>,
     /// Least amplification of rounding in a gap at the nodes.
@@ -41,6 +41,9 @@ pub(super) struct Panel {
     pub derivatives: Vec<[Series; 2]>,
     /// Tail of the series of each coordinate's second derivative along sigma, and the derivative's largest value.
     pub curvatures: Vec<[f64; 2]>,
+    /// x in [-1, 1] round which branches cross, if the panel was built across a crossing; above 1 or below -1 if it was
+    /// cut since.
+    pub crossing: Option<f64>,
 }
 
 /// Start of a panel.
@@ -60,7 +63,7 @@ pub(super) struct Scratch {
     /// Scratch for configurations.
     pub evaluation: configuration::Scratch,
     c: Configuration,
-    samples: Samples,
+    pub samples: Samples,
     extrapolation: Extrapolation,
     /// Number of positions closed so far.
     pub closed: usize,
@@ -68,14 +71,14 @@ pub(super) struct Scratch {
 
 /// Values at the nodes of a panel.
 #[derive(Debug, Default)]
-struct Samples {
+pub(super) struct Samples {
     /// Coordinates and their first and second derivatives along sigma.
-    coordinates: Vec<[f64; NODES]>,
-    firsts: Vec<[f64; NODES]>,
-    seconds: Vec<[f64; NODES]>,
+    pub coordinates: Vec<[f64; NODES]>,
+    pub firsts: Vec<[f64; NODES]>,
+    pub seconds: Vec<[f64; NODES]>,
     /// d sigma / d u.
-    speeds: [f64; NODES],
-    amplifications: [f64; NODES],
+    pub speeds: [f64; NODES],
+    pub amplifications: [f64; NODES],
 }
 
 /// Reason why a panel was rejected.
@@ -89,11 +92,9 @@ pub(super) enum Rejection {
     Massless,
 }
 
-/// Largest amplification at a node relative to the least of the panel: 1 / 16 of a panel away from a crossing in its
-/// middle. Amplification grows with the number of loops, so only the ratio indicates a crossing.
-const NEAR: f64 = 60.0;
-/// Largest amplification at the tip, where the next panel starts, relative to the least of the panel.
-const TIP_NEAR: f64 = 8.0;
+/// Largest amplification relative to the least of the panel. Amplification grows with the number of loops, so only the
+/// ratio indicates a crossing.
+const NEAR: f64 = 8.0;
 /// Relative amplification at a node above which the series are chopped to the level of rounding.
 const CROSSING: f64 = 5.0;
 /// Relative amplification at a node above which derivatives are kept.
@@ -109,17 +110,17 @@ const DIVERGED: f64 = 0.7;
 /// Order of the coefficients that must be of the size of rounding.
 const ORDER: f64 = (NODES - 2) as f64;
 
-fn largest(values: &[f64]) -> f64 {
+pub(super) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |a: f64, v| a.max(v.abs()))
 }
 
-fn least(values: &[f64]) -> f64 {
+pub(super) fn least(values: &[f64]) -> f64 {
     values.iter().fold(f64::INFINITY, |a: f64, v| a.min(*v))
 }
 
 impl Scratch {
     /// Sample a panel: close the loops at every node. `visit` receives the index of each node and its positions.
-    fn sample(
+    pub fn sample(
         &mut self,
         closure: &Closure,
         nodes: &[f64; NODES],
@@ -247,7 +248,7 @@ impl Panel {
         let loops = &mut scratch.evaluation.loops;
         let converged =
             closure.on_plane(loops, &mut tip, &base.q, &normal, width).ok_or(Rejection::TooWide(DIVERGED))?;
-        if converged.amplification > HARMLESS.max(TIP_NEAR * least) {
+        if converged.amplification > HARMLESS.max(NEAR * least) {
             return Err(Rejection::NearCrossing);
         }
         let mut tangent = Vec::new();
@@ -269,17 +270,38 @@ impl Panel {
             amplifications,
             derivatives,
             curvatures,
+            crossing: None,
         };
         Ok((panel.integrated(), tangent, wider))
     }
 
     /// The panel with its length, the integral of its speed.
-    fn integrated(mut self) -> Self {
+    pub(super) fn integrated(mut self) -> Self {
         self.length = std::array::from_fn(|k| self.speed[k] / (k + 1) as f64);
         self.half = polynomial(&self.length, -1.0);
         self.span = self.half + polynomial(&self.length, 1.0);
         self.end_speeds = [-1.0, 1.0].map(|x| polynomial(&self.speed, x));
         self
+    }
+
+    /// The part of this panel between two x, as a panel of its own.
+    pub fn part(self, first: f64, last: f64) -> Self {
+        let (middle, half) = (0.5 * (first + last), 0.5 * (last - first));
+        let cut = |series: &Series| composed(series, middle, half);
+        let coordinates: Vec<Series> = self.coordinates.iter().map(cut).collect();
+        let [base, tip] = [-1.0, 1.0].map(|x| coordinates.iter().map(|s| polynomial(s, x)).collect());
+        Self {
+            start: self.sigma_at(first),
+            base,
+            tip,
+            width: half * self.width,
+            coordinates,
+            speed: cut(&self.speed).map(|c| half * c),
+            derivatives: self.derivatives.iter().map(|[f, s]| [cut(f), cut(s)]).collect(),
+            crossing: self.crossing.map(|x| (x - middle) / half),
+            ..self
+        }
+        .integrated()
     }
 
     /// The same part of the curve in the opposite direction, x -> -x, with its base, the present tip, at the sigma
@@ -290,6 +312,7 @@ impl Panel {
         self.start = start;
         self.normal.iter_mut().for_each(|n| *n = -*n);
         self.amplifications.reverse();
+        self.crossing = self.crossing.map(|x| -x);
         self.coordinates.iter_mut().for_each(|series| odd(series));
         for [first, second] in &mut self.derivatives {
             odd(first);

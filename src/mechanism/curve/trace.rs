@@ -1,6 +1,7 @@
 //! Tracing: panel after panel, until the curve returns, leaves the permitted travel, or gets too long.
 //!
 //! In: a closed position, limits of travel. Out: the curve. It must not know loads.
+use super::across::crossing_ahead;
 use super::error::CurveError;
 use super::evaluate::{Curve, Ends, describe};
 use super::kinetic::twice_kinetic;
@@ -9,12 +10,15 @@ use super::travel::Travel;
 use crate::mechanism::closure::Closure;
 use crate::mechanism::linkage::Positions;
 use crate::numerics::chebyshev::Transform;
+use crate::numerics::gapped::Gapped;
 use std::f64::consts::TAU;
 
 /// Width of the first panel in the weighted norm.
 const FIRST: f64 = 0.25;
 /// Largest width of a panel.
 const LARGEST: f64 = 1.5;
+/// Largest half width of a panel across a crossing.
+const WIDEST_HALF: f64 = 0.75;
 /// Width of a panel below which tracing fails.
 const SMALLEST: f64 = 1e-6;
 /// Largest number of panels.
@@ -51,7 +55,14 @@ impl Curve {
         let tangent = closure.tangent(q);
         let travel = margin.map(|margin| Travel::new(&closure.linkage, margin));
         let mut tracer =
-            Tracer { closure: &closure, transform: Transform::default(), travel, scratch: Scratch::default() };
+            Tracer {
+            closure: &closure,
+            transform: Transform::default(),
+            gapped: Gapped::default(),
+            half: WIDEST_HALF,
+            travel,
+            scratch: Scratch::default(),
+        };
         let (mut panels, stop) = tracer.follow(q, &tangent)?;
         let end = |panels: &[Panel]| panels.last().map_or(0.0, Panel::end);
         let (mut first, mut last) = (0.0, end(&panels));
@@ -112,10 +123,23 @@ impl Curve {
     }
 }
 
+/// What lies ahead.
+enum Ahead {
+    /// A panel across a crossing, and the tangent at its tip.
+    Crossed(Panel, Vec<f64>),
+    /// A crossing too far for one panel: first a panel of this width.
+    Approach(f64),
+    /// Nothing that a panel crosses.
+    Unclear,
+}
+
 /// Following of the curve in one direction and the other.
 struct Tracer<'a> {
     closure: &'a Closure,
     transform: Transform,
+    gapped: Gapped,
+    /// Largest half width of the next panel across a crossing.
+    half: f64,
     travel: Option<Travel<'a>>,
     scratch: Scratch,
 }
@@ -169,9 +193,9 @@ impl Tracer<'_> {
     /// The next panel, of the proposed width or the widest below it that is accepted, with the tangent at its tip and
     /// the factor by which it might have been wider.
     fn next_panel(&mut self, base: &Base, width: &mut f64) -> Result<(Panel, Vec<f64>, f64), CurveError> {
-        let Self { closure, transform, travel, scratch } = self;
         let mut massless = false;
         while *width > SMALLEST {
+            let Self { closure, transform, travel, scratch, .. } = self;
             let mut visit = |node: usize, positions: &Positions| {
                 if let Some(travel) = &mut *travel {
                     travel.visit(node, positions);
@@ -180,6 +204,16 @@ impl Tracer<'_> {
             match Panel::build(closure, transform, base, *width, scratch, &mut visit) {
                 Ok(built) => return Ok(built),
                 Err(rejection) => {
+                    if rejection == Rejection::NearCrossing {
+                        match self.cross(base, *width) {
+                            Ahead::Crossed(panel, tangent) => return Ok((panel, tangent, f64::INFINITY)),
+                            Ahead::Approach(shorter) => {
+                                *width = shorter;
+                                continue;
+                            }
+                            Ahead::Unclear => {}
+                        }
+                    }
                     massless = rejection == Rejection::Massless;
                     *width *= match rejection {
                         Rejection::TooWide(shorter) => shorter,
@@ -189,6 +223,7 @@ impl Tracer<'_> {
                 }
             }
         }
+        let Self { closure, scratch, .. } = self;
         let position = describe(closure, &base.q);
         // Panels stop short of a position where nothing with mass moves.
         massless |= twice_kinetic_part(closure, &base.q, &base.tangent) < 1e-6;
@@ -203,15 +238,43 @@ impl Tracer<'_> {
         })
     }
 
+    /// Cross the position ahead of `base` where branches seem to cross, within about `width`.
+    fn cross(&mut self, base: &Base, width: f64) -> Ahead {
+        /// Half width that leaves little rounding in the gap, and least half width.
+        const GOOD: f64 = 0.35;
+        const LEAST: f64 = 0.02;
+        /// Factor of the half width after a failure.
+        const NARROWER: f64 = 0.7;
+        let Self { closure, gapped, scratch, .. } = self;
+        let Some(distance) = crossing_ahead(closure, base, width, &mut scratch.evaluation) else {
+            return Ahead::Unclear;
+        };
+        while self.half > LEAST {
+            if distance > self.half {
+                let shorter = distance - self.half;
+                return if shorter < 0.95 * width { Ahead::Approach(shorter) } else { Ahead::Unclear };
+            }
+            let half = self.half.min(GOOD.max(distance));
+            match Panel::across(closure, gapped, base, distance, half, scratch) {
+                Ok((panel, tangent)) => {
+                    self.half = WIDEST_HALF;
+                    return Ahead::Crossed(panel, tangent);
+                }
+                Err(_) => self.half = NARROWER * half,
+            }
+        }
+        Ahead::Unclear
+    }
+
     /// For a panel through the start: the growth of the coordinates, and the part of the panel up to the start.
     fn returned(
-        &mut self,
+        &self,
         start: &[f64],
         tangent: &[f64],
         panel: &Panel,
         first: bool,
     ) -> Option<(Vec<f64>, Option<Panel>)> {
-        let Self { closure, transform, scratch, .. } = self;
+        let closure = self.closure;
         let (n, w) = (start.len(), &closure.weights);
         // The start with whole revolutions added.
         let target: Vec<f64> = (0..n)
@@ -235,9 +298,7 @@ impl Tracer<'_> {
         if u < slack {
             return Some((growth, None));
         }
-        let direction: Vec<f64> = (0..n).map(|i| panel.normal[i] / (w[i] * w[i])).collect();
-        let base = Base { sigma: panel.start, q: panel.base.clone(), tangent: direction };
-        let (cut, ..) = Panel::build(closure, transform, &base, u, scratch, &mut |_, _| {}).ok()?;
+        let cut = panel.clone().part(-1.0, 2.0 * u / panel.width - 1.0);
         Some((growth, Some(cut)))
     }
 }
