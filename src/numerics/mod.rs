@@ -11,3 +11,4 @@ pub mod gauss;
 pub mod passage;
 pub mod plane;
 pub mod table;
+pub mod twofold;

@@ -3,6 +3,7 @@
 //! In: a closed position with its tangent, a width. Out: a panel, or the reason why the width is rejected. It must not
 //! know how far the curve is followed.
 use super::configuration::{self, Configuration};
+use super::bridge::Bridge;
 use super::extrapolation::Extrapolation;
 use crate::mechanism::closure::Closure;
 use crate::mechanism::linkage::Positions;
@@ -23,12 +24,12 @@ pub(super) struct Panel {
     /// Polynomial of each coordinate.
     pub coordinates: Vec<Series>,
     /// sigma - start = half + x length(x), and its value at the tip.
-    pub(super) half: f64,
-    pub(super) length: Series,
-    pub(super) span: f64,
+    half: f64,
+    length: Series,
+    span: f64,
     /// Polynomial of d sigma / d x, and its values at both ends.
-    pub(super) speed: Series,
-    pub(super) end_speeds: [f64; 2],
+    speed: Series,
+    end_speeds: [f64; 2],
     /// Coordinates at the tip.
     pub tip: Vec<f64>,
     /// Least amplification of rounding in a gap at the nodes.
@@ -41,8 +42,9 @@ pub(super) struct Panel {
     pub derivatives: Vec<[Series; 2]>,
     /// Tail of the series of each coordinate's second derivative along sigma, and the derivative's largest value.
     pub curvatures: Vec<[f64; 2]>,
-    /// x in [-1, 1] round which branches cross, if the panel was built across a crossing; above 1 or below -1 if it was
-    /// cut since.
+    /// Whether the panel is a part of a bridge over a crossing: its series are more accurate than the loop equations.
+    pub bridged: bool,
+    /// x at which branches cross; sought on a bridge only.
     pub crossing: Option<f64>,
 }
 
@@ -63,7 +65,7 @@ pub(super) struct Scratch {
     /// Scratch for configurations.
     pub evaluation: configuration::Scratch,
     c: Configuration,
-    pub samples: Samples,
+    samples: Samples,
     extrapolation: Extrapolation,
     /// Number of positions closed so far.
     pub closed: usize,
@@ -71,14 +73,14 @@ pub(super) struct Scratch {
 
 /// Values at the nodes of a panel.
 #[derive(Debug, Default)]
-pub(super) struct Samples {
+struct Samples {
     /// Coordinates and their first and second derivatives along sigma.
-    pub coordinates: Vec<[f64; NODES]>,
-    pub firsts: Vec<[f64; NODES]>,
-    pub seconds: Vec<[f64; NODES]>,
+    coordinates: Vec<[f64; NODES]>,
+    firsts: Vec<[f64; NODES]>,
+    seconds: Vec<[f64; NODES]>,
     /// d sigma / d u.
-    pub speeds: [f64; NODES],
-    pub amplifications: [f64; NODES],
+    speeds: [f64; NODES],
+    amplifications: [f64; NODES],
 }
 
 /// Reason why a panel was rejected.
@@ -94,7 +96,7 @@ pub(super) enum Rejection {
 
 /// Largest amplification relative to the least of the panel. Amplification grows with the number of loops, so only the
 /// ratio indicates a crossing.
-const NEAR: f64 = 8.0;
+const NEAR: f64 = 4.0;
 /// Relative amplification at a node above which the series are chopped to the level of rounding.
 const CROSSING: f64 = 5.0;
 /// Relative amplification at a node above which derivatives are kept.
@@ -110,17 +112,17 @@ const DIVERGED: f64 = 0.7;
 /// Order of the coefficients that must be of the size of rounding.
 const ORDER: f64 = (NODES - 2) as f64;
 
-pub(super) fn largest(values: &[f64]) -> f64 {
+fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |a: f64, v| a.max(v.abs()))
 }
 
-pub(super) fn least(values: &[f64]) -> f64 {
+fn least(values: &[f64]) -> f64 {
     values.iter().fold(f64::INFINITY, |a: f64, v| a.min(*v))
 }
 
 impl Scratch {
     /// Sample a panel: close the loops at every node. `visit` receives the index of each node and its positions.
-    pub fn sample(
+    fn sample(
         &mut self,
         closure: &Closure,
         nodes: &[f64; NODES],
@@ -131,10 +133,7 @@ impl Scratch {
     ) -> Result<(), Rejection> {
         let (n, w) = (base.q.len(), &closure.weights);
         let Self { evaluation, c, samples, extrapolation, closed } = self;
-        for values in [&mut samples.coordinates, &mut samples.firsts, &mut samples.seconds] {
-            values.clear();
-            values.resize(n, [0.0; NODES]);
-        }
+        samples.clear(n);
         let mut last = 0.0;
         extrapolation.start(&base.q, &base.tangent);
         for (j, x) in nodes.iter().enumerate() {
@@ -157,18 +156,101 @@ impl Scratch {
                 return Err(Rejection::TooWide(DIVERGED));
             }
             extrapolation.add(u, &c.q, &c.q_sigma, speed);
-            samples.speeds[j] = speed;
-            for i in 0..n {
-                (samples.coordinates[i][j], samples.firsts[i][j]) = (c.q[i], c.q_sigma[i]);
-                samples.seconds[i][j] = c.q_second[i];
-            }
+            samples.keep(j, c, speed);
             last = u;
         }
         Ok(())
     }
 }
 
+impl Scratch {
+    /// Sample a panel on a bridge.
+    fn sample_bridge(
+        &mut self,
+        closure: &Closure,
+        nodes: &[f64; NODES],
+        bridge: &Bridge,
+        (from, width): (f64, f64),
+        visit: &mut dyn FnMut(usize, &Positions),
+    ) -> Result<(), Rejection> {
+        let Self { c, samples, .. } = self;
+        let linkage = &*closure.linkage;
+        samples.clear(closure.weights.len());
+        for (j, x) in nodes.iter().enumerate() {
+            [c.q, c.q_sigma, c.q_second] = bridge.at(from + 0.5 * width * (1.0 + x));
+            linkage.update_positions(&c.q, &mut c.positions);
+            visit(j, &c.positions);
+            let speed = c.scale_rates(linkage);
+            if speed == 0.0 || speed.is_nan() {
+                return Err(Rejection::Massless);
+            }
+            c.q_second.iter_mut().for_each(|v| *v /= speed * speed);
+            c.project_curvature(linkage);
+            samples.keep(j, c, speed);
+        }
+        Ok(())
+    }
+}
+
+impl Scratch {
+    /// The sampled panel with these polynomials of the coordinates and of d sigma / d x. `derivatives`: whether it keeps
+    /// polynomials of derivatives too.
+    fn panel(
+        &self,
+        transform: &Transform,
+        base: &Base,
+        normal: Vec<f64>,
+        width: f64,
+        (coordinates, speed): (Vec<Series>, Series),
+        derivatives: bool,
+    ) -> Panel {
+        let samples = &self.samples;
+        let fit = |samples: &[f64; NODES]| monomials(&chopped(&transform.fit(samples)));
+        let pairs = samples.firsts.iter().zip(&samples.seconds).filter(|_| derivatives);
+        let derivatives = pairs.map(|(first, second)| [fit(first), fit(second)]).collect();
+        let curvatures = samples.seconds.iter().map(|s| [tail(&transform.fit(s)), largest(s)]).collect();
+        Panel {
+            start: base.sigma,
+            base: base.q.clone(),
+            normal,
+            width,
+            tip: coordinates.iter().map(|s| polynomial(s, 1.0)).collect(),
+            coordinates,
+            half: 0.0,
+            length: [0.0; NODES],
+            span: 0.0,
+            speed,
+            end_speeds: [0.0; 2],
+            amplification: 1.0,
+            amplifications: samples.amplifications,
+            derivatives,
+            curvatures,
+            bridged: false,
+            crossing: None,
+        }
+        .integrated()
+    }
+}
+
 impl Samples {
+    /// Make room for this number of coordinates.
+    fn clear(&mut self, n: usize) {
+        for values in [&mut self.coordinates, &mut self.firsts, &mut self.seconds] {
+            values.clear();
+            values.resize(n, [0.0; NODES]);
+        }
+        self.amplifications = [1.0; NODES];
+    }
+
+    /// Keep the values at the node j.
+    fn keep(&mut self, j: usize, c: &Configuration, speed: f64) {
+        self.speeds[j] = speed;
+        for i in 0..c.q.len() {
+            (self.coordinates[i][j], self.firsts[i][j]) = (c.q[i], c.q_sigma[i]);
+            self.seconds[i][j] = c.q_second[i];
+        }
+    }
+
     /// Polynomials of the coordinates and of d sigma / d x, and the factor by which the panel might have been wider.
     fn resolve(
         &self,
@@ -236,13 +318,6 @@ impl Panel {
         }
         let (coordinates, speed, wider) =
             samples.resolve(transform, &closure.weights, width, [amplification, least])?;
-        let derivatives = if amplification > UNEVEN * least {
-            let fit = |samples: &[f64; NODES]| monomials(&chopped(&transform.fit(samples)));
-            samples.firsts.iter().zip(&samples.seconds).map(|(first, second)| [fit(first), fit(second)]).collect()
-        } else {
-            Vec::new()
-        };
-        let curvatures = samples.seconds.iter().map(|s| [tail(&transform.fit(s)), largest(s)]).collect();
         let mut tip: Vec<f64> = coordinates.iter().map(|s| polynomial(s, 1.0)).collect();
         scratch.closed += 1;
         let loops = &mut scratch.evaluation.loops;
@@ -254,29 +329,35 @@ impl Panel {
         let mut tangent = Vec::new();
         loops.factors.tangent(&normal, 1.0, &mut tangent);
         closure.normalise(&mut tangent);
-        let panel = Self {
-            start: base.sigma,
-            base: base.q.clone(),
-            normal,
-            width,
-            coordinates,
-            half: 0.0,
-            length: [0.0; NODES],
-            span: 0.0,
-            speed,
-            end_speeds: [0.0; 2],
-            tip,
-            amplification: least,
-            amplifications,
-            derivatives,
-            curvatures,
-            crossing: None,
-        };
-        Ok((panel.integrated(), tangent, wider))
+        let panel = scratch.panel(transform, base, normal, width, (coordinates, speed), amplification > UNEVEN * least);
+        Ok((Self { tip, amplification: least, ..panel }, tangent, wider))
+    }
+
+    /// Build the panel of this width that starts at `base` on a bridge, at the bridge's distance `from`. `visit` and the
+    /// result as for [`Self::build`].
+    ///
+    /// # Errors
+    /// A [`Rejection`].
+    pub fn on_bridge(
+        closure: &Closure,
+        transform: &Transform,
+        bridge: &Bridge,
+        base: &Base,
+        (from, width): (f64, f64),
+        scratch: &mut Scratch,
+        visit: &mut dyn FnMut(usize, &Positions),
+    ) -> Result<(Self, Vec<f64>, f64), Rejection> {
+        scratch.sample_bridge(closure, &transform.nodes, bridge, (from, width), visit)?;
+        let (coordinates, speed, wider) = scratch.samples.resolve(transform, &closure.weights, width, [1.0; 2])?;
+        let panel = scratch.panel(transform, base, bridge.normal.clone(), width, (coordinates, speed), true);
+        let [_, mut tangent, _] = bridge.at(from + width);
+        closure.normalise(&mut tangent);
+        let crossing = Some(2.0 * (bridge.crossing - from) / width - 1.0).filter(|x| -1.0 <= *x && *x < 1.0);
+        Ok((Self { bridged: true, crossing, ..panel }, tangent, wider))
     }
 
     /// The panel with its length, the integral of its speed.
-    pub(super) fn integrated(mut self) -> Self {
+    fn integrated(mut self) -> Self {
         self.length = std::array::from_fn(|k| self.speed[k] / (k + 1) as f64);
         self.half = polynomial(&self.length, -1.0);
         self.span = self.half + polynomial(&self.length, 1.0);
@@ -298,7 +379,7 @@ impl Panel {
             coordinates,
             speed: cut(&self.speed).map(|c| half * c),
             derivatives: self.derivatives.iter().map(|[f, s]| [cut(f), cut(s)]).collect(),
-            crossing: self.crossing.map(|x| (x - middle) / half),
+            crossing: self.crossing.map(|x| (x - middle) / half).filter(|x| x.abs() <= 1.0),
             ..self
         }
         .integrated()

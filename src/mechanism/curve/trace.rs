@@ -1,7 +1,7 @@
 //! Tracing: panel after panel, until the curve returns, leaves the permitted travel, or gets too long.
 //!
 //! In: a closed position, limits of travel. Out: the curve. It must not know loads.
-use super::across::crossing_ahead;
+use super::bridge::{Bridge, crossing_ahead};
 use super::error::CurveError;
 use super::evaluate::{Curve, Ends, describe};
 use super::kinetic::twice_kinetic;
@@ -17,8 +17,8 @@ use std::f64::consts::TAU;
 const FIRST: f64 = 0.25;
 /// Largest width of a panel.
 const LARGEST: f64 = 1.5;
-/// Largest half width of a panel across a crossing.
-const WIDEST_HALF: f64 = 0.75;
+/// Half width of a bridge over a crossing, for three coordinates: largest one, good one, least one.
+const BRIDGES: [f64; 3] = [0.75, 0.35, 0.01];
 /// Width of a panel below which tracing fails.
 const SMALLEST: f64 = 1e-6;
 /// Largest number of panels.
@@ -54,12 +54,12 @@ impl Curve {
     ) -> Result<Self, CurveError> {
         let tangent = closure.tangent(q);
         let travel = margin.map(|margin| Travel::new(&closure.linkage, margin));
-        let mut tracer =
-            Tracer {
+        let mut tracer = Tracer {
             closure: &closure,
             transform: Transform::default(),
             gapped: Gapped::default(),
-            half: WIDEST_HALF,
+            bridge: None,
+            half: f64::INFINITY,
             travel,
             scratch: Scratch::default(),
         };
@@ -123,22 +123,14 @@ impl Curve {
     }
 }
 
-/// What lies ahead.
-enum Ahead {
-    /// A panel across a crossing, and the tangent at its tip.
-    Crossed(Panel, Vec<f64>),
-    /// A crossing too far for one panel: first a panel of this width.
-    Approach(f64),
-    /// Nothing that a panel crosses.
-    Unclear,
-}
-
 /// Following of the curve in one direction and the other.
 struct Tracer<'a> {
     closure: &'a Closure,
     transform: Transform,
     gapped: Gapped,
-    /// Largest half width of the next panel across a crossing.
+    /// The bridge on which the next panel begins, and its distance there.
+    bridge: Option<(Bridge, f64)>,
+    /// Largest half width of the next bridge.
     half: f64,
     travel: Option<Travel<'a>>,
     scratch: Scratch,
@@ -155,6 +147,7 @@ impl Tracer<'_> {
         let mut panels: Vec<Panel> = Vec::new();
         let mut base = Base { sigma: 0.0, q: q.to_vec(), tangent: tangent.to_vec() };
         let (mut width, mut widest_before) = (FIRST, None);
+        self.bridge = None;
         if let Some(travel) = &mut self.travel {
             travel.start(q);
         }
@@ -195,24 +188,37 @@ impl Tracer<'_> {
     fn next_panel(&mut self, base: &Base, width: &mut f64) -> Result<(Panel, Vec<f64>, f64), CurveError> {
         let mut massless = false;
         while *width > SMALLEST {
-            let Self { closure, transform, travel, scratch, .. } = self;
+            let Self { closure, transform, travel, scratch, bridge, .. } = self;
             let mut visit = |node: usize, positions: &Positions| {
                 if let Some(travel) = &mut *travel {
                     travel.visit(node, positions);
                 }
             };
-            match Panel::build(closure, transform, base, *width, scratch, &mut visit) {
-                Ok(built) => return Ok(built),
+            let built = match bridge {
+                Some((on, from)) => {
+                    let rest = on.width - *from;
+                    // No sliver is left at the end.
+                    *width = if *width < rest { width.min(0.9 * rest) } else { rest };
+                    Panel::on_bridge(closure, transform, on, base, (*from, *width), scratch, &mut visit)
+                }
+                None => Panel::build(closure, transform, base, *width, scratch, &mut visit),
+            };
+            match built {
+                Ok((panel, tangent, wider)) => {
+                    let Some((on, from)) = bridge else { return Ok((panel, tangent, wider)) };
+                    *from += *width;
+                    if *from < on.width * (1.0 - 1e-9) {
+                        return Ok((panel, tangent, wider));
+                    }
+                    *bridge = None;
+                    return self.land(panel).map(|(panel, tangent)| (panel, tangent, wider));
+                }
                 Err(rejection) => {
-                    if rejection == Rejection::NearCrossing {
-                        match self.cross(base, *width) {
-                            Ahead::Crossed(panel, tangent) => return Ok((panel, tangent, f64::INFINITY)),
-                            Ahead::Approach(shorter) => {
-                                *width = shorter;
-                                continue;
-                            }
-                            Ahead::Unclear => {}
-                        }
+                    if rejection == Rejection::NearCrossing
+                        && let Some(wide) = self.bridge_ahead(base, *width)
+                    {
+                        *width = wide;
+                        continue;
                     }
                     massless = rejection == Rejection::Massless;
                     *width *= match rejection {
@@ -238,32 +244,40 @@ impl Tracer<'_> {
         })
     }
 
-    /// Cross the position ahead of `base` where branches seem to cross, within about `width`.
-    fn cross(&mut self, base: &Base, width: f64) -> Ahead {
-        /// Half width that leaves little rounding in the gap, and least half width.
-        const GOOD: f64 = 0.35;
-        const LEAST: f64 = 0.02;
-        /// Factor of the half width after a failure.
-        const NARROWER: f64 = 0.7;
-        let Self { closure, gapped, scratch, .. } = self;
-        let Some(distance) = crossing_ahead(closure, base, width, &mut scratch.evaluation) else {
-            return Ahead::Unclear;
-        };
-        while self.half > LEAST {
+    /// Prepare to cross the position ahead of `base` where branches seem to cross, within about `width`. The width of
+    /// the next panel, which is on a bridge or leads to one; None if there is nothing that a bridge crosses.
+    fn bridge_ahead(&mut self, base: &Base, width: f64) -> Option<f64> {
+        let Self { closure, gapped, scratch, bridge, .. } = self;
+        // The norm of a turn of all coordinates by the same angle grows with their number.
+        let [widest, good, least] = BRIDGES.map(|part| part * (base.q.len() as f64 / 3.0).sqrt());
+        self.half = self.half.min(widest);
+        let distance = crossing_ahead(closure, base, width, &mut scratch.evaluation)?;
+        while self.half > least {
             if distance > self.half {
-                let shorter = distance - self.half;
-                return if shorter < 0.95 * width { Ahead::Approach(shorter) } else { Ahead::Unclear };
+                return Some(distance - self.half).filter(|shorter| *shorter < 0.95 * width);
             }
-            let half = self.half.min(GOOD.max(distance));
-            match Panel::across(closure, gapped, base, distance, half, scratch) {
-                Ok((panel, tangent)) => {
-                    self.half = WIDEST_HALF;
-                    return Ahead::Crossed(panel, tangent);
-                }
-                Err(_) => self.half = NARROWER * half,
+            let half = self.half.min(good.max(distance));
+            if let Some(found) = Bridge::new(closure, gapped, base, [distance, half], &mut scratch.evaluation) {
+                *bridge = Some(found);
+                self.half = f64::INFINITY;
+                return Some(width);
             }
+            self.half = 0.8 * half;
         }
-        Ahead::Unclear
+        None
+    }
+
+    /// The panel at the end of a bridge, with its tip on the loop equations again, and the unit tangent there.
+    fn land(&mut self, mut panel: Panel) -> Result<(Panel, Vec<f64>), CurveError> {
+        let Self { closure, scratch, .. } = self;
+        let loops = &mut scratch.evaluation.loops;
+        if closure.on_plane(loops, &mut panel.tip, &panel.base, &panel.normal, panel.width).is_none() {
+            return Err(CurveError::Stuck(describe(closure, &panel.tip)));
+        }
+        let mut tangent = Vec::new();
+        loops.factors.tangent(&panel.normal, 1.0, &mut tangent);
+        closure.normalise(&mut tangent);
+        Ok((panel, tangent))
     }
 
     /// For a panel through the start: the growth of the coordinates, and the part of the panel up to the start.

@@ -50,11 +50,7 @@ impl<'a> Travel<'a> {
 
     /// First sigma of the current panel at which the travel ends: between nodes with margins of opposite sign, or where
     /// the margin is negative between nodes with positive ones.
-    pub(super) fn end(&mut self, panel: &Panel, nodes: &[f64; NODES]) -> Option<f64> {
-        if panel.crossing.is_some() {
-            // Such a panel was not visited node by node.
-            self.at_nodes = std::array::from_fn(|j| self.on(panel, nodes[j]));
-        }
+    pub(super) fn end(&mut self, panel: &Panel, nodes: &[f64]) -> Option<f64> {
         let mut x: Vec<f64> = vec![-1.0];
         x.extend(nodes);
         x.push(1.0);
