@@ -35,15 +35,8 @@ struct Walk<'a> {
 impl<'a> Walk<'a> {
     fn new(closure: &'a Closure, base: &'a Base, scratch: &mut configuration::Scratch) -> Option<Self> {
         let normal = closure.normal(&base.tangent);
-        let mut walk = Self {
-            closure,
-            base,
-            u: 0.0,
-            q: base.q.clone(),
-            slope: base.tangent.clone(),
-            amplification: 0.0,
-            normal,
-        };
+        let mut walk =
+            Self { closure, base, u: 0.0, q: base.q.clone(), slope: base.tangent.clone(), amplification: 0.0, normal };
         walk.close(scratch, 0.0, f64::INFINITY)?;
         Some(walk)
     }

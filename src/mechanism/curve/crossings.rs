@@ -18,7 +18,9 @@ impl Curve {
         let mut scratch = Scratch::default();
         for panel in &self.panels {
             if panel.bridged {
-                found.extend(panel.crossing.map(|x| panel.sigma_at(x)).filter(|s| *s > self.range.0 && *s < self.range.1));
+                found.extend(
+                    panel.crossing.map(|x| panel.sigma_at(x)).filter(|s| *s > self.range.0 && *s < self.range.1),
+                );
                 continue;
             }
             let coordinates = |x: f64| panel.coordinates_at(x);

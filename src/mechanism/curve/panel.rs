@@ -2,8 +2,8 @@
 //!
 //! In: a closed position with its tangent, a width. Out: a panel, or the reason why the width is rejected. It must not
 //! know how far the curve is followed.
-use super::configuration::{self, Configuration};
 use super::bridge::Bridge;
+use super::configuration::{self, Configuration};
 use super::extrapolation::Extrapolation;
 use crate::mechanism::closure::Closure;
 use crate::mechanism::linkage::Positions;
@@ -111,6 +111,11 @@ const ROUNDING: f64 = 1e-15;
 const DIVERGED: f64 = 0.7;
 /// Order of the coefficients that must be of the size of rounding.
 const ORDER: f64 = (NODES - 2) as f64;
+
+/// Whether the amplification says that a crossing is near, where the least one is known.
+pub(super) fn near_crossing(amplification: f64, least: f64) -> bool {
+    amplification > HARMLESS.max(NEAR * least)
+}
 
 fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |a: f64, v| a.max(v.abs()))
@@ -313,7 +318,7 @@ impl Panel {
         let samples = &scratch.samples;
         let amplifications = samples.amplifications;
         let (amplification, least) = (largest(&amplifications).max(1.0), least(&amplifications));
-        if amplification > HARMLESS.max(NEAR * least) {
+        if near_crossing(amplification, least) {
             return Err(Rejection::NearCrossing);
         }
         let (coordinates, speed, wider) =
@@ -323,7 +328,7 @@ impl Panel {
         let loops = &mut scratch.evaluation.loops;
         let converged =
             closure.on_plane(loops, &mut tip, &base.q, &normal, width).ok_or(Rejection::TooWide(DIVERGED))?;
-        if converged.amplification > HARMLESS.max(NEAR * least) {
+        if near_crossing(converged.amplification, least) {
             return Err(Rejection::NearCrossing);
         }
         let mut tangent = Vec::new();

@@ -5,7 +5,7 @@ use super::bridge::{Bridge, crossing_ahead};
 use super::error::CurveError;
 use super::evaluate::{Curve, Ends, describe};
 use super::kinetic::twice_kinetic;
-use super::panel::{Base, Panel, Rejection, Scratch};
+use super::panel::{Base, Panel, Rejection, Scratch, near_crossing};
 use super::travel::Travel;
 use crate::mechanism::closure::Closure;
 use crate::mechanism::linkage::Positions;
@@ -59,6 +59,7 @@ impl Curve {
             transform: Transform::default(),
             gapped: Gapped::default(),
             bridge: None,
+            least: f64::INFINITY,
             half: f64::INFINITY,
             travel,
             scratch: Scratch::default(),
@@ -130,6 +131,8 @@ struct Tracer<'a> {
     gapped: Gapped,
     /// The bridge on which the next panel begins, and its distance there.
     bridge: Option<(Bridge, f64)>,
+    /// Least amplification of the panels so far.
+    least: f64,
     /// Largest half width of the next bridge.
     half: f64,
     travel: Option<Travel<'a>>,
@@ -205,7 +208,18 @@ impl Tracer<'_> {
             };
             match built {
                 Ok((panel, tangent, wider)) => {
-                    let Some((on, from)) = bridge else { return Ok((panel, tangent, wider)) };
+                    let Some((on, from)) = bridge else {
+                        let [first, .., last] = panel.amplifications;
+                        self.least = self.least.min(panel.amplification);
+                        if last > first
+                            && near_crossing(last, self.least)
+                            && let Some(wide) = self.bridge_ahead(base, 2.0 * *width)
+                        {
+                            *width = wide;
+                            continue;
+                        }
+                        return Ok((panel, tangent, wider));
+                    };
                     *from += *width;
                     if *from < on.width * (1.0 - 1e-9) {
                         return Ok((panel, tangent, wider));

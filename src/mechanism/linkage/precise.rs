@@ -32,10 +32,12 @@ impl Linkage {
             .collect();
         let mut origins = vec![Vector::default(); self.bodies.len()];
         for branch in &self.tree {
-            let arms = minus(rotated(rotations[branch.parent], branch.from), rotated(rotations[branch.child], branch.to));
+            let arms =
+                minus(rotated(rotations[branch.parent], branch.from), rotated(rotations[branch.child], branch.to));
             let mut child = plus(origins[branch.parent], arms);
             if let (Some(s), Freedom::Prismatic(e)) = (branch.slide, self.joints[branch.joint].freedom) {
-                let axis = rotated(rotations[self.joints[branch.joint].first.body], if branch.reversed { -e } else { e });
+                let axis =
+                    rotated(rotations[self.joints[branch.joint].first.body], if branch.reversed { -e } else { e });
                 child = plus(child, axis.map(|a| q[s] * a));
             }
             origins[branch.child] = child;
