@@ -65,7 +65,10 @@ fn scissor_energy(stages: usize, phi: f64, speed: f64, [mass, carriage]: [f64; 2
     energy
 }
 
+/// The tables hold 1e-13 of the largest speed of a bar, which for the same energy is up to some 20 n times larger where
+/// all bars stand in one line than elsewhere.
 fn a_lift_passes_its_singular_positions(stages: usize, masses: [f64; 2], turns: f64) {
+    let allowed = 1e-9_f64.max(1e-10 * stages as f64);
     // Fast enough to go round, through the flat position and the one in which all bars stand in one line.
     let mut rise = 40.0 * (stages as f64 * BAR);
     rise = rise.max(100.0);
@@ -84,7 +87,7 @@ fn a_lift_passes_its_singular_positions(stages: usize, masses: [f64; 2], turns: 
         }
         assert!((lift.get("rail.position") - BAR * phi.cos()).abs() < 1e-11);
         let now = scissor_energy(stages, phi, speed, masses);
-        assert!((now - energy).abs() < 1e-9 * energy, "{stages} stages at {phi}: {now} of {energy}");
+        assert!((now - energy).abs() < allowed * energy, "{stages} stages at {phi}: {now} of {energy}");
     }
 }
 
@@ -161,7 +164,7 @@ fn peaucelliers_inversor_draws_a_straight_line_whatever_the_masses() {
 }
 
 /// Hart's inversor: an antiparallelogram with O, P and Q at one part of three of its sides; P on a circle through O
-/// with its centre at E takes Q along the straight line normal to OE at the distance OP OQ / (2 OE).
+/// with its centre at E takes Q along the straight line normal to OE at the distance OP OQ / (2 OE) from O, away from E.
 #[test]
 fn harts_inversor_draws_a_straight_line_whatever_the_masses() {
     let (long, short, part, diagonal): (f64, f64, f64, f64) = (2.0, 1.0, 0.4, 1.9);
@@ -201,7 +204,7 @@ fn harts_inversor_draws_a_straight_line_whatever_the_masses() {
             let [ab, cb] = ["ab", "cb"].map(|body| inversor.get(&format!("{body}.angle")));
             let q = turned(Vec2::new(long * (1.0 - part), 0.0), ab) - turned(Vec2::new(short * (1.0 - part), 0.0), cb);
             let along = q.dot(&e) / radius;
-            assert!((along - product / (2.0 * radius)).abs() < 1e-11, "case {case}: {along}");
+            assert!((along + product / (2.0 * radius)).abs() < 1e-11, "case {case}: {along}");
         }
     }
 }

@@ -15,10 +15,11 @@ use crate::numerics::chebyshev::{Series, polynomial, slopes_of};
 use crate::numerics::gapped::{GAP, Gapped};
 use crate::numerics::twofold::Twofold;
 
-/// Largest of the last coefficients of a series, relative to its size and to 1 rad: rounding.
-const RESOLVED: f64 = 2e-14;
+/// Largest of the last coefficients of a series, relative to its size and to 1 rad: branches that miss each other by
+/// 1e-13 of the size of the linkage count as crossing.
+const LARGEST_TAIL: f64 = 1.5e-12;
 /// Largest gap of a loop on the bridge, relative to the size of the linkage.
-const OPEN: f64 = 1e-12;
+const OPEN: f64 = 1.5e-12;
 
 /// Walk along the curve across planes with one normal, from a base.
 struct Walk<'a> {
@@ -147,6 +148,8 @@ pub(super) struct Bridge {
     series: Vec<[Series; 3]>,
     /// u at the crossing.
     pub crossing: f64,
+    /// Largest of the last coefficients of a series, relative to its size and to 1 rad: truncation or rounding.
+    pub tail: f64,
 }
 
 impl Bridge {
@@ -174,17 +177,19 @@ impl Bridge {
             let refined = walk.refined(scratch, &first.q)?;
             samples.iter_mut().zip(refined).for_each(|(s, value)| s[j] = value);
         }
-        let mut series = Vec::new();
+        let (mut series, mut worst) = (Vec::new(), 0.0_f64);
         for ((values, q), w) in samples.iter().zip(&first.q).zip(&closure.weights) {
             let (mut c, tail) = gapped.fit(values);
             c[0] += q;
-            if !(tail <= RESOLVED * (1.0 / w + q.abs())) {
+            let relative = tail / (1.0 / w + q.abs());
+            if relative.is_nan() || relative > LARGEST_TAIL {
                 return None;
             }
+            worst = worst.max(relative);
             let slope = slopes_of(&c).map(|c| c / half);
             series.push([c, slope, slopes_of(&slope).map(|c| c / half)]);
         }
-        let mut bridge = Self { normal: walk.normal, width: 2.0 * half, series, crossing: half };
+        let mut bridge = Self { normal: walk.normal, width: 2.0 * half, series, crossing: half, tail: worst };
         let open = |u: f64| {
             let gaps = closure.linkage.gaps(&closure.linkage.positions(&bridge.at(u)[0]));
             gaps.iter().any(|gap| !(gap.abs() <= OPEN * closure.linkage.size))

@@ -19,6 +19,8 @@ const FIRST: f64 = 0.25;
 const LARGEST: f64 = 1.5;
 /// Half width of a bridge over a crossing, for three coordinates: largest one, good one, least one.
 const BRIDGES: [f64; 3] = [0.75, 0.35, 0.01];
+/// Largest of the last coefficients of a bridge's series that is rounding.
+const RESOLVED: f64 = 2e-14;
 /// Width of a panel below which tracing fails.
 const SMALLEST: f64 = 1e-6;
 /// Largest number of panels.
@@ -211,9 +213,11 @@ impl Tracer<'_> {
                     let Some((on, from)) = bridge else {
                         let [first, .., last] = panel.amplifications;
                         self.least = self.least.min(panel.amplification);
-                        if last > first
-                            && near_crossing(last, self.least)
-                            && let Some(wide) = self.bridge_ahead(base, 2.0 * *width)
+                        if !near_crossing(last, self.least) {
+                            // What could not be bridged lies behind.
+                            self.half = f64::INFINITY;
+                        } else if last > first
+                            && let Some(wide) = self.bridge_ahead(base, *width)
                         {
                             *width = wide;
                             continue;
@@ -261,22 +265,32 @@ impl Tracer<'_> {
     /// Prepare to cross the position ahead of `base` where branches seem to cross, within about `width`. The width of
     /// the next panel, which is on a bridge or leads to one; None if there is nothing that a bridge crosses.
     fn bridge_ahead(&mut self, base: &Base, width: f64) -> Option<f64> {
+        /// Factor of the half width after a failure.
+        const NARROWER: f64 = 0.8;
         let Self { closure, gapped, scratch, bridge, .. } = self;
         // The norm of a turn of all coordinates by the same angle grows with their number.
         let [widest, good, least] = BRIDGES.map(|part| part * (base.q.len() as f64 / 3.0).sqrt());
         self.half = self.half.min(widest);
-        let distance = crossing_ahead(closure, base, width, &mut scratch.evaluation)?;
+        if self.half <= least {
+            return None;
+        }
+        let distance = crossing_ahead(closure, base, 2.0 * width, &mut scratch.evaluation)?;
+        let mut build = |half: f64| Bridge::new(closure, gapped, base, [distance, half], &mut scratch.evaluation);
         while self.half > least {
-            if distance > self.half {
-                return Some(distance - self.half).filter(|shorter| *shorter < 0.95 * width);
-            }
             let half = self.half.min(good.max(distance));
-            if let Some(found) = Bridge::new(closure, gapped, base, [distance, half], &mut scratch.evaluation) {
-                *bridge = Some(found);
-                self.half = f64::INFINITY;
-                return Some(width);
+            if distance > half {
+                return Some(distance - half).filter(|shorter| *shorter < 0.95 * width);
             }
-            self.half = 0.8 * half;
+            self.half = NARROWER * half;
+            if let Some(found) = build(half) {
+                let tail = found.0.tail;
+                // A tail that a narrower bridge does not reduce is rounding, or a miss of the branches of that size.
+                if tail < RESOLVED || build(self.half).is_some_and(|(narrower, _)| narrower.tail > NARROWER * tail) {
+                    self.half = f64::INFINITY;
+                    *bridge = Some(found);
+                    return Some(width);
+                }
+            }
         }
         None
     }
