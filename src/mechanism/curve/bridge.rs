@@ -18,6 +18,8 @@ use crate::numerics::twofold::Twofold;
 /// Largest of the last coefficients of a series, relative to its size and to 1 rad: branches that miss each other by
 /// 1e-13 of the size of the linkage count as crossing.
 const LARGEST_TAIL: f64 = 1.5e-12;
+/// Part of the half width on both sides of the crossing that is taken from the polynomials.
+const INNER: f64 = 0.4;
 /// Largest gap of a loop on the bridge, relative to the size of the linkage.
 const OPEN: f64 = 1.5e-12;
 
@@ -142,8 +144,11 @@ pub(super) fn crossing_ahead(
 pub(super) struct Bridge {
     /// Normal of the planes.
     pub normal: Vec<f64>,
-    /// Last u.
-    pub width: f64,
+    /// Largest u of the polynomials.
+    width: f64,
+    /// First and last u from which on derivatives are taken from the polynomials: towards their ends these amplify
+    /// rounding by the fourth power of their order.
+    pub range: [f64; 2],
     /// Polynomials of each coordinate in x = 2 u / width - 1, with the first and second derivative in u.
     series: Vec<[Series; 3]>,
     /// u at the crossing.
@@ -189,7 +194,14 @@ impl Bridge {
             let slope = slopes_of(&c).map(|c| c / half);
             series.push([c, slope, slopes_of(&slope).map(|c| c / half)]);
         }
-        let mut bridge = Self { normal: walk.normal, width: 2.0 * half, series, crossing: half, tail: worst };
+        let mut bridge = Self {
+            normal: walk.normal,
+            width: 2.0 * half,
+            range: [1.0 - INNER, 1.0 + INNER].map(|part| part * half),
+            series,
+            crossing: half,
+            tail: worst,
+        };
         let open = |u: f64| {
             let gaps = closure.linkage.gaps(&closure.linkage.positions(&bridge.at(u)[0]));
             gaps.iter().any(|gap| !(gap.abs() <= OPEN * closure.linkage.size))

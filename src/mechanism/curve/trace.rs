@@ -18,7 +18,7 @@ const FIRST: f64 = 0.25;
 /// Largest width of a panel.
 const LARGEST: f64 = 1.5;
 /// Half width of a bridge over a crossing, for three coordinates: largest one, good one, least one.
-const BRIDGES: [f64; 3] = [0.75, 0.35, 0.01];
+const BRIDGES: [f64; 3] = [0.5, 0.35, 0.01];
 /// Largest of the last coefficients of a bridge's series that is rounding.
 const RESOLVED: f64 = 2e-14;
 /// Width of a panel below which tracing fails.
@@ -201,7 +201,7 @@ impl Tracer<'_> {
             };
             let built = match bridge {
                 Some((on, from)) => {
-                    let rest = on.width - *from;
+                    let rest = on.range[1] - *from;
                     // No sliver is left at the end.
                     *width = if *width < rest { width.min(0.9 * rest) } else { rest };
                     Panel::on_bridge(closure, transform, on, base, (*from, *width), scratch, &mut visit)
@@ -225,7 +225,7 @@ impl Tracer<'_> {
                         return Ok((panel, tangent, wider));
                     };
                     *from += *width;
-                    if *from < on.width * (1.0 - 1e-9) {
+                    if *from < on.range[1] * (1.0 - 1e-9) {
                         return Ok((panel, tangent, wider));
                     }
                     *bridge = None;
@@ -287,6 +287,10 @@ impl Tracer<'_> {
                 // A tail that a narrower bridge does not reduce is rounding, or a miss of the branches of that size.
                 if tail < RESOLVED || build(self.half).is_some_and(|(narrower, _)| narrower.tail > NARROWER * tail) {
                     self.half = f64::INFINITY;
+                    let approach = found.0.range[0] - found.1;
+                    if approach > 0.1 * half {
+                        return Some(approach).filter(|shorter| *shorter < 0.95 * width);
+                    }
                     *bridge = Some(found);
                     return Some(width);
                 }
