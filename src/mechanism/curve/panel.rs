@@ -101,6 +101,8 @@ const NEAR: f64 = 4.0;
 const CROSSING: f64 = 5.0;
 /// Relative amplification at a node above which derivatives are kept.
 const UNEVEN: f64 = 2.0;
+/// Amplification of rounding in the derivatives of a bridge's polynomials.
+const BRIDGED: f64 = 20.0;
 /// Amplification below which no position is too close to a crossing.
 const HARMLESS: f64 = 30.0;
 /// Allowed ratio of rounding to its estimate, away from crossings.
@@ -353,7 +355,7 @@ impl Panel {
         visit: &mut dyn FnMut(usize, &Positions),
     ) -> Result<(Self, Vec<f64>, f64), Rejection> {
         scratch.sample_bridge(closure, &transform.nodes, bridge, (from, width), visit)?;
-        let (coordinates, speed, wider) = scratch.samples.resolve(transform, &closure.weights, width, [1.0; 2])?;
+        let (coordinates, speed, wider) = scratch.samples.resolve(transform, &closure.weights, width, [BRIDGED; 2])?;
         let panel = scratch.panel(transform, base, bridge.normal.clone(), width, (coordinates, speed), true);
         let [_, mut tangent, _] = bridge.at(from + width);
         closure.normalise(&mut tangent);

@@ -291,6 +291,10 @@ impl Tracer<'_> {
                     if approach > 0.1 * half {
                         return Some(approach).filter(|shorter| *shorter < 0.95 * width);
                     }
+                    if found.1 > found.0.range[1] - 0.1 * half {
+                        // What looks like a crossing ahead is one behind.
+                        return None;
+                    }
                     *bridge = Some(found);
                     return Some(width);
                 }
