@@ -278,9 +278,10 @@ impl Tracer<'_> {
         let mut build = |half: f64| Bridge::new(closure, gapped, base, [distance, half], &mut scratch.evaluation);
         while self.half > least {
             let half = self.half.min(good.max(distance));
-            if distance > half {
+            if distance > 1.1 * half {
                 return Some(distance - half).filter(|shorter| *shorter < 0.95 * width);
             }
+            let half = half.max(distance);
             self.half = NARROWER * half;
             if let Some(found) = build(half) {
                 let tail = found.0.tail;
