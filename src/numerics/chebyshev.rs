@@ -131,6 +131,17 @@ pub fn slopes_of(c: &Series) -> Series {
     slopes
 }
 
+/// Monomial coefficients of c(middle + half x), by Horner's scheme with polynomials for values.
+pub fn composed(c: &Series, middle: f64, half: f64) -> Series {
+    let mut out = [0.0; NODES];
+    for c in c.iter().rev() {
+        for k in (0..NODES).rev() {
+            out[k] = middle * out[k] + if k > 0 { half * out[k - 1] } else { *c };
+        }
+    }
+    out
+}
+
 /// Estimate of the truncation error: the largest of the last three coefficients.
 pub fn tail(series: &Series) -> f64 {
     series[NODES - 3..].iter().fold(0.0, |a: f64, c| a.max(c.abs()))
@@ -186,6 +197,16 @@ mod tests {
         for i in 0..=20 {
             let x = -1.0 + f64::from(i) / 10.0;
             assert!((polynomial(&d, x) - x.cos()).abs() < allowed);
+        }
+    }
+
+    #[test]
+    fn a_composed_series_is_the_function_on_a_part() {
+        let whole = monomials(&fitted(|x| (0.7 * x).exp()));
+        let part = composed(&whole, 0.3, 0.6);
+        for i in 0..=10 {
+            let x = -1.0 + f64::from(i) / 5.0;
+            assert!((polynomial(&part, x) - (0.7 * (0.3 + 0.6 * x)).exp()).abs() < 1e-14);
         }
     }
 
