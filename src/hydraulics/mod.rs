@@ -9,6 +9,7 @@
 //! ```
 pub mod circuit;
 pub mod definition;
+mod delayed;
 mod error;
 pub(crate) mod inputs;
 mod interface;

@@ -181,6 +181,9 @@ impl Model {
         let Self { parameters, inputs, state: Some(state), cache, warnings, .. } = self else {
             return Err(HydraulicsError::NotInitialised);
         };
+        if let (true, Some(told)) = (output.is_foreseen(), &state.told) {
+            return Ok(output.foreseen(&told.preview).unwrap_or(f64::NAN));
+        }
         if output.is_foreseen() {
             let h = inputs.get(Input::Horizon);
             cache.read = true;
@@ -242,7 +245,8 @@ impl Model {
                         state.circuit[SUPPLY] = value;
                     }
                     self.cache.present = None;
-                    if Input::ALL[index] != Input::Acceleration {
+                    let told = self.state.as_ref().is_some_and(|state| state.told.is_some());
+                    if Input::ALL[index].changes_foresight(told) {
                         self.cache.foreseen = None;
                     }
                 }
@@ -389,7 +393,14 @@ impl Model {
         };
         let mode = parameters.actuator.coupling.mode;
         let mut next = *state;
+        let mut predicted = None;
         let (reached, motion) = match seen {
+            Ok(foreseen) if mode == Mode::Delayed => {
+                next.keep(foreseen);
+                predicted = state.predict(&setting, foreseen, h).ok();
+                let end = [foreseen.end[LENGTH], foreseen.end[SPEED]];
+                (foreseen.reached, Some(predicted.map_or(end, |predicted| predicted.motion)))
+            }
             Ok(foreseen) if mode == Mode::Preview => {
                 next.keep(foreseen);
                 (foreseen.reached, Some([foreseen.end[LENGTH], foreseen.end[SPEED]]))
@@ -399,7 +410,7 @@ impl Model {
                     if *blind == Blind::Toggle {
                         warnings.raise(Warning::Toggle, [inputs.get(Input::Mass), h]);
                     }
-                    if *blind == Blind::Failed && mode == Mode::Preview {
+                    if *blind == Blind::Failed && mode != Mode::Follow {
                         // Found again for its text.
                         let failed = state.foresee(&setting, h).err().and_then(|(_, error)| error);
                         return Err(failed.unwrap_or(HydraulicsError::NotInitialised));
@@ -411,13 +422,20 @@ impl Model {
         };
         let end = motion.map_or_else(|| inputs.length().at(reached), |[length, _]| length);
         next.arrive(&setting, reached, end, seen.as_ref().ok());
+        if let (Some(last), Some(predicted)) = (&mut next.last, &predicted) {
+            (last.speed, last.correction) = (predicted.motion[1], predicted.correction);
+        }
         if warnings.may_raise() {
             let now = point(parameters, state, inputs);
-            warnings::watch(warnings, &setting, (state, &now), h, read || mode == Mode::Preview);
+            warnings::watch(warnings, &setting, (state, &now), h, read || mode != Mode::Follow);
         }
         *state = next;
         inputs.leave(reached, motion);
         cache.clear();
+        if let Some(predicted) = predicted.filter(|_| reached == h) {
+            let horizon = inputs.get(Input::Horizon);
+            cache.foreseen = state.tell(&parameters.setting(inputs), &predicted, h, horizon).map(Ok);
+        }
         if reached < h { Err(interrupted(&parameters.actuator.solver, reached, h)) } else { Ok(()) }
     }
 

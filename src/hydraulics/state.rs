@@ -4,6 +4,7 @@
 //! A step of the integration ends where a cushion begins or ends and where the command has a kink. It must not know
 //! variables, nor outputs.
 use super::circuit::{Equations, SupplyUnit};
+use super::delayed::Told;
 use super::definition::{Circuit, Solver};
 use super::error::HydraulicsError;
 use super::inputs::{CommandSignal, Input, Inputs};
@@ -39,6 +40,8 @@ pub struct State {
     pub last: Option<Last>,
     /// Length at the end of the last step, and the way of the step [m].
     pub arrival: Option<[f64; 2]>,
+    /// What the mechanism has been told of the next step, in the mode delayed.
+    pub told: Option<Told>,
 }
 
 /// What one step leaves to the foresight of the next.
@@ -156,6 +159,7 @@ impl State {
             coupled: Integrator::default(),
             last: None,
             arrival: None,
+            told: None,
         };
         state.circuit[..2].copy_from_slice(&[circuit.chamber_a.start_pressure, circuit.chamber_b.start_pressure]);
         state.circuit[SUPPLY] = supply.unwrap_or(0.0);
@@ -217,7 +221,7 @@ impl State {
     }
 
     /// The element that stands for what the actuator moves, and the correction of its load.
-    fn element(&self, setting: &Setting<'_>, h: f64) -> Result<(Element<f64>, f64), Blind> {
+    pub(super) fn element(&self, setting: &Setting<'_>, h: f64) -> Result<(Element<f64>, f64), Blind> {
         let get = |input| setting.inputs.get(input);
         let (mass, speed) = (get(Input::Mass), get(Input::Speed));
         if mass == 0.0 {
@@ -236,12 +240,27 @@ impl State {
         }
     }
 
-    /// The motion with one element over a step of size h [s] from here. Nothing changes.
+    /// The motion with one element over a step of size h [s] from here: of the inputs, or, where the mechanism has been
+    /// told of the step already, from the motion foreseen then. Nothing changes.
     ///
     /// # Errors
     /// Why none is foreseen.
     pub fn foresee(&self, setting: &Setting<'_>, h: f64) -> Result<Foreseen, (Blind, Option<HydraulicsError>)> {
-        let (element, correction) = self.element(setting, h).map_err(|blind| (blind, None))?;
+        if let Some(Told { start, element, correction, .. }) = self.told {
+            return self.foresee_from(setting, start, (element, correction), h);
+        }
+        let element = self.element(setting, h).map_err(|blind| (blind, None))?;
+        self.foresee_from(setting, [Input::Length, Input::Speed].map(|input| setting.inputs.get(input)), element, h)
+    }
+
+    /// The motion of an element with this correction of its load, from a length and a speed.
+    pub(super) fn foresee_from(
+        &self,
+        setting: &Setting<'_>,
+        [length, speed]: [f64; 2],
+        (element, correction): (Element<f64>, f64),
+        h: f64,
+    ) -> Result<Foreseen, (Blind, Option<HydraulicsError>)> {
         let surroundings = setting.surroundings(self.time());
         let mut instants = Instants::none();
         surroundings.command.kinks(h, &mut |t| instants.add(t));
@@ -250,7 +269,7 @@ impl State {
         let mut system = Coupled { laws: setting.laws, surroundings, element, stroke: lengths[1] - lengths[0] };
         let mut end = [0.0; ELEMENT];
         end[..CIRCUIT].copy_from_slice(&self.circuit);
-        (end[LENGTH], end[SPEED]) = (setting.inputs.get(Input::Length), setting.inputs.get(Input::Speed));
+        (end[LENGTH], end[SPEED]) = (length, speed);
         let mut memory = self.coupled;
         memory.branch_off();
         let mut march = March::new(setting, &memory);
@@ -321,6 +340,7 @@ impl State {
 
     /// The step of size h is done: what it leaves to the next. `end`: length at its end.
     pub fn arrive(&mut self, setting: &Setting<'_>, h: f64, end: f64, foreseen: Option<&Foreseen>) {
+        self.told = None;
         let get = |input| setting.inputs.get(input);
         self.last = foreseen.filter(|foreseen| foreseen.reached == h).map(|foreseen| Last {
             step: h,
@@ -359,7 +379,8 @@ impl State {
             &mut self.arrival,
             || [0.0; 2],
             |record, arrival| record.all_finite("arrival", arrival),
-        )
+        )?;
+        record.option("step told", &mut self.told, Told::blank, |record, told| told.record(record))
     }
 }
 
@@ -387,7 +408,7 @@ fn element_of<T: Number>(last: Option<&Last>, contact: bool, inputs: &[T; 6]) ->
 }
 
 /// What the foreseen motion tells of a step of size h, in the words of the interface.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Preview<T> {
     /// Value and rate of the line with the impulse and the first moment of the force [N], [N/s].
     pub force: T,
@@ -424,6 +445,19 @@ impl<T: Number> Preview<T> {
             start_acceleration: element.acceleration(first, element.length, speed, T::constant(0.0)),
             acceleration: element.acceleration(last, end[LENGTH], end[SPEED], h),
         }
+    }
+
+    /// With values that nothing changes.
+    pub fn constant<U: Number>(&self) -> Preview<U> {
+        let [force, force_rate, force_mean, length, speed, start_acceleration, acceleration] =
+            self.values().map(|value| U::constant(value.value()));
+        Preview { force, force_rate, force_mean, length, speed, start_acceleration, acceleration }
+    }
+
+    /// All values.
+    pub fn values(&self) -> [T; 7] {
+        let Self { force, force_rate, force_mean, length, speed, start_acceleration, acceleration } = *self;
+        [force, force_rate, force_mean, length, speed, start_acceleration, acceleration]
     }
 
     /// Where none is foreseen: the present force, and the motion of the inputs.
