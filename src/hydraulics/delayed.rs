@@ -73,7 +73,11 @@ impl State {
         let force = self.told.map_or(foreseen.end[IMPULSE] / h, |told| told.preview.force_mean);
         let start = [Input::Length, Input::Speed].map(|input| setting.inputs.get(input));
         let motion = under_force(&element, force, start, h);
-        if motion.iter().all(|x| x.is_finite()) { Ok(Predicted { motion, element, correction }) } else { Err(Blind::Failed) }
+        if motion.iter().all(|x| x.is_finite()) {
+            Ok(Predicted { motion, element, correction })
+        } else {
+            Err(Blind::Failed)
+        }
     }
 
     /// Tell the mechanism of a step of size h [s] from here. `last`: size of the step before [s].

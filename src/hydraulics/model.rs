@@ -375,12 +375,13 @@ impl Model {
         if !(h.is_finite() && h > 0.0) {
             return Err(HydraulicsError::StepSize { h });
         }
-        let Self { parameters, inputs, state: Some(state), cache, warnings, .. } = self else {
+        let Self { original, parameters, inputs, state: Some(state), cache, warnings } = self else {
             return Err(HydraulicsError::NotInitialised);
         };
         let setting = parameters.setting(inputs);
         let begin = inputs.get(Input::Length);
         setting.check_length(begin)?;
+        check_inputs_at(&setting, &original.variables, h, false)?;
         let read = cache.read;
         let seen = if inputs.get(Input::Mass) > 0.0 {
             if inputs.get(Input::Horizon).to_bits() != h.to_bits() {
@@ -416,7 +417,7 @@ impl Model {
                         return Err(failed.unwrap_or(HydraulicsError::NotInitialised));
                     }
                 }
-                check_inputs_at(&setting, h)?;
+                check_inputs_at(&setting, &original.variables, h, true)?;
                 (next.follow(&setting, h)?, None)
             }
         };
@@ -483,27 +484,39 @@ impl Model {
     }
 }
 
-/// Refuse a step of size h at the end of which an input is out of range.
-fn check_inputs_at(setting: &Setting<'_>, h: f64) -> Result<(), HydraulicsError> {
+/// Refuse a step of size h at the end of which an input is out of range. `follows`: whether the step moves by the
+/// inputs; else length and speed are not those of the inputs at its end.
+fn check_inputs_at(
+    setting: &Setting<'_>,
+    variables: &Variables<Quantity>,
+    h: f64,
+    follows: bool,
+) -> Result<(), HydraulicsError> {
     let (inputs, laws) = (setting.inputs, setting.laws);
-    if !inputs.ahead && inputs.get(Input::Speed) == 0.0 {
-        return Ok(());
-    }
-    for (input, name) in [(Input::Supply, "supply.pressure"), (Input::Tank, "tank.pressure")] {
-        let value = inputs.polynomial(input).at(h);
-        if !(value > -laws.ambient() && value.is_finite()) {
-            let name = format!("{name} at the end of the step");
-            return Err(HydraulicsError::Value { name, value, allowed: ABOVE_VACUUM.into() });
+    if inputs.ahead {
+        for input in Input::ALL {
+            if matches!(input, Input::Length | Input::Speed) && !follows || input == Input::Length {
+                continue;
+            }
+            let value = inputs.polynomial(input).at(h);
+            let range = match input {
+                Input::Mass => Range::NonNegative,
+                Input::Horizon => Range::Positive,
+                _ => Range::Finite,
+            };
+            let is_pressure = matches!(input, Input::Supply | Input::Tank);
+            if !range.contains(value) || is_pressure && value <= -laws.ambient() {
+                let allowed = if is_pressure { ABOVE_VACUUM.to_owned() } else { range.text() };
+                let name = variables.get(input as Reference).map_or("an input", |variable| &variable.name);
+                let name = format!("{name} at the end of the step");
+                return Err(HydraulicsError::Value { name, value, allowed });
+            }
         }
     }
-    for (input, name) in [(Input::Speed, "actuator.speed"), (Input::Command, "valve.command")] {
-        let value = inputs.polynomial(input).at(h);
-        if !value.is_finite() {
-            let name = format!("{name} at the end of the step");
-            return Err(HydraulicsError::Value { name, value, allowed: "finite".into() });
-        }
+    if follows && (inputs.ahead || inputs.get(Input::Speed) != 0.0) {
+        setting.check_length(inputs.length().at(h))?;
     }
-    setting.check_length(inputs.length().at(h))
+    Ok(())
 }
 
 /// The point of the laws at the present state and inputs.

@@ -4,8 +4,8 @@
 //! A step of the integration ends where a cushion begins or ends and where the command has a kink. It must not know
 //! variables, nor outputs.
 use super::circuit::{Equations, SupplyUnit};
-use super::delayed::Told;
 use super::definition::{Circuit, Solver};
+use super::delayed::Told;
 use super::error::HydraulicsError;
 use super::inputs::{CommandSignal, Input, Inputs};
 use super::systems::{
