@@ -88,7 +88,8 @@ fn unit_of(actuator: &HydraulicActuator) -> Option<SupplyUnit> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cache {
     present: Option<Present<f64>>,
-    foreseen: Option<Result<Foreseen, Blind>>,
+    /// Over a step of this size [s].
+    foreseen: Option<(f64, Result<Foreseen, Blind>)>,
     /// Whether the host has read the foreseen motion since the last step.
     read: bool,
 }
@@ -435,7 +436,8 @@ impl Model {
         cache.clear();
         if let Some(predicted) = predicted.filter(|_| reached == h) {
             let horizon = inputs.get(Input::Horizon);
-            cache.foreseen = state.tell(&parameters.setting(inputs), &predicted, h, horizon).map(Ok);
+            let seen = state.tell(&parameters.setting(inputs), &predicted, h, horizon);
+            cache.foreseen = seen.map(|seen| (horizon, Ok(seen)));
         }
         if reached < h { Err(interrupted(&parameters.actuator.solver, reached, h)) } else { Ok(()) }
     }
@@ -542,12 +544,10 @@ fn foreseen<'c>(
     cache: &'c mut Cache,
     h: f64,
 ) -> &'c Result<Foreseen, Blind> {
-    if !matches!(&cache.foreseen, Some(Ok(seen)) if seen.h.to_bits() != h.to_bits()) && cache.foreseen.is_some() {
-        // Of the same step.
-    } else {
-        cache.foreseen = None;
-    }
-    cache.foreseen.get_or_insert_with(|| state.foresee(&parameters.setting(inputs), h).map_err(|(blind, _)| blind))
+    // A failure too belongs to its step.
+    cache.foreseen = cache.foreseen.take().filter(|(of, _)| of.to_bits() == h.to_bits());
+    let see = || (h, state.foresee(&parameters.setting(inputs), h).map_err(|(blind, _)| blind));
+    &cache.foreseen.get_or_insert_with(see).1
 }
 
 /// What the foreseen motion tells.
