@@ -9,7 +9,7 @@ use super::delayed::Told;
 use super::error::HydraulicsError;
 use super::inputs::{CommandSignal, Input, Inputs};
 use super::systems::{
-    CIRCUIT, Coupled, Driven, ELEMENT, Element, IMPULSE, LENGTH, MOMENT, SPEED, SUPPLY, Surroundings,
+    CIRCUIT, Coupled, Driven, ELEMENT, Element, IMPULSE, LENGTH, MOMENT, SPEED, SPOOL, SUPPLY, Surroundings,
 };
 use super::systems::{TANGENT, Tangent};
 use crate::codec::record::{Damaged, Record};
@@ -20,6 +20,8 @@ use crate::numerics::dual::{Dual, Number};
 const INSTANTS: usize = 24;
 /// Part of the stroke below which a length is on the border of a cushion.
 const ON_BORDER: f64 = 1e-9;
+/// Part of the clearance within which the spool is at an edge.
+const ON_EDGE: f64 = 1e-3;
 /// Length beyond the ends of the cylinder's travel that rounding of the host explains [m].
 const SLACK: f64 = 1e-9;
 /// Change of the mass over one step, as a part of the mass, from which one element does not foresee the motion.
@@ -475,8 +477,9 @@ impl<T: Number> Preview<T> {
 }
 
 /// Levels of components at which the laws are not smooth, so that a step should end there: of the length, where a
-/// cushion begins, and of the pressure of the supply, where the pump changes.
-struct Levels([Option<(usize, f64, f64)>; 4]);
+/// cushion begins; of the pressure of the supply, where the pump changes; of the spool, where an edge opens within a
+/// hair's breadth, which a step could pass unseen.
+struct Levels([Option<(usize, f64, f64)>; 6]);
 
 impl Levels {
     /// Of a step with these laws; `moves`: whether the length is a component of the state.
@@ -487,7 +490,10 @@ impl Levels {
         });
         let pressures = setting.unit.map(|unit| unit.borders().map(|p| (SUPPLY, p, ON_BORDER * p.abs())));
         let [c, d] = pressures.map_or([None; 2], |pressures| pressures.map(Some));
-        Self([a, b, c, d])
+        let overlap = setting.circuit.valve.overlap;
+        let edge = |at: f64| Some((SPOOL, at, ON_EDGE * setting.circuit.valve.clearance));
+        let [e, f] = [edge(overlap), edge(-overlap).filter(|_| overlap != 0.0)];
+        Self([a, b, c, d, e, f])
     }
 
     /// The first of them that a step has passed: component, level, direction.

@@ -17,6 +17,8 @@ pub const ENERGIES: usize = 6;
 /// Components that the right-hand side depends on; the last two with an element only.
 const DRIVING: [usize; 7] = [0, 1, 2, 3, SUPPLY, LENGTH, SPEED];
 
+/// Index of the spool's position in the state.
+pub const SPOOL: usize = 2;
 /// Index of the first energy in the state.
 pub const ENERGY: usize = 4;
 /// Index of the pressure of an accumulator; without one the component stays 0.

@@ -4,6 +4,7 @@
 //! In: what the command line asks for. Out: failures with their seeds, counts, the longest call, a page. It must not know
 //! how a mechanism is solved.
 mod actuator;
+mod calls;
 mod coupled;
 mod definitions;
 mod histories;
@@ -46,13 +47,13 @@ pub struct Part {
 }
 
 /// All kinds of attack.
-pub const PARTS: [Part; 6] = [
+pub const PARTS: [Part; 7] = [
     Part {
         name: "histories",
         claim: "twins of a random history, one of them read, saved, restored and serialised in between, agree to the bit; every state that is written is read back",
         case: histories::attack,
         count: 12_000,
-        share: 0.35,
+        share: 0.3,
         block: histories::SHARED,
     },
     Part {
@@ -61,6 +62,14 @@ pub const PARTS: [Part; 6] = [
         case: coupled::attack,
         count: 1_000,
         share: 0.1,
+        block: 1,
+    },
+    Part {
+        name: "calls",
+        claim: "random C calls of the hydraulic FMUs: each answer is one that the phase allows; a refusal has one line and changes no Real",
+        case: calls::attack,
+        count: 1_000,
+        share: 0.05,
         block: 1,
     },
     Part {
