@@ -9,7 +9,6 @@
 //! ```
 pub mod circuit;
 pub mod definition;
-mod delayed;
 mod error;
 pub(crate) mod inputs;
 mod interface;

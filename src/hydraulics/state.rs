@@ -3,9 +3,10 @@
 //! In: laws, inputs, a step. Out: the state after the step; the motion with one element over the next step of the host.
 //! A step of the integration ends where a cushion begins or ends and where the command has a kink. It must not know
 //! variables, nor outputs.
+mod delayed;
+
 use super::circuit::{Equations, SupplyUnit};
 use super::definition::{Circuit, Solver};
-use super::delayed::Told;
 use super::error::HydraulicsError;
 use super::inputs::{CommandSignal, Input, Inputs};
 use super::systems::{
@@ -15,6 +16,7 @@ use super::systems::{TANGENT, Tangent};
 use crate::codec::record::{Damaged, Record};
 use crate::integrator::{Direction, IntegrationError, Integrator, Step, System};
 use crate::numerics::dual::{Dual, Number};
+pub use delayed::Told;
 
 /// Most instants within a step at which its integration must stop.
 const INSTANTS: usize = 24;

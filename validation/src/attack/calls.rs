@@ -164,16 +164,23 @@ impl Player<'_> {
                 ("fmi2GetDirectionalDerivative", may, self.host.derivatives(&[reference], known, &mut [0.0]))
             }
             72..=89 => {
-                let h = if random.chance(0.05) { odd(random) } else { random.decades(1e-6, 2e-2) };
+                let h = if random.chance(0.05) {
+                    random.pick(&[f64::NAN, f64::INFINITY, 0.0, -1e-3])
+                } else {
+                    random.decades(1e-6, 2e-2)
+                };
                 let point = if random.chance(0.05) { self.time + 10.0 * h } else { self.time };
-                let fine = self.phase == Step && h > 0.0 && h.is_finite() && h < 1.0 && point == self.time;
-                let tiny = h > 0.0 && h < 1e-6;
-                let may = if fine || tiny && self.phase == Step { May::Either } else { May::BeRefused };
+                let fine = self.phase == Step && h > 0.0 && h.is_finite() && point == self.time;
+                let may = if fine { May::Either } else { May::BeRefused };
                 let status = self.host.step(point, h);
                 match status {
                     Status::Ok | Status::Warning => self.time = point + h,
-                    // Whether the step was refused before it began is not told: a state of before would say it.
-                    _ if may == May::Either => self.phase = Ended,
+                    Status::Discard => self.phase = Ended,
+                    // Refused before it began, or not: both end with a reset.
+                    _ if may == May::Either => {
+                        self.host.reset();
+                        (self.phase, self.time) = (Instantiated, 0.0);
+                    }
                     _ => {}
                 }
                 ("fmi2DoStep", may, status)

@@ -17,7 +17,7 @@ use linkage_fmu::integrator::Statistics;
 /// Relative errors by which the sensitivity to an error on the way is found.
 const NUDGE: f64 = 1e-5;
 /// Places of a run from which it is found.
-const PLACES: usize = 20;
+const PLACES: usize = 8;
 /// Tolerances of the second integration and, for its own error, of a third.
 const TIGHT: [f64; 2] = [1e-11, 1e-9];
 /// Errors of one step are kept below the tolerance in the mean square of at most 15 components.

@@ -67,7 +67,23 @@ fn parameters(drive: Drive, rows: &mut Vec<Scene>) {
             case.set.push((name, value * factor));
             // A stroke of a third of a millimetre has no such length.
             let short = name == "cylinder.stroke" && factor < 1.0;
-            let expected = if short { Expected::Refusal(&["length", "cylinder"]) } else { Expected::Circuit };
+            // With such an exponent the air has no pressure after the least growth of its volume.
+            let stiff_air = name == "fluid.polytropic_exponent" && factor == 1e3 && matches!(drive, Drive::Motion(_));
+            let expected = if short {
+                Expected::Refusal(&["length", "cylinder"])
+            } else if stiff_air {
+                Expected::Refusal(&["no step of the integration meets", "chamber_a.pressure"])
+            } else {
+                Expected::Circuit
+            };
+            // These drive the element to the end of the cylinder.
+            let strong = matches!(
+                (name, factor),
+                ("valve.rated_flow" | "supply.pressure", 1e3) | ("valve.rated_pressure_drop", 1e-3)
+            );
+            if strong && matches!(drive, Drive::Element(..)) {
+                case.span = 0.005;
+            }
             let what = format!("{name} x {factor:e}");
             let tolerance = if factor == 1e3 { 1e-9 } else { 1e-7 };
             rows.push(Scene { group: "Hydraulics: parameters", what, case, tolerance, expected });

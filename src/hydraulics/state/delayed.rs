@@ -8,10 +8,10 @@
 //! meanwhile differs from it; and where the mechanism is at the end follows from the motion set, under the force told.
 //! The next foresight begins there. What the mechanism's speed differs from this prediction by is the element's error
 //! alone, and its correction does not see the delay: the pair has the eigenvalues of one without a delay.
-use super::inputs::Input;
-use super::state::{Blind, Foreseen, Preview, Setting, State};
-use super::systems::{Element, IMPULSE};
+use super::{Blind, Foreseen, Preview, Setting, State};
 use crate::codec::record::{Damaged, Record};
+use crate::hydraulics::inputs::Input;
+use crate::hydraulics::systems::{Element, IMPULSE};
 
 /// What the mechanism has been told of the next step.
 #[derive(Clone, Copy, Debug, PartialEq)]
