@@ -50,6 +50,15 @@ impl Input {
         Self::Horizon,
     ];
 
+    /// Whether the motion foreseen depends on it. `told`: the motion was told of before the inputs.
+    pub fn changes_foresight(self, told: bool) -> bool {
+        match self {
+            Self::Command | Self::Supply | Self::Tank | Self::Horizon => true,
+            Self::Acceleration => false,
+            _ => !told,
+        }
+    }
+
     /// Largest order of the derivatives in time that count.
     pub fn order(self) -> usize {
         if self == Self::Speed { SPEED_ORDER } else { 2 }

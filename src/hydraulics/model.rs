@@ -40,7 +40,8 @@ pub struct Model {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cache {
     present: Option<Present<f64>>,
-    foreseen: Option<Result<Foreseen, Blind>>,
+    /// Over a step of this size [s].
+    foreseen: Option<(f64, Result<Foreseen, Blind>)>,
     /// Whether the host has read the foreseen motion since the last step.
     read: bool,
 }
@@ -133,6 +134,9 @@ impl Model {
         let Self { parameters, inputs, state: Some(state), cache, warnings, .. } = self else {
             return Err(HydraulicsError::NotInitialised);
         };
+        if let (true, Some(told)) = (output.is_foreseen(), &state.told) {
+            return Ok(output.foreseen(&told.preview).unwrap_or(f64::NAN));
+        }
         if output.is_foreseen() {
             let h = inputs.get(Input::Horizon);
             cache.read = true;
@@ -194,7 +198,8 @@ impl Model {
                         state.circuit[SUPPLY] = value;
                     }
                     self.cache.present = None;
-                    if Input::ALL[index] != Input::Acceleration {
+                    let told = self.state.as_ref().is_some_and(|state| state.told.is_some());
+                    if Input::ALL[index].changes_foresight(told) {
                         self.cache.foreseen = None;
                     }
                 }
@@ -349,12 +354,10 @@ fn foreseen<'c>(
     cache: &'c mut Cache,
     h: f64,
 ) -> &'c Result<Foreseen, Blind> {
-    if !matches!(&cache.foreseen, Some(Ok(seen)) if seen.h.to_bits() != h.to_bits()) && cache.foreseen.is_some() {
-        // Of the same step.
-    } else {
-        cache.foreseen = None;
-    }
-    cache.foreseen.get_or_insert_with(|| state.foresee(&parameters.setting(inputs), h).map_err(|(blind, _)| blind))
+    // A failure too belongs to its step.
+    cache.foreseen = cache.foreseen.take().filter(|(of, _)| of.to_bits() == h.to_bits());
+    let see = || (h, state.foresee(&parameters.setting(inputs), h).map_err(|(blind, _)| blind));
+    &cache.foreseen.get_or_insert_with(see).1
 }
 
 /// What the foreseen motion tells.

@@ -3,6 +3,7 @@
 //! In: laws, inputs, a step. Out: the state after the step; the motion with one element over the next step of the host.
 //! A step of the integration ends where a cushion begins or ends and where the command has a kink. It must not know
 //! variables, nor outputs.
+mod delayed;
 mod march;
 mod preview;
 
@@ -13,6 +14,7 @@ use super::inputs::{CommandSignal, Input, Inputs, Surroundings};
 use super::systems::{Driven, ELEMENT, SPEED};
 use crate::codec::record::{Damaged, Record};
 use crate::integrator::Integrator;
+pub use delayed::Told;
 pub use march::interrupted;
 use march::{Instants, Levels, March};
 pub use preview::{Blind, Foreseen, Preview};
@@ -32,6 +34,8 @@ pub struct State {
     pub last: Option<Last>,
     /// Length at the end of the last step, and the way of the step [m].
     pub arrival: Option<[f64; 2]>,
+    /// What the mechanism has been told of the next step, in the mode delayed.
+    pub told: Option<Told>,
 }
 
 /// What one step leaves to the foresight of the next.
@@ -112,6 +116,7 @@ impl State {
             coupled: Integrator::default(),
             last: None,
             arrival: None,
+            told: None,
         }
     }
 
@@ -162,6 +167,7 @@ impl State {
 
     /// The step of size h is done: what it leaves to the next. `end`: length at its end.
     pub fn arrive(&mut self, setting: &Setting<'_>, h: f64, end: f64, foreseen: Option<&Foreseen>) {
+        self.told = None;
         let get = |input| setting.inputs.get(input);
         self.last = foreseen.filter(|foreseen| foreseen.reached == h).map(|foreseen| Last {
             step: h,
@@ -200,6 +206,7 @@ impl State {
             &mut self.arrival,
             || [0.0; 2],
             |record, arrival| record.all_finite("arrival", arrival),
-        )
+        )?;
+        record.option("step told", &mut self.told, Told::blank, |record, told| told.record(record))
     }
 }

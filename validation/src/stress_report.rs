@@ -1,6 +1,6 @@
 //! `stress`: all scenes, told as they come, and written as a table.
 use crate::measure::{heading, processor};
-use crate::stress::{self, Outcome, Scene, Verdict};
+use crate::stress::{self, Outcome, Row, Verdict};
 use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;
@@ -15,9 +15,9 @@ const THREADS: usize = 2;
 /// A scene fails, or a file cannot be written.
 pub fn run(results: &Path, groups: &[&str]) -> Result<(), String> {
     let mut scenes = stress::all();
-    scenes.retain(|scene| groups.is_empty() || groups.contains(&scene.group));
+    scenes.retain(|scene| groups.is_empty() || groups.contains(&scene.group()));
     let began = Instant::now();
-    let tell = |place: usize, outcome: &Outcome| println!("{}", line(&scenes[place], outcome, ", "));
+    let tell = |place: usize, outcome: &Outcome| println!("{}", line(scenes[place].as_ref(), outcome, ", "));
     let outcomes = stress::judge(&scenes, THREADS, &tell);
     let seconds = began.elapsed().as_secs_f64();
     let count = |verdict| outcomes.iter().filter(|o| o.verdict == verdict).count();
@@ -30,9 +30,9 @@ pub fn run(results: &Path, groups: &[&str]) -> Result<(), String> {
     let mut page = format!("{HEAD}\n{summary}\n");
     let mut csv = format!("group,{COLUMNS}\n");
     let mut group = "";
-    for (scene, outcome) in scenes.iter().zip(&outcomes) {
-        if scene.group != group {
-            group = scene.group;
+    for (scene, outcome) in scenes.iter().map(Box::as_ref).zip(&outcomes) {
+        if scene.group() != group {
+            group = scene.group();
             page += &format!("\n## {group}\n\n{}", heading(&COLUMNS.split(',').collect::<Vec<_>>()));
         }
         let _ = writeln!(page, "| {} |", line(scene, outcome, " | "));
@@ -56,15 +56,15 @@ pub fn run(results: &Path, groups: &[&str]) -> Result<(), String> {
 const COLUMNS: &str =
     "mechanism,scene,tolerance,error,bound,drift [J],bound [J],steps,evaluations,rejected,CPU [ms],verdict,why";
 
-fn fields(scene: &Scene, outcome: &Outcome) -> [String; 13] {
+fn fields(scene: &dyn Row, outcome: &Outcome) -> [String; 13] {
     let pair = |values: Option<(f64, f64)>| {
         values.map_or([String::new(), String::new()], |(value, bound)| [format!("{value:.1e}"), format!("{bound:.1e}")])
     };
     let ([error, bound], [drift, drift_bound]) = (pair(outcome.error), pair(outcome.drift));
     [
-        scene.case.mechanism.name.into(),
-        scene.what.clone(),
-        format!("{:.0e}", scene.tolerance),
+        scene.model().into(),
+        scene.what().into(),
+        format!("{:.0e}", scene.tolerance()),
         error,
         bound,
         drift,
@@ -78,6 +78,6 @@ fn fields(scene: &Scene, outcome: &Outcome) -> [String; 13] {
     ]
 }
 
-fn line(scene: &Scene, outcome: &Outcome, separator: &str) -> String {
+fn line(scene: &dyn Row, outcome: &Outcome, separator: &str) -> String {
     fields(scene, outcome).join(separator)
 }

@@ -3,8 +3,15 @@
 use validation::attack::{Asked, all};
 
 /// Cases of each part.
-const CASES: [(&str, u64); 5] =
-    [("histories", 1000), ("states", 600), ("definitions", 300), ("scenes", 60), ("threads", 12)];
+const CASES: [(&str, u64); 7] = [
+    ("histories", 1000),
+    ("coupled", 100),
+    ("calls", 200),
+    ("states", 600),
+    ("definitions", 300),
+    ("scenes", 60),
+    ("threads", 12),
+];
 
 #[test]
 fn some_cases_of_each_part_hold() {

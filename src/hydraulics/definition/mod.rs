@@ -68,17 +68,20 @@ pub enum Mode {
     Preview,
     /// A step moves by the inputs: two passes, or none.
     Follow,
+    /// One pass in a host that hands every value on one step late.
+    Delayed,
 }
 
 impl Mode {
     /// All modes.
-    pub const ALL: [Self; 2] = [Self::Preview, Self::Follow];
+    pub const ALL: [Self; 3] = [Self::Preview, Self::Follow, Self::Delayed];
 
     /// Word of the mode in the file and in the variable `coupling.mode`.
     pub fn word(self) -> &'static str {
         match self {
             Self::Preview => "preview",
             Self::Follow => "follow",
+            Self::Delayed => "delayed",
         }
     }
 

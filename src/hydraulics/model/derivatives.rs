@@ -35,6 +35,10 @@ fn present(parameters: &Parameters, inputs: &Inputs, state: &State, direction: &
 
 /// What the foreseen motion tells, and its change along a direction of the inputs.
 fn preview(parameters: &Parameters, inputs: &Inputs, state: &State, direction: &Direction) -> Preview<Dual<1>> {
+    if let Some(told) = &state.told {
+        // Told before these inputs.
+        return told.preview.constant();
+    }
     let dual = |input: Input| Dual { value: inputs.get(input), slope: [direction.inputs[input as usize]] };
     let (laws, h, speed) = (&parameters.laws, dual(Input::Horizon), dual(Input::Speed));
     let pressures = state.pressures();

@@ -4,11 +4,14 @@
 //! must not know outputs.
 use super::warnings::{self, Warning, Warnings};
 use super::{Model, foreseen, point};
+use crate::format::Range;
 use crate::hydraulics::definition::{ABOVE_VACUUM, Mode, is_pressure};
 use crate::hydraulics::error::HydraulicsError;
 use crate::hydraulics::inputs::Input;
+use crate::hydraulics::interface::Quantity;
 use crate::hydraulics::state::{Blind, Setting, interrupted};
 use crate::hydraulics::systems::{LENGTH, SPEED};
+use crate::variables::{Reference, Variables};
 
 impl Model {
     /// Put the circuit at its start under the present parameters and inputs.
@@ -44,12 +47,13 @@ impl Model {
         if !(h.is_finite() && h > 0.0) {
             return Err(HydraulicsError::StepSize { h });
         }
-        let Self { parameters, inputs, state: Some(state), cache, warnings, .. } = self else {
+        let Self { original, parameters, inputs, state: Some(state), cache, warnings } = self else {
             return Err(HydraulicsError::NotInitialised);
         };
         let setting = parameters.setting(inputs);
         let begin = inputs.get(Input::Length);
         setting.check_length(begin)?;
+        check_inputs_at(&setting, &original.variables, h, false)?;
         let read = cache.read;
         let seen = if inputs.get(Input::Mass) > 0.0 {
             if inputs.get(Input::Horizon).to_bits() != h.to_bits() {
@@ -62,7 +66,14 @@ impl Model {
         };
         let mode = parameters.actuator.coupling.mode;
         let mut next = *state;
+        let mut predicted = None;
         let (reached, motion) = match seen {
+            Ok(foreseen) if mode == Mode::Delayed => {
+                next.keep(foreseen);
+                predicted = state.predict(&setting, foreseen, h).ok();
+                let end = [foreseen.end[LENGTH], foreseen.end[SPEED]];
+                (foreseen.reached, Some(predicted.map_or(end, |predicted| predicted.motion)))
+            }
             Ok(foreseen) if mode == Mode::Preview => {
                 next.keep(foreseen);
                 (foreseen.reached, Some([foreseen.end[LENGTH], foreseen.end[SPEED]]))
@@ -70,48 +81,65 @@ impl Model {
             blind => {
                 if let Err(blind) = blind {
                     warnings::blind(warnings, *blind, inputs, h);
-                    if *blind == Blind::Failed && mode == Mode::Preview {
+                    if *blind == Blind::Failed && mode != Mode::Follow {
                         // Found again for its text.
                         let failed = state.foresee(&setting, h).err().and_then(|(_, error)| error);
                         return Err(failed.unwrap_or(HydraulicsError::NotInitialised));
                     }
                 }
-                check_inputs_at(&setting, h)?;
+                check_inputs_at(&setting, &original.variables, h, true)?;
                 (next.follow(&setting, h)?, None)
             }
         };
         let end = motion.map_or_else(|| inputs.length().at(reached), |[length, _]| length);
         next.arrive(&setting, reached, end, seen.as_ref().ok());
+        if let (Some(last), Some(predicted)) = (&mut next.last, &predicted) {
+            (last.speed, last.correction) = (predicted.motion[1], predicted.correction);
+        }
         if warnings.may_raise() {
             let now = point(parameters, state, inputs);
-            warnings::watch(warnings, &setting, (state, &now), h, read || mode == Mode::Preview);
+            warnings::watch(warnings, &setting, (state, &now), h, read || mode != Mode::Follow);
         }
         *state = next;
         inputs.leave(reached, motion);
         cache.clear();
+        if let Some(predicted) = predicted.filter(|_| reached == h) {
+            let horizon = inputs.get(Input::Horizon);
+            let seen = state.tell(&parameters.setting(inputs), &predicted, h, horizon);
+            cache.foreseen = seen.map(|seen| (horizon, Ok(seen)));
+        }
         if reached < h { Err(interrupted(&parameters.actuator.solver, reached, h)) } else { Ok(()) }
     }
 }
 
-/// Refuse a step of size h at the end of which an input is out of range.
-fn check_inputs_at(setting: &Setting<'_>, h: f64) -> Result<(), HydraulicsError> {
+/// Refuse a step of size h at the end of which an input is out of range. `follows`: whether the step moves by the
+/// inputs; else length and speed are not those of the inputs at its end.
+fn check_inputs_at(
+    setting: &Setting<'_>,
+    variables: &Variables<Quantity>,
+    h: f64,
+    follows: bool,
+) -> Result<(), HydraulicsError> {
     let (inputs, laws) = (setting.inputs, setting.laws);
-    if !inputs.ahead && inputs.get(Input::Speed) == 0.0 {
-        return Ok(());
-    }
-    for (input, name) in [(Input::Supply, "supply.pressure"), (Input::Tank, "tank.pressure")] {
-        let value = inputs.polynomial(input).at(h);
-        if !is_pressure(value, laws.ambient()) {
-            let name = format!("{name} at the end of the step");
-            return Err(HydraulicsError::Value { name, value, allowed: ABOVE_VACUUM.into() });
+    if inputs.ahead {
+        for input in Input::ALL {
+            if matches!(input, Input::Length | Input::Speed) && !follows || input == Input::Length {
+                continue;
+            }
+            let value = inputs.polynomial(input).at(h);
+            let range = match input {
+                Input::Mass => Range::NonNegative,
+                Input::Horizon => Range::Positive,
+                _ => Range::Finite,
+            };
+            let pressure = matches!(input, Input::Supply | Input::Tank);
+            if !range.contains(value) || pressure && !is_pressure(value, laws.ambient()) {
+                let allowed = if pressure { ABOVE_VACUUM.to_owned() } else { range.text() };
+                let name = variables.get(input as Reference).map_or("an input", |variable| &variable.name);
+                let name = format!("{name} at the end of the step");
+                return Err(HydraulicsError::Value { name, value, allowed });
+            }
         }
     }
-    for (input, name) in [(Input::Speed, "actuator.speed"), (Input::Command, "valve.command")] {
-        let value = inputs.polynomial(input).at(h);
-        if !value.is_finite() {
-            let name = format!("{name} at the end of the step");
-            return Err(HydraulicsError::Value { name, value, allowed: "finite".into() });
-        }
-    }
-    setting.check_way(h)
+    if follows && (inputs.ahead || inputs.get(Input::Speed) != 0.0) { setting.check_way(h) } else { Ok(()) }
 }

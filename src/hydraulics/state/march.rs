@@ -12,6 +12,10 @@ use crate::numerics::decimal::Decimal;
 
 /// Most instants within a step at which its integration must stop.
 const INSTANTS: usize = 24;
+/// Index of the spool's position in the state.
+const SPOOL: usize = 2;
+/// Part of the clearance within which the spool is at an edge.
+const ON_EDGE: f64 = 1e-3;
 /// Part of the stroke below which a length is on the border of a cushion.
 const ON_BORDER: f64 = 1e-9;
 
@@ -45,8 +49,9 @@ impl Instants {
 }
 
 /// Levels of components at which the laws are not smooth, so that a step should end there: of the length, where a
-/// cushion begins, and of the pressure of the supply, where the pump changes.
-pub struct Levels([Option<(usize, f64, f64)>; 4]);
+/// cushion begins; of the pressure of the supply, where the pump changes; of the spool, where an edge opens within a
+/// hair's breadth, which a step could pass unseen.
+pub struct Levels([Option<(usize, f64, f64)>; 6]);
 
 impl Levels {
     /// Of a step with these laws; `moves`: whether the length is a component of the state.
@@ -57,7 +62,10 @@ impl Levels {
         });
         let pressures = setting.laws.supply_unit().map(|unit| unit.borders().map(|p| (SUPPLY, p, ON_BORDER * p.abs())));
         let [c, d] = pressures.map_or([None; 2], |pressures| pressures.map(Some));
-        Self([a, b, c, d])
+        let overlap = setting.circuit.valve.overlap;
+        let edge = |at: f64| Some((SPOOL, at, ON_EDGE * setting.circuit.valve.clearance));
+        let [e, f] = [edge(overlap), edge(-overlap).filter(|_| overlap != 0.0)];
+        Self([a, b, c, d, e, f])
     }
 
     /// The first of them that a step has passed: component, level, direction.

@@ -3,7 +3,7 @@
 //! In: the state, inputs that tell the element, a step. Out: the foreseen motion, its derivative along a direction of
 //! the inputs, what it tells of the force. It must not change the state.
 use super::march::{Instants, Levels, March};
-use super::{Last, Setting, State};
+use super::{Last, Setting, State, Told};
 use crate::hydraulics::circuit::{CIRCUIT, Equations};
 use crate::hydraulics::error::HydraulicsError;
 use crate::hydraulics::inputs::Input;
@@ -63,7 +63,7 @@ impl State {
     }
 
     /// The element that stands for what the actuator moves, and the correction of its load.
-    fn element(&self, setting: &Setting<'_>, h: f64) -> Result<(Element<f64>, f64), Blind> {
+    pub(super) fn element(&self, setting: &Setting<'_>, h: f64) -> Result<(Element<f64>, f64), Blind> {
         let get = |input| setting.inputs.get(input);
         let (mass, speed) = (get(Input::Mass), get(Input::Speed));
         if mass == 0.0 {
@@ -85,29 +85,38 @@ impl State {
         }
     }
 
-    /// The motion with one element over a step of size h [s] from here. Nothing changes.
+    /// The motion with one element over a step of size h [s] from here: of the inputs, or, where the mechanism has been
+    /// told of the step already, from the motion foreseen then. Nothing changes.
     ///
     /// # Errors
     /// Why none is foreseen.
     pub fn foresee(&self, setting: &Setting<'_>, h: f64) -> Result<Foreseen, (Blind, Option<HydraulicsError>)> {
-        let named = |time: f64, what: String| {
-            let [mass, load] = [Input::Mass, Input::Load].map(|input| Decimal(setting.inputs.get(input)));
-            let what = format!("{what}; with actuator.reduced_mass = {mass} kg and actuator.holding_force = {load} N");
-            HydraulicsError::Stuck { time, what }
-        };
+        if let Some(Told { start, element, correction, .. }) = self.told {
+            return self.foresee_from(setting, start, (element, correction), h);
+        }
         let failed = |blind| {
             let pressures = || setting.laws.describe_pressures(self.pressures());
-            (blind, (blind == Blind::Failed).then(|| named(0.0, pressures())))
+            (blind, (blind == Blind::Failed).then(|| stuck_with(setting, 0.0, &pressures())))
         };
-        let (element, correction) = self.element(setting, h).map_err(failed)?;
+        let element = self.element(setting, h).map_err(failed)?;
+        self.foresee_from(setting, [Input::Length, Input::Speed].map(|input| setting.inputs.get(input)), element, h)
+    }
+
+    /// The motion of an element with this correction of its load, from a length and a speed.
+    pub(super) fn foresee_from(
+        &self,
+        setting: &Setting<'_>,
+        motion: [f64; 2],
+        (element, correction): (Element<f64>, f64),
+        h: f64,
+    ) -> Result<Foreseen, (Blind, Option<HydraulicsError>)> {
         let surroundings = setting.surroundings(self.time());
         let mut instants = Instants::none();
         surroundings.command.kinks(h, &mut |t| instants.add(t));
         instants.sort();
         let lengths = setting.laws.lengths();
         let mut system = Coupled { laws: setting.laws, surroundings, element, stroke: lengths[1] - lengths[0] };
-        let motion = [Input::Length, Input::Speed];
-        let mut end = with_element(&self.circuit, motion.map(|input| setting.inputs.get(input)));
+        let mut end = with_element(&self.circuit, motion);
         let mut memory = self.coupled;
         memory.branch_off();
         let mut march = March::new(setting, &memory);
@@ -116,7 +125,7 @@ impl State {
             let whole = march
                 .to(instant, &mut memory, &mut system, &mut end, &levels)
                 .map_err(|error| match error {
-                    HydraulicsError::Stuck { time, what } => named(time, what),
+                    HydraulicsError::Stuck { time, what } => stuck_with(setting, time, &what),
                     other => other,
                 })
                 .map_err(|error| (Blind::Failed, Some(error)))?;
@@ -179,6 +188,14 @@ impl State {
     }
 }
 
+/// No motion is found with the element of the inputs.
+#[cold]
+fn stuck_with(setting: &Setting<'_>, time: f64, what: &str) -> HydraulicsError {
+    let [mass, load] = [Input::Mass, Input::Load].map(|input| Decimal(setting.inputs.get(input)));
+    let what = format!("{what}; with actuator.reduced_mass = {mass} kg and actuator.holding_force = {load} N");
+    HydraulicsError::Stuck { time, what }
+}
+
 /// Inputs that make the element, in the order in which [`element_of`] takes them.
 const ELEMENT_INPUTS: [Input; 6] =
     [Input::Length, Input::Speed, Input::Mass, Input::MassDerivative, Input::Load, Input::LoadDerivative];
@@ -203,7 +220,7 @@ fn element_of<T: Number>(last: Option<&Last>, contact: bool, inputs: &[T; 6]) ->
 }
 
 /// What the foreseen motion tells of a step of size h, in the words of the interface.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Preview<T> {
     /// Value and rate of the line with the impulse and the first moment of the force [N], [N/s].
     pub force: T,
@@ -240,6 +257,19 @@ impl<T: Number> Preview<T> {
             start_acceleration: element.acceleration(first, element.length, speed, T::constant(0.0)),
             acceleration: element.acceleration(last, end[LENGTH], end[SPEED], h),
         }
+    }
+
+    /// With values that nothing changes.
+    pub fn constant<U: Number>(&self) -> Preview<U> {
+        let [force, force_rate, force_mean, length, speed, start_acceleration, acceleration] =
+            self.values().map(|value| U::constant(value.value()));
+        Preview { force, force_rate, force_mean, length, speed, start_acceleration, acceleration }
+    }
+
+    /// All values.
+    pub fn values(&self) -> [T; 7] {
+        let Self { force, force_rate, force_mean, length, speed, start_acceleration, acceleration } = *self;
+        [force, force_rate, force_mean, length, speed, start_acceleration, acceleration]
     }
 
     /// Where none is foreseen: the present force, and the motion of the inputs.

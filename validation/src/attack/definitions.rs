@@ -1,9 +1,10 @@
 //! Hostile definitions: numbers to extremes, keys dropped, doubled or exchanged, long names, deep nesting, bytes. Each is
 //! refused in words, or is a model that starts and steps.
+use super::actuator;
 use super::mechanism;
 use super::probe::Probe;
 use super::random::Random;
-use linkage_fmu::mechanism::Model;
+use linkage_fmu::component::{Component, Stepped};
 use linkage_fmu::variables::{Causality, Kind};
 use serde_json::Value;
 
@@ -14,13 +15,14 @@ macro_rules! mechanism {
 }
 
 /// Definitions beside the random ones.
-const GIVEN: [&str; 6] = [
+const GIVEN: [&str; 7] = [
     mechanism!("LandingGearRetraction"),
     mechanism!("SliderCrank"),
     mechanism!("FourBar"),
     mechanism!("Jib"),
     mechanism!("CraneJib"),
     mechanism!("AndrewsSqueezer"),
+    mechanism!("LandingGearRetractionHydraulic"),
 ];
 
 /// Steps of a model that a hostile definition gives.
@@ -34,8 +36,12 @@ const PLACE: &str = "\"@@place@@\"";
 /// A refusal without words or over several lines; a value that is not finite without a reason.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
-    let text =
-        if random.chance(0.5) { random.pick(&GIVEN).to_owned() } else { mechanism::definition(&mut random).text };
+    let (file, text) = match random.below(8) {
+        0..=2 => ("mechanism.json", random.pick(&GIVEN).to_owned()),
+        3..=5 => ("mechanism.json", mechanism::definition(&mut random).text),
+        6 => ("hydraulics.json", actuator::definition(&mut random).text),
+        _ => ("mechanism.json", actuator::gear(&mut random).text),
+    };
     let text = spoiled(&mut random, &text);
     if probe.verbose {
         println!("{text}");
@@ -49,7 +55,7 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
         }
         Ok(())
     };
-    let mut model = match probe.timed("instantiation", || Model::from_json(&text)) {
+    let mut model = match probe.timed("instantiation", || Component::from_definition(file, &text)) {
         Ok(model) => model,
         Err(error) => return refused(probe, error.to_string()),
     };
@@ -61,8 +67,8 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
     for n in 0..STEPS {
         let h = random.decades(1e-6, 1.0);
         match probe.timed("step", || model.step(h)) {
-            Ok(()) => probe.count("steps"),
-            Err(_) => probe.count("steps that ended with an error"),
+            Ok(Stepped::Whole) => probe.count("steps"),
+            Ok(_) | Err(_) => probe.count("steps that ended with an error"),
         }
         read(probe, &mut model).map_err(|e| format!("after step {n} of {h:e} s: {e}"))?;
     }
@@ -70,8 +76,8 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
 }
 
 /// Every output is read: finite, or not without a reason. A refusal has words.
-fn read(probe: &mut Probe, model: &mut Model) -> Result<(), String> {
-    let list = model.variables().list();
+fn read(probe: &mut Probe, model: &mut Component) -> Result<(), String> {
+    let list = model.interface().list();
     let those = list.iter().zip(0..).filter(|(v, _)| v.causality == Causality::Output);
     let those: Vec<_> = those.map(|(v, reference)| (v.kind, reference, v.name.clone())).collect();
     for (kind, reference, name) in those {

@@ -1,9 +1,10 @@
 //! Random histories as twins: two instances get the same inputs, derivatives, locks and steps; one of them is besides
 //! read, saved, restored and written to bytes in between. Their outputs and their states must agree to the bit.
-use super::mechanism::Prepared;
+use super::actuator;
+use super::mechanism::{Prepared, definition};
 use super::probe::Probe;
 use super::random::Random;
-use linkage_fmu::mechanism::{Model, ModelError};
+use linkage_fmu::component::{Component, Stepped};
 use linkage_fmu::variables::Reference;
 
 /// Histories in a row that share a mechanism, whose set-up costs as much as many steps.
@@ -42,6 +43,11 @@ const ROLLBACKS: [Rollback; 7] = [
 /// The twins differ, a state that was written is refused, a value is not finite without a reason.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let prepared = prepared(probe);
+    probe.count(match prepared.1.definition.file {
+        "hydraulics.json" => "histories of actuators",
+        _ if prepared.1.has_circuit() => "histories of gears with a circuit",
+        _ => "histories of mechanisms",
+    });
     let result = history(probe, &prepared.1);
     probe.prepared = Some(prepared);
     result
@@ -54,16 +60,22 @@ pub fn prepared(probe: &mut Probe) -> (u64, Prepared) {
         Some(own) if own.0 == key => own,
         _ => {
             let mut random = Random::new(!key);
-            let (prepared, refused) = probe.timed("instantiation", || Prepared::random(&mut random));
-            *probe.tally.counts.entry("mechanisms refused").or_default() += refused;
-            probe.count("mechanisms");
+            // Every third is an actuator, or a gear with a circuit.
+            let (what, definition): (_, fn(&mut Random) -> _) = match key % 6 {
+                2 => ("actuators", actuator::definition),
+                5 => ("gears with a circuit", actuator::gear),
+                _ => ("mechanisms", definition),
+            };
+            let (prepared, refused) = probe.timed("instantiation", || Prepared::random(&mut random, definition));
+            *probe.tally.counts.entry("definitions refused").or_default() += refused;
+            probe.count(what);
             (key, prepared)
         }
     }
 }
 
 /// A state in bytes.
-pub fn written(model: &Model) -> Result<Vec<u8>, String> {
+pub fn written(model: &Component) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     model.snapshot().write(&mut bytes).map_err(|e| format!("a state cannot be written: {e}"))?;
     Ok(bytes)
@@ -73,7 +85,7 @@ pub fn written(model: &Model) -> Result<Vec<u8>, String> {
 ///
 /// # Errors
 /// An output is refused, or is not finite without a reason.
-pub fn outputs(model: &mut Model, prepared: &Prepared) -> Result<Vec<u64>, String> {
+pub fn outputs(model: &mut Component, prepared: &Prepared) -> Result<Vec<u64>, String> {
     let mut bits = Vec::with_capacity(prepared.outputs.len());
     for &output in &prepared.outputs {
         let value = model.real(output).map_err(|e| format!("{}: {e}", name(model, output)))?;
@@ -89,19 +101,25 @@ pub fn outputs(model: &mut Model, prepared: &Prepared) -> Result<Vec<u64>, Strin
 }
 
 /// Name of a variable.
-pub fn name(model: &Model, reference: Reference) -> String {
-    model.variables().list()[reference as usize].name.clone()
+pub fn name(model: &Component, reference: Reference) -> String {
+    model.interface().list()[reference as usize].name.clone()
 }
 
 /// Where the outputs of twins differ.
-fn difference(model: &Model, prepared: &Prepared, a: &[u64], b: &[u64]) -> Option<String> {
+pub fn difference(model: &Component, prepared: &Prepared, a: &[u64], b: &[u64]) -> Option<String> {
     let k = (0..a.len()).find(|&k| a[k] != b[k])?;
     let of = prepared.outputs.iter().chain(&prepared.flags).nth(k).map(|&r| name(model, r)).unwrap_or_default();
     Some(format!("{of}: {:?} {:?}", f64::from_bits(a[k]), f64::from_bits(b[k])))
 }
 
 /// Set inputs, derivatives and locks of these models alike, as the random numbers say.
-pub fn set<const N: usize>(random: &mut Random, prepared: &Prepared, h: f64, models: [&mut Model; N], verbose: bool) {
+pub fn set<const N: usize>(
+    random: &mut Random,
+    prepared: &Prepared,
+    h: f64,
+    models: [&mut Component; N],
+    verbose: bool,
+) {
     let mut calls: Vec<(usize, i32, f64)> = Vec::new();
     let size = |random: &mut Random| match random.below(5) {
         0 | 1 => random.within(-1.0, 1.0),
@@ -117,7 +135,7 @@ pub fn set<const N: usize>(random: &mut Random, prepared: &Prepared, h: f64, mod
     }
     let share = random.pick(&[0.0, 0.0, 0.3, 1.0]);
     for k in 0..prepared.inputs.len() {
-        for order in 1..=2 {
+        for order in 1..=4 {
             if random.chance(share) {
                 calls.push((k, order, size(random) / h.powi(order)));
             }
@@ -126,8 +144,9 @@ pub fn set<const N: usize>(random: &mut Random, prepared: &Prepared, h: f64, mod
     let lock = (!prepared.locks.is_empty() && random.chance(0.15)).then(|| random.pick(&prepared.locks));
     for model in models {
         for &(k, order, value) in &calls {
-            let (input, value) = (prepared.inputs[k], value * prepared.sizes[k]);
-            // A value that the model refuses is refused in all of them.
+            let (input, [middle, size]) = (prepared.inputs[k], prepared.sizes[k]);
+            // A value or an order that the model refuses is refused in all of them.
+            let value = if order == 0 { middle + value * size } else { value * size };
             let _ = match order {
                 0 => model.set_real(input, value),
                 order => model.set_input_derivative(input, order, value),
@@ -158,7 +177,12 @@ pub fn length(random: &mut Random, prepared: &Prepared) -> f64 {
     }
 }
 
-fn rolled_back(twin: &mut Model, prepared: &Prepared, rollback: Rollback, random: &mut Random) -> Result<(), String> {
+fn rolled_back(
+    twin: &mut Component,
+    prepared: &Prepared,
+    rollback: Rollback,
+    random: &mut Random,
+) -> Result<(), String> {
     let bytes = written(twin)?;
     let read = twin.read_snapshot(&bytes).map_err(|e| format!("the state that it wrote is refused: {e}"))?;
     let mut again = Vec::new();
@@ -219,9 +243,9 @@ fn history(probe: &mut Probe, prepared: &Prepared) -> Result<(), String> {
             return Err(format!("step {n} of {h:e} s: {:?} and {:?}", stepped[0], stepped[1]));
         }
         match &stepped[0] {
-            Ok(()) => {}
-            Err(ModelError::Interrupted { .. }) => probe.count("steps that met solver.max_steps"),
-            Err(_) => probe.count("steps that ended with an error"),
+            Ok(Stepped::Whole) => {}
+            Ok(Stepped::Part(_)) => probe.count("steps that met solver.max_steps"),
+            Ok(Stepped::Failed(_)) | Err(_) => probe.count("steps that ended with an error"),
         }
         rolled_back(&mut twin, prepared, rollbacks[1], &mut random).map_err(|e| format!("after step {n}: {e}"))?;
         if random.chance(0.3) {

@@ -4,7 +4,7 @@
 //! In: random numbers. Out: the text of a definition, and a model at its start with what a history acts on. It must not
 //! know what is asked of the model.
 use super::random::Random;
-use linkage_fmu::mechanism::Model;
+use linkage_fmu::component::Component;
 use linkage_fmu::variables::{Causality, Kind, Reference};
 use serde_json::{Map, Value, json};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -14,11 +14,13 @@ const GEAR: &str = include_str!("../../../modelDescription/LandingGearRetraction
 /// A definition, and the sizes of what acts on it.
 #[derive(Clone, Debug)]
 pub struct Definition {
+    /// Name of the file that it would be in: a mechanism's or a hydraulic actuator's.
+    pub file: &'static str,
     /// The text.
     pub text: String,
     /// A force [N] and a torque [N.m] that move the mechanism within `h`.
-    force: f64,
-    torque: f64,
+    pub force: f64,
+    pub torque: f64,
     /// A communication step in which something happens [s].
     pub h: f64,
 }
@@ -27,13 +29,13 @@ pub struct Definition {
 #[derive(Clone, Debug)]
 pub struct Prepared {
     pub definition: Definition,
-    pub start: Model,
+    pub start: Component,
     pub inputs: Vec<Reference>,
     pub locks: Vec<Reference>,
     pub outputs: Vec<Reference>,
     pub flags: Vec<Reference>,
-    /// Size of each input's values.
-    pub sizes: Vec<f64>,
+    /// Middle and size of each input's values.
+    pub sizes: Vec<[f64; 2]>,
 }
 
 impl Prepared {
@@ -42,9 +44,9 @@ impl Prepared {
     /// # Errors
     /// The definition is refused.
     pub fn new(definition: Definition) -> Result<Self, String> {
-        let mut start = Model::from_json(&definition.text).map_err(|e| e.to_string())?;
+        let mut start = Component::from_definition(definition.file, &definition.text).map_err(|e| e.to_string())?;
         start.initialize().map_err(|e| e.to_string())?;
-        let list = start.variables().list();
+        let list = start.interface().list();
         let those = |causality: Causality, kind: Kind| -> Vec<Reference> {
             let found = list.iter().zip(0..).filter(|(v, _)| v.causality == causality && v.kind == kind);
             found.map(|(_, reference)| reference).collect()
@@ -55,8 +57,13 @@ impl Prepared {
         Ok(Self { definition, inputs, locks, outputs, flags, sizes, start })
     }
 
-    /// The first mechanism of these random numbers that is not refused, and how many were.
-    pub fn random(random: &mut Random) -> (Self, u64) {
+    /// Whether a circuit drives the mechanism.
+    pub fn has_circuit(&self) -> bool {
+        self.start.interface().find("chamber_a.pressure").is_some()
+    }
+
+    /// The first model of these random numbers that is not refused, and how many were.
+    pub fn random(random: &mut Random, definition: fn(&mut Random) -> Definition) -> (Self, u64) {
         let mut refused = 0;
         loop {
             match Self::new(definition(random)) {
@@ -68,15 +75,19 @@ impl Prepared {
 }
 
 impl Definition {
-    /// Size of an input's values.
-    fn size(&self, name: &str) -> f64 {
-        match name {
+    /// Middle and size of an input's values.
+    fn size(&self, name: &str) -> [f64; 2] {
+        if let Some(size) = super::actuator::size(self, name) {
+            return size;
+        }
+        let size = match name {
             "airspeed" => 60.0,
             "load_factor" => 5.0,
             name if name.ends_with("demanded_acceleration") => 50.0,
             name if name.contains("torque") => self.torque,
             _ => self.force,
-        }
+        };
+        [0.0, size]
     }
 }
 
@@ -90,7 +101,7 @@ pub fn definition(random: &mut Random) -> Definition {
         _ => jib(random),
     };
     solver(random, &mut json);
-    Definition { text: json.to_string(), force, torque, h }
+    Definition { file: "mechanism.json", text: json.to_string(), force, torque, h }
 }
 
 /// The name and what every mechanism may have: gravity and the law of friction.
@@ -116,7 +127,7 @@ fn friction(random: &mut Random, json: &mut Value) {
     });
 }
 
-fn solver(random: &mut Random, json: &mut Value) {
+pub fn solver(random: &mut Random, json: &mut Value) {
     let mut solver = Map::new();
     if let Value::Object(given) = &json["solver"] {
         solver.clone_from(given);
@@ -205,9 +216,9 @@ fn speed(random: &mut Random, size: f64) -> f64 {
 }
 
 /// Definition, force, torque, step.
-type Parts = (Value, f64, f64, f64);
+pub type Parts = (Value, f64, f64, f64);
 
-fn gear(random: &mut Random) -> Parts {
+pub fn gear(random: &mut Random) -> Parts {
     let mut json: Value = serde_json::from_str(GEAR).unwrap_or_default();
     let angle = random.within(-1.29, 0.79);
     json["start"] = json!({ "body": "crank", "angle": angle, "speed": speed(random, 6.0) });

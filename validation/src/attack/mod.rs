@@ -3,6 +3,9 @@
 //!
 //! In: what the command line asks for. Out: failures with their seeds, counts, the longest call, a page. It must not know
 //! how a mechanism is solved.
+mod actuator;
+mod calls;
+mod coupled;
 mod definitions;
 mod histories;
 mod mechanism;
@@ -44,14 +47,30 @@ pub struct Part {
 }
 
 /// All kinds of attack.
-pub const PARTS: [Part; 5] = [
+pub const PARTS: [Part; 7] = [
     Part {
         name: "histories",
         claim: "twins of a random history, one of them read, saved, restored and serialised in between, agree to the bit; every state that is written is read back",
         case: histories::attack,
         count: 12_000,
-        share: 0.45,
+        share: 0.3,
         block: histories::SHARED,
+    },
+    Part {
+        name: "coupled",
+        claim: "twins of a coupling of gear and actuator, one of them read, saved and restored between any two calls of the exchange, agree to the bit",
+        case: coupled::attack,
+        count: 1_000,
+        share: 0.1,
+        block: 1,
+    },
+    Part {
+        name: "calls",
+        claim: "random C calls of the hydraulic FMUs: each answer is one that the phase allows; a refusal has one line and changes no Real",
+        case: calls::attack,
+        count: 1_000,
+        share: 0.05,
+        block: 1,
     },
     Part {
         name: "states",

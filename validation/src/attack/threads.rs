@@ -1,7 +1,7 @@
 //! Instances of one mechanism that step in threads at once, while the tables they share are built, give the bits of each
 //! alone.
 use super::histories::{length, outputs, set, written};
-use super::mechanism::Prepared;
+use super::mechanism::{Prepared, definition};
 use super::probe::Probe;
 use super::random::Random;
 
@@ -16,7 +16,7 @@ const STEPS: usize = 12;
 /// An instance differs, or panics.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
-    let (alone, _) = Prepared::random(&mut random);
+    let (alone, _) = Prepared::random(&mut random, definition);
     probe.count("instances alone and in threads");
     // A model of its own, whose tables are not built yet.
     let shared = Prepared::new(alone.definition.clone())?;

@@ -137,12 +137,11 @@ pub struct Hydraulic {
 }
 
 impl Hydraulic {
-    /// An instance at its start: Reals by name. `keeps`: a step keeps the motion foreseen.
+    /// An instance at its start: Reals by name, and `coupling.mode`.
     ///
     /// # Errors
     /// The FMU has no such variable, or refuses a value.
-    pub fn start(fmu: &Arc<Fmu>, reals: &[(&str, f64)], keeps: bool) -> Result<Self, String> {
-        let mode = if keeps { "preview" } else { "follow" };
+    pub fn start(fmu: &Arc<Fmu>, reals: &[(&str, f64)], mode: &str) -> Result<Self, String> {
         let find = |name: &str| fmu.find(name);
         Ok(Self {
             instance: started(fmu, "hydraulics", reals, &[], &[("coupling.mode", mode)])?,
@@ -167,7 +166,7 @@ impl Hydraulic {
                 "preview.acceleration",
             ])?,
             work: find("energy.piston")?,
-            keeps,
+            keeps: mode != "follow",
         })
     }
 }

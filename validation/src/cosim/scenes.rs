@@ -108,8 +108,8 @@ impl Scene {
     ///
     /// # Errors
     /// The FMU refuses.
-    pub fn hydraulic(self, fmu: &Arc<Fmu>, keeps: bool) -> Result<Hydraulic, String> {
-        Hydraulic::start(fmu, if self == Self::H2 { &SMOOTH } else { &RAMP }, keeps)
+    pub fn hydraulic(self, fmu: &Arc<Fmu>, mode: &str) -> Result<Hydraulic, String> {
+        Hydraulic::start(fmu, if self == Self::H2 { &SMOOTH } else { &RAMP }, mode)
     }
 
     /// The circuit in plain numbers at the start of the scene.
@@ -148,9 +148,9 @@ pub struct Run {
 /// A side refuses a call: the coupling was unstable.
 pub fn run(fmus: &Fmus, scene: Scene, scheme: &str, h: f64) -> Result<Run, String> {
     let mut gear = scene.gear(&fmus.gear)?;
-    let keeps = scheme.starts_with("preview, one pass");
+    let mode = schemes::mode(scheme);
     match &fmus.hydraulic {
-        Some(fmu) => couple(&mut gear, &mut scene.hydraulic(fmu, keeps)?, scene, scheme, h),
+        Some(fmu) => couple(&mut gear, &mut scene.hydraulic(fmu, mode)?, scene, scheme, h),
         None => couple(&mut gear, &mut scene.circuit(), scene, scheme, h),
     }
 }

@@ -1,5 +1,6 @@
 //! The stress suite: scenes at the ends of what can be asked for, each with a bound that is derived, and its verdict.
 pub mod case;
+pub mod hydraulic;
 pub mod motion;
 pub mod plan;
 pub mod reference;
@@ -7,11 +8,34 @@ pub mod scene;
 pub mod scenes;
 
 pub use scene::{Outcome, Scene, Verdict};
-pub use scenes::all;
+
+/// One row of the suite.
+pub trait Row: Sync {
+    /// Heading under which it stands.
+    fn group(&self) -> &str;
+    /// The model.
+    fn model(&self) -> &str;
+    /// What is done to it.
+    fn what(&self) -> &str;
+    /// Relative tolerance.
+    fn tolerance(&self) -> f64;
+    /// Communication steps.
+    fn steps(&self) -> u64;
+    /// Run it and judge it.
+    fn judge(&self) -> Outcome;
+}
+
+/// All rows, group by group.
+pub fn all() -> Vec<Box<dyn Row>> {
+    let mut all: Vec<Box<dyn Row>> = Vec::new();
+    all.extend(scenes::all().into_iter().map(|scene| Box::new(scene) as Box<dyn Row>));
+    all.extend(hydraulic::all());
+    all
+}
 
 /// Judge scenes on `threads` threads; each outcome is told as it comes, with the scene's place, and all are returned in
 /// the scenes' order.
-pub fn judge(scenes: &[Scene], threads: usize, tell: &(dyn Fn(usize, &Outcome) + Sync)) -> Vec<Outcome> {
+pub fn judge(scenes: &[Box<dyn Row>], threads: usize, tell: &(dyn Fn(usize, &Outcome) + Sync)) -> Vec<Outcome> {
     let next = std::sync::atomic::AtomicUsize::new(0);
     let work = || {
         let mut done = Vec::new();

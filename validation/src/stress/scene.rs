@@ -103,9 +103,28 @@ pub struct Outcome {
     pub verdict: Verdict,
 }
 
-impl Scene {
-    /// Run it and judge it.
-    pub fn judge(&self) -> Outcome {
+impl super::Row for Scene {
+    fn group(&self) -> &str {
+        self.group
+    }
+
+    fn model(&self) -> &str {
+        self.case.mechanism.name
+    }
+
+    fn what(&self) -> &str {
+        &self.what
+    }
+
+    fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
+    fn steps(&self) -> u64 {
+        self.plan.steps()
+    }
+
+    fn judge(&self) -> Outcome {
         match (self.expected(), &self.expected) {
             (Ok(outcome), _) => outcome,
             (Err(message), Expected::Refusal(fragments)) if fragments.iter().all(|f| message.contains(f.as_str())) => {
@@ -114,7 +133,9 @@ impl Scene {
             (Err(message), _) => Outcome::told(message, Verdict::Fails),
         }
     }
+}
 
+impl Scene {
     fn expected(&self) -> Result<Outcome, String> {
         let mut model = self.case.model(self.tolerance)?;
         let reading = match &self.expected {

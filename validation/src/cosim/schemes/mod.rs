@@ -79,7 +79,7 @@ impl Rates {
 pub type Named = (&'static str, fn() -> Box<dyn Scheme>);
 
 /// Every scheme.
-pub const ALL: [Named; 19] = [
+pub const ALL: [Named; 21] = [
     ("Jacobi 0", || Box::new(Jacobi::new(Extrapolation::Past(0)))),
     ("NEPCE on it", || Box::new(Jacobi::with_correction())),
     ("Jacobi 1", || Box::new(Jacobi::new(Extrapolation::Past(1)))),
@@ -97,9 +97,17 @@ pub const ALL: [Named; 19] = [
     ("preview, one pass, linear", || Box::new(Foreseen::linear())),
     ("preview, one pass, held, one step late", || Box::new(Late::new(false))),
     ("preview, one pass, linear, one step late", || Box::new(Late::new(true))),
+    ("preview, delayed, held, one step late", || Box::new(Late::new(false))),
+    ("preview, delayed, linear, one step late", || Box::new(Late::new(true))),
     ("preview, two passes, by difference", || Box::new(Foreseen::two_passes(false))),
     ("preview, two passes, with dW/ds", || Box::new(Foreseen::two_passes(true))),
 ];
+
+/// Value of `coupling.mode` of the actuator that a scheme needs.
+pub fn mode(name: &str) -> &'static str {
+    let words = [("preview, one pass", "preview"), ("preview, delayed", "delayed")];
+    words.into_iter().find(|(start, _)| name.starts_with(start)).map_or("follow", |(_, mode)| mode)
+}
 
 /// A scheme by its name in [`ALL`].
 pub fn by_name(name: &str) -> Option<Box<dyn Scheme>> {

@@ -1,7 +1,7 @@
 //! Preview: the actuator knows the mechanism as one element, foresees the motion of both over the next step, and hands
 //! over a force of the right impulse. No rollback, no repetition.
 use super::Scheme;
-use crate::cosim::pair::{Element, Motion, Pair, Refused, hermite};
+use crate::cosim::pair::{Motion, Pair, Preview, Refused, hermite};
 
 /// Coupling by preview.
 #[derive(Clone, Copy, Debug)]
@@ -54,19 +54,21 @@ impl Scheme for Foreseen {
     }
 }
 
-/// One pass in a host that passes every output on one step late, whatever feeds through: the force is foreseen from the
-/// motion foreseen before and the element of the step before.
+/// One pass in a host that passes every output on one step late, whatever feeds through: both sides step, then all
+/// outputs are read, then all inputs are set. The force is foreseen from the motion foreseen before and the element of
+/// the step before.
 #[derive(Clone, Copy, Debug)]
 pub struct Late {
     /// Whether the mechanism has the line foreseen; else its mean.
     linear: bool,
-    element: Option<Element>,
+    /// What the actuator has told since its last step.
+    told: Option<Preview>,
 }
 
 impl Late {
     /// With the line foreseen, or its mean held.
     pub fn new(linear: bool) -> Self {
-        Self { linear, element: None }
+        Self { linear, told: None }
     }
 }
 
@@ -75,15 +77,15 @@ impl Scheme for Late {
         let Motion { length, speed, .. } = pair.mechanism.motion()?;
         let now = pair.mechanism.element()?;
         // At the start no host knows anything but the start values: both sides tell them before the first step.
-        let Some(before) = self.element.replace(now) else {
-            return Foreseen { linear: self.linear, ..Foreseen::held() }.step(pair, t, h);
-        };
-        let foreseen = pair.actuator.preview(before, h, true)?;
+        pair.actuator.set_motion(length, [speed, 0.0, 0.0, 0.0, 0.0])?;
+        let present = pair.actuator.preview(now, h, true)?;
+        let foreseen = self.told.unwrap_or(present);
         let [force, rate] = if self.linear { foreseen.line } else { [foreseen.mean, 0.0] };
         pair.mechanism.set_force([force, rate, 0.0])?;
-        pair.actuator.set_motion(length, [speed, 0.0, 0.0, 0.0, 0.0])?;
-        pair.actuator.preview(now, h, true)?;
         pair.step_mechanism(t, h)?;
-        pair.step_actuator(t, h)
+        pair.step_actuator(t, h)?;
+        // The inputs of the actuator are still those of the step: its own motion, and the element at the beginning.
+        self.told = Some(pair.actuator.preview(now, h, true)?);
+        Ok(())
     }
 }

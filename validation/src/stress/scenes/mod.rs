@@ -30,6 +30,6 @@ pub fn all() -> Vec<Scene> {
 }
 
 /// So many steps, in words.
-fn count(steps: u64) -> String {
+pub fn count(steps: u64) -> String {
     if steps == 1 { "1 step".into() } else { format!("{steps} steps") }
 }

@@ -1,0 +1,211 @@
+//! Twins of a coupling: a landing gear and an actuator with random options exchange motion and force in steps; one of
+//! both pairs is besides read, saved and restored between any two calls of the exchange.
+use super::actuator;
+use super::histories::{difference, outputs, written};
+use super::mechanism::{Definition, Prepared};
+use super::probe::Probe;
+use super::random::Random;
+use linkage_fmu::component::{Component, Refused, Stepped};
+use linkage_fmu::variables::Reference;
+use serde_json::Value;
+
+const GEAR: &str = include_str!("../../../modelDescription/LandingGearRetraction/resources/mechanism.json");
+/// Most steps of a coupling.
+const STEPS: usize = 24;
+/// What the gear tells and the actuator takes.
+const TOLD: [&str; 7] = [
+    "actuator.length",
+    "actuator.speed",
+    "actuator.acceleration",
+    "actuator.reduced_mass",
+    "actuator.reduced_mass_derivative",
+    "actuator.holding_force",
+    "actuator.holding_force_derivative",
+];
+/// What the actuator foresees.
+const FORESEEN: [&str; 5] =
+    ["preview.force", "preview.force_rate", "preview.force_mean", "preview.start_acceleration", "preview.acceleration"];
+
+/// How force and motion are exchanged.
+#[derive(Clone, Copy, Debug)]
+enum Exchange {
+    /// The mean force, or the line; the actuator keeps its motion.
+    Held,
+    Line,
+    /// The gear first, then the actuator by the gear's motion.
+    TwoPasses,
+    /// The force told in the step before.
+    Late,
+    /// Force and motion as they are.
+    Plain,
+}
+
+/// A gear and an actuator.
+struct Pair {
+    gear: Component,
+    actuator: Component,
+}
+
+/// Both sides at their start, with references.
+struct Start {
+    gear: Prepared,
+    actuator: Prepared,
+    told: [[Reference; 2]; TOLD.len()],
+    foreseen: [Reference; FORESEEN.len()],
+    force: [Reference; 2],
+    horizon: Reference,
+}
+
+impl Start {
+    fn new(random: &mut Random) -> Result<Self, String> {
+        let mut json: Value = serde_json::from_str(GEAR).map_err(|e| e.to_string())?;
+        json["start"]["angle"] = random.within(-1.2, 0.79).into();
+        json["friction"]["enabled"] = random.chance(0.3).into();
+        json["solver"] = serde_json::json!({ "tolerance": random.decades(1e-11, 1e-5) });
+        let text = json.to_string();
+        let gear = Prepared::new(Definition { file: "mechanism.json", text, force: 1e4, torque: 1e3, h: 1e-3 })?;
+        let (actuator, _) = Prepared::random(random, actuator::definition);
+        let find = |of: &Prepared, name: &str| of.start.interface().find(name).ok_or(format!("no variable {name}"));
+        let mut told = [[0; 2]; TOLD.len()];
+        for (pair, name) in told.iter_mut().zip(TOLD) {
+            *pair = [find(&gear, name)?, find(&actuator, name)?];
+        }
+        let mut foreseen = [0; FORESEEN.len()];
+        for (reference, name) in foreseen.iter_mut().zip(FORESEEN) {
+            *reference = find(&actuator, name)?;
+        }
+        let force = [find(&gear, "actuator.force")?, find(&actuator, "actuator.force")?];
+        let horizon = find(&actuator, "preview.horizon")?;
+        Ok(Self { gear, actuator, told, foreseen, force, horizon })
+    }
+}
+
+/// What a twin does besides, between two calls.
+fn meddle(pair: &mut Pair, start: &Start, random: &mut Random) -> Result<(), String> {
+    for (component, prepared) in [(&mut pair.gear, &start.gear), (&mut pair.actuator, &start.actuator)] {
+        if random.chance(0.2) {
+            outputs(component, prepared)?;
+        }
+        if random.chance(0.25) {
+            let bytes = written(component)?;
+            let read =
+                component.read_snapshot(&bytes).map_err(|e| format!("the state that it wrote is refused: {e}"))?;
+            let own = component.snapshot();
+            let state = if random.chance(0.5) { &own } else { &read };
+            match random.below(3) {
+                0 => drop(component.step(random.decades(1e-5, 1e-2))),
+                1 => *component = prepared.start.clone(),
+                _ => {}
+            }
+            component.restore(state).map_err(|e| format!("restored: {e}"))?;
+        }
+    }
+    Ok(())
+}
+
+/// One step of a coupling; `between` acts between its calls. Tells how both sides stepped.
+fn exchange(
+    pair: &mut Pair,
+    start: &Start,
+    exchange: Exchange,
+    late: &mut Option<f64>,
+    h: f64,
+    mut between: impl FnMut(&mut Pair) -> Result<(), String>,
+) -> Result<[Result<Stepped, Refused>; 2], String> {
+    let words = |e: Refused| e.to_string();
+    let reals = |component: &mut Component, names: &[Reference]| -> Result<Vec<f64>, String> {
+        names.iter().map(|&name| component.real(name).map_err(words)).collect()
+    };
+    let told = reals(&mut pair.gear, &start.told.map(|[gear, _]| gear))?;
+    between(pair)?;
+    for (&[_, to], &value) in start.told.iter().zip(&told) {
+        // Near a toggle of the drive the gear tells no finite mass; then the old one stays in both twins.
+        let _ = pair.actuator.set_real(to, value);
+    }
+    pair.actuator.set_real(start.horizon, h).map_err(words)?;
+    between(pair)?;
+    let [line, rate, mean, from, to] = reals(&mut pair.actuator, &start.foreseen)?[..] else {
+        return Err("five values are foreseen".into());
+    };
+    let plain = pair.actuator.real(start.force[1]).map_err(words)?;
+    between(pair)?;
+    let force = match exchange {
+        Exchange::Held => mean,
+        Exchange::Line | Exchange::TwoPasses => line,
+        Exchange::Late => late.unwrap_or(mean),
+        Exchange::Plain => plain,
+    };
+    let _ = pair.gear.set_real(start.force[0], force);
+    if matches!(exchange, Exchange::Line | Exchange::TwoPasses) {
+        let _ = pair.gear.set_input_derivative(start.force[0], 1, rate);
+    }
+    between(pair)?;
+    let gear = pair.gear.step(h);
+    between(pair)?;
+    if matches!(exchange, Exchange::TwoPasses) {
+        let end = reals(&mut pair.gear, &start.told.map(|[gear, _]| gear))?;
+        let speed = (end[1] - told[1] - from * h) / (h * h);
+        let slope = (to - from) / h;
+        let rates = [from, 2.0 * (3.0 * speed - slope), 6.0 * (slope - 2.0 * speed) / h];
+        for (order, rate) in (1..).zip(rates) {
+            let _ = pair.actuator.set_input_derivative(start.told[1][1], order, rate);
+        }
+    }
+    between(pair)?;
+    let actuator = pair.actuator.step(h);
+    between(pair)?;
+    *late = Some(pair.actuator.real(start.foreseen[2]).map_err(words)?).filter(|mean| mean.is_finite());
+    Ok([gear, actuator])
+}
+
+/// A part's case: one coupling.
+///
+/// # Errors
+/// The twins differ, a state that was written is refused, a value is not finite without a reason.
+pub fn attack(probe: &mut Probe) -> Result<(), String> {
+    let mut random = probe.random.clone();
+    let start = probe.timed("instantiation", || Start::new(&mut random))?;
+    if probe.verbose {
+        println!("{}\n{}", start.gear.definition.text, start.actuator.definition.text);
+    }
+    let pair = || Pair { gear: start.gear.start.clone(), actuator: start.actuator.start.clone() };
+    let (mut one, mut twin) = (pair(), pair());
+    let kinds = [Exchange::Held, Exchange::Line, Exchange::TwoPasses, Exchange::Late, Exchange::Plain];
+    let kind = random.pick(&kinds);
+    let h = random.decades(1e-4, 2e-2);
+    let (mut late, mut late_twin) = (None, None);
+    let command = start.actuator.start.interface().find("valve.command").unwrap_or_default();
+    for n in 0..=random.below(STEPS) {
+        if random.chance(0.2) {
+            let u = random.within(-1.1, 1.1);
+            for pair in [&mut one, &mut twin] {
+                pair.actuator.set_real(command, u).map_err(|e| e.to_string())?;
+            }
+        }
+        let stepped = probe.timed("step of a pair", || exchange(&mut one, &start, kind, &mut late, h, |_| Ok(())))?;
+        let again = exchange(&mut twin, &start, kind, &mut late_twin, h, |pair| meddle(pair, &start, &mut random))
+            .map_err(|e| format!("step {n}, {kind:?}: {e}"))?;
+        probe.count("steps of pairs");
+        if probe.verbose {
+            println!("step {n} of {h:e} s, {kind:?}: {stepped:?}");
+        }
+        if stepped != again {
+            return Err(format!("step {n} of {h:e} s, {kind:?}: {stepped:?} and {again:?}"));
+        }
+        if stepped.iter().any(|stepped| !matches!(stepped, Ok(Stepped::Whole))) {
+            probe.count("steps of pairs that ended early");
+        }
+        let sides =
+            [(&mut one.gear, &mut twin.gear, &start.gear), (&mut one.actuator, &mut twin.actuator, &start.actuator)];
+        for (one, twin, prepared) in sides {
+            if written(one)? != written(twin)? {
+                return Err(format!("after step {n}, {kind:?}: the states of {} differ", prepared.start.name()));
+            }
+            let [a, b] = [outputs(one, prepared)?, outputs(twin, prepared)?];
+            if let Some(difference) = difference(one, prepared, &a, &b) {
+                return Err(format!("after step {n}, {kind:?}: {difference}"));
+            }
+        }
+    }
+    Ok(())
+}

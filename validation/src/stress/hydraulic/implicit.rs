@@ -1,0 +1,166 @@
+//! A stiff integrator that shares nothing with the engine's: extrapolation of the linearly implicit Euler rule
+//! (Deuflhard 1985; Hairer, Wanner, Solving Ordinary Differential Equations II, IV.9).
+//!
+//! In: y' = f(t, y), a span, a tolerance. Out: y at its end. It must not know what y means.
+
+/// Columns of the extrapolation, by 1, 2, 3 and so on substeps: the order.
+const COLUMNS: usize = 7;
+/// Most steps of one call.
+const MOST: usize = 2_000_000;
+
+/// y at `t + span`, each step to `tolerance` of `scale(y)`. Components from `driving` on do not occur in f.
+///
+/// # Errors
+/// Too many steps.
+pub fn integrate<const N: usize>(
+    f: &mut impl FnMut(f64, &[f64; N]) -> [f64; N],
+    scale: &impl Fn(&[f64; N]) -> [f64; N],
+    driving: usize,
+    start: f64,
+    mut y: [f64; N],
+    span: f64,
+    tolerance: f64,
+) -> Result<[f64; N], String> {
+    let (mut t, mut h) = (0.0, 1e-3 * span);
+    for _ in 0..MOST {
+        let last = t + h * (1.0 + 1e-9) >= span;
+        let d = if last { span - t } else { h };
+        let weights = scale(&y);
+        let jacobian = jacobian(f, driving, start + t, &y, &weights);
+        let (next, before) = step(f, &jacobian, driving, start + t, &y, d);
+        let error = (0..driving).map(|i| ((next[i] - before[i]) / (weights[i] * tolerance)).abs());
+        let error = error.fold(0.0, |worst: f64, e| if e.is_finite() { worst.max(e) } else { f64::INFINITY });
+        if error <= 1.0 {
+            (t, y) = (t + d, next);
+            if last {
+                return Ok(y);
+            }
+        }
+        let factor = 0.8 * error.max(1e-12).powf(-1.0 / COLUMNS as f64);
+        h = d * if factor.is_finite() { factor.clamp(0.1, 4.0) } else { 0.1 };
+    }
+    Err(format!("the second integration stands at {t} s of {span} s"))
+}
+
+fn jacobian<const N: usize>(
+    f: &mut impl FnMut(f64, &[f64; N]) -> [f64; N],
+    driving: usize,
+    t: f64,
+    y: &[f64; N],
+    weights: &[f64; N],
+) -> [[f64; N]; N] {
+    let mut columns = [[0.0; N]; N];
+    for j in 0..driving {
+        let d = 1e-6 * weights[j];
+        let [mut above, mut below] = [*y, *y];
+        (above[j], below[j]) = (y[j] + d, y[j] - d);
+        let (above, below) = (f(t, &above), f(t, &below));
+        (0..N).for_each(|i| columns[i][j] = (above[i] - below[i]) / (2.0 * d));
+    }
+    columns
+}
+
+/// The last two values on the diagonal of the extrapolation.
+fn step<const N: usize>(
+    f: &mut impl FnMut(f64, &[f64; N]) -> [f64; N],
+    jacobian: &[[f64; N]; N],
+    driving: usize,
+    t: f64,
+    y: &[f64; N],
+    h: f64,
+) -> ([f64; N], [f64; N]) {
+    let mut columns = [[0.0; N]; COLUMNS];
+    let mut before = *y;
+    for row in 0..COLUMNS {
+        let n = row + 1;
+        columns[row] = euler(f, jacobian, driving, t, y, h, n);
+        for k in (0..row).rev() {
+            let ratio = n as f64 / (k + 1) as f64;
+            let next = columns[k + 1];
+            for (old, next) in columns[k].iter_mut().zip(next) {
+                *old = next + (next - *old) / (ratio - 1.0);
+            }
+        }
+        if row + 2 == COLUMNS {
+            before = columns[0];
+        }
+    }
+    (columns[0], before)
+}
+
+/// n substeps: (1 - d J) (y_(i+1) - y_i) = d f(t_(i+1), y_i).
+fn euler<const N: usize>(
+    f: &mut impl FnMut(f64, &[f64; N]) -> [f64; N],
+    jacobian: &[[f64; N]; N],
+    driving: usize,
+    t: f64,
+    y: &[f64; N],
+    h: f64,
+    n: usize,
+) -> [f64; N] {
+    let d = h / n as f64;
+    let mut matrix: [[f64; N]; N] =
+        std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j)) - d * jacobian[i][j]));
+    let order = decompose(&mut matrix, driving);
+    let mut y = *y;
+    for k in 1..=n {
+        let slope = f(t + d * k as f64, &y);
+        let change = solve(&matrix, &order, driving, &slope.map(|slope| d * slope));
+        let mut rest = change;
+        // Components that do not drive follow from those that do.
+        for i in driving..N {
+            rest[i] = d * slope[i] + (0..driving).map(|j| d * jacobian[i][j] * change[j]).sum::<f64>();
+        }
+        (0..N).for_each(|i| y[i] += rest[i]);
+    }
+    y
+}
+
+/// LU factors of the leading rows and columns, with their order after pivoting.
+fn decompose<const N: usize>(a: &mut [[f64; N]; N], size: usize) -> [usize; N] {
+    let mut order: [usize; N] = std::array::from_fn(|i| i);
+    for k in 0..size {
+        let pivot = (k..size).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs())).unwrap_or(k);
+        a.swap(k, pivot);
+        order.swap(k, pivot);
+        for i in k + 1..size {
+            a[i][k] /= a[k][k];
+            for j in k + 1..size {
+                a[i][j] -= a[i][k] * a[k][j];
+            }
+        }
+    }
+    order
+}
+
+fn solve<const N: usize>(lu: &[[f64; N]; N], order: &[usize; N], size: usize, right: &[f64; N]) -> [f64; N] {
+    let mut x = [0.0; N];
+    for i in 0..size {
+        x[i] = right[order[i]] - (0..i).map(|j| lu[i][j] * x[j]).sum::<f64>();
+    }
+    for i in (0..size).rev() {
+        x[i] = (x[i] - (i + 1..size).map(|j| lu[i][j] * x[j]).sum::<f64>()) / lu[i][i];
+    }
+    x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// y' = -1e6 (y - cos t) - sin t has y = cos t; z' = y is a quadrature.
+    #[test]
+    fn a_stiff_equation_is_met() {
+        let mut f = |t: f64, y: &[f64; 2]| [-1e6 * (y[0] - t.cos()) - t.sin(), y[0]];
+        let y = integrate(&mut f, &|_| [1.0; 2], 1, 0.0, [1.0, 0.0], 2.0, 1e-11).unwrap();
+        assert!((y[0] - 2f64.cos()).abs() < 1e-10 && (y[1] - 2f64.sin()).abs() < 1e-9, "{y:?}");
+    }
+
+    /// A damped oscillator that is not stiff, in closed form.
+    #[test]
+    fn an_oscillator_is_met() {
+        let mut f = |_: f64, y: &[f64; 2]| [y[1], -101.0 * y[0] - 2.0 * y[1]];
+        let y = integrate(&mut f, &|_| [1.0, 10.0], 2, 0.0, [1.0, -1.0], 1.0, 1e-11).unwrap();
+        assert!((y[0] - (-1f64).exp() * 10f64.cos()).abs() < 1e-9, "{y:?}");
+    }
+}

@@ -1,0 +1,144 @@
+//! Hydraulics under stress: the actuator under a given motion and with an element that it foresees, and the landing gear
+//! with a circuit, against the same circuit in plain numbers.
+//!
+//! In: cases. Out: rows of the suite. They must not use `energy.balance`, which is 0 to rounding at every instant.
+mod case;
+mod gear;
+mod implicit;
+mod table;
+
+pub use table::all;
+
+use super::Row;
+use super::scene::{Outcome, Verdict};
+use case::{Case, Drive, End};
+use linkage_fmu::integrator::Statistics;
+
+/// Relative errors by which the sensitivity to an error on the way is found.
+const NUDGE: f64 = 1e-5;
+/// Places of a run from which it is found.
+const PLACES: usize = 8;
+/// Tolerances of the second integration and, for its own error, of a third.
+const TIGHT: [f64; 2] = [1e-11, 1e-9];
+/// Errors of one step are kept below the tolerance in the mean square of at most 15 components.
+const EACH: f64 = 3.88;
+/// Bound of the relative error above which the end cannot be foretold.
+const FORETOLD: f64 = 1.0;
+
+/// What must come out.
+#[derive(Clone, Debug)]
+enum Expected {
+    /// The circuit in plain numbers.
+    Circuit,
+    /// A refusal with these words.
+    Refusal(&'static [&'static str]),
+}
+
+/// One row.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    group: &'static str,
+    what: String,
+    case: Case,
+    tolerance: f64,
+    expected: Expected,
+}
+
+impl Row for Scene {
+    fn group(&self) -> &str {
+        self.group
+    }
+
+    fn model(&self) -> &str {
+        match self.case.drive {
+            Drive::Motion(_) => "HydraulicActuator, follow",
+            Drive::Element(..) => "HydraulicActuator, preview",
+        }
+    }
+
+    fn what(&self) -> &str {
+        &self.what
+    }
+
+    fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
+    fn steps(&self) -> u64 {
+        self.case.steps as u64
+    }
+
+    fn judge(&self) -> Outcome {
+        match (self.judged(), &self.expected) {
+            (Ok(_), Expected::Refusal(_)) => told("no call was refused".into(), Verdict::Fails),
+            (Ok(outcome), Expected::Circuit) => outcome,
+            (Err(message), Expected::Refusal(words)) if words.iter().all(|word| message.contains(word)) => {
+                told(message, Verdict::Refused)
+            }
+            (Err(message), _) => told(message, Verdict::Fails),
+        }
+    }
+}
+
+fn told(why: String, verdict: Verdict) -> Outcome {
+    Outcome { error: None, drift: None, work: Statistics::default(), cpu: 0.0, why, verdict }
+}
+
+impl Scene {
+    fn judged(&self) -> Result<Outcome, String> {
+        let case = &self.case;
+        let found = case.run(self.tolerance)?;
+        let circuit = case.circuit();
+        let mut places = Vec::new();
+        let start = case.at_start();
+        let exact = case.exact(start, 0, TIGHT[0], |k, y| places.push((k, *y)))?;
+        let again = case.exact(start, 0, TIGHT[1], |_, _| {})?;
+        let weights = case.weights(&circuit, &exact);
+        let moves = matches!(case.drive, Drive::Element(..));
+        let count = if moves { 6 } else { 4 };
+        let apart = |a: &End, b: &End| {
+            (0..count).map(|i| ((a[i] - b[i]) / weights[i]).abs()).fold(0.0, |worst: f64, e| worst.max(e))
+        };
+        // Errors made at some of the places, each component on its own.
+        let mut kappa: f64 = 1.0;
+        for (k, y) in places.iter().step_by(places.len().div_ceil(PLACES)) {
+            let own = case.weights(&circuit, y);
+            let straight = case.exact(*y, *k, TIGHT[1], |_, _| {})?;
+            let mut sum = 0.0;
+            for i in 0..count {
+                let mut aside = *y;
+                aside[i] += NUDGE * own[i];
+                sum += apart(&case.exact(aside, *k, TIGHT[1], |_, _| {})?, &straight) / NUDGE;
+            }
+            kappa = kappa.max(sum);
+        }
+        let steps = (found.work.accepted + case.steps as u64) as f64;
+        let within = apart(&exact, &again);
+        let bound = within + kappa * steps * (EACH * self.tolerance + f64::EPSILON) + 1e-12;
+        let error = apart(&found.end, &exact);
+        // The work of the piston: each error of the pressures, and of the speed, acts along the way.
+        let [area_a, area_b] = circuit.areas();
+        let mut largest = [0.0_f64; 3];
+        for (_, y) in places.iter().chain([&(0, exact)]) {
+            let own = case.weights(&circuit, y);
+            let [friction, slope] = circuit.friction(y[5]);
+            let force = (area_a * y[0] - area_b * y[1]).abs() + friction.abs();
+            let by_speed = if moves { force + y[5].abs() * slope } else { 0.0 };
+            let now = [y[5].abs(), area_a * own[0] + area_b * own[1], by_speed * own[5]];
+            (0..3).for_each(|i| largest[i] = largest[i].max(now[i]));
+        }
+        let power = largest[0] * largest[1] + largest[2];
+        let drift = (found.end[6] - exact[6]).abs();
+        let drift_bound = case.span * power * bound + (exact[6] - again[6]).abs();
+        let mut why = format!("N = {}, of these {} by Radau, kappa = {kappa:.1e}", found.work.accepted, found.implicit);
+        let foretold = bound <= FORETOLD;
+        if !foretold {
+            why += "; beyond foretelling";
+        }
+        let holds = !foretold || (error <= bound && drift <= drift_bound);
+        let finite = found.end.iter().all(|value| value.is_finite());
+        let verdict = if holds && finite { Verdict::Holds } else { Verdict::Fails };
+        let (error, drift) = (Some((error, bound)), Some((drift, drift_bound)));
+        Ok(Outcome { error, drift, work: found.work, cpu: found.cpu, why, verdict })
+    }
+}
