@@ -142,6 +142,7 @@ impl System<DRIVEN> for EquationOfMotion<'_> {
             self.locked = true;
             return [f64::NAN; DRIVEN];
         };
+        self.scratch.evaluator.switches.record(t);
         let Some(ports) = &self.ports else { return [f64::NAN; DRIVEN] };
         let at = self.point(ports, t, y);
         let (flows, laws) = (ports.laws.flows(&at), ports.laws);

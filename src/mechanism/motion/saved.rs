@@ -352,6 +352,10 @@ impl SavedState {
                     let exists = border < 2 && loading.hydraulics.is_some();
                     (exists, format!("index of an event = {border}: there is no such cushion"))
                 }
+                Event::Switch(switch) => (
+                    switch < state_loads.map_or(0, StateLoads::switches),
+                    format!("index of an event = {switch}: there is no such change of sign"),
+                ),
                 Event::Reversal | Event::Undefined => (true, String::new()),
             };
             if !exists {
