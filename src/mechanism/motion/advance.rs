@@ -313,7 +313,10 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// a stop to the last digit.
     #[inline(always)]
     fn locate(&mut self, step: &Step<N>, found: &Found<N>, dense: Option<&Dense<N>>) -> Option<Step<N>> {
-        let is_smooth = matches!(found.event, Event::Regime(_) | Event::Bumper(_) | Event::Reversal | Event::Border(_) | Event::Switch(_));
+        let is_smooth = matches!(
+            found.event,
+            Event::Regime(_) | Event::Bumper(_) | Event::Reversal | Event::Border(_) | Event::Switch(_)
+        );
         if is_smooth && dense.is_some_and(|dense| self.is_exact(step, dense)) {
             self.integrator.branch_off();
             return None;

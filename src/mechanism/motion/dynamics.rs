@@ -357,12 +357,8 @@ where
 
     fn find_signs(&mut self, t: f64, z: &[f64; N]) -> Result<(), Locked> {
         self.clear_signs();
-        self.derivative(t, z);
-        if Dynamics::<N>::take_locked(self) {
-            return Err(Locked);
-        }
-        self.hold_signs();
-        Ok(())
+        let is_locked = self.derivative(t, z)[1].is_nan();
+        if is_locked { Err(Locked) } else { Ok(self.hold_signs()) }
     }
 
     #[inline]
@@ -375,11 +371,8 @@ where
     }
 
     fn switch_value(&mut self, switch: usize, t: f64, z: &[f64; N]) -> Result<f64, Locked> {
-        self.derivative(t, z);
-        if Dynamics::<N>::take_locked(self) {
-            return Err(Locked);
-        }
-        Ok(self.scratch.evaluator.switches.value(switch))
+        let is_locked = self.derivative(t, z)[1].is_nan();
+        if is_locked { Err(Locked) } else { Ok(self.scratch.evaluator.switches.value(switch)) }
     }
 
     fn switch_effect(&self, switch: usize) -> f64 {

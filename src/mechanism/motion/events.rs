@@ -95,7 +95,8 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
     let near = Near { start: step.start[0], end: step.end[0], bulge: step.bulge(0) };
     let is_near = near.any(ends) || contact.touching() != BumperSet::EMPTY;
     let joints = dynamics.friction_joints();
-    let changing = (0..joints).find(|&joint| held != Some(Event::Regime(joint)) && may_change_regime(dynamics, joint, step));
+    let changing =
+        (0..joints).find(|&joint| held != Some(Event::Regime(joint)) && may_change_regime(dynamics, joint, step));
     let passed = |dynamics: &mut D, border: usize| {
         let [before, after] = [&step.start, &step.end].map(|z| dynamics.beyond_border(border, z[0]));
         before * after < 0.0
@@ -331,12 +332,7 @@ const NEGLIGIBLE: f64 = 1e-2;
 
 /// Whether a switching quantity may pass 0 within a step: it does in one of the evaluations of the step, or the parabola
 /// through three of them in a row, the middle one the least, does so within a margin.
-fn may_switch<D: Dynamics<N>, const N: usize>(
-    dynamics: &mut D,
-    switch: usize,
-    step: &Step<N>,
-    tolerance: f64,
-) -> bool {
+fn may_switch<D: Dynamics<N>, const N: usize>(dynamics: &mut D, switch: usize, step: &Step<N>, tolerance: f64) -> bool {
     /// More than any method takes in one step.
     const MOST: usize = 24;
     let (mut samples, mut count) = ([[0.0; 2]; MOST], 0);
