@@ -357,8 +357,11 @@ where
 
     fn find_signs(&mut self, t: f64, z: &[f64; N]) -> Result<(), Locked> {
         self.clear_signs();
-        let is_locked = self.derivative(t, z)[1].is_nan();
-        if is_locked { Err(Locked) } else { Ok(self.hold_signs()) }
+        if self.derivative(t, z)[1].is_nan() {
+            return Err(Locked);
+        }
+        self.hold_signs();
+        Ok(())
     }
 
     #[inline]

@@ -167,7 +167,7 @@ impl StateLoads {
             group_of.push(group);
             signs.push(sign * of_joints[friction_joints[leaders[group]].joint].1);
         }
-        let is_prismatic = |j: &FrictionJoint| !matches!(linkage.joints[j.joint].freedom, Freedom::Revolute { .. });
+        let is_prismatic = |j: &FrictionJoint| linkage.joints[j.joint].freedom != Freedom::Revolute;
         let prismatic = (0..friction_joints.len()).filter(|&j| is_prismatic(&friction_joints[j])).collect();
         let air = !surfaces.is_empty();
         let mut state_loads = Self {
