@@ -4,6 +4,7 @@
 mod bad_input;
 mod benchmarks;
 mod bounds;
+mod cavitation;
 mod creep;
 mod derivatives;
 mod drag;
@@ -12,6 +13,7 @@ mod exact;
 mod friction;
 mod friction_balance;
 mod gear_retraction;
+mod held_signs;
 mod histories;
 mod hydraulic_drive;
 mod hydraulic_pair;

@@ -78,6 +78,11 @@ impl<const N: usize> Integrator<N> {
         self.statistics.accepted + self.statistics.rejected
     }
 
+    /// Count evaluations that a search within a step has made.
+    pub fn count_evaluations(&mut self, evaluations: u64) {
+        self.statistics.evaluations += evaluations;
+    }
+
     /// Count the work of another integration as this one's.
     pub fn count(&mut self, other: &Self) {
         self.statistics.add(&other.statistics);

@@ -155,8 +155,38 @@ impl<T: Differentiable> EquationOfMotion<'_, T> {
         }
     }
 
-    /// Let the regimes follow from the slip speeds.
+    /// Hold the signs that the switching quantities have had in the last evaluation.
+    pub fn hold_signs(&mut self) {
+        if let Some(state_loads) = self.state_loads {
+            self.scratch.evaluator.hold_signs(state_loads);
+            self.copy_signs(state_loads);
+        }
+    }
+
+    /// Turn the held sign of a switching quantity round.
+    pub fn flip_sign(&mut self, switch: usize) {
+        if let Some(state_loads) = self.state_loads {
+            self.scratch.evaluator.flip_sign(state_loads, switch);
+            self.copy_signs(state_loads);
+        }
+    }
+
+    /// Let the laws follow from the present signs of the switching quantities.
+    pub fn clear_signs(&mut self) {
+        if let Some(state_loads) = self.state_loads.filter(|s| s.switches() > 0) {
+            self.scratch.evaluator.clear_signs(state_loads);
+            self.copy_signs(state_loads);
+        }
+    }
+
+    fn copy_signs(&mut self, state_loads: &StateLoads) {
+        let Scratch { evaluator, tangent, .. } = &mut *self.scratch;
+        tangent.hold_signs_of(state_loads, &evaluator.switches);
+    }
+
+    /// Let the regimes and signs follow from the state in each evaluation.
     fn clear_regimes(&mut self) {
+        self.clear_signs();
         for friction_joint in 0..self.state_loads.map_or(0, |s| s.friction_joints.len()) {
             self.set_regime(friction_joint, None);
         }
@@ -233,6 +263,7 @@ impl System<3> for EquationOfMotion<'_> {
             self.locked = true;
             return [f64::NAN; 3];
         };
+        self.scratch.evaluator.switches.record(t);
         [y[1], acceleration, lost]
     }
 

@@ -144,6 +144,7 @@ impl System<DRIVEN> for EquationOfMotion<'_> {
             self.locked = true;
             return [f64::NAN; DRIVEN];
         };
+        self.scratch.evaluator.switches.record(t);
         let Some(ports) = &self.ports else { return [f64::NAN; DRIVEN] };
         let [sigma, sigma_dot, _, a, b, spool, rate, supply, ..] = *y;
         let [length, slope] = length_at(self, ports, sigma);

@@ -5,3 +5,4 @@ pub mod hydraulic;
 pub mod inputs;
 pub mod panel_force;
 pub mod state_loads;
+pub mod switches;

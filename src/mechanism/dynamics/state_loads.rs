@@ -4,6 +4,7 @@
 //! lost, the sizes of the state loads. Written once for values and for values with derivatives. It must not know steps.
 use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
+use crate::mechanism::dynamics::switches::Switches;
 use crate::mechanism::loads::friction_loop::{Balance, FrictionLoop, Locked};
 use crate::mechanism::loads::laws::drag::RelativeFlow;
 use crate::mechanism::loads::laws::friction::{Cubic, Regime};
@@ -45,6 +46,8 @@ pub struct StateLoadEvaluator<T> {
     pub regimes: Vec<Option<Regime>>,
     /// Arm of each joint's friction in its regime.
     arms: Vec<Cubic>,
+    /// Quantities whose signs select a law, with their signs and samples.
+    pub switches: Switches,
     /// Values of [`StateLoads::bundle`].
     effects: Vec<[T; ROW]>,
     /// sigma_ddot without friction.
@@ -64,13 +67,16 @@ impl<T: Number> StateLoadEvaluator<T> {
             state_loads.map_or((0, 0, 0), |s| (s.drives.len(), s.loads.len(), s.friction_joints.len()));
         let groups = state_loads.and_then(|s| s.groups.iter().max()).map_or(0, |last| last + 1);
         let reactions = Bundle::rows(2 * friction_joints);
+        let mut friction = FrictionLoop::new(friction_joints, groups);
+        friction.has_normal_forces = state_loads.is_some_and(|s| !s.prismatic.is_empty());
         Self {
             delivered: vec![zero; drives],
             pressures: [zero; 2],
             loads: vec![zero; loads],
-            friction: FrictionLoop::new(friction_joints, groups),
+            friction,
             regimes: vec![None; friction_joints],
             arms: vec![Cubic::default(); friction_joints],
+            switches: Switches::new(state_loads.map_or(0, StateLoads::switches)),
             effects: vec![[zero; ROW]; state_loads.map_or(0, |s| Bundle::rows(s.bundled()))],
             motion: zero,
             reactions: vec![[zero; ROW]; reactions],
@@ -85,6 +91,49 @@ impl<T: Number> StateLoadEvaluator<T> {
         if let Some(regime) = regime {
             self.arms[friction_joint] = state_loads.friction_joints[friction_joint].arm(regime);
         }
+    }
+
+    /// Hold the signs that the switching quantities have had in the last evaluation.
+    pub fn hold_signs(&mut self, state_loads: &StateLoads) {
+        self.switches.hold();
+        self.signs_changed(state_loads);
+    }
+
+    /// Hold the signs that another evaluator holds.
+    pub fn hold_signs_of(&mut self, state_loads: &StateLoads, switches: &Switches) {
+        self.switches.hold_as(switches);
+        self.signs_changed(state_loads);
+    }
+
+    /// Let the laws follow from the signs that the switching quantities have in each evaluation.
+    pub fn clear_signs(&mut self, state_loads: &StateLoads) {
+        self.switches.clear();
+        self.signs_changed(state_loads);
+    }
+
+    /// Turn the held sign of a switching quantity round.
+    pub fn flip_sign(&mut self, state_loads: &StateLoads, switch: usize) {
+        self.switches.flip(switch);
+        self.signs_changed(state_loads);
+    }
+
+    /// The held signs of the normal forces are those of the switches.
+    fn signs_changed(&mut self, state_loads: &StateLoads) {
+        for (k, &joint) in state_loads.prismatic.iter().enumerate() {
+            self.friction.sign[joint] = self.switches.sign(state_loads.efficient + k);
+        }
+    }
+
+    /// Largest change of sigma_ddot that the other law of a switch makes for each unit of its quantity, at the state of
+    /// the last evaluation.
+    pub fn switch_effect(&self, (reduced, state_loads): (&Reduced, &StateLoads), switch: usize) -> f64 {
+        if let Some(k) = switch.checked_sub(state_loads.efficient) {
+            let joint = state_loads.prismatic[k];
+            let influence = self.effects.as_flattened()[state_loads.free() + joint];
+            return 2.0 * (self.friction.arm[joint] * influence).value().abs();
+        }
+        let efficiency = reduced.loading().drives[state_loads.drives[switch]].efficiency.unwrap_or(1.0);
+        1.0 / efficiency - efficiency
     }
 
     /// Evaluate at a time t of the step and a state; `panel_force` holds at sigma. The energy balance has the potential
@@ -119,7 +168,7 @@ impl<T: Number> StateLoadEvaluator<T> {
             let size = applied.size(load, t);
             let full = influence * size;
             let efficiency = reduced.loading().drives[load].efficiency.unwrap_or(1.0);
-            let part = efficient(full.value(), mode.direction, efficiency);
+            let part = efficient(self.switches.see(k, full.value()), mode.direction, efficiency);
             self.delivered[k] = size * T::constant(part);
             self.motion = self.motion + influence * self.delivered[k];
             lost = lost + (full * T::constant(1.0 - part) - influence * applied.excess(load, t)) * sigma_dot;
@@ -304,7 +353,11 @@ impl<T: Number> StateLoadEvaluator<T> {
             self.friction.arm[j] = self.arms[j].at(v);
         }
         let reactions = self.reactions.as_flattened();
-        self.friction.solve(&balance(state_loads, [effects, reactions, &effects[state_loads.inertial()]]))
+        self.friction.solve(&balance(state_loads, [effects, reactions, &effects[state_loads.inertial()]]))?;
+        for (k, &joint) in state_loads.prismatic.iter().enumerate() {
+            self.switches.see(state_loads.efficient + k, self.friction.normal_force(joint));
+        }
+        Ok(())
     }
 }
 

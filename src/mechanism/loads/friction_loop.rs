@@ -36,8 +36,13 @@ pub struct Balance<'a, T> {
 pub struct FrictionLoop<T> {
     /// Arms m_j [m, or 1], with the sign of the slip.
     pub arm: Vec<T>,
-    /// Magnitudes |R_i| [N]: the solution.
+    /// Magnitudes |R_i| [N]: the solution. With a held sign s_i, s_i times the component x of R_i, the normal force of a
+    /// prismatic joint: equal to |R_i| up to where the normal force passes 0, and smooth beyond.
     pub size: Vec<T>,
+    /// Held signs s_i of normal forces; 0 where the magnitude counts.
+    pub sign: Vec<f64>,
+    /// Whether some joint may have a held sign.
+    pub has_normal_forces: bool,
     /// B: derivative of each unknown with respect to |R_j|.
     effect: Vec<T>,
     unknown: Vec<T>,
@@ -75,6 +80,8 @@ impl<T: Number> FrictionLoop<T> {
         Self {
             arm: vec![zero; n],
             size: vec![zero; n],
+            sign: vec![0.0; n],
+            has_normal_forces: false,
             effect: vec![zero; unknowns * n],
             unknown: vec![zero; unknowns],
             before: vec![zero; unknowns],
@@ -90,6 +97,12 @@ impl<T: Number> FrictionLoop<T> {
         -(self.arm[j] * self.size[j])
     }
 
+    /// Component x of R_i [N] in the last solution, the normal force of a prismatic joint, where some joint may have a
+    /// held sign.
+    pub fn normal_force(&self, j: usize) -> f64 {
+        self.size[j].value() * self.direction[j][1]
+    }
+
     /// Solve for the magnitudes |R_i| to rounding.
     ///
     /// At small coefficients the solution is unique and the determinant of the equations is near 1. The solution ends
@@ -98,7 +111,7 @@ impl<T: Number> FrictionLoop<T> {
     /// # Errors
     /// [`Locked`]: no solution, or none that is connected with the frictionless one.
     pub fn solve(&mut self, balance: &Balance<T>) -> Result<(), Locked> {
-        let one_group = balance.passed[0].len() == self.arm.len();
+        let one_group = balance.passed[0].len() == self.arm.len() && !self.has_normal_forces;
         let solved = match self.arm.len() {
             1 if one_group => self.solve_one::<1>(balance),
             2 if one_group => self.solve_one::<2>(balance),
@@ -210,7 +223,7 @@ impl<T: Number> FrictionLoop<T> {
                     self.effect[(1 + axis + 2 * g) * n + j] = -(balance.passed[axis][g * n + j] * self.arm[j]);
                 }
             }
-            self.size[j] = norm([balance.free[0][j], balance.free[1][j]]);
+            self.size[j] = self.measure(j, [balance.free[0][j], balance.free[1][j]]);
         }
         for (z, row) in self.unknown.iter_mut().zip(self.effect.chunks_exact(n)) {
             *z = total(row, &self.size);
@@ -235,6 +248,12 @@ impl<T: Number> FrictionLoop<T> {
         Ok(())
     }
 
+    /// |R_j|, or what stands for it under a held sign.
+    #[inline]
+    fn measure(&self, j: usize, r: [T; 2]) -> T {
+        if self.sign[j] == 0.0 { norm(r) } else { r[0] * T::constant(self.sign[j]) }
+    }
+
     /// Newton's method from the current unknowns with a part of the arms. False if it does not converge in `most`
     /// iterations, or if a determinant is not positive.
     fn newton(&mut self, balance: &Balance<T>, part: f64, most: u32) -> bool {
@@ -248,12 +267,16 @@ impl<T: Number> FrictionLoop<T> {
                 let r = [0, 1].map(|axis| {
                     balance.free[axis][i] + balance.inertial[axis][i] * self.unknown[0] + self.unknown[of + axis]
                 });
-                self.size[i] = norm(r);
-                let inverse = 1.0 / self.size[i].value().max(f64::MIN_POSITIVE);
-                let unit = r.map(|r| r.value() * inverse);
+                self.size[i] = self.measure(i, r);
+                let unit = if self.sign[i] == 0.0 {
+                    let inverse = 1.0 / self.size[i].value().max(f64::MIN_POSITIVE);
+                    r.map(|r| r.value() * inverse)
+                } else {
+                    [self.sign[i], 0.0]
+                };
                 let along = unit[0] * balance.inertial[0][i].value() + unit[1] * balance.inertial[1][i].value();
                 self.direction[i] = [along, unit[0], unit[1]];
-                scale = scale.max(self.size[i].value());
+                scale = scale.max(self.size[i].value().abs());
             }
             self.matrix.fill(0.0);
             for k in 0..unknowns {
@@ -283,8 +306,10 @@ impl<T: Number> FrictionLoop<T> {
                 let step = [0, 1].map(|axis| {
                     balance.inertial[axis][i].value() * self.rest[0].value() + self.rest[of + axis].value()
                 });
-                let size = self.size[i].value().max(f64::MIN_POSITIVE);
-                error = error.max((step[0] * step[0] + step[1] * step[1]) / (size * scale));
+                if self.sign[i] == 0.0 {
+                    let size = self.size[i].value().max(f64::MIN_POSITIVE);
+                    error = error.max((step[0] * step[0] + step[1] * step[1]) / (size * scale));
+                }
                 self.size[i] = self.size[i] + more;
             }
             for (z, step) in self.unknown.iter_mut().zip(&self.rest) {

@@ -68,9 +68,9 @@ pub struct Progress {
     /// Whether bumpers in contact and regimes of friction are those of the state: not at the start, nor after it has
     /// jumped.
     is_settled: bool,
-    /// Friction joint that changed regime at the very start of a step. It keeps its regime for the next step, to
+    /// Change of a regime or a sign at the very start of a step. The law that follows is kept for the next step, to
     /// prevent chattering.
-    held_regime: Option<usize>,
+    held: Option<Event>,
     /// Whether a step may go on beyond the end of the span.
     may_pass: bool,
 }
@@ -120,6 +120,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             let kink = self.dynamics.next_kink(t);
             let is_cut = kink < end;
             let end = if is_cut { kink } else { end };
+            self.dynamics.forget_samples();
             let step = self.integrator.step(self.dynamics, t, z, end, self.tolerance);
             let step = match &step {
                 Ok(step) => step,
@@ -133,9 +134,10 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                 Err(error) => return Err(Stopped::Integration(*error)),
             };
             // Earliest event in it.
-            let (mut dense, held_regime) = (None, self.progress.held_regime.take());
+            let (mut dense, held) = (None, self.progress.held.take());
             let around = (self.ends, &*self.contact);
-            let found = earliest_event(self.dynamics, self.integrator, around, step, held_regime, &mut dense);
+            let laws = (held, self.tolerance);
+            let found = earliest_event(self.dynamics, self.integrator, around, step, laws, &mut dense);
             let shorter = found.as_ref().and_then(|found| self.locate(step, found, dense.as_ref()));
             let (h, state) = match (&found, &shorter) {
                 (_, Some(shorter)) => (shorter.h, shorter.end),
@@ -150,7 +152,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                     // To be made again, to the end of the span.
                     self.stay_within();
                     self.integrator.branch_off();
-                    self.progress.held_regime = held_regime;
+                    self.progress.held = held;
                     continue;
                 }
                 let event = found.map(|found| found.event).filter(|event| *event != Event::Undefined);
@@ -189,12 +191,15 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         *z = ahead.end_state();
         self.progress.t = ahead.rest();
         self.progress.is_settled = true;
+        self.dynamics.set_touching(self.contact.touching());
+        let (middle, event) = (ahead.middle(), ahead.event);
+        self.dynamics.set_regimes(middle[0], middle[1]);
+        if self.dynamics.switches() > 0 {
+            self.dynamics.find_direction(middle[0], middle[1])?;
+            self.dynamics.find_signs(self.progress.t, &middle)?;
+        }
         self.dynamics.set_time(self.progress.t);
         self.dynamics.set_state(z);
-        self.dynamics.set_touching(self.contact.touching());
-        let middle = ahead.middle();
-        self.dynamics.set_regimes(middle[0], middle[1]);
-        let event = ahead.event;
         self.lookahead.step_ahead = None;
         if let Some(event) = event {
             self.apply_event(event, false, z)?;
@@ -233,7 +238,8 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             self.jumped();
             return Ok(Instant::Changed);
         }
-        if !self.progress.is_settled {
+        let settles = !self.progress.is_settled;
+        if settles {
             self.touch_bumpers(z)?;
             let leaves = |side: usize| z[1] * outward(side) < 0.0 && self.ends.is_at_rigid(side, z[0]);
             if let Some(side) = (0..2).find(|&side| leaves(side)) {
@@ -248,6 +254,9 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         }
         if self.dynamics.has_reversals() && self.dynamics.find_direction(z[0], z[1])? == 0.0 {
             return self.wait_for_drives(z, span);
+        }
+        if settles && self.dynamics.switches() > 0 {
+            self.dynamics.find_signs(self.progress.t, z)?;
         }
         Ok(Instant::Moves)
     }
@@ -304,7 +313,10 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// a stop to the last digit.
     #[inline(always)]
     fn locate(&mut self, step: &Step<N>, found: &Found<N>, dense: Option<&Dense<N>>) -> Option<Step<N>> {
-        let is_smooth = matches!(found.event, Event::Regime(_) | Event::Bumper(_) | Event::Reversal | Event::Border(_));
+        let is_smooth = matches!(
+            found.event,
+            Event::Regime(_) | Event::Bumper(_) | Event::Reversal | Event::Border(_) | Event::Switch(_)
+        );
         if is_smooth && dense.is_some_and(|dense| self.is_exact(step, dense)) && self.dynamics.admits(&found.state) {
             self.integrator.branch_off();
             return None;
@@ -338,10 +350,10 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         const DIFFERENCE: f64 = 1e-3;
         let Self { dynamics, integrator, contact, .. } = self;
         let width = DIFFERENCE * found.part;
-        let [before, at] =
-            [&dense.at(found.part - width), &found.state].map(|z| excess(*dynamics, contact, found.event, z));
+        let [before, at] = [found.part - width, found.part]
+            .map(|part| excess(*dynamics, contact, found.event, step.t + part * step.h, &dense.at(part)));
         let mut slope = (at - before) / (width * step.h);
-        let mut miss = excess(*dynamics, contact, found.event, &shorter.end);
+        let mut miss = excess(*dynamics, contact, found.event, step.t + shorter.h, &shorter.end);
         for _ in 0..8 {
             let correction = -miss / slope;
             let next = shorter.h + correction;
@@ -351,7 +363,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             }
             let end = integrator.retake(*dynamics, step, next);
             self.progress.work.extra += 1;
-            let after = excess(*dynamics, contact, found.event, &end.end);
+            let after = excess(*dynamics, contact, found.event, step.t + end.h, &end.end);
             let secant = (after - miss) / (end.h - shorter.h);
             if secant.is_finite() && secant != 0.0 {
                 slope = secant;
@@ -371,7 +383,13 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                 self.integrator.refresh();
                 self.progress.work.regimes += 1;
                 self.dynamics.change_regime(joint, z[0], z[1]);
-                self.progress.held_regime = at_once.then_some(joint);
+                self.progress.held = at_once.then_some(event);
+            }
+            Event::Switch(switch) => {
+                self.integrator.refresh();
+                self.progress.work.signs += 1;
+                self.dynamics.flip_sign(switch);
+                self.progress.held = at_once.then_some(event);
             }
             Event::Reversal => {
                 self.jumped();

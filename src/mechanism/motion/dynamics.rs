@@ -8,6 +8,7 @@ use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::hydraulic::{DRIVEN, MOTION};
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::loads::laws::friction::Regime;
+use crate::mechanism::reduced::StateLoads;
 use crate::numerics::enclosure::Enclosure;
 use crate::numerics::table::{TablePosition, polynomial};
 
@@ -134,8 +135,46 @@ pub trait Dynamics<const N: usize>: System<N> {
         (f64::NEG_INFINITY, f64::INFINITY)
     }
 
-    /// State the regimes in which all joints are at this state.
+    /// State the regimes in which all joints are at this state. No sign is held until [`Self::find_signs`].
     fn set_regimes(&mut self, _sigma: f64, _sigma_dot: f64) {}
+
+    /// Number of switching quantities: those whose signs select a law.
+    fn switches(&self) -> usize {
+        0
+    }
+
+    /// Find and hold the signs of the switching quantities at a state and the time t of the span [s].
+    ///
+    /// # Errors
+    /// [`Locked`]: friction has no solution.
+    fn find_signs(&mut self, _t: f64, _z: &[f64; N]) -> Result<(), Locked> {
+        Ok(())
+    }
+
+    /// A step begins: forget the samples of the switching quantities.
+    fn forget_samples(&mut self) {}
+
+    /// A sample of a switching quantity, taken by the evaluations of a step, by its index: time since the start of the
+    /// span [s], and the value, positive with the held sign.
+    fn switch_sample(&self, _index: usize, _switch: usize) -> Option<[f64; 2]> {
+        None
+    }
+
+    /// Value of a switching quantity at the time t of the span [s], positive with the held sign.
+    ///
+    /// # Errors
+    /// [`Locked`]: friction has no solution.
+    fn switch_value(&mut self, _switch: usize, _t: f64, _z: &[f64; N]) -> Result<f64, Locked> {
+        Ok(1.0)
+    }
+
+    /// Change of sigma_ddot that the other law makes for each unit of a switching quantity.
+    fn switch_effect(&self, _switch: usize) -> f64 {
+        0.0
+    }
+
+    /// Turn the held sign of a switching quantity round.
+    fn flip_sign(&mut self, _switch: usize) {}
 
     /// Take a joint to the neighbour of its regime towards its slip speed at this state.
     fn change_regime(&mut self, _joint: usize, _sigma: f64, _sigma_dot: f64) {}
@@ -312,10 +351,48 @@ where
     #[inline]
     fn set_regimes(&mut self, sigma: f64, sigma_dot: f64) {
         let Some(state_loads) = self.state_loads else { return };
+        self.clear_signs();
         for (joint, friction_joint) in state_loads.friction_joints.iter().enumerate() {
             let slip = Dynamics::<N>::slip(self, joint, sigma, sigma_dot);
             self.set_regime(joint, Some(friction_joint.law.regime(slip)));
         }
+    }
+
+    #[inline]
+    fn switches(&self) -> usize {
+        self.state_loads.map_or(0, StateLoads::switches)
+    }
+
+    fn find_signs(&mut self, t: f64, z: &[f64; N]) -> Result<(), Locked> {
+        self.clear_signs();
+        if self.derivative(t, z)[1].is_nan() {
+            return Err(Locked);
+        }
+        self.hold_signs();
+        Ok(())
+    }
+
+    #[inline]
+    fn forget_samples(&mut self) {
+        self.scratch.evaluator.switches.restart();
+    }
+
+    fn switch_sample(&self, index: usize, switch: usize) -> Option<[f64; 2]> {
+        self.scratch.evaluator.switches.sample(index, switch)
+    }
+
+    fn switch_value(&mut self, switch: usize, t: f64, z: &[f64; N]) -> Result<f64, Locked> {
+        let is_locked = self.derivative(t, z)[1].is_nan();
+        if is_locked { Err(Locked) } else { Ok(self.scratch.evaluator.switches.value(switch)) }
+    }
+
+    fn switch_effect(&self, switch: usize) -> f64 {
+        let of = |state_loads| self.scratch.evaluator.switch_effect((self.reduced, state_loads), switch);
+        self.state_loads.map_or(0.0, of)
+    }
+
+    fn flip_sign(&mut self, switch: usize) {
+        EquationOfMotion::flip_sign(self, switch);
     }
 
     fn change_regime(&mut self, joint: usize, sigma: f64, sigma_dot: f64) {

@@ -12,7 +12,7 @@ use crate::mechanism::motion::contact::{Contact, Ends, Place, outward};
 use crate::mechanism::motion::dynamics::Dynamics;
 use crate::numerics::bracket::{bisect, false_position};
 use crate::numerics::enclosure::Enclosure;
-use crate::numerics::passage::Bounded;
+use crate::numerics::passage::{Bounded, first_rise_of_quartic};
 use crate::numerics::table::TablePosition;
 use std::cell::RefCell;
 
@@ -33,6 +33,8 @@ pub enum Event {
     Reversal,
     /// The slip speed of a friction joint leaves the range of its regime.
     Regime(usize),
+    /// A switching quantity of this index passes 0: another law follows.
+    Switch(usize),
     /// A border in the space of states is passed at which the right-hand side is less smooth.
     Border(usize),
     /// The interpolant has no finite value, as friction locks in a state that it tried: the step is taken again,
@@ -49,9 +51,10 @@ impl Event {
             Self::Reversal => (2, 0, Place::default()),
             Self::Regime(joint) => (3, joint, Place::default()),
             Self::Border(border) => (4, border, Place::default()),
+            Self::Switch(switch) => (5, switch, Place::default()),
             Self::Undefined => return Err(Damaged("event: an undefined one is not kept".to_owned())),
         };
-        record.choice("event", &mut kind, 5)?;
+        record.choice("event", &mut kind, 6)?;
         if kind == 0 {
             place.record(record)?;
         } else {
@@ -62,7 +65,8 @@ impl Event {
             1 => Self::Bumper(index),
             2 => Self::Reversal,
             3 => Self::Regime(index),
-            _ => Self::Border(index),
+            4 => Self::Border(index),
+            _ => Self::Switch(index),
         };
         Ok(())
     }
@@ -78,14 +82,14 @@ pub struct Found<const N: usize> {
     pub event: Event,
 }
 
-/// The earliest event in a step; `dense` becomes the interpolant of the step if that was needed. The friction joint
-/// `held_regime` keeps its regime over the step.
+/// The earliest event in a step; `dense` becomes the interpolant of the step if that was needed. The change of a regime or
+/// a sign in `held` does not take place in the step.
 pub fn earliest_event<D: Dynamics<N>, const N: usize>(
     dynamics: &mut D,
     integrator: &mut Integrator<N>,
     (ends, contact): (&Ends, &Contact),
     step: &Step<N>,
-    held_regime: Option<usize>,
+    (held, tolerance): (Option<Event>, f64),
     dense: &mut Option<Dense<N>>,
 ) -> Option<Found<N>> {
     let reverses = dynamics.has_reversals() && step.end[1] * dynamics.direction() < 0.0;
@@ -93,14 +97,20 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
     let is_near = near.any(ends) || contact.touching() != BumperSet::EMPTY;
     let joints = dynamics.friction_joints();
     let slips = SlipBounds::new(dynamics, step, joints);
-    let may_change = |dynamics: &D, joint: usize| held_regime != Some(joint) && slips.may_leave(dynamics, joint);
+    let may_change =
+        |dynamics: &D, joint: usize| held != Some(Event::Regime(joint)) && slips.may_leave(dynamics, joint);
     let changing = (0..joints).find(|&joint| may_change(dynamics, joint));
     let passed = |dynamics: &mut D, border: usize| {
         let [before, after] = [&step.start, &step.end].map(|z| dynamics.beyond_border(border, z));
         before * after < 0.0
     };
     let is_passed = (0..dynamics.borders()).any(|border| passed(dynamics, border));
-    if !(reverses || is_near || changing.is_some() || is_passed) {
+    let is_held = |switch: usize| held == Some(Event::Switch(switch));
+    let mut switching = 0_u64;
+    for switch in (0..dynamics.switches().min(64)).filter(|&switch| !is_held(switch)) {
+        switching |= u64::from(may_switch(dynamics, switch, step, tolerance)) << switch;
+    }
+    if !(reverses || is_near || changing.is_some() || is_passed || switching != 0) {
         return None;
     }
     let dense = dense.get_or_insert_with(|| integrator.dense(dynamics, step));
@@ -122,6 +132,9 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
         if changing == Some(joint) || may_change(dynamics, joint) {
             offer(regime_change(dynamics, dense, joint), Event::Regime(joint));
         }
+    }
+    for switch in (0..64).filter(|switch| switching >> switch & 1 == 1) {
+        offer(passage_of_switch(dynamics, integrator, step, dense, switch), Event::Switch(switch));
     }
     if is_passed {
         for border in 0..dynamics.borders() {
@@ -204,14 +217,21 @@ fn back_to_lock<const N: usize>(
     comes_back.then(|| dense.first_passage(0, position, towards(-place.outward()), false))?
 }
 
-/// How far a state is past an event, in the unit of what decides: the speed, a push or the slip speed of a joint. 0 at
-/// the event, negative before. Places of stops are told by sigma alone.
-pub fn excess<D: Dynamics<N>, const N: usize>(dynamics: &mut D, contact: &Contact, event: Event, z: &[f64; N]) -> f64 {
+/// How far a state at the time t of the span [s] is past an event, in the unit of what decides: the speed, a push, the slip
+/// speed of a joint or a switching quantity. 0 at the event, negative before. Places of stops are told by sigma alone.
+pub fn excess<D: Dynamics<N>, const N: usize>(
+    dynamics: &mut D,
+    contact: &Contact,
+    event: Event,
+    t: f64,
+    z: &[f64; N],
+) -> f64 {
     match event {
         Event::Reversal => -dynamics.direction() * z[1],
         Event::Bumper(bumper) => excess_of_bumper(dynamics, bumper, contact.touching().contains(bumper), [z[0], z[1]]),
         Event::Regime(joint) => excess_of_slip(dynamics, joint, [z[0], z[1]]),
         Event::Border(border) => dynamics.beyond_border(border, z),
+        Event::Switch(switch) => -dynamics.switch_value(switch, t, z).unwrap_or(f64::NAN),
         Event::Stop(_) | Event::Undefined => 0.0,
     }
 }
@@ -324,4 +344,71 @@ fn regime_change<D: Dynamics<N>, const N: usize>(dynamics: &mut D, dense: &Dense
         |f: &mut dyn FnMut(f64) -> f64, a: (f64, f64), b: (f64, f64)| false_position(f, a, b, REGIME_TOLERANCE);
     // The start is within the range, but for rounding.
     Bounded { f, bounds, locate }.first_rise(f(0.0).min(0.0), PARTS)
+}
+
+/// Part of the range of a switching quantity within a step by which a parabola through three samples may be wrong.
+const PARABOLA: f64 = 0.02;
+/// Part of the tolerance of a speed that the wrong law of a switch may cost in a step, where no change is looked for: so
+/// rounding about 0 is none.
+const NEGLIGIBLE: f64 = 1e-2;
+
+/// Whether a switching quantity may pass 0 within a step: it does in one of the evaluations of the step, or the parabola
+/// through three of them in a row, the middle one the least, does so within a margin.
+fn may_switch<D: Dynamics<N>, const N: usize>(dynamics: &mut D, switch: usize, step: &Step<N>, tolerance: f64) -> bool {
+    /// More than any method takes in one step.
+    const MOST: usize = 24;
+    let (mut samples, mut count) = ([[0.0; 2]; MOST], 0);
+    let (mut least, mut largest) = (f64::INFINITY, f64::NEG_INFINITY);
+    for sample in (0..MOST).map_while(|index| dynamics.switch_sample(index, switch)) {
+        // Rejected attempts may have been longer.
+        if sample[0] <= step.t + step.h {
+            (least, largest) = (least.min(sample[1]), largest.max(sample[1]));
+            let at = samples[..count].partition_point(|before| before[0] < sample[0]);
+            samples.copy_within(at..count, at + 1);
+            samples[at] = sample;
+            count += 1;
+        }
+    }
+    for triple in samples[..count].windows(3) {
+        let [[a, f_a], [b, f_b], [c, f_c]] = [triple[0], triple[1], triple[2]];
+        if f_b <= f_a && f_b <= f_c && a < b && b < c {
+            // f_b less the square of the slope at b over twice the second derivative.
+            let (left, right) = ((f_b - f_a) / (b - a), (f_c - f_b) / (c - b));
+            let bend = (right - left) / (c - a);
+            let slope = left + bend * (b - a);
+            let margin = PARABOLA * (largest - least);
+            least = least.min(f_b - if bend > 0.0 { 0.25 * slope * slope / bend } else { 0.0 } - margin);
+        }
+    }
+    if least >= 0.0 || count == 0 {
+        return false;
+    }
+    let mean: [f64; N] = std::array::from_fn(|n| (step.end[n] - step.start[n]) / step.h);
+    let speed = dynamics.scale(&step.start, &mean)[1];
+    -least * dynamics.switch_effect(switch) * step.h > NEGLIGIBLE * tolerance * speed
+}
+
+/// Part of a step after which a switching quantity passes 0, by the polynomials of degree 4 through five values in either
+/// half of the step; located on the quantity itself.
+fn passage_of_switch<D: Dynamics<N>, const N: usize>(
+    dynamics: &mut D,
+    integrator: &mut Integrator<N>,
+    step: &Step<N>,
+    dense: &Dense<N>,
+    switch: usize,
+) -> Option<f64> {
+    let mut evaluations = 0;
+    let mut excess = |s: f64| {
+        evaluations += 1;
+        dynamics.switch_value(switch, step.t + s * step.h, &dense.at(s)).map(|value| -value)
+    };
+    let mut first = None;
+    for half in [[0.0, 0.5], [0.5, 1.0]] {
+        if first.is_none() {
+            // Where friction has no solution, the step is as it is.
+            first = first_rise_of_quartic(&mut excess, half, REGIME_TOLERANCE).unwrap_or(None);
+        }
+    }
+    integrator.count_evaluations(evaluations);
+    first
 }

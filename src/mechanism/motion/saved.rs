@@ -369,6 +369,10 @@ impl SavedState {
                     let borders = loading.hydraulics.as_ref().map_or(0, |drive| if has_unit(drive) { 4 } else { 2 });
                     (border < borders, format!("index of an event = {border}: there is no such cushion nor pump"))
                 }
+                Event::Switch(switch) => (
+                    switch < state_loads.map_or(0, StateLoads::switches),
+                    format!("index of an event = {switch}: there is no such change of sign"),
+                ),
                 Event::Reversal | Event::Undefined => (true, String::new()),
             };
             if !exists {

@@ -19,6 +19,8 @@ pub struct Work {
     pub regimes: u64,
     /// Reversals of drives with an efficiency.
     pub reversals: u64,
+    /// Changes of sign of normal forces and of drives' forces.
+    pub signs: u64,
 }
 
 impl Default for Work {
@@ -30,7 +32,7 @@ impl Default for Work {
 impl Work {
     /// Nothing done yet; see [`Self::most`].
     pub fn within(most: u64) -> Self {
-        Self { most, extra: 0, impacts: 0, bumpers: 0, regimes: 0, reversals: 0 }
+        Self { most, extra: 0, impacts: 0, bumpers: 0, regimes: 0, reversals: 0, signs: 0 }
     }
 
     /// Whether nothing is left, after so many steps that the integration has tried since its start.
@@ -67,6 +69,7 @@ impl Spent {
             (work.bumpers, "contacts with bumpers made or ended"),
             (work.regimes, "changes of friction's regime"),
             (work.reversals, "reversals of drives with an efficiency"),
+            (work.signs, "changes of sign of normal or drive forces"),
         ];
         parts.extend(counts.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")));
         if *revolutions != 0.0 {
@@ -90,7 +93,7 @@ impl Spent {
         // An impact takes about eight of the units that are counted, the other events three.
         if 16 * work.impacts > total {
             "the mechanism chatters on a rigid stop, so a lower restitution or some damping helps".into()
-        } else if 8 * (work.bumpers + work.reversals + work.regimes) > total {
+        } else if 8 * (work.bumpers + work.reversals + work.regimes + work.signs) > total {
             "the mechanism chatters between bumpers, directions or regimes of friction, so more damping helps".into()
         } else if rejected > accepted {
             "most steps tried miss solver.tolerance, so a larger one or smaller loads help".into()

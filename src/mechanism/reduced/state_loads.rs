@@ -34,6 +34,8 @@ pub struct StateLoads {
     pub bumpers: Vec<usize>,
     /// Joints with friction.
     pub friction_joints: Vec<FrictionJoint>,
+    /// The prismatic ones among them, by their indices there.
+    pub prismatic: Vec<usize>,
     /// Index of the group of each joint with friction.
     pub groups: Vec<usize>,
     /// First joint of each group, by its index among the joints with friction.
@@ -73,6 +75,12 @@ impl StateLoads {
     /// Number of rows of effects: the motion, then the components of the reactions of the joints with friction.
     pub fn rows(&self) -> usize {
         1 + 2 * self.friction_joints.len()
+    }
+
+    /// Number of quantities whose signs select a law: the forces of the drives with an efficiency along the curve, then
+    /// the normal forces of the prismatic joints with friction.
+    pub fn switches(&self) -> usize {
+        self.efficient + self.prismatic.len()
     }
 
     /// Number of `loads` that are not friction.
@@ -159,6 +167,8 @@ impl StateLoads {
             group_of.push(group);
             signs.push(sign * of_joints[friction_joints[leaders[group]].joint].1);
         }
+        let is_prismatic = |j: &FrictionJoint| linkage.joints[j.joint].freedom != Freedom::Revolute;
+        let prismatic = (0..friction_joints.len()).filter(|&j| is_prismatic(&friction_joints[j])).collect();
         let air = !surfaces.is_empty();
         let mut state_loads = Self {
             drives,
@@ -166,6 +176,7 @@ impl StateLoads {
             air,
             bumpers,
             friction_joints,
+            prismatic,
             groups: group_of,
             leaders,
             signs,

@@ -90,7 +90,7 @@ pub const PARTS: [Part; 7] = [
     },
     Part {
         name: "scenes",
-        claim: "the motion is within 100 times the tolerance, times what the scene makes of an error, of an independent integration",
+        claim: "the motion is within 100 times the tolerance, or what the scene makes of a start moved by it, of an independent integration",
         case: scenes::attack,
         count: 1_000,
         share: 0.28,

@@ -1,0 +1,136 @@
+//! Signs that select a law, held within a step: closed forms of motions in which a normal force and the direction of a
+//! drive's power change their signs at a speed.
+use crate::support::Run;
+use serde_json::{Value, json};
+
+const MASS: f64 = 2.0;
+const MU: f64 = 0.3;
+const SPEED: f64 = 5.0;
+
+/// A block on a slide along x without gravity, above V_d of its friction, pressed on the guide by a force along y.
+fn block() -> Value {
+    json!({
+        "name": "Block",
+        "bodies": {
+            "ground": { "points": { "start": [0, 0] } },
+            "block": { "mass": MASS, "inertia": 1, "center": [0, 0] },
+        },
+        "joints": {
+            "slide": { "type": "prismatic", "first": "ground.start", "second": "block.origin", "axis_angle": 0, "angle": 0 },
+        },
+        "guess": { "slide": 0 },
+        "start": { "joint": "slide", "position": 0, "speed": SPEED },
+        "gravity": { "acceleration": 0, "up_angle": 1.5 },
+        "forces": { "press": { "at": "block.origin" } },
+        "friction": {
+            "enabled": true, "static_coefficient": 0.2, "kinetic_coefficient": MU, "static_speed": 1e-3, "kinetic_speed": 2e-3,
+        },
+        "solver": { "tolerance": 1e-9 },
+    })
+}
+
+/// Integral over [0, end] of |F| weight, where F and weight are polynomials of degree 2 and 1: between the zeros of F by
+/// Simpson's rule, which is exact there.
+fn integral(force: impl Fn(f64) -> f64, weight: impl Fn(f64) -> f64, zeros: &[f64], end: f64) -> f64 {
+    let bounds: Vec<f64> = [0.0].into_iter().chain(zeros.iter().copied()).chain([end]).collect();
+    let f = |t: f64| force(t).abs() * weight(t);
+    bounds.windows(2).map(|w| (w[1] - w[0]) / 6.0 * (f(w[0]) + 4.0 * f(0.5 * (w[0] + w[1])) + f(w[1]))).sum()
+}
+
+/// A force along y by value and two derivatives, its zeros in (0, 1), and the steps of a second.
+fn pressed([f0, f1, f2]: [f64; 3], zeros: &[f64], steps: u32) {
+    let mut block = Run::new(&block().to_string()).started();
+    let force = |t: f64| f0 + t * (f1 + 0.5 * t * f2);
+    let h = 1.0 / f64::from(steps);
+    for k in 0..steps {
+        let t = f64::from(k) * h;
+        block.set("press.force_y", force(t));
+        block.set_derivative("press.force_y", 1, f1 + f2 * t);
+        block.set_derivative("press.force_y", 2, f2);
+        block.step(h);
+    }
+    let speed = SPEED - MU / MASS * integral(force, |_| 1.0, zeros, 1.0);
+    let way = SPEED - MU / MASS * integral(force, |t| 1.0 - t, zeros, 1.0);
+    let (v, x) = (block.get("slide.speed"), block.get("slide.position"));
+    assert!((v - speed).abs() < 1e-9 * SPEED && (x - way).abs() < 1e-9, "{v} {speed}, {x} {way}, {steps} steps");
+}
+
+/// Friction follows the magnitude of a normal force that passes 0, in one step or in many.
+#[test]
+fn a_normal_force_passes_zero() {
+    for steps in [1, 7, 1000] {
+        pressed([30.0, -70.0, 0.0], &[30.0 / 70.0], steps);
+        pressed([-20.0, 35.0, 10.0], &[(-35.0 + f64::sqrt(35.0 * 35.0 + 400.0)) / 10.0], steps);
+    }
+}
+
+/// A normal force that passes 0 and soon comes back.
+#[test]
+fn a_normal_force_dips_below_zero() {
+    for width in [0.2, 0.04, 0.005] {
+        for at in [0.31, 0.5, 0.63, 0.77] {
+            let b = 200.0;
+            pressed([b * (at * at - width * width), -2.0 * b * at, 2.0 * b], &[at - width, at + width], 1);
+        }
+    }
+}
+
+/// No normal force at all: its rounding makes no events.
+#[test]
+fn a_normal_force_of_zero_costs_nothing() {
+    let mut text = block();
+    text["gravity"] = json!({ "acceleration": 9.81, "up_angle": std::f64::consts::PI });
+    let mut block = Run::new(&text.to_string()).started();
+    block.step(1.0);
+    let expected = SPEED + 9.81;
+    assert!((block.get("slide.speed") - expected).abs() < 1e-9 * expected);
+    assert!(block.statistics().accepted < 40, "{:?}", block.statistics());
+}
+
+/// A lossy drive of a slider holds back a crank that turns through both dead centres: what the mechanism gains in kinetic
+/// energy is the work of the drive, with eta or 1 / eta by the direction of its power.
+#[test]
+fn the_power_of_a_drive_changes_its_direction_at_a_dead_centre() {
+    let (crank, rod, efficiency, force): (f64, f64, f64, f64) = (0.2, 0.5, 0.6, 10.0);
+    let place = |angle: f64| crank * angle.cos() + (rod * rod - (crank * angle.sin()).powi(2)).sqrt();
+    let start: f64 = -1.0;
+    let definition = json!({
+        "name": "SliderCrank",
+        "bodies": {
+            "ground": { "points": { "bearing": [0, 0], "guide": [0, 0] } },
+            "crank": { "length": crank, "mass": 3, "inertia": 0.3, "center": [0.1, 0] },
+            "rod": { "length": rod, "mass": 1, "inertia": 0.02, "center": [0.25, 0] },
+            "slider": { "mass": 2, "inertia": 1, "center": [0, 0] },
+        },
+        "joints": {
+            "bearing": { "type": "revolute", "first": "ground.bearing", "second": "crank.origin" },
+            "pin": { "type": "revolute", "first": "crank.end", "second": "rod.origin" },
+            "wrist": { "type": "revolute", "first": "rod.end", "second": "slider.origin" },
+            "guide": {
+                "type": "prismatic", "first": "ground.guide", "second": "slider.origin", "axis_angle": 0, "angle": 0,
+            },
+        },
+        "guess": { "crank": start, "rod": 0.35, "guide": place(start) },
+        "start": { "body": "crank", "angle": start, "speed": 10 },
+        "gravity": { "acceleration": 0, "up_angle": 0 },
+        "actuators": { "load": { "joint": "guide", "efficiency": efficiency } },
+        "solver": { "tolerance": 1e-9 },
+    });
+    for h in [0.2, 0.45, 0.7] {
+        let mut machine = Run::new(&definition.to_string()).started();
+        let before = machine.get("energy.kinetic");
+        machine.set("load.force", force);
+        machine.step(h);
+        let (angle, s) = (machine.get("crank.angle"), machine.get("guide.position"));
+        let [outer, inner] = [rod + crank, rod - crank];
+        // Out, in, and out again.
+        let mut work = efficiency * (outer - place(start));
+        if angle < std::f64::consts::PI {
+            work -= (outer - s) / efficiency;
+        } else {
+            work += efficiency * (s - inner) - (outer - inner) / efficiency;
+        }
+        let gained = machine.get("energy.kinetic") - before;
+        assert!((gained - force * work).abs() < 1e-8 * before, "{h} s, {angle} rad: {gained} {}", force * work);
+    }
+}
