@@ -19,29 +19,74 @@ use strict::Strict;
 
 /// A refused definition; the text names the key, the value and what is allowed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct DefinitionError(String);
+pub struct DefinitionError {
+    path: String,
+    text: String,
+}
 
 impl DefinitionError {
     /// A missing key, a key that excludes another, or a text that is not JSON of this format.
     pub fn key(key: impl Display, message: impl Display) -> Self {
-        Self(format!("{key}: {message}"))
+        let path = key.to_string();
+        Self { text: format!("{path}: {message}"), path }
     }
 
     /// A number or text out of its range.
     pub fn value(key: impl Display, value: impl Display, allowed: impl Display) -> Self {
-        Self(format!("{key} = {value}: must be {allowed}"))
+        let path = key.to_string();
+        Self { text: format!("{path} = {value}: must be {allowed}"), path }
     }
 
     /// A name that no element has.
     pub fn unknown(key: impl Display, name: &str, allowed: impl Display) -> Self {
-        Self(format!("{key} = \"{name}\": there is none; {allowed}"))
+        let path = key.to_string();
+        Self { text: format!("{path} = \"{name}\": there is none; {allowed}"), path }
+    }
+
+    /// Path of the key at fault, such as `bodies.crank.length`.
+    pub fn path(&self) -> &str {
+        &self.path
+    }
+}
+
+/// All faults of a definition, in the order in which they are found.
+#[derive(Debug, Default)]
+pub struct Faults(Vec<DefinitionError>);
+
+impl Faults {
+    /// The value that was checked; None if it is at fault, which is kept.
+    pub fn keep<T>(&mut self, checked: Result<T, DefinitionError>) -> Option<T> {
+        checked.map_err(|fault| self.0.push(fault)).ok()
+    }
+
+    /// Number of faults.
+    #[expect(clippy::len_without_is_empty, reason = "nobody asks")]
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Nothing, or the first fault.
+    ///
+    /// # Errors
+    /// The first fault.
+    pub fn first(self) -> Result<(), DefinitionError> {
+        self.0.into_iter().next().map_or(Ok(()), Err)
+    }
+}
+
+impl IntoIterator for Faults {
+    type Item = DefinitionError;
+    type IntoIter = std::vec::IntoIter<DefinitionError>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.into_iter()
     }
 }
 
 impl Display for DefinitionError {
     /// A key in the file may hold any character.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&on_one_line(&self.0))
+        f.write_str(&on_one_line(&self.text))
     }
 }
 

@@ -109,9 +109,8 @@ pub enum JointKind {
 #[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Friction {
-    /// Whether the joints have friction.
-    #[serde(default)]
-    pub enabled: bool,
+    /// Whether the joints have friction; not where absent.
+    pub enabled: Option<bool>,
     /// Coefficient of static friction mu_S [1], >= 0.
     pub static_coefficient: f64,
     /// Coefficient of kinetic friction mu_d [1], >= 0.
@@ -160,6 +159,7 @@ impl Friction {
     }
 
     pub(super) fn flags(&mut self, visit: &mut dyn FnMut(Flag, &mut bool)) {
-        visit(Flag::new("friction", "enabled", ["Whether the joints have friction"]), &mut self.enabled);
+        let text = ["Whether the joints have friction"];
+        visit(Flag::new("friction", "enabled", text), self.enabled.get_or_insert(false));
     }
 }
