@@ -4,6 +4,7 @@
 //! In: a definition as read, before its flags have their defaults. Out: warnings. It must not know how loops are closed.
 use super::mechanism::Mechanism;
 use super::{JointKind, Range};
+use crate::hydraulics::plausibility::circuit_warnings;
 use crate::inspection::Finding;
 use crate::numerics::decimal::Decimal;
 use std::f64::consts::{PI, TAU};
@@ -28,6 +29,7 @@ impl Mechanism {
         self.warn_of_bodies(&mut all);
         self.warn_of_angles(&mut all);
         self.warn_of_lengths(&mut all);
+        self.warn_of_circuit(&mut all);
         all
     }
 
@@ -156,5 +158,16 @@ impl Mechanism {
                 "check for millimetres beside metres; \"units\": { \"length\": \"mm\" } takes the whole file in mm";
             all.push(Finding::warning(format_args!("bodies.{}", above.1), message, remedy));
         }
+    }
+
+    fn warn_of_circuit(&self, all: &mut Vec<Finding>) {
+        let Some((_, drive, circuit)) = self.hydraulic_drive() else { return };
+        let mut values = vec![
+            ("supply.pressure".to_owned(), circuit.supply.pressure),
+            ("tank.pressure".into(), circuit.tank.pressure),
+        ];
+        circuit.clone().parameters([(); 2], &mut |parameter, value| values.push((parameter.name.concat(), *value)));
+        let value = |name: &str| values.iter().find(|(known, _)| known == name).map(|(_, value)| *value);
+        all.extend(circuit_warnings(&format!("actuators.{drive}.hydraulics."), value));
     }
 }
