@@ -16,7 +16,7 @@ pub use faults::Located;
 use linkage_fmu::component::Component;
 use linkage_fmu::fmi::LARGEST_DEFINITION;
 use linkage_fmu::inspection::{Inspection, Severity};
-pub use print::{listed, summary};
+pub use print::{findings, listed, summary};
 use std::io::{Cursor, Read};
 use std::path::{Path, PathBuf};
 use zip::ZipArchive;
@@ -46,6 +46,8 @@ pub struct Checked {
     pub text: String,
     /// Findings of the inspection, with their places.
     pub findings: Vec<Located>,
+    /// Whether names and numbers were checked too, which takes a text that can be read.
+    pub is_whole: bool,
     /// Facts; the findings of the inspection are those above.
     pub inspection: Inspection,
 }
@@ -82,8 +84,8 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
 /// # Errors
 /// There is no such kind.
 pub fn check(shown: String, kind: &str, text: String) -> Result<Checked> {
-    let (inspection, findings) = faults::all(kind, &text)?;
-    Ok(Checked { shown, text, findings, inspection })
+    let faults::All { inspection, located, is_whole } = faults::all(kind, &text)?;
+    Ok(Checked { shown, text, findings: located, is_whole, inspection })
 }
 
 /// Name, kind and text of the definition to which a path leads.

@@ -25,11 +25,21 @@ pub struct Located {
     pub position: [usize; 2],
 }
 
-/// The inspection of a text, and all findings with their places: errors first, each by its place.
+/// What was found in a text.
+pub struct All {
+    /// Facts; findings are below.
+    pub inspection: Inspection,
+    /// Errors first, each by its place.
+    pub located: Vec<Located>,
+    /// Whether names and numbers were checked too.
+    pub is_whole: bool,
+}
+
+/// All that is found in a text.
 ///
 /// # Errors
 /// There is no such kind of definition.
-pub fn all(kind: &str, text: &str) -> Result<(Inspection, Vec<Located>)> {
+pub fn all(kind: &str, text: &str) -> Result<All> {
     let mut located = Vec::new();
     let mut repaired = text.to_owned();
     // An editor's byte order mark is no part of JSON.
@@ -52,12 +62,15 @@ pub fn all(kind: &str, text: &str) -> Result<(Inspection, Vec<Located>)> {
         };
         // A key that is missing where one was taken out was there before.
         let own = |path: &String| {
-            path.rsplit_once('.').is_some_and(|(parent, key)| parent == place.path && names(&finding.message, key))
+            let parts = path.rsplit_once('.');
+            parts.is_some_and(|(parent, key)| parent == place.path && names(&finding.message, key))
         };
         let is_unknown = finding.message.contains("unknown field");
         only_unknown &= is_unknown;
         if !(is_missing(&finding) && removed.iter().any(own)) {
-            located.push(at(text, finding, place.shown.clone()));
+            let stands_twice = finding.message.contains("stands twice");
+            let span = if is_unknown || stands_twice { place.key.clone() } else { place.shown.clone() };
+            located.push(at(text, finding, span));
         }
         let range = tree.removal(&place);
         drop(tree);
@@ -65,7 +78,8 @@ pub fn all(kind: &str, text: &str) -> Result<(Inspection, Vec<Located>)> {
         removed.push(place.path);
         inspection = Component::inspect(kind, &repaired)?;
     }
-    if inspection.is_readable && (only_unknown || removed.is_empty()) {
+    let is_whole = inspection.is_readable && only_unknown;
+    if is_whole {
         let tree = Tree::new(&repaired);
         for finding in inspection.findings.drain(..) {
             let place = tree.find(&finding.path);
@@ -78,10 +92,15 @@ pub fn all(kind: &str, text: &str) -> Result<(Inspection, Vec<Located>)> {
     }
     inspection.findings.clear();
     located.sort_by_key(|located| (located.finding.severity != Severity::Error, located.span.start));
-    Ok((inspection, located))
+    Ok(All { inspection, located, is_whole })
 }
 
-fn at(text: &str, finding: Finding, span: Range<usize>) -> Located {
+fn at(text: &str, mut finding: Finding, span: Range<usize>) -> Located {
+    // The reader's own place is that in the repaired copy, and no better than the one that is shown.
+    if let Some(end) = finding.message.rfind(" at line ").filter(|_| !span.is_empty()) {
+        let after = finding.message[end..].find(';').map_or("", |rest| &finding.message[end + rest..]);
+        finding.message = format!("{}{after}", &finding.message[..end]);
+    }
     Located { position: line_and_column(text, span.start), finding, span }
 }
 

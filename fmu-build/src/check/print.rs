@@ -4,19 +4,20 @@ use super::{Checked, Located};
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use linkage_fmu::inspection::{Fact, Quantity, Severity};
 use serde_json::{Value, json};
+use std::collections::HashSet;
 use std::f64::consts::PI;
 use std::fmt::Write;
 
 /// All findings and facts of a definition.
 pub fn text(checked: &Checked) -> String {
     let mut out = findings(checked);
-    let mut topic = "";
-    for fact in &checked.inspection.facts {
-        if fact.topic != topic {
-            topic = fact.topic;
-            let _ = writeln!(out, "{topic}");
+    let facts = &checked.inspection.facts;
+    let mut told = HashSet::new();
+    for topic in facts.iter().map(|fact| fact.topic).filter(|topic| told.insert(*topic)) {
+        let _ = writeln!(out, "{topic}");
+        for fact in facts.iter().filter(|fact| fact.topic == topic) {
+            let _ = writeln!(out, "  {}", line(fact));
         }
-        let _ = writeln!(out, "  {}", line(fact));
     }
     let _ = writeln!(out, "{}", summary(checked));
     out
@@ -47,6 +48,9 @@ pub fn summary(checked: &Checked) -> String {
             let _ = write!(out, ", {} {count}", topic.to_lowercase());
         }
     }
+    if !checked.is_whole {
+        out.push_str("; names and numbers are checked once these are put right");
+    }
     if let Some(fact) = facts.iter().find(|fact| fact.topic.starts_with("Equilibrium")) {
         let _ = write!(out, "; the start {}", fact.text.split([':', ',']).next().unwrap_or_default());
     }
@@ -55,7 +59,7 @@ pub fn summary(checked: &Checked) -> String {
 
 fn place(checked: &Checked, located: &Located) -> String {
     let [line, column] = located.position;
-    format!("{}:{line}:{column}", checked.shown)
+    if located.span.is_empty() { checked.shown.clone() } else { format!("{}:{line}:{column}", checked.shown) }
 }
 
 fn finding(checked: &Checked, located: &Located) -> String {

@@ -13,6 +13,8 @@ use std::ops::Range;
 pub struct Place {
     /// Key and value of a member; the value else.
     pub whole: Range<usize>,
+    /// The key of a member; the value else.
+    pub key: Range<usize>,
     /// What a finding underlines: the value if it is on few lines, else the key.
     pub shown: Range<usize>,
     /// Path of the part, which may end before the one that was asked for.
@@ -37,8 +39,9 @@ impl<'a> Tree<'a> {
     pub fn find(&self, path: &str) -> Option<Place> {
         let mut value = self.value.as_ref()?;
         let range = value.range();
-        let mut place =
-            Place { whole: range.start..range.end, shown: first_line(self.text, range.start), path: String::new() };
+        let first = first_character(self.text, range.start);
+        let whole = range.start..range.end;
+        let mut place = Place { whole, key: first.clone(), shown: first, path: String::new() };
         let mut rest = path;
         while !rest.is_empty() {
             let step = rest.trim_start_matches('.');
@@ -66,7 +69,8 @@ impl<'a> Tree<'a> {
                     };
                     let range = element.range();
                     let path = format!("{}[{index}]", place.path);
-                    place = Place { whole: range.start..range.end, shown: range.start..range.end, path };
+                    let whole = range.start..range.end;
+                    place = Place { key: whole.clone(), shown: whole.clone(), whole, path };
                     (value, rest) = (element, after);
                 }
                 _ => break,
@@ -79,7 +83,7 @@ impl<'a> Tree<'a> {
         let (key, value) = (found.name.range(), found.value.range());
         let on_few_lines = self.text[value.start..value.end].lines().count() <= 1;
         let shown = if on_few_lines { value } else { key };
-        Place { whole: key.start..value.end, shown: shown.start..shown.end, path }
+        Place { whole: key.start..value.end, key: key.start..key.end, shown: shown.start..shown.end, path }
     }
 
     /// The range of bytes that takes a place out of the text together with a comma that goes with it.
@@ -96,7 +100,7 @@ impl<'a> Tree<'a> {
 }
 
 /// The first character from here on, which opens an object mostly.
-fn first_line(text: &str, start: usize) -> Range<usize> {
+fn first_character(text: &str, start: usize) -> Range<usize> {
     let length = text[start..].chars().next().map_or(0, char::len_utf8);
     start..start + length
 }

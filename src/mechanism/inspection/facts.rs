@@ -15,11 +15,13 @@ use crate::numerics::decimal::Decimal;
 use crate::numerics::plane::{Vec2, cross};
 use crate::variables::Unit;
 use nalgebra::{DMatrix, DVector};
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 /// Most places of one kind that are listed.
 const PLACES: usize = 12;
+/// Most coordinates, drives and bends that are followed over the travel, so that a large mechanism takes seconds.
+const FOLLOWED: usize = 200;
 
 /// Facts about a mechanism that could be assembled, traced and put at its start.
 pub fn collect(model: &mut Model, out: &mut Inspection) {
@@ -160,16 +162,16 @@ fn functions(reduced: &Reduced) -> impl Fn(&Configuration, f64, &mut Vec<[f64; 2
     let bends = bends(reduced.linkage());
     move |c, revolutions, out| {
         let (linkage, loading) = (reduced.linkage(), reduced.loading());
-        for i in 0..c.q.len() {
+        for i in 0..c.q.len().min(FOLLOWED) {
             let offset = of_coordinate(linkage, i).1;
             out.push([c.q[i] + revolutions * reduced.curve().growth(i) + offset, c.q_sigma[i]]);
         }
-        for (drive, load) in loading.loads.iter().take(loading.drives.len()).enumerate() {
+        for (drive, load) in loading.loads.iter().take(loading.drives.len().min(FOLLOWED)).enumerate() {
             let [s, s_sigma, s_second] = load.displacement(linkage, c);
             out.push([s + revolutions * reduced.load_growth(drive), s_sigma]);
             out.push([s_sigma, s_second]);
         }
-        out.extend(bends.iter().map(|bend| [bend.angle(&c.positions).sin(), 0.0]));
+        out.extend(bends.iter().take(FOLLOWED).map(|bend| [bend.angle(&c.positions).sin(), 0.0]));
     }
 }
 
@@ -178,17 +180,23 @@ fn add_travel(reduced: &Reduced, state: &State, here: f64, out: &mut Inspection)
     let ends = ends(reduced, &state.travel, here);
     let mut walk = Walk::new(reduced, ends, functions(reduced));
     let at_start = walk.at(here);
-    let coordinates = linkage.coordinates.len();
+    let coordinates = linkage.coordinates.len().min(FOLLOWED);
+    let drives = loading.drives.len().min(FOLLOWED);
     let mut toggles = Vec::new();
-    for (i, name) in linkage.coordinates.iter().enumerate() {
+    for (i, name) in linkage.coordinates.iter().enumerate().take(FOLLOWED) {
         let unit = of_coordinate(linkage, i).0;
         let Extremes { range: [least, most], stationary } = walk.extremes(i);
         let fact = Fact::new("Travel", name).with("least", least, unit).with("most", most, unit);
-        out.facts.push(fact.with("start", at_start[i][0], unit));
+        let fact = fact.with("start", at_start[i][0], unit);
+        let turns = reduced.curve().growth(i) / TAU;
+        out.facts.push(match turns == 0.0 {
+            true => fact,
+            false => fact.saying(format!("turns fully round, by {turns} for each round of the whole motion")),
+        });
         toggles.extend(stationary.iter().map(|&sigma| (name.clone(), sigma)));
     }
     add_ends(reduced, state, &walk, out);
-    for (drive, defined) in loading.drives.iter().enumerate() {
+    for (drive, defined) in loading.drives.iter().enumerate().take(FOLLOWED) {
         let (motion, influence) = (walk.extremes(coordinates + 2 * drive), walk.extremes(coordinates + 2 * drive + 1));
         let (length, mass) = match defined.is_rotary {
             true => (Unit::Radian, Unit::KilogramSquareMetre),
@@ -217,8 +225,8 @@ fn add_travel(reduced: &Reduced, state: &State, here: f64, out: &mut Inspection)
     if told > PLACES {
         out.facts.push(Fact::new("Toggles", "").saying(format!("and {} more", told - PLACES)));
     }
-    for (k, bend) in bends(linkage).iter().enumerate() {
-        let [low, high] = walk.extremes(coordinates + 2 * loading.drives.len() + k).range;
+    for (k, bend) in bends(linkage).iter().enumerate().take(FOLLOWED) {
+        let [low, high] = walk.extremes(coordinates + 2 * drives + k).range;
         if low * high > 0.0 {
             let fact = Fact::new("Assembly mode", &linkage.joints[bend.joints[1]].name);
             out.facts.push(fact.saying("keeps its side over the whole travel"));
