@@ -317,6 +317,15 @@ impl Component {
         }
     }
 
+    /// What the state after initialisation gives reason to warn of under the present inputs; None mostly.
+    #[cold]
+    pub fn start_warning(&mut self) -> Option<String> {
+        match self {
+            Self::Mechanism(model) => model.start_warning(),
+            Self::Hydraulic(_) => None,
+        }
+    }
+
     /// Why a Real output has no value in the present state; None if it has one.
     #[cold]
     pub fn undefined(&mut self, reference: Reference) -> Option<String> {

@@ -7,6 +7,7 @@ mod bounds;
 mod creep;
 mod derivatives;
 mod drag;
+mod drawn;
 mod drives;
 mod exact;
 mod friction;

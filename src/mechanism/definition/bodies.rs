@@ -1,4 +1,5 @@
 //! Bodies, points on them whose motion is asked for, joints, and the friction in these.
+use super::drawing::Drawn;
 use super::{AXES, Role, Visit};
 use crate::format::{Flag, Named, Owner, Parameter, Range};
 use crate::variables::Unit;
@@ -27,6 +28,9 @@ pub struct Body {
     /// Further named points in the body's frame [m].
     #[serde(default)]
     pub points: Named<[f64; 2]>,
+    /// The body at the drawn position, in place of lengths and points in its frame; None once these are known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub drawn: Option<Drawn>,
 }
 
 /// Distribution of a body's mass.

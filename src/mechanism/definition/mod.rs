@@ -5,6 +5,7 @@
 //! anticlockwise positive.
 mod bodies;
 mod contact;
+mod drawing;
 mod experiment;
 mod loads;
 mod mechanism;
@@ -14,6 +15,7 @@ mod warnings;
 pub use crate::format::{DefinitionError, Experiment, Named, Range};
 pub use bodies::{Body, Friction, Joint, JointKind, Marker, Shape};
 pub use contact::{Limit, Lock, Stop};
+pub use drawing::{AngleUnit, Drawn, LengthUnit, Units};
 pub use experiment::{Method, Solver, Start};
 pub use loads::{Actuator, Air, Force, Gravity, Spring, Surface, Torque};
 pub use mechanism::{GROUND, Mechanism};

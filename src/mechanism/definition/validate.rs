@@ -9,14 +9,23 @@ use std::fmt;
 
 type Check = Result<(), DefinitionError>;
 
+/// Most letters of a name: file systems take 255 with what packing adds.
+const LONGEST: usize = 200;
+
 /// Names become parts of variable names: letters, digits and underscores, a letter first.
 fn check_name(key: impl fmt::Display, name: &str) -> Check {
     let mut letters = name.chars();
     let first = letters.next().is_some_and(|c| c.is_ascii_alphabetic());
+    if name.len() > LONGEST {
+        let (start, count) = (name.chars().take(20).collect::<String>(), name.chars().count());
+        let message =
+            format!("the name \"{start}...\" has {count} letters, {LONGEST} at most, as it names files: shorten it");
+        return refused(key, message);
+    }
     if first && letters.all(|c| c.is_ascii_alphanumeric() || c == '_') {
         return Ok(());
     }
-    let allowed = "a letter, then letters, digits or underscores";
+    let allowed = format!("a letter, then letters, digits or underscores, {LONGEST} at most");
     Err(DefinitionError::value(key, format_args!("\"{name}\""), allowed))
 }
 
@@ -44,6 +53,7 @@ impl Mechanism {
     /// All faults that show without geometry.
     pub(super) fn faults(&mut self) -> Faults {
         let mut faults = Faults::default();
+        self.resolve_drawing(&mut faults);
         faults.keep(check_name("name", &self.name));
         if self.description.chars().any(char::is_control) {
             let value = format!("\"{}\"", self.description);

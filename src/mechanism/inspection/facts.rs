@@ -190,6 +190,7 @@ fn add_travel(reduced: &Reduced, state: &State, here: f64, out: &mut Inspection)
         let fact = fact.with("start", at_start[i][0], unit);
         let turns = reduced.curve().growth(i) / TAU;
         out.facts.push(match turns == 0.0 {
+            true if most - least <= 1e-9 * (1.0 + most.abs()) => fact.saying("does not move"),
             true => fact,
             false => fact.saying(format!("turns fully round, by {turns} for each round of the whole motion")),
         });
@@ -280,7 +281,8 @@ fn add_ends<F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)>(
             }
             false => "correct its value, or say \"enabled\": false".to_owned(),
         };
-        let message = format!("is never met: the motion stays {} {unit} short of it", Decimal::rounded(-nearest));
+        let short: f64 = format!("{:.2e}", -nearest).parse().unwrap_or(-nearest);
+        let message = format!("is never met: the motion stays {} {unit} short of it", Decimal(short));
         out.findings.push(Finding::warning(format_args!("stops.{}", stop.name), message, remedy));
     }
 }

@@ -14,7 +14,7 @@ pub fn of_error(error: &ModelError, mechanism: &Mechanism) -> String {
         ModelError::LockStill { name, .. } => format!("locks.{name}.at"),
         ModelError::TooManyBumpers { .. } => "stops".into(),
         ModelError::Stroke { name, .. } => element(name, mechanism),
-        ModelError::Locked { .. } => "friction".into(),
+        ModelError::Locked { joint, .. } => format!("joints.{joint}"),
         ModelError::Table { name, .. } if name == "friction" => name.clone(),
         ModelError::Table { name, .. } => element(name, mechanism),
         _ => String::new(),
@@ -32,7 +32,9 @@ fn of_reduction(error: &ReductionError, mechanism: &Mechanism) -> String {
         ReductionError::Assembly(AssemblyError::Freedom { .. }) => "joints".into(),
         ReductionError::Assembly(_) => "guess".into(),
         ReductionError::EndsMeet { name, .. } | ReductionError::Table { what: name, .. } => element(name, mechanism),
-        ReductionError::Start { name, .. } | ReductionError::StartSpeed { name, .. } => quantity(name),
+        ReductionError::Start { name, .. }
+        | ReductionError::Rigid { name, .. }
+        | ReductionError::StartSpeed { name, .. } => quantity(name),
         _ => String::new(),
     }
 }

@@ -166,7 +166,10 @@ impl State {
         let mut advanced = self.advance((reduced, state_loads), inputs, h, solver).map_err(|stopped| match stopped {
             Stopped::Integration(error) => ModelError::Integration(error),
             Stopped::Circuit(left) => left_circuit(reduced, left),
-            _ => ModelError::Locked { position: self.describe(reduced) },
+            _ => {
+                let joint = reduced.locking_joint(self.sigma).to_owned();
+                ModelError::Locked { position: self.describe(reduced), joint }
+            }
         });
         if inputs.signal.ahead {
             self.right_hand_side_changed();
