@@ -190,10 +190,10 @@ fn warnings_name_the_key_the_value_and_the_remedy() {
             vec!["119.95", "0.3 m apart"],
         ),
         (
-            "/joints/again",
+            "/joints/second_pin",
             json!({ "type": "revolute", "first": "rod.origin", "second": "crank.end" }),
-            "joints.again",
-            "\"again\"",
+            "joints.second_pin",
+            "\"second_pin\"",
             vec!["the same joint as pin", "remove one"],
         ),
     ] {
@@ -300,7 +300,7 @@ fn every_fault_of_the_meaning_is_found() {
 fn errors_of_the_geometry_have_their_place() {
     for (path, value, key) in [
         ("/start/angle", json!(0.5), ""),
-        ("/bodies/rod/length", json!(0.05), "start.angle"),
+        ("/bodies/rod/length", json!(0.04), "start.angle"),
         ("/guess/extra", json!(1), "guess.extra"),
         ("/stops", json!({ "s": { "body": "crank", "limit": "upper", "angle": 0.2 } }), "stops.s"),
         ("/start", json!({ "joint": "guide", "position": 3.0 }), "start.position"),
