@@ -16,7 +16,7 @@ pub use faults::Located;
 use linkage_fmu::component::Component;
 use linkage_fmu::fmi::LARGEST_DEFINITION;
 use linkage_fmu::inspection::{Inspection, Severity};
-pub use print::{findings, listed, summary};
+pub use print::{findings, json, listed, summary};
 use std::io::{Cursor, Read};
 use std::path::{Path, PathBuf};
 use zip::ZipArchive;

@@ -1,7 +1,9 @@
 //! `cargo fmu check`: every finding with its place, and facts against closed forms.
 #![allow(clippy::unwrap_used)]
 
-use fmu_build::check::{self, Checked};
+use fmu_build::archive::{self, Entry};
+use fmu_build::check::{self, Arguments, Checked};
+use fmu_build::workspace::Workspace;
 use linkage_fmu::inspection::{Fact, Severity};
 use serde_json::{Value, json};
 
@@ -87,6 +89,15 @@ fn facts_of_a_slider_crank_are_those_of_the_closed_form() {
 fn the_start_holds_in_balance_and_at_a_stop() {
     let balanced = with("/actuators/motor", json!({ "joint": "bearing", "torque": 0.5 * 0.5_f64.cos() }));
     assert!(fact(&checked(&balanced), "Equilibrium at the start", "crank").text.contains("balance"));
+    // A pendulum that hangs straight down: the influence of gravity is the rounding of a cosine.
+    let pendulum = json!({
+        "name": "Pendulum", "gravity": { "acceleration": 9.81, "up_angle": 0.7 },
+        "bodies": { "ground": {}, "rod": { "length": 1.0, "mass": 2.0, "shape": "uniform_rod" } },
+        "joints": { "pin": { "type": "revolute", "first": "ground.origin", "second": "rod.origin" } },
+        "start": { "body": "rod", "angle": 0.7 - std::f64::consts::PI }, "guess": { "rod": -2.0 }
+    });
+    assert!(fact(&checked(&pendulum.to_string()), "Equilibrium at the start", "rod").text.contains("balance"));
+    let mut stopped: Value = serde_json::from_str(&balanced).unwrap();
     let mut stopped: Value = serde_json::from_str(&balanced).unwrap();
     stopped["actuators"]["motor"]["torque"] = json!(-1.0);
     stopped["stops"] = json!({ "down": { "body": "crank", "limit": "lower", "angle": 0.5 } });
@@ -346,4 +357,47 @@ fn the_printed_finding_shows_file_line_text_and_remedy() {
         "{printed}"
     );
     assert!(check::summary(&all).starts_with("m.json: M: 0 errors, 1 warning"), "{}", check::summary(&all));
+}
+
+/// A file, a folder and an FMU; what passes with warnings and without.
+#[test]
+fn files_folders_and_fmus_are_checked() {
+    let folder = std::env::temp_dir().join(format!("fmu-build-check-{}", std::process::id()));
+    std::fs::create_dir_all(folder.join("resources")).unwrap();
+    let odd = with("/gravity/up_angle", json!(90));
+    std::fs::write(folder.join("resources/mechanism.json"), &odd).unwrap();
+    std::fs::write(folder.join("good.json"), slider_crank().to_string()).unwrap();
+    std::fs::write(folder.join("bad.json"), with("/start/body", json!("none"))).unwrap();
+    let entry = Entry { name: "resources/mechanism.json".into(), content: odd.into_bytes() };
+    archive::write(&folder.join("M.fmu"), vec![entry]).unwrap();
+    let workspace = Workspace::locate();
+    let passes = |name: &str, deny_warnings: bool| {
+        let paths = vec![folder.join(name)];
+        check::run(&workspace, &Arguments { paths, json: false, deny_warnings }).unwrap()
+    };
+    for (name, without, denied) in [
+        ("good.json", true, true),
+        ("resources/mechanism.json", true, false),
+        ("M.fmu", true, false),
+        ("", true, false),
+    ] {
+        assert_eq!((passes(name, false), passes(name, true)), (without, denied), "{name}");
+    }
+    assert!(!passes("bad.json", false));
+    let missing =
+        check::run(&workspace, &Arguments { paths: vec![folder.join("no.fmu")], json: true, deny_warnings: false });
+    assert!(missing.unwrap_err().to_string().contains("no such file"));
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn the_json_for_programs_has_places_facts_and_counts() {
+    let told = check::json(&[checked(&with("/gravity/up_angle", json!(90)))]);
+    let one = &told[0];
+    assert_eq!((&one["errors"], &one["warnings"], &one["name"]), (&json!(0), &json!(1), &json!("M")));
+    let finding = &one["findings"][0];
+    assert_eq!((&finding["severity"], &finding["path"]), (&json!("warning"), &json!("gravity.up_angle")));
+    assert!(finding["line"].as_u64().unwrap() > 1 && finding["remedy"].as_str().unwrap().contains("degrees"));
+    let mass = one["facts"].as_array().unwrap().iter().find(|fact| fact["topic"] == "Mass").unwrap();
+    assert_eq!(mass["quantities"][0], json!({ "name": "total", "value": 3.0, "unit": "kg" }));
 }

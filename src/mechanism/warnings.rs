@@ -18,18 +18,16 @@ const SAME: f64 = 1e-9;
 
 /// All warnings that need geometry.
 pub fn warnings(mechanism: &Mechanism, reduced: &Reduced) -> Vec<Finding> {
-    let mut all = Vec::new();
-    warn_of_guess(mechanism, reduced, &mut all);
+    let mut all = of_guess(mechanism, reduced.linkage(), &reduced.curve().configuration(0.0).q);
     warn_of_grounded_loads(mechanism, reduced.linkage(), &mut all);
     warn_of_joints_given_twice(reduced.linkage(), &mut all);
     all
 }
 
-/// Coordinates that the loops have closed far from the guess.
-fn warn_of_guess(mechanism: &Mechanism, reduced: &Reduced, all: &mut Vec<Finding>) {
-    let linkage = reduced.linkage();
-    let Ok(guess) = guessed(linkage, &mechanism.guess) else { return };
-    let assembled = reduced.curve().configuration(0.0).q;
+/// Warnings about coordinates that the loops have closed far from the guess; `assembled`: the closed coordinates.
+pub fn of_guess(mechanism: &Mechanism, linkage: &Linkage, assembled: &[f64]) -> Vec<Finding> {
+    let mut all = Vec::new();
+    let Ok(guess) = guessed(linkage, &mechanism.guess) else { return all };
     for (i, name) in linkage.coordinates.iter().enumerate() {
         let is_angle = i < linkage.angles;
         let away = (assembled[i] - guess[i]).abs();
@@ -62,6 +60,7 @@ fn warn_of_guess(mechanism: &Mechanism, reduced: &Reduced, all: &mut Vec<Finding
         };
         all.push(Finding::warning(path, message, remedy));
     }
+    all
 }
 
 /// Forces and torques on the ground or on what is fixed to it.

@@ -1,7 +1,7 @@
 //! All faults of a definition with their places, however many stop the reader.
 //!
-//! In: a definition's text. Out: findings with their places. The reader stops at the first key that it cannot read. That
-//! key is blanked out in a copy of the text, in which all others keep their places, and the copy is read again.
+//! In: a definition's text. Out: findings with their places. The reader stops at the first key that it cannot read.
+//! That key is blanked out in a copy of the text, in which all others keep their places, and the copy is read again.
 
 use super::spans::{Tree, line_and_column};
 use anyhow::Result;

@@ -42,7 +42,7 @@ pub fn summary(checked: &Checked) -> String {
     let name = if checked.inspection.name.is_empty() { "no model" } else { &checked.inspection.name };
     let mut out = format!("{}: {name}: {}", checked.shown, found.join(", "));
     let facts = &checked.inspection.facts;
-    for topic in ["Crossings", "Near misses", "Redundant joints", "Toggles"] {
+    for topic in ["Crossings", "Near misses", "Redundant joints"] {
         let count = facts.iter().filter(|fact| fact.topic == topic).count();
         if count > 0 {
             let _ = write!(out, ", {} {count}", topic.to_lowercase());

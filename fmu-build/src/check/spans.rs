@@ -107,7 +107,7 @@ fn first_character(text: &str, start: usize) -> Range<usize> {
 
 /// Line and column of a byte, both from 1; columns count characters.
 pub fn line_and_column(text: &str, at: usize) -> [usize; 2] {
-    let before = &text[..text.floor_char_boundary(at)];
+    let before = text.get(..at).unwrap_or(text);
     let line_start = before.rfind('\n').map_or(0, |end| end + 1);
     [before.matches('\n').count() + 1, before[line_start..].chars().count() + 1]
 }

@@ -14,8 +14,8 @@ use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
-/// Largest difference of a stated value from the drawn one, relative to the size of the drawing, and in rad: the rounding
-/// of coordinates to six digits.
+/// Largest difference of a stated value from the drawn one, relative to the size of the drawing, and in rad: the
+/// rounding of coordinates to six digits.
 const ROUNDING: f64 = 1e-6;
 /// Gap of a joint at the drawn position that is an error of the drawing, relative to its size.
 const OPEN: f64 = 1e-3;
@@ -128,8 +128,8 @@ impl Mechanism {
         }
     }
 
-    /// Origin and angle of every drawn body, with the ground's; empty if nothing is drawn. Each body then has its length
-    /// and its points.
+    /// Origin and angle of every drawn body, with the ground's; empty if nothing is drawn. Each body then has its
+    /// length and its points.
     fn drawn_frames(&mut self, faults: &mut Faults) -> HashMap<String, (Vec2, f64)> {
         let mut frames = HashMap::new();
         for (name, body) in self.bodies.iter_mut() {

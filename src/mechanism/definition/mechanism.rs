@@ -63,8 +63,8 @@ pub struct Mechanism {
     pub locks: Named<Lock>,
     /// Position and speed at the start.
     pub start: Start,
-    /// Rough angle [rad] of each turning body and position [m] of each prismatic joint, which select the assembly; those
-    /// of drawn bodies follow.
+    /// Rough angle [rad] of each turning body and position [m] of each prismatic joint, which select the assembly;
+    /// those of drawn bodies follow.
     #[serde(default)]
     pub guess: Named<f64>,
     /// Integration settings.

@@ -384,8 +384,8 @@ impl Mechanism {
         }
         for (k, value) in [("stiffness", s.stiffness), ("damping", s.damping)] {
             if s.rigid.is_none() && value != 0.0 {
-                let message = "a rigid stop has none: add \"rigid\": false for a bumper, or remove it; with \"rigid\": true \
-                               it waits for the parameter to change";
+                let message = "a rigid stop has none: remove it, or add \"rigid\": false for a bumper (\"rigid\": true says \
+                               that it waits for the parameter to change)";
                 return refused(format_args!("{key}.{k}"), message);
             }
         }

@@ -1,7 +1,8 @@
 //! Warnings about a definition that needs no geometry to be suspected: keys that do nothing together, and numbers that
 //! look as if they were in another unit.
 //!
-//! In: a definition as read, before its flags have their defaults. Out: warnings. It must not know how loops are closed.
+//! In: a definition as read, before its flags have their defaults. Out: warnings. It must not know how loops are
+//! closed.
 use super::mechanism::Mechanism;
 use super::{JointKind, Range};
 use crate::hydraulics::plausibility::circuit_warnings;
@@ -20,8 +21,8 @@ const APART: [f64; 2] = [100.0, 300.0];
 const FAR: f64 = 3.0;
 
 impl Mechanism {
-    /// Warnings about the definition as it stands in the file. To be asked before [`Self::flags`], which gives flags that
-    /// the file leaves out their defaults.
+    /// Warnings about the definition as it stands in the file. To be asked before [`Self::flags`], which gives flags
+    /// that the file leaves out their defaults.
     pub fn warnings(&self) -> Vec<Finding> {
         let mut all = Vec::new();
         self.warn_of_friction(&mut all);
@@ -46,8 +47,8 @@ impl Mechanism {
                 let rubs = |joint: &super::Joint| joint.pin_radius.is_some() || joint.kind == JointKind::Prismatic;
                 if !self.joints.iter().any(|(_, joint)| rubs(joint)) {
                     let remedy = "give the joints that rub their pin_radius";
-                    let message = "is enabled, but no joint has any: no revolute joint has a pin_radius, and there is no \
-                                   prismatic joint";
+                    let message = "is enabled, but no joint has any: no revolute joint has a pin_radius, and there is \
+                                   no prismatic joint";
                     all.push(Finding::warning("friction.enabled", message, remedy));
                 }
             }

@@ -3,6 +3,7 @@
 //! In: a model at its start. Out: what holds it, or with which acceleration it sets off, and what each drive would have
 //! to give. It must not know laws: the outputs tell.
 use crate::inspection::Fact;
+use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::model::Model;
 use crate::mechanism::motion::contact::Travel;
 use crate::mechanism::motion::state::State;
@@ -31,10 +32,7 @@ pub fn add(model: &mut Model, reduced: &Reduced, state: &State, facts: &mut Vec<
     let Ok(acceleration) = model.real(reference) else { return };
     let unit = if is_angle { Unit::RadianPerSecondSquared } else { Unit::MetrePerSecondSquared };
     let fact = Fact::new(TOPIC, name).with("acceleration", acceleration, unit);
-    let sizes = reduced.sizes(&model.original.inputs.reals);
-    let parts = reduced.exact_motion(None, state.sigma);
-    let all: f64 =
-        parts.iter().zip(sizes.iter().chain([1.0].iter().cycle())).map(|(part, size)| (part * size).abs()).sum();
+    let all = natural_acceleration(reduced, &model.original.inputs.reals, state.sigma);
     let here = state.sigma + state.revolutions * reduced.period().unwrap_or(0.0);
     let text = if acceleration.is_nan() {
         let reason = model.undefined(reference).unwrap_or_default();
@@ -66,6 +64,27 @@ pub fn add(model: &mut Model, reduced: &Reduced, state: &State, facts: &mut Vec<
         }
         facts.push(fact);
     }
+}
+
+/// Acceleration along the curve that all loads would cause if they acted along one motion. Balances are relative to it.
+fn natural_acceleration(reduced: &Reduced, inputs: &[f64], sigma: f64) -> f64 {
+    let (loading, linkage) = (reduced.loading(), reduced.linkage());
+    let influence = |load: usize| {
+        let displacement = match &loading.loads[load] {
+            Load::Torque { .. } | Load::Couple { .. } => 1.0,
+            Load::Force { .. } | Load::Pair { .. } | Load::Slide { .. } => linkage.size,
+            Load::Gravity(acceleration) => {
+                linkage.bodies.iter().map(|body| body.mass).sum::<f64>() * acceleration.norm() * linkage.size
+            }
+        };
+        displacement / reduced.scale()
+    };
+    let applied = reduced.sizes(inputs).into_iter().enumerate().map(|(load, size)| size.abs() * influence(load));
+    let springs = loading.springs.iter().map(|spring| {
+        let force = spring.force(reduced.displacement_at(spring.load, sigma));
+        force.abs() * influence(spring.load)
+    });
+    applied.chain(springs).sum()
 }
 
 /// Name of a stop at this position.

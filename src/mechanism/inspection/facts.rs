@@ -11,6 +11,7 @@ use crate::mechanism::linkage::{GROUND, Linkage, Point, Positions};
 use crate::mechanism::model::Model;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::reduced::Reduced;
+use crate::mechanism::warnings::of_guess;
 use crate::numerics::decimal::Decimal;
 use crate::numerics::plane::{Vec2, cross};
 use crate::variables::Unit;
@@ -48,6 +49,7 @@ pub fn collect_unassembled(mechanism: &Mechanism, out: &mut Inspection) {
         Ok((_, q)) => {
             add_masses(&linkage, &linkage.positions(&q), &mut out.facts);
             add_assembly(mechanism, &linkage, &q, &mut out.facts);
+            out.findings.extend(of_guess(mechanism, &linkage, &q));
         }
         Err(AssemblyError::Open { .. }) => add_gaps(&linkage, &guess, &mut out.facts),
         Err(_) => {}
@@ -157,7 +159,8 @@ fn bends(linkage: &Linkage) -> Vec<Bend> {
     all
 }
 
-/// What is watched over the travel: coordinates, then for each drive its displacement and its influence, then the bends.
+/// What is watched over the travel: coordinates, then for each drive its displacement and its influence, then the
+/// bends.
 fn functions(reduced: &Reduced) -> impl Fn(&Configuration, f64, &mut Vec<[f64; 2]>) + use<'_> {
     let bends = bends(reduced.linkage());
     move |c, revolutions, out| {

@@ -1,7 +1,7 @@
 //! Inspection of a definition: what the mechanism is, and what is wrong with it.
 //!
-//! In: the text of a definition. Out: all its faults, or facts about the mechanism that it gives. It must not know FMI's
-//! life cycle.
+//! In: the text of a definition. Out: all its faults, or facts about the mechanism that it gives. It must not know
+//! FMI's life cycle.
 mod equilibrium;
 mod facts;
 mod path;

@@ -1,8 +1,8 @@
 //! The key of a definition to which an error of the model belongs.
-use crate::mechanism::ModelError;
 use crate::mechanism::closure::AssemblyError;
 use crate::mechanism::curve::CurveError;
 use crate::mechanism::definition::Mechanism;
+use crate::mechanism::error::ModelError;
 use crate::mechanism::reduced::ReductionError;
 
 /// Path of the key to which an error belongs; empty for the whole file.

@@ -56,8 +56,8 @@ pub fn ends(reduced: &Reduced, travel: &Travel, here: f64) -> [f64; 2] {
 }
 
 impl<'a, F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)> Walk<'a, F> {
-    /// Sample functions over the travel: `functions` writes the value and derivative of each at a configuration after so
-    /// many whole revolutions.
+    /// Sample functions over the travel: `functions` writes the value and derivative of each at a configuration after
+    /// so many whole revolutions.
     pub fn new(reduced: &'a Reduced, ends: [f64; 2], functions: F) -> Self {
         let (scratch, c) = (Scratch::default(), Configuration::default());
         let (values, amplifications) = (Vec::new(), Vec::new());
