@@ -98,7 +98,6 @@ fn the_start_holds_in_balance_and_at_a_stop() {
     });
     assert!(fact(&checked(&pendulum.to_string()), "Equilibrium at the start", "rod").text.contains("balance"));
     let mut stopped: Value = serde_json::from_str(&balanced).unwrap();
-    let mut stopped: Value = serde_json::from_str(&balanced).unwrap();
     stopped["actuators"]["motor"]["torque"] = json!(-1.0);
     stopped["stops"] = json!({ "down": { "body": "crank", "limit": "lower", "angle": 0.5 } });
     let all = checked(&stopped.to_string());
@@ -343,6 +342,21 @@ fn a_hydraulic_actuator_has_facts_and_warnings_of_its_own() {
     }
     let all = check(&text.replacen("\"rod\": 0.025", "\"rod\": 0.05", 1));
     assert_eq!(all.findings[0].finding.path, "circuit.cylinder.rod", "{}", check::findings(&all));
+}
+
+#[test]
+fn a_circuit_in_a_drive_is_checked_at_its_place() {
+    let text = include_str!("../../modelDescription/LandingGearRetractionHydraulic/resources/mechanism.json");
+    for (from, to, key, severity) in [
+        ("\"rod\": 0.025", "\"rod\": 0.05", "rod", Severity::Error),
+        ("\"bore\": 0.045", "\"bore\": 4.5", "bore", Severity::Warning),
+    ] {
+        assert!(text.contains(from), "{from}");
+        let found = found(&text.replacen(from, to, 1), severity);
+        let path = format!("actuators.actuator.hydraulics.cylinder.{key}");
+        let shown = to.split(": ").last().unwrap();
+        assert!(found.iter().any(|(own, _, text)| *own == path && text == shown), "{found:#?}");
+    }
 }
 
 #[test]

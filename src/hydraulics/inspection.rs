@@ -12,13 +12,12 @@ use crate::variables::Unit;
 use std::cell::RefCell;
 use std::f64::consts::PI;
 
-/// Path of a key of the circuit, which stands in its own section of the file.
+/// Path in the file of a key, where those of the circuit stand in its own section.
 fn in_file(path: &str) -> String {
-    const SECTIONS: [&str; 8] = ["fluid", "cylinder", "supply", "tank", "valve", "relief", "chamber_a", "chamber_b"];
-    let own = ["name", "description", "circuit", "actuator", "coupling", "solver", "experiment", "accumulator", "pump"];
+    const OWN: [&str; 9] =
+        ["name", "description", "circuit", "actuator", "coupling", "solver", "experiment", "accumulator", "pump"];
     let first = path.split('.').next().unwrap_or_default();
-    let is_section = SECTIONS.contains(&first) || path.contains('.') && !own.contains(&first);
-    if is_section { format!("circuit.{path}") } else { path.to_owned() }
+    if OWN.contains(&first) { path.to_owned() } else { format!("circuit.{path}") }
 }
 
 impl Model {

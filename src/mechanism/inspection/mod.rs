@@ -7,7 +7,7 @@ mod facts;
 mod path;
 mod travel;
 
-use super::definition::Mechanism;
+use super::definition::{DefinitionError, Mechanism};
 use super::model::Model;
 use crate::inspection::{Finding, Inspection};
 
@@ -22,7 +22,8 @@ pub fn inspect(text: &str) -> Inspection {
         }
     };
     (out.is_readable, out.name) = (true, mechanism.name.clone());
-    out.findings.extend(faults.into_iter().map(|fault| Finding::error(fault.path(), &fault)));
+    let of_fault = |fault: DefinitionError| Finding::error(path::in_file(fault.path(), &mechanism), &fault);
+    out.findings.extend(faults.into_iter().map(of_fault));
     if !out.findings.is_empty() {
         out.findings.extend(mechanism.warnings());
         return out;

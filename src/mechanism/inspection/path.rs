@@ -5,6 +5,16 @@ use crate::mechanism::definition::Mechanism;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::reduced::ReductionError;
 
+/// Path in the file of a fault's key, where those of a circuit stand in its drive.
+pub fn in_file(path: &str, mechanism: &Mechanism) -> String {
+    let first = path.split('.').next().unwrap_or_default();
+    let is_own = || serde_json::to_value(mechanism).is_ok_and(|keys| keys.get(first).is_some());
+    match mechanism.hydraulic_drive() {
+        Some((_, drive, _)) if !is_own() => format!("actuators.{drive}.hydraulics.{path}"),
+        _ => path.to_owned(),
+    }
+}
+
 /// Path of the key to which an error belongs; empty for the whole file.
 pub fn of_error(error: &ModelError, mechanism: &Mechanism) -> String {
     match error {
