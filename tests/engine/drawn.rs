@@ -128,7 +128,7 @@ fn degrees_and_millimetres_are_the_same_mechanism() {
             factors.push((parameter.key.concat(), factor));
         });
         for (key, factor) in factors {
-            let pointer = format!("/{}", key.replace('.', "/").replace('[', "/").replace(']', ""));
+            let pointer = format!("/{}", key.replace(['.', '['], "/").replace(']', ""));
             if let Some(value) = all.pointer_mut(&pointer) {
                 *value = json!(value.as_f64().unwrap() * factor);
             }
