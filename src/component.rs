@@ -7,6 +7,7 @@
 //! each `match` of this file. Its model has methods of the same names, whose errors convert to [`Refused`].
 use crate::format::Experiment;
 use crate::hydraulics::{self, HydraulicsError};
+use crate::inspection::{Finding, Inspection};
 use crate::integrator::Method;
 use crate::mechanism::{self, ModelError};
 use crate::variables::{Interface, Reference, Terminal};
@@ -106,12 +107,26 @@ pub enum Snapshot {
 }
 
 type Constructor = fn(&str) -> Result<Component, Refused>;
+type Inspector = fn(&str) -> Inspection;
 
-/// Definition file of each kind of model, and how a component is made from its text.
-const KINDS: [(&str, Constructor); 2] = [
-    ("mechanism.json", |text| Ok(Component::Mechanism(mechanism::Model::from_json(text)?))),
-    ("hydraulics.json", |text| Ok(Component::Hydraulic(Box::new(hydraulics::Model::from_json(text)?)))),
+/// Definition file of each kind of model, how a component is made from its text, and how the text is inspected.
+const KINDS: [(&str, Constructor, Inspector); 2] = [
+    (
+        "mechanism.json",
+        |text| Ok(Component::Mechanism(mechanism::Model::from_json(text)?)),
+        mechanism::inspection::inspect,
+    ),
+    (
+        "hydraulics.json",
+        |text| Ok(Component::Hydraulic(Box::new(hydraulics::Model::from_json(text)?))),
+        hydraulics::inspection::inspect,
+    ),
 ];
+
+#[cold]
+fn no_kind(file: &str) -> Refused {
+    Refused(format!("'{file}' is the definition file of no kind of model"))
+}
 
 /// The same expression for the model of each kind.
 macro_rules! each {
@@ -139,7 +154,7 @@ macro_rules! questions {
 impl Component {
     /// Names of the definition files, one for each kind of model.
     pub fn definition_files() -> [&'static str; KINDS.len()] {
-        KINDS.map(|(file, _)| file)
+        KINDS.map(|(file, ..)| file)
     }
 
     /// The component that the definition file of this name and text describes.
@@ -147,9 +162,20 @@ impl Component {
     /// # Errors
     /// No kind of model has such a file; what is wrong with the text.
     pub fn from_definition(file: &str, text: &str) -> Result<Self, Refused> {
-        match KINDS.iter().find(|(name, _)| *name == file) {
-            Some((_, construct)) => construct(text),
-            None => Err(Refused(format!("'{file}' is the definition file of no kind of model"))),
+        match KINDS.iter().find(|(name, ..)| *name == file) {
+            Some((_, construct, _)) => construct(text),
+            None => Err(no_kind(file)),
+        }
+    }
+
+    /// All that is wrong with the text of the definition file of this name, and facts about the model that it gives.
+    ///
+    /// # Errors
+    /// No kind of model has such a file.
+    pub fn inspect(file: &str, text: &str) -> Result<Inspection, Refused> {
+        match KINDS.iter().find(|(name, ..)| *name == file) {
+            Some((.., inspect)) => Ok(inspect(text)),
+            None => Err(no_kind(file)),
         }
     }
 
@@ -169,6 +195,14 @@ impl Component {
     /// One-line description of the model.
     pub fn description(&self) -> &str {
         each!(self, model => model.description())
+    }
+
+    /// What the definition gives reason to warn of, for logs.
+    pub fn warnings(&self) -> Vec<Finding> {
+        match self {
+            Self::Mechanism(model) => model.warnings().to_vec(),
+            Self::Hydraulic(model) => model.warnings(),
+        }
     }
 
     /// Default experiment.
@@ -280,6 +314,15 @@ impl Component {
         match self {
             Self::Mechanism(model) => model.take_warning(),
             Self::Hydraulic(model) => model.take_warning(),
+        }
+    }
+
+    /// What the state after initialisation gives reason to warn of under the present inputs; None mostly.
+    #[cold]
+    pub fn start_warning(&mut self) -> Option<String> {
+        match self {
+            Self::Mechanism(model) => model.start_warning(),
+            Self::Hydraulic(_) => None,
         }
     }
 

@@ -6,6 +6,7 @@ pub mod archive;
 pub mod bench;
 mod binary;
 pub mod chain;
+pub mod check;
 mod command;
 mod files;
 mod library;

@@ -1,8 +1,9 @@
-//! The command line of `cargo fmu`. Exit codes: 0 done, 1 refused with one line, 2 wrong usage.
+//! The command line of `cargo fmu`. Exit codes: 0 done, 1 refused with one line or with what `check` has found, 2 wrong
+//! usage.
 
 use clap::{Parser, Subcommand};
 use fmu_build::workspace::Workspace;
-use fmu_build::{bench, chain, package, report, test};
+use fmu_build::{bench, chain, check, package, report, test};
 use std::process::ExitCode;
 
 #[derive(Parser)]
@@ -16,6 +17,8 @@ struct Cli {
 enum Task {
     /// Pack mechanisms into target/fmu/<Name>.fmu
     Package(package::Arguments),
+    /// Tell what is wrong with a mechanism, where it can go, and what it weighs
+    Check(check::Arguments),
     /// Run the retraction through FMPy: figures, table, plot
     Demo(report::Demo),
     /// Write the mechanism of a chain of N four-bars
@@ -32,6 +35,11 @@ fn main() -> ExitCode {
     let workspace = Workspace::locate();
     let result = match Cli::parse().task {
         Task::Package(arguments) => package::run(&workspace, &arguments).map(drop),
+        Task::Check(arguments) => match check::run(&workspace, &arguments) {
+            Ok(true) => Ok(()),
+            Ok(false) => return ExitCode::FAILURE,
+            Err(error) => Err(error),
+        },
         Task::Demo(arguments) => report::demo(&workspace, &arguments),
         Task::Chain(arguments) => chain::run(&arguments),
         Task::Report(arguments) => report::report(&workspace, &arguments),

@@ -8,10 +8,11 @@ use crate::binary::{self, Binary};
 use crate::source::{self, Companions, Source};
 use crate::workspace::{DEFAULT_FMU, Workspace};
 use crate::xml::{fmi2, terminals};
-use crate::{files, library, page, schema, ssp};
+use crate::{check, files, library, page, schema, ssp};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use linkage_fmu::component::Component;
+use linkage_fmu::inspection::Severity;
 use linkage_fmu::variables::Interface;
 use std::collections::HashMap;
 use std::fs;
@@ -123,6 +124,14 @@ fn further(named: &[binary::Named]) -> Result<Vec<Binary>> {
 fn prepare(source: Source) -> Result<Prepared> {
     let path = source.definition.display();
     let definition = source.text()?;
+    let checked = check::check(path.to_string(), source.kind(), definition.clone())?;
+    print!("{}", check::findings(&checked));
+    let errors = check::listed(&checked, Severity::Error);
+    if let Some(first) = errors.first() {
+        let others = if errors.len() > 1 { format!("; {} more stand above", errors.len() - 1) } else { String::new() };
+        bail!("{first}{others}");
+    }
+    println!("{}", check::summary(&checked));
     let component = Component::from_definition(source.kind(), &definition).with_context(|| path.to_string())?;
     let description = fmi2::to_xml(&component).with_context(|| path.to_string())?;
     let (name, file) = (component.name().to_owned(), component.definition_file());

@@ -28,13 +28,17 @@ fn validator() -> Validator {
 fn full() -> Value {
     json!({
         "$schema": "mechanism.schema.json", "name": "Full", "description": "d",
+        "units": { "angle": "rad", "length": "m" },
         "gravity": { "acceleration": 9.81, "up_angle": 1.5, "load_factor": 1 },
         "bodies": {
             "ground": { "length": 1.0, "points": { "anchor": [0.3, -2.0] } },
             "crank": { "length": 0.1, "mass": 1.2, "shape": "uniform_rod", "points": { "eye": [0.05, 0.02] } },
             "weight": { "fixed_to": "crank.origin", "angle": 3.0, "mass": 0.3, "center": [0.02, 0.0], "inertia": 0.001 },
             "rod": { "length": 0.3, "mass": 0.9, "shape": "uniform_rod", "axial_stiffness": 1e7 },
-            "slider": { "mass": 0.5 }
+            "slider": {
+                "mass": 0.5,
+                "drawn": { "origin": [0.38, 0.0], "angle": 0.0, "points": { "lug": [0.38, 0.05] }, "center": [0.38, 0.01] }
+            }
         },
         "joints": {
             "bearing": { "type": "revolute", "first": "ground.origin", "second": "crank.origin" },
@@ -84,10 +88,12 @@ fn full() -> Value {
 }
 
 /// Where one instance of each definition of the schema stands in the full mechanism.
-const LEVELS: [(&str, &str); 18] = [
+const LEVELS: [(&str, &str); 20] = [
     ("", ""),
+    ("units", "/units"),
     ("gravity", "/gravity"),
     ("body", "/bodies/crank"),
+    ("drawn", "/bodies/slider/drawn"),
     ("joint", "/joints/guide"),
     ("actuator", "/actuators/cylinder"),
     ("force", "/forces/push"),
@@ -192,6 +198,8 @@ fn choices_agree() {
         ("joint", "/joints/guide", "type"),
         ("stop", "/stops/up", "limit"),
         ("solver", "/solver", "method"),
+        ("units", "/units", "angle"),
+        ("units", "/units", "length"),
     ] {
         let mut mechanism = full();
         mechanism.pointer_mut(path).unwrap()[key] = json!("no_such_choice");

@@ -43,6 +43,7 @@ pub fn instantiate(
     };
     let refusal = match catch_unwind(AssertUnwindSafe(load)) {
         Ok(Ok(component)) => {
+            component.warnings().iter().for_each(|warning| logger.remark(&warning.to_string()));
             let instance = UnsafeCell::new(Instance::new(logger, component));
             return Box::into_raw(Box::new(Handle { word: AtomicU64::new(IDLE), instance })).cast();
         }

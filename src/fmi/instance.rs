@@ -69,6 +69,9 @@ impl Instance {
         }
         self.component.initialize()?;
         self.phase = Phase::Step;
+        if let Some(warning) = self.component.start_warning() {
+            self.logger.remark(&warning);
+        }
         self.logger.event(|| format!("initialized at t = {} s", self.clock.time));
         Ok(())
     }

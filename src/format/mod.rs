@@ -19,29 +19,74 @@ use strict::Strict;
 
 /// A refused definition; the text names the key, the value and what is allowed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct DefinitionError(String);
+pub struct DefinitionError {
+    path: String,
+    text: String,
+}
 
 impl DefinitionError {
     /// A missing key, a key that excludes another, or a text that is not JSON of this format.
     pub fn key(key: impl Display, message: impl Display) -> Self {
-        Self(format!("{key}: {message}"))
+        let path = key.to_string();
+        Self { text: format!("{path}: {message}"), path }
     }
 
     /// A number or text out of its range.
     pub fn value(key: impl Display, value: impl Display, allowed: impl Display) -> Self {
-        Self(format!("{key} = {value}: must be {allowed}"))
+        let path = key.to_string();
+        Self { text: format!("{path} = {value}: must be {allowed}"), path }
     }
 
     /// A name that no element has.
     pub fn unknown(key: impl Display, name: &str, allowed: impl Display) -> Self {
-        Self(format!("{key} = \"{name}\": there is none; {allowed}"))
+        let path = key.to_string();
+        Self { text: format!("{path} = \"{name}\": there is none; {allowed}"), path }
+    }
+
+    /// Path of the key at fault, such as `bodies.crank.length`.
+    pub fn path(&self) -> &str {
+        &self.path
+    }
+}
+
+/// All faults of a definition, in the order in which they are found.
+#[derive(Debug, Default)]
+pub struct Faults(Vec<DefinitionError>);
+
+impl Faults {
+    /// The value that was checked; None if it is at fault, which is kept.
+    pub fn keep<T>(&mut self, checked: Result<T, DefinitionError>) -> Option<T> {
+        checked.map_err(|fault| self.0.push(fault)).ok()
+    }
+
+    /// Number of faults.
+    #[expect(clippy::len_without_is_empty, reason = "nobody asks")]
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Nothing, or the first fault.
+    ///
+    /// # Errors
+    /// The first fault.
+    pub fn first(self) -> Result<(), DefinitionError> {
+        self.0.into_iter().next().map_or(Ok(()), Err)
+    }
+}
+
+impl IntoIterator for Faults {
+    type Item = DefinitionError;
+    type IntoIter = std::vec::IntoIter<DefinitionError>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.into_iter()
     }
 }
 
 impl Display for DefinitionError {
     /// A key in the file may hold any character.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&on_one_line(&self.0))
+        f.write_str(&on_one_line(&self.text))
     }
 }
 
@@ -65,9 +110,10 @@ pub(crate) fn on_one_line(message: &str) -> String {
 /// The path of the key at which the parser stopped, with its message.
 pub fn read<T: DeserializeOwned>(kind: &str, text: &str) -> Result<T, DefinitionError> {
     // Some editors begin a file with a byte order mark.
-    let mut json = serde_json::Deserializer::from_str(text.strip_prefix('\u{feff}').unwrap_or(text));
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut json = serde_json::Deserializer::from_str(text);
     let malformed = |key: String, error: &serde_json::Error| {
-        DefinitionError::key(if key.is_empty() { format!("no {kind}") } else { key }, message(error))
+        DefinitionError::key(if key.is_empty() { format!("no {kind}") } else { key }, message(error, text))
     };
     let read = serde_path_to_error::deserialize(Strict(&mut json))
         .map_err(|error| malformed(key(error.path()), error.inner()))?;
@@ -90,15 +136,72 @@ fn key(path: &Path) -> String {
 }
 
 /// The parser's message, for whoever writes the file.
-fn message(error: &serde_json::Error) -> String {
+fn message(error: &serde_json::Error, text: &str) -> String {
     let message = error.to_string().replace("expected f64", "expected a number");
-    let remedy = if message.contains("invalid type: null") { "; leave the key out if it has no value" } else { "" };
+    let message = message.replace("invalid type: sequence", "invalid type: a list [ ]");
+    let message = message.replace("invalid type: map", "invalid type: an object { }");
+    let remedy = if message.contains("invalid type: null") {
+        "; leave the key out if it has no value"
+    } else if message.contains("a list [ ], expected an object") {
+        "; write { \"name\": value } in place of [ value ]"
+    } else if message.contains("invalid length") || message.contains("trailing characters") {
+        "; decimals are written with a point, such as 0.5"
+    } else if error.is_syntax() {
+        syntax_remedy(text, error.line(), error.column())
+    } else {
+        ""
+    };
     message + remedy
+}
+
+/// What is no JSON at this line and column, from 1, where it is known.
+fn syntax_remedy(text: &str, line: usize, column: usize) -> &'static str {
+    let Some(of_line) = text.split('\n').nth(line.saturating_sub(1)) else { return "" };
+    let (bytes, at) = (of_line.as_bytes(), column.saturating_sub(1));
+    // The parser stops at the fault, or one behind it.
+    let starts = |from: usize, word: &str| {
+        bytes.get(from..from + word.len()).is_some_and(|part| part.eq_ignore_ascii_case(word.as_bytes()))
+    };
+    let near = |words: &[&str]| {
+        let places = at.saturating_sub(3)..=at;
+        places.into_iter().any(|from| words.iter().any(|word| starts(from, word)))
+    };
+    let is_digit = |at: usize| bytes.get(at).is_some_and(u8::is_ascii_digit);
+    if near(&["//", "/*"]) || starts(at, "#") {
+        "; JSON has no comments: remove this one"
+    } else if near(&["nan", "inf"]) {
+        "; numbers are finite in JSON: give one, or leave the key out"
+    } else if at > 1 && is_digit(at) && bytes[at - 1] == b',' && is_digit(at - 2) {
+        "; decimals are written with a point, such as 0.5"
+    } else {
+        ""
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_no_json_is_named() {
+        for (text, said) in [
+            ("{ // none\n}", "no comments"),
+            ("{\n  /* none */ \"a\": 1 }", "no comments"),
+            ("{ \"a\": 1 # none\n}", "no comments"),
+            ("{ \"a\": NaN }", "finite"),
+            ("{ \"a\": -Infinity }", "finite"),
+            ("{ \"a\": 0,5 }", "with a point"),
+            ("{ \"a\": [1.0, 2.0] }", "a list [ ], expected"),
+        ] {
+            let message = read::<std::collections::HashMap<String, f64>>("test", text).unwrap_err().to_string();
+            assert!(message.contains(said), "{text}: {message}");
+        }
+        let message = read::<std::collections::HashMap<String, [f64; 2]>>("test", "{ \"a\": [0,5, 0,2] }");
+        let message = message.unwrap_err().to_string();
+        assert!(message.contains("with a point"), "{message}");
+        let message = read::<Named<f64>>("test", "[1]").unwrap_err().to_string();
+        assert!(message.contains("expected an object") && message.contains("in place of"), "{message}");
+    }
 
     #[test]
     fn a_message_is_one_line() {

@@ -29,6 +29,16 @@ impl<T: PartialEq> PartialEq for Named<T> {
     }
 }
 
+impl<T> FromIterator<(String, T)> for Named<T> {
+    /// Entries whose names are unique.
+    fn from_iter<I: IntoIterator<Item = (String, T)>>(entries: I) -> Self {
+        let entries: Vec<(String, T)> = entries.into_iter().collect();
+        let all = || entries.iter().enumerate().map(|(i, (name, _))| (name.clone(), i)).collect();
+        let indices = (entries.len() > FEW).then(|| Arc::new(all()));
+        Self { entries, indices }
+    }
+}
+
 impl<T> Named<T> {
     /// Entries in order.
     pub fn iter(&self) -> impl Iterator<Item = (&str, &T)> {

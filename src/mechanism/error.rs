@@ -48,8 +48,8 @@ pub enum ModelError {
     Integration(IntegrationError),
     /// The integration of a mechanism with a hydraulic circuit stopped; `circuit`: the pressures there, in words.
     Stuck { error: IntegrationError, circuit: String },
-    /// Friction and reactions have no common solution.
-    Locked { position: String },
+    /// Friction and reactions have no common solution; `joint`: where most of the friction is.
+    Locked { position: String, joint: String },
     /// The start is beyond a stop: its quantity, the values at the stop and at the start.
     BeyondStop { name: String, value: f64, start: f64 },
     /// More bumpers are enabled than a mechanism may have.
@@ -145,10 +145,10 @@ impl fmt::Display for ModelError {
                  check the sizes of the inputs",
                 Decimal(*t)
             ),
-            Self::Locked { position } => write!(
+            Self::Locked { position, joint } => write!(
                 f,
-                "friction locks the mechanism near {position}: the coefficients or pin radii ask for more friction than \
-                 the reactions can cause; reduce them"
+                "friction locks the mechanism near {position}, most of it in {joint}: the coefficients or pin radii ask for \
+                 more friction than the reactions can cause; reduce them, or let stops end the travel before"
             ),
             Self::BeyondStop { name, value, start } => write!(
                 f,

@@ -5,6 +5,7 @@ pub mod definition;
 mod dynamics;
 mod error;
 mod fem_motion;
+pub mod inspection;
 pub mod interface;
 pub mod linkage;
 pub mod loads;
@@ -17,6 +18,7 @@ pub mod reactions;
 pub mod reduced;
 pub mod rigid_fem;
 mod snapshot;
+mod warnings;
 
 pub use crate::integrator::Statistics;
 pub use error::ModelError;

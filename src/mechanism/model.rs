@@ -14,6 +14,8 @@ use super::motion::state::State;
 use super::outputs::{Computed, ReducedMotion};
 use super::parameters::ParameterValues;
 use super::quantity::{Hydraulic, Output, Quantity};
+use super::warnings::warnings;
+use crate::inspection::Finding;
 use crate::integrator::Statistics;
 use crate::mechanism::definition::{Mechanism, Method, Range, Role};
 use crate::mechanism::reduced::Reduced;
@@ -58,6 +60,8 @@ pub(super) struct Original {
     /// Identity of the mechanism for snapshots, found when the first one is taken.
     pub(super) identity: OnceLock<[u64; 2]>,
     pub(super) reduced: Arc<Reduced>,
+    /// What the definition gives reason to warn of.
+    pub(super) warnings: Vec<Finding>,
 }
 
 impl Model {
@@ -67,6 +71,7 @@ impl Model {
     /// The definition is wrong, or gives no mechanism.
     pub fn from_json(text: &str) -> Result<Self, ModelError> {
         let mut mechanism = Mechanism::from_json(text)?;
+        let mut found = mechanism.warnings();
         let variables = interface::variables(&mechanism)?;
         let mut ranges = Vec::new();
         mechanism.parameters(&mut |p, _| ranges.push((p.range, p.role)));
@@ -82,8 +87,10 @@ impl Model {
         }
         let inputs = Inputs { signal: InputPolynomial::new(reals.len()), reals, locks };
         let reduced = Arc::new(Reduced::new(&mechanism)?);
+        found.extend(warnings(&mechanism, &reduced));
         let parameter_values = Arc::new(ParameterValues::new(mechanism));
-        let original = Original { parameter_values, variables, ranges, inputs, identity: OnceLock::new(), reduced };
+        let identity = OnceLock::new();
+        let original = Original { parameter_values, variables, ranges, inputs, identity, reduced, warnings: found };
         let mut model = Self {
             parameter_values: Arc::clone(&original.parameter_values),
             inputs: original.inputs.clone(),

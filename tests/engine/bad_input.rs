@@ -26,7 +26,7 @@ fn text_that_is_no_mechanism() {
     for (text, fragments) in [
         ("", &["no mechanism", "EOF", "line 1"][..]),
         ("{", &["no mechanism", "EOF", "line 1"]),
-        ("[]", &["sequence", "expected an object", "line 1"]),
+        ("[]", &["a list", "expected an object", "line 1"]),
         ("null", &["no mechanism", "line 1"]),
         (r#"{ "name": "A", }"#, &["trailing comma", "line 1 column 16"]),
         ("{ name: 1 }", &["key must be a string", "line 1"]),
@@ -61,7 +61,7 @@ fn keys_and_types() {
 /// What serde's derived types would take besides: arrays for objects, null for what may be left out, objects for words.
 #[test]
 fn other_kinds_of_values() {
-    let sequence = &["invalid type: sequence", "expected an object", "line"][..];
+    let sequence = &["invalid type: a list", "expected an object", "line"][..];
     let null = &["invalid type: null", "line", "leave the key out"][..];
     let air =
         r#""air": { "density": 1.225, "flow_angle": -0.4407963267948966, "relative_wind": false, "airspeed": 0 }"#;
@@ -78,7 +78,7 @@ fn other_kinds_of_values() {
         (r#""mass": 13.689"#, r#""points": null"#, "bodies.crank.points", null),
         (r#""shape": "uniform_rod""#, r#""shape": null"#, "bodies.crank.shape", null),
         (air, r#""air": null"#, "air", null),
-        (r#""revolute""#, r#"{ "revolute": null }"#, "joints.joint1.type", &["invalid type: map", "a word"]),
+        (r#""revolute""#, r#"{ "revolute": null }"#, "joints.joint1.type", &["invalid type: an object", "a word"]),
     ] {
         let start = refusal(&changed(from, to));
         assert!(start.starts_with(&format!("{key}: ")), "`{start}` does not begin with `{key}`");
@@ -158,7 +158,7 @@ fn loads_without_a_direction() {
     let bracket = changed(r#"{ "length": 0.5729 }"#, r#"{ "length": 0.5729, "points": { "bracket": [0.1755, 0] } }"#);
     check(
         &bracket.replace(force, r#""first": "ground.bracket", "second": "crank.end""#),
-        &["actuator", "ends coincide near", "move one of its attachments"],
+        &["actuator", "ends coincide near", "move one of its attachments", "stops"],
     );
     let spring = changed(r#""markers":"#, "\"springs\": { \"coil\": { \"first\": \"crank.end\" } },\n  \"markers\":");
     check(&spring, &["springs.coil", "give first and second, or joint"]);
@@ -318,4 +318,68 @@ fn huge_and_tiny_numbers_are_written_with_exponents() {
     ] {
         check(&slider_crank(&[(path, value)]), &[fragment]);
     }
+}
+
+/// Two bars and the ground are a triangle, which holds both; a third bar spins freely.
+#[test]
+fn a_rigid_loop_is_told_with_what_it_holds_and_what_spins() {
+    let text = |start: &str| {
+        json!({
+            "name": "Triangle",
+            "bodies": {
+                "ground": { "length": 0.4 }, "left": { "length": 0.3, "mass": 1.0 }, "right": { "length": 0.3, "mass": 1.0 },
+                "spinner": { "length": 0.1, "mass": 1.0, "inertia": 0.01 }
+            },
+            "joints": {
+                "a": { "type": "revolute", "first": "ground.origin", "second": "left.origin" },
+                "b": { "type": "revolute", "first": "left.end", "second": "right.end" },
+                "c": { "type": "revolute", "first": "ground.end", "second": "right.origin" },
+                "d": { "type": "revolute", "first": "ground.end", "second": "spinner.origin" }
+            },
+            "start": { "body": start, "angle": 1.2 },
+            "guess": { "left": 0.8, "right": 2.3, "spinner": 1.0 }
+        })
+        .to_string()
+    };
+    Model::from_json(&text("spinner")).unwrap();
+    // cos of the angle at the ground: 0.2 / 0.3.
+    let held = (2.0_f64 / 3.0).acos();
+    let held = format!("left is held at {held:.10}");
+    check(&text("left"), &["left.start_angle = 1.2", &held, "rigid", "spinner moves freely", "remove a joint"]);
+}
+
+#[test]
+fn a_guess_of_what_gives_no_coordinate_says_why() {
+    let text = |guess: Value| {
+        json!({
+            "name": "Carriage",
+            "bodies": { "ground": { "length": 1.0 }, "carriage": { "length": 0.2, "mass": 1.0 } },
+            "joints": {
+                "rail": { "type": "prismatic", "first": "ground.origin", "second": "carriage.origin" },
+                "guide": { "type": "prismatic", "first": "ground.end", "second": "carriage.end" }
+            },
+            "stops": {
+                "in": { "joint": "guide", "limit": "lower", "position": 0.0 },
+                "out": { "joint": "guide", "limit": "upper", "position": 1.0 }
+            },
+            "start": { "joint": "guide", "position": 0.3 },
+            "guess": guess
+        })
+        .to_string()
+    };
+    // Of two joints between the same bodies the first in the file has the position.
+    Model::from_json(&text(json!({ "guide": 0.3 }))).unwrap();
+    check(&text(json!({ "rail": 0.3, "guide": 0.1 })), &["guess.rail", "follows from those of other prismatic joints"]);
+    check(&text(json!({ "guide": 0.3, "carriage": 0.0 })), &["guess.carriage", "does not turn", "leave it out"]);
+    let pin = changed("\"guess\": { \"crank\": 0.8", "\"guess\": { \"joint2\": 1, \"crank\": 0.8");
+    check(&pin, &["guess.joint2", "is a revolute joint", "angles of bodies"]);
+}
+
+#[test]
+fn names_have_a_length_that_files_can_have() {
+    let name = "N".repeat(300);
+    check(
+        &changed("\"LandingGearRetraction\"", &format!("\"{name}\"")),
+        &["name", "300 letters", "200 at most", "shorten"],
+    );
 }

@@ -8,6 +8,7 @@ mod cavitation;
 mod creep;
 mod derivatives;
 mod drag;
+mod drawn;
 mod drives;
 mod exact;
 mod friction;

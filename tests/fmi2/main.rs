@@ -13,3 +13,4 @@ mod interrupted;
 mod method;
 mod state;
 mod undefined;
+mod warnings;

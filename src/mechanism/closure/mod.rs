@@ -10,7 +10,7 @@ pub use factors::{Factors, dot};
 
 use crate::format::on_one_line;
 use crate::mechanism::definition::Named;
-use crate::mechanism::linkage::{Linkage, Positions};
+use crate::mechanism::linkage::{Freedom, Linkage, Positions};
 use crate::numerics::twofold::Twofold;
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
@@ -364,7 +364,20 @@ pub fn guessed(linkage: &Linkage, guess: &Named<f64>) -> Result<Vec<f64>, Assemb
         match found {
             Some((i, v)) => q[i] = Some(v),
             None => {
-                let message = format!("gives no coordinate; those are {}", linkage.coordinates.join(", "));
+                let all = linkage.coordinates.join(", ");
+                let message = match (body, linkage.joints.iter().find(|joint| joint.name == name)) {
+                    (Some(_), _) => {
+                        format!("the ground holds this body, so that it does not turn: leave it out of {all}")
+                    }
+                    (None, Some(joint)) if joint.freedom == Freedom::Revolute => {
+                        format!("is a revolute joint: guess the angles of bodies instead; the coordinates are {all}")
+                    }
+                    (None, Some(_)) => format!(
+                        "its position follows from those of other prismatic joints between the same bodies: leave it out; \
+                         the coordinates are {all}"
+                    ),
+                    (None, None) => format!("gives no coordinate; those are {all}"),
+                };
                 return Err(AssemblyError::Guess { name: on_one_line(name), message });
             }
         }

@@ -1,4 +1,5 @@
 //! Bodies, points on them whose motion is asked for, joints, and the friction in these.
+use super::drawing::Drawn;
 use super::{AXES, Role, Visit};
 use crate::format::{Flag, Named, Owner, Parameter, Range};
 use crate::variables::Unit;
@@ -27,6 +28,9 @@ pub struct Body {
     /// Further named points in the body's frame [m].
     #[serde(default)]
     pub points: Named<[f64; 2]>,
+    /// The body at the drawn position, in place of lengths and points in its frame; None once these are known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub drawn: Option<Drawn>,
 }
 
 /// Distribution of a body's mass.
@@ -109,9 +113,8 @@ pub enum JointKind {
 #[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Friction {
-    /// Whether the joints have friction.
-    #[serde(default)]
-    pub enabled: bool,
+    /// Whether the joints have friction; not where absent.
+    pub enabled: Option<bool>,
     /// Coefficient of static friction mu_S [1], >= 0.
     pub static_coefficient: f64,
     /// Coefficient of kinetic friction mu_d [1], >= 0.
@@ -160,6 +163,7 @@ impl Friction {
     }
 
     pub(super) fn flags(&mut self, visit: &mut dyn FnMut(Flag, &mut bool)) {
-        visit(Flag::new("friction", "enabled", ["Whether the joints have friction"]), &mut self.enabled);
+        let text = ["Whether the joints have friction"];
+        visit(Flag::new("friction", "enabled", text), self.enabled.get_or_insert(false));
     }
 }

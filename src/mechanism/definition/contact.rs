@@ -28,9 +28,8 @@ pub struct Stop {
     /// Whether the mechanism has this stop.
     #[serde(default = "yes")]
     pub enabled: bool,
-    /// Whether the stop is rigid; else a bumper, a spring and damper that only pushes.
-    #[serde(default = "yes")]
-    pub rigid: bool,
+    /// Whether the stop is rigid, as it is where absent; else a bumper, a spring and damper that only pushes.
+    pub rigid: Option<bool>,
     /// Rigid: speed after an impact over the speed before [1], from 0 to 1.
     #[serde(default)]
     pub restitution: f64,
@@ -91,6 +90,6 @@ impl Stop {
     pub(super) fn flags(&mut self, name: &str, visit: &mut dyn FnMut(Flag, &mut bool)) {
         visit(Flag::new(name, "enabled", ["Whether ", name, " is there"]), &mut self.enabled);
         let rigid = ["Whether ", name, " is rigid; else it is a spring and damper that only pushes"];
-        visit(Flag::new(name, "rigid", rigid), &mut self.rigid);
+        visit(Flag::new(name, "rigid", rigid), self.rigid.get_or_insert(true));
     }
 }

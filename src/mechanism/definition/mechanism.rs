@@ -2,6 +2,7 @@
 use super::Visit;
 use super::bodies::{Body, Friction, Joint, JointKind, Marker};
 use super::contact::{Lock, Stop};
+use super::drawing::Units;
 use super::experiment::{Solver, Start};
 use super::loads::{Actuator, Air, Force, Gravity, Spring, Surface, Torque};
 use crate::format::{Experiment, Flag, Named};
@@ -23,6 +24,9 @@ pub struct Mechanism {
     /// One line of text.
     #[serde(default)]
     pub description: String,
+    /// Units of the file's angles and lengths; None once all are in SI units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub units: Option<Units>,
     /// Uniform gravity; none where absent.
     pub gravity: Option<Gravity>,
     /// Bodies; [`GROUND`] among them.
@@ -59,7 +63,9 @@ pub struct Mechanism {
     pub locks: Named<Lock>,
     /// Position and speed at the start.
     pub start: Start,
-    /// Rough angle [rad] of each turning body and position [m] of each prismatic joint, which select the assembly.
+    /// Rough angle [rad] of each turning body and position [m] of each prismatic joint, which select the assembly;
+    /// those of drawn bodies follow.
+    #[serde(default)]
     pub guess: Named<f64>,
     /// Integration settings.
     #[serde(default)]

@@ -5,19 +5,22 @@
 //! anticlockwise positive.
 mod bodies;
 mod contact;
+mod drawing;
 mod experiment;
 mod loads;
 mod mechanism;
 mod validate;
+mod warnings;
 
 pub use crate::format::{DefinitionError, Experiment, Named, Range};
 pub use bodies::{Body, Friction, Joint, JointKind, Marker, Shape};
 pub use contact::{Limit, Lock, Stop};
+pub use drawing::{AngleUnit, Drawn, LengthUnit, Units};
 pub use experiment::{Method, Solver, Start};
 pub use loads::{Actuator, Air, Force, Gravity, Spring, Surface, Torque};
 pub use mechanism::{GROUND, Mechanism};
 
-use crate::format::{Parameter, read};
+use crate::format::{Faults, Parameter, read};
 
 /// What a parameter changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,8 +60,18 @@ impl Mechanism {
     /// A message with the key, its value and what is allowed.
     pub fn from_json(text: &str) -> Result<Self, DefinitionError> {
         let mut mechanism: Self = read("mechanism", text)?;
-        mechanism.check()?;
+        mechanism.faults().first()?;
         Ok(mechanism)
+    }
+
+    /// Read a definition, with all faults that show without geometry.
+    ///
+    /// # Errors
+    /// The text cannot be read as a mechanism at all.
+    pub fn with_faults(text: &str) -> Result<(Self, Faults), DefinitionError> {
+        let mut mechanism: Self = read("mechanism", text)?;
+        let faults = mechanism.faults();
+        Ok((mechanism, faults))
     }
 }
 

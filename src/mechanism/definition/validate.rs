@@ -1,20 +1,31 @@
 //! Checks of a definition that need no geometry: numbers in range, names that resolve, keys that go together.
 use super::bodies::{Body, JointKind};
+use super::contact::Stop;
 use super::experiment::Solver;
+use super::loads::Surface;
 use super::mechanism::{GROUND, Mechanism};
-use crate::format::{DefinitionError, Named, Range};
+use crate::format::{DefinitionError, Faults, Named, Range};
 use std::fmt;
 
 type Check = Result<(), DefinitionError>;
+
+/// Most letters of a name: file systems take 255 with what packing adds.
+const LONGEST: usize = 200;
 
 /// Names become parts of variable names: letters, digits and underscores, a letter first.
 fn check_name(key: impl fmt::Display, name: &str) -> Check {
     let mut letters = name.chars();
     let first = letters.next().is_some_and(|c| c.is_ascii_alphabetic());
+    if name.len() > LONGEST {
+        let (start, count) = (name.chars().take(20).collect::<String>(), name.chars().count());
+        let message =
+            format!("the name \"{start}...\" has {count} letters, {LONGEST} at most, as it names files: shorten it");
+        return refused(key, message);
+    }
     if first && letters.all(|c| c.is_ascii_alphanumeric() || c == '_') {
         return Ok(());
     }
-    let allowed = "a letter, then letters, digits or underscores";
+    let allowed = format!("a letter, then letters, digits or underscores, {LONGEST} at most");
     Err(DefinitionError::value(key, format_args!("\"{name}\""), allowed))
 }
 
@@ -39,29 +50,31 @@ fn entry<'m, T>(
 }
 
 impl Mechanism {
-    /// Check everything that needs no geometry.
-    pub(super) fn check(&mut self) -> Check {
-        check_name("name", &self.name)?;
+    /// All faults that show without geometry.
+    pub(super) fn faults(&mut self) -> Faults {
+        let mut faults = Faults::default();
+        self.resolve_drawing(&mut faults);
+        faults.keep(check_name("name", &self.name));
         if self.description.chars().any(char::is_control) {
             let value = format!("\"{}\"", self.description);
-            return Err(DefinitionError::value("description", value, "one line of text"));
+            faults.keep::<()>(Err(DefinitionError::value("description", value, "one line of text")));
         }
-        self.check_names()?;
-        self.check_solver()?;
-        let mut checked = Ok(());
+        self.check_names(&mut faults);
+        faults.keep(self.check_solver());
         self.parameters(&mut |parameter, value| {
-            if checked.is_ok() && !parameter.range.contains(*value) {
-                checked = parameter.range.check(parameter.key.concat(), *value);
+            if !parameter.range.contains(*value) {
+                faults.keep(parameter.range.check(parameter.key.concat(), *value));
             }
         });
-        checked?;
-        self.check_bodies()?;
-        self.check_joints()?;
-        self.check_loads()?;
-        self.check_surfaces()?;
-        self.check_stops()?;
-        self.check_start()?;
-        self.experiment.check()
+        self.check_bodies(&mut faults);
+        self.check_joints(&mut faults);
+        self.check_drives(&mut faults);
+        self.check_loads(&mut faults);
+        self.check_surfaces(&mut faults);
+        self.check_stops(&mut faults);
+        faults.keep(self.check_start());
+        faults.keep(self.experiment.check());
+        faults
     }
 
     /// A stated method has a step.
@@ -75,7 +88,7 @@ impl Mechanism {
         Ok(())
     }
 
-    fn check_names(&self) -> Check {
+    fn check_names(&self, faults: &mut Faults) {
         let groups: [(&str, Vec<&str>); 10] = [
             ("bodies", self.bodies.names()),
             ("joints", self.joints.names()),
@@ -89,18 +102,19 @@ impl Mechanism {
             ("locks", self.locks.names()),
         ];
         for (group, names) in groups {
-            names.into_iter().try_for_each(|name| check_name(group, name))?;
+            for name in names {
+                faults.keep(check_name(group, name));
+            }
         }
         for (body, b) in self.bodies.iter() {
             for point in b.points.names() {
-                check_name(format_args!("bodies.{body}.points"), point)?;
+                faults.keep(check_name(format_args!("bodies.{body}.points"), point));
                 if point == "origin" || point == "end" {
                     let message = "every body has its own origin and end; choose another name";
-                    return refused(format_args!("bodies.{body}.points.{point}"), message);
+                    faults.keep::<()>(refused(format_args!("bodies.{body}.points.{point}"), message));
                 }
             }
         }
-        Ok(())
     }
 
     /// Body and local coordinates [m] of a point written `body.point`, under this key.
@@ -129,45 +143,54 @@ impl Mechanism {
         }
     }
 
-    fn check_bodies(&self) -> Check {
+    fn check_bodies(&self, faults: &mut Faults) {
         if self.bodies.get(GROUND).is_none() {
-            return refused("bodies", "there is no body `ground`, the one that does not move: add it");
+            faults.keep::<()>(refused("bodies", "there is no body `ground`, the one that does not move: add it"));
         }
+        let before = faults.len();
         for (name, body) in self.bodies.iter() {
-            let refused = |key: &str, message: &str| refused(format_args!("bodies.{name}.{key}"), message);
-            let given = [
-                ("fixed_to", body.fixed_to.is_some()),
-                ("mass", body.mass.is_some()),
-                ("shape", body.shape.is_some()),
-                ("center", body.center.is_some()),
-                ("inertia", body.inertia.is_some()),
-                ("axial_stiffness", body.axial_stiffness.is_some()),
-            ];
-            if name == GROUND
-                && let Some((key, _)) = given.iter().find(|(_, there)| *there)
-            {
-                return refused(key, "the ground does not move: it has only length and points");
-            }
-            if let (Some(_), Some(to)) = (body.axial_stiffness, &body.fixed_to) {
-                let other = to.split('.').next().unwrap_or_default();
-                let message = "state the axial stiffness of the body that they are fixed to";
-                return refused("axial_stiffness", &format!("{name} is part of {other}: {message}"));
-            }
-            if body.angle.is_some() && body.fixed_to.is_none() {
-                return refused("angle", "goes with fixed_to only; a moving body's angle is in guess");
-            }
-            if body.shape.is_some() && body.length.is_none() {
-                return refused("shape", "a uniform_rod needs a length");
-            }
-            if body.shape.is_some() && (body.center.is_some() || body.inertia.is_some()) {
-                return refused("shape", "a uniform_rod has its own center and inertia: remove them");
-            }
+            faults.keep(Self::check_body(name, body));
         }
-        self.check_chains()
+        // A chain is followed through bodies that are sound.
+        if faults.len() == before {
+            self.check_chains(faults);
+        }
+    }
+
+    fn check_body(name: &str, body: &Body) -> Check {
+        let refused = |key: &str, message: &str| refused(format_args!("bodies.{name}.{key}"), message);
+        let given = [
+            ("fixed_to", body.fixed_to.is_some()),
+            ("mass", body.mass.is_some()),
+            ("shape", body.shape.is_some()),
+            ("center", body.center.is_some()),
+            ("inertia", body.inertia.is_some()),
+            ("axial_stiffness", body.axial_stiffness.is_some()),
+        ];
+        if name == GROUND
+            && let Some((key, _)) = given.iter().find(|(_, there)| *there)
+        {
+            return refused(key, "the ground does not move: it has only length and points");
+        }
+        if let (Some(_), Some(to)) = (body.axial_stiffness, &body.fixed_to) {
+            let other = to.split('.').next().unwrap_or_default();
+            let message = "state the axial stiffness of the body that they are fixed to";
+            return refused("axial_stiffness", &format!("{name} is part of {other}: {message}"));
+        }
+        if body.angle.is_some() && body.fixed_to.is_none() {
+            return refused("angle", "goes with fixed_to only; a moving body's angle is in guess");
+        }
+        if body.shape.is_some() && body.length.is_none() {
+            return refused("shape", "a uniform_rod needs a length");
+        }
+        if body.shape.is_some() && (body.center.is_some() || body.inertia.is_some()) {
+            return refused("shape", "a uniform_rod has its own center and inertia: remove them");
+        }
+        Ok(())
     }
 
     /// Every chain of fixed_to ends at a body that is not fixed.
-    fn check_chains(&self) -> Check {
+    fn check_chains(&self, faults: &mut Faults) {
         let bodies: Vec<(&str, &Body)> = self.bodies.iter().collect();
         // Number of the walk that has come by a body; one walk ends where an earlier one has been.
         let mut walks = vec![0; bodies.len()];
@@ -177,95 +200,100 @@ impl Mechanism {
                 walks[body] = walk;
                 let (name, Body { fixed_to: Some(to), .. }) = bodies[body] else { break };
                 let key = format_args!("bodies.{name}.fixed_to");
-                (body, _) = self.point(key, to)?;
+                let Some((next, _)) = faults.keep(self.point(key, to)) else { break };
+                body = next;
                 if walks[body] == walk {
                     let key = format_args!("bodies.{}.fixed_to", bodies[first].0);
-                    return refused(key, "the bodies are fixed to one another in a circle");
+                    faults.keep::<()>(refused(key, "the bodies are fixed to one another in a circle"));
                 }
             }
         }
-        Ok(())
     }
 
-    fn check_joints(&self) -> Check {
+    fn check_joints(&self, faults: &mut Faults) {
         for (name, joint) in self.joints.iter() {
             let key = |k: &str| format!("joints.{name}.{k}");
-            self.point(key("first"), &joint.first)?;
-            self.point(key("second"), &joint.second)?;
+            faults.keep(self.point(key("first"), &joint.first));
+            faults.keep(self.point(key("second"), &joint.second));
             let is_revolute = joint.kind == JointKind::Revolute;
             let (no_slide, no_pin) = ("goes with a prismatic joint only", "goes with a revolute joint only");
             let no_friction = "there is no friction that it could change: add the key friction";
+            let without = self.friction.is_none();
             for (k, value, excluded, message) in [
                 ("axis_angle", joint.axis_angle, is_revolute, no_slide),
                 ("angle", joint.angle, is_revolute, no_slide),
                 ("pin_radius", joint.pin_radius, !is_revolute, no_pin),
-                ("static_coefficient", joint.static_coefficient, self.friction.is_none(), no_friction),
-                ("kinetic_coefficient", joint.kinetic_coefficient, self.friction.is_none(), no_friction),
+                ("pin_radius", joint.pin_radius, is_revolute && without, no_friction),
+                ("static_coefficient", joint.static_coefficient, without, no_friction),
+                ("kinetic_coefficient", joint.kinetic_coefficient, without, no_friction),
             ] {
                 if value.is_some() && excluded {
-                    return refused(key(k), message);
+                    faults.keep::<()>(refused(key(k), message));
                 }
             }
         }
-        Ok(())
     }
 
-    fn check_loads(&self) -> Check {
-        if let Some(gravity) = &self.gravity {
-            Range::Finite.check("gravity.load_factor", gravity.load_factor)?;
-        }
+    fn check_drives(&self, faults: &mut Faults) {
         for (name, a) in self.actuators.iter() {
             let key = format!("actuators.{name}");
-            let is_rotary = self.check_ends(&key, &a.first, &a.second, &a.joint)?;
+            let Some(is_rotary) = faults.keep(self.check_ends(&key, &a.first, &a.second, &a.joint)) else { continue };
             let (asked, other) = if is_rotary { ("torque", a.force) } else { ("force", a.torque) };
             if other.is_some() {
                 let message = "a drive in a revolute joint has a torque, any other a force";
-                return refused(key, format!("give {asked}: {message}"));
+                faults.keep::<()>(refused(&key, format!("give {asked}: {message}")));
             }
-            Range::Finite.check(format_args!("{key}.{asked}"), a.force.or(a.torque).unwrap_or(0.0))?;
+            faults.keep(Range::Finite.check(format_args!("{key}.{asked}"), a.force.or(a.torque).unwrap_or(0.0)));
             if let Some(circuit) = &a.hydraulics {
-                let refuse = |message: &str| refused(format_args!("{key}.hydraulics"), message);
+                let mut refuse = |message: &str| faults.keep::<()>(refused(format_args!("{key}.hydraulics"), message));
                 if is_rotary {
-                    return refuse("a cylinder drives along a line: give first and second, or a prismatic joint");
+                    refuse("a cylinder drives along a line: give first and second, or a prismatic joint");
                 }
                 if a.force.is_some() {
-                    return refuse("the circuit gives the force, which is an output: remove force");
+                    refuse("the circuit gives the force, which is an output: remove force");
                 }
                 if a.efficiency.is_some() {
-                    return refuse("the circuit has the friction of its seals: remove efficiency");
+                    refuse("the circuit has the friction of its seals: remove efficiency");
                 }
                 if let Some((_, other, _)) = self.hydraulic_drive().filter(|(_, other, _)| *other != name) {
-                    return refuse(&format!("{other} has a circuit already, and one drive may have one: remove one"));
+                    refuse(&format!("{other} has a circuit already, and one drive may have one: remove one"));
                 }
-                circuit.check()?;
+                faults.keep(circuit.check());
             }
+        }
+    }
+
+    fn check_loads(&self, faults: &mut Faults) {
+        if let Some(gravity) = &self.gravity {
+            faults.keep(Range::Finite.check("gravity.load_factor", gravity.load_factor));
         }
         for (name, spring) in self.springs.iter() {
             let key = format!("springs.{name}");
-            let is_rotary = self.check_ends(&key, &spring.first, &spring.second, &spring.joint)?;
+            let ends = self.check_ends(&key, &spring.first, &spring.second, &spring.joint);
+            let Some(is_rotary) = faults.keep(ends) else { continue };
             let wrong = if is_rotary { spring.free_length } else { spring.free_angle };
             if wrong.is_some() {
-                return refused(key, "a spring in a revolute joint has a free_angle, any other a free_length");
+                let message = "a spring in a revolute joint has a free_angle, any other a free_length";
+                faults.keep::<()>(refused(key, message));
             }
         }
         for (name, force) in self.forces.iter() {
-            self.point(format_args!("forces.{name}.at"), &force.at)?;
+            faults.keep(self.point(format_args!("forces.{name}.at"), &force.at));
             for (i, component) in force.force.into_iter().enumerate() {
-                Range::Finite.check(format_args!("forces.{name}.force[{i}]"), component)?;
+                faults.keep(Range::Finite.check(format_args!("forces.{name}.force[{i}]"), component));
             }
         }
         for (name, torque) in self.torques.iter() {
-            entry(format_args!("torques.{name}.on"), "bodies", &self.bodies, &torque.on)?;
-            Range::Finite.check(format_args!("torques.{name}.torque"), torque.torque)?;
+            faults.keep(entry(format_args!("torques.{name}.on"), "bodies", &self.bodies, &torque.on));
+            faults.keep(Range::Finite.check(format_args!("torques.{name}.torque"), torque.torque));
         }
         for (name, marker) in self.markers.iter() {
-            self.point(format_args!("markers.{name}.at"), &marker.at)?;
+            faults.keep(self.point(format_args!("markers.{name}.at"), &marker.at));
         }
         for (name, &value) in self.guess.iter() {
             let range = if self.bodies.get(name).is_some() { Range::Turn } else { Range::Coordinate };
-            range.check(format_args!("guess.{name}"), value)?;
+            faults.keep(range.check(format_args!("guess.{name}"), value));
         }
-        Ok(())
     }
 
     /// Two different points, or one joint; whether it is a revolute joint.
@@ -293,65 +321,78 @@ impl Mechanism {
         }
     }
 
-    fn check_surfaces(&self) -> Check {
+    fn check_surfaces(&self, faults: &mut Faults) {
         if let Some(air) = &self.air {
-            Range::Finite.check("air.airspeed", air.airspeed)?;
+            faults.keep(Range::Finite.check("air.airspeed", air.airspeed));
         } else if let Some(name) = self.surfaces.names().first() {
             let message = "there is no air that could drag on it: add the key air";
-            return refused(format_args!("surfaces.{name}"), message);
+            faults.keep::<()>(refused(format_args!("surfaces.{name}"), message));
         }
         for (name, s) in self.surfaces.iter() {
-            let key = |k: &str| format!("surfaces.{name}.{k}");
-            match (&s.from, &s.to, s.width, &s.at, s.area) {
-                (Some(from), Some(to), Some(_), None, None) => {
-                    let (first, a) = self.point(key("from"), from)?;
-                    let (second, b) = self.point(key("to"), to)?;
-                    if first != second || a == b {
-                        return refused(key("to"), "must be another point of the same body as `from`");
-                    }
-                    if s.surface_angle.is_some() {
-                        return refused(key("surface_angle"), "goes with an area; a strip lies along its line");
-                    }
-                }
-                (None, None, None, Some(at), Some(_)) => {
-                    self.point(key("at"), at)?;
-                }
-                _ => return refused(format_args!("surfaces.{name}"), "give from, to and width, or at and area"),
-            }
+            faults.keep(self.check_surface(name, s));
         }
-        Ok(())
     }
 
-    fn check_stops(&self) -> Check {
+    fn check_surface(&self, name: &str, s: &Surface) -> Check {
+        let key = |k: &str| format!("surfaces.{name}.{k}");
+        match (&s.from, &s.to, s.width, &s.at, s.area) {
+            (Some(from), Some(to), Some(_), None, None) => {
+                let (first, a) = self.point(key("from"), from)?;
+                let (second, b) = self.point(key("to"), to)?;
+                if first != second || a == b {
+                    return refused(key("to"), "must be another point of the same body as `from`");
+                }
+                if s.surface_angle.is_some() {
+                    return refused(key("surface_angle"), "goes with an area; a strip lies along its line");
+                }
+                Ok(())
+            }
+            (None, None, None, Some(at), Some(_)) => self.point(key("at"), at).map(drop),
+            _ => refused(format_args!("surfaces.{name}"), "give from, to and width, or at and area"),
+        }
+    }
+
+    fn check_stops(&self, faults: &mut Faults) {
         for (name, s) in self.stops.iter() {
-            let key = format!("stops.{name}");
-            let asked = match (&s.body, &s.joint, &s.first, &s.second) {
-                (Some(body), None, None, None) => {
-                    entry(format_args!("{key}.body"), "bodies", &self.bodies, body)?;
-                    "angle"
-                }
-                (None, Some(_), None, None) | (None, None, Some(_), Some(_)) => {
-                    match (self.check_ends(&key, &s.first, &s.second, &s.joint)?, &s.joint) {
-                        (true, _) => "angle",
-                        (false, Some(_)) => "position",
-                        (false, None) => "length",
-                    }
-                }
-                _ => return refused(key, "give body, or joint, or first and second"),
-            };
-            let given = [("angle", s.angle), ("position", s.position), ("length", s.length)];
-            if given.iter().any(|(k, value)| value.is_some() != (*k == asked)) {
-                return refused(key, format!("give {asked}, and no other value"));
-            }
-            if let Some(flag) = &s.flag {
-                check_name(format_args!("{key}.flag"), flag)?;
-            }
+            faults.keep(self.check_stop(name, s));
         }
         for (name, lock) in self.locks.iter() {
-            entry(format_args!("locks.{name}.stop"), "stops", &self.stops, &lock.stop)?;
-            self.point(format_args!("locks.{name}.at"), &lock.at)?;
+            faults.keep(entry(format_args!("locks.{name}.stop"), "stops", &self.stops, &lock.stop));
+            faults.keep(self.point(format_args!("locks.{name}.at"), &lock.at));
         }
-        Ok(())
+    }
+
+    fn check_stop(&self, name: &str, s: &Stop) -> Check {
+        let key = format!("stops.{name}");
+        let asked = match (&s.body, &s.joint, &s.first, &s.second) {
+            (Some(body), None, None, None) => {
+                entry(format_args!("{key}.body"), "bodies", &self.bodies, body)?;
+                "angle"
+            }
+            (None, Some(_), None, None) | (None, None, Some(_), Some(_)) => {
+                match (self.check_ends(&key, &s.first, &s.second, &s.joint)?, &s.joint) {
+                    (true, _) => "angle",
+                    (false, Some(_)) => "position",
+                    (false, None) => "length",
+                }
+            }
+            _ => return refused(key, "give body, or joint, or first and second"),
+        };
+        let given = [("angle", s.angle), ("position", s.position), ("length", s.length)];
+        if given.iter().any(|(k, value)| value.is_some() != (*k == asked)) {
+            return refused(key, format!("give {asked}, and no other value"));
+        }
+        for (k, value) in [("stiffness", s.stiffness), ("damping", s.damping)] {
+            if s.rigid.is_none() && value != 0.0 {
+                let message = "a rigid stop has none: remove it, or add \"rigid\": false for a bumper (\"rigid\": true says \
+                               that it waits for the parameter to change)";
+                return refused(format_args!("{key}.{k}"), message);
+            }
+        }
+        match &s.flag {
+            Some(flag) => check_name(format_args!("{key}.flag"), flag),
+            None => Ok(()),
+        }
     }
 
     fn check_start(&self) -> Check {

@@ -330,7 +330,7 @@ impl Loading {
                 value,
                 quantity,
                 enabled: s.enabled,
-                rigid: s.rigid,
+                rigid: s.rigid.unwrap_or(true),
                 restitution: s.restitution,
                 stiffness: s.stiffness,
                 damping: s.damping,
@@ -402,7 +402,7 @@ impl Loading {
             friction_joints.push(FrictionJoint { joint, load: self.loads.len(), radius, law });
             self.loads.push(joint_load(linkage, joint));
         }
-        self.friction = Some(JointFriction { enabled, friction_joints });
+        self.friction = Some(JointFriction { enabled: enabled.unwrap_or(false), friction_joints });
         Ok(())
     }
 

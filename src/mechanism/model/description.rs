@@ -1,6 +1,7 @@
 //! What describes a model before it runs: names, variables, terminals, default experiment.
 use super::Model;
 use crate::format::Experiment;
+use crate::inspection::Finding;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::interface;
 use crate::mechanism::quantity::Quantity;
@@ -34,6 +35,11 @@ impl Model {
     /// The variables of each drive, as one connection.
     pub fn terminals(&self) -> Vec<Terminal> {
         interface::terminals(self.variables())
+    }
+
+    /// What the definition gives reason to warn of, for logs.
+    pub fn warnings(&self) -> &[Finding] {
+        &self.original.warnings
     }
 
     /// Default experiment.

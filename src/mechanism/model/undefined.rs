@@ -33,6 +33,25 @@ impl Model {
         self.reason(derivative)
     }
 
+    /// Why the mechanism cannot set off from its start under the present inputs, if friction locks it there.
+    #[cold]
+    pub fn start_warning(&mut self) -> Option<String> {
+        let (state, reduced) = (self.state.as_mut()?, self.reduced.as_ref()?);
+        reduced.loading().friction.as_ref().filter(|friction| friction.enabled)?;
+        let linkage = reduced.linkage();
+        let output = match linkage.bodies.iter().position(|body| body.angle_coordinate.is_some()) {
+            Some(body) => Output::Angle { body, order: 2 },
+            None => Output::JointPosition { coordinate: linkage.angles, order: 2 },
+        };
+        let Formulation::Reduced(motion) = state else { return None };
+        match motion.output(reduced, &self.inputs, output) {
+            Err(error @ (OutputError::Locked | OutputError::SelfLocking(_))) => {
+                self.reason(Err(error)).map(|reason| format!("at the start, {reason}"))
+            }
+            _ => None,
+        }
+    }
+
     fn real_output(&self, reference: Reference) -> Option<Output> {
         match self.original.variables.quantity(reference) {
             Some(Quantity::Output(output)) => Some(output),
@@ -53,9 +72,10 @@ impl Model {
                 format!("not smooth near {}", reduced.curve().describe(at.sigma, state.revolutions))
             }
             Err(OutputError::Locked) => format!(
-                "friction locks the mechanism near {} under the present inputs: friction and reactions have no common \
-                 solution",
-                state.describe(reduced)
+                "friction locks the mechanism near {} under the present inputs, most of it in {}: friction and reactions \
+                 have no common solution; reduce the coefficients or pin radii, or let stops end the travel before",
+                state.describe(reduced),
+                reduced.locking_joint(state.sigma)
             ),
             Err(OutputError::SelfLocking(drive)) => format!(
                 "friction locks the mechanism against {} near {}: no force of it overcomes the friction that it causes",

@@ -155,7 +155,10 @@ impl State {
             Err(Stopped::Circuit(left)) => left_circuit(reduced, left),
             Err(Stopped::Stuck(error, circuit)) => ModelError::Stuck { error, circuit },
             Err(Stopped::Length) => rough_length(reduced),
-            Err(Stopped::Locked) => ModelError::Locked { position: self.describe(reduced) },
+            Err(Stopped::Locked) => {
+                let joint = reduced.locking_joint(self.sigma).to_owned();
+                ModelError::Locked { position: self.describe(reduced), joint }
+            }
         };
         self.undo(reduced, is_new);
         Err(error)

@@ -39,6 +39,17 @@ pub enum ReductionError {
         /// Value in this range that differs from the stated one by whole revolutions, if any.
         turned: Option<f64>,
     },
+    /// The stated coordinate never moves: its loop is rigid.
+    Rigid {
+        /// Name of the variable that states the start.
+        name: String,
+        /// Value of the variable.
+        value: f64,
+        /// The one value that the coordinate has.
+        held: f64,
+        /// Names of the coordinates that move.
+        moving: Vec<String>,
+    },
     /// The stated coordinate does not move at this position, so it cannot have the stated speed.
     StartSpeed {
         /// Name of the variable that states the speed.
@@ -56,7 +67,7 @@ impl fmt::Display for ReductionError {
             Self::Curve(e) => e.fmt(f),
             Self::EndsMeet { name, position } => write!(
                 f,
-                "{name}: its two ends coincide near {position}, where its force has no direction; move one of its attachments"
+                "{name}: its two ends coincide near {position}, where its force has no direction; move one of its attachments, or let stops end the travel before"
             ),
             Self::Table { what, position } => write!(
                 f,
@@ -69,6 +80,16 @@ impl fmt::Display for ReductionError {
                     Some(same) => write!(f, ", where {} is the same position: state that", Decimal::rounded(*same)),
                     None => Ok(()),
                 }
+            }
+            Self::Rigid { name, value, held, moving } => {
+                let (owner, held) = (name.split('.').next().unwrap_or_default(), Decimal::rounded(*held));
+                write!(
+                    f,
+                    "{name} = {} cannot be reached: {owner} is held at {held} by the joints of its loop, which is rigid, and \
+                     {} moves freely; remove a joint of that loop or add a body to it, and hold what moves freely",
+                    Decimal(*value),
+                    moving.join(", ")
+                )
             }
             Self::StartSpeed { name, value } => write!(
                 f,
@@ -86,6 +107,10 @@ impl ReductionError {
     /// The error for a start that is stated by another quantity, which differs from the coordinate by a constant and
     /// has the value `stated` at the start.
     pub fn as_stated(mut self, stated: f64) -> Self {
+        if let Self::Rigid { value, held, .. } = &mut self {
+            *held += stated - *value;
+            *value = stated;
+        }
         if let Self::Start { value, range, turned, .. } = &mut self {
             let offset = stated - *value;
             *value = stated;

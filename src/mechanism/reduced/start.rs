@@ -72,6 +72,15 @@ impl Reduced {
         }
         let (sigma, revolution) = best.ok_or_else(|| {
             let (low, high) = self.range_of(table, coordinate);
+            if high - low <= RIGID * (1.0 + low.abs()) {
+                let moves = |i: &usize| {
+                    let (low, high) = self.range_of(table, *i);
+                    high - low > RIGID * (1.0 + low.abs())
+                };
+                let coordinates = &self.linkage().coordinates;
+                let moving = (0..coordinates.len()).filter(moves).map(|i| coordinates[i].clone()).collect();
+                return ReductionError::Rigid { name: name.into(), value, held: 0.5 * (low + high), moving };
+            }
             let same = value + TAU * ((0.5 * (low + high) - value) / TAU).round();
             let turned = (coordinate < self.linkage().angles && (low..=high).contains(&same)).then_some(same);
             ReductionError::Start { name: name.into(), value, range: (low, high), turned }
@@ -144,6 +153,8 @@ impl Reduced {
 const SAMPLES: usize = 16;
 /// Range of x in which a panel is searched, so that rounding at a border hides the start from one panel at most.
 const OVERLAP: f64 = 1.0 + 1e-9;
+/// Range of a coordinate that is rounding [rad or m, relative to 1 and the value].
+const RIGID: f64 = 1e-9;
 /// Distance beyond a toggle within which a stated start is at the toggle [rad or m].
 const TOGGLE: f64 = 1e-9;
 

@@ -3,6 +3,7 @@
 //! In: the reduced model. Out: coordinates, displacements, markers, reactions. It must not know states or inputs.
 use super::model::Reduced;
 use crate::mechanism::curve::Configuration;
+use crate::mechanism::loads::resolved::FrictionJoint;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::reactions::{Columns, Reaction, columns};
 use crate::numerics::plane::Vec2;
@@ -104,6 +105,20 @@ impl Reduced {
     pub fn exact_reaction(&self, joint: usize, sigma: f64) -> Vec<Reaction> {
         let all = columns(&self.curve().closure, &self.curve().configuration(sigma), &self.loading().loads);
         all.iter().map(|column| column[joint]).collect()
+    }
+
+    /// Name of the joint in which most of the friction is that an acceleration causes: the largest product of the static
+    /// friction's arm, the slip for each d sigma and the reaction to sigma_ddot = 1. For messages.
+    pub fn locking_joint(&self, sigma: f64) -> &str {
+        let c = self.curve().configuration(sigma);
+        let columns = columns(&self.curve().closure, &c, &[]);
+        let joints = self.loading().friction.iter().flat_map(|friction| &friction.friction_joints);
+        let weight = |joint: &FrictionJoint| {
+            let slip = self.loading().loads[joint.load].influence(self.linkage(), &c).abs();
+            joint.law.static_coefficient * joint.radius * slip * columns[0][joint.joint].force.norm()
+        };
+        let most = joints.max_by(|a, b| weight(a).total_cmp(&weight(b)));
+        most.map_or("no joint", |joint| &self.linkage().joints[joint.joint].name)
     }
 
     /// Derivative dr / d sigma of the position of a lock's point, from the exact evaluator.

@@ -227,7 +227,10 @@ impl Machine {
             match joint.freedom {
                 Freedom::Revolute { radius } => {
                     out["type"] = json!("revolute");
-                    out["pin_radius"] = json!(radius);
+                    // Without friction a radius does nothing, and is refused.
+                    if self.friction.is_some() {
+                        out["pin_radius"] = json!(radius);
+                    }
                 }
                 Freedom::Prismatic { axis } => {
                     out["type"] = json!("prismatic");

@@ -1,0 +1,142 @@
+//! Findings and facts in words, and as JSON.
+
+use super::{Checked, Located};
+use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
+use linkage_fmu::inspection::{Fact, Quantity, Severity};
+use serde_json::{Value, json};
+use std::collections::HashSet;
+use std::f64::consts::PI;
+use std::fmt::Write;
+
+/// All findings and facts of a definition.
+pub fn text(checked: &Checked) -> String {
+    let mut out = findings(checked);
+    let facts = &checked.inspection.facts;
+    let mut told = HashSet::new();
+    for topic in facts.iter().map(|fact| fact.topic).filter(|topic| told.insert(*topic)) {
+        let _ = writeln!(out, "{topic}");
+        for fact in facts.iter().filter(|fact| fact.topic == topic) {
+            let _ = writeln!(out, "  {}", line(fact));
+        }
+    }
+    let _ = writeln!(out, "{}", summary(checked));
+    out
+}
+
+/// All findings of a definition: each with its place, the text underlined, and the remedy.
+pub fn findings(checked: &Checked) -> String {
+    checked.findings.iter().map(|located| finding(checked, located) + "\n\n").collect()
+}
+
+/// Findings of this weight, one a line: place, message, remedy.
+pub fn listed(checked: &Checked, severity: Severity) -> Vec<String> {
+    let found = checked.findings.iter().filter(|located| located.finding.severity == severity);
+    found.map(|located| format!("{}: {}", place(checked, located), located.finding)).collect()
+}
+
+/// One line: what was found, and where the mechanism can go.
+pub fn summary(checked: &Checked) -> String {
+    let counted = |count: usize, word: &str| format!("{count} {word}{}", if count == 1 { "" } else { "s" });
+    let found = [(Severity::Error, "error"), (Severity::Warning, "warning")]
+        .map(|(severity, word)| counted(checked.count(severity), word));
+    let name = if checked.inspection.name.is_empty() { "no model" } else { &checked.inspection.name };
+    let mut out = format!("{}: {name}: {}", checked.shown, found.join(", "));
+    let facts = &checked.inspection.facts;
+    for topic in ["Crossings", "Near misses", "Redundant joints"] {
+        let count = facts.iter().filter(|fact| fact.topic == topic).count();
+        if count > 0 {
+            let _ = write!(out, ", {} {count}", topic.to_lowercase());
+        }
+    }
+    if !checked.is_whole {
+        out.push_str("; names and numbers are checked once these are put right");
+    }
+    if let Some(fact) = facts.iter().find(|fact| fact.topic.starts_with("Equilibrium")) {
+        let _ = write!(out, "; the start {}", fact.text.split([':', ',']).next().unwrap_or_default());
+    }
+    out
+}
+
+fn place(checked: &Checked, located: &Located) -> String {
+    let [line, column] = located.position;
+    if located.span.is_empty() { checked.shown.clone() } else { format!("{}:{line}:{column}", checked.shown) }
+}
+
+fn finding(checked: &Checked, located: &Located) -> String {
+    let finding = &located.finding;
+    let level = if finding.severity == Severity::Error { Level::ERROR } else { Level::WARNING };
+    let title = match finding.severity {
+        Severity::Warning if !finding.path.is_empty() => format!("{}: {}", finding.path, finding.message),
+        _ => finding.message.clone(),
+    };
+    let mut group = Group::with_title(level.primary_title(title));
+    if located.span.is_empty() {
+        group = group.element(annotate_snippets::Origin::path(checked.shown.as_str()));
+    } else {
+        let annotation = AnnotationKind::Primary.span(located.span.clone());
+        group =
+            group.element(Snippet::source(checked.text.as_str()).path(checked.shown.as_str()).annotation(annotation));
+    }
+    if !finding.remedy.is_empty() {
+        group = group.element(Level::HELP.message(finding.remedy.as_str()));
+    }
+    Renderer::plain().render(&[group])
+}
+
+fn line(fact: &Fact) -> String {
+    let of = if fact.of.is_empty() { String::new() } else { format!("{}: ", fact.of) };
+    let numbers: Vec<String> = fact.quantities.iter().map(quantity).collect();
+    let numbers = numbers.join(", ");
+    let joint = if numbers.is_empty() || fact.text.is_empty() { "" } else { "; " };
+    format!("{of}{numbers}{joint}{}", fact.text)
+}
+
+fn quantity(quantity: &Quantity) -> String {
+    let Quantity { name, value, unit } = quantity;
+    let degrees = match *unit {
+        "rad" => format!(" ({} deg)", number(value * 180.0 / PI)),
+        _ => String::new(),
+    };
+    match unit.strip_prefix('1') {
+        Some("") => format!("{name} {}", number(*value)),
+        _ if value.is_infinite() => format!("{name} without bound"),
+        _ => format!("{name} {} {unit}{degrees}", number(*value)),
+    }
+}
+
+/// Six digits.
+fn number(value: f64) -> String {
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    match rounded.abs() {
+        0.0 => "0".into(),
+        size if (1e-4..1e7).contains(&size) => rounded.to_string(),
+        _ => format!("{rounded:e}"),
+    }
+}
+
+/// Findings and facts of all definitions as JSON.
+pub fn json(all: &[Checked]) -> Value {
+    let finding = |located: &Located| {
+        let [line, column] = located.position;
+        json!({
+            "severity": located.finding.severity,
+            "path": located.finding.path,
+            "message": located.finding.message,
+            "remedy": located.finding.remedy,
+            "line": line,
+            "column": column,
+            "bytes": [located.span.start, located.span.end],
+        })
+    };
+    let one = |checked: &Checked| {
+        json!({
+            "file": checked.shown,
+            "name": checked.inspection.name,
+            "errors": checked.count(Severity::Error),
+            "warnings": checked.count(Severity::Warning),
+            "findings": checked.findings.iter().map(finding).collect::<Vec<_>>(),
+            "facts": checked.inspection.facts,
+        })
+    };
+    Value::Array(all.iter().map(one).collect())
+}

@@ -1,0 +1,110 @@
+//! Inspection of a hydraulic actuator: what its numbers amount to, and which look wrong.
+//!
+//! In: the text of a definition. Out: facts and findings. It must not know the laws
+//! of the circuit: its outputs tell.
+use super::definition::HydraulicActuator;
+use super::error::HydraulicsError;
+use super::model::Model;
+use super::plausibility::circuit_warnings;
+use crate::inspection::{Fact, Finding, Inspection};
+use crate::numerics::decimal::Decimal;
+use crate::variables::Unit;
+use std::cell::RefCell;
+use std::f64::consts::PI;
+
+/// Path in the file of a key, where those of the circuit stand in its own section.
+fn in_file(path: &str) -> String {
+    const OWN: [&str; 9] =
+        ["name", "description", "circuit", "actuator", "coupling", "solver", "experiment", "accumulator", "pump"];
+    let first = path.split('.').next().unwrap_or_default();
+    if OWN.contains(&first) { path.to_owned() } else { format!("circuit.{path}") }
+}
+
+impl Model {
+    /// What the definition gives reason to warn of, for logs.
+    pub fn warnings(&self) -> Vec<Finding> {
+        let mut copy = self.clone();
+        copy.reset();
+        let copy = RefCell::new(copy);
+        let value = |name: &str| {
+            let reference = self.variables().find(name)?;
+            copy.borrow_mut().real(reference).ok()
+        };
+        let mut all = circuit_warnings("circuit.", value);
+        if let [Some(length), Some(closed), Some(stroke)] =
+            ["actuator.length", "cylinder.closed_length", "cylinder.stroke"].map(value)
+            && !(closed..=closed + stroke).contains(&length)
+        {
+            let message = format!(
+                "is {} m, beyond the cylinder's lengths of {} m to {} m",
+                Decimal(length),
+                Decimal(closed),
+                Decimal::rounded(closed + stroke)
+            );
+            let remedy = "start within them, or change cylinder.closed_length or cylinder.stroke";
+            all.push(Finding::warning("actuator.length", message, remedy));
+        }
+        all
+    }
+}
+
+/// Inspect the text of a definition.
+pub fn inspect(text: &str) -> Inspection {
+    let mut out = Inspection::default();
+    let mut model = match Model::from_json(text) {
+        Ok(model) => model,
+        Err(error) => {
+            out.is_readable = crate::format::read::<HydraulicActuator>("hydraulic actuator", text).is_ok();
+            let path = match &error {
+                HydraulicsError::Definition(fault) if out.is_readable => in_file(fault.path()),
+                HydraulicsError::Definition(fault) => fault.path().to_owned(),
+                _ => String::new(),
+            };
+            out.findings.push(Finding::error(path, &error));
+            return out;
+        }
+    };
+    (out.is_readable, out.name) = (true, model.name().to_owned());
+    out.findings = model.warnings();
+    let mut value = |name: &str| {
+        let reference = model.variables().find(name);
+        reference.and_then(|reference| model.real(reference).ok()).unwrap_or(f64::NAN)
+    };
+    let [bore, rod, stroke, closed] =
+        ["bore", "rod", "stroke", "closed_length"].map(|key| value(&format!("cylinder.{key}")));
+    let [piston, ring] = [bore.powi(2), bore.powi(2) - rod.powi(2)].map(|square| 0.25 * PI * square);
+    let [supply, tank] = ["supply", "tank"].map(|side| value(&format!("{side}.pressure")));
+    let flow = value("valve.rated_flow");
+    let facts = &mut out.facts;
+    let fact = Fact::new("Cylinder", "area").with("piston", piston, Unit::SquareMetre);
+    facts.push(fact.with("rod side", ring, Unit::SquareMetre).with("ratio", piston / ring, Unit::One));
+    let fact = Fact::new("Cylinder", "length").with("least", closed, Unit::Metre);
+    let fact = fact.with("most", closed + stroke, Unit::Metre).with("stroke", stroke, Unit::Metre);
+    facts.push(fact.with("start", value("actuator.length"), Unit::Metre));
+    let fact = Fact::new("Cylinder", "largest force").with("pushing", piston * supply - ring * tank, Unit::Newton);
+    let text = "without seal friction, the other chamber at tank pressure";
+    facts.push(fact.with("pulling", ring * supply - piston * tank, Unit::Newton).saying(text));
+    let fact = Fact::new("Cylinder", "speed at the rated flow").with("out", flow / piston, Unit::MetrePerSecond);
+    facts.push(fact.with("in", flow / ring, Unit::MetrePerSecond));
+    for (chamber, of) in [("chamber_a", "chamber A"), ("chamber_b", "chamber B")] {
+        let mut value = |key: &str| value(&format!("{chamber}.{key}"));
+        let fact = Fact::new("Oil at the start", of).with("pressure", value("pressure"), Unit::Pascal);
+        let fact = fact.with("volume", value("volume"), Unit::CubicMetre);
+        facts.push(fact.with("bulk modulus", value("bulk_modulus"), Unit::Pascal));
+    }
+    let [stiffness, mass] = [value("actuator.stiffness"), value("actuator.reduced_mass")];
+    let fact = Fact::new("Oil at the start", "spring").with("stiffness", stiffness, Unit::NewtonPerMetre);
+    facts.push(match mass > 0.0 {
+        true => fact.with("frequency", (stiffness / mass).sqrt() / (2.0 * PI), Unit::Hertz),
+        false => fact.saying("its frequency follows from actuator.reduced_mass, an input"),
+    });
+    let [force, load] = [value("actuator.force"), value("actuator.holding_force")];
+    let fact = Fact::new("Equilibrium at the start", "").with("force", force, Unit::Newton);
+    facts.push(fact.with("holding force of the load", load, Unit::Newton).saying(
+        match (force - load).abs() <= 1e-3 * (force.abs() + load.abs()) {
+            true => "holds: the force is what the load asks for, to a part in a thousand",
+            false => "does not hold: with the load's inputs at their start values it sets off",
+        },
+    ));
+    out
+}

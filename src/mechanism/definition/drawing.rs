@@ -1,0 +1,345 @@
+//! Geometry as drawn: bodies by the coordinates of their points in the mechanism frame at one drawn position, and other
+//! units of angle and length for the file.
+//!
+//! In: a mechanism as read. Out: the same mechanism in lengths, points in the bodies' frames and a guess, in SI units.
+//! It must not know how loops are closed.
+use super::bodies::{Body, JointKind};
+use super::mechanism::{GROUND, Mechanism};
+use super::{Role, Visit};
+use crate::format::{DefinitionError, Faults, Named};
+use crate::numerics::decimal::Decimal;
+use crate::numerics::plane::{Vec2, cross, turned};
+use crate::variables::Unit;
+use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
+use std::f64::consts::{PI, TAU};
+
+/// Largest difference of a stated value from the drawn one, relative to the size of the drawing, and in rad: the
+/// rounding of coordinates to six digits.
+const ROUNDING: f64 = 1e-6;
+/// Gap of a joint at the drawn position that is an error of the drawing, relative to its size.
+const OPEN: f64 = 1e-3;
+/// Angle that is 0 but for rounding [rad].
+const ZERO: f64 = 1e-12;
+
+/// Units of the angles and lengths in a file; all others are SI.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, PartialEq, Eq)]
+#[serde(deny_unknown_fields)]
+pub struct Units {
+    /// Unit of the angles; rad where absent.
+    pub angle: Option<AngleUnit>,
+    /// Unit of the lengths; m where absent.
+    pub length: Option<LengthUnit>,
+}
+
+/// Unit of angles.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
+#[serde(rename_all = "snake_case")]
+pub enum AngleUnit {
+    /// Radians.
+    Rad,
+    /// Degrees.
+    Deg,
+}
+
+/// Unit of lengths.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
+#[serde(rename_all = "snake_case")]
+pub enum LengthUnit {
+    /// Metres.
+    M,
+    /// Millimetres.
+    Mm,
+}
+
+/// A body at the drawn position: coordinates in the mechanism frame [m].
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Drawn {
+    /// The point `origin`.
+    pub origin: [f64; 2],
+    /// The point `end`; the body's x axis points there, and its distance is the body's length.
+    pub end: Option<[f64; 2]>,
+    /// Without `end`: angle of the body's x axis from the X axis [rad]; 0 where absent.
+    pub angle: Option<f64>,
+    /// Further points by name.
+    #[serde(default)]
+    pub points: Named<[f64; 2]>,
+    /// Centre of mass.
+    pub center: Option<[f64; 2]>,
+}
+
+impl Units {
+    fn angle(self, value: &mut f64) {
+        if self.angle == Some(AngleUnit::Deg) {
+            *value = value.to_radians();
+        }
+    }
+
+    fn length(self, value: &mut f64) {
+        if self.length == Some(LengthUnit::Mm) {
+            *value /= 1000.0;
+        }
+    }
+
+    fn lengths(self, values: &mut [f64; 2]) {
+        values.iter_mut().for_each(|value| self.length(value));
+    }
+}
+
+impl Mechanism {
+    /// Take the file's units and drawn coordinates into SI units, lengths, points and a guess.
+    pub(super) fn resolve_drawing(&mut self, faults: &mut Faults) {
+        if let Some(units) = self.units.take() {
+            self.convert(units);
+        }
+        let frames = self.drawn_frames(faults);
+        if frames.is_empty() {
+            return;
+        }
+        let size = frames.values().fold(0.0, |size: f64, (origin, _)| size.max(origin.norm()));
+        let bodies = self.bodies.iter().map(|(_, body)| body.length.unwrap_or(0.0));
+        let size = bodies.fold(size, f64::max);
+        self.resolve_fixed(&frames, size, faults);
+        self.resolve_joints(&frames, faults);
+        self.resolve_guess(&frames, size, faults);
+    }
+
+    /// Every angle and length of the file in SI units.
+    fn convert(&mut self, units: Units) {
+        let convert: &mut Visit = &mut |parameter, value| match (parameter.unit, parameter.role) {
+            // A circuit has defaults in SI units, so all its numbers are.
+            (_, Role::Circuit | Role::CircuitStart) => {}
+            (Unit::Radian, _) => units.angle(value),
+            (Unit::Metre, _) => units.length(value),
+            _ => {}
+        };
+        self.parameters(convert);
+        for (_, body) in self.bodies.iter_mut() {
+            let Some(drawn) = &mut body.drawn else { continue };
+            drawn.angle.iter_mut().for_each(|angle| units.angle(angle));
+            units.lengths(&mut drawn.origin);
+            drawn.end.iter_mut().chain(&mut drawn.center).for_each(|point| units.lengths(point));
+            drawn.points.iter_mut().for_each(|(_, point)| units.lengths(point));
+        }
+        let Self { bodies, guess, .. } = self;
+        for (name, value) in guess.iter_mut() {
+            if bodies.get(name).is_some() { units.angle(value) } else { units.length(value) }
+        }
+    }
+
+    /// Origin and angle of every drawn body, with the ground's; empty if nothing is drawn. Each body then has its
+    /// length and its points.
+    fn drawn_frames(&mut self, faults: &mut Faults) -> HashMap<String, (Vec2, f64)> {
+        let mut frames = HashMap::new();
+        for (name, body) in self.bodies.iter_mut() {
+            let Some(drawn) = body.drawn.take() else { continue };
+            if let Some(frame) = faults.keep(resolve_body(name, body, drawn)) {
+                frames.insert(name.to_owned(), frame);
+            }
+        }
+        if !frames.is_empty() {
+            frames.insert(GROUND.into(), (Vec2::zeros(), 0.0));
+        }
+        frames
+    }
+
+    /// Angles of fixed bodies, and whether they are drawn where they are fixed.
+    fn resolve_fixed(&mut self, frames: &HashMap<String, (Vec2, f64)>, size: f64, faults: &mut Faults) {
+        let mut angles = HashMap::new();
+        for (name, body) in self.bodies.iter() {
+            let (Some(to), Some(&(origin, angle))) = (&body.fixed_to, frames.get(name)) else { continue };
+            let carrier = to.split('.').next().unwrap_or_default();
+            let key = format!("bodies.{name}.fixed_to");
+            // A name that there is not is reported by the checks.
+            let Ok((_, local)) = self.point(&key, to) else { continue };
+            let Some(&(of, own)) = frames.get(carrier) else {
+                let message = format!("{name} is drawn, so {carrier} must be: give bodies.{carrier}.drawn");
+                faults.keep::<()>(Err(DefinitionError::key(key, message)));
+                continue;
+            };
+            let off = (of + turned(Vec2::from(local), own) - origin).norm();
+            if off > ROUNDING * size {
+                let message =
+                    format!("{name}'s origin is drawn {} m away from {to}; correct one", Decimal::rounded(off));
+                faults.keep::<()>(Err(DefinitionError::key(format_args!("bodies.{name}.drawn.origin"), message)));
+            }
+            let relative = wrapped(angle - own);
+            match body.angle {
+                Some(stated) if wrapped(stated - relative).abs() > ROUNDING => {
+                    let message = format!("as drawn it is {}: remove one, or correct it", Decimal::rounded(relative));
+                    let key = format!("bodies.{name}.angle");
+                    faults.keep::<()>(Err(DefinitionError::key(key, message)));
+                }
+                Some(_) => {}
+                None if relative.abs() > ZERO => drop(angles.insert(name.to_owned(), relative)),
+                None => {}
+            }
+        }
+        for (name, body) in self.bodies.iter_mut() {
+            if let Some(angle) = angles.get(name) {
+                body.angle = Some(*angle);
+            }
+        }
+    }
+
+    /// Angles between the bodies of prismatic joints.
+    fn resolve_joints(&mut self, frames: &HashMap<String, (Vec2, f64)>, faults: &mut Faults) {
+        let angle_of = |point: &str| frames.get(point.split('.').next().unwrap_or_default()).map(|(_, angle)| *angle);
+        for (name, joint) in self.joints.iter_mut().filter(|(_, joint)| joint.kind == JointKind::Prismatic) {
+            let (Some(first), Some(second)) = (angle_of(&joint.first), angle_of(&joint.second)) else { continue };
+            let relative = wrapped(second - first);
+            match joint.angle {
+                Some(stated) if wrapped(stated - relative).abs() > ROUNDING => {
+                    let message = format!("as drawn it is {}: remove one, or correct it", Decimal::rounded(relative));
+                    faults.keep::<()>(Err(DefinitionError::key(format_args!("joints.{name}.angle"), message)));
+                }
+                Some(_) => {}
+                None if relative.abs() > ZERO => joint.angle = Some(relative),
+                None => {}
+            }
+        }
+    }
+
+    /// A guess of every coordinate that is drawn and that the file does not state; joints that are drawn open.
+    fn resolve_guess(&mut self, frames: &HashMap<String, (Vec2, f64)>, size: f64, faults: &mut Faults) {
+        let place = |text: &str| {
+            let (origin, angle) = frames.get(text.split('.').next().unwrap_or_default())?;
+            let (_, local) = self.point("guess", text).ok()?;
+            Some((origin + turned(Vec2::from(local), *angle), *angle))
+        };
+        let mut groups = Groups::new(self);
+        let mut guesses: Vec<(String, f64)> = Vec::new();
+        for (name, joint) in self.joints.iter() {
+            let is_prismatic = joint.kind == JointKind::Prismatic;
+            // A prismatic joint between bodies that others hold already has no coordinate of its own.
+            let is_own = is_prismatic && groups.join(&joint.first, &joint.second);
+            let (Some((from, angle)), Some((to, _))) = (place(&joint.first), place(&joint.second)) else { continue };
+            let axis = turned(Vec2::x(), angle + joint.axis_angle.unwrap_or(0.0));
+            let gap = to - from;
+            let off = if is_prismatic { cross(axis, gap).abs() } else { gap.norm() };
+            if off > OPEN * size {
+                let what = if is_prismatic { "off the line through its first" } else { "away from its first" };
+                let message = format!("its second point is drawn {} m {what}: correct one", Decimal::rounded(off));
+                faults.keep::<()>(Err(DefinitionError::key(format_args!("joints.{name}"), message)));
+            }
+            if is_own && self.guess.get(name).is_none() {
+                guesses.push((name.to_owned(), axis.dot(&gap)));
+            }
+        }
+        // One body of each group that turns together, unless the file states one.
+        let mut known: Vec<usize> = vec![groups.of(GROUND)];
+        known.extend(self.guess.names().into_iter().map(|name| groups.of(name)));
+        for (name, _) in self.bodies.iter().filter(|(_, body)| body.fixed_to.is_none()) {
+            let (group, Some((_, angle))) = (groups.of(name), frames.get(name)) else { continue };
+            if !known.contains(&group) {
+                known.push(group);
+                guesses.push((name.to_owned(), *angle));
+            }
+        }
+        let stated = self.guess.iter().map(|(name, value)| (name.to_owned(), *value));
+        self.guess = stated.chain(guesses).collect();
+    }
+}
+
+/// Bodies that turn together: joined by fixings and by prismatic joints.
+struct Groups<'m> {
+    bodies: &'m Named<Body>,
+    /// Of each body another one of its group, or itself.
+    parts: Vec<usize>,
+}
+
+impl<'m> Groups<'m> {
+    /// The groups that fixings make.
+    fn new(mechanism: &'m Mechanism) -> Self {
+        let bodies = &mechanism.bodies;
+        let mut groups = Self { bodies, parts: (0..bodies.len()).collect() };
+        for (name, body) in bodies.iter() {
+            if let Some(to) = &body.fixed_to {
+                groups.join(name, to);
+            }
+        }
+        groups
+    }
+
+    /// The group of a body, or of a point's body; that of the ground for a name that there is not.
+    fn of(&mut self, point: &str) -> usize {
+        let mut at = self.bodies.position(point.split('.').next().unwrap_or_default()).unwrap_or(0);
+        while self.parts[at] != at {
+            self.parts[at] = self.parts[self.parts[at]];
+            at = self.parts[at];
+        }
+        at
+    }
+
+    /// Make one group of the groups of two points; whether they were two.
+    fn join(&mut self, one: &str, other: &str) -> bool {
+        let (one, other) = (self.of(one), self.of(other));
+        self.parts[other] = one;
+        one != other
+    }
+}
+
+/// Length, points and centre of a drawn body in its own frame; its origin and angle.
+fn resolve_body(name: &str, body: &mut Body, drawn: Drawn) -> Result<(Vec2, f64), DefinitionError> {
+    let key = |k: &str| format!("bodies.{name}.drawn{k}");
+    if name == GROUND {
+        let message = "the ground's frame is the mechanism frame: give its points and its length";
+        return Err(DefinitionError::key(key(""), message));
+    }
+    let finite = |p: &[f64; 2]| p.iter().all(|x| x.abs() <= 1e100);
+    let all = [Some(&drawn.origin), drawn.end.as_ref(), drawn.center.as_ref()];
+    if !all.into_iter().flatten().chain(drawn.points.iter().map(|(_, p)| p)).all(finite) {
+        return Err(DefinitionError::key(key(""), "its coordinates must be numbers from -1e100 to 1e100"));
+    }
+    let origin = Vec2::from(drawn.origin);
+    let angle = match (drawn.end, drawn.angle) {
+        (Some(_), Some(_)) => {
+            let message = "the body's x axis points from origin to end: remove it, or end";
+            return Err(DefinitionError::key(key(".angle"), message));
+        }
+        (Some(end), None) => {
+            let along = Vec2::from(end) - origin;
+            let length = along.norm();
+            if length == 0.0 {
+                return Err(DefinitionError::key(key(".end"), "is where the origin is: the body has no length"));
+            }
+            match body.length {
+                Some(stated) if (stated - length).abs() > ROUNDING * length => {
+                    let message = format!("origin and end are drawn {} m apart", Decimal::rounded(length));
+                    let allowed = format!("that too, as {message}: remove it, or correct one of them");
+                    return Err(DefinitionError::value(format_args!("bodies.{name}.length"), Decimal(stated), allowed));
+                }
+                Some(_) => {}
+                None => body.length = Some(length),
+            }
+            along.y.atan2(along.x)
+        }
+        (None, angle) => angle.unwrap_or(0.0),
+    };
+    let local = |point: [f64; 2]| {
+        let local = turned(Vec2::from(point) - origin, -angle);
+        [local.x, local.y]
+    };
+    if let Some(center) = drawn.center {
+        if body.center.is_some() {
+            return Err(DefinitionError::key(key(".center"), "is given in the body's frame too: remove one"));
+        }
+        body.center = Some(local(center));
+    }
+    let mut points: Vec<(String, [f64; 2])> = body.points.iter().map(|(n, p)| (n.to_owned(), *p)).collect();
+    for (point, place) in drawn.points.iter() {
+        if body.points.get(point).is_some() {
+            let message = "is given in the body's frame too: remove one";
+            return Err(DefinitionError::key(key(&format!(".points.{point}")), message));
+        }
+        points.push((point.to_owned(), local(*place)));
+    }
+    body.points = points.into_iter().collect();
+    Ok((origin, angle))
+}
+
+/// An angle from -pi to pi.
+fn wrapped(angle: f64) -> f64 {
+    (angle + PI).rem_euclid(TAU) - PI
+}

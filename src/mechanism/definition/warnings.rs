@@ -1,0 +1,174 @@
+//! Warnings about a definition that needs no geometry to be suspected: keys that do nothing together, and numbers that
+//! look as if they were in another unit.
+//!
+//! In: a definition as read, before its flags have their defaults. Out: warnings. It must not know how loops are
+//! closed.
+use super::mechanism::Mechanism;
+use super::{JointKind, Range};
+use crate::hydraulics::plausibility::circuit_warnings;
+use crate::inspection::Finding;
+use crate::numerics::decimal::Decimal;
+use std::f64::consts::{PI, TAU};
+use std::fmt;
+
+/// Largest direction that is taken for radians: a whole turn, and what rounding adds [rad].
+const DIRECTION: f64 = TAU + 0.01;
+/// Largest angle of a guess, a start or a stop that is taken for radians: two turns [rad].
+const ANGLE: f64 = 2.0 * TAU;
+/// Ratio of neighbouring lengths, and of all lengths, from which some are taken for millimetres beside metres.
+const APART: [f64; 2] = [100.0, 300.0];
+/// Distance of a centre of mass from the middle of its body's points that is far, in sizes of the body.
+const FAR: f64 = 3.0;
+
+impl Mechanism {
+    /// Warnings about the definition as it stands in the file. To be asked before [`Self::flags`], which gives flags
+    /// that the file leaves out their defaults.
+    pub fn warnings(&self) -> Vec<Finding> {
+        let mut all = Vec::new();
+        self.warn_of_friction(&mut all);
+        self.warn_of_stops(&mut all);
+        self.warn_of_bodies(&mut all);
+        self.warn_of_angles(&mut all);
+        self.warn_of_lengths(&mut all);
+        self.warn_of_circuit(&mut all);
+        all
+    }
+
+    fn warn_of_friction(&self, all: &mut Vec<Finding>) {
+        let Some(friction) = &self.friction else { return };
+        match friction.enabled {
+            None => all.push(Finding::warning(
+                "friction",
+                "is given, but not enabled, so the joints have none",
+                "add \"enabled\": true; \"enabled\": false says that it waits for the parameter",
+            )),
+            Some(false) => {}
+            Some(true) => {
+                let rubs = |joint: &super::Joint| joint.pin_radius.is_some() || joint.kind == JointKind::Prismatic;
+                if !self.joints.iter().any(|(_, joint)| rubs(joint)) {
+                    let remedy = "give the joints that rub their pin_radius";
+                    let message = "is enabled, but no joint has any: no revolute joint has a pin_radius, and there is \
+                                   no prismatic joint";
+                    all.push(Finding::warning("friction.enabled", message, remedy));
+                }
+            }
+        }
+    }
+
+    fn warn_of_stops(&self, all: &mut Vec<Finding>) {
+        for (name, stop) in self.stops.iter() {
+            let pushes = stop.stiffness != 0.0 || stop.damping != 0.0;
+            match stop.rigid {
+                Some(false) if !pushes => all.push(Finding::warning(
+                    format_args!("stops.{name}"),
+                    "is a bumper with neither stiffness nor damping, so it never pushes",
+                    "give it a stiffness, or \"rigid\": true",
+                )),
+                Some(true) if pushes => all.push(Finding::warning(
+                    format_args!("stops.{name}.{}", if stop.stiffness != 0.0 { "stiffness" } else { "damping" }),
+                    "does nothing while the stop is rigid",
+                    "say \"rigid\": false for a bumper",
+                )),
+                _ => {}
+            }
+        }
+    }
+
+    fn warn_of_bodies(&self, all: &mut Vec<Finding>) {
+        for (name, body) in self.bodies.iter() {
+            if body.shape.is_some() && body.mass.is_none() {
+                let (message, remedy) = ("says how a mass is spread, but there is no mass", "give the mass");
+                all.push(Finding::warning(format_args!("bodies.{name}.shape"), message, remedy));
+            }
+            let Some([x, y]) = body.center else { continue };
+            // The middle of the box round the body's points, and the box's diagonal.
+            let ends = body.length.map(|length| [length, 0.0]).into_iter();
+            let (mut low, mut high) = ([0.0_f64; 2], [0.0_f64; 2]);
+            for point in ends.chain(body.points.iter().map(|(_, point)| *point)) {
+                for axis in 0..2 {
+                    (low[axis], high[axis]) = (low[axis].min(point[axis]), high[axis].max(point[axis]));
+                }
+            }
+            let size = (high[0] - low[0]).hypot(high[1] - low[1]);
+            let away = (x - 0.5 * (low[0] + high[0])).hypot(y - 0.5 * (low[1] + high[1]));
+            if size > 0.0 && away > FAR * size {
+                let message = format!(
+                    "the centre of mass is {} m from the middle of a body whose points are {} m apart at most",
+                    Decimal::rounded(away),
+                    Decimal::rounded(size)
+                );
+                let remedy = "check its unit: lengths are in m, in the body's frame";
+                all.push(Finding::warning(format_args!("bodies.{name}.center"), message, remedy));
+            }
+        }
+    }
+
+    fn warn_of_angles(&self, all: &mut Vec<Finding>) {
+        let mut warn = |path: &dyn fmt::Display, value: Option<f64>, most: f64| {
+            let Some(value) = value.filter(|value| value.abs() > most && Range::Turn.contains(*value)) else { return };
+            let message =
+                format!("{} rad is {} turns", Decimal::rounded(value), Decimal((100.0 * value / TAU).round() / 100.0));
+            let (degrees, radians) = (Decimal(value), Decimal::rounded(value * PI / 180.0));
+            let remedy =
+                format!("if {degrees} degrees are meant, write {radians} or give \"units\": {{ \"angle\": \"deg\" }}");
+            all.push(Finding::warning(path, message, remedy));
+        };
+        warn(&"gravity.up_angle", self.gravity.as_ref().map(|gravity| gravity.up_angle), DIRECTION);
+        warn(&"air.flow_angle", self.air.as_ref().map(|air| air.flow_angle), DIRECTION);
+        for (name, body) in self.bodies.iter() {
+            warn(&format_args!("bodies.{name}.angle"), body.angle, DIRECTION);
+        }
+        for (name, joint) in self.joints.iter() {
+            warn(&format_args!("joints.{name}.axis_angle"), joint.axis_angle, DIRECTION);
+            warn(&format_args!("joints.{name}.angle"), joint.angle, DIRECTION);
+        }
+        for (name, surface) in self.surfaces.iter() {
+            warn(&format_args!("surfaces.{name}.surface_angle"), surface.surface_angle, DIRECTION);
+        }
+        for (name, stop) in self.stops.iter() {
+            warn(&format_args!("stops.{name}.angle"), stop.angle, ANGLE);
+        }
+        for (name, value) in self.guess.iter().filter(|(name, _)| self.bodies.get(name).is_some()) {
+            warn(&format_args!("guess.{name}"), Some(*value), ANGLE);
+        }
+        warn(&"start.angle", self.start.angle, ANGLE);
+    }
+
+    /// Millimetres beside metres: bodies, told by the largest distance of a point from the origin, in two groups far
+    /// apart.
+    fn warn_of_lengths(&self, all: &mut Vec<Finding>) {
+        let mut sizes: Vec<(f64, &str)> = Vec::new();
+        for (name, body) in self.bodies.iter() {
+            let points = body.points.iter().map(|(_, [x, y])| x.hypot(*y));
+            let size = points.chain(body.length).fold(0.0, f64::max);
+            if size > 0.0 && size.is_finite() {
+                sizes.push((size, name));
+            }
+        }
+        sizes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (Some(first), Some(last)) = (sizes.first(), sizes.last()) else { return };
+        let gap = sizes.windows(2).map(|pair| (pair[1].0 / pair[0].0, pair[1])).max_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((ratio, above)) = gap.filter(|(ratio, _)| *ratio >= APART[0] && last.0 / first.0 >= APART[1]) {
+            let message = format!(
+                "{} measures {} m, and the next smaller body a part in {} of that",
+                above.1,
+                Decimal::rounded(above.0),
+                ratio.round()
+            );
+            let remedy =
+                "check for millimetres beside metres; \"units\": { \"length\": \"mm\" } takes the whole file in mm";
+            all.push(Finding::warning(format_args!("bodies.{}", above.1), message, remedy));
+        }
+    }
+
+    fn warn_of_circuit(&self, all: &mut Vec<Finding>) {
+        let Some((_, drive, circuit)) = self.hydraulic_drive() else { return };
+        let mut values = vec![
+            ("supply.pressure".to_owned(), circuit.supply.pressure),
+            ("tank.pressure".into(), circuit.tank.pressure),
+        ];
+        circuit.clone().parameters([(); 2], &mut |parameter, value| values.push((parameter.name.concat(), *value)));
+        let value = |name: &str| values.iter().find(|(known, _)| known == name).map(|(_, value)| *value);
+        all.extend(circuit_warnings(&format!("actuators.{drive}.hydraulics."), value));
+    }
+}

@@ -1,0 +1,117 @@
+//! Static equilibrium at the start: whether the mechanism stays there if it is let go at rest.
+//!
+//! In: a model at its start. Out: what holds it, or with which acceleration it sets off, and what each drive would have
+//! to give. It must not know laws: the outputs tell.
+use crate::inspection::Fact;
+use crate::mechanism::loads::unit_load::Load;
+use crate::mechanism::model::Model;
+use crate::mechanism::motion::contact::Travel;
+use crate::mechanism::motion::state::State;
+use crate::mechanism::reduced::Reduced;
+use crate::variables::Unit;
+
+/// Part of the sum of all loads up to which their balance is rounding.
+const BALANCE: f64 = 1e-9;
+const TOPIC: &str = "Equilibrium at the start";
+
+/// Add the facts of the equilibrium; the model is left at rest.
+pub fn add(model: &mut Model, reduced: &Reduced, state: &State, facts: &mut Vec<Fact>) {
+    let start = &model.original.parameter_values.mechanism.start;
+    let of = start.body.clone().or_else(|| start.joint.clone()).unwrap_or_default();
+    let Some(speed) = model.variables().find(&format!("{of}.start_speed")) else { return };
+    if model.set_real(speed, 0.0).and_then(|()| model.initialize()).is_err() {
+        return;
+    }
+    let linkage = reduced.linkage();
+    // The coordinate that moves most tells the acceleration along the curve best.
+    let c = reduced.curve().configuration(state.sigma);
+    let weighted = |i: usize| c.q_sigma[i].abs() / if i < linkage.angles { 1.0 } else { linkage.size };
+    let most = (0..c.q.len()).fold(0, |most, i| if weighted(i) > weighted(most) { i } else { most });
+    let (name, is_angle) = (&linkage.coordinates[most], most < linkage.angles);
+    let Some(reference) = model.variables().find(&format!("{name}.acceleration")) else { return };
+    let Ok(acceleration) = model.real(reference) else { return };
+    let unit = if is_angle { Unit::RadianPerSecondSquared } else { Unit::MetrePerSecondSquared };
+    let fact = Fact::new(TOPIC, name).with("acceleration", acceleration, unit);
+    let all = natural_acceleration(reduced, &model.original.inputs.reals, state.sigma);
+    let here = state.sigma + state.revolutions * reduced.period().unwrap_or(0.0);
+    let text = if acceleration.is_nan() {
+        let reason = model.undefined(reference).unwrap_or_default();
+        format!("is unknown: {reason}")
+    } else if acceleration == 0.0 || (acceleration / c.q_sigma[most]).abs() <= BALANCE * all {
+        match held_by(reduced, &state.travel, here).filter(|_| acceleration == 0.0 && all > 0.0) {
+            Some(stop) => format!("holds: it is pressed against {stop}, or held there"),
+            None if all == 0.0 => "holds: no load acts".to_owned(),
+            None => "holds: the loads are in balance".to_owned(),
+        }
+    } else {
+        match creeps(model, reduced) {
+            Some(drive) => format!(
+                "does not hold, but creeps: the force of {drive} is within static friction, which allows motion below \
+                 friction.static_speed"
+            ),
+            None => "does not hold: let go at rest, it sets off".to_owned(),
+        }
+    };
+    facts.push(fact.saying(text));
+    for drive in &reduced.loading().drives {
+        let (word, unit) = if drive.is_rotary { ("torque", Unit::NewtonMetre) } else { ("force", Unit::Newton) };
+        let mut fact = Fact::new(TOPIC, &drive.name);
+        for (label, variable) in [("given", word.to_owned()), ("holding", format!("holding_{word}"))] {
+            let reference = model.variables().find(&format!("{}.{variable}", drive.name));
+            if let Some(Ok(value)) = reference.map(|reference| model.real(reference)) {
+                fact = fact.with(label, value, unit);
+            }
+        }
+        facts.push(fact);
+    }
+}
+
+/// Acceleration along the curve that all loads would cause if they acted along one motion. Balances are relative to it.
+fn natural_acceleration(reduced: &Reduced, inputs: &[f64], sigma: f64) -> f64 {
+    let (loading, linkage) = (reduced.loading(), reduced.linkage());
+    let influence = |load: usize| {
+        let displacement = match &loading.loads[load] {
+            Load::Torque { .. } | Load::Couple { .. } => 1.0,
+            Load::Force { .. } | Load::Pair { .. } | Load::Slide { .. } => linkage.size,
+            Load::Gravity(acceleration) => {
+                linkage.bodies.iter().map(|body| body.mass).sum::<f64>() * acceleration.norm() * linkage.size
+            }
+        };
+        displacement / reduced.scale()
+    };
+    let applied = reduced.sizes(inputs).into_iter().enumerate().map(|(load, size)| size.abs() * influence(load));
+    let springs = loading.springs.iter().map(|spring| {
+        let force = spring.force(reduced.displacement_at(spring.load, sigma));
+        force.abs() * influence(spring.load)
+    });
+    applied.chain(springs).sum()
+}
+
+/// Name of a stop at this position.
+fn held_by<'a>(reduced: &'a Reduced, travel: &Travel, here: f64) -> Option<&'a str> {
+    let near = 1e-9 * (reduced.scale() + here.abs());
+    let (place, _) = travel.places().find(|(_, position)| (position - here).abs() <= near)?;
+    let stop = match place.bumper {
+        Some(bumper) => travel.bumpers[bumper].stop,
+        None => travel.rigid[place.side]?.stop,
+    };
+    Some(&reduced.loading().stops[stop].name)
+}
+
+/// The drive whose force lies between those at which the mechanism breaks away, if friction tells any.
+fn creeps(model: &mut Model, reduced: &Reduced) -> Option<String> {
+    for drive in &reduced.loading().drives {
+        let word = if drive.is_rotary { "torque" } else { "force" };
+        let names = [word.to_owned(), format!("breakaway_{word}_forward"), format!("breakaway_{word}_backward")];
+        let values = names.map(|name| {
+            let reference = model.variables().find(&format!("{}.{name}", drive.name))?;
+            model.real(reference).ok().filter(|value| value.is_finite())
+        });
+        if let [Some(given), Some(forward), Some(backward)] = values
+            && (backward..=forward).contains(&given)
+        {
+            return Some(drive.name.clone());
+        }
+    }
+    None
+}

@@ -1,0 +1,43 @@
+//! Inspection of a definition: what the mechanism is, and what is wrong with it.
+//!
+//! In: the text of a definition. Out: all its faults, or facts about the mechanism that it gives. It must not know
+//! FMI's life cycle.
+mod equilibrium;
+mod facts;
+mod path;
+mod travel;
+
+use super::definition::{DefinitionError, Mechanism};
+use super::model::Model;
+use crate::inspection::{Finding, Inspection};
+
+/// Inspect the text of a definition.
+pub fn inspect(text: &str) -> Inspection {
+    let mut out = Inspection::default();
+    let (mechanism, faults) = match Mechanism::with_faults(text) {
+        Ok(read) => read,
+        Err(fault) => {
+            out.findings.push(Finding::error(fault.path(), &fault));
+            return out;
+        }
+    };
+    (out.is_readable, out.name) = (true, mechanism.name.clone());
+    let of_fault = |fault: DefinitionError| Finding::error(path::in_file(fault.path(), &mechanism), &fault);
+    out.findings.extend(faults.into_iter().map(of_fault));
+    if !out.findings.is_empty() {
+        out.findings.extend(mechanism.warnings());
+        return out;
+    }
+    match Model::from_json(text) {
+        Ok(mut model) => {
+            out.findings.extend(model.warnings().iter().cloned());
+            facts::collect(&mut model, &mut out);
+        }
+        Err(error) => {
+            out.findings.push(Finding::error(path::of_error(&error, &mechanism), &error));
+            out.findings.extend(mechanism.warnings());
+            facts::collect_unassembled(&mechanism, &mut out);
+        }
+    }
+    out
+}

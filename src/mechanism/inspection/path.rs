@@ -1,0 +1,65 @@
+//! The key of a definition to which an error of the model belongs.
+use crate::mechanism::closure::AssemblyError;
+use crate::mechanism::curve::CurveError;
+use crate::mechanism::definition::Mechanism;
+use crate::mechanism::error::ModelError;
+use crate::mechanism::reduced::ReductionError;
+
+/// Path in the file of a fault's key, where those of a circuit stand in its drive.
+pub fn in_file(path: &str, mechanism: &Mechanism) -> String {
+    let first = path.split('.').next().unwrap_or_default();
+    let is_own = || serde_json::to_value(mechanism).is_ok_and(|keys| keys.get(first).is_some());
+    match mechanism.hydraulic_drive() {
+        Some((_, drive, _)) if !is_own() => format!("actuators.{drive}.hydraulics.{path}"),
+        _ => path.to_owned(),
+    }
+}
+
+/// Path of the key to which an error belongs; empty for the whole file.
+pub fn of_error(error: &ModelError, mechanism: &Mechanism) -> String {
+    match error {
+        ModelError::Definition(fault) | ModelError::Reduction(ReductionError::Definition(fault)) => fault.path().into(),
+        ModelError::Reduction(error) => of_reduction(error, mechanism),
+        ModelError::BeyondStop { name, .. } => element(name, mechanism),
+        ModelError::LockStill { name, .. } => format!("locks.{name}.at"),
+        ModelError::TooManyBumpers { .. } => "stops".into(),
+        ModelError::Stroke { name, .. } => element(name, mechanism),
+        ModelError::Locked { joint, .. } => format!("joints.{joint}"),
+        ModelError::Table { name, .. } if name == "friction" => name.clone(),
+        ModelError::Table { name, .. } => element(name, mechanism),
+        _ => String::new(),
+    }
+}
+
+fn of_reduction(error: &ReductionError, mechanism: &Mechanism) -> String {
+    let quantity = |name: &str| name.rsplit_once(".start_").map_or("start".into(), |(_, key)| format!("start.{key}"));
+    match error {
+        ReductionError::Assembly(AssemblyError::Guess { name, .. }) if mechanism.guess.get(name).is_some() => {
+            format!("guess.{name}")
+        }
+        ReductionError::Assembly(AssemblyError::Open { joint, .. })
+        | ReductionError::Curve(CurveError::Inconsistent { joint, .. }) => format!("joints.{joint}"),
+        ReductionError::Assembly(AssemblyError::Freedom { .. }) => "joints".into(),
+        ReductionError::Assembly(_) => "guess".into(),
+        ReductionError::EndsMeet { name, .. } | ReductionError::Table { what: name, .. } => element(name, mechanism),
+        ReductionError::Start { name, .. }
+        | ReductionError::Rigid { name, .. }
+        | ReductionError::StartSpeed { name, .. } => quantity(name),
+        _ => String::new(),
+    }
+}
+
+/// Path of the element that has a variable such as `cylinder.force`; empty if there is none.
+fn element(variable: &str, mechanism: &Mechanism) -> String {
+    let name = variable.split('.').next().unwrap_or_default();
+    let groups = [
+        ("actuators", mechanism.actuators.get(name).is_some()),
+        ("springs", mechanism.springs.get(name).is_some()),
+        ("stops", mechanism.stops.get(name).is_some()),
+        ("forces", mechanism.forces.get(name).is_some()),
+        ("torques", mechanism.torques.get(name).is_some()),
+        ("surfaces", mechanism.surfaces.get(name).is_some()),
+        ("bodies", mechanism.bodies.get(name).is_some()),
+    ];
+    groups.into_iter().find(|(_, has)| *has).map_or_else(String::new, |(group, _)| format!("{group}.{name}"))
+}

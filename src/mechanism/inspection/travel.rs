@@ -1,0 +1,135 @@
+//! The travel from end to end: samples of functions of the configuration, with their extremes and zeros.
+//!
+//! In: a reduced model, the travel between its stops. Out: samples, extremes, places where a function stands still. It
+//! must not know what the functions mean.
+use crate::mechanism::curve::{Configuration, Ends, Scratch};
+use crate::mechanism::motion::contact::Travel;
+use crate::mechanism::reduced::Reduced;
+use crate::numerics::bracket::bisect;
+
+/// Samples in each panel of the grid of tables.
+const SAMPLES: usize = 8;
+/// Most samples of a travel that goes round many times: whole revolutions between the ends change nothing but counts.
+const REVOLUTIONS: f64 = 2.0;
+
+/// A travel between two values of sigma, counted on over whole revolutions, with the functions to be watched.
+pub struct Walk<'a, F> {
+    reduced: &'a Reduced,
+    /// Both ends.
+    pub ends: [f64; 2],
+    /// Values of sigma, ascending.
+    pub positions: Vec<f64>,
+    /// Value and derivative along sigma of each function at each position.
+    values: Vec<Vec<[f64; 2]>>,
+    /// Amplification of rounding in the loop equations at each position.
+    pub amplifications: Vec<f64>,
+    functions: F,
+    scratch: Scratch,
+    c: Configuration,
+}
+
+/// Extremes of a function over the travel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Extremes {
+    /// Least and largest value.
+    pub range: [f64; 2],
+    /// Values of sigma within the travel where the function is stationary.
+    pub stationary: Vec<f64>,
+}
+
+/// Ends of the travel: at the first rigid stop on each side, else of the curve, else one revolution.
+pub fn ends(reduced: &Reduced, travel: &Travel, here: f64) -> [f64; 2] {
+    let (first, last) = reduced.curve().range;
+    let [low, high] = travel.rigid.map(|end| end.map(|end| end.position));
+    match &reduced.curve().ends {
+        Ends::Closed(_) => {
+            let period = last - first;
+            match (low, high) {
+                (Some(low), Some(high)) => [low, high],
+                (Some(low), None) => [low, low.max(here) + period],
+                (None, Some(high)) => [high.min(here) - period, high],
+                (None, None) => [first, last],
+            }
+        }
+        _ => [low.unwrap_or(first), high.unwrap_or(last)],
+    }
+}
+
+impl<'a, F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)> Walk<'a, F> {
+    /// Sample functions over the travel: `functions` writes the value and derivative of each at a configuration after
+    /// so many whole revolutions.
+    pub fn new(reduced: &'a Reduced, ends: [f64; 2], functions: F) -> Self {
+        let (scratch, c) = (Scratch::default(), Configuration::default());
+        let (values, amplifications) = (Vec::new(), Vec::new());
+        let positions = positions(reduced, ends);
+        let mut walk = Self { reduced, ends, positions: Vec::new(), values, amplifications, functions, scratch, c };
+        for &sigma in &positions {
+            let values = walk.at(sigma);
+            walk.values.push(values);
+            walk.amplifications.push(walk.c.amplification);
+        }
+        walk.positions = positions;
+        walk
+    }
+
+    /// Value and derivative of each function at sigma.
+    pub fn at(&mut self, sigma: f64) -> Vec<[f64; 2]> {
+        let (on_curve, revolutions) = self.reduced.unwound(sigma);
+        self.reduced.curve().configure(on_curve, &mut self.scratch, &mut self.c);
+        let mut values = Vec::new();
+        (self.functions)(&self.c, revolutions, &mut values);
+        values
+    }
+
+    /// Extremes of a function by its index.
+    pub fn extremes(&mut self, function: usize) -> Extremes {
+        let values: Vec<[f64; 2]> = self.values.iter().map(|values| values[function]).collect();
+        let (mut range, mut stationary) = ([f64::INFINITY, f64::NEG_INFINITY], Vec::new());
+        let mut widen = |value: f64| range = [range[0].min(value), range[1].max(value)];
+        values.iter().for_each(|value| widen(value[0]));
+        let largest = values.iter().fold(0.0, |most: f64, value| most.max(value[1].abs()));
+        for k in 1..values.len() {
+            let [one, other] = [values[k - 1][1], values[k][1]];
+            // A function that never changes is stationary by rounding only.
+            if one * other < 0.0 && one.abs().max(other.abs()) > 1e-9 * largest {
+                let (rises, from, to) = (other > 0.0, self.positions[k - 1], self.positions[k]);
+                let [a, b] = bisect(|sigma| (self.at(sigma)[function][1] > 0.0) == rises, from, to);
+                let sigma = 0.5 * (a + b);
+                widen(self.at(sigma)[function][0]);
+                stationary.push(sigma);
+            }
+        }
+        Extremes { range, stationary }
+    }
+
+    /// Coordinates at sigma, by name and in words.
+    pub fn describe(&self, sigma: f64) -> String {
+        let (on_curve, revolutions) = self.reduced.unwound(sigma);
+        self.reduced.curve().describe(on_curve, revolutions)
+    }
+}
+
+/// Positions to be sampled: those of the panels of the tables, in each revolution that the travel takes in.
+fn positions(reduced: &Reduced, [low, high]: [f64; 2]) -> Vec<f64> {
+    let table = reduced.influence();
+    let period = reduced.period();
+    let turn = |sigma: f64| reduced.unwound(sigma).1;
+    let (first, last) = (turn(low), turn(high));
+    let revolutions: Vec<f64> = match period {
+        Some(_) if last - first > REVOLUTIONS => vec![first, first + 1.0, last - 1.0, last],
+        Some(_) => (0..=(last - first) as usize).map(|k| first + k as f64).collect(),
+        None => vec![0.0],
+    };
+    let mut all = vec![low, high];
+    for revolution in revolutions {
+        let shift = revolution * period.unwrap_or(0.0);
+        for panel in 0..table.panels() {
+            let (a, b) = table.borders(panel);
+            let inner = (0..=SAMPLES).map(|k| a + (b - a) * k as f64 / SAMPLES as f64 + shift);
+            all.extend(inner.filter(|sigma| (low..=high).contains(sigma)));
+        }
+    }
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    all
+}

@@ -1,0 +1,112 @@
+//! Warnings about an assembled mechanism: it runs, but is probably not the one that is meant.
+//!
+//! In: a definition and its reduced model. Out: warnings. It must not know states.
+use super::closure::guessed;
+use super::definition::Mechanism;
+use super::linkage::{Freedom, GROUND, Joint, Linkage, Point};
+use super::reduced::Reduced;
+use crate::inspection::Finding;
+use crate::numerics::decimal::Decimal;
+use crate::numerics::plane::{Vec2, cross, turned};
+use std::collections::HashMap;
+use std::f64::consts::{PI, TAU};
+
+/// Distance of an assembled angle from its guess that is far [rad], and of a position in sizes of the linkage.
+const FAR: f64 = 0.5;
+/// Distance of two points that are one, and sine of the angle between two axes that are parallel, relative to the size.
+const SAME: f64 = 1e-9;
+
+/// All warnings that need geometry.
+pub fn warnings(mechanism: &Mechanism, reduced: &Reduced) -> Vec<Finding> {
+    let mut all = of_guess(mechanism, reduced.linkage(), &reduced.curve().configuration(0.0).q);
+    warn_of_grounded_loads(mechanism, reduced.linkage(), &mut all);
+    warn_of_joints_given_twice(reduced.linkage(), &mut all);
+    all
+}
+
+/// Warnings about coordinates that the loops have closed far from the guess; `assembled`: the closed coordinates.
+pub fn of_guess(mechanism: &Mechanism, linkage: &Linkage, assembled: &[f64]) -> Vec<Finding> {
+    let mut all = Vec::new();
+    let Ok(guess) = guessed(linkage, &mechanism.guess) else { return all };
+    for (i, name) in linkage.coordinates.iter().enumerate() {
+        let is_angle = i < linkage.angles;
+        let away = (assembled[i] - guess[i]).abs();
+        if away <= if is_angle { FAR } else { FAR * linkage.size } {
+            continue;
+        }
+        // The guess may name another body of the same angle; the value that the file states is told.
+        let offset = linkage.bodies.iter().find(|body| body.name == *name).map_or(0.0, |body| body.offset);
+        let path = if mechanism.guess.get(name).is_some() { format!("guess.{name}") } else { "guess".to_owned() };
+        let [stated, found] = [guess[i] + offset, assembled[i] + offset].map(Decimal::rounded);
+        let message = match is_angle {
+            true => format!(
+                "{name} is assembled at {found} rad ({} deg), {} rad from its guess of {stated} rad ({} deg)",
+                Decimal::rounded(found.0 * 180.0 / PI),
+                Decimal::rounded(away),
+                Decimal::rounded(stated.0 * 180.0 / PI)
+            ),
+            false => {
+                format!("{name} is assembled at {found} m, {} m from its guess of {stated} m", Decimal::rounded(away))
+            }
+        };
+        let as_degrees = stated.0 * PI / 180.0;
+        let off = (found.0 - as_degrees).rem_euclid(TAU);
+        let remedy = match is_angle && off.min(TAU - off) <= FAR && stated.0.abs() > PI {
+            true => format!(
+                "if {stated} degrees are meant, write {} or give \"units\": {{ \"angle\": \"deg\" }}",
+                Decimal::rounded(as_degrees)
+            ),
+            false => format!("write {found} if this assembly is meant, else check the lengths or guess closer"),
+        };
+        all.push(Finding::warning(path, message, remedy));
+    }
+    all
+}
+
+/// Forces and torques on the ground or on what is fixed to it.
+fn warn_of_grounded_loads(mechanism: &Mechanism, linkage: &Linkage, all: &mut Vec<Finding>) {
+    let forces = mechanism.forces.iter().map(|(name, force)| ("forces", name, "at", force.at.as_str()));
+    let torques = mechanism.torques.iter().map(|(name, torque)| ("torques", name, "on", torque.on.as_str()));
+    for (group, name, key, at) in forces.chain(torques) {
+        let body = at.split('.').next().unwrap_or_default();
+        if linkage.carrier(mechanism, body).is_some_and(|(carrier, _)| carrier == GROUND) {
+            let message = format!("acts on {at}, which does not move, so it does nothing");
+            let remedy = if key == "at" { "name a point that moves" } else { "name a body that moves" };
+            all.push(Finding::warning(format_args!("{group}.{name}.{key}"), message, remedy));
+        }
+    }
+}
+
+/// Joints that hold the same two bodies in the same way.
+fn warn_of_joints_given_twice(linkage: &Linkage, all: &mut Vec<Finding>) {
+    let mut known: HashMap<[usize; 2], Vec<&Joint>> = HashMap::new();
+    for joint in &linkage.joints {
+        let bodies = [joint.first.body, joint.second.body];
+        let others = known.entry([bodies[0].min(bodies[1]), bodies[0].max(bodies[1])]).or_default();
+        // Two bodies with many joints between them are no linkage; the first few tell it.
+        match others.iter().take(16).find(|other| is_same(linkage, joint, other)) {
+            Some(other) => {
+                let message = format!("is the same joint as {}, so that the two share one reaction", other.name);
+                all.push(Finding::warning(format_args!("joints.{}", joint.name), message, "remove one of them"));
+            }
+            None => others.push(joint),
+        }
+    }
+}
+
+fn is_same(linkage: &Linkage, one: &Joint, other: &Joint) -> bool {
+    let near = |a: Point, b: Point| (a.local - b.local).norm() <= SAME * linkage.size;
+    let swapped = one.first.body != other.first.body;
+    let (first, second) = if swapped { (other.second, other.first) } else { (other.first, other.second) };
+    match (one.freedom, other.freedom) {
+        (Freedom::Revolute, Freedom::Revolute) => near(one.first, first) && near(one.second, second),
+        // Sliding along one line, stated in the same order: the points differ along the axis at most.
+        (Freedom::Prismatic(a), Freedom::Prismatic(b)) if !swapped => {
+            let angle = |body: usize| linkage.bodies[body].offset;
+            let on_second = turned(a, angle(one.first.body) - angle(one.second.body));
+            let off = |a: Point, b: Point, axis: Vec2| cross(axis, a.local - b.local).abs() <= SAME * linkage.size;
+            cross(a, b).abs() <= SAME && off(one.first, first, a) && off(one.second, second, on_second)
+        }
+        _ => false,
+    }
+}
