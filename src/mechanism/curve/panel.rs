@@ -301,6 +301,15 @@ impl Panel {
         self.integrated()
     }
 
+    /// Add `growth` to the coordinates: the same part of the curve after whole revolutions.
+    pub fn shift(&mut self, growth: &[f64]) {
+        for (i, growth) in growth.iter().enumerate() {
+            self.base[i] += growth;
+            self.tip[i] += growth;
+            self.coordinates[i][0] += growth;
+        }
+    }
+
     /// Coordinates at x in [-1, 1], by the polynomials.
     pub fn coordinates_at(&self, x: f64) -> Vec<f64> {
         let mut q = Vec::new();
