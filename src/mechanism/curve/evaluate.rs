@@ -37,7 +37,7 @@ pub struct Curve {
     pub(super) transform: Transform,
     pub(super) panels: Vec<Panel>,
     /// Coordinates of the guess, at sigma = 0.
-    pub(super) guess: Vec<f64>,
+    pub guess: Vec<f64>,
     /// Distance of a prismatic joint's position from its guess to which an open curve goes, in sizes of the linkage.
     pub farthest: f64,
     /// First and last sigma. Where travel stops, the panels extend beyond.

@@ -49,8 +49,8 @@ impl Curve {
         let farthest = RATIO * self.farthest;
         let travel = margin.map(|margin| Travel::new(&closure.linkage, margin));
         let first = panel.width;
-        let tracer = Tracer::new(&closure, &self.guess, farthest);
-        let mut tracer = Tracer { travel, first, widening: RATIO, part: RATIO, ..tracer };
+        let mut tracer = Tracer::new(&closure, &self.guess, farthest);
+        (tracer.travel, tracer.first, tracer.widening, tracer.part) = (travel, first, RATIO, RATIO);
         let mut panels = Vec::new();
         let followed = tracer.follow(Base { sigma, q: q.clone(), tangent }, false, &mut panels);
         let (mut end, left) = match (followed, panels.last()) {

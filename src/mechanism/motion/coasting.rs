@@ -26,14 +26,14 @@ const CORRECTIONS: usize = 12;
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// A motion under loads that only the position decides.
-pub struct Coasting<'a, D, W> {
+pub struct Coasting<'a, D, P, W> {
     pub dynamics: &'a mut D,
     pub integrator: &'a mut Integrator<2>,
     pub ends: &'a Ends<'a>,
     pub contact: &'a mut Contact,
     pub tolerance: f64,
-    /// Least and largest sigma of an open curve.
-    pub range: Option<(f64, f64)>,
+    /// Whether a sigma is beyond an end of an open curve.
+    pub passes: P,
     /// Length of a closed curve.
     pub length: Option<f64>,
     /// Whether a load does net work over a revolution of a closed curve.
@@ -48,7 +48,7 @@ struct Period {
     revolutions: f64,
 }
 
-impl<D: Dynamics<2>, W: Fn() -> bool> Coasting<'_, D, W> {
+impl<D: Dynamics<2>, P: Fn(f64) -> bool, W: Fn() -> bool> Coasting<'_, D, P, W> {
     /// Advance y = (sigma, sigma_dot) by exactly `span` [s], or until the integration has tried `most` steps since its
     /// start. Returns the energy lost in impacts [J]. Revolutions that sigma does not count are added to `passed`.
     ///
@@ -122,10 +122,7 @@ impl<D: Dynamics<2>, W: Fn() -> bool> Coasting<'_, D, W> {
         let revolution = self.length.filter(|_| unlimited && !(self.does_work)());
         let farthest = self.length.unwrap_or(f64::INFINITY);
         let returns = [Some((start[0], 0.0)), revolution.map(|length| (start[0] + direction * length, direction))];
-        let limits = [0, 1].map(|side| {
-            let of_curve = self.range.map(|(first, last)| [first, last][side]);
-            self.ends.rigid(side).or(of_curve)
-        });
+        let limits = [0, 1].map(|side| self.ends.rigid(side));
         let mut integrator = Integrator::default();
         let (mut t, mut y) = (0.0, *start);
         let mut found = None;
@@ -133,7 +130,11 @@ impl<D: Dynamics<2>, W: Fn() -> bool> Coasting<'_, D, W> {
             let Ok(step) = integrator.step(self.dynamics, t, &y, f64::INFINITY, TOLERANCE) else { break };
             let [low, high] = [step.start[0].min(step.end[0]), step.start[0].max(step.end[0])];
             let bulge = step.bulge(0);
-            if limits[0].is_some_and(|end| low - bulge <= end) || limits[1].is_some_and(|end| high + bulge >= end) {
+            let (low, high) = (low - bulge, high + bulge);
+            if limits[0].is_some_and(|end| low <= end) || limits[1].is_some_and(|end| high >= end) {
+                break;
+            }
+            if (self.passes)(low) || (self.passes)(high) {
                 break;
             }
             let is_passed = |target: f64| {

@@ -221,9 +221,8 @@ where
         let Some(state_loads) = self.state_loads else { return [Enclosure::constant(0.0); 2] };
         let loading = self.reduced.loading();
         let stop = &loading.stops[state_loads.bumpers[bumper]];
-        let (table, growth) = ((self.reduced, &state_loads.table), self.reduced.load_growth(stop.load));
-        let panel_force = &self.scratch.panel_force;
-        let of = |component: usize, growth: f64| sigma.chain(panel_force.bounds(table, component, sigma.value, growth));
+        let growth = self.reduced.load_growth(stop.load);
+        let of = |component: usize, growth: f64| sigma.chain(self.component_bounds(component, sigma.value, growth));
         let s = of(state_loads.pressed(bumper), growth)
             + Enclosure::constant(self.applied.revolutions * growth - stop.value);
         let rate = of(state_loads.free() - state_loads.bumpers.len() + bumper, 0.0) * sigma_dot;
@@ -270,28 +269,26 @@ where
 
     fn slip(&mut self, joint: usize, sigma: f64, sigma_dot: f64) -> f64 {
         // Needed at the ends of steps and between them, it leaves the present panel as it is.
+        let x = if self.reduced.exact { Some(self.locate(sigma)) } else { None };
         let Some(state_loads) = self.state_loads else { return 0.0 };
         let component = state_loads.free() + joint;
-        let influence = if self.reduced.exact {
-            let x = self.locate(sigma);
+        let influence = if let Some(x) = x {
             polynomial(self.scratch.panel_force.series(&state_loads.table, component), x)
         } else {
-            self.scratch.panel_force.value((self.reduced, &state_loads.table), component, sigma)
+            self.component(component, sigma)
         };
         influence * sigma_dot * state_loads.friction_joints[joint].radius
     }
 
     fn slip_bounds(&mut self, joint: usize, sigma: Enclosure, sigma_dot: Enclosure) -> Enclosure {
         let Some(state_loads) = self.state_loads else { return Enclosure::constant(0.0) };
-        let (table, component) = ((self.reduced, &state_loads.table), state_loads.free() + joint);
-        let influence = sigma.chain(self.scratch.panel_force.bounds(table, component, sigma.value, 0.0));
+        let influence = sigma.chain(self.component_bounds(state_loads.free() + joint, sigma.value, 0.0));
         influence * sigma_dot * state_loads.friction_joints[joint].radius
     }
 
     fn slip_rate(&mut self, joint: usize, [sigma, sigma_dot, sigma_ddot]: [f64; 3]) -> [f64; 2] {
         let Some(state_loads) = self.state_loads else { return [0.0; 2] };
-        let (table, component) = ((self.reduced, &state_loads.table), state_loads.free() + joint);
-        let influence = self.scratch.panel_force.value(table, component, Dual::<1>::variable(sigma, 0));
+        let influence = self.component(state_loads.free() + joint, Dual::<1>::variable(sigma, 0));
         let rate = influence.slope[0] * sigma_dot * sigma_dot + influence.value * sigma_ddot;
         [influence.value * sigma_dot, rate].map(|v| v * state_loads.friction_joints[joint].radius)
     }

@@ -19,7 +19,7 @@ use crate::mechanism::motion::contact::{Contact, Ends, EngagedLocks, Place, Trav
 use crate::mechanism::motion::saved::{MOST_REVOLUTIONS, Memory, SavedState};
 use crate::mechanism::motion::travel::AT_STOP;
 use crate::mechanism::motion::work::Spent;
-use crate::mechanism::reduced::{Reduced, StateLoads};
+use crate::mechanism::reduced::{End, Reduced, ReductionError, StateLoads};
 use crate::numerics::table::Unresolved;
 pub use circuit::check_lengths;
 use circuit::left_circuit;
@@ -122,6 +122,7 @@ impl State {
     /// # Errors
     /// [`ModelError::Table`]: a reaction that causes friction is not smooth.
     pub fn from_saved(saved: &SavedState, reduced: &Reduced, inputs: &Inputs) -> Result<Self, ModelError> {
+        let reduced = reduced.at(saved.sigma);
         state_loads(reduced, blows_under(reduced, inputs), saved.revolutions)?;
         let scratch = Scratch::new(saved.state_loads(reduced)?);
         Ok(Self { saved: saved.clone(), before: saved.applied.clone(), scratch })
@@ -163,7 +164,7 @@ impl State {
         let (airspeed, reference, air) = (self.airspeed, self.reference, self.air);
         let (state_loads, changed) = self.apply(reduced, inputs, h)?;
         let before = (self.revolutions, self.memory.statistics());
-        let mut advanced = self.advance((reduced, state_loads), inputs, h, solver).map_err(|stopped| match stopped {
+        let mut advanced = self.advance(reduced, state_loads, inputs, h, solver).map_err(|stopped| match stopped {
             Stopped::Integration(error) => ModelError::Integration(error),
             Stopped::Circuit(left) => left_circuit(reduced, left),
             _ => ModelError::Locked { position: self.describe(reduced) },
@@ -188,11 +189,13 @@ impl State {
     #[inline]
     fn advance(
         &mut self,
-        (reduced, state_loads): (&Reduced, Option<&StateLoads>),
+        whole: &Reduced,
+        state_loads: Option<&StateLoads>,
         inputs: &Inputs,
         h: f64,
         solver: &Solver,
     ) -> Result<Arrival, Stopped> {
+        let reduced = whole.at(self.sigma);
         let Self { saved, scratch, .. } = self;
         let (mut y, mut contact) = ([saved.sigma, saved.sigma_dot], saved.contact);
         let SavedState { airspeed, revolutions, .. } = *saved;
@@ -201,7 +204,9 @@ impl State {
         let sizes = &saved.applied;
         let applied = AppliedLoads { sizes, airspeed, revolutions, change: inputs.change(reduced) };
         let mode = Mode::default();
+        scratch.panel_force.on_stretch(reduced.stretch);
         let dynamics = &mut EquationOfMotion {
+            whole,
             reduced,
             state_loads,
             applied,
@@ -216,11 +221,11 @@ impl State {
         let (advanced, lost) = match &mut saved.memory {
             Memory::Conservative(integrator) => {
                 let most = integrator.attempts() + max_steps;
-                let range = reduced.period().is_none().then_some(reduced.curve().range);
+                let passes = |sigma: f64| whole.reach(sigma).is_err();
                 let (length, does_work) = (reduced.period(), || does_work(reduced, sizes));
                 let contact = &mut contact;
                 let mut coasting =
-                    Coasting { dynamics, integrator, ends, contact, tolerance, range, length, does_work };
+                    Coasting { dynamics, integrator, ends, contact, tolerance, passes, length, does_work };
                 (coasting.run(&mut y, h, most, &mut passed), 0.0)
             }
             Memory::WithDissipation(integrator, lookahead) => {
@@ -291,15 +296,24 @@ impl State {
                 self.memory.recount();
                 self.scratch.panel_force.invalidate();
             }
-            None if !(first..=last).contains(&y[0]) => {
-                return Err(ModelError::Travel { position: reduced.curve().describe(y[0], self.revolutions) });
-            }
+            None if !(first..last).contains(&y[0]) => self.arrive_beyond(reduced, y[0])?,
             _ => {}
         }
         [self.sigma, self.sigma_dot] = y;
         self.contact = contact;
         self.reference -= lost;
         Ok(())
+    }
+
+    /// Refuse a state beyond an end of the curve, or on a stretch of it with state loads that are not smooth.
+    #[cold]
+    fn arrive_beyond(&self, reduced: &Reduced, sigma: f64) -> Result<(), ModelError> {
+        let stretch = reduced.reach(sigma).map_err(|end| ModelError::travel(end, sigma))?;
+        let failed = |at: &Unresolved| {
+            let (position, what) = (stretch.curve().describe(at.sigma, 0.0), "friction".into());
+            ModelError::travel((stretch, End::Failed(&ReductionError::Table { what, position })), sigma)
+        };
+        stretch.state_loads(self.air).map_err(failed).map(|_| ())
     }
 
     /// Why a step has come no further.
@@ -346,7 +360,7 @@ impl State {
 
     /// Description of the present position, for messages.
     pub fn describe(&self, reduced: &Reduced) -> String {
-        reduced.curve().describe(self.sigma, self.revolutions)
+        reduced.describe(self.sigma, self.revolutions)
     }
 
     /// Apply inputs that have changed since the last step, for a step of `h` [s], and return whether any has. The
@@ -361,7 +375,7 @@ impl State {
         h: f64,
     ) -> Result<(Option<&'a StateLoads>, bool), ModelError> {
         let air = blows_under(reduced, inputs);
-        let state_loads = state_loads(reduced, air, self.revolutions)?;
+        let state_loads = state_loads(reduced.at(self.sigma), air, self.revolutions)?;
         circuit::check_ports(reduced, inputs)?;
         let loads = reduced.loading().inputs.len();
         let (mut work, mut largest) = (0.0, 0.0_f64);
@@ -416,8 +430,9 @@ impl State {
         let (airspeed, revolutions) = (airspeed(reduced, inputs), self.revolutions);
         let applied = AppliedLoads { sizes: &sizes, airspeed, revolutions, change: inputs.change(reduced) };
         let (mode, scratch) = (Mode::default(), &mut Scratch::new(state_loads));
+        let (whole, reduced, time, locked, ports) = (reduced, reduced.at(self.sigma), 0.0, false, None);
         let mut equation =
-            EquationOfMotion { reduced, state_loads, applied, time: 0.0, mode, scratch, locked: false, ports: None };
+            EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports };
         let mut overflows = !(self.reference + work).is_finite();
         for time in [0.0, h] {
             equation.time = time;

@@ -67,7 +67,7 @@ fn coast(
         ends: &Ends { travel: &travel, shift: 0.0, locked: EngagedLocks::default() },
         contact: &mut Contact::default(),
         tolerance,
-        range: None,
+        passes: |_| false,
         length,
         does_work: || false,
     };
@@ -132,7 +132,7 @@ fn the_bound_ends_a_motion_that_has_no_period() {
         ends: &Ends { travel: &Travel::default(), shift: 0.0, locked: EngagedLocks::default() },
         contact: &mut Contact::default(),
         tolerance: 1e-9,
-        range: None,
+        passes: |_| false,
         length: Some(TAU),
         does_work: || true,
     };

@@ -52,7 +52,8 @@ impl State {
         if start.speed != 0.0 {
             // The table is exact where branches cross, too. Within some 1e-13 rad of a toggle, where the slope is below
             // 1e-6, the slope is rounding.
-            let table = reduced.coordinates().map_err(|at| ModelError::table(reduced, &variable, at, revolutions))?;
+            let stretch = reduced.at(sigma);
+            let table = stretch.coordinates().map_err(|at| ModelError::table(stretch, &variable, at, revolutions))?;
             let slope = table.value(table.position(sigma), 3 * coordinate + 1);
             if slope.abs() * reduced.scale() < 1e-6 {
                 let name = format!("{name}.start_speed");
@@ -72,7 +73,7 @@ impl State {
         can_hold(reduced, &travel)?;
         check_lengths(reduced, &travel, sigma, revolutions)?;
         let air = blows_under(reduced, inputs);
-        let state_loads = state_loads(reduced, air, revolutions)?;
+        let state_loads = state_loads(reduced.at(sigma), air, revolutions)?;
         let applied = reduced.sizes(&inputs.reals);
         let mut state = Self {
             before: applied.clone(),
