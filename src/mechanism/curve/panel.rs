@@ -169,14 +169,15 @@ impl Scratch {
 
 impl Samples {
     /// Polynomials of the coordinates and of d sigma / d x, and the factor by which the panel might have been wider.
+    /// `far`: rounding of positions relative to that near the origin.
     fn resolve(
         &self,
         transform: &Transform,
         weights: &[f64],
         width: f64,
-        [amplification, least_amplification]: [f64; 2],
+        [amplification, least_amplification, far]: [f64; 3],
     ) -> Result<(Vec<Series>, Series, f64), Rejection> {
-        let rounding = ROUNDING * amplification.max(2.0);
+        let rounding = ROUNDING * amplification.max(2.0) * far;
         let noise = if amplification > HARMLESS { 1.0 } else { NOISE };
         let mut wider = f64::INFINITY;
         let mut coordinates: Vec<Series> = self.coordinates.iter().map(|samples| transform.fit(samples)).collect();
@@ -233,8 +234,9 @@ impl Panel {
         if amplification > HARMLESS.max(NEAR * least) {
             return Err(Rejection::NearCrossing);
         }
+        let far = closure.rounding_at(&base.q);
         let (coordinates, speed, wider) =
-            samples.resolve(transform, &closure.weights, width, [amplification, least])?;
+            samples.resolve(transform, &closure.weights, width, [amplification, least, far])?;
         let derivatives = if amplification > UNEVEN * least {
             let fit = |samples: &[f64; NODES]| monomials(&chopped(&transform.fit(samples)));
             samples.firsts.iter().zip(&samples.seconds).map(|(first, second)| [fit(first), fit(second)]).collect()

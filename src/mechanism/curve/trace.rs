@@ -127,7 +127,7 @@ impl Curve {
             for x in self.transform.nodes {
                 let q = panel.coordinates_at(x);
                 for (row, gap) in linkage.gaps(&linkage.positions(&q)).iter().enumerate() {
-                    if gap.abs() > 1e-9 * linkage.size {
+                    if gap.abs() > 1e-9 * linkage.size * self.closure.rounding_at(&q) {
                         let joint = linkage.joints[joints[row]].name.clone();
                         let position = describe(&self.closure, &q);
                         return Err(CurveError::Inconsistent { joint, gap: gap.abs(), position });

@@ -11,7 +11,7 @@ use crate::mechanism::definition::{Mechanism, Solver};
 use crate::mechanism::linkage::{Linkage, Point};
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::loads::unit_load::Load;
-use crate::numerics::table::{ACCURACY, Grid, Table, Unresolved};
+use crate::numerics::table::{ACCURACY, Grid, NOISE, Table, Unresolved};
 use std::sync::{Arc, OnceLock};
 
 /// Tables that share their evaluations, built at the first use of one of them.
@@ -143,7 +143,8 @@ impl Reduced {
         markers: Vec<Point>,
         of: Origin,
     ) -> Result<Self, ReductionError> {
-        let grid = Grid { borders: curve.grid(ACCURACY), centers: curve.crossings.to_vec() };
+        let noise = NOISE.max(16.0 * f64::EPSILON * curve.farthest);
+        let grid = Grid { borders: curve.grid(ACCURACY), centers: curve.crossings.to_vec(), noise };
         let length = match of {
             Origin::Guess(_) => None,
             Origin::Whole(whole, _) => Some(whole.scale()),
