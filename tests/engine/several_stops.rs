@@ -368,11 +368,7 @@ impl Scene {
                 run.set("latch.engage", engaged);
             }
             let stepped = (0..steps).try_for_each(|_| run.0.step(span / f64::from(steps)));
-            if let Err(error) = stepped {
-                // With a rigid stop on one side only, the curve of a crank is traced for one turn to the other side.
-                assert_says(error, &["past the end of its travel"]);
-                break;
-            }
+            prop_assert!(stepped.is_ok(), "phase {compared}: {}", stepped.unwrap_err());
             for oracle in [&mut one, &mut other] {
                 oracle.engage(lock);
                 oracle.advance(load, span);

@@ -16,9 +16,9 @@ use crate::mechanism::linkage::Positions;
 
 /// Distance from the guess of the far end of a stretch relative to that of the one before.
 const RATIO: f64 = 8.0;
-/// Number of stretches beyond an open end: 7e12 sizes of the linkage from the guess, where positions differ by 1e-3 of a
+/// Number of stretches beyond an open end: 1e11 sizes of the linkage from the guess, where positions differ by 1e-5 of a
 /// size at least.
-pub const STRETCHES: usize = 12;
+pub const STRETCHES: usize = 10;
 
 impl Curve {
     /// The stretch of the curve beyond its low end (side 0) or its high end (side 1), which [`Self::is_open`]. Its other

@@ -42,6 +42,12 @@ impl Reduced {
         self.beyond.is_some()
     }
 
+    /// Whether this is one of several stretches of an open curve, or may become one.
+    #[inline(always)]
+    pub fn is_stretch(&self) -> bool {
+        self.beyond.is_some() || self.stretch != 0
+    }
+
     /// Whether this stretch holds sigma.
     #[inline(always)]
     pub fn holds(&self, sigma: f64) -> bool {
