@@ -592,7 +592,8 @@ fn a_lock_at_a_bumper_before_a_rigid_stop() {
         run.set("load.force", 100.0);
         run.set("latch.engage", true);
         run.steps(7, 1.0);
-        assert_eq!((run.get("slide.position"), run.get("slide.speed")), (0.5, 0.0));
+        // At the place, which is the stop's value but for one rounding.
+        assert!((run.get("slide.position") - 0.5).abs() <= 0.5 * f64::EPSILON && run.get("slide.speed") == 0.0);
         assert!((run.get("latch.force") + 100.0).abs() < 1e-9);
         run.set("latch.engage", false);
         run.step(1.0);
