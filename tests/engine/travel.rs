@@ -101,7 +101,8 @@ fn a_pushed_carriage_and_one_on_a_spring_move_as_in_closed_form() {
     }
     // Over the borders of stretches and back, many times; with and without energy lost.
     for damping in [0.0, 0.02] {
-        let spring = format!(r#""springs": {{ "spring": {{ "joint": "rail", "stiffness": 12, "damping": {damping} }} }},"#);
+        let spring =
+            format!(r#""springs": {{ "spring": {{ "joint": "rail", "stiffness": 12, "damping": {damping} }} }},"#);
         let mut run = Run::new(&carriage(&spring)).with(&[("solver.tolerance", 1e-10)]);
         run.place(("rail.start_position", 300.0), ("rail.start_speed", 0.0));
         let decay = damping / 6.0;
@@ -152,7 +153,9 @@ fn a_guess_is_as_good_as_any_other() {
     for _ in 0..50 {
         far.step(1.0);
         near.step(1.0);
-        assert!((far.get("rail.position") - near.get("rail.position") - 150.0).abs() < 1e-12 * far.get("rail.position"));
+        assert!(
+            (far.get("rail.position") - near.get("rail.position") - 150.0).abs() < 1e-12 * far.get("rail.position")
+        );
     }
     // A start far from the guess, on both sides.
     for position in [1234.5, -1234.5, 1e6] {
@@ -206,9 +209,12 @@ fn a_crank_turns_away_from_its_one_stop_for_many_turns() {
             m["gravity"]["acceleration"] = json!(0);
             m["forces"]["piston"]["force"] = json!([0, 0]);
         });
-        let (mut stopped, mut free) = (Run::new(&text), Run::new(&changed(&text, |m| {
-            m["stops"]["end"]["enabled"] = json!(false);
-        })));
+        let (mut stopped, mut free) = (
+            Run::new(&text),
+            Run::new(&changed(&text, |m| {
+                m["stops"]["end"]["enabled"] = json!(false);
+            })),
+        );
         for run in [&mut stopped, &mut free] {
             run.set("drive.torque", 3.0 * side);
             run.place(("crank.start_angle", -1.5), ("crank.start_speed", 10.0 * side));
@@ -249,9 +255,7 @@ fn a_four_bar_turns_away_from_its_one_stop() {
 #[test]
 fn a_far_stop_is_met() {
     let stop = |name: &str, limit: &str, position: f64| {
-        format!(
-            r#""{name}": {{ "joint": "rail", "limit": "{limit}", "position": {position}, "restitution": 1 }}"#
-        )
+        format!(r#""{name}": {{ "joint": "rail", "limit": "{limit}", "position": {position}, "restitution": 1 }}"#)
     };
     for stops in [vec![stop("high", "upper", 1e3)], vec![stop("high", "upper", 1e3), stop("low", "lower", -1e4)]] {
         let mut run = Run::new(&carriage(&format!(r#""stops": {{ {} }},"#, stops.join(", "))));

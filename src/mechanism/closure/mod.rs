@@ -296,8 +296,7 @@ impl Closure {
                 }
                 let rounding = 1e-15 * (1.0 + amplification);
                 // Converged: the last correction was of the size of rounding, or corrections no longer shrink.
-                let is_rounding =
-                    |rounding: f64| size < rounding || (size >= 0.5 * last && size < 1e3 * rounding);
+                let is_rounding = |rounding: f64| size < rounding || (size >= 0.5 * last && size < 1e3 * rounding);
                 if is_rounding(rounding) || is_rounding(rounding * self.rounding_at(q)) {
                     // Linearise again: the amplification multiplies the effect of a change of position.
                     if size > UNMOVED && !self.linearise(q, scratch) {

@@ -16,6 +16,9 @@ use crate::mechanism::linkage::Positions;
 
 /// Distance from the guess of the far end of a stretch relative to that of the one before.
 const RATIO: f64 = 8.0;
+/// Largest width of a panel relative to its distance from the guess: positions near its base are as exact as those near
+/// its tip.
+const PART: f64 = 1.0;
 /// Number of stretches beyond an open end: 1e11 sizes of the linkage from the guess, where positions differ by 1e-5 of a
 /// size at least.
 pub const STRETCHES: usize = 10;
@@ -27,11 +30,7 @@ impl Curve {
     ///
     /// # Errors
     /// [`CurveError`].
-    pub fn stretch(
-        &self,
-        side: usize,
-        margin: Option<&mut dyn FnMut(&Positions) -> f64>,
-    ) -> Result<Self, CurveError> {
+    pub fn stretch(&self, side: usize, margin: Option<&mut dyn FnMut(&Positions) -> f64>) -> Result<Self, CurveError> {
         let closure = self.closure.clone();
         let is_low = side == 0;
         let Some(panel) = (if is_low { self.panels.first() } else { self.panels.last() }) else {
@@ -48,9 +47,8 @@ impl Curve {
         closure.normalise(&mut tangent);
         let farthest = RATIO * self.farthest;
         let travel = margin.map(|margin| Travel::new(&closure.linkage, margin));
-        let first = panel.width;
         let mut tracer = Tracer::new(&closure, &self.guess, farthest);
-        (tracer.travel, tracer.first, tracer.widening, tracer.part) = (travel, first, RATIO, RATIO);
+        (tracer.travel, tracer.first, tracer.widening, tracer.part) = (travel, f64::INFINITY, RATIO, PART);
         let mut panels = Vec::new();
         let followed = tracer.follow(Base { sigma, q: q.clone(), tangent }, false, &mut panels);
         let (mut end, left) = match (followed, panels.last()) {

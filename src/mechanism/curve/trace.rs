@@ -16,7 +16,7 @@ const FIRST: f64 = 0.25;
 /// Largest width of a panel near the guess.
 const LARGEST: f64 = 1.5;
 /// Largest width of a panel relative to its distance from the guess.
-const LARGEST_PART: f64 = 0.3;
+const LARGEST_PART: f64 = 0.5;
 /// Width of a panel below which tracing fails.
 const SMALLEST: f64 = 1e-6;
 /// Largest number of panels.
@@ -182,6 +182,16 @@ impl<'a> Tracer<'a> {
         both.fold(0.0, |most: f64, (s, guess)| most.max((s - guess).abs())) / linkage.size
     }
 
+    /// Largest width of a panel from here on: with it following does not go much too far.
+    fn largest(&self, base: &Base) -> f64 {
+        /// Least part of a panel's width that a prismatic joint is taken to move.
+        const SLOWEST: f64 = 0.1;
+        let both = base.tangent.iter().zip(&self.closure.weights).skip(self.closure.linkage.angles);
+        let fastest = both.fold(SLOWEST, |most: f64, (t, w)| most.max((t * w).abs()));
+        let distance = self.distance(&base.q);
+        LARGEST.max((self.part * distance).min((OVERSHOOT * self.farthest - distance) / fastest))
+    }
+
     /// Whether a limit, met forward at `left`, is no longer one after a whole revolution backward of length `whole`, in
     /// which the coordinates have grown by `growth`.
     fn has_left(&mut self, left: f64, whole: f64, panels: &[Panel], growth: &[f64]) -> bool {
@@ -207,7 +217,7 @@ impl<'a> Tracer<'a> {
         /// Width of the next panel relative to the width that should resolve it.
         const CAUTION: f64 = 0.84;
         let mut base = start.clone();
-        let (mut width, mut widest_before) = (self.first, None);
+        let (mut width, mut widest_before) = (self.first.min(self.largest(&base)), None);
         if let Some(travel) = &mut self.travel {
             travel.start(&start.q);
         }
@@ -229,8 +239,7 @@ impl<'a> Tracer<'a> {
             // Width that would just have been resolved, and its ratio from panel to panel.
             let widest = panel.width * wider.min(self.widening);
             let trend = widest_before.map_or(1.0, |before: f64| (widest / before).clamp(0.5, self.widening));
-            let largest = LARGEST.max((self.part * distance).min(OVERSHOOT * self.farthest - distance));
-            width = (CAUTION * widest * trend).min(self.widening * panel.width).min(largest);
+            width = (CAUTION * widest * trend).min(self.widening * panel.width).min(self.largest(&base));
             widest_before = Some(widest);
             panels.push(panel);
             if let Some(sigma) = left {

@@ -126,7 +126,13 @@ impl Reduced {
         Self::tabulated(Arc::new(curve), loading, self.markers.clone(), Origin::Whole(self, stretch))
     }
 
-    fn assembled(source: Source, markers: Vec<Point>, [grid, fine]: [Grid; 2], tables: Arc<Tables>, of: Origin) -> Self {
+    fn assembled(
+        source: Source,
+        markers: Vec<Point>,
+        [grid, fine]: [Grid; 2],
+        tables: Arc<Tables>,
+        of: Origin,
+    ) -> Self {
         let (exact, speed_floor, stretch) = match of {
             Origin::Guess(solver) => (!solver.tables, solver.speed_floor, 0),
             Origin::Whole(whole, stretch) => (whole.exact, whole.speed_floor, stretch),
