@@ -96,8 +96,8 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
     }
 
     /// One component of the table of the loads that the state decides, at any sigma, without leaving the present panel.
-    pub fn component<N: Number>(&self, component: usize, sigma: N) -> N {
-        let (reduced, Some(state_loads)) = self.stretch_at(sigma.value()) else { return N::constant(0.0) };
+    pub fn component(&self, component: usize, sigma: f64) -> f64 {
+        let (reduced, Some(state_loads)) = self.stretch_at(sigma) else { return 0.0 };
         self.scratch.panel_force.value((reduced, &state_loads.table), component, sigma)
     }
 

@@ -256,8 +256,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     fn pushed_end(&self, z: &[f64; N]) -> Option<usize> {
         (0..2).find(|&side| {
             let moves = z[1] * outward(side) > 0.0;
-            let is_at = |position: f64| (z[0] - position) * outward(side) >= 0.0;
-            moves && self.ends.rigid(side).is_some_and(is_at)
+            moves && (z[0] - self.ends.limits[side]) * outward(side) >= 0.0
         })
     }
 

@@ -8,9 +8,8 @@ use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::hydraulic::{DRIVEN, MOTION};
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::loads::laws::friction::Regime;
-use crate::numerics::dual::Dual;
 use crate::numerics::enclosure::Enclosure;
-use crate::numerics::table::polynomial;
+use crate::numerics::table::{TablePosition, polynomial};
 
 /// A motion along sigma whose right-hand side is smooth between events. The state is (sigma, sigma_dot), or (sigma,
 /// sigma_dot, energy lost), or these with more that goes on with them. Bumpers, drives with an efficiency and friction joints are the three kinds of parts that
@@ -120,8 +119,13 @@ pub trait Dynamics<const N: usize>: System<N> {
         Enclosure::constant(0.0)
     }
 
-    /// Slip speed of a joint [m/s] and its rate [m/s2], at (sigma, sigma_dot, sigma_ddot).
-    fn slip_rate(&mut self, _joint: usize, _state: [f64; 3]) -> [f64; 2] {
+    /// sigma with its position in the table, for [`Self::slip_rate`], the same for all joints.
+    fn slip_position(&self, _sigma: f64) -> (f64, TablePosition) {
+        (0.0, TablePosition { panel: 0, x: 0.0 })
+    }
+
+    /// Slip speed of a joint [m/s] and its rate [m/s2], at a position and these sigma_dot and sigma_ddot.
+    fn slip_rate(&self, _joint: usize, _at: (f64, TablePosition), _rates: [f64; 2]) -> [f64; 2] {
         [0.0; 2]
     }
 
@@ -286,11 +290,18 @@ where
         influence * sigma_dot * state_loads.friction_joints[joint].radius
     }
 
-    fn slip_rate(&mut self, joint: usize, [sigma, sigma_dot, sigma_ddot]: [f64; 3]) -> [f64; 2] {
-        let Some(state_loads) = self.state_loads else { return [0.0; 2] };
-        let influence = self.component(state_loads.free() + joint, Dual::<1>::variable(sigma, 0));
-        let rate = influence.slope[0] * sigma_dot * sigma_dot + influence.value * sigma_ddot;
-        [influence.value * sigma_dot, rate].map(|v| v * state_loads.friction_joints[joint].radius)
+    fn slip_position(&self, sigma: f64) -> (f64, TablePosition) {
+        let (reduced, state_loads) = self.stretch_at(sigma);
+        let table = state_loads.map(|state_loads| (reduced, &state_loads.table));
+        let position = |table| self.scratch.panel_force.position(table, sigma);
+        (sigma, table.map_or(TablePosition { panel: 0, x: 0.0 }, position))
+    }
+
+    fn slip_rate(&self, joint: usize, at: (f64, TablePosition), [sigma_dot, sigma_ddot]: [f64; 2]) -> [f64; 2] {
+        let ((_, Some(state_loads)), at) = (self.stretch_at(at.0), at.1) else { return [0.0; 2] };
+        let [influence, slope] = state_loads.table.value_and_slope(at, state_loads.free() + joint);
+        let rate = slope * sigma_dot * sigma_dot + influence * sigma_ddot;
+        [influence * sigma_dot, rate].map(|v| v * state_loads.friction_joints[joint].radius)
     }
 
     fn slip_range(&self, joint: usize) -> (f64, f64) {

@@ -8,7 +8,7 @@ use crate::integrator::{Integrator, Statistics};
 use crate::mechanism::dynamics::hydraulic::{CIRCUIT, DRIVEN};
 use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::resolved::PORTS;
-use crate::mechanism::motion::contact::{BumperPlaces, Contact, Place, RigidEnd, Travel};
+use crate::mechanism::motion::contact::{BumperPlaces, Contact, EngagedLocks, Place, RigidEnd, Travel};
 use crate::mechanism::motion::events::Event;
 use crate::mechanism::motion::step_ahead::Lookahead;
 use crate::mechanism::reduced::{Reduced, StateLoads};
@@ -40,6 +40,9 @@ pub struct SavedState {
     pub air: bool,
     /// Energy at the start, plus the work of changing sizes, less the energy lost since.
     pub reference: f64,
+    /// Places where a lock is engaged, if the inputs of the last step are still in force: then nothing is to be applied.
+    /// None is always right, and what a state has that was read.
+    pub in_force: Option<EngagedLocks>,
     pub memory: Memory,
 }
 
@@ -140,6 +143,16 @@ impl Memory {
             Self::Conservative(i) => i.statistics(),
             Self::WithDissipation(i, _) => i.statistics(),
             Self::WithCircuit(memory) => memory.integrator.statistics(),
+        }
+    }
+
+    /// Steps that the integration has accepted and rejected since the start.
+    #[inline]
+    pub fn tried(&self) -> [u64; 2] {
+        match self {
+            Self::Conservative(i) => i.tried(),
+            Self::WithDissipation(i, _) => i.tried(),
+            Self::WithCircuit(memory) => memory.integrator.tried(),
         }
     }
 
@@ -249,6 +262,7 @@ impl SavedState {
             self.travel = Arc::clone(&other.travel);
         }
         (self.airspeed, self.air, self.reference) = (other.airspeed, other.air, other.reference);
+        self.in_force = other.in_force;
         self.memory.copy_from(&other.memory);
         others
     }

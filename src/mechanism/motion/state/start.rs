@@ -2,7 +2,9 @@
 //!
 //! In: the definition's start, inputs, a reduced model. Out: a state at rest or in motion, with the travel between the
 //! stops. It must not know steps.
-use super::{State, airspeed, blows_under, check_lengths, state_loads};
+use super::circuit::check_ports;
+use super::inputs::{Before, airspeed, blows_under, engaged_locks, state_loads};
+use super::{State, check_lengths};
 use crate::mechanism::definition::{DefinitionError, Mechanism};
 use crate::mechanism::dynamics::equation::Scratch;
 use crate::mechanism::dynamics::hydraulic::CIRCUIT;
@@ -75,8 +77,11 @@ impl State {
         let air = blows_under(reduced, inputs);
         let state_loads = state_loads(reduced.at(sigma), air, revolutions)?;
         let applied = reduced.sizes(&inputs.reals);
+        // Nothing is to be applied with the first step, unless it is to be refused then.
+        let is_applied = check_ports(reduced, inputs).is_ok();
+        let in_force = is_applied.then(|| engaged_locks(&travel, reduced, &inputs.locks));
         let mut state = Self {
-            before: applied.clone(),
+            before: Before::new(&applied),
             saved: SavedState {
                 sigma,
                 sigma_dot,
@@ -86,6 +91,7 @@ impl State {
                 applied,
                 airspeed: airspeed(reduced, inputs),
                 air,
+                in_force,
                 ..SavedState::default()
             },
             scratch: Scratch::new(state_loads),
