@@ -4,6 +4,7 @@
 mod derivatives;
 mod description;
 mod undefined;
+mod warnings;
 
 use super::dynamics::inputs::{InputPolynomial, Inputs};
 use super::error::ModelError;
@@ -19,6 +20,7 @@ use crate::mechanism::reduced::Reduced;
 use crate::variables::{Reference, Value, Variables};
 pub use derivatives::{INPUT_ORDER, OUTPUT_ORDER};
 use std::sync::{Arc, OnceLock};
+use warnings::Clipped;
 
 /// One mechanism with its parameters, inputs and state.
 #[derive(Clone, Debug)]
@@ -35,6 +37,7 @@ pub struct Model {
     pub(super) state: Option<Formulation>,
     /// Whether [`Self::take_growth`] has told that the curve grows.
     has_told: bool,
+    clipped: Clipped,
 }
 
 /// The state of motion in the formulation that solver.method chose.
@@ -90,6 +93,7 @@ impl Model {
             last: Arc::clone(&original.reduced),
             state: None,
             has_told: false,
+            clipped: Clipped::default(),
             original: Arc::new(original),
         };
         model.state()?;
@@ -170,7 +174,10 @@ impl Model {
                 if let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) {
                     let loads = reduced.loading().inputs.len();
                     match state {
-                        Formulation::Reduced(motion) => motion.set_input(i, loads, value),
+                        Formulation::Reduced(motion) => {
+                            motion.set_input(i, loads, value);
+                            motion.state.fill_accumulator(reduced, i, value);
+                        }
                         Formulation::RigidFem(motion) => motion.set_input(i, loads, value),
                     }
                 }
@@ -316,6 +323,7 @@ impl Model {
     /// The present parameters give no mechanism, or the start cannot be reached.
     pub fn initialize(&mut self) -> Result<(), ModelError> {
         self.state = None;
+        self.clipped = Clipped::default();
         self.state().map(|_| ())
     }
 
@@ -337,6 +345,7 @@ impl Model {
         let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) else {
             return Err(ModelError::NotInitialised);
         };
+        let clipped = self.clipped.look((reduced, state), &self.inputs, h);
         let stepped = match state {
             Formulation::Reduced(motion) => motion.step(reduced, &self.inputs, h, solver),
             Formulation::RigidFem(motion) => motion.step(reduced, &self.inputs, h, solver),
@@ -348,6 +357,9 @@ impl Model {
                 Err(_) => {}
             }
         }
+        if let (Some(command), Ok(())) = (clipped, &stepped) {
+            self.clipped.raise(command);
+        }
         stepped
     }
 
@@ -358,6 +370,7 @@ impl Model {
         self.reduced = Some(Arc::clone(&self.original.reduced));
         self.state = None;
         self.has_told = false;
+        self.clipped = Clipped::default();
     }
 
     /// That the motion has left the part of an open curve that was traced before the first step; told once.

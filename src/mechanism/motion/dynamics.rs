@@ -34,13 +34,13 @@ pub trait Dynamics<const N: usize>: System<N> {
         f64::INFINITY
     }
 
-    /// Number of borders along sigma at which the right-hand side is less smooth than elsewhere.
+    /// Number of borders in the space of states at which the right-hand side is less smooth than elsewhere.
     fn borders(&self) -> usize {
         0
     }
 
     /// How far a state is beyond a border; 0 where there is none.
-    fn beyond_border(&mut self, _border: usize, _sigma: f64) -> f64 {
+    fn beyond_border(&mut self, _border: usize, _z: &[f64; N]) -> f64 {
         0.0
     }
 
@@ -179,11 +179,11 @@ where
 
     #[inline(always)]
     fn borders(&self) -> usize {
-        if N == DRIVEN { 2 } else { 0 }
+        if N == DRIVEN { self.circuit_borders() } else { 0 }
     }
 
-    fn beyond_border(&mut self, border: usize, sigma: f64) -> f64 {
-        self.beyond_cushion(border, sigma).unwrap_or(0.0)
+    fn beyond_border(&mut self, border: usize, z: &[f64; N]) -> f64 {
+        z.first_chunk().and_then(|z| self.beyond_border_of_circuit(border, z)).unwrap_or(0.0)
     }
 
     #[inline]

@@ -33,7 +33,7 @@ pub enum Event {
     Reversal,
     /// The slip speed of a friction joint leaves the range of its regime.
     Regime(usize),
-    /// A border along sigma is passed at which the right-hand side is less smooth.
+    /// A border in the space of states is passed at which the right-hand side is less smooth.
     Border(usize),
     /// The interpolant has no finite value, as friction locks in a state that it tried: the step is taken again,
     /// shorter.
@@ -96,7 +96,7 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
     let may_change = |dynamics: &D, joint: usize| held_regime != Some(joint) && slips.may_leave(dynamics, joint);
     let changing = (0..joints).find(|&joint| may_change(dynamics, joint));
     let passed = |dynamics: &mut D, border: usize| {
-        let [before, after] = [&step.start, &step.end].map(|z| dynamics.beyond_border(border, z[0]));
+        let [before, after] = [&step.start, &step.end].map(|z| dynamics.beyond_border(border, z));
         before * after < 0.0
     };
     let is_passed = (0..dynamics.borders()).any(|border| passed(dynamics, border));
@@ -211,7 +211,7 @@ pub fn excess<D: Dynamics<N>, const N: usize>(dynamics: &mut D, contact: &Contac
         Event::Reversal => -dynamics.direction() * z[1],
         Event::Bumper(bumper) => excess_of_bumper(dynamics, bumper, contact.touching().contains(bumper), [z[0], z[1]]),
         Event::Regime(joint) => excess_of_slip(dynamics, joint, [z[0], z[1]]),
-        Event::Border(border) => dynamics.beyond_border(border, z[0]),
+        Event::Border(border) => dynamics.beyond_border(border, z),
         Event::Stop(_) | Event::Undefined => 0.0,
     }
 }
@@ -268,16 +268,19 @@ fn bumper_event<D: Dynamics<N>, const N: usize>(
 /// Part of a step after which a border is passed that is between its ends.
 #[cold]
 fn border_passage<D: Dynamics<N>, const N: usize>(dynamics: &mut D, dense: &Dense<N>, border: usize) -> f64 {
-    let mut beyond = |part: f64| dynamics.beyond_border(border, dense.component(0, part));
+    let mut beyond = |part: f64| dynamics.beyond_border(border, &dense.at(part));
     let after = beyond(1.0);
     bisect(|part| beyond(part) * after >= 0.0, 0.0, 1.0)[1]
 }
+
+/// sigma at an end of a step with its position in the table, and sigma_dot and sigma_ddot there.
+type SlipEnd = ((f64, TablePosition), [f64; 2]);
 
 /// Both ends of a step, as far as they bound the slip speeds of the friction joints within it.
 struct SlipBounds {
     h: f64,
     /// Position, sigma_dot and sigma_ddot at the start and at the end; none where the step does not tell its rates.
-    ends: Option<[((f64, TablePosition), [f64; 2]); 2]>,
+    ends: Option<[SlipEnd; 2]>,
 }
 
 impl SlipBounds {

@@ -4,10 +4,11 @@
 //! outputs.
 use super::state::{blows, state_loads};
 use crate::codec::record::{Damaged, Record};
+use crate::hydraulics::circuit::CIRCUIT;
 use crate::integrator::{Integrator, Statistics};
-use crate::mechanism::dynamics::hydraulic::{CIRCUIT, DRIVEN};
+use crate::mechanism::dynamics::hydraulic::DRIVEN;
 use crate::mechanism::error::ModelError;
-use crate::mechanism::loads::resolved::PORTS;
+use crate::mechanism::loads::resolved::{HydraulicDrive, PORTS};
 use crate::mechanism::motion::contact::{BumperPlaces, Contact, EngagedLocks, Place, RigidEnd, Travel};
 use crate::mechanism::motion::events::Event;
 use crate::mechanism::motion::step_ahead::Lookahead;
@@ -75,7 +76,8 @@ pub struct CircuitMemory {
 pub struct CircuitState {
     /// Time since the start [s], and what its sum has lost to rounding.
     pub time: [f64; 2],
-    /// Pressures of the chambers A and B [Pa], position and speed of the spool, six energies [J].
+    /// Pressures of the chambers A and B [Pa], position and speed of the spool, six energies [J], pressure of the
+    /// accumulator [Pa].
     pub values: [f64; CIRCUIT],
 }
 
@@ -368,8 +370,9 @@ impl SavedState {
                 }
                 Event::Stop(place) => (is_place(place), "event ahead: no stop is met there".into()),
                 Event::Border(border) => {
-                    let exists = border < 2 && loading.hydraulics.is_some();
-                    (exists, format!("index of an event = {border}: there is no such cushion"))
+                    let has_unit = |drive: &HydraulicDrive| drive.laws.supply_unit().is_some();
+                    let borders = loading.hydraulics.as_ref().map_or(0, |drive| if has_unit(drive) { 4 } else { 2 });
+                    (border < borders, format!("index of an event = {border}: there is no such cushion nor pump"))
                 }
                 Event::Reversal | Event::Undefined => (true, String::new()),
             };

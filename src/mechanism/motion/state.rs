@@ -21,7 +21,7 @@ use crate::mechanism::motion::work::Spent;
 use crate::mechanism::reduced::{End, Reduced, ReductionError, StateLoads};
 use crate::numerics::table::Unresolved;
 pub use circuit::check_lengths;
-use circuit::left_circuit;
+use circuit::{left_circuit, rough_length};
 use inputs::{Before, blows_under, engaged_locks};
 pub use inputs::{airspeed, state_loads_under};
 pub(super) use inputs::{blows, state_loads};
@@ -155,6 +155,8 @@ impl State {
             }
             Err(Stopped::Integration(error)) => ModelError::Integration(error),
             Err(Stopped::Circuit(left)) => left_circuit(reduced, left),
+            Err(Stopped::Stuck(error, circuit)) => ModelError::Stuck { error, circuit: *circuit },
+            Err(Stopped::Length) => rough_length(reduced),
             Err(Stopped::Locked) => ModelError::Locked { position: self.describe(reduced) },
         };
         self.undo(reduced, is_new);

@@ -2,8 +2,9 @@
 //!
 //! In: steps, changed inputs, saved states, directions. Out: the state with a cache that belongs to it, outputs and
 //! their derivatives. It must not know any law.
+use crate::hydraulics::circuit::CIRCUIT;
 use crate::mechanism::definition::{Mechanism, Solver};
-use crate::mechanism::dynamics::hydraulic::CIRCUIT;
+
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::SavedState;

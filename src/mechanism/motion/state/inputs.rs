@@ -92,7 +92,7 @@ impl State {
     pub(super) fn apply(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64) -> Result<EngagedLocks, ModelError> {
         let (air, ahead) = (blows_under(reduced, inputs), inputs.signal.ahead);
         let state_loads = state_loads(reduced.at(self.sigma), air, self.revolutions)?;
-        check_ports(reduced, inputs)?;
+        check_ports(reduced, inputs, h)?;
         let loads = reduced.loading().inputs.len();
         let (mut work, mut largest) = (0.0, 0.0_f64);
         let mut changed = false;
