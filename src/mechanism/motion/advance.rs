@@ -24,7 +24,7 @@ pub enum Stopped {
     /// The motion has come to where a circuit ends: length of its actuator, or pressure of a chamber.
     Circuit(Left),
     /// The integration stopped with a circuit, whose state is told in words.
-    Stuck(IntegrationError, Box<String>),
+    Stuck(IntegrationError, String),
     /// The length of the actuator with a circuit is not smooth along the motion.
     Length,
     /// The work allowed was done; the state is that at the time reached, and the advance can go on from it.

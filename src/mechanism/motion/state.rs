@@ -155,7 +155,7 @@ impl State {
             }
             Err(Stopped::Integration(error)) => ModelError::Integration(error),
             Err(Stopped::Circuit(left)) => left_circuit(reduced, left),
-            Err(Stopped::Stuck(error, circuit)) => ModelError::Stuck { error, circuit: *circuit },
+            Err(Stopped::Stuck(error, circuit)) => ModelError::Stuck { error, circuit },
             Err(Stopped::Length) => rough_length(reduced),
             Err(Stopped::Locked) => ModelError::Locked { position: self.describe(reduced) },
         };

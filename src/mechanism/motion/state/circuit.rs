@@ -64,7 +64,7 @@ impl Driven<'_, '_> {
         if let Err(Stopped::Integration(error)) = advanced {
             advanced = Err(dynamics
                 .left(&z)
-                .map_or_else(|| Stopped::Stuck(error, Box::new(dynamics.describe_circuit(&z))), Stopped::Circuit));
+                .map_or_else(|| Stopped::Stuck(error, dynamics.describe_circuit(&z)), Stopped::Circuit));
         }
         (advanced, z)
     }
