@@ -326,6 +326,15 @@ impl Component {
         }
     }
 
+    /// That the model has grown with its motion, told once; None mostly.
+    #[inline]
+    pub fn take_growth(&mut self) -> Option<String> {
+        match self {
+            Self::Mechanism(model) => model.take_growth(),
+            Self::Hydraulic(_) => None,
+        }
+    }
+
     /// Why a Real output has no value in the present state; None if it has one.
     #[cold]
     pub fn undefined(&mut self, reference: Reference) -> Option<String> {

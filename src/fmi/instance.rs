@@ -302,6 +302,11 @@ impl Instance {
         match self.component.step(h)? {
             Stepped::Whole => {
                 self.clock.time = end;
+                if self.logger.has_events()
+                    && let Some(growth) = self.component.take_growth()
+                {
+                    self.logger.event(|| format!("at t = {end} s {growth}"));
+                }
                 self.component.take_warning().map_or(Ok(()), |warning| Err(Refusal::warning(warning)))
             }
             Stepped::Part(interrupted) => {

@@ -66,9 +66,14 @@ impl Logger {
         }
     }
 
+    /// Whether events are reported.
+    pub fn has_events(&self) -> bool {
+        self.sink.is_some() && self.is_on(Verdict::Ok)
+    }
+
     /// Report an event; the text is only made if the category is on.
     pub fn event(&self, message: impl FnOnce() -> String) {
-        if self.sink.is_some() && self.is_on(Verdict::Ok) {
+        if self.has_events() {
             self.write(Verdict::Ok, &message());
         }
     }

@@ -2,7 +2,7 @@
 use crate::codec::record::Damaged;
 use crate::integrator::IntegrationError;
 use crate::mechanism::definition::DefinitionError;
-use crate::mechanism::reduced::{Reduced, ReductionError};
+use crate::mechanism::reduced::{End, Reduced, ReductionError};
 use crate::mechanism::rigid_fem::RigidFemError;
 use crate::numerics::decimal::Decimal;
 use crate::numerics::table::Unresolved;
@@ -58,8 +58,8 @@ pub enum ModelError {
     LockStill { name: String, stop: String, position: String },
     /// A record that is no snapshot of this mechanism, with its fault.
     Saved { what: String },
-    /// The motion leaves the traced part of the curve.
-    Travel { position: String },
+    /// The motion goes past the end of its travel, with what is the matter there and the remedy.
+    Travel { position: String, reason: String },
     /// The cylinder of a drive does not have this length [m] at a place: its name, least and largest length, the place.
     Stroke { name: String, length: f64, lengths: [f64; 2], what: String },
     /// The absolute pressure of a chamber has come to 0.
@@ -81,6 +81,22 @@ impl ModelError {
             Self::RigidFem(error) => matches!(error, RigidFemError::Equilibrium { .. } | RigidFemError::Strain { .. }),
             _ => false,
         }
+    }
+
+    /// [`Self::Travel`] at a sigma beyond the end of this stretch.
+    #[cold]
+    pub fn travel((stretch, end): (&Reduced, End), sigma: f64) -> Self {
+        let reason = match end {
+            End::OfTravel => "limit the loads or the time".into(),
+            End::OfNumbers => format!(
+                "{:.0e} m from the guess, {:.0e} times the size of the largest body, numbers no longer tell positions \
+                 apart; limit the loads or the time, or add a stop",
+                stretch.curve().farthest * stretch.linkage().size,
+                stretch.curve().farthest
+            ),
+            End::Failed(error) => format!("{error}; or limit the loads or the time, or add a stop before"),
+        };
+        Self::Travel { position: stretch.curve().describe(sigma, 0.0), reason }
     }
 
     /// [`Self::Table`] at a point of the curve after so many whole revolutions.
@@ -194,8 +210,8 @@ impl fmt::Display for ModelError {
                 f64::MAX
             ),
             Self::Interrupted { why, .. } => f.write_str(why),
-            Self::Travel { position } => {
-                write!(f, "the motion has gone past the end of its travel at {position}: limit the loads or the time")
+            Self::Travel { position, reason } => {
+                write!(f, "the motion has gone past the end of its travel at {position}: {reason}")
             }
         }
     }

@@ -37,6 +37,8 @@ pub struct Model {
     /// The reduced model built last; the next one keeps its curve and tables where nothing has changed.
     pub(super) last: Arc<Reduced>,
     pub(super) state: Option<Formulation>,
+    /// Whether [`Self::take_growth`] has told that the curve grows.
+    has_told: bool,
     clipped: Clipped,
 }
 
@@ -97,6 +99,7 @@ impl Model {
             reduced: Some(Arc::clone(&original.reduced)),
             last: Arc::clone(&original.reduced),
             state: None,
+            has_told: false,
             clipped: Clipped::default(),
             original: Arc::new(original),
         };
@@ -373,7 +376,23 @@ impl Model {
         self.inputs.clone_from(&self.original.inputs);
         self.reduced = Some(Arc::clone(&self.original.reduced));
         self.state = None;
+        self.has_told = false;
         self.clipped = Clipped::default();
+    }
+
+    /// That the motion has left the part of an open curve that was traced before the first step; told once.
+    #[inline]
+    pub fn take_growth(&mut self) -> Option<String> {
+        let (Some(state), Some(reduced)) = (&self.state, &self.reduced) else { return None };
+        let state = state.along_curve();
+        if self.has_told || reduced.at(state.sigma).stretch == 0 {
+            return None;
+        }
+        self.has_told = true;
+        let position = state.describe(reduced);
+        Some(format!(
+            "the motion is at {position}, beyond what was traced at first: the curve and its tables grow with it"
+        ))
     }
 
     /// Right-hand-side evaluations and accepted and rejected integration steps since initialisation.

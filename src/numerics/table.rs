@@ -34,7 +34,12 @@ pub struct Grid {
     pub borders: Vec<f64>,
     /// Values of sigma where the exact function amplifies rounding; each stays the middle of a panel.
     pub centers: Vec<f64>,
+    /// Largest tail, relative to the component, that may be rounding in the exact function: [`NOISE`] or more.
+    pub noise: f64,
 }
+
+/// Largest tail, relative to the component, that may be rounding in an exact function near the origin.
+pub const NOISE: f64 = 1e-10;
 
 impl Grid {
     /// This grid with the borders of tables that were built on it.
@@ -43,7 +48,7 @@ impl Grid {
         borders.extend(tables.into_iter().flat_map(|t| &t.borders));
         borders.sort_by(f64::total_cmp);
         borders.dedup();
-        Self { borders, centers: self.centers.clone() }
+        Self { borders, centers: self.centers.clone(), noise: self.noise }
     }
 }
 
@@ -129,7 +134,7 @@ impl Table {
                 if interval.parent_tails[k].is_nan() || set.unresolved.is_some() {
                     continue;
                 }
-                match set.judge(&interval, interval.parent_tails[k]) {
+                match set.judge(&interval, interval.parent_tails[k], grid.noise) {
                     Verdict::Resolved => {}
                     Verdict::Divide { tail, into } => {
                         tails[k] = tail;
@@ -249,7 +254,7 @@ enum Verdict {
 impl Set {
     /// Take the interval as a panel if the set is resolved on it. `parent_tail`: largest tail on the undivided
     /// interval.
-    fn judge(&mut self, interval: &Interval, parent_tail: f64) -> Verdict {
+    fn judge(&mut self, interval: &Interval, parent_tail: f64, noise: f64) -> Verdict {
         /// Length of the shortest piece as a part of a panel of the grid.
         const SHORTEST: f64 = 1.0 / 20_000.0;
         /// Order of the coefficients that must be small.
@@ -271,7 +276,7 @@ impl Set {
         }
         let allowed = (0.5 * ACCURACY).max(interval.rounding);
         // A small tail that division has not reduced is rounding in the exact function.
-        let is_rounding = interval.part < 1.0 && worst < 1e-10 && worst > 0.1 * parent_tail;
+        let is_rounding = interval.part < 1.0 && worst < noise && worst > 0.1 * parent_tail;
         if worst <= allowed || is_rounding {
             self.table.borders.push(interval.b);
             self.table.coefficients.extend(series.iter().map(|s| unless_zero(s, monomials)));
@@ -332,7 +337,7 @@ mod tests {
     use super::*;
 
     fn grid(borders: &[f64]) -> Grid {
-        Grid { borders: borders.to_vec(), centers: Vec::new() }
+        Grid { borders: borders.to_vec(), centers: Vec::new(), noise: NOISE }
     }
 
     fn build(grid: &Grid, sizes: &[f64], exact: &mut dyn FnMut(f64, &mut [f64]) -> f64) -> Result<Table, Unresolved> {

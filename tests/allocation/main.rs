@@ -203,6 +203,26 @@ fn a_state_costs_no_evaluation_and_few_bytes() {
     assert_eq!(live(), before.1);
 }
 
+/// A step allocates where an open curve grows, once for a stretch that is eight times as long as the one before.
+#[test]
+fn growth_alone_allocates() {
+    let text = r#"{ "name": "Carriage", "bodies": { "ground": {}, "carriage": { "length": 0.02, "mass": 3 } },
+      "joints": { "rail": { "type": "prismatic", "first": "ground.origin", "second": "carriage.origin" } },
+      "start": { "joint": "rail", "position": 0, "speed": 100 }, "guess": { "rail": 0 } }"#;
+    let mut model = Model::from_json(text).unwrap();
+    model.initialize().unwrap();
+    let position = model.variables().find("rail.position").unwrap();
+    let mut grown = 0;
+    for k in 1..=10_000 {
+        let before = allocations();
+        model.step(0.1).unwrap();
+        assert!((model.real(position).unwrap() / (10.0 * f64::from(k)) - 1.0).abs() < 1e-12);
+        grown += u32::from(allocations() > before);
+    }
+    // 1e5 m are 5e6 sizes, or 1e2 times 8^5.2.
+    assert_eq!(grown, 6);
+}
+
 fn exchange_allocates_nothing(method: &str) {
     let h = 1e-4;
     let gear = Gear::new();

@@ -36,4 +36,5 @@ mod start_at_guess;
 mod stops;
 #[path = "../support/mod.rs"]
 mod support;
+mod travel;
 mod undefined;

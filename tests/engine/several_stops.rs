@@ -368,11 +368,7 @@ impl Scene {
                 run.set("latch.engage", engaged);
             }
             let stepped = (0..steps).try_for_each(|_| run.0.step(span / f64::from(steps)));
-            if let Err(error) = stepped {
-                // With a rigid stop on one side only, the curve of a crank is traced for one turn to the other side.
-                assert_says(error, &["past the end of its travel"]);
-                break;
-            }
+            prop_assert!(stepped.is_ok(), "phase {compared}: {}", stepped.unwrap_err());
             for oracle in [&mut one, &mut other] {
                 oracle.engage(lock);
                 oracle.advance(load, span);
@@ -596,7 +592,8 @@ fn a_lock_at_a_bumper_before_a_rigid_stop() {
         run.set("load.force", 100.0);
         run.set("latch.engage", true);
         run.steps(7, 1.0);
-        assert_eq!((run.get("slide.position"), run.get("slide.speed")), (0.5, 0.0));
+        // At the place, which is the stop's value but for one rounding.
+        assert!((run.get("slide.position") - 0.5).abs() <= 0.5 * f64::EPSILON && run.get("slide.speed") == 0.0);
         assert!((run.get("latch.force") + 100.0).abs() < 1e-9);
         run.set("latch.engage", false);
         run.step(1.0);

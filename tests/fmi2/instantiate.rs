@@ -2,7 +2,7 @@
 
 use crate::host::{Arguments, Folder, Gear, RESOURCES, c, interface, mechanism};
 use crate::hostile::standard::{ALWAYS, TABLE};
-use linkage_fmu::fmi2::host::{Log, callbacks, logger};
+use linkage_fmu::fmi2::host::{Description, Log, callbacks, logger};
 use linkage_fmu::fmi2::types::{CallbackFunctions, Component, Environment, LoggerCallback, Status, Text};
 use linkage_fmu::fmi2::*;
 use std::ffi::{CStr, c_int};
@@ -184,4 +184,28 @@ fn the_shared_library_exports_everything_and_finds_its_resources() {
         assert!(!component.is_null(), "{:?}", log.take());
         free(component);
     }
+}
+
+/// A carriage that leaves what was traced at first: its log says so, once.
+#[test]
+fn growth_is_told_once() {
+    let folder = std::env::temp_dir().join(format!("linkage_growth_{}", std::process::id()));
+    std::fs::create_dir_all(folder.join("resources")).unwrap();
+    let text = r#"{ "name": "Carriage", "bodies": { "ground": {}, "carriage": { "length": 0.02, "mass": 3 } },
+      "joints": { "rail": { "type": "prismatic", "first": "ground.origin", "second": "carriage.origin" } },
+      "start": { "joint": "rail", "position": 0, "speed": 100 }, "guess": { "rail": 0 } }"#;
+    std::fs::write(folder.join("resources/mechanism.json"), text).unwrap();
+    let description = Description::read(&folder).unwrap();
+    for (logging_on, expected) in [(true, 1), (false, 0)] {
+        let host = description.instantiate(Some(logger()), logging_on).unwrap();
+        assert_eq!(host.initialize(), Status::Ok);
+        host.log.take();
+        for k in 0..100 {
+            assert_eq!(host.step(f64::from(k), 1.0), Status::Ok);
+        }
+        let told = host.log.take();
+        let told = told.iter().filter(|m| m.category == "logEvents" && m.text.contains("grow with it"));
+        assert_eq!(told.count(), expected);
+    }
+    std::fs::remove_dir_all(folder).unwrap();
 }

@@ -17,6 +17,9 @@ use std::sync::Arc;
 
 /// Largest gap of a closed loop, relative to the linkage's size: rounding of Newton's method.
 const CLOSED: f64 = 1e-14;
+/// Position of a prismatic joint, in sizes of the linkage, up to which its rounding is no more than that of Newton's
+/// method.
+const NEAR: f64 = 100.0;
 /// Singular values below this part of the largest count as zero.
 const RANK: f64 = 1e-9;
 
@@ -71,6 +74,12 @@ fn scaled_jacobian(linkage: &Linkage, p: &Positions, q: &[f64], w: &[f64]) -> DM
     j
 }
 
+/// Rounding of the loop equations far from the origin, relative to that near it: positions of prismatic joints are sums
+/// in the bodies' positions.
+fn rounding_at(q: &[f64], angles: usize, w: &[f64]) -> f64 {
+    q.iter().zip(w).skip(angles).fold(1.0, |most: f64, (s, w)| most.max((s * w).abs() / NEAR))
+}
+
 fn rank(matrix: &DMatrix<f64>) -> usize {
     if matrix.is_empty() {
         return 0;
@@ -93,7 +102,7 @@ fn close(linkage: &Linkage, guess: &[f64], w: &[f64]) -> Result<Vec<f64>, Assemb
         // Closed, or as near to it as rounding allows at a singular position.
         unimproved = if worst < 0.5 * best { 0 } else { unimproved + 1 };
         best = best.min(worst);
-        if worst < CLOSED || (unimproved > 3 && worst < 100.0 * CLOSED) {
+        if worst < CLOSED || (unimproved > 3 && worst < 100.0 * CLOSED * rounding_at(&q, linkage.angles, w)) {
             return Ok(q);
         }
         let j = scaled_jacobian(linkage, &p, &q, w);
@@ -212,6 +221,11 @@ impl Closure {
         largest
     }
 
+    /// Rounding of the loop equations at these coordinates, relative to that near the origin.
+    pub fn rounding_at(&self, q: &[f64]) -> f64 {
+        rounding_at(q, self.linkage.angles, &self.weights)
+    }
+
     /// Unit tangent of the curve in the weighted norm, of arbitrary sign.
     pub fn tangent(&self, q: &[f64]) -> Vec<f64> {
         let mut scratch = Scratch::default();
@@ -283,7 +297,8 @@ impl Closure {
                 }
                 let rounding = 1e-15 * (1.0 + amplification);
                 // Converged: the last correction was of the size of rounding, or corrections no longer shrink.
-                if size < rounding || (size >= 0.5 * last && size < 1e3 * rounding) {
+                let is_rounding = |rounding: f64| size < rounding || (size >= 0.5 * last && size < 1e3 * rounding);
+                if is_rounding(rounding) || is_rounding(rounding * self.rounding_at(q)) {
                     // Linearise again: the amplification multiplies the effect of a change of position.
                     if size > UNMOVED && !self.linearise(q, scratch) {
                         return None;

@@ -204,7 +204,7 @@ impl Bridge {
         };
         let open = |u: f64| {
             let gaps = closure.linkage.gaps(&closure.linkage.positions(&bridge.at(u)[0]));
-            gaps.iter().any(|gap| !(gap.abs() <= OPEN * closure.linkage.size))
+            gaps.iter().any(|gap| gap.is_nan() || gap.abs() > OPEN * closure.linkage.size)
         };
         if [0.05, 0.25, 0.43, 0.5, 0.57, 0.75, 0.95].iter().any(|part| open(part * bridge.width)) {
             return None;

@@ -17,9 +17,10 @@ const HARMLESS: f64 = 30.0;
 pub enum Ends {
     /// The curve returns to its start. The coordinates have then grown by these amounts, multiples of 2 pi or 0.
     Closed(Vec<f64>),
-    /// The curve was traced as far as the prismatic joints reasonably go.
+    /// The curve goes on at both ends, as far as prismatic joints may go.
     Open,
-    /// The curve leaves the permitted travel at the low end of sigma, the high end, or both; the other end is open.
+    /// The curve leaves the permitted travel at the low end of sigma, the high end, or both, or another stretch of it
+    /// ends there; the other end is open.
     Stopped {
         /// At the first sigma.
         low: bool,
@@ -35,6 +36,10 @@ pub struct Curve {
     pub closure: Closure,
     pub(super) transform: Transform,
     pub(super) panels: Vec<Panel>,
+    /// Coordinates of the guess, at sigma = 0.
+    pub guess: Vec<f64>,
+    /// Distance of a prismatic joint's position from its guess to which an open curve goes, in sizes of the linkage.
+    pub farthest: f64,
     /// First and last sigma. Where travel stops, the panels extend beyond.
     pub range: (f64, f64),
     /// Ends of the curve.
@@ -63,6 +68,15 @@ impl Curve {
     pub fn scale(&self) -> f64 {
         let (first, last) = self.traced();
         (last - first) / self.panels.iter().map(|p| p.width).sum::<f64>()
+    }
+
+    /// Whether the curve goes on beyond its low end (side 0) or its high end (side 1).
+    pub fn is_open(&self, side: usize) -> bool {
+        match self.ends {
+            Ends::Closed(_) => false,
+            Ends::Open => true,
+            Ends::Stopped { low, high } => ![low, high][side],
+        }
     }
 
     /// Whether loop equations are redundant.

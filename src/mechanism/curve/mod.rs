@@ -15,12 +15,14 @@ mod extrapolation;
 mod grid;
 mod kinetic;
 mod panel;
+mod stretch;
 mod trace;
 mod travel;
 
 pub use configuration::{Configuration, Scratch};
 pub use error::CurveError;
 pub use evaluate::{Curve, Ends};
+pub use stretch::STRETCHES;
 pub use trace::NEAR_CROSSING;
 
 #[cfg(test)]

@@ -259,14 +259,15 @@ impl Samples {
     }
 
     /// Polynomials of the coordinates and of d sigma / d x, and the factor by which the panel might have been wider.
+    /// `far`: rounding of positions relative to that near the origin.
     fn resolve(
         &self,
         transform: &Transform,
         weights: &[f64],
         width: f64,
-        [amplification, least_amplification]: [f64; 2],
+        [amplification, least_amplification, far]: [f64; 3],
     ) -> Result<(Vec<Series>, Series, f64), Rejection> {
-        let rounding = ROUNDING * amplification.max(2.0);
+        let rounding = ROUNDING * amplification.max(2.0) * far;
         let noise = if amplification > HARMLESS { 1.0 } else { NOISE };
         let mut wider = f64::INFINITY;
         let mut coordinates: Vec<Series> = self.coordinates.iter().map(|samples| transform.fit(samples)).collect();
@@ -323,8 +324,9 @@ impl Panel {
         if near_crossing(amplification, least) {
             return Err(Rejection::NearCrossing);
         }
+        let far = closure.rounding_at(&base.q);
         let (coordinates, speed, wider) =
-            samples.resolve(transform, &closure.weights, width, [amplification, least])?;
+            samples.resolve(transform, &closure.weights, width, [amplification, least, far])?;
         let mut tip: Vec<f64> = coordinates.iter().map(|s| polynomial(s, 1.0)).collect();
         scratch.closed += 1;
         let loops = &mut scratch.evaluation.loops;
@@ -355,7 +357,8 @@ impl Panel {
         visit: &mut dyn FnMut(usize, &Positions),
     ) -> Result<(Self, Vec<f64>, f64), Rejection> {
         scratch.sample_bridge(closure, &transform.nodes, bridge, (from, width), visit)?;
-        let (coordinates, speed, wider) = scratch.samples.resolve(transform, &closure.weights, width, [BRIDGED; 2])?;
+        let rounding = [BRIDGED, BRIDGED, closure.rounding_at(&base.q)];
+        let (coordinates, speed, wider) = scratch.samples.resolve(transform, &closure.weights, width, rounding)?;
         let panel = scratch.panel(transform, base, bridge.normal.clone(), width, (coordinates, speed), true);
         let [_, mut tangent, _] = bridge.at(from + width);
         closure.normalise(&mut tangent);
@@ -410,6 +413,15 @@ impl Panel {
         }
         odd(&mut self.speed);
         self.integrated()
+    }
+
+    /// Add `growth` to the coordinates: the same part of the curve after whole revolutions.
+    pub fn shift(&mut self, growth: &[f64]) {
+        for (i, growth) in growth.iter().enumerate() {
+            self.base[i] += growth;
+            self.tip[i] += growth;
+            self.coordinates[i][0] += growth;
+        }
     }
 
     /// Coordinates at x in [-1, 1], by the polynomials.

@@ -15,8 +15,10 @@ use std::f64::consts::TAU;
 
 /// Width of the first panel in the weighted norm.
 const FIRST: f64 = 0.25;
-/// Largest width of a panel.
+/// Largest width of a panel near the guess.
 const LARGEST: f64 = 1.5;
+/// Largest width of a panel relative to its distance from the guess.
+const LARGEST_PART: f64 = 0.5;
 /// Half width of a bridge over a crossing, for three coordinates: largest one, good one, least one.
 const BRIDGES: [f64; 3] = [0.5, 0.35, 0.01];
 /// Largest of the last coefficients of a bridge's series that is rounding.
@@ -25,14 +27,18 @@ const RESOLVED: f64 = 2e-14;
 const SMALLEST: f64 = 1e-6;
 /// Largest number of panels.
 const PANELS: usize = 20_000;
-/// Largest traced position of a prismatic joint, in sizes of the linkage.
+/// Distance of a prismatic joint's position from its guess to which the curve is traced at first, in sizes of the
+/// linkage.
 const FARTHEST: f64 = 100.0;
+
+/// Distance at which following ends, relative to the one at which it should.
+const OVERSHOOT: f64 = 1.01;
 
 /// Amplification of rounding in a gap above which branches almost cross.
 pub const NEAR_CROSSING: f64 = 300.0;
 
 /// End of following the curve in one direction.
-enum Stop {
+pub(super) enum Stop {
     /// The curve returned to its start; the coordinates have grown by these amounts.
     Returned(Vec<f64>),
     /// The permitted travel ends at this sigma.
@@ -45,7 +51,9 @@ impl Curve {
     /// Trace the curve through the closed position `q`, where sigma is 0: the whole curve, or with a `margin` as far as
     /// travel is permitted, which is in each direction up to the first zero of `margin`, a continuous function of the
     /// positions that is >= 0 at `q` but for rounding. The range of sigma ends exactly at the zero; the panel with the
-    /// zero is traced to its end. Without a zero the result is the whole curve.
+    /// zero is traced to its end. Without a zero the result is the whole curve: a closed one also if the motion away from
+    /// a limit on one side returns with coordinates that have grown, as it may go on so for ever. Where a prismatic joint
+    /// goes far from its guess, the curve is open and goes on in stretches: see [`Self::stretch`].
     ///
     /// # Errors
     /// [`CurveError`].
@@ -56,17 +64,11 @@ impl Curve {
     ) -> Result<Self, CurveError> {
         let tangent = closure.tangent(q);
         let travel = margin.map(|margin| Travel::new(&closure.linkage, margin));
-        let mut tracer = Tracer {
-            closure: &closure,
-            transform: Transform::default(),
-            gapped: Gapped::default(),
-            bridge: None,
-            least: f64::INFINITY,
-            half: f64::INFINITY,
-            travel,
-            scratch: Scratch::default(),
-        };
-        let (mut panels, stop) = tracer.follow(q, &tangent)?;
+        let farthest = FARTHEST.max(2.0 * closure.linkage.bodies.len() as f64);
+        let mut tracer = Tracer { travel, ..Tracer::new(&closure, q, farthest) };
+        let start = |tangent: &[f64]| Base { sigma: 0.0, q: q.to_vec(), tangent: tangent.to_vec() };
+        let mut panels = Vec::new();
+        let stop = tracer.follow(start(&tangent), true, &mut panels)?;
         let end = |panels: &[Panel]| panels.last().map_or(0.0, Panel::end);
         let (mut first, mut last) = (0.0, end(&panels));
         let ends = match stop {
@@ -77,30 +79,47 @@ impl Curve {
                     last = sigma;
                 }
                 let back: Vec<f64> = tangent.iter().map(|t| -t).collect();
-                let (other, stop) = tracer.follow(q, &back)?;
-                let low = !matches!(stop, Stop::Far);
-                first = match stop {
-                    Stop::Left(sigma) => -sigma,
-                    Stop::Far => -end(&other),
-                    // The margin touches 0 at the limit met forward and was missed in this direction.
-                    Stop::Returned(_) => last - end(&other),
+                let mut other = Vec::new();
+                let stop = tracer.follow(start(&back), true, &mut other)?;
+                let whole = end(&other);
+                let growth = match &stop {
+                    Stop::Returned(growth) if tracer.has_left(last, whole, &panels, growth) => {
+                        Some(growth.iter().map(|growth| -growth).collect::<Vec<_>>())
+                    }
+                    _ => None,
                 };
-                let mirrored = |p: Panel| {
-                    let start = -p.end();
-                    p.mirrored(start)
-                };
-                panels = other.into_iter().rev().map(mirrored).chain(panels).collect();
-                if low || high { Ends::Stopped { low, high } } else { Ends::Open }
+                if let Some(growth) = growth {
+                    // The limit was left by a whole revolution, the next one leads on away from it.
+                    (first, last) = (0.0, whole);
+                    panels = mirrored(other, whole);
+                    panels.iter_mut().for_each(|panel| panel.shift(&growth));
+                    Ends::Closed(growth)
+                } else {
+                    let low = !matches!(stop, Stop::Far);
+                    first = match stop {
+                        Stop::Left(sigma) => -sigma,
+                        Stop::Far => -whole,
+                        // The margin touches 0 at the limit met forward and was missed in this direction.
+                        Stop::Returned(_) => last - whole,
+                    };
+                    panels = mirrored(other, 0.0).into_iter().chain(panels).collect();
+                    if low || high { Ends::Stopped { low, high } } else { Ends::Open }
+                }
             }
         };
         if last <= first {
             return Err(CurveError::Outside(describe(&closure, q)));
         }
         let (transform, closed) = (tracer.transform, tracer.scratch.closed);
-        let mut curve = Self { closure, transform, panels, range: (first, last), ends, crossings: Vec::new(), closed };
-        curve.crossings = curve.find_crossings();
-        curve.check_redundant()?;
-        Ok(curve)
+        let (guess, range) = (q.to_vec(), (first, last));
+        Self { closure, transform, panels, guess, farthest, range, ends, crossings: Vec::new(), closed }.checked()
+    }
+
+    /// This curve with its crossings.
+    pub(super) fn checked(mut self) -> Result<Self, CurveError> {
+        self.crossings = self.find_crossings();
+        self.check_redundant()?;
+        Ok(self)
     }
 
     /// Check that the dependent loop equations hold at all nodes.
@@ -114,7 +133,7 @@ impl Curve {
             for x in self.transform.nodes {
                 let q = panel.coordinates_at(x);
                 for (row, gap) in linkage.gaps(&linkage.positions(&q)).iter().enumerate() {
-                    if gap.abs() > 1e-9 * linkage.size {
+                    if gap.abs() > 1e-9 * linkage.size * self.closure.rounding_at(&q) {
                         let joint = linkage.joints[joints[row]].name.clone();
                         let position = describe(&self.closure, &q);
                         return Err(CurveError::Inconsistent { joint, gap: gap.abs(), position });
@@ -126,10 +145,20 @@ impl Curve {
     }
 }
 
+/// The same panels in the opposite direction, so that the first one begins where the last one ended, `end` after their
+/// start.
+pub(super) fn mirrored(panels: Vec<Panel>, end: f64) -> Vec<Panel> {
+    let mirrored = |panel: Panel| {
+        let start = end - panel.end();
+        panel.mirrored(start)
+    };
+    panels.into_iter().rev().map(mirrored).collect()
+}
+
 /// Following of the curve in one direction and the other.
-struct Tracer<'a> {
+pub(super) struct Tracer<'a> {
     closure: &'a Closure,
-    transform: Transform,
+    pub(super) transform: Transform,
     gapped: Gapped,
     /// The bridge on which the next panel begins, and its distance there.
     bridge: Option<(Bridge, f64)>,
@@ -137,50 +166,114 @@ struct Tracer<'a> {
     least: f64,
     /// Largest half width of the next bridge.
     half: f64,
-    travel: Option<Travel<'a>>,
-    scratch: Scratch,
+    pub(super) travel: Option<Travel<'a>>,
+    pub(super) scratch: Scratch,
+    /// Coordinates of the guess.
+    guess: &'a [f64],
+    /// Distance of a prismatic joint's position from its guess at which following ends, in sizes of the linkage.
+    farthest: f64,
+    /// Width of the first panel.
+    pub(super) first: f64,
+    /// Largest width of a panel relative to the one before.
+    pub(super) widening: f64,
+    /// Largest width of a panel relative to its distance from the guess.
+    pub(super) part: f64,
 }
 
-impl Tracer<'_> {
-    /// Follow the curve from `q` along `tangent`.
-    fn follow(&mut self, q: &[f64], tangent: &[f64]) -> Result<(Vec<Panel>, Stop), CurveError> {
+impl<'a> Tracer<'a> {
+    /// A tracer without limits of travel.
+    pub(super) fn new(closure: &'a Closure, guess: &'a [f64], farthest: f64) -> Self {
+        let (transform, scratch) = (Transform::default(), Scratch::default());
+        Self {
+            closure,
+            transform,
+            gapped: Gapped::default(),
+            bridge: None,
+            least: f64::INFINITY,
+            half: f64::INFINITY,
+            travel: None,
+            scratch,
+            guess,
+            farthest,
+            first: FIRST,
+            widening: 2.0,
+            part: LARGEST_PART,
+        }
+    }
+
+    /// Largest distance of a prismatic joint's position from its guess, in sizes of the linkage.
+    fn distance(&self, q: &[f64]) -> f64 {
+        let linkage = &*self.closure.linkage;
+        let both = q.iter().zip(self.guess).skip(linkage.angles);
+        both.fold(0.0, |most: f64, (s, guess)| most.max((s - guess).abs())) / linkage.size
+    }
+
+    /// Largest width of a panel from here on: with it following does not go much too far.
+    fn largest(&self, base: &Base) -> f64 {
+        /// Least part of a panel's width that a prismatic joint is taken to move.
+        const SLOWEST: f64 = 0.1;
+        let both = base.tangent.iter().zip(&self.closure.weights).skip(self.closure.linkage.angles);
+        let fastest = both.fold(SLOWEST, |most: f64, (t, w)| most.max((t * w).abs()));
+        let distance = self.distance(&base.q);
+        LARGEST.max((self.part * distance).min((OVERSHOOT * self.farthest - distance) / fastest))
+    }
+
+    /// Whether a limit, met forward at `left`, is no longer one after a whole revolution backward of length `whole`, in
+    /// which the coordinates have grown by `growth`.
+    fn has_left(&mut self, left: f64, whole: f64, panels: &[Panel], growth: &[f64]) -> bool {
+        let (Some(travel), Some(panel)) = (&mut self.travel, panels.last()) else { return false };
+        if growth.iter().all(|growth| *growth == 0.0) || left >= whole {
+            return false;
+        }
+        let mut q = panel.coordinates_at(panel.x_at(left));
+        q.iter_mut().zip(growth).for_each(|(q, growth)| *q += growth);
+        travel.allows(&q)
+    }
+
+    /// Follow the curve from a position, panel by panel, until it returns there if it `may_return`.
+    ///
+    /// # Errors
+    /// [`CurveError`]; the panels before are there.
+    pub(super) fn follow(
+        &mut self,
+        start: Base,
+        may_return: bool,
+        panels: &mut Vec<Panel>,
+    ) -> Result<Stop, CurveError> {
         /// Width of the next panel relative to the width that should resolve it.
         const CAUTION: f64 = 0.84;
-        /// Largest width of a panel relative to the one before.
-        const GROWTH: f64 = 2.0;
-        let linkage = &*self.closure.linkage;
-        let mut panels: Vec<Panel> = Vec::new();
-        let mut base = Base { sigma: 0.0, q: q.to_vec(), tangent: tangent.to_vec() };
-        let (mut width, mut widest_before) = (FIRST, None);
         self.bridge = None;
+        let mut base = start.clone();
+        let (mut width, mut widest_before) = (self.first.min(self.largest(&base)), None);
         if let Some(travel) = &mut self.travel {
-            travel.start(q);
+            travel.start(&start.q);
         }
         loop {
             let (panel, ahead, wider) = self.next_panel(&base, &mut width)?;
-            let returns = self.returned(q, tangent, &panel, panels.is_empty());
+            let returns =
+                if may_return { self.returned(&start.q, &start.tangent, &panel, panels.is_empty()) } else { None };
             let left = self.travel.as_mut().and_then(|t| t.end(&panel, &self.transform.nodes));
             if let Some((growth, cut)) = returns {
                 // The travel may end on the way back to the start.
                 let end = cut.as_ref().map_or(panel.start, Panel::end);
                 if left.is_none_or(|sigma| sigma >= end) {
                     panels.extend(cut);
-                    return Ok((panels, Stop::Returned(growth)));
+                    return Ok(Stop::Returned(growth));
                 }
             }
             base = Base { sigma: panel.end(), q: panel.tip.clone(), tangent: ahead };
-            let far = base.q[linkage.angles..].iter().any(|s| s.abs() > FARTHEST * linkage.size);
+            let distance = self.distance(&base.q);
             // Width that would just have been resolved, and its ratio from panel to panel.
-            let widest = panel.width * wider.min(GROWTH);
-            let trend = widest_before.map_or(1.0, |before: f64| (widest / before).clamp(0.5, GROWTH));
-            width = (CAUTION * widest * trend).min(GROWTH * panel.width).min(LARGEST);
+            let widest = panel.width * wider.min(self.widening);
+            let trend = widest_before.map_or(1.0, |before: f64| (widest / before).clamp(0.5, self.widening));
+            width = (CAUTION * widest * trend).min(self.widening * panel.width).min(self.largest(&base));
             widest_before = Some(widest);
             panels.push(panel);
             if let Some(sigma) = left {
-                return Ok((panels, Stop::Left(sigma)));
+                return Ok(Stop::Left(sigma));
             }
-            if far {
-                return Ok((panels, Stop::Far));
+            if distance > self.farthest {
+                return Ok(Stop::Far);
             }
             if panels.len() >= PANELS {
                 return Err(CurveError::TooLong { panels: PANELS });

@@ -38,6 +38,13 @@ impl<'a> Travel<'a> {
         value
     }
 
+    /// Whether a position is permitted, and not just by rounding.
+    pub(super) fn allows(&mut self, q: &[f64]) -> bool {
+        /// Margin that rounding does not explain, in the unit of margins.
+        const CLEAR: f64 = 1e-6;
+        self.at(q) > CLEAR
+    }
+
     /// Start at a permitted position; a negative margin there is rounding.
     pub(super) fn start(&mut self, q: &[f64]) {
         self.before = self.at(q).max(0.0);

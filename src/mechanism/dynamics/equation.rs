@@ -14,6 +14,7 @@ use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::loads::laws::friction::Regime;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::dual::{Differentiable, Dual, Number};
+use crate::numerics::enclosure::Interval;
 use crate::numerics::table::{polynomial, polynomial_at};
 
 /// Scratch of the equation of motion in numbers T, with the results of its last evaluation.
@@ -47,8 +48,11 @@ impl<T: Differentiable> Scratch<T> {
 
 /// The equation of motion over one communication step, in numbers T.
 pub struct EquationOfMotion<'a, T: Differentiable = f64> {
+    /// The reduced model on the stretch of the curve with the guess.
+    pub whole: &'a Reduced,
+    /// The reduced model on the stretch of the present panel.
     pub reduced: &'a Reduced,
-    /// The loads that the state decides.
+    /// The loads that the state decides, on that stretch.
     pub state_loads: Option<&'a StateLoads>,
     /// Sizes of the other loads.
     pub applied: AppliedLoads<'a>,
@@ -63,11 +67,59 @@ pub struct EquationOfMotion<'a, T: Differentiable = f64> {
     pub ports: Option<Ports<'a>>,
 }
 
-impl<T: Differentiable> EquationOfMotion<'_, T> {
+impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
     /// x at sigma on its panel, which is entered if it is not the present one.
     #[inline(always)]
     pub fn locate(&mut self, sigma: f64) -> f64 {
-        self.scratch.panel_force.locate(self.reduced, self.state_loads, &self.applied, sigma)
+        if !self.scratch.panel_force.holds(sigma) {
+            self.enter(sigma);
+        }
+        self.scratch.panel_force.x(sigma)
+    }
+
+    /// Enter the panel at sigma, on its stretch of the curve.
+    #[cold]
+    fn enter(&mut self, sigma: f64) {
+        if self.whole.is_open() {
+            (self.reduced, self.state_loads) = self.stretch_at(sigma);
+        }
+        self.scratch.panel_force.enter(self.reduced, self.state_loads, &self.applied, sigma);
+    }
+
+    /// The reduced model and the loads that the state decides on the stretch that holds sigma.
+    #[inline(always)]
+    pub fn stretch_at(&self, sigma: f64) -> (&'a Reduced, Option<&'a StateLoads>) {
+        if !self.whole.is_open() || self.reduced.holds(sigma) {
+            return (self.reduced, self.state_loads);
+        }
+        self.whole.with_state_loads(sigma, self.scratch.air)
+    }
+
+    /// One component of the table of the loads that the state decides, at any sigma, without leaving the present panel.
+    pub fn component(&self, component: usize, sigma: f64) -> f64 {
+        let (reduced, Some(state_loads)) = self.stretch_at(sigma) else { return 0.0 };
+        self.scratch.panel_force.value((reduced, &state_loads.table), component, sigma)
+    }
+
+    /// Bounds of one component of that table, and of its derivative along sigma, on an interval of sigma. `growth`: how
+    /// much the component grows over a revolution.
+    pub fn component_bounds(&self, component: usize, sigma: Interval, growth: f64) -> [Interval; 2] {
+        let (mut reduced, mut state_loads) = self.stretch_at(sigma.low);
+        let mut all: Option<[Interval; 2]> = None;
+        while let Some(present) = state_loads {
+            let here = self.scratch.panel_force.bounds((reduced, &present.table), component, sigma, growth);
+            let hull = all.map_or(here, |all| [all[0].hull(here[0]), all[1].hull(here[1])]);
+            let last = reduced.curve().range.1;
+            if !self.whole.is_open() || sigma.high < last {
+                return hull;
+            }
+            let (next, loads) = self.whole.with_state_loads(last, self.scratch.air);
+            if std::ptr::eq(next, reduced) {
+                return hull;
+            }
+            (reduced, state_loads, all) = (next, loads, Some(hull));
+        }
+        all.unwrap_or([Interval::around(0.0, f64::MAX); 2])
     }
 
     /// Acceleration and power lost, for a motion in the mode's direction.

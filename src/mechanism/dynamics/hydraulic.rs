@@ -11,7 +11,6 @@ use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::state_loads::Evaluation;
 use crate::mechanism::loads::resolved::HydraulicDrive;
-use crate::mechanism::reduced::Reduced;
 use crate::numerics::table::Table;
 
 /// Components of the state of a motion: sigma, sigma_dot, energy lost.
@@ -41,7 +40,10 @@ const BEYOND: f64 = 1e12;
 #[derive(Clone, Debug)]
 pub struct Ports<'a> {
     laws: &'a Equations,
-    /// Displacement of the drive's load: the length of the actuator over sigma, with two derivatives.
+    /// Index of the drive's load.
+    load: usize,
+    /// Displacement of the drive's load: the length of the actuator over sigma, with two derivatives, on the stretch of the
+    /// curve with the guess.
     length: &'a Table,
     surroundings: Surroundings,
     /// Instants at which the command has a kink [s], ascending; the last ones infinite.
@@ -76,7 +78,7 @@ impl<'a> Ports<'a> {
         kinks.sort_unstable_by(f64::total_cmp);
         let [supply, tank] = [1, 2].map(|port| polynomial(inputs, drive.first_input + port));
         let surroundings = Surroundings { supply, tank, command };
-        Self { laws: &drive.laws, length, surroundings, kinks, held: false }
+        Self { laws: &drive.laws, load: drive.load, length, surroundings, kinks, held: false }
     }
 
     /// The next instant after t [s] at which the command has a kink; infinite if there is none.
@@ -89,8 +91,13 @@ impl<'a> Ports<'a> {
 /// Length of the actuator at sigma, and its derivative along sigma.
 #[inline]
 fn length_at(equation: &EquationOfMotion<'_>, ports: &Ports<'_>, sigma: f64) -> [f64; 2] {
-    let reduced: &Reduced = equation.reduced;
-    let value = |component| equation.scratch.panel_force.value((reduced, ports.length), component, sigma);
+    let (reduced, _) = equation.stretch_at(sigma);
+    let of_stretch = (!std::ptr::eq(reduced, equation.whole)).then(|| reduced.displacement(ports.load));
+    let (reduced, length) = match of_stretch {
+        Some(Ok(length)) => (reduced, length),
+        _ => (equation.whole, ports.length),
+    };
+    let value = |component| equation.scratch.panel_force.value((reduced, length), component, sigma);
     [value(0), value(1)]
 }
 

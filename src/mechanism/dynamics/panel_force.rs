@@ -69,6 +69,8 @@ pub struct PanelForce {
     /// x at the center.
     offset: f64,
     panel: usize,
+    /// Number of the stretch of the curve on which the panel is.
+    stretch: i32,
     /// Whole revolutions before this panel.
     pub revolutions: f64,
     /// Force along the curve.
@@ -97,19 +99,18 @@ impl PanelForce {
         (self.low, self.high) = (f64::INFINITY, f64::NEG_INFINITY);
     }
 
-    /// x at sigma on its panel, which is entered if it is not the present one.
+    /// Hold for no sigma if the panel is on another stretch of the curve.
     #[inline(always)]
-    pub fn locate(
-        &mut self,
-        reduced: &Reduced,
-        state_loads: Option<&StateLoads>,
-        applied: &AppliedLoads,
-        sigma: f64,
-    ) -> f64 {
-        if !(self.low <= sigma && sigma < self.high) {
-            self.enter(reduced, state_loads, applied, sigma);
+    pub fn on_stretch(&mut self, stretch: i32) {
+        if self.stretch != stretch {
+            self.invalidate();
         }
-        self.x(sigma)
+    }
+
+    /// Whether the present panel holds sigma.
+    #[inline(always)]
+    pub fn holds(&self, sigma: f64) -> bool {
+        self.low <= sigma && sigma < self.high
     }
 
     /// x at sigma on the present panel, with derivatives if sigma has some.
@@ -198,8 +199,9 @@ impl PanelForce {
         [Interval::around(0.0, f64::MAX); 2]
     }
 
-    #[cold]
-    fn enter(&mut self, reduced: &Reduced, state_loads: Option<&StateLoads>, applied: &AppliedLoads, sigma: f64) {
+    /// Enter the panel at sigma, on this stretch of the curve.
+    pub fn enter(&mut self, reduced: &Reduced, state_loads: Option<&StateLoads>, applied: &AppliedLoads, sigma: f64) {
+        self.stretch = reduced.stretch;
         let table = state_loads.map_or(reduced.influence(), |s| &s.table);
         let (first, last) = reduced.curve().range;
         let (shift, revolutions) = around(reduced, sigma);

@@ -78,7 +78,7 @@ impl RigidFemMotion {
         refuse_locks(reduced, inputs, &rigid.state)?;
         let linkage = reduced.linkage();
         let fem = Arc::new(finite_elements(reduced, mechanism)?);
-        let c = reduced.curve().configuration(rigid.state.sigma);
+        let c = reduced.at(rigid.state.sigma).curve().configuration(rigid.state.sigma);
         let q: Vec<f64> =
             c.q.iter().enumerate().map(|(i, q)| q + rigid.state.revolutions * reduced.curve().growth(i)).collect();
         let q_dot: Vec<f64> = c.q_sigma.iter().map(|slope| slope * rigid.state.sigma_dot).collect();

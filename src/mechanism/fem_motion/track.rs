@@ -15,6 +15,8 @@ const CORRECTIONS: usize = 3;
 
 /// Follows the curve from step to step.
 pub struct Track<'a> {
+    /// The stretch of the curve on which it is, and the coordinates there.
+    stretch: &'a Reduced,
     table: &'a Table,
     pub sigma: f64,
     pub sigma_dot: f64,
@@ -28,9 +30,9 @@ impl<'a> Track<'a> {
     /// # Errors
     /// The coordinates are not smooth along the curve.
     pub fn new(reduced: &'a Reduced, rigid: &State) -> Result<Self, ModelError> {
-        let table = reduced.coordinates();
-        let table = table.map_err(|at| ModelError::table(reduced, "solver.method", at, rigid.revolutions))?;
-        Ok(Self { table, sigma: rigid.sigma, sigma_dot: rigid.sigma_dot, revolutions: rigid.revolutions })
+        let stretch = reduced.at(rigid.sigma);
+        let table = coordinates(stretch, rigid.revolutions)?;
+        Ok(Self { stretch, table, sigma: rigid.sigma, sigma_dot: rigid.sigma_dot, revolutions: rigid.revolutions })
     }
 
     /// Move to the position of a state that is `h` [s] after the last.
@@ -39,7 +41,7 @@ impl<'a> Track<'a> {
     /// The state has left the traced part of the curve.
     pub fn follow(
         &mut self,
-        reduced: &Reduced,
+        reduced: &'a Reduced,
         fem: &RigidFem,
         state: &rigid_fem::State,
         h: f64,
@@ -65,10 +67,10 @@ impl<'a> Track<'a> {
         self.wrap(reduced)
     }
 
-    /// On a closed curve back into the first revolution.
-    fn wrap(&mut self, reduced: &Reduced) -> Result<(), ModelError> {
-        let (first, last) = reduced.curve().range;
-        if (first..=last).contains(&self.sigma) {
+    /// On a closed curve back into the first revolution, on an open one on to the stretch that holds sigma.
+    fn wrap(&mut self, reduced: &'a Reduced) -> Result<(), ModelError> {
+        let (first, last) = self.stretch.curve().range;
+        if self.stretch.holds(self.sigma) || (self.sigma == last && !reduced.is_open()) {
             return Ok(());
         }
         match reduced.period() {
@@ -81,7 +83,16 @@ impl<'a> Track<'a> {
                 }
                 Ok(())
             }
-            _ => Err(ModelError::Travel { position: reduced.curve().describe(self.sigma, self.revolutions) }),
+            _ => {
+                self.stretch = reduced.reach(self.sigma).map_err(|end| ModelError::travel(end, self.sigma))?;
+                self.table = coordinates(self.stretch, self.revolutions)?;
+                Ok(())
+            }
         }
     }
+}
+
+/// The coordinates on a stretch of the curve.
+fn coordinates(stretch: &Reduced, revolutions: f64) -> Result<&Table, ModelError> {
+    stretch.coordinates().map_err(|at| ModelError::table(stretch, "solver.method", at, revolutions))
 }

@@ -26,20 +26,20 @@ const CORRECTIONS: usize = 12;
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// A motion under loads that only the position decides.
-pub struct Coasting<'a, D, P> {
+pub struct Coasting<'a, D, P, L> {
     pub dynamics: &'a mut D,
     pub integrator: &'a mut Integrator<2>,
     pub ends: &'a Ends<'a>,
     pub contact: &'a mut Contact,
     pub tolerance: f64,
+    /// Whether a sigma is beyond an end of an open curve.
+    pub passes: P,
     /// The path of the motion; asked of after many steps only.
-    pub path: P,
+    pub path: L,
 }
 
 /// The curve along which a motion may come back to its position.
 pub struct Path {
-    /// Least and largest sigma of an open curve.
-    pub range: Option<(f64, f64)>,
     /// Length of a closed curve.
     pub length: Option<f64>,
     /// Whether a load does net work over a revolution of a closed curve.
@@ -54,7 +54,7 @@ struct Period {
     revolutions: f64,
 }
 
-impl<D: Dynamics<2>, P: Fn() -> Path> Coasting<'_, D, P> {
+impl<D: Dynamics<2>, P: Fn(f64) -> bool, L: Fn() -> Path> Coasting<'_, D, P, L> {
     /// Advance y = (sigma, sigma_dot) by exactly `span` [s], or until the integration has tried `most` steps since its
     /// start. Returns the energy lost in impacts [J]. Revolutions that sigma does not count are added to `passed`.
     ///
@@ -124,15 +124,12 @@ impl<D: Dynamics<2>, P: Fn() -> Path> Coasting<'_, D, P> {
     /// travel or of an open curve.
     fn period(&mut self, start: &[f64; 2], effort: u64) -> Option<Period> {
         let direction = start[1].signum();
-        let Path { range, length, does_work } = (self.path)();
+        let Path { length, does_work } = (self.path)();
         let unlimited = self.ends.travel.is_empty();
         let revolution = length.filter(|_| unlimited && !does_work);
         let farthest = length.unwrap_or(f64::INFINITY);
         let returns = [Some((start[0], 0.0)), revolution.map(|length| (start[0] + direction * length, direction))];
-        let limits = [0, 1].map(|side| {
-            let of_curve = range.map(|(first, last)| [first, last][side]);
-            self.ends.rigid(side).or(of_curve)
-        });
+        let limits = [0, 1].map(|side| self.ends.rigid(side));
         let mut integrator = Integrator::default();
         let (mut t, mut y) = (0.0, *start);
         let mut found = None;
@@ -140,7 +137,11 @@ impl<D: Dynamics<2>, P: Fn() -> Path> Coasting<'_, D, P> {
             let Ok(step) = integrator.step(self.dynamics, t, &y, f64::INFINITY, TOLERANCE) else { break };
             let [low, high] = [step.start[0].min(step.end[0]), step.start[0].max(step.end[0])];
             let bulge = step.bulge(0);
-            if limits[0].is_some_and(|end| low - bulge <= end) || limits[1].is_some_and(|end| high + bulge >= end) {
+            let (low, high) = (low - bulge, high + bulge);
+            if limits[0].is_some_and(|end| low <= end) || limits[1].is_some_and(|end| high >= end) {
+                break;
+            }
+            if (self.passes)(low) || (self.passes)(high) {
                 break;
             }
             let is_passed = |target: f64| {

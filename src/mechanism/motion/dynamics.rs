@@ -120,13 +120,13 @@ pub trait Dynamics<const N: usize>: System<N> {
         Enclosure::constant(0.0)
     }
 
-    /// Position of sigma for [`Self::slip_rate`], the same for all joints.
-    fn slip_position(&self, _sigma: f64) -> TablePosition {
-        TablePosition { panel: 0, x: 0.0 }
+    /// sigma with its position in the table, for [`Self::slip_rate`], the same for all joints.
+    fn slip_position(&self, _sigma: f64) -> (f64, TablePosition) {
+        (0.0, TablePosition { panel: 0, x: 0.0 })
     }
 
     /// Slip speed of a joint [m/s] and its rate [m/s2], at a position and these sigma_dot and sigma_ddot.
-    fn slip_rate(&self, _joint: usize, _at: TablePosition, _rates: [f64; 2]) -> [f64; 2] {
+    fn slip_rate(&self, _joint: usize, _at: (f64, TablePosition), _rates: [f64; 2]) -> [f64; 2] {
         [0.0; 2]
     }
 
@@ -264,9 +264,8 @@ where
         let Some(state_loads) = self.state_loads else { return [Enclosure::constant(0.0); 2] };
         let loading = self.reduced.loading();
         let stop = &loading.stops[state_loads.bumpers[bumper]];
-        let (table, growth) = ((self.reduced, &state_loads.table), self.reduced.load_growth(stop.load));
-        let panel_force = &self.scratch.panel_force;
-        let of = |component: usize, growth: f64| sigma.chain(panel_force.bounds(table, component, sigma.value, growth));
+        let growth = self.reduced.load_growth(stop.load);
+        let of = |component: usize, growth: f64| sigma.chain(self.component_bounds(component, sigma.value, growth));
         let s = of(state_loads.pressed(bumper), growth)
             + Enclosure::constant(self.applied.revolutions * growth - stop.value);
         let rate = of(state_loads.free() - state_loads.bumpers.len() + bumper, 0.0) * sigma_dot;
@@ -313,31 +312,32 @@ where
 
     fn slip(&mut self, joint: usize, sigma: f64, sigma_dot: f64) -> f64 {
         // Needed at the ends of steps and between them, it leaves the present panel as it is.
+        let x = if self.reduced.exact { Some(self.locate(sigma)) } else { None };
         let Some(state_loads) = self.state_loads else { return 0.0 };
         let component = state_loads.free() + joint;
-        let influence = if self.reduced.exact {
-            let x = self.locate(sigma);
+        let influence = if let Some(x) = x {
             polynomial(self.scratch.panel_force.series(&state_loads.table, component), x)
         } else {
-            self.scratch.panel_force.value((self.reduced, &state_loads.table), component, sigma)
+            self.component(component, sigma)
         };
         influence * sigma_dot * state_loads.friction_joints[joint].radius
     }
 
     fn slip_bounds(&mut self, joint: usize, sigma: Enclosure, sigma_dot: Enclosure) -> Enclosure {
         let Some(state_loads) = self.state_loads else { return Enclosure::constant(0.0) };
-        let (table, component) = ((self.reduced, &state_loads.table), state_loads.free() + joint);
-        let influence = sigma.chain(self.scratch.panel_force.bounds(table, component, sigma.value, 0.0));
+        let influence = sigma.chain(self.component_bounds(state_loads.free() + joint, sigma.value, 0.0));
         influence * sigma_dot * state_loads.friction_joints[joint].radius
     }
 
-    fn slip_position(&self, sigma: f64) -> TablePosition {
-        let table = self.state_loads.map(|state_loads| (self.reduced, &state_loads.table));
-        table.map_or(TablePosition { panel: 0, x: 0.0 }, |table| self.scratch.panel_force.position(table, sigma))
+    fn slip_position(&self, sigma: f64) -> (f64, TablePosition) {
+        let (reduced, state_loads) = self.stretch_at(sigma);
+        let table = state_loads.map(|state_loads| (reduced, &state_loads.table));
+        let position = |table| self.scratch.panel_force.position(table, sigma);
+        (sigma, table.map_or(TablePosition { panel: 0, x: 0.0 }, position))
     }
 
-    fn slip_rate(&self, joint: usize, at: TablePosition, [sigma_dot, sigma_ddot]: [f64; 2]) -> [f64; 2] {
-        let Some(state_loads) = self.state_loads else { return [0.0; 2] };
+    fn slip_rate(&self, joint: usize, at: (f64, TablePosition), [sigma_dot, sigma_ddot]: [f64; 2]) -> [f64; 2] {
+        let ((_, Some(state_loads)), at) = (self.stretch_at(at.0), at.1) else { return [0.0; 2] };
         let [influence, slope] = state_loads.table.value_and_slope(at, state_loads.free() + joint);
         let rate = slope * sigma_dot * sigma_dot + influence * sigma_ddot;
         [influence * sigma_dot, rate].map(|v| v * state_loads.friction_joints[joint].radius)

@@ -293,11 +293,14 @@ fn border_passage<D: Dynamics<N>, const N: usize>(dynamics: &mut D, dense: &Dens
     bisect(|part| beyond(part) * after >= 0.0, 0.0, 1.0)[1]
 }
 
+/// sigma at an end of a step with its position in the table, and sigma_dot and sigma_ddot there.
+type SlipEnd = ((f64, TablePosition), [f64; 2]);
+
 /// Both ends of a step, as far as they bound the slip speeds of the friction joints within it.
 struct SlipBounds {
     h: f64,
     /// Position, sigma_dot and sigma_ddot at the start and at the end; none where the step does not tell its rates.
-    ends: Option<[(TablePosition, [f64; 2]); 2]>,
+    ends: Option<[SlipEnd; 2]>,
 }
 
 impl SlipBounds {

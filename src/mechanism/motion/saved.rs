@@ -271,7 +271,7 @@ impl SavedState {
 
     /// The loads that the state decides, as in the last step.
     pub fn state_loads<'a>(&self, reduced: &'a Reduced) -> Result<Option<&'a StateLoads>, ModelError> {
-        state_loads(reduced, self.air, self.revolutions)
+        state_loads(reduced.at(self.sigma), self.air, self.revolutions)
     }
 
     /// Read one for this reduced model.
@@ -326,7 +326,12 @@ impl SavedState {
         let refuse = |what: String| Err(Damaged(what).into());
         let (first, last) = reduced.curve().range;
         let slack = reduced.period().map_or(0.0, |period| ROUNDING * period);
-        if !(first - slack..=last + slack).contains(&self.sigma) {
+        if reduced.is_open() {
+            if let Err((stretch, _)) = reduced.reach(self.sigma) {
+                let (first, last) = stretch.curve().range;
+                return refuse(format!("sigma = {}: the last stretch is from {first} to {last}", self.sigma));
+            }
+        } else if !(first - slack..=last + slack).contains(&self.sigma) {
             return refuse(format!("sigma = {}: must be from {first} to {last}", self.sigma));
         }
         if reduced.period().is_none() && self.revolutions != 0.0 {

@@ -18,7 +18,8 @@ use crate::mechanism::motion::contact::{Contact, Ends, EngagedLocks};
 use crate::mechanism::motion::saved::{MOST_REVOLUTIONS, Memory, SavedState};
 use crate::mechanism::motion::travel::AT_STOP;
 use crate::mechanism::motion::work::Spent;
-use crate::mechanism::reduced::{Reduced, StateLoads};
+use crate::mechanism::reduced::{End, Reduced, ReductionError, StateLoads};
+use crate::numerics::table::Unresolved;
 pub use circuit::check_lengths;
 use circuit::{left_circuit, rough_length};
 use inputs::{Before, blows_under, engaged_locks};
@@ -87,6 +88,7 @@ impl State {
     /// # Errors
     /// [`ModelError::Table`]: a reaction that causes friction is not smooth.
     pub fn from_saved(saved: &SavedState, reduced: &Reduced, inputs: &Inputs) -> Result<Self, ModelError> {
+        let reduced = reduced.at(saved.sigma);
         state_loads(reduced, blows_under(reduced, inputs), saved.revolutions)?;
         let scratch = Scratch::new(saved.state_loads(reduced)?);
         Ok(Self { saved: saved.clone(), before: Before::new(&saved.applied), scratch })
@@ -180,12 +182,13 @@ impl State {
     #[inline(always)]
     fn advance(
         &mut self,
-        (reduced, state_loads): (&Reduced, Option<&StateLoads>),
+        (whole, state_loads): (&Reduced, Option<&StateLoads>),
         (inputs, locked): (&Inputs, EngagedLocks),
         h: f64,
         solver: &Solver,
         Arrival { y, lost, contact, passed }: &mut Arrival,
     ) -> Result<(), Stopped> {
+        let reduced = whole.at(self.sigma);
         let Self { saved, scratch, .. } = self;
         let SavedState { airspeed, revolutions, .. } = *saved;
         let ends = &Ends::new(&saved.travel, shift(reduced, revolutions), locked);
@@ -193,7 +196,9 @@ impl State {
         let sizes = &saved.applied;
         let applied = AppliedLoads { sizes, airspeed, revolutions, change: inputs.change(reduced) };
         let mode = Mode::default();
+        scratch.panel_force.on_stretch(reduced.stretch);
         let dynamics = &mut EquationOfMotion {
+            whole,
             reduced,
             state_loads,
             applied,
@@ -207,12 +212,9 @@ impl State {
         match &mut saved.memory {
             Memory::Conservative(integrator) => {
                 let most = integrator.attempts() + max_steps;
-                let path = || Path {
-                    range: reduced.period().is_none().then_some(reduced.curve().range),
-                    length: reduced.period(),
-                    does_work: does_work(reduced, sizes),
-                };
-                let mut coasting = Coasting { dynamics, integrator, ends, contact, tolerance, path };
+                let passes = |sigma: f64| whole.reach(sigma).is_err();
+                let path = || Path { length: reduced.period(), does_work: does_work(reduced, sizes) };
+                let mut coasting = Coasting { dynamics, integrator, ends, contact, tolerance, passes, path };
                 *lost = coasting.run(y, h, most, passed)?;
                 Ok(())
             }
@@ -260,6 +262,17 @@ impl State {
         Ok(())
     }
 
+    /// Refuse a state beyond an end of the curve, or on a stretch of it with state loads that are not smooth.
+    #[cold]
+    fn arrive_beyond(&self, reduced: &Reduced, sigma: f64) -> Result<(), ModelError> {
+        let stretch = reduced.reach(sigma).map_err(|end| ModelError::travel(end, sigma))?;
+        let failed = |at: &Unresolved| {
+            let (position, what) = (stretch.curve().describe(at.sigma, 0.0), "friction".into());
+            ModelError::travel((stretch, End::Failed(&ReductionError::Table { what, position })), sigma)
+        };
+        stretch.state_loads(self.air).map_err(failed).map(|_| ())
+    }
+
     /// sigma within the first revolution of a closed curve, with the others counted.
     ///
     /// # Errors
@@ -268,11 +281,7 @@ impl State {
     fn count_revolutions(&mut self, reduced: &Reduced, sigma: f64, passed: f64) -> Result<f64, ModelError> {
         let (first, last) = reduced.curve().range;
         let Some(period) = reduced.period() else {
-            return if (first..=last).contains(&sigma) {
-                Ok(sigma)
-            } else {
-                Err(ModelError::Travel { position: reduced.curve().describe(sigma, self.revolutions) })
-            };
+            return self.arrive_beyond(reduced, sigma).map(|()| sigma);
         };
         let revolutions = ((sigma - first) / period).floor();
         let all = self.revolutions + revolutions + passed;
@@ -335,7 +344,7 @@ impl State {
 
     /// Description of the present position, for messages.
     pub fn describe(&self, reduced: &Reduced) -> String {
-        reduced.curve().describe(self.sigma, self.revolutions)
+        reduced.describe(self.sigma, self.revolutions)
     }
 
     /// Kinetic energy T = sigma_dot^2 / 2 [J]: sigma is the length in the kinetic metric.

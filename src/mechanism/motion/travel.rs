@@ -5,7 +5,7 @@
 use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::laws::stop::Stop;
-use crate::mechanism::motion::contact::{BumperPlaces, RigidEnd, Travel};
+use crate::mechanism::motion::contact::{BumperPlaces, RigidEnd, Travel, outward};
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::bracket::bisect;
 use crate::numerics::table::{Table, polynomial};
@@ -35,10 +35,7 @@ pub fn travel(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<Travel,
         return Err(ModelError::TooManyBumpers { count: bumpers, limit: BumperSet::CAPACITY });
     }
     let here = sigma + revolutions * reduced.period().unwrap_or(0.0);
-    let mut met = Vec::new();
-    for (index, stop) in stops.iter().enumerate().filter(|(_, stop)| stop.enabled) {
-        met.push(Passages { stop: index, positions: passages(reduced, stop, sigma, revolutions)? });
-    }
+    let met = passages(reduced, sigma, revolutions)?;
     let one_place = ONE_PLACE * (reduced.scale() + here.abs());
     let mut travel = Travel::default();
     for passages in met.iter().filter(|passages| !stops[passages.stop].rigid) {
@@ -80,25 +77,53 @@ fn place_bumpers(
     }
 }
 
-/// sigma, counted on over whole revolutions, where a stop is first passed on each side of the start.
-fn passages(reduced: &Reduced, stop: &Stop, sigma: f64, revolutions: f64) -> Result<[Option<f64>; 2], ModelError> {
-    let name = format!("{}.{}", stop.name, stop.quantity);
-    let table = reduced.displacement(stop.load).map_err(|at| ModelError::table(reduced, &name, at, revolutions))?;
-    let growth = reduced.load_growth(stop.load);
-    let at = table.position(sigma);
-    let (s, slope) = (table.value(at, 0) + revolutions * growth, table.value(at, 1));
-    let near = AT_STOP * (1.0 + stop.value.abs());
-    beyond_stop(stop, s)?;
-    let sign = stop.beyond(1.0) - stop.beyond(0.0);
+/// Where each enabled stop is first passed on each side of the start. On an open curve they are looked for stretch by
+/// stretch, as far as the first rigid one.
+fn passages(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<Vec<Passages>, ModelError> {
+    let stops = &reduced.loading().stops;
+    let enabled = stops.iter().enumerate().filter(|(_, stop)| stop.enabled);
+    let mut met: Vec<_> = enabled.map(|(stop, _)| Passages { stop, positions: [None; 2] }).collect();
+    let at_start = reduced.at(sigma);
     let here = sigma + revolutions * reduced.period().unwrap_or(0.0);
-    Ok([-1.0, 1.0].map(|direction| {
-        if stop.beyond(s) > -near && slope * sign * direction > 0.0 {
-            Some(here)
-        } else {
-            let search = Search { reduced, table, growth, wanted: stop.value, sign };
-            search.first(sigma, revolutions, direction)
+    for Passages { stop, positions } in &mut met {
+        let stop = &stops[*stop];
+        let (table, growth) = (displacement(at_start, stop, revolutions)?, reduced.load_growth(stop.load));
+        let at = table.position(sigma);
+        let (s, slope) = (table.value(at, 0) + revolutions * growth, table.value(at, 1));
+        beyond_stop(stop, s)?;
+        let is_near = stop.beyond(s) > -AT_STOP * (1.0 + stop.value.abs());
+        *positions = [-1.0, 1.0].map(|direction| (is_near && slope * stop.sign() * direction > 0.0).then_some(here));
+    }
+    for side in 0..2 {
+        let (mut stretch, mut from) = (at_start, Some(sigma));
+        loop {
+            for Passages { stop, positions } in met.iter_mut().filter(|met| met.positions[side].is_none()) {
+                let stop = &stops[*stop];
+                let table = displacement(stretch, stop, revolutions)?;
+                let search = Search {
+                    reduced: stretch,
+                    table,
+                    growth: reduced.load_growth(stop.load),
+                    wanted: stop.value,
+                    sign: stop.sign(),
+                };
+                positions[side] = search.first(from, revolutions, outward(side));
+            }
+            let mut found = met.iter().filter(|met| met.positions[side].is_some());
+            if found.clone().count() == met.len() || found.any(|met| stops[met.stop].rigid) {
+                break;
+            }
+            let Ok(next) = reduced.next(stretch, side) else { break };
+            (stretch, from) = (next, None);
         }
-    }))
+    }
+    Ok(met)
+}
+
+/// Displacement of a stop's load on a stretch of the curve.
+fn displacement<'a>(stretch: &'a Reduced, stop: &Stop, revolutions: f64) -> Result<&'a Table, ModelError> {
+    let name = || format!("{}.{}", stop.name, stop.quantity);
+    stretch.displacement(stop.load).map_err(|at| ModelError::table(stretch, &name(), at, revolutions))
 }
 
 /// Refuse a start at this displacement of a stop's load if it is beyond the stop.
@@ -123,7 +148,7 @@ pub fn can_hold(reduced: &Reduced, travel: &Travel) -> Result<(), ModelError> {
         for (index, lock) in loading.locks.iter().enumerate().filter(|(_, lock)| travel.holds(place, lock.stop)) {
             if reduced.lock_path(index, sigma).norm() * reduced.scale() < STILL * reduced.linkage().size {
                 let (name, stop) = (lock.name.clone(), loading.stops[lock.stop].name.clone());
-                let position = reduced.curve().describe(sigma, revolutions);
+                let position = reduced.describe(sigma, revolutions);
                 return Err(ModelError::LockStill { name, stop, position });
             }
         }
@@ -143,16 +168,17 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// sigma, counted on over whole revolutions, where the stop is first passed in this direction.
-    fn first(&self, sigma: f64, revolutions: f64, direction: f64) -> Option<f64> {
+    /// sigma, counted on over whole revolutions, where the stop is first passed in this direction; on an open curve
+    /// where it is on this stretch. `from`: where the search begins, else at the near end.
+    fn first(&self, from: Option<f64>, revolutions: f64, direction: f64) -> Option<f64> {
         const SAMPLES: usize = 16;
         let table = self.table;
         let period = self.reduced.period();
-        let start = table.panel(sigma);
         let last = table.panels() - 1;
+        let start = from.map_or(if direction > 0.0 { 0 } else { last }, |sigma| table.panel(sigma));
         let (first, last) = if direction > 0.0 { (0, last) } else { (last, 0) };
         let (mut panel, mut revolution) = (start, revolutions);
-        let mut at_start = true;
+        let mut at_start = from;
         loop {
             let (a, b) = table.borders(panel);
             let beyond = |x: f64| {
@@ -160,9 +186,9 @@ impl Search<'_> {
                 self.sign * (s - self.wanted)
             };
             let sigma_at = |x: f64| 0.5 * (a + b) + 0.5 * (b - a) * x + revolution * period.unwrap_or(0.0);
-            let mut x0 = if at_start { (2.0 * sigma - a - b) / (b - a) } else { -direction };
+            let mut x0 = at_start.map_or(-direction, |sigma| (2.0 * sigma - a - b) / (b - a));
             let step = (direction - x0) / SAMPLES as f64;
-            let mut slack = at_start;
+            let mut slack = at_start.is_some();
             for k in 1..=SAMPLES {
                 let x1 = if k == SAMPLES { direction } else { x0 + step };
                 if beyond(x1) > 0.0 {
@@ -176,7 +202,7 @@ impl Search<'_> {
                 }
                 x0 = x1;
             }
-            at_start = false;
+            at_start = None;
             if panel == last {
                 period?;
                 revolution += direction;

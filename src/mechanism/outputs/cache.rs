@@ -174,11 +174,11 @@ impl PanelReaction {
     }
 
     /// Enter the panel at sigma. `sizes` are those of the applied loads; of the `columns` of each part, they belong to
-    /// those from the column 2 on.
+    /// those from the column 2 on. `is_stretch`: the table is that of one of several stretches of the curve.
     #[cold]
     pub fn enter(
         &mut self,
-        table: &Table,
+        (table, is_stretch): (&Table, bool),
         sigma: f64,
         (parts, columns): (usize, usize),
         sizes: impl Iterator<Item = f64> + Clone,
@@ -186,11 +186,11 @@ impl PanelReaction {
         self.panel = table.panel_near(sigma, self.panel);
         let (a, b) = table.borders(self.panel);
         (self.low, self.high, self.center, self.inverse) = (a, b, 0.5 * (a + b), 2.0 / (b - a));
-        // Outside the table its first and its last panel continue.
-        if self.panel == 0 {
+        // Outside the table its first and its last panel continue, unless another stretch of the curve does.
+        if self.panel == 0 && !is_stretch {
             self.low = f64::NEG_INFINITY;
         }
-        if self.panel + 1 == table.panels() {
+        if self.panel + 1 == table.panels() && !is_stretch {
             self.high = f64::INFINITY;
         }
         for (part, sum) in self.applied.iter_mut().enumerate().take(parts) {

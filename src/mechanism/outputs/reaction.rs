@@ -46,7 +46,7 @@ impl<N: Reading> View<'_, N> {
             let sizes = sizes.map(|(load, size)| if decided.contains(&load) { 0.0 } else { *size });
             let panel = &mut reactions[joint];
             if !panel.holds(self.state.sigma) {
-                panel.enter(table, self.state.sigma, (parts, columns), sizes);
+                panel.enter((table, reduced.is_stretch()), self.state.sigma, (parts, columns), sizes);
             }
             let x = panel.x(sigma);
             for (part, value) in value.iter_mut().enumerate().take(parts) {

@@ -140,7 +140,7 @@ impl ReducedMotion {
     #[inline]
     fn view<'a>(&'a mut self, reduced: &'a Reduced, inputs: &'a Inputs) -> View<'a, f64> {
         let Self { state, loads, cache, .. } = self;
-        View { reduced, inputs, state, loads, cache, values: () }
+        View { reduced: reduced.at(state.sigma), inputs, state, loads, cache, values: () }
     }
 
     /// Whether friction locks the mechanism against a drive in this state under these inputs.
@@ -199,7 +199,7 @@ impl ReducedMotion {
     pub fn derivative(&mut self, reduced: &Reduced, inputs: &Inputs, output: Output) -> Result<f64, OutputError> {
         let Self { state, loads, cache: values, sensitivity } = self;
         let Some(cache) = sensitivity else { return Ok(0.0) };
-        let mut view = View { reduced, inputs, state, loads, cache, values };
+        let mut view = View { reduced: reduced.at(state.sigma), inputs, state, loads, cache, values };
         let derivative = evaluate(&mut view, reduced.loading(), output)?.slope[0];
         if derivative.is_nan() {
             // Of the acceleration, along which the direction leads.

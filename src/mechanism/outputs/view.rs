@@ -175,8 +175,9 @@ impl<'a, N: Reading> View<'a, N> {
                 direction.s.chain(b, direction.circuit[1]),
             ]);
         }
-        let (time, locked, ports) = (direction.s, false, None);
-        Ok(EquationOfMotion { reduced, state_loads, applied, time, mode, scratch, locked, ports })
+        scratch.panel_force.on_stretch(reduced.stretch);
+        let (whole, time, locked, ports) = (reduced, direction.s, false, None);
+        Ok(EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports })
     }
 
     /// Forces and acceleration; evaluated once for a state.

@@ -9,9 +9,11 @@ mod resolved;
 mod source;
 mod start;
 mod state_loads;
+mod stretches;
 mod tables;
 
 pub use error::ReductionError;
 pub use model::{Built, Reduced};
 pub use source::Components;
 pub use state_loads::StateLoads;
+pub use stretches::End;

@@ -5,12 +5,13 @@ use super::error::ReductionError;
 use super::resolved::Resolved;
 use super::source::{Components, Source};
 use super::state_loads::StateLoads;
+use super::stretches::Beyond;
 use crate::mechanism::curve::{Configuration, Curve, CurveError, Ends, NEAR_CROSSING};
 use crate::mechanism::definition::{Mechanism, Solver};
 use crate::mechanism::linkage::{Linkage, Point};
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::loads::unit_load::Load;
-use crate::numerics::table::{ACCURACY, Grid, Table, Unresolved};
+use crate::numerics::table::{ACCURACY, Grid, NOISE, Table, Unresolved};
 use std::sync::{Arc, OnceLock};
 
 /// Tables that share their evaluations, built at the first use of one of them.
@@ -32,7 +33,11 @@ pub struct Reduced {
     /// Least speed to which errors are relative, as a part of that gained over the length of 1 rad.
     pub(crate) speed_floor: f64,
     /// State loads without and with moving air.
-    state_loads: [OnceLock<Result<Option<StateLoads>, Unresolved>>; 2],
+    pub(super) state_loads: [OnceLock<Result<Option<StateLoads>, Unresolved>>; 2],
+    /// What is beyond the open ends of the curve, if it has one.
+    pub(super) beyond: Option<Box<Beyond>>,
+    /// Number of the stretch: 0 for the one with the guess, negative on its low side.
+    pub(crate) stretch: i32,
 }
 
 /// Tables that depend on the curve, the markers, the loads of unit size and the laws of the springs.
@@ -59,6 +64,15 @@ pub struct Built {
     pub state_reactions: bool,
     /// State loads, without and with moving air.
     pub state_loads: [bool; 2],
+}
+
+/// What a reduced model is of.
+#[derive(Clone, Copy)]
+enum Origin<'a> {
+    /// The curve through the guess.
+    Guess(&'a Solver),
+    /// A further stretch of the curve of a reduced model, with its number.
+    Whole(&'a Reduced, i32),
 }
 
 impl Reduced {
@@ -96,16 +110,52 @@ impl Reduced {
         if (&loading.loads, &loading.springs, &markers) != (&own.loads, &own.springs, &self.markers) {
             return Self::on(curve, loading, markers, solver);
         }
-        let source = Source { curve, loading, ..self.source };
+        let source = Source { curve, loading: Arc::new(loading), ..self.source };
         let (grid, fine, tables) = (self.grid.clone(), self.fine.clone(), Arc::clone(&self.tables));
-        let (exact, speed_floor) = (!solver.tables, solver.speed_floor);
-        Ok(Self { source, markers, grid, fine, tables, exact, speed_floor, state_loads: Default::default() })
+        Ok(Self::assembled(source, markers, [grid, fine], tables, Origin::Guess(solver)))
     }
 
     /// The reduced model on a given curve.
     fn on(curve: Arc<Curve>, loading: Loading, markers: Vec<Point>, solver: &Solver) -> Result<Self, ReductionError> {
-        let grid = Grid { borders: curve.grid(ACCURACY), centers: curve.crossings.to_vec() };
-        let source = Source::new(curve, loading);
+        Self::tabulated(curve, Arc::new(loading), markers, Origin::Guess(solver))
+    }
+
+    /// The reduced model on a stretch of this one's curve.
+    pub(super) fn on_stretch(&self, curve: Curve, stretch: i32) -> Result<Self, ReductionError> {
+        let loading = Arc::clone(&self.source.loading);
+        Self::tabulated(Arc::new(curve), loading, self.markers.clone(), Origin::Whole(self, stretch))
+    }
+
+    fn assembled(
+        source: Source,
+        markers: Vec<Point>,
+        [grid, fine]: [Grid; 2],
+        tables: Arc<Tables>,
+        of: Origin,
+    ) -> Self {
+        let (exact, speed_floor, stretch) = match of {
+            Origin::Guess(solver) => (!solver.tables, solver.speed_floor, 0),
+            Origin::Whole(whole, stretch) => (whole.exact, whole.speed_floor, stretch),
+        };
+        let beyond = if stretch == 0 { Beyond::of(&source.curve) } else { None };
+        let state_loads = Default::default();
+        Self { source, markers, grid, fine, tables, exact, speed_floor, state_loads, beyond, stretch }
+    }
+
+    /// The reduced model with the tables that every start needs.
+    fn tabulated(
+        curve: Arc<Curve>,
+        loading: Arc<Loading>,
+        markers: Vec<Point>,
+        of: Origin,
+    ) -> Result<Self, ReductionError> {
+        let noise = NOISE.max(16.0 * f64::EPSILON * curve.farthest);
+        let grid = Grid { borders: curve.grid(ACCURACY), centers: curve.crossings.to_vec(), noise };
+        let length = match of {
+            Origin::Guess(_) => None,
+            Origin::Whole(whole, _) => Some(whole.scale()),
+        };
+        let source = Source::new(curve, loading, length);
         let Source { curve, loading, components, .. } = &source;
         let linkage = curve.linkage();
         // Every start needs coordinates and displacements of applied loads, springs and stops; all share their
@@ -146,8 +196,7 @@ impl Reduced {
             reactions: OnceLock::new(),
             state_reactions: OnceLock::new(),
         });
-        let (exact, speed_floor) = (!solver.tables, solver.speed_floor);
-        Ok(Self { source, markers, grid, fine, tables, exact, speed_floor, state_loads: Default::default() })
+        Ok(Self::assembled(source, markers, [grid, fine], tables, of))
     }
 
     /// The linkage.

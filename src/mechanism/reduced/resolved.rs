@@ -52,20 +52,31 @@ fn limits(loading: &Loading) -> impl Iterator<Item = (bool, bool, f64, &Load)> {
 /// The curve: between the stops if all are rigid, else as a whole. Beyond a rigid stop only trial steps before an
 /// impact evaluate the curve. A guess beyond a stop still identifies a branch, which is then traced as a whole.
 fn trace(closure: Closure, q: &[f64], loading: &Loading) -> Result<Curve, CurveError> {
-    let stops: Vec<_> = loading.stops.iter().filter(|s| s.enabled).collect();
-    if stops.is_empty() || stops.iter().any(|s| !s.rigid) {
-        return Curve::trace(closure, q, None);
-    }
     let linkage = Arc::clone(&closure.linkage);
-    let mut margin = |p: &Positions| {
+    match margin(&linkage, loading) {
+        Some(margin) if margin(&linkage.positions(q)) > 0.0 => Curve::trace(closure, q, Some(&mut |p| margin(p))),
+        _ => Curve::trace(closure, q, None),
+    }
+}
+
+/// The stretch of a curve beyond an open end: with the limits of travel that the curve has.
+pub(super) fn trace_stretch(curve: &Curve, side: usize, loading: &Loading) -> Result<Curve, CurveError> {
+    let linkage = Arc::clone(&curve.closure.linkage);
+    match margin(&linkage, loading) {
+        Some(margin) if margin(&linkage.positions(&curve.guess)) > 0.0 => curve.stretch(side, Some(&mut |p| margin(p))),
+        _ => curve.stretch(side, None),
+    }
+}
+
+/// How far positions are within all stops, if there are enabled ones and all are rigid.
+fn margin<'a>(linkage: &'a Linkage, loading: &'a Loading) -> Option<impl Fn(&Positions) -> f64 + use<'a>> {
+    let stops: Vec<_> = loading.stops.iter().filter(|s| s.enabled).collect();
+    let is_limited = !stops.is_empty() && stops.iter().all(|s| s.rigid);
+    is_limited.then_some(move |p: &Positions| {
         let of = |stop: &&Stop| {
             let size = if stop.quantity == "angle" { 1.0 } else { linkage.size };
-            BEYOND - stop.beyond(loading.loads[stop.load].displacement_at(&linkage, p)) / size
+            BEYOND - stop.beyond(loading.loads[stop.load].displacement_at(linkage, p)) / size
         };
         stops.iter().map(of).fold(f64::INFINITY, f64::min)
-    };
-    if margin(&linkage.positions(q)) <= 0.0 {
-        return Curve::trace(closure, q, None);
-    }
-    Curve::trace(closure, q, Some(&mut margin))
+    })
 }

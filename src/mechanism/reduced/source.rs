@@ -30,7 +30,7 @@ pub struct Components {
 #[derive(Debug)]
 pub(super) struct Source {
     pub(super) curve: Arc<Curve>,
-    pub(super) loading: Loading,
+    pub(super) loading: Arc<Loading>,
     pub(super) components: Components,
     /// Length along the curve for a motion of 1 rad.
     pub(super) length: f64,
@@ -48,7 +48,8 @@ pub(super) struct SpringLoad {
 }
 
 impl Source {
-    pub(super) fn new(curve: Arc<Curve>, loading: Loading) -> Self {
+    /// The loads on a curve, or on a stretch of one with this `length`.
+    pub(super) fn new(curve: Arc<Curve>, loading: Arc<Loading>, length: Option<f64>) -> Self {
         let sized = loading.sized();
         let mut count = sized;
         let mut next = |exists: bool| {
@@ -60,7 +61,7 @@ impl Source {
         let damping = next(loading.springs.iter().any(Spring::is_damped));
         let winding = next(loading.springs.iter().any(winds));
         let components = Components { sized, springs, damping, winding, count };
-        Self { length: curve.scale(), curve, loading, components }
+        Self { length: length.unwrap_or_else(|| curve.scale()), curve, loading, components }
     }
 
     pub(super) fn linkage(&self) -> &Linkage {

@@ -10,11 +10,45 @@ use std::f64::consts::TAU;
 
 impl Reduced {
     /// sigma at which a coordinate has this value, and the number of revolutions of the curve before it. Of several
-    /// positions the nearest to the guess, where sigma is 0.
+    /// positions the nearest to the guess, where sigma is 0; an open curve is searched stretch by stretch, going out from
+    /// the guess on both sides.
     ///
     /// # Errors
     /// [`ReductionError::Start`] with the range of the coordinate.
     pub fn find(&self, coordinate: usize, value: f64, name: &str) -> Result<(f64, f64), ReductionError> {
+        let mut best = self.find_here(coordinate, value, name)?;
+        let mut stretches = [Some(self); 2];
+        while best.is_none() && stretches.iter().any(Option::is_some) {
+            for (side, stretch) in stretches.iter_mut().enumerate() {
+                *stretch = stretch.and_then(|stretch| self.next(stretch, side).ok());
+                // The motion does not get to where coordinates are not smooth.
+                let found = stretch.and_then(|stretch| stretch.find_here(coordinate, value, name).ok()?);
+                let nearest = |best: (f64, f64)| found.is_none_or(|found| best.0.abs() <= found.0.abs());
+                best = best.filter(|best| nearest(*best)).or(found);
+            }
+        }
+        best.ok_or_else(|| {
+            let (low, high) = self.range_of(coordinate);
+            if high - low <= RIGID * (1.0 + low.abs()) {
+                let moves = |i: &usize| {
+                    let (low, high) = self.range_of(*i);
+                    high - low > RIGID * (1.0 + low.abs())
+                };
+                let coordinates = &self.linkage().coordinates;
+                let moving = (0..coordinates.len()).filter(moves).map(|i| coordinates[i].clone()).collect();
+                return ReductionError::Rigid { name: name.into(), value, held: 0.5 * (low + high), moving };
+            }
+            let same = value + TAU * ((0.5 * (low + high) - value) / TAU).round();
+            let turned = (coordinate < self.linkage().angles && (low..=high).contains(&same)).then_some(same);
+            ReductionError::Start { name: name.into(), value, range: (low, high), turned }
+        })
+    }
+
+    /// [`Self::find`] on this stretch of the curve; none if it is not there.
+    ///
+    /// # Errors
+    /// The coordinates are not smooth.
+    fn find_here(&self, coordinate: usize, value: f64, name: &str) -> Result<Option<(f64, f64)>, ReductionError> {
         let table = self.coordinates().map_err(|e| not_smooth(self.curve(), name.into(), e))?;
         let growth = self.curve().growth(coordinate);
         let x: [f64; SAMPLES + 1] = std::array::from_fn(|k| OVERLAP * (-1.0 + 2.0 * k as f64 / SAMPLES as f64));
@@ -70,31 +104,25 @@ impl Reduced {
                 }
             }
         }
-        let (sigma, revolution) = best.ok_or_else(|| {
-            let (low, high) = self.range_of(table, coordinate);
-            if high - low <= RIGID * (1.0 + low.abs()) {
-                let moves = |i: &usize| {
-                    let (low, high) = self.range_of(table, *i);
-                    high - low > RIGID * (1.0 + low.abs())
-                };
-                let coordinates = &self.linkage().coordinates;
-                let moving = (0..coordinates.len()).filter(moves).map(|i| coordinates[i].clone()).collect();
-                return ReductionError::Rigid { name: name.into(), value, held: 0.5 * (low + high), moving };
-            }
-            let same = value + TAU * ((0.5 * (low + high) - value) / TAU).round();
-            let turned = (coordinate < self.linkage().angles && (low..=high).contains(&same)).then_some(same);
-            ReductionError::Start { name: name.into(), value, range: (low, high), turned }
-        })?;
+        let Some((sigma, revolution)) = best else { return Ok(None) };
         if growth != 0.0 {
-            return Ok((sigma, revolution));
+            return Ok(Some((sigma, revolution)));
         }
         // The end of the last revolution is just behind the guess: there the other coordinates are near their guesses.
         let behind = self.period().is_some_and(|period| period - sigma < sigma);
-        Ok((sigma, if behind { -1.0 } else { 0.0 }))
+        Ok(Some((sigma, if behind { -1.0 } else { 0.0 })))
     }
 
     /// Least and largest value of a coordinate along the curve between the stops.
-    fn range_of(&self, table: &Table, coordinate: usize) -> (f64, f64) {
+    fn range_of(&self, coordinate: usize) -> (f64, f64) {
+        let all = std::iter::once(self).chain(self.stretches()).map(|stretch| stretch.range_here(coordinate));
+        all.fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)))
+    }
+
+    /// [`Self::range_of`] on this stretch of the curve.
+    fn range_here(&self, coordinate: usize) -> (f64, f64) {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        let Ok(table) = self.coordinates() else { return (low, high) };
         // A stop whose quantity grows with each revolution ends the travel in one revolution only.
         let ends = |s: &&Stop| s.enabled && self.load_growth(s.load) == 0.0;
         let stops: Vec<(&Stop, &Table)> = self
@@ -110,7 +138,6 @@ impl Reduced {
         };
         let q = |sigma: f64, order: usize| table.value(table.position(sigma), 3 * coordinate + order);
         let (first, last) = self.curve().range;
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for panel in 0..table.panels() {
             let (a, b) = table.borders(panel);
             let sigma = |k: usize| (a + (b - a) * k as f64 / SAMPLES as f64).clamp(first, last);

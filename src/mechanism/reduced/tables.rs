@@ -36,9 +36,10 @@ impl Reduced {
     /// A load's displacement at sigma: from its table, or from the exact evaluator if the ends of an actuator come so
     /// close that no table resolves the second derivative.
     pub fn displacement_at(&self, load: usize, sigma: f64) -> f64 {
-        match self.displacement(load) {
+        let stretch = self.at(sigma);
+        match stretch.displacement(load) {
             Ok(table) => table.value(table.position(sigma), 0),
-            Err(_) => self.loading().loads[load].displacement(self.linkage(), &self.curve().configuration(sigma))[0],
+            Err(_) => self.loading().loads[load].displacement(self.linkage(), &stretch.curve().configuration(sigma))[0],
         }
     }
 
@@ -123,7 +124,7 @@ impl Reduced {
 
     /// Derivative dr / d sigma of the position of a lock's point, from the exact evaluator.
     pub fn lock_path(&self, lock: usize, sigma: f64) -> Vec2 {
-        let c = self.curve().configuration(sigma);
+        let c = self.at(sigma).curve().configuration(sigma);
         c.positions.velocity(&c.rates, self.loading().locks[lock].at)
     }
 

@@ -55,7 +55,6 @@ fn given<T>(linkage: &Linkage, result: Result<T, SimulationError>) -> Result<T, 
         ModelError::Reduction(ReductionError::Curve(CurveError::NearCrossing { .. })) => {
             TestCaseError::reject("branches almost cross")
         }
-        ModelError::Travel { .. } if linkage.kind == "double slider" => TestCaseError::reject("end of the travel"),
         ModelError::Reduction(ReductionError::Curve(CurveError::Stuck { .. })) if linkage.kind == "double slider" => {
             TestCaseError::reject("lost far out")
         }

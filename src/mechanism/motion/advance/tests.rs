@@ -148,7 +148,7 @@ impl Dynamics<3> for Particle {
         v
     }
 
-    fn slip_rate(&self, _joint: usize, _at: TablePosition, [v, a]: [f64; 2]) -> [f64; 2] {
+    fn slip_rate(&self, _joint: usize, _at: (f64, TablePosition), [v, a]: [f64; 2]) -> [f64; 2] {
         [v, a]
     }
 

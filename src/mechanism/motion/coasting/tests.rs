@@ -67,7 +67,8 @@ fn coast(
         ends: &Ends::new(&travel, 0.0, EngagedLocks::default()),
         contact: &mut Contact::default(),
         tolerance,
-        path: || Path { range: None, length, does_work: false },
+        passes: |_| false,
+        path: || Path { length, does_work: false },
     };
     let whole = coasting.run(&mut y, span, most, &mut passed).is_ok();
     (y, passed, integrator.attempts(), whole)
@@ -131,7 +132,8 @@ fn the_bound_ends_a_motion_that_has_no_period() {
         ends: &Ends::new(&travel, 0.0, EngagedLocks::default()),
         contact: &mut Contact::default(),
         tolerance: 1e-9,
-        path: || Path { range: None, length: Some(TAU), does_work: true },
+        passes: |_| false,
+        path: || Path { length: Some(TAU), does_work: true },
     };
     let ended = coasting.run(&mut y, 1e6, 2000, &mut passed);
     assert!(matches!(ended, Err(Stopped::Budget(progress)) if progress.t < 1e3 && progress.t > 0.0));

@@ -36,7 +36,7 @@ impl Driven<'_, '_> {
         let mut z = [0.0; DRIVEN];
         (z[0], z[1]) = (sigma, sigma_dot);
         z[MOTION..].copy_from_slice(&circuit.values);
-        let reduced = dynamics.reduced;
+        let reduced = dynamics.whole;
         let Some(drive) = &reduced.loading().hydraulics else { return (Ok(0.0), z) };
         let Ok(length) = reduced.displacement(drive.load) else { return (Err(Stopped::Length), z) };
         if lookahead.begin(tolerance, ends.locked) {

@@ -91,7 +91,7 @@ impl State {
     /// [`ModelError::Table`], [`ModelError::LoadOverflow`]; nothing has changed.
     pub(super) fn apply(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64) -> Result<EngagedLocks, ModelError> {
         let (air, ahead) = (blows_under(reduced, inputs), inputs.signal.ahead);
-        let state_loads = state_loads(reduced, air, self.revolutions)?;
+        let state_loads = state_loads(reduced.at(self.sigma), air, self.revolutions)?;
         check_ports(reduced, inputs, h)?;
         let loads = reduced.loading().inputs.len();
         let (mut work, mut largest) = (0.0, 0.0_f64);
@@ -151,8 +151,9 @@ impl State {
         let (airspeed, revolutions) = (airspeed(reduced, inputs), self.revolutions);
         let applied = AppliedLoads { sizes: &sizes, airspeed, revolutions, change: inputs.change(reduced) };
         let (mode, scratch) = (Mode::default(), &mut Scratch::new(state_loads));
+        let (whole, reduced, time, locked, ports) = (reduced, reduced.at(self.sigma), 0.0, false, None);
         let mut equation =
-            EquationOfMotion { reduced, state_loads, applied, time: 0.0, mode, scratch, locked: false, ports: None };
+            EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports };
         let mut overflows = !(self.reference + work).is_finite();
         for time in [0.0, h] {
             equation.time = time;

@@ -53,7 +53,8 @@ impl State {
         if start.speed != 0.0 {
             // The table is exact where branches cross, too. Within some 1e-13 rad of a toggle, where the slope is below
             // 1e-6, the slope is rounding.
-            let table = reduced.coordinates().map_err(|at| ModelError::table(reduced, &variable, at, revolutions))?;
+            let stretch = reduced.at(sigma);
+            let table = stretch.coordinates().map_err(|at| ModelError::table(stretch, &variable, at, revolutions))?;
             let slope = table.value(table.position(sigma), 3 * coordinate + 1);
             if slope.abs() * reduced.scale() < 1e-6 {
                 let name = format!("{name}.start_speed");
@@ -73,7 +74,7 @@ impl State {
         can_hold(reduced, &travel)?;
         check_lengths(reduced, &travel, sigma, revolutions)?;
         let air = blows_under(reduced, inputs);
-        let state_loads = state_loads(reduced, air, revolutions)?;
+        let state_loads = state_loads(reduced.at(sigma), air, revolutions)?;
         let applied = reduced.sizes(&inputs.reals);
         // Nothing is to be applied with the first step, unless it is to be refused then.
         let is_applied = check_ports(reduced, inputs, 0.0).is_ok();

@@ -134,8 +134,6 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
 /// A step that ended with an error: one that a scene may meet, or a fault.
 fn ended(probe: &mut Probe, error: &SimulationError, integrated: bool) -> Result<(), String> {
     match error {
-        // With a rigid stop on one side only, the curve is traced for one turn to the other side.
-        SimulationError::Model(ModelError::Travel { .. }) => probe.count("scenes past the end of their travel"),
         SimulationError::Model(ModelError::Interrupted { .. }) => probe.count("scenes that met solver.max_steps"),
         SimulationError::Model(ModelError::Locked { .. }) if !integrated => probe.count("scenes that friction locks"),
         other => return Err(format!("a step is refused: {other}")),
