@@ -278,7 +278,7 @@ impl Component {
     #[inline]
     pub fn take_warning(&mut self) -> Option<String> {
         match self {
-            Self::Mechanism(_) => None,
+            Self::Mechanism(model) => model.take_warning(),
             Self::Hydraulic(model) => model.take_warning(),
         }
     }

@@ -82,17 +82,13 @@ impl Clock {
                 Decimal(h)
             )));
         }
-        let slack = self.slack(h);
-        // Negated, so that a NaN is refused.
-        if !((point - self.time).abs() <= slack && end.is_finite()) {
-            return Err(Refusal::error(format!(
-                "currentCommunicationPoint is {} s, but the instance is at {} s (tolerance {slack:e} s)",
-                Decimal(point),
-                Decimal(self.time)
-            )));
+        let off = (point - self.time).abs();
+        // Mostly a point is exact. Negated, so that a NaN is refused.
+        if !((off <= STEP_SLACK * h || off <= self.slack(h)) && end.is_finite()) {
+            return Err(self.refuse_point(point, h));
         }
         match self.stop {
-            Some(stop) if end > stop + self.stop_slack(end, h) => {
+            Some(stop) if end > stop && end > stop + self.stop_slack(end, h) => {
                 let [point, h, end, stop] = [point, h, end, stop].map(Decimal);
                 Err(Refusal::error(format!(
                     "the step from {point} s by {h} s ends at {end} s, past stopTime = {stop} s; \
@@ -101,6 +97,17 @@ impl Clock {
             }
             _ => Ok(end),
         }
+    }
+
+    /// The refusal of a communication point that is not the present time.
+    #[cold]
+    fn refuse_point(&self, point: f64, h: f64) -> Refusal {
+        Refusal::error(format!(
+            "currentCommunicationPoint is {} s, but the instance is at {} s (tolerance {:e} s)",
+            Decimal(point),
+            Decimal(self.time),
+            self.slack(h)
+        ))
     }
 
     fn slack(&self, h: f64) -> f64 {

@@ -26,10 +26,13 @@ pub enum HydraulicsError {
     NotInitialised,
     /// The actuator is shorter or longer than the cylinder allows.
     Travel { length: f64, lengths: [f64; 2] },
+    /// The speed of the actuator [m/s] leads within a step to a length that the cylinder does not have.
+    Overrun { speed: f64, length: f64, lengths: [f64; 2] },
     /// The absolute pressure of a chamber has come to 0, `time` [s] after the beginning of the step.
-    Vacuum { chamber: &'static str, pressure: f64, time: f64 },
-    /// No step of the integration meets the tolerance, `time` [s] after the beginning of the step.
-    Stuck { time: f64, pressures: [f64; 2] },
+    Vacuum { chamber: &'static str, time: f64 },
+    /// No step of the integration meets the tolerance, `time` [s] after the beginning of the step; `what`: the state
+    /// there, in words.
+    Stuck { time: f64, what: String },
     /// The step met `solver.max_steps`, `time` [s] after its beginning.
     Interrupted { time: f64, why: String },
     /// A saved state that cannot be read.
@@ -81,20 +84,27 @@ impl fmt::Display for HydraulicsError {
                 Decimal::rounded(*least),
                 Decimal::rounded(*most)
             ),
-            Self::Vacuum { chamber, pressure, time } => write!(
+            Self::Overrun { speed, length, lengths: [least, most] } => write!(
                 f,
-                "the absolute pressure of {chamber} came to {} Pa {} s after the beginning of the step: oil without air \
-                 has none below 0; give fluid.air_fraction a value > 0, or raise anticavitation.conductance",
-                Decimal::rounded(*pressure),
+                "actuator.speed = {} m/s, with its derivatives, leads to actuator.length = {} m within the step: the \
+                 cylinder allows {} m (cylinder.closed_length) to {} m (cylinder.closed_length + cylinder.stroke); \
+                 check the speed and its derivatives, or take a shorter step",
+                Decimal::rounded(*speed),
+                Decimal::rounded(*length),
+                Decimal::rounded(*least),
+                Decimal::rounded(*most)
+            ),
+            Self::Vacuum { chamber, time } => write!(
+                f,
+                "the absolute pressure of {chamber} came to 0 {} s after the beginning of the step: oil without air has \
+                 none below; give fluid.air_fraction a value > 0, or raise anticavitation.conductance",
                 Decimal::rounded(*time)
             ),
-            Self::Stuck { time, pressures: [a, b] } => write!(
+            Self::Stuck { time, what } => write!(
                 f,
-                "no step of the integration meets solver.tolerance {} s after the beginning of the step, at \
-                 chamber_a.pressure = {} Pa and chamber_b.pressure = {} Pa: check the inputs, or raise solver.tolerance",
-                Decimal::rounded(*time),
-                Decimal::rounded(*a),
-                Decimal::rounded(*b)
+                "no step of the integration meets solver.tolerance {} s after the beginning of the step, at {what}; check \
+                 the inputs, or raise solver.tolerance",
+                Decimal::rounded(*time)
             ),
             Self::Interrupted { why, .. } => f.write_str(why),
             Self::Damaged(Damaged(reason)) => write!(f, "no saved state of this model: {reason}"),

@@ -4,6 +4,7 @@
 //! point; the instants within a step at which the law of the command has a kink. It must not know what they act on.
 use super::definition::Command;
 use crate::codec::record::{Damaged, Record};
+use crate::numerics::decimal::Decimal;
 use std::f64::consts::TAU;
 
 /// An input, by its index.
@@ -133,12 +134,16 @@ impl Inputs {
     /// and speed at the end, if they are not those of the inputs.
     pub fn leave(&mut self, h: f64, motion: Option<[f64; 2]>) {
         let length = self.length().at(h);
-        for input in Input::ALL {
-            let polynomial = self.polynomial(input);
-            self.values[input as usize] = polynomial.at(h);
-            let [a, b, c, d] = self.rates[input as usize];
-            let rates = [a + h * (b + h * (c / 2.0 + h * d / 6.0)), b + h * (c + h * d / 2.0), c + h * d, d];
-            self.rates[input as usize] = if self.ahead { rates } else { [0.0; SPEED_ORDER] };
+        if self.ahead {
+            for (value, rates) in self.values.iter_mut().zip(&mut self.rates) {
+                let [a, b, c, d] = *rates;
+                if [a, b, c, d] != [0.0; SPEED_ORDER] {
+                    *value = Polynomial([*value, a, b / 2.0, c / 6.0, d / 24.0, 0.0]).at(h);
+                    *rates = [a + h * (b + h * (c / 2.0 + h * d / 6.0)), b + h * (c + h * d / 2.0), c + h * d, d];
+                }
+            }
+        } else {
+            self.rates = [[0.0; SPEED_ORDER]; INPUTS];
         }
         [self.values[Input::Length as usize], self.values[Input::Speed as usize]] =
             motion.unwrap_or([length, self.get(Input::Speed)]);
@@ -267,6 +272,17 @@ impl CommandSignal {
         self.input.0[0].abs() + self.input.spread(h) + size(self.ramp) + size(self.sine) > 1.0
     }
 
+    /// The largest command that is clipped at the ends and the quarters of a step of size h; none if none is.
+    #[inline]
+    pub fn clipped(&self, h: f64) -> Option<f64> {
+        if !self.may_clip(h) {
+            return None;
+        }
+        let wanted = [0.0, 0.25, 0.5, 0.75, 1.0].map(|part| self.wanted(part * h));
+        let largest = wanted.into_iter().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
+        (largest.abs() > 1.0).then_some(largest)
+    }
+
     /// Calls `found` with instants in (0, h) at which the command has a kink: the end of the ramp, and, where no sine
     /// acts, the passages of -1 and 1. The error control meets those of a sine.
     pub fn kinks(&self, h: f64, found: &mut impl FnMut(f64)) {
@@ -303,6 +319,29 @@ impl CommandSignal {
             after.0[0] += height;
             clip(&after, end, h);
         }
+    }
+}
+
+/// What a host is told of a command that is clipped.
+#[cold]
+pub fn clipping(command: f64) -> String {
+    let command = Decimal::rounded(command);
+    format!("valve.command with command.* is {command}: clipped to the range from -1 to 1")
+}
+
+/// Pressures of the ports and the command during a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Surroundings {
+    pub supply: Polynomial,
+    pub tank: Polynomial,
+    pub command: CommandSignal,
+}
+
+impl Surroundings {
+    /// Pressures of supply and tank [Pa], and the command, t [s] after the beginning of the step.
+    #[inline]
+    pub fn at(&self, t: f64) -> [f64; 3] {
+        [self.supply.at(t), self.tank.at(t), self.command.at(t)]
     }
 }
 

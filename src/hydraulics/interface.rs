@@ -141,8 +141,8 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
         Output::SupplyPressure,
         &[Supply],
     ),
-    ("supply.flow", "Flow from the supply", Unit::CubicMetrePerSecond, Output::SupplyFlow, FLOW),
-    ("tank.flow", "Flow into the tank", Unit::CubicMetrePerSecond, Output::TankFlow, FLOW),
+    ("supply.flow", "Flow from the supply", Unit::CubicMetrePerSecond, Output::SupplyFlow, &[Length, Supply]),
+    ("tank.flow", "Flow into the tank", Unit::CubicMetrePerSecond, Output::TankFlow, &[Length, Tank]),
     (
         "cylinder.stroke_position",
         "Position of the piston, from the closed length",
@@ -150,8 +150,8 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
         Output::StrokePosition,
         &[Length],
     ),
-    ("power.supply", "Power from the supply", Unit::Watt, Output::Power(0), FLOW),
-    ("power.return", "Power into the tank", Unit::Watt, Output::Power(1), FLOW),
+    ("power.supply", "Power from the supply", Unit::Watt, Output::Power(0), &[Length, Supply]),
+    ("power.return", "Power into the tank", Unit::Watt, Output::Power(1), &[Length, Tank]),
     ("power.piston", "Power of the force on what the actuator moves", Unit::Watt, Output::Power(2), &[Speed]),
     ("power.seal_friction", "Power lost in the seals", Unit::Watt, Output::Power(3), &[Speed]),
     (
@@ -288,44 +288,80 @@ pub fn terminals<Q: Copy>(variables: &Variables<Q>) -> Vec<Terminal> {
     vec![Terminal { name: "actuator".to_owned(), description, members }]
 }
 
-/// Sections of parameters on which the value at the start of an output depends.
-fn sections(output: Output) -> &'static [&'static str] {
-    const FLOWS: &[&str] = &[
-        "fluid.",
-        "cylinder.",
-        "chamber_a.start",
-        "chamber_b.start",
+/// Beginnings of the names of the parameters on which the flows through the edges of both chambers depend.
+const EDGES: &[&str] = &[
+    "chamber_a.start",
+    "chamber_b.start",
+    "cylinder.closed_length",
+    "cylinder.stroke",
+    "valve.rated",
+    "valve.transition",
+    "valve.clearance",
+    "valve.overlap",
+    "restrictor_",
+    "check.",
+    "cushion_",
+    "lock_valve.",
+];
+
+/// Beginnings of the names of the parameters on which the value at the start of an output depends, in parts.
+fn sections(output: Output) -> [&'static [&'static str]; 3] {
+    const STARTS: &[&str] = &["chamber_a.start", "chamber_b.start"];
+    const VALVES: &[&str] = &["relief.", "anticavitation."];
+    const SEALS: &[&str] = &["seal.", "valve.transition"];
+    const AREAS: &[&str] = &["cylinder.bore", "cylinder.rod"];
+    // Of one chamber: the edges, the valves and the leakages that it has.
+    const EDGES_A: &[&str] = &[
+        "cylinder.closed_length",
         "valve.rated",
         "valve.transition",
         "valve.clearance",
         "valve.overlap",
-        "restrictor_",
+        "restrictor_a",
         "check.",
-        "cushion_",
+        "cushion_a",
+        "lock_valve.",
         "relief.",
         "anticavitation.",
-        "leakage.",
-        "hose.",
-        "lock_valve.",
+        "leakage.internal",
+        "leakage.external_a",
     ];
-    const FORCE: &[&str] =
-        &["cylinder.bore", "cylinder.rod", "chamber_a.start", "chamber_b.start", "seal.", "valve.transition"];
+    const EDGES_B: &[&str] = &[
+        "cylinder.closed_length",
+        "cylinder.stroke",
+        "valve.rated",
+        "valve.transition",
+        "valve.clearance",
+        "valve.overlap",
+        "restrictor_b",
+        "check.",
+        "cushion_b",
+        "relief.",
+        "anticavitation.",
+        "leakage.internal",
+        "leakage.external_b",
+    ];
+    const WALLS: &[&str] = &["fluid.", "cylinder.closed_length", "cylinder.wall", "hose.modulus"];
     match output {
-        output if output.is_foreseen() => &[""],
-        Output::Force | Output::Power(2) => FORCE,
-        Output::Stiffness => &["fluid.", "cylinder.", "chamber_", "hose."],
-        Output::Damping | Output::Power(3) => &["seal.", "chamber_a.start", "chamber_b.start", "valve.transition"],
-        Output::Pressure(0) => &["chamber_a.start"],
-        Output::Pressure(_) => &["chamber_b.start"],
-        Output::Volume(0) => &["cylinder.bore", "cylinder.closed_length", "chamber_a.dead"],
-        Output::Volume(_) => &["cylinder.", "chamber_b.dead"],
-        Output::BulkModulus(0) => &["fluid.", "chamber_a.", "cylinder.", "hose."],
-        Output::BulkModulus(_) => &["fluid.", "chamber_b.", "cylinder.", "hose."],
-        Output::StrokePosition => &["cylinder.closed_length"],
-        Output::SupplyPressure => &[],
-        Output::StableStep => &[""],
-        Output::SpoolPosition | Output::SpoolSpeed | Output::Energy(_) | Output::Balance => &[],
-        _ => FLOWS,
+        output if output.is_foreseen() => [&[""], &[], &[]],
+        Output::Force | Output::Power(2) => [AREAS, SEALS, STARTS],
+        Output::Damping | Output::Power(3) => [SEALS, STARTS, &[]],
+        Output::Stiffness => [&["fluid.", "cylinder.", "chamber_", "hose."], &[], &[]],
+        Output::Pressure(0) => [&["chamber_a.start"], &[], &[]],
+        Output::Pressure(_) => [&["chamber_b.start"], &[], &[]],
+        Output::Volume(0) => [&["cylinder.bore", "cylinder.closed_length", "chamber_a.dead"], &[], &[]],
+        Output::Volume(_) => [AREAS, &["cylinder.stroke", "cylinder.closed_length", "chamber_b.dead"], &[]],
+        Output::BulkModulus(0) => [WALLS, &["cylinder.bore", "chamber_a.", "hose.volume_a"], &[]],
+        Output::BulkModulus(_) => [WALLS, AREAS, &["cylinder.stroke", "chamber_b.", "hose.volume_b"]],
+        Output::StrokePosition => [&["cylinder.closed_length"], &[], &[]],
+        Output::Flow(0) => [EDGES_A, STARTS, &[]],
+        Output::Flow(_) => [EDGES_B, STARTS, &[]],
+        Output::SupplyFlow | Output::Power(0) => [EDGES, &[], &[]],
+        Output::TankFlow | Output::Power(1) => [EDGES, VALVES, &[]],
+        Output::Power(4) => [EDGES, VALVES, &["leakage.", "cylinder.bore", "cylinder.rod"]],
+        Output::Power(_) => [EDGES, VALVES, &["leakage."]],
+        Output::StableStep => [EDGES, VALVES, &["leakage.", "fluid.", "cylinder.", "chamber_", "hose.", "seal."]],
+        _ => [&[], &[], &[]],
     }
 }
 
@@ -337,7 +373,9 @@ pub fn initial_dependencies(variables: &Variables<Quantity>) -> Vec<Vec<Referenc
             let mut all = list[index].dependencies.clone();
             let parameters = list.iter().enumerate().filter(|(_, v)| v.causality == Causality::Parameter);
             let numbers = parameters.filter(|(_, v)| v.kind == Kind::Real && !v.name.starts_with("solver.max"));
-            let named = numbers.filter(|(_, v)| sections(output).iter().any(|section| v.name.starts_with(section)));
+            let sections = sections(output);
+            let is_in = |name: &str| sections.iter().copied().flatten().any(|section| name.starts_with(section));
+            let named = numbers.filter(|(_, v)| is_in(&v.name));
             all.extend(named.map(|(index, _)| index as Reference));
             all
         }

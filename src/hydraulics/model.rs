@@ -3,22 +3,24 @@
 //! In: a definition's text, values set by the host, steps. Out: values by reference, warnings. It must not know FMI's
 //! life cycle.
 mod derivatives;
+mod parameters;
+mod step;
 mod warnings;
 
-use super::circuit::{Equations, Point, SupplyUnit};
-use super::definition::{ABOVE_VACUUM, HydraulicActuator, Mode, Role};
+use super::circuit::{ENERGY, Point, SUPPLY};
+use super::definition::{ABOVE_VACUUM, HydraulicActuator, Mode, is_pressure};
 use super::error::HydraulicsError;
 use super::inputs::{INPUTS, Input, Inputs};
 use super::interface::{self, Quantity};
 use super::outputs::{Output, Present, stable_step};
-use super::state::{Blind, Foreseen, Preview, Setting, State, interrupted};
-use super::systems::{ENERGY, LENGTH, SPEED, SUPPLY};
+use super::state::{Blind, Foreseen, Preview, State};
 use crate::format::{DefinitionError, Experiment, Range};
 use crate::integrator::Statistics;
 use crate::variables::{Reference, Terminal, Variables};
 pub use derivatives::{INPUT_ORDER, OUTPUT_ORDER};
+pub(super) use parameters::{Original, Parameters};
 use std::sync::Arc;
-use warnings::{Warning, Warnings};
+use warnings::Warnings;
 
 /// One hydraulic actuator with its parameters, inputs and state.
 #[derive(Clone, Debug)]
@@ -32,56 +34,6 @@ pub struct Model {
     /// What the present state and inputs give, while they are the present ones.
     pub(super) cache: Cache,
     warnings: Warnings,
-}
-
-/// A definition as read, before any value is set.
-#[derive(Debug)]
-pub(super) struct Original {
-    pub parameters: Arc<Parameters>,
-    pub variables: Variables<Quantity>,
-    pub ranges: Vec<(Range, Role)>,
-    pub inputs: Inputs,
-}
-
-/// A definition with the values of its parameters, and the laws that follow from them.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Parameters {
-    pub actuator: HydraulicActuator,
-    /// Numeric parameters, in the order of [`HydraulicActuator::parameters`].
-    pub values: Vec<f64>,
-    pub laws: Equations,
-    pub unit: Option<SupplyUnit>,
-}
-
-impl Parameters {
-    fn new(mut actuator: HydraulicActuator) -> Self {
-        let mut values = Vec::new();
-        actuator.parameters(&mut |_, value| values.push(*value));
-        let (laws, unit) = (Equations::new(&actuator.circuit), unit_of(&actuator));
-        Self { laws, unit, actuator, values }
-    }
-
-    /// Write the values into the definition.
-    pub fn update(&mut self) {
-        let mut values = self.values.iter();
-        self.actuator.parameters(&mut |_, value| *value = values.next().copied().unwrap_or(*value));
-        (self.laws, self.unit) = (Equations::new(&self.actuator.circuit), unit_of(&self.actuator));
-    }
-
-    fn setting<'a>(&'a self, inputs: &'a Inputs) -> Setting<'a> {
-        let HydraulicActuator { circuit, solver, .. } = &self.actuator;
-        Setting { laws: &self.laws, unit: &self.unit, circuit, solver, inputs }
-    }
-
-    /// The start under these parameters and inputs.
-    pub fn start(&self, inputs: &Inputs) -> State {
-        State::at_start(&self.actuator.circuit, self.unit.map(|_| inputs.get(Input::Supply)))
-    }
-}
-
-/// Accumulator and pump, if there is one.
-fn unit_of(actuator: &HydraulicActuator) -> Option<SupplyUnit> {
-    SupplyUnit::new(&actuator.accumulator, &actuator.pump, actuator.circuit.fluid.ambient_pressure)
 }
 
 /// Results for the present state and inputs.
@@ -185,8 +137,8 @@ impl Model {
             let h = inputs.get(Input::Horizon);
             cache.read = true;
             let foreseen = foreseen(parameters, inputs, state, cache, h);
-            if foreseen == &Err(Blind::Toggle) {
-                warnings.raise(Warning::Toggle, [inputs.get(Input::Mass), h]);
+            if let Err(blind) = foreseen {
+                warnings::blind(warnings, *blind, inputs, h);
             }
             let preview = preview(parameters, inputs, state, foreseen.as_ref().ok(), h);
             return Ok(output.foreseen(&preview).unwrap_or(f64::NAN));
@@ -211,9 +163,9 @@ impl Model {
             Some(Quantity::Parameter(index)) => self.original.ranges[index].0,
             Some(Quantity::Input(index)) => match Input::ALL[index] {
                 Input::Supply | Input::Tank => {
-                    let vacuum = -self.parameters.laws.ambient();
-                    let allowed = || format!("a finite number {ABOVE_VACUUM}; that is {vacuum} Pa");
-                    return if value > vacuum && value.is_finite() { Ok(()) } else { refuse(allowed()) };
+                    let ambient = self.parameters.laws.ambient();
+                    let allowed = || format!("a number {ABOVE_VACUUM}; the former is {} Pa", -ambient);
+                    return if is_pressure(value, ambient) { Ok(()) } else { refuse(allowed()) };
                 }
                 Input::Mass => Range::NonNegative,
                 Input::Horizon => Range::Positive,
@@ -237,7 +189,7 @@ impl Model {
                 self.inputs.set(index, value);
                 if !same {
                     // Before the first step the input is the start of an accumulator.
-                    let fills = Input::ALL[index] == Input::Supply && self.parameters.unit.is_some();
+                    let fills = Input::ALL[index] == Input::Supply && self.parameters.laws.supply_unit().is_some();
                     if let Some(state) = self.state.as_mut().filter(|state| fills && state.arrival.is_none()) {
                         state.circuit[SUPPLY] = value;
                     }
@@ -338,89 +290,6 @@ impl Model {
         }
     }
 
-    /// Put the circuit at its start under the present parameters and inputs.
-    ///
-    /// # Errors
-    /// The present parameters give no circuit, or the cylinder does not have the present length.
-    pub fn initialize(&mut self) -> Result<(), HydraulicsError> {
-        self.state = None;
-        self.cache.clear();
-        self.warnings = Warnings::default();
-        self.started()?;
-        self.parameters.setting(&self.inputs).check_length(self.inputs.get(Input::Length))
-    }
-
-    /// Put the circuit at its start if it has no state yet.
-    #[inline]
-    pub(super) fn started(&mut self) -> Result<(), HydraulicsError> {
-        if self.state.is_none() {
-            self.parameters.actuator.check()?;
-            self.state = Some(self.parameters.start(&self.inputs));
-        }
-        Ok(())
-    }
-
-    /// Advance by exactly `h` [s], > 0: by the foreseen motion, or by that of the inputs. The inputs keep their values
-    /// at the end. On an error the state is what it was, but for [`HydraulicsError::Interrupted`]: the state and the
-    /// inputs are then those at the time reached.
-    ///
-    /// # Errors
-    /// Not initialised, h out of range, a length that the cylinder does not have, the integration stopped, an absolute
-    /// pressure came to 0 in oil without air, or `solver.max_steps` was met.
-    pub fn step(&mut self, h: f64) -> Result<(), HydraulicsError> {
-        if !(h.is_finite() && h > 0.0) {
-            return Err(HydraulicsError::StepSize { h });
-        }
-        let Self { parameters, inputs, state: Some(state), cache, warnings, .. } = self else {
-            return Err(HydraulicsError::NotInitialised);
-        };
-        let setting = parameters.setting(inputs);
-        let begin = inputs.get(Input::Length);
-        setting.check_length(begin)?;
-        let read = cache.read;
-        let seen = if inputs.get(Input::Mass) > 0.0 {
-            if inputs.get(Input::Horizon).to_bits() != h.to_bits() {
-                warnings.raise(Warning::Horizon, [inputs.get(Input::Horizon), h]);
-                cache.foreseen = None;
-            }
-            foreseen(parameters, inputs, state, cache, h)
-        } else {
-            &Err(Blind::NoMass)
-        };
-        let mode = parameters.actuator.coupling.mode;
-        let mut next = *state;
-        let (reached, motion) = match seen {
-            Ok(foreseen) if mode == Mode::Preview => {
-                next.keep(foreseen);
-                (foreseen.reached, Some([foreseen.end[LENGTH], foreseen.end[SPEED]]))
-            }
-            blind => {
-                if let Err(blind) = blind {
-                    if *blind == Blind::Toggle {
-                        warnings.raise(Warning::Toggle, [inputs.get(Input::Mass), h]);
-                    }
-                    if *blind == Blind::Failed && mode == Mode::Preview {
-                        // Found again for its text.
-                        let failed = state.foresee(&setting, h).err().and_then(|(_, error)| error);
-                        return Err(failed.unwrap_or(HydraulicsError::NotInitialised));
-                    }
-                }
-                check_inputs_at(&setting, h)?;
-                (next.follow(&setting, h)?, None)
-            }
-        };
-        let end = motion.map_or_else(|| inputs.length().at(reached), |[length, _]| length);
-        next.arrive(&setting, reached, end, seen.as_ref().ok());
-        if warnings.may_raise() {
-            let now = point(parameters, state, inputs);
-            warnings::watch(warnings, &setting, (state, &now), h, read || mode == Mode::Preview);
-        }
-        *state = next;
-        inputs.leave(reached, motion);
-        cache.clear();
-        if reached < h { Err(interrupted(&parameters.actuator.solver, reached, h)) } else { Ok(()) }
-    }
-
     /// A warning that came up since the last call; None if there is none.
     #[inline]
     pub fn take_warning(&mut self) -> Option<String> {
@@ -465,42 +334,11 @@ impl Model {
     }
 }
 
-/// Refuse a step of size h at the end of which an input is out of range.
-fn check_inputs_at(setting: &Setting<'_>, h: f64) -> Result<(), HydraulicsError> {
-    let (inputs, laws) = (setting.inputs, setting.laws);
-    if !inputs.ahead && inputs.get(Input::Speed) == 0.0 {
-        return Ok(());
-    }
-    for (input, name) in [(Input::Supply, "supply.pressure"), (Input::Tank, "tank.pressure")] {
-        let value = inputs.polynomial(input).at(h);
-        if !(value > -laws.ambient() && value.is_finite()) {
-            let name = format!("{name} at the end of the step");
-            return Err(HydraulicsError::Value { name, value, allowed: ABOVE_VACUUM.into() });
-        }
-    }
-    for (input, name) in [(Input::Speed, "actuator.speed"), (Input::Command, "valve.command")] {
-        let value = inputs.polynomial(input).at(h);
-        if !value.is_finite() {
-            let name = format!("{name} at the end of the step");
-            return Err(HydraulicsError::Value { name, value, allowed: "finite".into() });
-        }
-    }
-    setting.check_length(inputs.length().at(h))
-}
-
 /// The point of the laws at the present state and inputs.
 pub(super) fn point(parameters: &Parameters, state: &State, inputs: &Inputs) -> Point<f64> {
-    let supply = if parameters.unit.is_some() { state.circuit[SUPPLY] } else { inputs.get(Input::Supply) };
-    Point {
-        pressures: state.pressures(),
-        spool: state.circuit[2],
-        spool_speed: state.circuit[3],
-        length: inputs.get(Input::Length),
-        speed: inputs.get(Input::Speed),
-        supply,
-        tank: inputs.get(Input::Tank),
-        command: 0.0,
-    }
+    let motion = [Input::Length, Input::Speed].map(|input| inputs.get(input));
+    // The command acts on the acceleration of the spool alone, which is no output.
+    parameters.laws.point(state.dynamic(), motion, [inputs.get(Input::Supply), inputs.get(Input::Tank), 0.0])
 }
 
 /// The motion foreseen over a step of size h from the present state and inputs.

@@ -2,9 +2,8 @@
 //!
 //! In: the state, inputs, the foreseen motion. Out: values on demand; the step that a coupling with held inputs stands.
 //! It must not know how a step is made.
-use super::circuit::{Equations, Flows, Point, Powers};
+use super::circuit::{ENERGIES, Equations, Flows, Point, Powers};
 use super::state::Preview;
-use super::systems::ENERGIES;
 use crate::numerics::dual::{Dual, Number};
 
 /// A computed quantity; a side is 0 for chamber A and 1 for chamber B.
@@ -88,12 +87,6 @@ impl<T: Number> Present<T> {
         Self { at, flows, powers, energies }
     }
 
-    /// Powers in the order of the energies.
-    pub fn powers(&self) -> [T; ENERGIES] {
-        let Powers { supply, returned, piston, seal_friction, compression, throttling, .. } = self.powers;
-        [supply, returned, piston, seal_friction, compression, throttling]
-    }
-
     /// Value of an output that needs the present state only; none if it needs the foreseen motion, or derivatives.
     pub fn output(&self, laws: &Equations, output: Output) -> Option<T> {
         let Self { at, flows, .. } = self;
@@ -111,7 +104,7 @@ impl<T: Number> Present<T> {
             Output::SupplyPressure => at.supply,
             Output::TankFlow => flows.tank,
             Output::StrokePosition => at.length - T::constant(laws.lengths()[0]),
-            Output::Power(index) => self.powers()[index],
+            Output::Power(index) => self.powers.in_order()[index],
             Output::Energy(index) => self.energies[index],
             Output::Balance => {
                 let [supplied, spent @ ..] = self.energies;

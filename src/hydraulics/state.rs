@@ -3,26 +3,19 @@
 //! In: laws, inputs, a step. Out: the state after the step; the motion with one element over the next step of the host.
 //! A step of the integration ends where a cushion begins or ends and where the command has a kink. It must not know
 //! variables, nor outputs.
-use super::circuit::{Equations, SupplyUnit};
+mod march;
+mod preview;
+
+use super::circuit::{CIRCUIT, DYNAMIC, Equations};
 use super::definition::{Circuit, Solver};
 use super::error::HydraulicsError;
-use super::inputs::{CommandSignal, Input, Inputs};
-use super::systems::{
-    CIRCUIT, Coupled, Driven, ELEMENT, Element, IMPULSE, LENGTH, MOMENT, SPEED, SUPPLY, Surroundings,
-};
-use super::systems::{TANGENT, Tangent};
+use super::inputs::{CommandSignal, Input, Inputs, Surroundings};
+use super::systems::{Driven, ELEMENT, SPEED};
 use crate::codec::record::{Damaged, Record};
-use crate::integrator::{Direction, IntegrationError, Integrator, Step, System};
-use crate::numerics::dual::{Dual, Number};
-
-/// Most instants within a step at which its integration must stop.
-const INSTANTS: usize = 24;
-/// Part of the stroke below which a length is on the border of a cushion.
-const ON_BORDER: f64 = 1e-9;
-/// Length beyond the ends of the cylinder's travel that rounding of the host explains [m].
-const SLACK: f64 = 1e-9;
-/// Change of the mass over one step, as a part of the mass, from which one element does not foresee the motion.
-const MASS_CHANGE: f64 = 0.5;
+use crate::integrator::Integrator;
+pub use march::interrupted;
+use march::{Instants, Levels, March};
+pub use preview::{Blind, Foreseen, Preview};
 
 /// Where a hydraulic actuator is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,39 +49,10 @@ pub struct Last {
     pub load: f64,
 }
 
-/// The motion foreseen with one element over a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Foreseen {
-    /// Size of the step [s].
-    pub h: f64,
-    /// State at its end, and the memory of the integration there.
-    pub end: [f64; ELEMENT],
-    pub memory: Integrator<ELEMENT>,
-    /// The element.
-    pub element: Element<f64>,
-    /// Correction r of the load [N].
-    pub correction: f64,
-    /// Time reached [s]: the step, or less where `solver.max_steps` was met.
-    pub reached: f64,
-}
-
-/// Why no motion is foreseen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Blind {
-    /// The mass of what the actuator moves is unknown.
-    NoMass,
-    /// The mass changes too much within the step: the mechanism is near a toggle of the actuator.
-    Toggle,
-    /// The integration found no motion.
-    Failed,
-}
-
 /// Laws, settings and inputs of one step.
 #[derive(Clone, Copy, Debug)]
 pub struct Setting<'a> {
     pub laws: &'a Equations,
-    /// Accumulator and pump; none where the pressure of the supply is an input.
-    pub unit: &'a Option<SupplyUnit>,
     pub circuit: &'a Circuit,
     pub solver: &'a Solver,
     pub inputs: &'a Inputs,
@@ -97,7 +61,6 @@ pub struct Setting<'a> {
 impl Setting<'_> {
     fn surroundings(&self, time: f64) -> Surroundings {
         Surroundings {
-            unit: *self.unit,
             supply: self.inputs.polynomial(Input::Supply),
             tank: self.inputs.polynomial(Input::Tank),
             command: self.command(time),
@@ -111,60 +74,56 @@ impl Setting<'_> {
 
     /// Refuse a length that the cylinder does not have.
     pub fn check_length(&self, length: f64) -> Result<(), HydraulicsError> {
-        let lengths = self.laws.lengths();
-        let within = length >= lengths[0] - SLACK && length <= lengths[1] + SLACK;
-        if within { Ok(()) } else { Err(HydraulicsError::Travel { length, lengths }) }
-    }
-}
-
-/// Instants within a step at which its integration stops, ascending.
-#[derive(Debug)]
-struct Instants {
-    at: [f64; INSTANTS],
-    count: usize,
-}
-
-impl Instants {
-    fn none() -> Self {
-        Self { at: [0.0; INSTANTS], count: 0 }
-    }
-
-    fn add(&mut self, t: f64) {
-        if self.count < INSTANTS {
-            self.at[self.count] = t;
-            self.count += 1;
+        if self.laws.has_length(length) {
+            return Ok(());
         }
+        Err(HydraulicsError::Travel { length, lengths: self.laws.lengths() })
     }
 
-    fn sort(&mut self) {
-        self.at[..self.count].sort_unstable_by(f64::total_cmp);
-    }
-
-    /// The instants, then the end of the step.
-    fn ends(&self, h: f64) -> impl Iterator<Item = f64> {
-        self.at[..self.count].iter().copied().chain([h])
+    /// Refuse a motion of the inputs that leads within a step of size h to a length that the cylinder does not have.
+    pub fn check_way(&self, h: f64) -> Result<(), HydraulicsError> {
+        let (path, lengths) = (self.inputs.length(), self.laws.lengths());
+        let begin = self.inputs.get(Input::Length);
+        let spread = path.spread(h);
+        if begin - spread >= lengths[0] && begin + spread <= lengths[1] {
+            return Ok(());
+        }
+        // The farthest length is at the end, or where the speed is 0.
+        let mut farthest = path.at(h);
+        let beyond = |length: f64| (lengths[0] - length).max(length - lengths[1]);
+        self.inputs.polynomial(Input::Speed).passages(0.0, h, &mut |t| {
+            let length = path.at(t);
+            farthest = if beyond(length) > beyond(farthest) { length } else { farthest };
+        });
+        if self.laws.has_length(farthest) {
+            return Ok(());
+        }
+        Err(HydraulicsError::Overrun { speed: self.inputs.get(Input::Speed), length: farthest, lengths })
     }
 }
 
 impl State {
-    /// The start: pressures of the definition, the spool at rest at 0; `supply`: pressure of an accumulator.
-    pub fn at_start(circuit: &Circuit, supply: Option<f64>) -> Self {
-        let mut state = Self {
+    /// The start; `supply`: pressure of the supply port [Pa].
+    pub fn at_start(laws: &Equations, circuit: &Circuit, supply: f64) -> Self {
+        Self {
             time: [0.0; 2],
-            circuit: [0.0; CIRCUIT],
+            circuit: laws.start(circuit, supply),
             driven: Integrator::default(),
             coupled: Integrator::default(),
             last: None,
             arrival: None,
-        };
-        state.circuit[..2].copy_from_slice(&[circuit.chamber_a.start_pressure, circuit.chamber_b.start_pressure]);
-        state.circuit[SUPPLY] = supply.unwrap_or(0.0);
-        state
+        }
     }
 
     /// Time since the start [s].
     pub fn time(&self) -> f64 {
         self.time[0]
+    }
+
+    /// The components on which the rates depend.
+    pub fn dynamic(&self) -> [f64; DYNAMIC] {
+        let [a, b, spool, rate, supply, ..] = self.circuit;
+        [a, b, spool, rate, supply]
     }
 
     /// Pressures of the chambers [Pa].
@@ -199,124 +158,6 @@ impl State {
             }
         }
         Ok(march.t)
-    }
-
-    /// The load's correction r, and whether the last step met a contact: m (v - v_foreseen)/h is what the element did
-    /// not know. A contact stops or reverses the motion, or its impulse is more than that of force and load together;
-    /// then r is 0, as the next step knows nothing of it.
-    fn correction(&self, setting: &Setting<'_>) -> (f64, bool) {
-        let Some(last) = self.last else { return (0.0, false) };
-        let get = |input| setting.inputs.get(input);
-        let (v, m) = (get(Input::Speed), get(Input::Mass));
-        let missed = v - last.speed;
-        let force = setting.laws.force(self.pressures(), last.speed);
-        let most = force.abs() + get(Input::Load).abs() + last.load.abs();
-        let reversed = v * last.speed <= 0.0 && missed.abs() > 0.5 * last.start_speed.abs().max(last.speed.abs());
-        let contact = (m * missed).abs() > most * last.step || reversed;
-        (if contact { 0.0 } else { last.correction - m * missed / last.step }, contact)
-    }
-
-    /// The element that stands for what the actuator moves, and the correction of its load.
-    fn element(&self, setting: &Setting<'_>, h: f64) -> Result<(Element<f64>, f64), Blind> {
-        let get = |input| setting.inputs.get(input);
-        let (mass, speed) = (get(Input::Mass), get(Input::Speed));
-        if mass == 0.0 {
-            return Err(Blind::NoMass);
-        }
-        let (correction, contact) = self.correction(setting);
-        let element = element_of(self.last.as_ref(), contact, &ELEMENT_INPUTS.map(get));
-        let force = setting.laws.force(self.pressures(), speed);
-        let acceleration = element.acceleration(force, element.length, speed, 0.0);
-        let way = (speed.abs() + 0.5 * acceleration.abs() * h) * h;
-        // Not a comparison the other way round: NaN is no mass that changes little.
-        if (element.mass_derivative * way).abs() <= MASS_CHANGE * mass {
-            Ok((element, correction))
-        } else {
-            Err(Blind::Toggle)
-        }
-    }
-
-    /// The motion with one element over a step of size h [s] from here. Nothing changes.
-    ///
-    /// # Errors
-    /// Why none is foreseen.
-    pub fn foresee(&self, setting: &Setting<'_>, h: f64) -> Result<Foreseen, (Blind, Option<HydraulicsError>)> {
-        let (element, correction) = self.element(setting, h).map_err(|blind| (blind, None))?;
-        let surroundings = setting.surroundings(self.time());
-        let mut instants = Instants::none();
-        surroundings.command.kinks(h, &mut |t| instants.add(t));
-        instants.sort();
-        let lengths = setting.laws.lengths();
-        let mut system = Coupled { laws: setting.laws, surroundings, element, stroke: lengths[1] - lengths[0] };
-        let mut end = [0.0; ELEMENT];
-        end[..CIRCUIT].copy_from_slice(&self.circuit);
-        (end[LENGTH], end[SPEED]) = (setting.inputs.get(Input::Length), setting.inputs.get(Input::Speed));
-        let mut memory = self.coupled;
-        memory.branch_off();
-        let mut march = March::new(setting, &memory);
-        let levels = Levels::new(setting, true);
-        for instant in instants.ends(h) {
-            let whole = march
-                .to(instant, &mut memory, &mut system, &mut end, &levels)
-                .map_err(|error| (Blind::Failed, Some(error)))?;
-            if !whole {
-                break;
-            }
-        }
-        Ok(Foreseen { h, end, memory, element, correction, reached: march.t })
-    }
-
-    /// Derivative of the foreseen motion along one direction: of the state at the end of a step of size h, and of the
-    /// element; None if none is foreseen. `inputs`: change of each input.
-    pub fn foresee_change(
-        &self,
-        setting: &Setting<'_>,
-        h: f64,
-        circuit: &[f64; CIRCUIT],
-        inputs: &dyn Fn(Input) -> f64,
-    ) -> Option<([Dual<1>; ELEMENT], Element<Dual<1>>)> {
-        self.element(setting, h).ok()?;
-        let dual = |input| Dual { value: setting.inputs.get(input), slope: [inputs(input)] };
-        let (_, contact) = self.correction(setting);
-        let element = element_of(self.last.as_ref(), contact, &ELEMENT_INPUTS.map(dual));
-        let value = |dual: Dual<1>| dual.value;
-        let plain = Element {
-            mass: value(element.mass),
-            mass_derivative: value(element.mass_derivative),
-            load: value(element.load),
-            load_derivative: value(element.load_derivative),
-            load_rate: value(element.load_rate),
-            length: value(element.length),
-        };
-        let surroundings = setting.surroundings(self.time());
-        let lengths = setting.laws.lengths();
-        let coupled = Coupled { laws: setting.laws, surroundings, element: plain, stroke: lengths[1] - lengths[0] };
-        let clipped = surroundings.command.wanted(0.0).abs() > 1.0;
-        let command = if clipped { 0.0 } else { inputs(Input::Command) };
-        let mut system = Tangent { coupled, element, ports: [inputs(Input::Supply), inputs(Input::Tank), command] };
-        let mut y = [0.0; TANGENT];
-        y[..CIRCUIT].copy_from_slice(&self.circuit);
-        y[ELEMENT..ELEMENT + CIRCUIT].copy_from_slice(circuit);
-        for (component, input) in [(LENGTH, Input::Length), (SPEED, Input::Speed)] {
-            (y[component], y[ELEMENT + component]) = (setting.inputs.get(input), inputs(input));
-        }
-        let mut memory = Integrator::default();
-        let mut t = 0.0;
-        let most = setting.solver.max_steps as u64;
-        let whole = memory.advance_from(&mut system, &mut t, &mut y, h, setting.solver.tolerance, most);
-        if whole != Ok(true) {
-            return None;
-        }
-        // A longer step ends later along the motion.
-        let later = inputs(Input::Horizon);
-        let f = system.derivative(h, &y);
-        let end = std::array::from_fn(|k| Dual { value: y[k], slope: [y[ELEMENT + k] + later * f[k]] });
-        Some((end, element))
-    }
-
-    /// Keep the foreseen motion as a step's.
-    pub fn keep(&mut self, foreseen: &Foreseen) {
-        self.circuit.copy_from_slice(&foreseen.end[..CIRCUIT]);
     }
 
     /// The step of size h is done: what it leaves to the next. `end`: length at its end.
@@ -361,200 +202,4 @@ impl State {
             |record, arrival| record.all_finite("arrival", arrival),
         )
     }
-}
-
-/// Inputs that make the element, in the order in which [`element_of`] takes them.
-const ELEMENT_INPUTS: [Input; 6] =
-    [Input::Length, Input::Speed, Input::Mass, Input::MassDerivative, Input::Load, Input::LoadDerivative];
-
-/// The element that stands for what the actuator moves, from the inputs: its load is the holding force plus the
-/// correction; where no derivative of the holding force is told, the load has the rate of the last step.
-fn element_of<T: Number>(last: Option<&Last>, contact: bool, inputs: &[T; 6]) -> Element<T> {
-    let [length, speed, mass, mass_derivative, load, load_derivative] = *inputs;
-    let zero = T::constant(0.0);
-    let (mut corrected, mut load_rate) = (load, zero);
-    if let Some(last) = last {
-        let per_step = 1.0 / last.step;
-        if !contact {
-            let missed = mass * (speed - T::constant(last.speed)) * per_step;
-            corrected = corrected + T::constant(last.correction) - missed;
-        }
-        if load_derivative.value() == 0.0 {
-            load_rate = (load - T::constant(last.load)) * per_step;
-        }
-    }
-    Element { mass, mass_derivative, load: corrected, load_derivative, load_rate, length }
-}
-
-/// What the foreseen motion tells of a step of size h, in the words of the interface.
-#[derive(Clone, Copy, Debug)]
-pub struct Preview<T> {
-    /// Value and rate of the line with the impulse and the first moment of the force [N], [N/s].
-    pub force: T,
-    pub force_rate: T,
-    /// Mean force [N].
-    pub force_mean: T,
-    /// Length and speed at the end [m], [m/s].
-    pub length: T,
-    pub speed: T,
-    /// Accelerations under the force at the beginning and at the end [m/s2].
-    pub start_acceleration: T,
-    pub acceleration: T,
-}
-
-impl<T: Number> Preview<T> {
-    /// From the element, pressures and speed at the beginning, the state at the end, and the step.
-    pub fn new(
-        laws: &Equations,
-        element: &Element<T>,
-        (pressures, speed): ([T; 2], T),
-        end: &[T; ELEMENT],
-        h: T,
-    ) -> Self {
-        let (mean, moment) = (end[IMPULSE] / h, end[MOMENT] / (h * h));
-        let rate = (moment * 2.0 - mean) * 6.0 / h;
-        let last = laws.force([end[0], end[1]], end[SPEED]);
-        let first = laws.force(pressures, speed);
-        Self {
-            force: mean - rate * h * 0.5,
-            force_rate: rate,
-            force_mean: mean,
-            length: end[LENGTH],
-            speed: end[SPEED],
-            start_acceleration: element.acceleration(first, element.length, speed, T::constant(0.0)),
-            acceleration: element.acceleration(last, end[LENGTH], end[SPEED], h),
-        }
-    }
-
-    /// Where none is foreseen: the present force, and the motion of the inputs.
-    pub fn blind(force: T, [length, speed, acceleration]: [T; 3], h: T) -> Self {
-        Self {
-            force,
-            force_rate: T::constant(0.0),
-            force_mean: force,
-            length: length + speed * h,
-            speed,
-            start_acceleration: acceleration,
-            acceleration,
-        }
-    }
-}
-
-/// Levels of components at which the laws are not smooth, so that a step should end there: of the length, where a
-/// cushion begins, and of the pressure of the supply, where the pump changes.
-struct Levels([Option<(usize, f64, f64)>; 4]);
-
-impl Levels {
-    /// Of a step with these laws; `moves`: whether the length is a component of the state.
-    fn new(setting: &Setting<'_>, moves: bool) -> Self {
-        let lengths = setting.laws.lengths();
-        let [a, b] = setting.laws.borders().map(|border| {
-            border.filter(|_| moves).map(|border| (LENGTH, border, ON_BORDER * (lengths[1] - lengths[0])))
-        });
-        let pressures = setting.unit.map(|unit| unit.borders().map(|p| (SUPPLY, p, ON_BORDER * p.abs())));
-        let [c, d] = pressures.map_or([None; 2], |pressures| pressures.map(Some));
-        Self([a, b, c, d])
-    }
-
-    /// The first of them that a step has passed: component, level, direction.
-    #[inline]
-    fn passed<const N: usize>(&self, step: &Step<N>) -> Option<(usize, f64, Direction)> {
-        self.0.iter().flatten().find_map(|&(component, level, near)| {
-            let (start, end) = (step.start[component], step.end[component]);
-            let passed = (start - level) * (end - level) < 0.0 && (start - level).abs() > near;
-            passed.then_some((component, level, if end > start { Direction::Rising } else { Direction::Falling }))
-        })
-    }
-}
-
-/// The step again, up to the level of a component.
-#[cold]
-fn to_level<S: System<N>, const N: usize>(
-    memory: &mut Integrator<N>,
-    system: &mut S,
-    step: Step<N>,
-    (component, level, direction): (usize, f64, Direction),
-) -> Step<N> {
-    let dense = memory.dense(system, &step);
-    match dense.first_passage(component, level, direction, false) {
-        Some(part) if part > 0.0 && part < 1.0 => memory.retake(system, &step, part * step.h),
-        _ => step,
-    }
-}
-
-/// An integration on its way through a step.
-struct March<'a> {
-    laws: &'a Equations,
-    tolerance: f64,
-    /// Time since the beginning of the step [s].
-    t: f64,
-    /// Attempts at steps after which it is interrupted.
-    most: u64,
-}
-
-impl<'a> March<'a> {
-    fn new<const N: usize>(setting: &Setting<'a>, memory: &Integrator<N>) -> Self {
-        let Solver { tolerance, max_steps } = *setting.solver;
-        let most = memory.attempts().saturating_add(max_steps as u64);
-        Self { laws: setting.laws, tolerance, t: 0.0, most }
-    }
-
-    /// Integrate up to `end` [s] since the beginning of the step; a step that passes one of the levels ends there.
-    /// Returns whether the end is reached.
-    #[inline]
-    fn to<S: System<N>, const N: usize>(
-        &mut self,
-        end: f64,
-        memory: &mut Integrator<N>,
-        system: &mut S,
-        y: &mut [f64; N],
-        levels: &Levels,
-    ) -> Result<bool, HydraulicsError> {
-        while self.t < end {
-            if memory.attempts() >= self.most {
-                return Ok(false);
-            }
-            let step = memory.step(system, self.t, y, end, self.tolerance).map_err(|error| self.stuck(error, y))?;
-            let step = match levels.passed(&step) {
-                None => step,
-                Some(level) => to_level(memory, system, step, level),
-            };
-            *y = step.end;
-            self.t = if step.reached { end } else { self.t + step.h };
-            if !self.laws.has_air() {
-                self.check_vacuum(y)?;
-            }
-        }
-        Ok(true)
-    }
-
-    /// Refuse absolute pressures that oil without air does not have.
-    fn check_vacuum(&self, y: &[f64]) -> Result<(), HydraulicsError> {
-        for (chamber, p) in ["chamber_a", "chamber_b"].into_iter().zip(y) {
-            let pressure = p + self.laws.ambient();
-            if pressure <= 0.0 {
-                return Err(HydraulicsError::Vacuum { chamber, pressure, time: self.t });
-            }
-        }
-        Ok(())
-    }
-
-    #[cold]
-    fn stuck(&self, IntegrationError::StepTooSmall { .. }: IntegrationError, y: &[f64]) -> HydraulicsError {
-        HydraulicsError::Stuck { time: self.t, pressures: [y[0], y[1]] }
-    }
-}
-
-/// What a step says that met `solver.max_steps` at the time [s] since its beginning.
-#[cold]
-pub fn interrupted(solver: &Solver, time: f64, h: f64) -> HydraulicsError {
-    use crate::numerics::decimal::Decimal;
-    let why = format!(
-        "solver.max_steps = {}: reached {} s of the {} s of this step; take shorter steps, or raise solver.max_steps or \
-         solver.tolerance",
-        Decimal(solver.max_steps),
-        Decimal::rounded(time),
-        Decimal::rounded(h)
-    );
-    HydraulicsError::Interrupted { time, why }
 }

@@ -2,93 +2,39 @@
 //!
 //! In: the laws of a circuit, inputs as functions of time, a point-mass model of what the actuator moves. Out:
 //! right-hand sides, Jacobians and error weights for the integration. It must not know how steps are made, nor events.
-use super::circuit::{Equations, Point, SupplyUnit};
-use super::inputs::{CommandSignal, Polynomial};
+use super::circuit::{CIRCUIT, DYNAMIC, ENERGIES, Equations, FREE, Rates};
+use super::inputs::{Polynomial, Surroundings};
 use crate::integrator::System;
 use crate::numerics::dual::{Dual, Number};
 
-/// Components of the state of a circuit: two pressures, spool position and speed, six energies, pressure of the supply.
-pub const CIRCUIT: usize = 11;
-/// Components of the state of a circuit with one element: the former, length and speed, impulse and first moment of the
-/// force.
+/// Components of the state of a circuit with one element: the leading ones of the circuit, length and speed, then the
+/// integrals beside them: the energies, impulse and first moment of the force.
 pub const ELEMENT: usize = CIRCUIT + 4;
-/// Number of energies.
-pub const ENERGIES: usize = 6;
-/// Components that the right-hand side depends on; the last two with an element only.
-const DRIVING: [usize; 7] = [0, 1, 2, 3, SUPPLY, LENGTH, SPEED];
-
-/// Index of the first energy in the state.
-pub const ENERGY: usize = 4;
-/// Index of the pressure of an accumulator; without one the component stays 0.
-pub const SUPPLY: usize = ENERGY + ENERGIES;
+/// Number of leading components, on which the rates depend.
+const LEADING: usize = DYNAMIC + 2;
 /// Index of the length in the state of a circuit with an element.
-pub const LENGTH: usize = CIRCUIT;
+pub const LENGTH: usize = DYNAMIC;
 /// Index of the speed.
-pub const SPEED: usize = CIRCUIT + 1;
+pub const SPEED: usize = LENGTH + 1;
 /// Index of the impulse of the force, int F dt [N s].
-pub const IMPULSE: usize = CIRCUIT + 2;
+pub const IMPULSE: usize = LEADING + ENERGIES;
 /// Index of the first moment of the force, int F t dt [N s2].
-pub const MOMENT: usize = CIRCUIT + 3;
+pub const MOMENT: usize = IMPULSE + 1;
 
-/// Part of the error weight of the spool that holds where it is at rest; with it, openings near the edges are exact.
-const SPOOL_FLOOR: f64 = 0.1;
-/// Weight of components whose errors follow from those of the others.
-const FREE: f64 = 1e300;
+/// State of a circuit with an element.
+pub fn with_element<T: Number>(circuit: &[T; CIRCUIT], [length, speed]: [T; 2]) -> [T; ELEMENT] {
+    let ([a, b, y, rate, supply, e1, e2, e3, e4, e5, e6], zero) = (*circuit, T::constant(0.0));
+    [a, b, y, rate, supply, length, speed, e1, e2, e3, e4, e5, e6, zero, zero]
+}
+
+/// The state of the circuit in that of a circuit with an element.
+pub fn without_element<T: Copy>(y: &[T; ELEMENT]) -> [T; CIRCUIT] {
+    let [a, b, y, rate, supply, _, _, e1, e2, e3, e4, e5, e6, _, _] = *y;
+    [a, b, y, rate, supply, e1, e2, e3, e4, e5, e6]
+}
+
 /// Speed of the element below which errors are absolute [m/s].
 const SPEED_FLOOR: f64 = 0.01;
-
-/// Pressures of the ports and the command during a step.
-#[derive(Clone, Copy, Debug)]
-pub struct Surroundings {
-    /// Accumulator and pump; none where the pressure of the supply is an input.
-    pub unit: Option<SupplyUnit>,
-    pub supply: Polynomial,
-    pub tank: Polynomial,
-    pub command: CommandSignal,
-}
-
-impl Surroundings {
-    /// Pressure of the supply, whose component of the state is `own`.
-    #[inline]
-    fn supply<T: Number>(&self, t: f64, own: T) -> T {
-        if self.unit.is_some() { own } else { T::constant(self.supply.at(t)) }
-    }
-}
-
-/// Error weights of the components of a circuit.
-#[inline]
-fn circuit_scale(laws: &Equations, y: &[f64]) -> [f64; CIRCUIT] {
-    let ambient = laws.ambient();
-    let pressure = |p: f64| (p + ambient).max(ambient);
-    let spool = SPOOL_FLOOR + y[2].abs();
-    let mut scale = [FREE; CIRCUIT];
-    (scale[0], scale[1]) = (pressure(y[0]), pressure(y[1]));
-    (scale[2], scale[3]) = (spool, laws.spool_frequency() * spool);
-    scale[SUPPLY] = pressure(y[SUPPLY]);
-    scale
-}
-
-/// Rates of the components of a circuit, and the force.
-#[inline]
-fn circuit_rates<T: Number>(laws: &Equations, unit: Option<&SupplyUnit>, at: &Point<T>) -> ([T; CIRCUIT], T) {
-    let flows = laws.flows(at);
-    let powers = laws.powers(at, &flows);
-    let [a, b] = flows.pressure_rates;
-    let rates = [
-        a,
-        b,
-        at.spool_speed,
-        flows.spool_acceleration,
-        powers.supply,
-        powers.returned,
-        powers.piston,
-        powers.seal_friction,
-        powers.compression,
-        powers.throttling,
-        unit.map_or(T::constant(0.0), |unit| unit.rate(at.supply, flows.supply)),
-    ];
-    (rates, powers.force)
-}
 
 /// A circuit under a prescribed motion.
 #[derive(Clone, Copy, Debug)]
@@ -100,48 +46,47 @@ pub struct Driven<'a> {
 }
 
 impl Driven<'_> {
-    fn point<T: Number>(&self, t: f64, [p_a, p_b, spool, spool_speed, supply]: [T; 5]) -> Point<T> {
-        let Surroundings { tank, command, .. } = &self.surroundings;
-        Point {
-            pressures: [p_a, p_b],
-            spool,
-            spool_speed,
-            length: T::constant(self.length.at(t)),
-            speed: T::constant(self.speed.at(t)),
-            supply: self.surroundings.supply(t, supply),
-            tank: T::constant(tank.at(t)),
-            command: T::constant(command.at(t)),
-        }
+    #[inline]
+    fn rates<T: Number>(&self, t: f64, state: [T; DYNAMIC]) -> [T; CIRCUIT] {
+        let motion = [self.length.at(t), self.speed.at(t)].map(T::constant);
+        let at = self.laws.point(state, motion, self.surroundings.at(t).map(T::constant));
+        self.laws.rates(&at).state
     }
 }
 
 impl System<CIRCUIT> for Driven<'_> {
     const CAN_BE_STIFF: bool = true;
+    const LEADING: usize = DYNAMIC;
 
     #[inline]
     fn derivative(&mut self, t: f64, y: &[f64; CIRCUIT]) -> [f64; CIRCUIT] {
-        let at = self.point(t, [y[0], y[1], y[2], y[3], y[SUPPLY]]);
-        circuit_rates(self.laws, self.surroundings.unit.as_ref(), &at).0
+        let [a, b, spool, rate, supply, ..] = *y;
+        self.rates(t, [a, b, spool, rate, supply])
     }
 
     #[inline]
     fn scale(&mut self, y: &[f64; CIRCUIT], _f: &[f64; CIRCUIT]) -> [f64; CIRCUIT] {
-        circuit_scale(self.laws, y)
+        let ([a, b, spool, rate, supply, ..], mut sizes) = (*y, [FREE; CIRCUIT]);
+        sizes[..DYNAMIC].copy_from_slice(&self.laws.sizes([a, b, spool, rate, supply]));
+        sizes
+    }
+
+    #[inline]
+    fn admits(&mut self, y: &[f64; CIRCUIT]) -> bool {
+        let [a, b, spool, rate, supply, ..] = *y;
+        self.laws.has_pressures([a, b, spool, rate, supply])
     }
 
     fn jacobian(&mut self, t: f64, y: &[f64; CIRCUIT]) -> [[f64; CIRCUIT]; CIRCUIT] {
-        let duals: [Dual<5>; 5] = std::array::from_fn(|k| Dual::variable(y[DRIVING[k]], k));
-        let (rates, _) = circuit_rates(self.laws, self.surroundings.unit.as_ref(), &self.point(t, duals));
-        rates.map(|rate| row(rate.slope))
+        let duals: [Dual<DYNAMIC>; DYNAMIC] = std::array::from_fn(|k| Dual::variable(y[k], k));
+        self.rates(t, duals).map(|rate| row(rate.slope))
     }
 }
 
-/// Row of a Jacobian, from the derivatives by the components of [`DRIVING`].
+/// Row of a Jacobian, from the derivatives by the leading components.
 fn row<const K: usize, const N: usize>(slope: [f64; K]) -> [f64; N] {
     let mut row = [0.0; N];
-    for (slope, component) in slope.into_iter().zip(DRIVING) {
-        row[component] = slope;
-    }
+    row[..K].copy_from_slice(&slope);
     row
 }
 
@@ -180,20 +125,14 @@ impl<T: Number> Element<T> {
 #[inline]
 pub fn element_rates<T: Number>(
     laws: &Equations,
-    unit: Option<&SupplyUnit>,
     element: &Element<T>,
     ports: [T; 3],
     t: T,
     y: &[T; ELEMENT],
 ) -> [T; ELEMENT] {
-    let [supply, tank, command] = ports;
-    let (pressures, spool, spool_speed, length, speed) = ([y[0], y[1]], y[2], y[3], y[LENGTH], y[SPEED]);
-    let at = Point { pressures, spool, spool_speed, length, speed, supply, tank, command };
-    let (rates, force) = circuit_rates(laws, unit, &at);
-    let mut all = [T::constant(0.0); ELEMENT];
-    all[..CIRCUIT].copy_from_slice(&rates);
-    all[LENGTH] = speed;
-    all[SPEED] = element.acceleration(force, length, speed, t);
+    let [a, b, spool, rate, supply, length, speed, ..] = *y;
+    let Rates { state, force } = laws.rates(&laws.point([a, b, spool, rate, supply], [length, speed], ports));
+    let mut all = with_element(&state, [speed, element.acceleration(force, length, speed, t)]);
     all[IMPULSE] = force;
     all[MOMENT] = force * t;
     all
@@ -209,41 +148,40 @@ pub struct Coupled<'a> {
     pub stroke: f64,
 }
 
-impl Coupled<'_> {
-    #[inline]
-    fn ports<T: Number>(&self, t: f64, supply: T) -> [T; 3] {
-        let Surroundings { tank, command, .. } = &self.surroundings;
-        [self.surroundings.supply(t, supply), T::constant(tank.at(t)), T::constant(command.at(t))]
-    }
-}
-
 impl System<ELEMENT> for Coupled<'_> {
     const CAN_BE_STIFF: bool = true;
+    const LEADING: usize = LEADING;
 
     #[inline]
     fn derivative(&mut self, t: f64, y: &[f64; ELEMENT]) -> [f64; ELEMENT] {
-        element_rates(self.laws, self.surroundings.unit.as_ref(), &self.element, self.ports(t, y[SUPPLY]), t, y)
+        element_rates(self.laws, &self.element, self.surroundings.at(t), t, y)
     }
 
     #[inline]
     fn scale(&mut self, y: &[f64; ELEMENT], _f: &[f64; ELEMENT]) -> [f64; ELEMENT] {
-        let mut scale = [FREE; ELEMENT];
-        scale[..CIRCUIT].copy_from_slice(&circuit_scale(self.laws, y));
-        (scale[LENGTH], scale[SPEED]) = (self.stroke, y[SPEED].abs().max(SPEED_FLOOR));
+        let ([a, b, spool, rate, supply, _, speed, ..], mut scale) = (*y, [FREE; ELEMENT]);
+        scale[..DYNAMIC].copy_from_slice(&self.laws.sizes([a, b, spool, rate, supply]));
+        (scale[LENGTH], scale[SPEED]) = (self.stroke, speed.abs().max(SPEED_FLOOR));
         scale
     }
 
+    #[inline]
+    fn admits(&mut self, y: &[f64; ELEMENT]) -> bool {
+        let [a, b, spool, rate, supply, ..] = *y;
+        self.laws.has_pressures([a, b, spool, rate, supply])
+    }
+
     fn jacobian(&mut self, t: f64, y: &[f64; ELEMENT]) -> [[f64; ELEMENT]; ELEMENT] {
-        let mut duals: [Dual<7>; ELEMENT] = y.map(Dual::constant);
-        for (k, component) in DRIVING.into_iter().enumerate() {
-            duals[component] = Dual::variable(y[component], k);
+        let mut duals: [Dual<LEADING>; ELEMENT] = y.map(Dual::constant);
+        for (k, dual) in duals.iter_mut().enumerate().take(LEADING) {
+            *dual = Dual::variable(y[k], k);
         }
         let Element { mass, mass_derivative, load, load_derivative, load_rate, length } = self.element;
         let [mass, mass_derivative, load] = [mass, mass_derivative, load].map(Dual::constant);
         let [load_derivative, load_rate, length] = [load_derivative, load_rate, length].map(Dual::constant);
         let element = Element { mass, mass_derivative, load, load_derivative, load_rate, length };
-        let (unit, ports) = (self.surroundings.unit.as_ref(), self.ports(t, duals[SUPPLY]));
-        let rates = element_rates(self.laws, unit, &element, ports, Dual::constant(t), &duals);
+        let ports = self.surroundings.at(t).map(Dual::constant);
+        let rates = element_rates(self.laws, &element, ports, Dual::constant(t), &duals);
         rates.map(|rate| row(rate.slope))
     }
 }
@@ -265,15 +203,9 @@ pub struct Tangent<'a> {
 impl System<TANGENT> for Tangent<'_> {
     fn derivative(&mut self, t: f64, y: &[f64; TANGENT]) -> [f64; TANGENT] {
         let duals = std::array::from_fn(|k| Dual { value: y[k], slope: [y[ELEMENT + k]] });
-        let unit = self.coupled.surroundings.unit.as_ref();
-        let mut ports: [Dual<1>; 3] = self.coupled.ports(t, duals[SUPPLY]);
-        for (k, (port, change)) in ports.iter_mut().zip(self.ports).enumerate() {
-            // The pressure of an accumulator is a component of the state.
-            if k > 0 || unit.is_none() {
-                port.slope = [change];
-            }
-        }
-        let rates = element_rates(self.coupled.laws, unit, &self.element, ports, Dual::constant(t), &duals);
+        let values = self.coupled.surroundings.at(t);
+        let ports = std::array::from_fn(|k| Dual { value: values[k], slope: [self.ports[k]] });
+        let rates = element_rates(self.coupled.laws, &self.element, ports, Dual::constant(t), &duals);
         std::array::from_fn(|k| if k < ELEMENT { rates[k].value } else { rates[k - ELEMENT].slope[0] })
     }
 
@@ -282,5 +214,9 @@ impl System<TANGENT> for Tangent<'_> {
         let scale = self.coupled.scale(&values, &std::array::from_fn(|k| f[k]));
         // The derivative is as exact as the motion, which the control of its errors sees to.
         std::array::from_fn(|k| if k < ELEMENT { scale[k] } else { FREE })
+    }
+
+    fn admits(&mut self, y: &[f64; TANGENT]) -> bool {
+        y.first_chunk().is_some_and(|values| self.coupled.admits(values))
     }
 }

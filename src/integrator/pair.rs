@@ -77,19 +77,30 @@ pub trait Pair<const N: usize>: Path<N> + Sized {
     fn attempt<S: System<N>>(system: &mut S, start: &Start<N>, h: f64) -> Outcome<Self, N>;
 
     /// A power of the ratio of the error estimate to the tolerance: up to 1 the step is good.
-    fn error(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64;
+    /// Components of `S` after the leading ones have no weight in it.
+    fn error<S: System<N>>(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64;
 
     /// h |lambda| of the stiffest component in a step between the states `ends`; 0 for a pair that no stiff system is
     /// given to.
-    fn stiffness(&self, _h: f64, _ends: [&[f64; N]; 2], _scale: &[f64; N]) -> f64 {
+    fn stiffness<S: System<N>>(&self, _h: f64, _ends: [&[f64; N]; 2], _scale: &[f64; N]) -> f64 {
         0.0
     }
 }
 
-/// Mean square of the components of an error, each over its scale.
+/// Mean square of the components of an error, each over its scale; those after the first `leading` have none.
 #[inline]
-pub fn mean_square<const N: usize>(scale: &[f64; N], error: impl Fn(usize) -> f64) -> f64 {
-    (0..N).map(|n| (error(n) / scale[n]).powi(2)).sum::<f64>() / N as f64
+pub fn mean_square<const N: usize>(leading: usize, scale: &[f64; N], error: impl Fn(usize) -> f64) -> f64 {
+    (0..leading).map(|n| (error(n) / scale[n]).powi(2)).sum::<f64>() / N as f64
+}
+
+/// State of a stage: `increment` on from y, in the leading components of the system.
+#[inline(always)]
+pub fn stage<S: System<N>, const N: usize>(y: &[f64; N], increment: impl Fn(usize) -> f64) -> [f64; N] {
+    let mut at = *y;
+    for (n, at) in at.iter_mut().enumerate().take(S::LEADING) {
+        *at += increment(n);
+    }
+    at
 }
 
 /// y + increment + carry, and the part of that sum lost to rounding: Knuth's two-sum.

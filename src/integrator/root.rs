@@ -20,6 +20,11 @@ pub enum Direction {
 
 /// Bernstein coefficients of a polynomial of degree 7 on an interval.
 type Coefficients = [f64; TERMS + 1];
+/// Those of several polynomials side by side.
+type SideBySide<const L: usize> = [[f64; L]; TERMS + 1];
+
+/// Index of a coefficient, as a number.
+const NUMBER: [f64; TERMS + 1] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// Halvings of the step after which a part is a point.
 const DEEPEST: u32 = 50;
@@ -39,8 +44,7 @@ impl<const N: usize> Dense<N> {
             Direction::Rising => 1.0,
             Direction::Falling => -1.0,
         };
-        let mut b = self.bernstein(component);
-        b.iter_mut().for_each(|b| *b = sign * (*b - level));
+        let mut b: Coefficients = self.bernstein([component]).map(|[b]| sign * (b - level));
         b[0] = sign * (self.start[component] - level);
         b[TERMS] = sign * (self.end[component] - level);
         let largest = b.iter().fold(level.abs().max(self.start[component].abs()), |m, b| m.max(b.abs()));
@@ -60,42 +64,42 @@ impl<const N: usize> Dense<N> {
         search.part(&b, 0.0, 1.0, 0).or_else(|| (search.below && b[TERMS] >= 0.0).then_some(1.0))
     }
 
-    /// This component, to be bounded on parts of the step.
-    pub fn bounded(&self, component: usize) -> BoundedComponent {
-        BoundedComponent(self.bernstein(component))
+    /// These components, to be bounded on parts of the step.
+    pub fn bounded<const L: usize>(&self, components: [usize; L]) -> BoundedComponents<L> {
+        BoundedComponents(self.bernstein(components))
     }
 
     /// Bernstein coefficients: Horner's rule of the nested form, where s and 1 - s raise the degree by one.
-    fn bernstein(&self, component: usize) -> Coefficients {
-        let mut b = [0.0; TERMS + 1];
-        for (i, term) in self.terms.iter().enumerate().rev() {
-            // b[..=degree] are the coefficients of the inner polynomial.
-            let degree = TERMS - 1 - i;
-            b[..=degree].iter_mut().for_each(|b| *b += term[component]);
-            let raised = (degree + 1) as f64;
+    fn bernstein<const L: usize>(&self, components: [usize; L]) -> SideBySide<L> {
+        let mut b = [[0.0; L]; TERMS + 1];
+        for count in 1..TERMS + 1 {
+            // The first `count` are the coefficients of the inner polynomial.
+            let (i, raised) = (TERMS - count, NUMBER[count]);
+            let term = components.map(|component| self.terms[i][component]);
             if i % 2 == 0 {
-                for k in (1..=degree + 1).rev() {
-                    b[k] = b[k - 1] * k as f64 / raised;
+                for k in (0..count).rev() {
+                    b[k + 1] = std::array::from_fn(|l| (b[k][l] + term[l]) * NUMBER[k + 1] / raised);
                 }
-                b[0] = 0.0;
+                b[0] = [0.0; L];
             } else {
-                for (k, b) in b[..=degree].iter_mut().enumerate() {
-                    *b *= (degree + 1 - k) as f64 / raised;
+                for k in 0..count {
+                    let factor = NUMBER[count - k] / raised;
+                    b[k] = std::array::from_fn(|l| (b[k][l] + term[l]) * factor);
                 }
             }
         }
-        b.iter_mut().for_each(|b| *b += self.start[component]);
-        b
+        let start = components.map(|component| self.start[component]);
+        b.map(|b| std::array::from_fn(|l| b[l] + start[l]))
     }
 }
 
-/// A component of an interpolant by its Bernstein coefficients on the whole step.
+/// Components of an interpolant by their Bernstein coefficients on the whole step.
 #[derive(Clone, Copy, Debug)]
-pub struct BoundedComponent(Coefficients);
+pub struct BoundedComponents<const L: usize>(SideBySide<L>);
 
-impl BoundedComponent {
-    /// Bounds of the component, and of its derivative with respect to s, between the parts a < b of the step.
-    pub fn enclosure(&self, [a, b]: [f64; 2]) -> Enclosure {
+impl<const L: usize> BoundedComponents<L> {
+    /// Bounds of the components, and of their derivatives with respect to s, between the parts a < b of the step.
+    pub fn enclosures(&self, [a, b]: [f64; 2]) -> [Enclosure; L] {
         let mut c = self.0;
         if b < 1.0 {
             (c, _) = divided(&c, b);
@@ -103,9 +107,11 @@ impl BoundedComponent {
         if a > 0.0 {
             (_, c) = divided(&c, a / b);
         }
-        let rate = TERMS as f64 / (b - a);
-        let slopes = c.windows(2).map(|pair| rate * (pair[1] - pair[0]));
-        Enclosure { value: Interval::of(c), slope: Interval::of(slopes) }
+        let rate = NUMBER[TERMS] / (b - a);
+        let slopes: [[f64; L]; TERMS] =
+            std::array::from_fn(|k| std::array::from_fn(|l| rate * (c[k + 1][l] - c[k][l])));
+        let (values, slopes) = (ranges(&c), ranges(&slopes));
+        std::array::from_fn(|l| Enclosure { value: values[l], slope: slopes[l] })
     }
 }
 
@@ -160,25 +166,37 @@ impl Search {
 }
 
 /// Coefficients before and behind a part of the interval: de Casteljau.
-fn divided(b: &Coefficients, part: f64) -> (Coefficients, Coefficients) {
+#[inline]
+fn divided<const L: usize>(b: &SideBySide<L>, part: f64) -> (SideBySide<L>, SideBySide<L>) {
     let (mut left, mut right) = (*b, *b);
-    for (level, left) in left.iter_mut().enumerate().skip(1) {
-        for k in 0..=TERMS - level {
-            right[k] += part * (right[k + 1] - right[k]);
+    for count in (1..TERMS + 1).rev() {
+        for k in 0..count {
+            right[k] = std::array::from_fn(|l| right[k][l] + part * (right[k + 1][l] - right[k][l]));
         }
-        *left = right[0];
+        left[TERMS + 1 - count] = right[0];
     }
     (left, right)
+}
+
+/// The least interval around the numbers of each polynomial.
+#[inline]
+fn ranges<const L: usize>(numbers: &[[f64; L]]) -> [Interval; L] {
+    let (mut low, mut high) = ([f64::INFINITY; L], [f64::NEG_INFINITY; L]);
+    for x in numbers {
+        low = std::array::from_fn(|l| if x[l] < low[l] { x[l] } else { low[l] });
+        high = std::array::from_fn(|l| if x[l] > high[l] { x[l] } else { high[l] });
+    }
+    std::array::from_fn(|l| Interval { low: low[l], high: high[l] })
 }
 
 /// Coefficients on the two halves of the interval: de Casteljau.
 fn halves(b: &Coefficients) -> (Coefficients, Coefficients) {
     let (mut left, mut right) = (*b, *b);
-    for (level, left) in left.iter_mut().enumerate().skip(1) {
-        for k in 0..=TERMS - level {
+    for count in (1..TERMS + 1).rev() {
+        for k in 0..count {
             right[k] = 0.5 * (right[k] + right[k + 1]);
         }
-        *left = right[0];
+        left[TERMS + 1 - count] = right[0];
     }
     (left, right)
 }
@@ -188,8 +206,8 @@ fn halves(b: &Coefficients) -> (Coefficients, Coefficients) {
 fn root(b: &Coefficients) -> f64 {
     let at = |s: f64| {
         let mut b = *b;
-        for level in 1..=TERMS {
-            for k in 0..=TERMS - level {
+        for count in (1..TERMS + 1).rev() {
+            for k in 0..count {
                 b[k] += s * (b[k + 1] - b[k]);
             }
         }

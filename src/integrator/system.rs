@@ -9,6 +9,10 @@ pub trait System<const N: usize> {
     /// Whether y = (q, q') with q'' = f(t, q): the force does not depend on the speed.
     const SECOND_ORDER: bool = false;
 
+    /// Number of leading components on which f depends. The components after these are integrals beside the motion:
+    /// stages leave them as they are at the start of a step, and the scale is to give them no weight in its error.
+    const LEADING: usize = N;
+
     /// f(t, y); t is counted from the start of the span [s].
     fn derivative(&mut self, t: f64, y: &[f64; N]) -> [f64; N];
 
@@ -22,6 +26,12 @@ pub trait System<const N: usize> {
 
     /// Size of each component, to which the relative tolerance applies; positive. `f` is f(t, y).
     fn scale(&mut self, y: &[f64; N], f: &[f64; N]) -> [f64; N];
+
+    /// Whether a step may end at y: a step to a state where f has no meaning was too long, whatever its error estimate.
+    #[inline]
+    fn admits(&mut self, _y: &[f64; N]) -> bool {
+        true
+    }
 
     /// df/dy: row i is the gradient of f_i. By default from one-sided differences; a system that can be stiff should
     /// know better, as Newton's method converges the faster the more exact this is.

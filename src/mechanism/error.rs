@@ -46,6 +46,8 @@ pub enum ModelError {
     StepSize { h: f64 },
     /// The integration stopped.
     Integration(IntegrationError),
+    /// The integration of a mechanism with a hydraulic circuit stopped; `circuit`: the pressures there, in words.
+    Stuck { error: IntegrationError, circuit: String },
     /// Friction and reactions have no common solution.
     Locked { position: String },
     /// The start is beyond a stop: its quantity, the values at the stop and at the start.
@@ -60,8 +62,8 @@ pub enum ModelError {
     Travel { position: String },
     /// The cylinder of a drive does not have this length [m] at a place: its name, least and largest length, the place.
     Stroke { name: String, length: f64, lengths: [f64; 2], what: String },
-    /// The pressure of a chamber [Pa] is not above absolute zero.
-    Vacuum { chamber: &'static str, pressure: f64 },
+    /// The absolute pressure of a chamber has come to 0.
+    Vacuum { chamber: &'static str },
     /// An input so large that its load or its work overflows: its name and largest size in the step.
     LoadOverflow { name: String, value: f64 },
     /// A step met `solver.max_steps`: the time from its beginning to the state reached [s], and what took so many
@@ -75,7 +77,7 @@ impl ModelError {
     pub fn ends_step(&self) -> bool {
         match self {
             Self::Integration(_) | Self::Locked { .. } | Self::Travel { .. } | Self::StopPassed { .. } => true,
-            Self::Overflow { .. } | Self::Stroke { .. } | Self::Vacuum { .. } => true,
+            Self::Overflow { .. } | Self::Stroke { .. } | Self::Vacuum { .. } | Self::Stuck { .. } => true,
             Self::RigidFem(error) => matches!(error, RigidFemError::Equilibrium { .. } | RigidFemError::Strain { .. }),
             _ => false,
         }
@@ -174,11 +176,16 @@ impl fmt::Display for ModelError {
                 Decimal::rounded(*least),
                 Decimal::rounded(*most)
             ),
-            Self::Vacuum { chamber, pressure } => write!(
+            Self::Vacuum { chamber } => write!(
                 f,
-                "{chamber}.pressure = {} Pa is not above absolute zero; lower solver.tolerance, give fluid.air_fraction \
-                 a larger value, or raise anticavitation.conductance",
-                Decimal::rounded(*pressure)
+                "the absolute pressure of {chamber} came to 0: oil without air has none below; give fluid.air_fraction a \
+                 value > 0, or raise anticavitation.conductance"
+            ),
+            Self::Stuck { error: IntegrationError::StepTooSmall { t, step }, circuit } => write!(
+                f,
+                "the integration stopped {} s into the step: no step above {step:.1e} s meets solver.tolerance, at \
+                 {circuit}; check the sizes of the inputs",
+                Decimal(*t)
             ),
             Self::LoadOverflow { name, value } => write!(
                 f,

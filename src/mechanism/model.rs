@@ -4,6 +4,7 @@
 mod derivatives;
 mod description;
 mod undefined;
+mod warnings;
 
 use super::dynamics::inputs::{InputPolynomial, Inputs};
 use super::error::ModelError;
@@ -19,6 +20,7 @@ use crate::mechanism::reduced::Reduced;
 use crate::variables::{Reference, Value, Variables};
 pub use derivatives::{INPUT_ORDER, OUTPUT_ORDER};
 use std::sync::{Arc, OnceLock};
+use warnings::Clipped;
 
 /// One mechanism with its parameters, inputs and state.
 #[derive(Clone, Debug)]
@@ -33,6 +35,7 @@ pub struct Model {
     /// The reduced model built last; the next one keeps its curve and tables where nothing has changed.
     pub(super) last: Arc<Reduced>,
     pub(super) state: Option<Formulation>,
+    clipped: Clipped,
 }
 
 /// The state of motion in the formulation that solver.method chose.
@@ -87,6 +90,7 @@ impl Model {
             reduced: Some(Arc::clone(&original.reduced)),
             last: Arc::clone(&original.reduced),
             state: None,
+            clipped: Clipped::default(),
             original: Arc::new(original),
         };
         model.state()?;
@@ -167,7 +171,10 @@ impl Model {
                 if let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) {
                     let loads = reduced.loading().inputs.len();
                     match state {
-                        Formulation::Reduced(motion) => motion.set_input(i, loads, value),
+                        Formulation::Reduced(motion) => {
+                            motion.set_input(i, loads, value);
+                            motion.state.fill_accumulator(reduced, i, value);
+                        }
                         Formulation::RigidFem(motion) => motion.set_input(i, loads, value),
                     }
                 }
@@ -313,6 +320,7 @@ impl Model {
     /// The present parameters give no mechanism, or the start cannot be reached.
     pub fn initialize(&mut self) -> Result<(), ModelError> {
         self.state = None;
+        self.clipped = Clipped::default();
         self.state().map(|_| ())
     }
 
@@ -334,6 +342,7 @@ impl Model {
         let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) else {
             return Err(ModelError::NotInitialised);
         };
+        let clipped = self.clipped.look((reduced, state), &self.inputs, h);
         let stepped = match state {
             Formulation::Reduced(motion) => motion.step(reduced, &self.inputs, h, solver),
             Formulation::RigidFem(motion) => motion.step(reduced, &self.inputs, h, solver),
@@ -345,6 +354,9 @@ impl Model {
                 Err(_) => {}
             }
         }
+        if let (Some(command), Ok(())) = (clipped, &stepped) {
+            self.clipped.raise(command);
+        }
         stepped
     }
 
@@ -354,6 +366,7 @@ impl Model {
         self.inputs.clone_from(&self.original.inputs);
         self.reduced = Some(Arc::clone(&self.original.reduced));
         self.state = None;
+        self.clipped = Clipped::default();
     }
 
     /// Right-hand-side evaluations and accepted and rejected integration steps since initialisation.

@@ -80,6 +80,8 @@ pub enum Hydraulic {
     SpoolPosition,
     /// Speed of the spool.
     SpoolSpeed,
+    /// Pressure at the supply port of the valve: that of the accumulator, or of the input without one.
+    SupplyPressure,
     /// Flow from the supply.
     SupplyFlow,
     /// Flow into the tank.

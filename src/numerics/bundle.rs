@@ -68,8 +68,12 @@ pub fn side_by_side<'a>(functions: impl IntoIterator<Item = &'a Series>, out: &m
     }
 }
 
-/// Add `size` times the functions in `rows` to `sums`.
-pub fn add_side_by_side(sums: &mut [Row], size: f64, rows: &[Row]) {
+/// Add `size` times the functions in `rows` to `sums`, which is empty or has as many.
+pub fn add_side_by_side(sums: &mut Vec<Row>, size: f64, rows: &[Row]) {
+    if sums.is_empty() {
+        sums.extend(rows.iter().map(|row| Row(row.0.map(|c| size * c))));
+        return;
+    }
     for (sum, row) in sums.iter_mut().zip(rows) {
         for (sum, c) in sum.0.iter_mut().zip(&row.0) {
             *sum += size * c;

@@ -107,6 +107,21 @@ pub fn polynomial(c: &Series, x: f64) -> f64 {
     (low[0] + high[0] * y4) + x * (low[1] + high[1] * y4)
 }
 
+/// Values of a polynomial with monomial coefficients and of its derivative, by Horner's scheme for even and odd powers
+/// side by side: c(x) = e(x^2) + x o(x^2), c'(x) = o(x^2) + 2 x (e'(x^2) + x o'(x^2)).
+#[inline]
+pub fn polynomial_and_slope(c: &Series, x: f64) -> [f64; 2] {
+    let y = x * x;
+    let (mut values, mut slopes) = ([c[NODES - 2], c[NODES - 1]], [0.0; 2]);
+    for pair in c[..NODES - 2].rchunks_exact(2) {
+        for k in 0..2 {
+            slopes[k] = slopes[k] * y + values[k];
+            values[k] = values[k] * y + pair[k];
+        }
+    }
+    [values[0] + x * values[1], values[1] + 2.0 * x * (slopes[0] + x * slopes[1])]
+}
+
 /// Monomial coefficients of the derivative.
 pub fn slopes_of(c: &Series) -> Series {
     let mut slopes = [0.0; NODES];
@@ -114,6 +129,17 @@ pub fn slopes_of(c: &Series) -> Series {
         slopes[k - 1] = k as f64 * c[k];
     }
     slopes
+}
+
+/// Monomial coefficients of c(middle + half x), by Horner's scheme with polynomials for values.
+pub fn composed(c: &Series, middle: f64, half: f64) -> Series {
+    let mut out = [0.0; NODES];
+    for c in c.iter().rev() {
+        for k in (0..NODES).rev() {
+            out[k] = middle * out[k] + if k > 0 { half * out[k - 1] } else { *c };
+        }
+    }
+    out
 }
 
 /// Estimate of the truncation error: the largest of the last three coefficients.
@@ -140,6 +166,16 @@ mod tests {
     }
 
     #[test]
+    fn value_and_slope_are_those_of_the_polynomial_and_its_derivative() {
+        let m = monomials(&fitted(|x| (1.3 * x).exp()));
+        for x in [-1.0, -0.6, -1e-3, 0.0, 0.2, 0.7, 1.0] {
+            let [value, slope] = polynomial_and_slope(&m, x);
+            assert!((value - polynomial(&m, x)).abs() < 1e-14, "{x}");
+            assert!((slope - polynomial(&slopes_of(&m), x)).abs() < 1e-13, "{x}");
+        }
+    }
+
+    #[test]
     fn reproduces_an_entire_function() {
         let c = fitted(|x| (0.7 * x).exp());
         let m = monomials(&c);
@@ -161,6 +197,16 @@ mod tests {
         for i in 0..=20 {
             let x = -1.0 + f64::from(i) / 10.0;
             assert!((polynomial(&d, x) - x.cos()).abs() < allowed);
+        }
+    }
+
+    #[test]
+    fn a_composed_series_is_the_function_on_a_part() {
+        let whole = monomials(&fitted(|x| (0.7 * x).exp()));
+        let part = composed(&whole, 0.3, 0.6);
+        for i in 0..=10 {
+            let x = -1.0 + f64::from(i) / 5.0;
+            assert!((polynomial(&part, x) - (0.7 * (0.3 + 0.6 * x)).exp()).abs() < 1e-14);
         }
     }
 

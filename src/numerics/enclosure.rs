@@ -39,7 +39,10 @@ impl Interval {
     /// The smallest interval with all these numbers.
     pub fn of(numbers: impl IntoIterator<Item = f64>) -> Self {
         let none = Self { low: f64::INFINITY, high: f64::NEG_INFINITY };
-        numbers.into_iter().fold(none, |all, x| Self { low: all.low.min(x), high: all.high.max(x) })
+        numbers.into_iter().fold(none, |all, x| Self {
+            low: if x < all.low { x } else { all.low },
+            high: if x > all.high { x } else { all.high },
+        })
     }
 
     /// The smallest interval with both.
@@ -68,7 +71,8 @@ impl Mul for Interval {
     type Output = Self;
 
     fn mul(self, other: Self) -> Self {
-        Self::of([self.low, self.high].into_iter().flat_map(|a| [a * other.low, a * other.high]))
+        let Self { low, high } = self;
+        Self::of([low * other.low, low * other.high, high * other.low, high * other.high])
     }
 }
 
@@ -130,7 +134,8 @@ impl Mul<f64> for Enclosure {
     type Output = Self;
 
     fn mul(self, factor: f64) -> Self {
-        self * Self::constant(factor)
+        let times = |i: Interval| Interval::of([i.low * factor, i.high * factor]);
+        Self { value: times(self.value), slope: times(self.slope) }
     }
 }
 

@@ -4,7 +4,7 @@
 //! built once and read without allocation or lock. It must not know what the functions mean.
 pub use super::chebyshev::polynomial;
 
-use super::chebyshev::{NODES, Series, Transform, monomials, slopes_of, tail};
+use super::chebyshev::{NODES, Series, Transform, monomials, polynomial_and_slope, slopes_of, tail};
 use super::dual::Number;
 use std::fmt;
 use std::ops::Range;
@@ -214,6 +214,13 @@ impl Table {
     /// Value of a component at a position.
     pub fn value(&self, at: TablePosition, component: usize) -> f64 {
         polynomial(self.series(at.panel, component), at.x)
+    }
+
+    /// Value of a component at a position, and its derivative along sigma.
+    pub fn value_and_slope(&self, at: TablePosition, component: usize) -> [f64; 2] {
+        let [value, slope] = polynomial_and_slope(self.series(at.panel, component), at.x);
+        let (a, b) = self.borders(at.panel);
+        [value, slope * (2.0 / (b - a))]
     }
 }
 

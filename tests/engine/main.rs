@@ -29,6 +29,7 @@ mod redundant;
 mod rigid_fem;
 mod several_stops;
 mod singular;
+mod singular_together;
 mod solver_method;
 mod start_at_guess;
 mod stops;

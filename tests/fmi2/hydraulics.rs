@@ -194,13 +194,14 @@ fn hostile_values_change_nothing() {
         }
     }
     assert_eq!(host.set_reals(&[9999], &[1.0]), Status::Error);
+    assert_eq!(host.set("supply.pressure", 1e300), Status::Error);
     assert_eq!(host.set_text("coupling.mode", "follow"), Status::Error);
     assert_eq!(host.step(5e-3, f64::NAN), Status::Error);
     assert_eq!(host.step(5e-3, -1.0), Status::Error);
     host.log.take();
     assert!(all_bits(&host) == before);
     // Values that are legal and absurd end in values or in a refusal, never in NaN without a word.
-    for (name, value) in [("actuator.speed", 1e300), ("supply.pressure", 1e300), ("actuator.reduced_mass", 1e-300)] {
+    for (name, value) in [("actuator.speed", 1e300), ("supply.pressure", 1e12), ("actuator.reduced_mass", 1e-300)] {
         let host = started("preview");
         run(&host, 0, 5, 700.0);
         assert_eq!(host.set(name, value), Status::Ok);

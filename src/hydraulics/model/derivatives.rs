@@ -3,14 +3,13 @@
 //! In: references, orders, seeds. Out: derivatives by the outputs' laws with dual numbers, or a refusal by name. It
 //! must not know any law.
 use super::{INPUT_COUNT, Model, Parameters, point};
-use crate::hydraulics::circuit::Point;
+use crate::hydraulics::circuit::{CIRCUIT, ENERGY, Point};
 use crate::hydraulics::error::HydraulicsError;
 use crate::hydraulics::inputs::{Input, Inputs};
 use crate::hydraulics::interface::Quantity;
 use crate::hydraulics::outputs::{Output, Present};
 use crate::hydraulics::state::{Preview, State};
-use crate::hydraulics::systems::{CIRCUIT, ENERGIES, ENERGY, SUPPLY};
-use crate::numerics::dual::Dual;
+use crate::numerics::dual::{Dual, Number};
 use crate::variables::{Causality, Kind, Reference, Variability};
 
 /// Order of the derivatives of outputs in time.
@@ -26,24 +25,12 @@ struct Direction {
 
 /// The present state and its change along a direction.
 fn present(parameters: &Parameters, inputs: &Inputs, state: &State, direction: &Direction) -> Present<Dual<1>> {
-    let dual = |value: f64, slope: f64| Dual { value, slope: [slope] };
-    let at = point(parameters, state, inputs);
-    let input = |value: f64, input: Input| dual(value, direction.inputs[input as usize]);
-    let at = Point {
-        pressures: std::array::from_fn(|side| dual(at.pressures[side], direction.circuit[side])),
-        spool: dual(at.spool, direction.circuit[2]),
-        spool_speed: dual(at.spool_speed, direction.circuit[3]),
-        length: input(at.length, Input::Length),
-        speed: input(at.speed, Input::Speed),
-        supply: match parameters.unit {
-            Some(_) => dual(at.supply, direction.circuit[SUPPLY]),
-            None => input(at.supply, Input::Supply),
-        },
-        tank: input(at.tank, Input::Tank),
-        command: dual(0.0, 0.0),
-    };
-    let energies = std::array::from_fn(|k| dual(state.circuit[ENERGY + k], direction.circuit[ENERGY + k]));
-    Present::new(&parameters.laws, at, energies)
+    let input = |input: Input| Dual { value: inputs.get(input), slope: [direction.inputs[input as usize]] };
+    let component = |k: usize| Dual { value: state.circuit[k], slope: [direction.circuit[k]] };
+    let motion = [Input::Length, Input::Speed].map(input);
+    let ports = [input(Input::Supply), input(Input::Tank), Dual::constant(0.0)];
+    let at = parameters.laws.point(std::array::from_fn(component), motion, ports);
+    Present::new(&parameters.laws, at, std::array::from_fn(|k| component(ENERGY + k)))
 }
 
 /// What the foreseen motion tells, and its change along a direction of the inputs.
@@ -145,12 +132,7 @@ impl Model {
         let laws = &parameters.laws;
         let at = point(parameters, state, inputs);
         let at = Point { command: parameters.setting(inputs).command(state.time()).at(0.0), ..at };
-        let flows = laws.flows(&at);
-        let [a, b] = flows.pressure_rates;
-        let mut circuit = [0.0; CIRCUIT];
-        circuit[..4].copy_from_slice(&[a, b, at.spool_speed, flows.spool_acceleration]);
-        circuit[ENERGY..SUPPLY].copy_from_slice(&Present::new(laws, at, [0.0; ENERGIES]).powers());
-        circuit[SUPPLY] = parameters.unit.map_or(0.0, |unit| unit.rate(at.supply, flows.supply));
+        let circuit = laws.rates(&at).state;
         let direction = Direction { circuit, inputs: Input::ALL.map(|input| inputs.rate(input)) };
         let rate = present(parameters, inputs, state, &direction).output(laws, output);
         Ok(rate.map_or(f64::NAN, |dual| dual.slope[0]))

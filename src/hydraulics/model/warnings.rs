@@ -1,11 +1,10 @@
 //! What a step tells its host without refusing it, each once after the initialisation.
 //!
 //! In: the inputs and the state of a step. Out: one line of text. It must not change the state.
-use super::Setting;
 use crate::hydraulics::circuit::Point;
-use crate::hydraulics::inputs::Input;
+use crate::hydraulics::inputs::{Input, Inputs, clipping};
 use crate::hydraulics::outputs::stable_step;
-use crate::hydraulics::state::State;
+use crate::hydraulics::state::{Blind, Setting, State};
 use crate::numerics::decimal::Decimal;
 
 /// Kinds of warnings.
@@ -21,9 +20,11 @@ pub enum Warning {
     Unstable,
     /// Near a toggle no motion is foreseen.
     Toggle,
+    /// No motion was found with the element.
+    Unforeseen,
 }
 
-const KINDS: usize = 5;
+const KINDS: usize = 6;
 /// Difference of lengths that no coupling explains, beside the way of a step [m].
 const DRIFT: f64 = 1e-3;
 
@@ -59,21 +60,29 @@ impl Warnings {
     /// The line of those to be told.
     #[cold]
     pub fn take(&mut self) -> Option<String> {
-        let kinds = [Warning::Clipped, Warning::Drift, Warning::Horizon, Warning::Unstable, Warning::Toggle];
+        let kinds = [
+            Warning::Clipped,
+            Warning::Drift,
+            Warning::Horizon,
+            Warning::Unstable,
+            Warning::Toggle,
+            Warning::Unforeseen,
+        ];
         let mut lines = Vec::new();
         for kind in kinds {
             let index = kind as usize;
             if std::mem::take(&mut self.pending[index]) {
-                lines.push(text(kind, self.numbers[index].map(Decimal::rounded)));
+                lines.push(text(kind, self.numbers[index]));
             }
         }
         (!lines.is_empty()).then(|| lines.join("; "))
     }
 }
 
-fn text(kind: Warning, [one, two]: [Decimal; 2]) -> String {
+fn text(kind: Warning, numbers: [f64; 2]) -> String {
+    let [one, two] = numbers.map(Decimal::rounded);
     match kind {
-        Warning::Clipped => format!("valve.command with command.* is {one}: clipped to the range from -1 to 1"),
+        Warning::Clipped => clipping(numbers[0]),
         Warning::Drift => format!(
             "actuator.length = {one} m, but actuator.speed led to {two} m: connect both to the same motion, and set the \
              speed's derivatives if the step is long"
@@ -90,6 +99,20 @@ fn text(kind: Warning, [one, two]: [Decimal; 2]) -> String {
             "actuator.reduced_mass = {one} kg changes too much within a step of {two} s, as near a toggle of the \
              actuator: no motion is foreseen there"
         ),
+        Warning::Unforeseen => format!(
+            "no motion is found with actuator.reduced_mass = {one} kg under actuator.holding_force = {two} N: preview.force \
+             is the present force; check both"
+        ),
+    }
+}
+
+/// Raise why no motion is foreseen over a step of size h.
+pub fn blind(warnings: &mut Warnings, blind: Blind, inputs: &Inputs, h: f64) {
+    let mass = inputs.get(Input::Mass);
+    match blind {
+        Blind::NoMass => {}
+        Blind::Toggle => warnings.raise(Warning::Toggle, [mass, h]),
+        Blind::Failed => warnings.raise(Warning::Unforeseen, [mass, inputs.get(Input::Load)]),
     }
 }
 
@@ -104,15 +127,8 @@ pub fn watch(
 ) {
     let inputs = setting.inputs;
     warnings.steps += 1;
-    let command = setting.command(state.time());
-    if command.may_clip(h) {
-        let largest = [0.0, h]
-            .map(|t| command.wanted(t))
-            .into_iter()
-            .fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
-        if largest.abs() > 1.0 {
-            warnings.raise(Warning::Clipped, [largest, 0.0]);
-        }
+    if let Some(largest) = setting.command(state.time()).clipped(h) {
+        warnings.raise(Warning::Clipped, [largest, 0.0]);
     }
     if let Some([arrival, way]) = state.arrival {
         let length = inputs.get(Input::Length);

@@ -79,13 +79,13 @@ impl<const N: usize> Integrator<N> {
             match self.choose::<S>(begin.rest, begin.wish) {
                 Method::Rk4 => {
                     let outcome = Rk4::attempt(system, &begin.start, begin.rest);
-                    if self.is_good::<_, S>(&begin, &outcome, tolerance) {
+                    if self.is_good(system, &begin, &outcome, tolerance) {
                         return Ok(self.accept(&begin, begin.rest, outcome));
                     }
                 }
                 Method::Dopri5 => {
                     let outcome = Dopri5::attempt(system, &begin.start, begin.rest);
-                    if self.is_good::<_, S>(&begin, &outcome, tolerance) {
+                    if self.is_good(system, &begin, &outcome, tolerance) {
                         return Ok(self.accept(&begin, begin.rest, outcome));
                     }
                 }

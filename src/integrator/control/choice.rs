@@ -49,17 +49,18 @@ impl<const N: usize> Integrator<N> {
     #[inline]
     pub(super) fn is_good<P: Pair<N>, S: System<N>>(
         &mut self,
+        system: &mut S,
         begin: &Begin<N>,
         outcome: &Outcome<P, N>,
         tolerance: f64,
     ) -> bool {
         let &Begin { rest: h, ref scale, wish, .. } = begin;
         self.statistics.evaluations += P::EVALUATIONS;
-        let error = outcome.stages.error(h, scale, tolerance);
+        let error = outcome.stages.error::<S>(h, scale, tolerance);
         let longest = || h * inverse_root(error, P::ERROR_POWER);
-        if error.is_nan() || error > 1.0 {
+        if error.is_nan() || error > 1.0 || !system.admits(&outcome.end) {
             // At least a part of the span, and more than 0: the pair is tried again after some steps of dearer ones.
-            let shorter = if error.is_finite() { longest().max(SHRINK_INFINITE * h) } else { SHRINK_INFINITE * h };
+            let shorter = if error.is_finite() { longest().clamp(SHRINK_INFINITE * h, h) } else { SHRINK_INFINITE * h };
             self.longest_span[P::METHOD as usize] = shorter.max(f64::MIN_POSITIVE);
             self.statistics.rejected += 1;
             return false;

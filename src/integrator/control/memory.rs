@@ -66,6 +66,12 @@ impl<const N: usize> Integrator<N> {
         self.statistics
     }
 
+    /// Steps accepted and rejected so far.
+    #[inline]
+    pub fn tried(&self) -> [u64; 2] {
+        [self.statistics.accepted, self.statistics.rejected]
+    }
+
     /// Steps tried so far, whether accepted or rejected.
     #[inline]
     pub fn attempts(&self) -> u64 {

@@ -18,6 +18,8 @@ const SHRINK_MOST: f64 = 1.0 / 3.0;
 pub const GROW_MOST: f64 = 6.0;
 /// Shrinking where the error is not finite, and the most of Radau.
 pub const SHRINK_INFINITE: f64 = 0.1;
+/// Shrinking where a step ends outside of what the system admits.
+const SHRINK_OUTSIDE: f64 = 0.25;
 /// Shrinking where Newton's method does not converge.
 const SHRINK_UNSOLVED: f64 = 0.25;
 /// Largest factor by which a step could have been larger that still shows how the error grows.
@@ -47,15 +49,16 @@ impl<const N: usize> Integrator<N> {
             let h = fitted(wish, rest);
             self.statistics.evaluations += P::EVALUATIONS;
             let outcome = P::attempt(system, start, h);
-            let error = outcome.stages.error(h, scale, tolerance);
-            if error <= 1.0 {
+            let error = outcome.stages.error::<S>(h, scale, tolerance);
+            let is_admitted = system.admits(&outcome.end);
+            if error <= 1.0 && is_admitted {
                 let mut grow = grow_most;
                 self.after_explicit::<P, S>();
                 // A step cut short by the end of the span is often so much shorter that no growth comes to the wish.
                 if S::CAN_BE_STIFF || h >= wish || h * grow_most > wish {
                     let growth = inverse_root(error, P::ERROR_POWER);
                     if S::CAN_BE_STIFF {
-                        let h_lambda = outcome.stages.stiffness(h, [&start.y, &outcome.end], scale);
+                        let h_lambda = outcome.stages.stiffness::<S>(h, [&start.y, &outcome.end], scale);
                         self.stiffness.explicit_step(h, h_lambda, SAFETY * growth);
                     }
                     grow = (SAFETY * self.foreseen(h, growth)).clamp(SHRINK_MOST, grow_most);
@@ -66,7 +69,9 @@ impl<const N: usize> Integrator<N> {
                 return Ok(self.accept(begin, h, outcome));
             }
             grow_most = 1.0;
-            wish = self.reject(start.t, h, shrink(error, P::ERROR_POWER, SHRINK_MOST), end)?;
+            let shrink = shrink(error, P::ERROR_POWER, SHRINK_MOST);
+            let shrink = if is_admitted { shrink } else { shrink.min(SHRINK_OUTSIDE) };
+            wish = self.reject(start.t, h, shrink, end)?;
         }
     }
 
@@ -97,13 +102,14 @@ impl<const N: usize> Integrator<N> {
         loop {
             let h = fitted(wish, rest);
             let shrink = match Radau::attempt(system, start, &newton, h, &mut self.statistics) {
-                Some((outcome, error)) if error <= 1.0 => {
+                Some((outcome, error)) if error <= 1.0 && system.admits(&outcome.end) => {
                     self.stiffness.implicit_step(h, largest_eigenvalue(&jacobian));
                     self.before = Some(outcome.stages.collocation(h, [&start.y, &outcome.end]));
                     let grow = SAFETY * inverse_root(error, radau::ERROR_POWER);
                     self.propose(h, wish, grow.clamp(SHRINK_MOST, grow_most));
                     return Ok(self.accept(begin, h, outcome));
                 }
+                Some((_, error)) if error <= 1.0 => SHRINK_OUTSIDE,
                 Some((_, error)) => shrink(error, radau::ERROR_POWER, SHRINK_INFINITE),
                 None => SHRINK_UNSOLVED,
             };

@@ -5,7 +5,7 @@
 //! the interpolant: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.5, table 5.2, and II.6, CONTD5; their order
 //! conditions are tested.
 use crate::integrator::dense::TERMS;
-use crate::integrator::pair::{Outcome, Pair, Path, Start, add_compensated, bulge, extremes, mean_square};
+use crate::integrator::pair::{Outcome, Pair, Path, Start, add_compensated, bulge, extremes, mean_square, stage};
 use crate::integrator::{Dense, Method, System};
 
 /// Stages, the last of them at the end of the step.
@@ -81,19 +81,30 @@ impl<const N: usize> Pair<N> for Dopri5<N> {
     fn attempt<S: System<N>>(system: &mut S, start: &Start<N>, h: f64) -> Outcome<Self, N> {
         let &Start { t, ref y, first, ref carry } = start;
         let mut k = [first; STAGES];
-        for i in 1..STAGES - 1 {
-            let at = std::array::from_fn(|n| y[n] + h * (0..i).map(|j| A[i][j] * k[j][n]).sum::<f64>());
-            k[i] = system.derivative(t + C[i] * h, &at);
+        macro_rules! stage {
+            ($i:literal; $($j:literal)*) => {{
+                let at = stage::<S, N>(y, |n| h * (0.0 $(+ A[$i][$j] * k[$j][n])*));
+                k[$i] = system.derivative(t + C[$i] * h, &at);
+            }};
         }
-        let increment = std::array::from_fn(|n| h * (0..STAGES - 1).map(|j| A[STAGES - 1][j] * k[j][n]).sum::<f64>());
+        stage!(1; 0);
+        stage!(2; 0 1);
+        stage!(3; 0 1 2);
+        stage!(4; 0 1 2 3);
+        stage!(5; 0 1 2 3 4);
+        let last = &A[STAGES - 1];
+        let weighted = |n: usize| last[0] * k[0][n] + last[2] * k[2][n] + last[3] * k[3][n] + last[4] * k[4][n];
+        let increment = std::array::from_fn(|n| h * (weighted(n) + last[5] * k[5][n]));
         let (end, lost) = add_compensated(y, &increment, carry);
         k[STAGES - 1] = system.derivative(t + h, &end);
         Outcome { last: k[STAGES - 1], stages: Self(k), end, carry: lost }
     }
 
     /// As that of RK4, with an estimate that is the local error of order 4 and falls as h^5.
-    fn error(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
-        let difference = |n: usize| h * (0..STAGES).map(|j| E[j] * self.0[j][n]).sum::<f64>();
-        mean_square(scale, difference) * (MARGIN * tolerance).powi(-2)
+    fn error<S: System<N>>(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
+        let k = &self.0;
+        let first = |n: usize| E[0] * k[0][n] + E[2] * k[2][n] + E[3] * k[3][n] + E[4] * k[4][n];
+        let difference = |n: usize| h * (first(n) + E[5] * k[5][n] + E[6] * k[6][n]);
+        mean_square(S::LEADING, scale, difference) * (MARGIN * tolerance).powi(-2)
     }
 }

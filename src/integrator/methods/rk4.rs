@@ -4,7 +4,7 @@
 //! weight of the fourth stage to the fifth makes an embedded method of order 3. Coefficients: Hairer, Norsett, Wanner,
 //! Solving ODEs I (1993), II.1, table 1.2; the pair's order conditions, II.1, theorem 2.1 and eq. (1.11), are tested.
 use crate::integrator::dense::{TERMS, hermite};
-use crate::integrator::pair::{Outcome, Pair, Path, Start, add_compensated, bulge, extremes, mean_square};
+use crate::integrator::pair::{Outcome, Pair, Path, Start, add_compensated, bulge, extremes, mean_square, stage};
 use crate::integrator::{Dense, Method, System};
 
 /// Nodes c_i; a stage takes the one before it alone, a_{i,i-1} = c_i, the fifth takes `B`.
@@ -58,13 +58,13 @@ impl<const N: usize> Pair<N> for Rk4<N> {
     #[inline(always)]
     fn attempt<S: System<N>>(system: &mut S, start: &Start<N>, h: f64) -> Outcome<Self, N> {
         let &Start { t, ref y, ref first, ref carry } = start;
-        let mut stage = |c: f64, before: &[f64; N]| {
-            let at = std::array::from_fn(|n| y[n] + c * h * before[n]);
+        let mut rates = |c: f64, before: &[f64; N]| {
+            let at = stage::<S, N>(y, |n| c * h * before[n]);
             system.derivative(t + c * h, &at)
         };
-        let second = stage(C[1], first);
-        let third = stage(C[2], &second);
-        let fourth = stage(C[3], &third);
+        let second = rates(C[1], first);
+        let third = rates(C[2], &second);
+        let fourth = rates(C[3], &third);
         let increment =
             std::array::from_fn(|n| h * (B[0] * first[n] + B[1] * second[n] + B[2] * third[n] + B[3] * fourth[n]));
         let (end, carry) = add_compensated(y, &increment, carry);
@@ -79,7 +79,7 @@ impl<const N: usize> Pair<N> for Rk4<N> {
     /// steps has its share tolerance h / T, so that the sum of their errors is that of a few long steps however short
     /// they are. So e <= tolerance.
     #[inline]
-    fn error(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
-        mean_square(scale, |n| E * h * (self.fourth[n] - self.last[n])) * (MARGIN * tolerance).powi(-2)
+    fn error<S: System<N>>(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
+        mean_square(S::LEADING, scale, |n| E * h * (self.fourth[n] - self.last[n])) * (MARGIN * tolerance).powi(-2)
     }
 }

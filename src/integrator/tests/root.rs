@@ -227,3 +227,26 @@ fn a_turn_beyond_the_level_is_no_passage() {
         assert!((through - exact).abs() < 1e-12, "{through} {exact}");
     }
 }
+
+proptest! {
+    /// Values and slopes on a part of the step are within their bounds, and so are the ends of the whole step; a
+    /// component alone has the bounds that it has beside another one.
+    #[test]
+    fn bounds_hold_on_every_part(
+        terms in proptest::array::uniform7(-1.0..1.0f64),
+        [a, b] in [0.0..0.9f64, 0.01..0.1f64].prop_map(|[a, width]| [a, a + width]),
+        part in 0.0..=1.0f64,
+    ) {
+        let one = dense(0.3, terms);
+        let two = Dense::new([-1.0, 0.3], [0.0, one.at(1.0)[0]], terms.map(|term| [term * term, term]));
+        let [bounds] = one.bounded([0]).enclosures([a, b]);
+        prop_assert_eq!(two.bounded([1, 0]).enclosures([a, b])[0], bounds);
+        let (s, step) = (a + part * (b - a), 1e-6);
+        let [value, before, after] = [s, s - step, s + step].map(|s| one.component(0, s));
+        prop_assert!(bounds.value.low - 1e-13 < value && value < bounds.value.high + 1e-13, "{bounds:?} {value}");
+        let slope = (after - before) / (2.0 * step);
+        prop_assert!(bounds.slope.low - 1e-7 < slope && slope < bounds.slope.high + 1e-7, "{bounds:?} {slope}");
+        let [whole] = one.bounded([0]).enclosures([0.0, 1.0]);
+        prop_assert!(whole.value.low <= one.at(0.0)[0] && one.at(1.0)[0] <= whole.value.high + 1e-14);
+    }
+}

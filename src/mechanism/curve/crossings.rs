@@ -2,8 +2,7 @@
 //!
 //! In: the panels of a curve. Out: crossings. It must not know loads.
 use super::evaluate::Curve;
-use super::panel::Panel;
-use crate::mechanism::closure::{Scratch, dot};
+use crate::mechanism::closure::{Closure, Scratch, dot};
 use crate::numerics::chebyshev::NODES;
 
 /// Margin at a node, relative to the largest of the panel, below which a minimum may be a crossing.
@@ -18,17 +17,25 @@ impl Curve {
         let mut found: Vec<f64> = Vec::new();
         let mut scratch = Scratch::default();
         for panel in &self.panels {
+            if panel.bridged {
+                found.extend(
+                    panel.crossing.map(|x| panel.sigma_at(x)).filter(|s| *s > self.range.0 && *s < self.range.1),
+                );
+                continue;
+            }
+            let coordinates = |x: f64| panel.coordinates_at(x);
+            let course = Course { closure: &self.closure, normal: &panel.normal, coordinates: &coordinates };
             let margins: [f64; NODES] = std::array::from_fn(|j| 1.0 / panel.amplifications[j]);
             let most = margins.iter().fold(0.0, |a: f64, m| a.max(*m));
             // Panels end away from crossings: no minimum is at a border.
             for j in 1..NODES - 1 {
                 if margins[j] <= margins[j - 1] && margins[j] < margins[j + 1] && margins[j] < LOW * most {
                     let nodes = &self.transform.nodes;
-                    let x = self.least_margin(panel, [nodes[j - 1], nodes[j], nodes[j + 1]], &mut scratch);
+                    let x = course.least_margin([nodes[j - 1], nodes[j], nodes[j + 1]], &mut scratch);
                     let sigma = panel.sigma_at(x);
                     let apart = found.last().is_none_or(|last| sigma - last > 1e-6 * self.scale());
                     let inside = sigma > self.range.0 && sigma < self.range.1;
-                    if inside && apart && self.margin(panel, x, &mut scratch) < NONE * most {
+                    if inside && apart && course.margin(x, &mut scratch) < NONE * most {
                         found.push(sigma);
                     }
                 }
@@ -36,29 +43,38 @@ impl Curve {
         }
         found
     }
+}
 
+/// A part of the curve as coordinates over x, with the normal of the planes that it crosses.
+pub(super) struct Course<'a> {
+    pub closure: &'a Closure,
+    pub normal: &'a [f64],
+    pub coordinates: &'a dyn Fn(f64) -> Vec<f64>,
+}
+
+impl Course<'_> {
     /// Margin at x; 0 where the loop equations are singular to the last bit.
-    fn margin(&self, panel: &Panel, x: f64, scratch: &mut Scratch) -> f64 {
-        let regular = self.closure.linearise(&panel.coordinates_at(x), scratch);
-        let amplification = if regular { self.closure.amplification(&panel.normal, scratch) } else { f64::INFINITY };
+    fn margin(&self, x: f64, scratch: &mut Scratch) -> f64 {
+        let regular = self.closure.linearise(&(self.coordinates)(x), scratch);
+        let amplification = if regular { self.closure.amplification(self.normal, scratch) } else { f64::INFINITY };
         1.0 / if amplification.is_nan() { f64::INFINITY } else { amplification }
     }
 
     /// x with the least margin between the outer two of three x. A solution of the loop equations has a pole at a
     /// crossing: the inverse of its component in a fixed direction, that of the solution at the middle x, changes sign
     /// there and is nearly linear.
-    fn least_margin(&self, panel: &Panel, [below, middle, above]: [f64; 3], scratch: &mut Scratch) -> f64 {
+    pub(super) fn least_margin(&self, [below, middle, above]: [f64; 3], scratch: &mut Scratch) -> f64 {
         // None at the crossing itself.
         let solve = |x: f64, scratch: &mut Scratch| {
-            let regular = self.closure.linearise(&panel.coordinates_at(x), scratch);
-            regular.then(|| self.closure.probe(&panel.normal, scratch))
+            let regular = self.closure.linearise(&(self.coordinates)(x), scratch);
+            regular.then(|| self.closure.probe(self.normal, scratch))
         };
         let Some(direction) = solve(middle, scratch) else { return middle };
         let mut signed = |x: f64| solve(x, scratch).map_or(0.0, |solution| 1.0 / dot(&solution, &direction));
         let (mut a, mut b) = (below, above);
         let (mut fa, mut fb) = (signed(a), signed(b));
         if fa * fb > 0.0 || (fa * fb).is_nan() {
-            return minimise(&mut |x| self.margin(panel, x, scratch), below, above);
+            return minimise(&mut |x| self.margin(x, scratch), below, above);
         }
         // Regula falsi with the Illinois modification.
         for _ in 0..60 {

@@ -115,8 +115,9 @@ impl Curve {
         // Near a crossing the loop equations amplify rounding: the panel's series, from farther nodes, are more
         // accurate.
         let u = 0.5 * panel.width * (1.0 + x);
-        let converged = closure.on_plane(&mut scratch.loops, &mut c.q, &panel.base, &panel.normal, u);
         let most = HARMLESS.max(NEAR * panel.amplification);
+        let mut close = || closure.on_plane(&mut scratch.loops, &mut c.q, &panel.base, &panel.normal, u);
+        let converged = if panel.bridged { None } else { close() };
         if let Some(converged) = converged.filter(|l| l.amplification < most) {
             closure.update_positions(converged, &c.q, &mut scratch.loops, &mut c.positions);
             c.derive(closure, &panel.normal, scratch);

@@ -6,6 +6,7 @@
 //! sigma [kg^(1/2) m] is the arc length for which the kinetic energy is T = sigma_dot^2 / 2: the reduced inertia of
 //! [CK16] is 1 everywhere, its derivative 0, and a motion without loads is sigma = sigma_0 + sigma_dot t exactly. A
 //! toggle is a regular point of the curve. Where branches cross, the curve goes straight on.
+mod bridge;
 mod configuration;
 mod crossings;
 mod error;

@@ -2,11 +2,12 @@
 //!
 //! In: a closed position with its tangent, a width. Out: a panel, or the reason why the width is rejected. It must not
 //! know how far the curve is followed.
+use super::bridge::Bridge;
 use super::configuration::{self, Configuration};
 use super::extrapolation::Extrapolation;
 use crate::mechanism::closure::Closure;
 use crate::mechanism::linkage::Positions;
-use crate::numerics::chebyshev::{NODES, Series, Transform, chopped, monomials, polynomial, slopes_of, tail};
+use crate::numerics::chebyshev::{NODES, Series, Transform, chopped, composed, monomials, polynomial, slopes_of, tail};
 
 /// A part of the curve that crosses every plane normal . (q - base) = u, 0 <= u <= width, once. Polynomials are in
 /// x = 2 u / width - 1, as monomial coefficients.
@@ -41,6 +42,10 @@ pub(super) struct Panel {
     pub derivatives: Vec<[Series; 2]>,
     /// Tail of the series of each coordinate's second derivative along sigma, and the derivative's largest value.
     pub curvatures: Vec<[f64; 2]>,
+    /// Whether the panel is a part of a bridge over a crossing: its series are more accurate than the loop equations.
+    pub bridged: bool,
+    /// x at which branches cross; sought on a bridge only.
+    pub crossing: Option<f64>,
 }
 
 /// Start of a panel.
@@ -89,15 +94,15 @@ pub(super) enum Rejection {
     Massless,
 }
 
-/// Largest amplification at a node relative to the least of the panel: 1 / 16 of a panel away from a crossing in its
-/// middle. Amplification grows with the number of loops, so only the ratio indicates a crossing.
-const NEAR: f64 = 60.0;
-/// Largest amplification at the tip, where the next panel starts, relative to the least of the panel.
-const TIP_NEAR: f64 = 8.0;
+/// Largest amplification relative to the least of the panel. Amplification grows with the number of loops, so only the
+/// ratio indicates a crossing.
+const NEAR: f64 = 4.0;
 /// Relative amplification at a node above which the series are chopped to the level of rounding.
 const CROSSING: f64 = 5.0;
 /// Relative amplification at a node above which derivatives are kept.
 const UNEVEN: f64 = 2.0;
+/// Amplification of rounding in the derivatives of a bridge's polynomials.
+const BRIDGED: f64 = 20.0;
 /// Amplification below which no position is too close to a crossing.
 const HARMLESS: f64 = 30.0;
 /// Allowed ratio of rounding to its estimate, away from crossings.
@@ -108,6 +113,11 @@ const ROUNDING: f64 = 1e-15;
 const DIVERGED: f64 = 0.7;
 /// Order of the coefficients that must be of the size of rounding.
 const ORDER: f64 = (NODES - 2) as f64;
+
+/// Whether the amplification says that a crossing is near, where the least one is known.
+pub(super) fn near_crossing(amplification: f64, least: f64) -> bool {
+    amplification > HARMLESS.max(NEAR * least)
+}
 
 fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |a: f64, v| a.max(v.abs()))
@@ -130,10 +140,7 @@ impl Scratch {
     ) -> Result<(), Rejection> {
         let (n, w) = (base.q.len(), &closure.weights);
         let Self { evaluation, c, samples, extrapolation, closed } = self;
-        for values in [&mut samples.coordinates, &mut samples.firsts, &mut samples.seconds] {
-            values.clear();
-            values.resize(n, [0.0; NODES]);
-        }
+        samples.clear(n);
         let mut last = 0.0;
         extrapolation.start(&base.q, &base.tangent);
         for (j, x) in nodes.iter().enumerate() {
@@ -156,18 +163,101 @@ impl Scratch {
                 return Err(Rejection::TooWide(DIVERGED));
             }
             extrapolation.add(u, &c.q, &c.q_sigma, speed);
-            samples.speeds[j] = speed;
-            for i in 0..n {
-                (samples.coordinates[i][j], samples.firsts[i][j]) = (c.q[i], c.q_sigma[i]);
-                samples.seconds[i][j] = c.q_second[i];
-            }
+            samples.keep(j, c, speed);
             last = u;
         }
         Ok(())
     }
 }
 
+impl Scratch {
+    /// Sample a panel on a bridge.
+    fn sample_bridge(
+        &mut self,
+        closure: &Closure,
+        nodes: &[f64; NODES],
+        bridge: &Bridge,
+        (from, width): (f64, f64),
+        visit: &mut dyn FnMut(usize, &Positions),
+    ) -> Result<(), Rejection> {
+        let Self { c, samples, .. } = self;
+        let linkage = &*closure.linkage;
+        samples.clear(closure.weights.len());
+        for (j, x) in nodes.iter().enumerate() {
+            [c.q, c.q_sigma, c.q_second] = bridge.at(from + 0.5 * width * (1.0 + x));
+            linkage.update_positions(&c.q, &mut c.positions);
+            visit(j, &c.positions);
+            let speed = c.scale_rates(linkage);
+            if speed == 0.0 || speed.is_nan() {
+                return Err(Rejection::Massless);
+            }
+            c.q_second.iter_mut().for_each(|v| *v /= speed * speed);
+            c.project_curvature(linkage);
+            samples.keep(j, c, speed);
+        }
+        Ok(())
+    }
+}
+
+impl Scratch {
+    /// The sampled panel with these polynomials of the coordinates and of d sigma / d x. `derivatives`: whether it keeps
+    /// polynomials of derivatives too.
+    fn panel(
+        &self,
+        transform: &Transform,
+        base: &Base,
+        normal: Vec<f64>,
+        width: f64,
+        (coordinates, speed): (Vec<Series>, Series),
+        derivatives: bool,
+    ) -> Panel {
+        let samples = &self.samples;
+        let fit = |samples: &[f64; NODES]| monomials(&chopped(&transform.fit(samples)));
+        let pairs = samples.firsts.iter().zip(&samples.seconds).filter(|_| derivatives);
+        let derivatives = pairs.map(|(first, second)| [fit(first), fit(second)]).collect();
+        let curvatures = samples.seconds.iter().map(|s| [tail(&transform.fit(s)), largest(s)]).collect();
+        Panel {
+            start: base.sigma,
+            base: base.q.clone(),
+            normal,
+            width,
+            tip: coordinates.iter().map(|s| polynomial(s, 1.0)).collect(),
+            coordinates,
+            half: 0.0,
+            length: [0.0; NODES],
+            span: 0.0,
+            speed,
+            end_speeds: [0.0; 2],
+            amplification: 1.0,
+            amplifications: samples.amplifications,
+            derivatives,
+            curvatures,
+            bridged: false,
+            crossing: None,
+        }
+        .integrated()
+    }
+}
+
 impl Samples {
+    /// Make room for this number of coordinates.
+    fn clear(&mut self, n: usize) {
+        for values in [&mut self.coordinates, &mut self.firsts, &mut self.seconds] {
+            values.clear();
+            values.resize(n, [0.0; NODES]);
+        }
+        self.amplifications = [1.0; NODES];
+    }
+
+    /// Keep the values at the node j.
+    fn keep(&mut self, j: usize, c: &Configuration, speed: f64) {
+        self.speeds[j] = speed;
+        for i in 0..c.q.len() {
+            (self.coordinates[i][j], self.firsts[i][j]) = (c.q[i], c.q_sigma[i]);
+            self.seconds[i][j] = c.q_second[i];
+        }
+    }
+
     /// Polynomials of the coordinates and of d sigma / d x, and the factor by which the panel might have been wider.
     fn resolve(
         &self,
@@ -230,47 +320,47 @@ impl Panel {
         let samples = &scratch.samples;
         let amplifications = samples.amplifications;
         let (amplification, least) = (largest(&amplifications).max(1.0), least(&amplifications));
-        if amplification > HARMLESS.max(NEAR * least) {
+        if near_crossing(amplification, least) {
             return Err(Rejection::NearCrossing);
         }
         let (coordinates, speed, wider) =
             samples.resolve(transform, &closure.weights, width, [amplification, least])?;
-        let derivatives = if amplification > UNEVEN * least {
-            let fit = |samples: &[f64; NODES]| monomials(&chopped(&transform.fit(samples)));
-            samples.firsts.iter().zip(&samples.seconds).map(|(first, second)| [fit(first), fit(second)]).collect()
-        } else {
-            Vec::new()
-        };
-        let curvatures = samples.seconds.iter().map(|s| [tail(&transform.fit(s)), largest(s)]).collect();
         let mut tip: Vec<f64> = coordinates.iter().map(|s| polynomial(s, 1.0)).collect();
         scratch.closed += 1;
         let loops = &mut scratch.evaluation.loops;
         let converged =
             closure.on_plane(loops, &mut tip, &base.q, &normal, width).ok_or(Rejection::TooWide(DIVERGED))?;
-        if converged.amplification > HARMLESS.max(TIP_NEAR * least) {
+        if near_crossing(converged.amplification, least) {
             return Err(Rejection::NearCrossing);
         }
         let mut tangent = Vec::new();
         loops.factors.tangent(&normal, 1.0, &mut tangent);
         closure.normalise(&mut tangent);
-        let panel = Self {
-            start: base.sigma,
-            base: base.q.clone(),
-            normal,
-            width,
-            coordinates,
-            half: 0.0,
-            length: [0.0; NODES],
-            span: 0.0,
-            speed,
-            end_speeds: [0.0; 2],
-            tip,
-            amplification: least,
-            amplifications,
-            derivatives,
-            curvatures,
-        };
-        Ok((panel.integrated(), tangent, wider))
+        let panel = scratch.panel(transform, base, normal, width, (coordinates, speed), amplification > UNEVEN * least);
+        Ok((Self { tip, amplification: least, ..panel }, tangent, wider))
+    }
+
+    /// Build the panel of this width that starts at `base` on a bridge, at the bridge's distance `from`. `visit` and the
+    /// result as for [`Self::build`].
+    ///
+    /// # Errors
+    /// A [`Rejection`].
+    pub fn on_bridge(
+        closure: &Closure,
+        transform: &Transform,
+        bridge: &Bridge,
+        base: &Base,
+        (from, width): (f64, f64),
+        scratch: &mut Scratch,
+        visit: &mut dyn FnMut(usize, &Positions),
+    ) -> Result<(Self, Vec<f64>, f64), Rejection> {
+        scratch.sample_bridge(closure, &transform.nodes, bridge, (from, width), visit)?;
+        let (coordinates, speed, wider) = scratch.samples.resolve(transform, &closure.weights, width, [BRIDGED; 2])?;
+        let panel = scratch.panel(transform, base, bridge.normal.clone(), width, (coordinates, speed), true);
+        let [_, mut tangent, _] = bridge.at(from + width);
+        closure.normalise(&mut tangent);
+        let crossing = Some(2.0 * (bridge.crossing - from) / width - 1.0).filter(|x| -1.0 <= *x && *x < 1.0);
+        Ok((Self { bridged: true, crossing, ..panel }, tangent, wider))
     }
 
     /// The panel with its length, the integral of its speed.
@@ -282,6 +372,26 @@ impl Panel {
         self
     }
 
+    /// The part of this panel between two x, as a panel of its own.
+    pub fn part(self, first: f64, last: f64) -> Self {
+        let (middle, half) = (0.5 * (first + last), 0.5 * (last - first));
+        let cut = |series: &Series| composed(series, middle, half);
+        let coordinates: Vec<Series> = self.coordinates.iter().map(cut).collect();
+        let [base, tip] = [-1.0, 1.0].map(|x| coordinates.iter().map(|s| polynomial(s, x)).collect());
+        Self {
+            start: self.sigma_at(first),
+            base,
+            tip,
+            width: half * self.width,
+            coordinates,
+            speed: cut(&self.speed).map(|c| half * c),
+            derivatives: self.derivatives.iter().map(|[f, s]| [cut(f), cut(s)]).collect(),
+            crossing: self.crossing.map(|x| (x - middle) / half).filter(|x| x.abs() <= 1.0),
+            ..self
+        }
+        .integrated()
+    }
+
     /// The same part of the curve in the opposite direction, x -> -x, with its base, the present tip, at the sigma
     /// `start`.
     pub fn mirrored(mut self, start: f64) -> Self {
@@ -290,6 +400,7 @@ impl Panel {
         self.start = start;
         self.normal.iter_mut().for_each(|n| *n = -*n);
         self.amplifications.reverse();
+        self.crossing = self.crossing.map(|x| -x);
         self.coordinates.iter_mut().for_each(|series| odd(series));
         for [first, second] in &mut self.derivatives {
             odd(first);

@@ -1,20 +1,26 @@
 //! Tracing: panel after panel, until the curve returns, leaves the permitted travel, or gets too long.
 //!
 //! In: a closed position, limits of travel. Out: the curve. It must not know loads.
+use super::bridge::{Bridge, crossing_ahead};
 use super::error::CurveError;
 use super::evaluate::{Curve, Ends, describe};
 use super::kinetic::twice_kinetic;
-use super::panel::{Base, Panel, Rejection, Scratch};
+use super::panel::{Base, Panel, Rejection, Scratch, near_crossing};
 use super::travel::Travel;
 use crate::mechanism::closure::Closure;
 use crate::mechanism::linkage::Positions;
 use crate::numerics::chebyshev::Transform;
+use crate::numerics::gapped::Gapped;
 use std::f64::consts::TAU;
 
 /// Width of the first panel in the weighted norm.
 const FIRST: f64 = 0.25;
 /// Largest width of a panel.
 const LARGEST: f64 = 1.5;
+/// Half width of a bridge over a crossing, for three coordinates: largest one, good one, least one.
+const BRIDGES: [f64; 3] = [0.5, 0.35, 0.01];
+/// Largest of the last coefficients of a bridge's series that is rounding.
+const RESOLVED: f64 = 2e-14;
 /// Width of a panel below which tracing fails.
 const SMALLEST: f64 = 1e-6;
 /// Largest number of panels.
@@ -50,8 +56,16 @@ impl Curve {
     ) -> Result<Self, CurveError> {
         let tangent = closure.tangent(q);
         let travel = margin.map(|margin| Travel::new(&closure.linkage, margin));
-        let mut tracer =
-            Tracer { closure: &closure, transform: Transform::default(), travel, scratch: Scratch::default() };
+        let mut tracer = Tracer {
+            closure: &closure,
+            transform: Transform::default(),
+            gapped: Gapped::default(),
+            bridge: None,
+            least: f64::INFINITY,
+            half: f64::INFINITY,
+            travel,
+            scratch: Scratch::default(),
+        };
         let (mut panels, stop) = tracer.follow(q, &tangent)?;
         let end = |panels: &[Panel]| panels.last().map_or(0.0, Panel::end);
         let (mut first, mut last) = (0.0, end(&panels));
@@ -116,6 +130,13 @@ impl Curve {
 struct Tracer<'a> {
     closure: &'a Closure,
     transform: Transform,
+    gapped: Gapped,
+    /// The bridge on which the next panel begins, and its distance there.
+    bridge: Option<(Bridge, f64)>,
+    /// Least amplification of the panels so far.
+    least: f64,
+    /// Largest half width of the next bridge.
+    half: f64,
     travel: Option<Travel<'a>>,
     scratch: Scratch,
 }
@@ -131,6 +152,7 @@ impl Tracer<'_> {
         let mut panels: Vec<Panel> = Vec::new();
         let mut base = Base { sigma: 0.0, q: q.to_vec(), tangent: tangent.to_vec() };
         let (mut width, mut widest_before) = (FIRST, None);
+        self.bridge = None;
         if let Some(travel) = &mut self.travel {
             travel.start(q);
         }
@@ -169,17 +191,53 @@ impl Tracer<'_> {
     /// The next panel, of the proposed width or the widest below it that is accepted, with the tangent at its tip and
     /// the factor by which it might have been wider.
     fn next_panel(&mut self, base: &Base, width: &mut f64) -> Result<(Panel, Vec<f64>, f64), CurveError> {
-        let Self { closure, transform, travel, scratch } = self;
         let mut massless = false;
         while *width > SMALLEST {
+            let Self { closure, transform, travel, scratch, bridge, .. } = self;
             let mut visit = |node: usize, positions: &Positions| {
                 if let Some(travel) = &mut *travel {
                     travel.visit(node, positions);
                 }
             };
-            match Panel::build(closure, transform, base, *width, scratch, &mut visit) {
-                Ok(built) => return Ok(built),
+            let built = match bridge {
+                Some((on, from)) => {
+                    let rest = on.range[1] - *from;
+                    // No sliver is left at the end.
+                    *width = if *width < rest { width.min(0.9 * rest) } else { rest };
+                    Panel::on_bridge(closure, transform, on, base, (*from, *width), scratch, &mut visit)
+                }
+                None => Panel::build(closure, transform, base, *width, scratch, &mut visit),
+            };
+            match built {
+                Ok((panel, tangent, wider)) => {
+                    let Some((on, from)) = bridge else {
+                        let [first, .., last] = panel.amplifications;
+                        self.least = self.least.min(panel.amplification);
+                        if !near_crossing(last, self.least) {
+                            // What could not be bridged lies behind.
+                            self.half = f64::INFINITY;
+                        } else if last > first
+                            && let Some(wide) = self.bridge_ahead(base, *width)
+                        {
+                            *width = wide;
+                            continue;
+                        }
+                        return Ok((panel, tangent, wider));
+                    };
+                    *from += *width;
+                    if *from < on.range[1] * (1.0 - 1e-9) {
+                        return Ok((panel, tangent, wider));
+                    }
+                    *bridge = None;
+                    return self.land(panel).map(|(panel, tangent)| (panel, tangent, wider));
+                }
                 Err(rejection) => {
+                    if rejection == Rejection::NearCrossing
+                        && let Some(wide) = self.bridge_ahead(base, *width)
+                    {
+                        *width = wide;
+                        continue;
+                    }
                     massless = rejection == Rejection::Massless;
                     *width *= match rejection {
                         Rejection::TooWide(shorter) => shorter,
@@ -189,6 +247,7 @@ impl Tracer<'_> {
                 }
             }
         }
+        let Self { closure, scratch, .. } = self;
         let position = describe(closure, &base.q);
         // Panels stop short of a position where nothing with mass moves.
         massless |= twice_kinetic_part(closure, &base.q, &base.tangent) < 1e-6;
@@ -203,15 +262,70 @@ impl Tracer<'_> {
         })
     }
 
+    /// Prepare to cross the position ahead of `base` where branches seem to cross, within about `width`. The width of
+    /// the next panel, which is on a bridge or leads to one; None if there is nothing that a bridge crosses.
+    fn bridge_ahead(&mut self, base: &Base, width: f64) -> Option<f64> {
+        /// Factor of the half width after a failure.
+        const NARROWER: f64 = 0.8;
+        let Self { closure, gapped, scratch, bridge, .. } = self;
+        // The norm of a turn of all coordinates by the same angle grows with their number.
+        let [widest, good, least] = BRIDGES.map(|part| part * (base.q.len() as f64 / 3.0).sqrt());
+        self.half = self.half.min(widest);
+        if self.half <= least {
+            return None;
+        }
+        let distance = crossing_ahead(closure, base, 2.0 * width, &mut scratch.evaluation)?;
+        let mut build = |half: f64| Bridge::new(closure, gapped, base, [distance, half], &mut scratch.evaluation);
+        while self.half > least {
+            let half = self.half.min(good.max(distance));
+            if distance > 1.1 * half {
+                return Some(distance - half).filter(|shorter| *shorter < 0.95 * width);
+            }
+            let half = half.max(distance);
+            self.half = NARROWER * half;
+            if let Some(found) = build(half) {
+                let tail = found.0.tail;
+                // A tail that a narrower bridge does not reduce is rounding, or a miss of the branches of that size.
+                if tail < RESOLVED || build(self.half).is_some_and(|(narrower, _)| narrower.tail > NARROWER * tail) {
+                    self.half = f64::INFINITY;
+                    let approach = found.0.range[0] - found.1;
+                    if approach > 0.1 * half {
+                        return Some(approach).filter(|shorter| *shorter < 0.95 * width);
+                    }
+                    if found.1 > found.0.range[1] - 0.1 * half {
+                        // What looks like a crossing ahead is one behind.
+                        return None;
+                    }
+                    *bridge = Some(found);
+                    return Some(width);
+                }
+            }
+        }
+        None
+    }
+
+    /// The panel at the end of a bridge, with its tip on the loop equations again, and the unit tangent there.
+    fn land(&mut self, mut panel: Panel) -> Result<(Panel, Vec<f64>), CurveError> {
+        let Self { closure, scratch, .. } = self;
+        let loops = &mut scratch.evaluation.loops;
+        if closure.on_plane(loops, &mut panel.tip, &panel.base, &panel.normal, panel.width).is_none() {
+            return Err(CurveError::Stuck(describe(closure, &panel.tip)));
+        }
+        let mut tangent = Vec::new();
+        loops.factors.tangent(&panel.normal, 1.0, &mut tangent);
+        closure.normalise(&mut tangent);
+        Ok((panel, tangent))
+    }
+
     /// For a panel through the start: the growth of the coordinates, and the part of the panel up to the start.
     fn returned(
-        &mut self,
+        &self,
         start: &[f64],
         tangent: &[f64],
         panel: &Panel,
         first: bool,
     ) -> Option<(Vec<f64>, Option<Panel>)> {
-        let Self { closure, transform, scratch, .. } = self;
+        let closure = self.closure;
         let (n, w) = (start.len(), &closure.weights);
         // The start with whole revolutions added.
         let target: Vec<f64> = (0..n)
@@ -235,9 +349,7 @@ impl Tracer<'_> {
         if u < slack {
             return Some((growth, None));
         }
-        let direction: Vec<f64> = (0..n).map(|i| panel.normal[i] / (w[i] * w[i])).collect();
-        let base = Base { sigma: panel.start, q: panel.base.clone(), tangent: direction };
-        let (cut, ..) = Panel::build(closure, transform, &base, u, scratch, &mut |_, _| {}).ok()?;
+        let cut = panel.clone().part(-1.0, 2.0 * u / panel.width - 1.0);
         Some((growth, Some(cut)))
     }
 }

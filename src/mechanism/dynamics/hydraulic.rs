@@ -1,11 +1,11 @@
 //! The equation of motion with the hydraulic circuit of a drive, as one system.
 //!
 //! In: the equation of motion, the laws of the circuit, pressures of its ports and the command as functions of time. Out:
-//! rates of (sigma, sigma_dot, energy lost, p_A, p_B, y, y_dot, six energies), their error weights, the places and times
+//! rates of (sigma, sigma_dot, energy lost, components of the circuit), their error weights, the places and times
 //! at which a step ends. The force of the drive acts like an applied load whose size follows from the pressures and the
 //! speed. It must not know steps.
-use crate::hydraulics::circuit::{Equations, Point};
-use crate::hydraulics::inputs::{CommandSignal, Polynomial};
+use crate::hydraulics::circuit::{CIRCUIT, DYNAMIC, Equations, FREE, Left, SUPPLY};
+use crate::hydraulics::inputs::{CommandSignal, Polynomial, Surroundings};
 use crate::integrator::System;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::inputs::Inputs;
@@ -14,26 +14,24 @@ use crate::mechanism::loads::resolved::HydraulicDrive;
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::table::Table;
 
-/// Components of the state of a circuit: two pressures, position and speed of the spool, six energies.
-pub const CIRCUIT: usize = 10;
 /// Components of the state of a motion: sigma, sigma_dot, energy lost.
 pub const MOTION: usize = 3;
 /// Components of the state of a motion with a circuit.
 pub const DRIVEN: usize = MOTION + CIRCUIT;
 /// Components that the right-hand side depends on.
-const DRIVING: [usize; 6] = [0, 1, 3, 4, 5, 6];
+const DRIVING: [usize; 7] = [0, 1, 3, 4, 5, 6, 7];
+/// Number of leading components, which these are but for the energy lost; the energies of the circuit follow.
+const LEADING: usize = MOTION + DYNAMIC;
 
 /// Most instants within a step at which its integration ends.
 const INSTANTS: usize = 16;
-/// Part of the error weight of the spool that holds where it is at rest; with it, openings near the edges are exact.
-const SPOOL_FLOOR: f64 = 0.1;
-/// Weight of components whose errors follow from those of the others.
-const FREE: f64 = 1e300;
 /// Part of the weight of the speed without a circuit that holds with one: oil lets a mechanism move much slower than it
 /// would fall.
 const SPEED_FLOOR: f64 = 0.02;
 /// Distance from the border of a cushion up to which the actuator is on it [m].
 const ON_BORDER: f64 = 1e-10;
+/// Distance from a kink of the pump's flow up to which its pressure is on it, as a part of the pressure.
+const ON_KINK: f64 = 1e-9;
 /// Time after an instant up to which it is taken to have come [s].
 const JUST_NOW: f64 = 1e-15;
 /// Time [s] up to which instants are looked for in a step that may go on beyond the end of the span.
@@ -45,9 +43,7 @@ pub struct Ports<'a> {
     laws: &'a Equations,
     /// Displacement of the drive's load: the length of the actuator over sigma, with two derivatives.
     length: &'a Table,
-    supply: Polynomial,
-    tank: Polynomial,
-    command: CommandSignal,
+    surroundings: Surroundings,
     /// Instants at which the command has a kink [s], ascending; the last ones infinite.
     kinks: [f64; INSTANTS],
     /// Whether a stop, a lock or drives hold the mechanism at rest.
@@ -79,7 +75,8 @@ impl<'a> Ports<'a> {
         });
         kinks.sort_unstable_by(f64::total_cmp);
         let [supply, tank] = [1, 2].map(|port| polynomial(inputs, drive.first_input + port));
-        Self { laws: &drive.laws, length, supply, tank, command, kinks, held: false }
+        let surroundings = Surroundings { supply, tank, command };
+        Self { laws: &drive.laws, length, surroundings, kinks, held: false }
     }
 
     /// The next instant after t [s] at which the command has a kink; infinite if there is none.
@@ -98,40 +95,45 @@ fn length_at(equation: &EquationOfMotion<'_>, ports: &Ports<'_>, sigma: f64) -> 
 }
 
 impl EquationOfMotion<'_> {
-    /// Length of the actuator at sigma [m]; none without a circuit.
-    pub fn actuator_length(&self, sigma: f64) -> Option<f64> {
-        self.ports.as_ref().map(|ports| length_at(self, ports, sigma)[0])
+    /// What of the circuit keeps a motion from going on from this state, if anything does.
+    pub fn left(&self, y: &[f64; DRIVEN]) -> Option<Left> {
+        let (ports, [sigma, _, _, a, b, ..]) = (self.ports.as_ref()?, *y);
+        ports.laws.left([a, b], length_at(self, ports, sigma)[0])
     }
 
-    /// How far the actuator is beyond the border of a cushion [m], chamber A's or B's; 0 where it is on it; None where
-    /// there is no cushion.
-    pub fn beyond_cushion(&self, chamber: usize, sigma: f64) -> Option<f64> {
+    /// The pressures of a state in words, for messages.
+    pub fn describe_circuit(&self, y: &[f64; DRIVEN]) -> String {
+        let describe = |ports: &Ports<'_>| ports.laws.describe_pressures([y[MOTION], y[MOTION + 1]]);
+        self.ports.as_ref().map_or_else(String::new, describe)
+    }
+
+    /// Number of borders at which the laws of the circuit are not smooth.
+    pub fn circuit_borders(&self) -> usize {
+        let has_unit = self.ports.as_ref().is_some_and(|ports| ports.laws.supply_unit().is_some());
+        if has_unit { 4 } else { 2 }
+    }
+
+    /// How far a state is beyond a border at which the laws are not smooth, 0 where it is on it; None where there is no
+    /// such border. The first two borders are where the cushions of the chambers A and B begin [m], the last two the
+    /// pressures between which the pump reduces its flow [Pa].
+    pub fn beyond_border_of_circuit(&self, border: usize, z: &[f64; DRIVEN]) -> Option<f64> {
         let ports = self.ports.as_ref()?;
-        let border = ports.laws.borders()[chamber]?;
-        let beyond = length_at(self, ports, sigma)[0] - border;
-        Some(if beyond.abs() < ON_BORDER { 0.0 } else { beyond })
-    }
-
-    /// State of the circuit and its surroundings at the time t of the step.
-    #[inline]
-    fn point(&self, ports: &Ports<'_>, t: f64, y: &[f64; DRIVEN]) -> Point<f64> {
-        let [length, slope] = length_at(self, ports, y[0]);
-        Point {
-            pressures: [y[3], y[4]],
-            spool: y[5],
-            spool_speed: y[6],
-            length,
-            speed: slope * y[1],
-            supply: ports.supply.at(t),
-            tank: ports.tank.at(t),
-            command: ports.command.at(t),
-        }
+        let (value, level, near) = match border.checked_sub(2) {
+            None => (length_at(self, ports, z[0])[0], ports.laws.borders()[border]?, ON_BORDER),
+            Some(kink) => {
+                let level = ports.laws.supply_unit()?.borders()[kink];
+                (z[MOTION + SUPPLY], level, ON_KINK * level.abs())
+            }
+        };
+        let beyond = value - level;
+        Some(if beyond.abs() < near { 0.0 } else { beyond })
     }
 }
 
-/// (sigma, sigma_dot, energy lost, p_A, p_B, y, y_dot, energies). The work of the drive counts as gained.
+/// (sigma, sigma_dot, energy lost, components of the circuit). The work of the drive counts as gained.
 impl System<DRIVEN> for EquationOfMotion<'_> {
     const CAN_BE_STIFF: bool = true;
+    const LEADING: usize = LEADING;
 
     fn derivative(&mut self, t: f64, y: &[f64; DRIVEN]) -> [f64; DRIVEN] {
         self.time = t;
@@ -144,38 +146,35 @@ impl System<DRIVEN> for EquationOfMotion<'_> {
         };
         self.scratch.evaluator.switches.record(t);
         let Some(ports) = &self.ports else { return [f64::NAN; DRIVEN] };
-        let at = self.point(ports, t, y);
-        let (flows, laws) = (ports.laws.flows(&at), ports.laws);
-        let powers = laws.powers(&at, &flows);
-        let [a, b] = flows.pressure_rates;
-        [
-            if held { 0.0 } else { y[1] },
-            acceleration,
-            lost,
-            a,
-            b,
-            at.spool_speed,
-            flows.spool_acceleration,
-            powers.supply,
-            powers.returned,
-            powers.piston,
-            powers.seal_friction,
-            powers.compression,
-            powers.throttling,
-        ]
+        let [sigma, sigma_dot, _, a, b, spool, rate, supply, ..] = *y;
+        let [length, slope] = length_at(self, ports, sigma);
+        let motion = [length, slope * sigma_dot];
+        let at = ports.laws.point([a, b, spool, rate, supply], motion, ports.surroundings.at(t));
+        let mut rates = [0.0; DRIVEN];
+        rates[0] = if held { 0.0 } else { sigma_dot };
+        (rates[1], rates[2]) = (acceleration, lost);
+        rates[MOTION..].copy_from_slice(&ports.laws.rates(&at).state);
+        rates
     }
 
     fn scale(&mut self, y: &[f64; DRIVEN], f: &[f64; DRIVEN]) -> [f64; DRIVEN] {
         let motion = System::<MOTION>::scale(self, &[y[0], y[1], y[2]], &[f[0], f[1], f[2]]);
+        let [_, _, _, a, b, spool, rate, supply, ..] = *y;
         let mut scale = [FREE; DRIVEN];
         scale[..MOTION].copy_from_slice(&motion);
         scale[1] = y[1].abs().max(SPEED_FLOOR * motion[1]);
-        let Some(ports) = &self.ports else { return scale };
-        let ambient = ports.laws.ambient();
-        let spool = SPOOL_FLOOR + y[5].abs();
-        (scale[3], scale[4]) = ((y[3] + ambient).max(ambient), (y[4] + ambient).max(ambient));
-        (scale[5], scale[6]) = (spool, ports.laws.spool_frequency() * spool);
+        if let Some(ports) = &self.ports {
+            scale[MOTION..LEADING].copy_from_slice(&ports.laws.sizes([a, b, spool, rate, supply]));
+        }
         scale
+    }
+
+    /// The pressures are above absolute zero, and the cylinder has the length.
+    #[inline]
+    fn admits(&mut self, y: &[f64; DRIVEN]) -> bool {
+        let Some(ports) = &self.ports else { return true };
+        let [sigma, _, _, a, b, spool, rate, supply, ..] = *y;
+        ports.laws.has_pressures([a, b, spool, rate, supply]) && ports.laws.has_length(length_at(self, ports, sigma)[0])
     }
 
     /// By one-sided differences along the components that the right-hand side depends on.

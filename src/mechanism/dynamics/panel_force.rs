@@ -9,7 +9,7 @@ use crate::numerics::bundle::{Bundle, Row, add_side_by_side, side_by_side};
 use crate::numerics::chebyshev::{NODES, Series};
 use crate::numerics::dual::{Dual, Number};
 use crate::numerics::enclosure::{Interval, polynomial_bounds};
-use crate::numerics::table::{Table, polynomial_at};
+use crate::numerics::table::{Table, TablePosition, polynomial_at};
 
 /// Rounding of a panel's border that is counted on over whole revolutions, relative to the numbers that are added up.
 const BORDER: f64 = 8.0 * f64::EPSILON;
@@ -151,13 +151,16 @@ impl PanelForce {
         })
     }
 
-    /// One component of the table at any sigma, without leaving the present panel.
-    pub fn value<T: Number>(&self, (reduced, table): (&Reduced, &Table), component: usize, sigma: T) -> T {
-        let (shift, _) = around(reduced, sigma.value());
+    /// Position of any sigma in the table, without leaving the present panel.
+    pub fn position(&self, (reduced, table): (&Reduced, &Table), sigma: f64) -> TablePosition {
+        let (shift, _) = around(reduced, sigma);
         let (first, last) = reduced.curve().range;
-        let spot = table.position_near((sigma.value() - shift).clamp(first, last), self.panel);
-        let (a, b) = table.borders(spot.panel);
-        polynomial_at(table.series(spot.panel, component), sigma.chain(spot.x, 2.0 / (b - a)))
+        table.position_near((sigma - shift).clamp(first, last), self.panel)
+    }
+
+    /// One component of the table at any sigma, without leaving the present panel.
+    pub fn value(&self, (reduced, table): (&Reduced, &Table), component: usize, sigma: f64) -> f64 {
+        table.value(self.position((reduced, table), sigma), component)
     }
 
     /// Bounds of one component of the table, and of its derivative along sigma, on an interval of sigma. `growth`: how
@@ -226,10 +229,10 @@ impl PanelForce {
         self.force = self.sum(state_loads, table, all.clone(), 0);
         if let Some(state_loads) = state_loads.filter(|s| !s.friction_joints.is_empty()) {
             self.reactions.clear();
-            self.reactions.resize(Bundle::rows(state_loads.rows() - 1), Row::ZERO);
             for (k, size) in all {
                 self.add_reactions(state_loads, k, size);
             }
+            self.reactions.resize(Bundle::rows(state_loads.rows() - 1), Row::ZERO);
         }
         self.rates.clear();
         if let Some(change) = &applied.change {

@@ -67,6 +67,14 @@ const OUTPUTS: &[Row] = &[
     ),
     ("valve", "position", "Position of the spool", One, Hydraulic::SpoolPosition, [false; 3]),
     ("valve", "speed", "Speed of the spool", PerSecond, Hydraulic::SpoolSpeed, [false; 3]),
+    (
+        "accumulator",
+        "pressure",
+        "Pressure at the supply: that of the accumulator; without one, the input",
+        Pascal,
+        Hydraulic::SupplyPressure,
+        [false, false, true],
+    ),
     ("supply", "flow", "Flow from the supply", CubicMetrePerSecond, Hydraulic::SupplyFlow, [true, false, true]),
     ("tank", "flow", "Flow into the tank", CubicMetrePerSecond, Hydraulic::TankFlow, [true, false, true]),
     (
@@ -141,7 +149,12 @@ pub(super) fn add(b: &mut Builder) {
     for &(owner, suffix, text, unit, output, [length, speed, flows]) in OUTPUTS {
         let is_sum = matches!(output, Hydraulic::Energy(_) | Hydraulic::Balance);
         let placed = if length { position } else { Needs::default() };
-        let inputs = if flows { &ports[..] } else { &[] };
+        let inputs = match output {
+            Hydraulic::SupplyPressure | Hydraulic::SupplyFlow | Hydraulic::Power(0) => &ports[..1],
+            Hydraulic::TankFlow | Hydraulic::Power(1) => &ports[1..],
+            _ if flows => &ports[..],
+            _ => &[],
+        };
         let needs = Needs { speed: speed || placed.speed, inputs, circuit: !is_sum, ..placed };
         b.output(owner, suffix, &[text], unit, Output::Hydraulic(output), needs);
     }

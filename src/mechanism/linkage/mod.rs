@@ -8,6 +8,7 @@
 mod build;
 mod loops;
 mod motion;
+mod precise;
 mod structure;
 
 pub use motion::{Arms, Positions, Rates};

@@ -2,6 +2,7 @@ use super::*;
 use crate::mechanism::GEAR;
 use crate::mechanism::definition::Mechanism;
 use crate::numerics::plane::Vec2;
+use crate::numerics::twofold::Twofold;
 
 /// A slider in a turning slot, connected to a rocker: every kind of branch, and a loop with a prismatic joint.
 const SLOT: &str = r#"{
@@ -107,4 +108,16 @@ fn a_body_that_nothing_holds_is_named() {
         .replace("\"first\": \"coupler.end\"", "\"first\": \"crank.end\"");
     let error = Linkage::new(&Mechanism::from_json(&text).unwrap()).unwrap_err().to_string();
     assert!(error.contains("bodies.coupler") && error.contains("joint"), "{error}");
+}
+
+#[test]
+fn precise_gaps_are_the_gaps() {
+    for (linkage, q) in [(linkage(SLOT), [0.5, 1.0, 0.8]), (linkage(GEAR), [0.8, 1.1, 2.0])] {
+        let gaps = linkage.gaps(&linkage.positions(&q));
+        let precise = linkage.precise_gaps(&q.map(Twofold::from));
+        assert_eq!(gaps.len(), precise.len());
+        for (gap, precise) in gaps.iter().zip(&precise) {
+            assert!((gap - precise).abs() < 4e-16 && gap.abs() > 1e-3, "{gap} {precise}");
+        }
+    }
 }

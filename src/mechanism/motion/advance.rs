@@ -4,6 +4,7 @@
 //! the contact there, the energy lost in impacts. Events - impacts on stops, bumpers touched and left, reversals of
 //! drives with an efficiency, changes of friction's regime - are found on the interpolant of a step; impacts are
 //! polished on the integration itself. A step may go on beyond the span (`step_ahead.rs`). It must not know what moves.
+use crate::hydraulics::circuit::Left;
 use crate::integrator::{Dense, IntegrationError, Integrator, Step};
 use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::loads::friction_loop::Locked;
@@ -14,27 +15,20 @@ use crate::mechanism::motion::step_ahead::{Lookahead, StepAhead};
 use crate::mechanism::motion::work::Work;
 
 /// Why an advance ended early.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Stopped {
     /// The integration stopped.
     Integration(IntegrationError),
     /// Friction and reactions have no common solution.
     Locked,
-    /// The circuit of a drive was left: length of its actuator, or pressure of a chamber.
+    /// The motion has come to where a circuit ends: length of its actuator, or pressure of a chamber.
     Circuit(Left),
+    /// The integration stopped with a circuit, whose state is told in words.
+    Stuck(IntegrationError, Box<String>),
+    /// The length of the actuator with a circuit is not smooth along the motion.
+    Length,
     /// The work allowed was done; the state is that at the time reached, and the advance can go on from it.
     Budget(Progress),
-}
-
-/// How a motion has left what a hydraulic circuit allows.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Left {
-    /// The actuator has this length [m], from a place where the cylinder has none.
-    Stroke(f64),
-    /// A chamber, A or B, has this pressure [Pa], at or below absolute zero.
-    Vacuum(usize, f64),
-    /// The length of the actuator is not smooth along the motion.
-    Length,
 }
 
 impl From<Locked> for Stopped {
@@ -154,7 +148,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                 let kept = shorter.as_ref().unwrap_or(step);
                 let dense = dense.filter(|_| shorter.is_none());
                 let dense = dense.unwrap_or_else(|| self.integrator.dense(self.dynamics, kept));
-                if !self.is_exact(kept, &dense) {
+                if !(self.is_exact(kept, &dense) && self.dynamics.admits(&dense.at((span - t) / kept.h))) {
                     // To be made again, to the end of the span.
                     self.stay_within();
                     self.integrator.branch_off();
@@ -184,8 +178,15 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     fn resume(&mut self, z: &mut [f64; N], span: f64) -> Result<bool, Locked> {
         let Some(ahead) = &mut self.lookahead.step_ahead else { return Ok(false) };
         if span < ahead.rest() {
-            *z = ahead.read(span);
-            return Ok(true);
+            let state = ahead.read(span);
+            if self.dynamics.admits(&state) {
+                *z = state;
+                return Ok(true);
+            }
+            // The interpolant is less exact than the step: go on from here.
+            self.lookahead.invalidate();
+            self.integrator.branch_off();
+            return Ok(false);
         }
         *z = ahead.end_state();
         self.progress.t = ahead.rest();
@@ -265,8 +266,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     fn pushed_end(&self, z: &[f64; N]) -> Option<usize> {
         (0..2).find(|&side| {
             let moves = z[1] * outward(side) > 0.0;
-            let is_at = |position: f64| (z[0] - position) * outward(side) >= 0.0;
-            moves && self.ends.rigid(side).is_some_and(is_at)
+            moves && (z[0] - self.ends.limits[side]) * outward(side) >= 0.0
         })
     }
 
@@ -317,7 +317,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             found.event,
             Event::Regime(_) | Event::Bumper(_) | Event::Reversal | Event::Border(_) | Event::Switch(_)
         );
-        if is_smooth && dense.is_some_and(|dense| self.is_exact(step, dense)) {
+        if is_smooth && dense.is_some_and(|dense| self.is_exact(step, dense)) && self.dynamics.admits(&found.state) {
             self.integrator.branch_off();
             return None;
         }

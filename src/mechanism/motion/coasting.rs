@@ -26,18 +26,24 @@ const CORRECTIONS: usize = 12;
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// A motion under loads that only the position decides.
-pub struct Coasting<'a, D, W> {
+pub struct Coasting<'a, D, P> {
     pub dynamics: &'a mut D,
     pub integrator: &'a mut Integrator<2>,
     pub ends: &'a Ends<'a>,
     pub contact: &'a mut Contact,
     pub tolerance: f64,
+    /// The path of the motion; asked of after many steps only.
+    pub path: P,
+}
+
+/// The curve along which a motion may come back to its position.
+pub struct Path {
     /// Least and largest sigma of an open curve.
     pub range: Option<(f64, f64)>,
     /// Length of a closed curve.
     pub length: Option<f64>,
     /// Whether a load does net work over a revolution of a closed curve.
-    pub does_work: W,
+    pub does_work: bool,
 }
 
 /// Return of a motion to its position and speed.
@@ -48,7 +54,7 @@ struct Period {
     revolutions: f64,
 }
 
-impl<D: Dynamics<2>, W: Fn() -> bool> Coasting<'_, D, W> {
+impl<D: Dynamics<2>, P: Fn() -> Path> Coasting<'_, D, P> {
     /// Advance y = (sigma, sigma_dot) by exactly `span` [s], or until the integration has tried `most` steps since its
     /// start. Returns the energy lost in impacts [J]. Revolutions that sigma does not count are added to `passed`.
     ///
@@ -118,12 +124,13 @@ impl<D: Dynamics<2>, W: Fn() -> bool> Coasting<'_, D, W> {
     /// travel or of an open curve.
     fn period(&mut self, start: &[f64; 2], effort: u64) -> Option<Period> {
         let direction = start[1].signum();
+        let Path { range, length, does_work } = (self.path)();
         let unlimited = self.ends.travel.is_empty();
-        let revolution = self.length.filter(|_| unlimited && !(self.does_work)());
-        let farthest = self.length.unwrap_or(f64::INFINITY);
+        let revolution = length.filter(|_| unlimited && !does_work);
+        let farthest = length.unwrap_or(f64::INFINITY);
         let returns = [Some((start[0], 0.0)), revolution.map(|length| (start[0] + direction * length, direction))];
         let limits = [0, 1].map(|side| {
-            let of_curve = self.range.map(|(first, last)| [first, last][side]);
+            let of_curve = range.map(|(first, last)| [first, last][side]);
             self.ends.rigid(side).or(of_curve)
         });
         let mut integrator = Integrator::default();

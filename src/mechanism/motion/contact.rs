@@ -81,7 +81,9 @@ pub struct EngagedLocks {
 pub struct Ends<'a> {
     pub travel: &'a Travel,
     /// Length of the whole revolutions before sigma = 0.
-    pub shift: f64,
+    shift: f64,
+    /// sigma at the rigid stop of each side; infinite where there is none.
+    pub limits: [f64; 2],
     pub locked: EngagedLocks,
 }
 
@@ -167,7 +169,14 @@ impl Travel {
     }
 }
 
-impl Ends<'_> {
+impl<'a> Ends<'a> {
+    /// The places in the frame of sigma, before which there are whole revolutions of the length `shift`.
+    #[inline(always)]
+    pub fn new(travel: &'a Travel, shift: f64, locked: EngagedLocks) -> Self {
+        let limit = |side: usize| travel.rigid[side].map_or(outward(side) * f64::INFINITY, |end| end.position - shift);
+        Self { travel, shift, limits: [limit(0), limit(1)], locked }
+    }
+
     /// sigma at a place.
     #[inline]
     pub fn position(&self, place: Place) -> Option<f64> {
@@ -177,7 +186,7 @@ impl Ends<'_> {
     /// sigma at the rigid stop of a side.
     #[inline]
     pub fn rigid(&self, side: usize) -> Option<f64> {
-        self.travel.rigid[side].map(|end| end.position - self.shift)
+        Some(self.limits[side]).filter(|limit| limit.is_finite())
     }
 
     /// sigma where a bumper is first met on a side.
@@ -195,7 +204,7 @@ impl Ends<'_> {
     /// Whether sigma is exactly at the rigid stop of a side.
     #[inline]
     pub fn is_at_rigid(&self, side: usize, sigma: f64) -> bool {
-        self.rigid(side) == Some(sigma)
+        self.limits[side] == sigma
     }
 
     /// Whether a lock is engaged at a place.
@@ -208,7 +217,7 @@ impl Ends<'_> {
     }
 
     /// All places that are exactly at sigma, rigid stops first.
-    pub fn at(&self, sigma: f64) -> impl Iterator<Item = Place> {
+    pub fn at(&self, sigma: f64) -> impl Iterator<Item = Place> + use<'a> {
         let shift = self.shift;
         self.travel.places().filter(move |(_, position)| position - shift == sigma).map(|(place, _)| place)
     }

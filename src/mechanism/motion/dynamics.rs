@@ -9,9 +9,8 @@ use crate::mechanism::dynamics::hydraulic::{DRIVEN, MOTION};
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::loads::laws::friction::Regime;
 use crate::mechanism::reduced::StateLoads;
-use crate::numerics::dual::Dual;
 use crate::numerics::enclosure::Enclosure;
-use crate::numerics::table::polynomial;
+use crate::numerics::table::{TablePosition, polynomial};
 
 /// A motion along sigma whose right-hand side is smooth between events. The state is (sigma, sigma_dot), or (sigma,
 /// sigma_dot, energy lost), or these with more that goes on with them. Bumpers, drives with an efficiency and friction joints are the three kinds of parts that
@@ -36,13 +35,13 @@ pub trait Dynamics<const N: usize>: System<N> {
         f64::INFINITY
     }
 
-    /// Number of borders along sigma at which the right-hand side is less smooth than elsewhere.
+    /// Number of borders in the space of states at which the right-hand side is less smooth than elsewhere.
     fn borders(&self) -> usize {
         0
     }
 
     /// How far a state is beyond a border; 0 where there is none.
-    fn beyond_border(&mut self, _border: usize, _sigma: f64) -> f64 {
+    fn beyond_border(&mut self, _border: usize, _z: &[f64; N]) -> f64 {
         0.0
     }
 
@@ -121,8 +120,13 @@ pub trait Dynamics<const N: usize>: System<N> {
         Enclosure::constant(0.0)
     }
 
-    /// Slip speed of a joint [m/s] and its rate [m/s2], at (sigma, sigma_dot, sigma_ddot).
-    fn slip_rate(&mut self, _joint: usize, _state: [f64; 3]) -> [f64; 2] {
+    /// Position of sigma for [`Self::slip_rate`], the same for all joints.
+    fn slip_position(&self, _sigma: f64) -> TablePosition {
+        TablePosition { panel: 0, x: 0.0 }
+    }
+
+    /// Slip speed of a joint [m/s] and its rate [m/s2], at a position and these sigma_dot and sigma_ddot.
+    fn slip_rate(&self, _joint: usize, _at: TablePosition, _rates: [f64; 2]) -> [f64; 2] {
         [0.0; 2]
     }
 
@@ -214,11 +218,11 @@ where
 
     #[inline(always)]
     fn borders(&self) -> usize {
-        if N == DRIVEN { 2 } else { 0 }
+        if N == DRIVEN { self.circuit_borders() } else { 0 }
     }
 
-    fn beyond_border(&mut self, border: usize, sigma: f64) -> f64 {
-        self.beyond_cushion(border, sigma).unwrap_or(0.0)
+    fn beyond_border(&mut self, border: usize, z: &[f64; N]) -> f64 {
+        z.first_chunk().and_then(|z| self.beyond_border_of_circuit(border, z)).unwrap_or(0.0)
     }
 
     #[inline]
@@ -327,12 +331,16 @@ where
         influence * sigma_dot * state_loads.friction_joints[joint].radius
     }
 
-    fn slip_rate(&mut self, joint: usize, [sigma, sigma_dot, sigma_ddot]: [f64; 3]) -> [f64; 2] {
+    fn slip_position(&self, sigma: f64) -> TablePosition {
+        let table = self.state_loads.map(|state_loads| (self.reduced, &state_loads.table));
+        table.map_or(TablePosition { panel: 0, x: 0.0 }, |table| self.scratch.panel_force.position(table, sigma))
+    }
+
+    fn slip_rate(&self, joint: usize, at: TablePosition, [sigma_dot, sigma_ddot]: [f64; 2]) -> [f64; 2] {
         let Some(state_loads) = self.state_loads else { return [0.0; 2] };
-        let (table, component) = ((self.reduced, &state_loads.table), state_loads.free() + joint);
-        let influence = self.scratch.panel_force.value(table, component, Dual::<1>::variable(sigma, 0));
-        let rate = influence.slope[0] * sigma_dot * sigma_dot + influence.value * sigma_ddot;
-        [influence.value * sigma_dot, rate].map(|v| v * state_loads.friction_joints[joint].radius)
+        let [influence, slope] = state_loads.table.value_and_slope(at, state_loads.free() + joint);
+        let rate = slope * sigma_dot * sigma_dot + influence * sigma_ddot;
+        [influence * sigma_dot, rate].map(|v| v * state_loads.friction_joints[joint].radius)
     }
 
     fn slip_range(&self, joint: usize) -> (f64, f64) {

@@ -13,6 +13,7 @@ use crate::mechanism::motion::dynamics::Dynamics;
 use crate::numerics::bracket::{bisect, false_position};
 use crate::numerics::enclosure::Enclosure;
 use crate::numerics::passage::{Bounded, first_rise_of_quartic};
+use crate::numerics::table::TablePosition;
 use std::cell::RefCell;
 
 /// Part of a step within which a change of regime is located: a law followed so much too far errs by the square of it.
@@ -34,7 +35,7 @@ pub enum Event {
     Regime(usize),
     /// A switching quantity of this index passes 0: another law follows.
     Switch(usize),
-    /// A border along sigma is passed at which the right-hand side is less smooth.
+    /// A border in the space of states is passed at which the right-hand side is less smooth.
     Border(usize),
     /// The interpolant has no finite value, as friction locks in a state that it tried: the step is taken again,
     /// shorter.
@@ -95,10 +96,12 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
     let near = Near { start: step.start[0], end: step.end[0], bulge: step.bulge(0) };
     let is_near = near.any(ends) || contact.touching() != BumperSet::EMPTY;
     let joints = dynamics.friction_joints();
-    let changing =
-        (0..joints).find(|&joint| held != Some(Event::Regime(joint)) && may_change_regime(dynamics, joint, step));
+    let slips = SlipBounds::new(dynamics, step, joints);
+    let may_change =
+        |dynamics: &D, joint: usize| held != Some(Event::Regime(joint)) && slips.may_leave(dynamics, joint);
+    let changing = (0..joints).find(|&joint| may_change(dynamics, joint));
     let passed = |dynamics: &mut D, border: usize| {
-        let [before, after] = [&step.start, &step.end].map(|z| dynamics.beyond_border(border, z[0]));
+        let [before, after] = [&step.start, &step.end].map(|z| dynamics.beyond_border(border, z));
         before * after < 0.0
     };
     let is_passed = (0..dynamics.borders()).any(|border| passed(dynamics, border));
@@ -125,8 +128,8 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
         let passage = dense.first_passage(1, 0.0, towards(-dynamics.direction()), false);
         offer(passage, Event::Reversal);
     }
-    for joint in (changing.unwrap_or(joints)..joints).filter(|joint| held != Some(Event::Regime(*joint))) {
-        if changing == Some(joint) || may_change_regime(dynamics, joint, step) {
+    for joint in changing.unwrap_or(joints)..joints {
+        if changing == Some(joint) || may_change(dynamics, joint) {
             offer(regime_change(dynamics, dense, joint), Event::Regime(joint));
         }
     }
@@ -196,8 +199,8 @@ impl Near {
     #[inline]
     fn any(&self, ends: &Ends) -> bool {
         let is_near = |position: Option<f64>, side: usize| position.is_some_and(|p| self.place(p, side));
-        is_near(ends.rigid(0), 0)
-            || is_near(ends.rigid(1), 1)
+        self.place(ends.limits[0], 0)
+            || self.place(ends.limits[1], 1)
             || (0..ends.bumpers()).any(|k| is_near(ends.bumper(0, k), 0) || is_near(ends.bumper(1, k), 1))
     }
 }
@@ -227,7 +230,7 @@ pub fn excess<D: Dynamics<N>, const N: usize>(
         Event::Reversal => -dynamics.direction() * z[1],
         Event::Bumper(bumper) => excess_of_bumper(dynamics, bumper, contact.touching().contains(bumper), [z[0], z[1]]),
         Event::Regime(joint) => excess_of_slip(dynamics, joint, [z[0], z[1]]),
-        Event::Border(border) => dynamics.beyond_border(border, z[0]),
+        Event::Border(border) => dynamics.beyond_border(border, z),
         Event::Switch(switch) => -dynamics.switch_value(switch, t, z).unwrap_or(f64::NAN),
         Event::Stop(_) | Event::Undefined => 0.0,
     }
@@ -263,9 +266,9 @@ fn bumper_event<D: Dynamics<N>, const N: usize>(
     const PARTS: usize = 12;
     let dynamics = &RefCell::new(dynamics);
     let f = |s: f64| excess_of_bumper(*dynamics.borrow_mut(), bumper, touches, [0, 1].map(|n| dense.component(n, s)));
-    let motion = [0, 1].map(|n| dense.bounded(n));
+    let motion = dense.bounded([0, 1]);
     let bounds = |a: f64, b: f64| {
-        let [sigma, sigma_dot] = motion.map(|component| component.enclosure([a, b]));
+        let [sigma, sigma_dot] = motion.enclosures([a, b]);
         let [beyond, push] = dynamics.borrow_mut().bumper_bounds(bumper, sigma, sigma_dot);
         if touches { -push } else { beyond.min(push) }
     };
@@ -285,25 +288,41 @@ fn bumper_event<D: Dynamics<N>, const N: usize>(
 /// Part of a step after which a border is passed that is between its ends.
 #[cold]
 fn border_passage<D: Dynamics<N>, const N: usize>(dynamics: &mut D, dense: &Dense<N>, border: usize) -> f64 {
-    let mut beyond = |part: f64| dynamics.beyond_border(border, dense.component(0, part));
+    let mut beyond = |part: f64| dynamics.beyond_border(border, &dense.at(part));
     let after = beyond(1.0);
     bisect(|part| beyond(part) * after >= 0.0, 0.0, 1.0)[1]
 }
 
-/// Whether the slip speed of a friction joint may leave the range of its regime within a step. Bounds are the Bezier
-/// points of Hermite's cubic for the slip speed, which enclose the cubic, widened by half of their distance from a
-/// straight line.
-fn may_change_regime<D: Dynamics<N>, const N: usize>(dynamics: &mut D, joint: usize, step: &Step<N>) -> bool {
-    const MARGIN: f64 = 0.5;
-    let Some([first, last]) = step.rates() else { return true };
-    let (low, high) = dynamics.slip_range(joint);
-    let [a, rate_a] = dynamics.slip_rate(joint, [step.start[0], step.start[1], first[1]]);
-    let [b, rate_b] = dynamics.slip_rate(joint, [step.end[0], step.end[1], last[1]]);
-    let (second, third) = (a + step.h / 3.0 * rate_a, b - step.h / 3.0 * rate_b);
-    let third_of = (b - a) / 3.0;
-    let margin = MARGIN * (second - (a + third_of)).abs().max((third - (b - third_of)).abs());
-    // The start is within the range, but for rounding.
-    second.min(third).min(b) - margin < low || second.max(third).max(b) + margin > high
+/// Both ends of a step, as far as they bound the slip speeds of the friction joints within it.
+struct SlipBounds {
+    h: f64,
+    /// Position, sigma_dot and sigma_ddot at the start and at the end; none where the step does not tell its rates.
+    ends: Option<[(TablePosition, [f64; 2]); 2]>,
+}
+
+impl SlipBounds {
+    fn new<D: Dynamics<N>, const N: usize>(dynamics: &D, step: &Step<N>, joints: usize) -> Self {
+        let rates = if joints > 0 { step.rates() } else { None };
+        let end = |y: &[f64; N], f: &[f64; N]| (dynamics.slip_position(y[0]), [y[1], f[1]]);
+        Self { h: step.h, ends: rates.map(|[first, last]| [end(&step.start, first), end(&step.end, last)]) }
+    }
+
+    /// Whether the slip speed of a friction joint may leave the range of its regime within the step. Bounds are the
+    /// Bezier points of Hermite's cubic for the slip speed, which enclose the cubic, widened by half of their distance
+    /// from a straight line.
+    fn may_leave<D: Dynamics<N>, const N: usize>(&self, dynamics: &D, joint: usize) -> bool {
+        const MARGIN: f64 = 0.5;
+        let Some([start, end]) = self.ends else { return true };
+        let (low, high) = dynamics.slip_range(joint);
+        let [a, rate_a] = dynamics.slip_rate(joint, start.0, start.1);
+        let [b, rate_b] = dynamics.slip_rate(joint, end.0, end.1);
+        let third = self.h / 3.0;
+        let (second, third) = (a + third * rate_a, b - third * rate_b);
+        let third_of = (b - a) / 3.0;
+        let margin = MARGIN * (second - (a + third_of)).abs().max((third - (b - third_of)).abs());
+        // The start is within the range, but for rounding.
+        [second, third, b].iter().any(|v| v - margin < low || v + margin > high)
+    }
 }
 
 /// Part of a step after which the slip speed of a friction joint leaves the range of its regime.
@@ -311,10 +330,13 @@ fn regime_change<D: Dynamics<N>, const N: usize>(dynamics: &mut D, dense: &Dense
     const PARTS: usize = 8;
     let (low, high) = dynamics.slip_range(joint);
     let dynamics = &RefCell::new(dynamics);
-    let f = |s: f64| excess_of_slip(*dynamics.borrow_mut(), joint, [0, 1].map(|n| dense.component(n, s)));
-    let motion = [0, 1].map(|n| dense.bounded(n));
+    let f = |s: f64| {
+        let v = dynamics.borrow_mut().slip(joint, dense.component(0, s), dense.component(1, s));
+        (low - v).max(v - high)
+    };
+    let motion = dense.bounded([0, 1]);
     let bounds = |a: f64, b: f64| {
-        let [sigma, sigma_dot] = motion.map(|component| component.enclosure([a, b]));
+        let [sigma, sigma_dot] = motion.enclosures([a, b]);
         let v = dynamics.borrow_mut().slip_bounds(joint, sigma, sigma_dot);
         (-v + Enclosure::constant(low)).max(v + Enclosure::constant(-high))
     };

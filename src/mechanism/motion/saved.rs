@@ -4,11 +4,12 @@
 //! outputs.
 use super::state::{blows, state_loads};
 use crate::codec::record::{Damaged, Record};
+use crate::hydraulics::circuit::CIRCUIT;
 use crate::integrator::{Integrator, Statistics};
-use crate::mechanism::dynamics::hydraulic::{CIRCUIT, DRIVEN};
+use crate::mechanism::dynamics::hydraulic::DRIVEN;
 use crate::mechanism::error::ModelError;
-use crate::mechanism::loads::resolved::PORTS;
-use crate::mechanism::motion::contact::{BumperPlaces, Contact, Place, RigidEnd, Travel};
+use crate::mechanism::loads::resolved::{HydraulicDrive, PORTS};
+use crate::mechanism::motion::contact::{BumperPlaces, Contact, EngagedLocks, Place, RigidEnd, Travel};
 use crate::mechanism::motion::events::Event;
 use crate::mechanism::motion::step_ahead::Lookahead;
 use crate::mechanism::reduced::{Reduced, StateLoads};
@@ -40,6 +41,9 @@ pub struct SavedState {
     pub air: bool,
     /// Energy at the start, plus the work of changing sizes, less the energy lost since.
     pub reference: f64,
+    /// Places where a lock is engaged, if the inputs of the last step are still in force: then nothing is to be applied.
+    /// None is always right, and what a state has that was read.
+    pub in_force: Option<EngagedLocks>,
     pub memory: Memory,
 }
 
@@ -72,7 +76,8 @@ pub struct CircuitMemory {
 pub struct CircuitState {
     /// Time since the start [s], and what its sum has lost to rounding.
     pub time: [f64; 2],
-    /// Pressures of the chambers A and B [Pa], position and speed of the spool, six energies [J].
+    /// Pressures of the chambers A and B [Pa], position and speed of the spool, six energies [J], pressure of the
+    /// accumulator [Pa].
     pub values: [f64; CIRCUIT],
 }
 
@@ -140,6 +145,16 @@ impl Memory {
             Self::Conservative(i) => i.statistics(),
             Self::WithDissipation(i, _) => i.statistics(),
             Self::WithCircuit(memory) => memory.integrator.statistics(),
+        }
+    }
+
+    /// Steps that the integration has accepted and rejected since the start.
+    #[inline]
+    pub fn tried(&self) -> [u64; 2] {
+        match self {
+            Self::Conservative(i) => i.tried(),
+            Self::WithDissipation(i, _) => i.tried(),
+            Self::WithCircuit(memory) => memory.integrator.tried(),
         }
     }
 
@@ -249,6 +264,7 @@ impl SavedState {
             self.travel = Arc::clone(&other.travel);
         }
         (self.airspeed, self.air, self.reference) = (other.airspeed, other.air, other.reference);
+        self.in_force = other.in_force;
         self.memory.copy_from(&other.memory);
         others
     }
@@ -349,8 +365,9 @@ impl SavedState {
                 }
                 Event::Stop(place) => (is_place(place), "event ahead: no stop is met there".into()),
                 Event::Border(border) => {
-                    let exists = border < 2 && loading.hydraulics.is_some();
-                    (exists, format!("index of an event = {border}: there is no such cushion"))
+                    let has_unit = |drive: &HydraulicDrive| drive.laws.supply_unit().is_some();
+                    let borders = loading.hydraulics.as_ref().map_or(0, |drive| if has_unit(drive) { 4 } else { 2 });
+                    (border < borders, format!("index of an event = {border}: there is no such cushion nor pump"))
                 }
                 Event::Switch(switch) => (
                     switch < state_loads.map_or(0, StateLoads::switches),

@@ -3,26 +3,27 @@
 //! In: a start, inputs, a reduced model. Out: the state after each step, on an error the state before it. It must not
 //! know outputs.
 mod circuit;
+mod inputs;
 mod start;
 
-use crate::integrator::Statistics;
 use crate::mechanism::definition::Solver;
-use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::advance::{Advance, Progress, Stopped};
-use crate::mechanism::motion::coasting::Coasting;
-use crate::mechanism::motion::contact::{Contact, Ends, EngagedLocks, Place, Travel};
+use crate::mechanism::motion::coasting::{Coasting, Path};
+use crate::mechanism::motion::contact::{Contact, Ends, EngagedLocks};
 use crate::mechanism::motion::saved::{MOST_REVOLUTIONS, Memory, SavedState};
 use crate::mechanism::motion::travel::AT_STOP;
 use crate::mechanism::motion::work::Spent;
 use crate::mechanism::reduced::{Reduced, StateLoads};
-use crate::numerics::table::Unresolved;
 pub use circuit::check_lengths;
-use circuit::left_circuit;
+use circuit::{left_circuit, rough_length};
+use inputs::{Before, blows_under, engaged_locks};
+pub use inputs::{airspeed, state_loads_under};
+pub(super) use inputs::{blows, state_loads};
 use std::ops::{Deref, DerefMut};
 
 /// The state of motion, with the memory of the integration.
@@ -30,8 +31,8 @@ use std::ops::{Deref, DerefMut};
 pub struct State {
     /// The part that decides how the state continues.
     pub saved: SavedState,
-    /// Sizes before their last change, for a step that fails.
-    before: Vec<f64>,
+    /// What the last inputs have replaced, for a step that fails.
+    before: Before,
     /// Right-hand side for the applied sizes, for the integration.
     scratch: Scratch,
 }
@@ -50,10 +51,14 @@ impl DerefMut for State {
     }
 }
 
-/// Largest size of an input whose loads are taken not to overflow. The loads of a larger one are tried before a step.
-const LARGE: f64 = 1e100;
+/// Counts before a step, for the description of its work.
+struct Begin {
+    revolutions: f64,
+    /// Steps that the integration has accepted and rejected.
+    tried: [u64; 2],
+}
 
-/// The end of a step.
+/// How far a step has come.
 struct Arrival {
     /// (sigma, sigma_dot), with sigma perhaps beyond the ends of a closed curve.
     y: [f64; 2],
@@ -62,32 +67,6 @@ struct Arrival {
     contact: Contact,
     /// Revolutions that sigma does not count.
     passed: f64,
-    /// How far an advance has come that met the bound on its work.
-    interrupted: Option<Box<Progress>>,
-}
-
-/// Whether air of this speed [m/s] acts on the surfaces.
-pub(super) fn blows(reduced: &Reduced, speed: f64) -> bool {
-    reduced.loading().air.as_ref().is_some_and(|air| air.relative_wind || speed != 0.0)
-}
-
-/// Airspeed under these inputs [m/s]; 0 without air.
-pub fn airspeed(reduced: &Reduced, inputs: &Inputs) -> f64 {
-    reduced.loading().air.as_ref().and(inputs.reals.last().copied()).unwrap_or(0.0)
-}
-
-/// The loads that the state decides, under these inputs.
-///
-/// # Errors
-/// [`Unresolved`]: a reaction that causes friction is not smooth.
-pub fn state_loads_under<'a>(reduced: &'a Reduced, inputs: &Inputs) -> Result<Option<&'a StateLoads>, &'a Unresolved> {
-    reduced.state_loads(blows_under(reduced, inputs))
-}
-
-/// Whether air acts on the surfaces at any time of a step under these inputs.
-fn blows_under(reduced: &Reduced, inputs: &Inputs) -> bool {
-    let changes = || inputs.change(reduced).is_some_and(|change| change.airspeed != [0.0; 2]);
-    blows(reduced, airspeed(reduced, inputs)) || (reduced.loading().air.is_some() && changes())
 }
 
 /// Whether a load of these sizes or a spring does work over a whole revolution of a closed curve.
@@ -96,24 +75,10 @@ fn does_work(reduced: &Reduced, sizes: &[f64]) -> bool {
     reduced.components().winding.is_some() || sizes.any(|(load, size)| *size != 0.0 && reduced.load_growth(load) != 0.0)
 }
 
-/// The loads that the state decides, in moving air or not, with an error located after so many revolutions.
-pub(super) fn state_loads(reduced: &Reduced, air: bool, revolutions: f64) -> Result<Option<&StateLoads>, ModelError> {
-    reduced.state_loads(air).map_err(|at| ModelError::table(reduced, "friction", at, revolutions))
-}
-
-/// The places of the stops in the frame of sigma after so many revolutions, and where these locks are engaged.
+/// Length of so many whole revolutions.
 #[inline(always)]
-fn ends<'a>(travel: &'a Travel, reduced: &Reduced, revolutions: f64, locks: &[bool]) -> Ends<'a> {
-    let mut locked = EngagedLocks::default();
-    let engaged = reduced.loading().locks.iter().zip(locks).filter(|(_, engaged)| **engaged);
-    for (lock, _) in engaged {
-        for (side, locked) in locked.rigid.iter_mut().enumerate() {
-            *locked |= travel.holds(Place::rigid(side), lock.stop);
-        }
-        let bumpers = BumperSet::of(travel.bumpers.len(), |k| travel.bumpers[k].stop == lock.stop);
-        locked.bumpers = locked.bumpers.union(bumpers);
-    }
-    Ends { travel, shift: revolutions * reduced.period().unwrap_or(0.0), locked }
+fn shift(reduced: &Reduced, revolutions: f64) -> f64 {
+    revolutions * reduced.period().unwrap_or(0.0)
 }
 
 impl State {
@@ -124,7 +89,7 @@ impl State {
     pub fn from_saved(saved: &SavedState, reduced: &Reduced, inputs: &Inputs) -> Result<Self, ModelError> {
         state_loads(reduced, blows_under(reduced, inputs), saved.revolutions)?;
         let scratch = Scratch::new(saved.state_loads(reduced)?);
-        Ok(Self { saved: saved.clone(), before: saved.applied.clone(), scratch })
+        Ok(Self { saved: saved.clone(), before: Before::new(&saved.applied), scratch })
     }
 
     /// [`Self::from_saved`] in place, with the same reduced model; without allocation unless air has begun or ceased to
@@ -160,43 +125,67 @@ impl State {
     /// The loads overflow, the integration stopped, friction locks, the travel of an open curve without stops ended, or
     /// the work of the step met its bound.
     pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64, solver: &Solver) -> Result<(), ModelError> {
-        let (airspeed, reference, air) = (self.airspeed, self.reference, self.air);
-        let (state_loads, changed) = self.apply(reduced, inputs, h)?;
-        let before = (self.revolutions, self.memory.statistics());
-        let mut advanced = self.advance((reduced, state_loads), inputs, h, solver).map_err(|stopped| match stopped {
-            Stopped::Integration(error) => ModelError::Integration(error),
-            Stopped::Circuit(left) => left_circuit(reduced, left),
-            _ => ModelError::Locked { position: self.describe(reduced) },
-        });
-        if inputs.signal.ahead {
+        let ahead = inputs.signal.ahead;
+        let in_force = self.in_force.filter(|_| !ahead);
+        let locked = match in_force {
+            Some(locked) => locked,
+            None => self.apply(reduced, inputs, h)?,
+        };
+        let (is_new, state_loads) = (in_force.is_none(), self.present_state_loads(reduced)?);
+        let begin = Begin { revolutions: self.revolutions, tried: self.memory.tried() };
+        let SavedState { sigma, sigma_dot, contact, .. } = self.saved;
+        let mut arrival = Arrival { y: [sigma, sigma_dot], lost: 0.0, contact, passed: 0.0 };
+        let advanced = self.advance((reduced, state_loads), (inputs, locked), h, solver, &mut arrival);
+        if ahead {
             self.right_hand_side_changed();
         }
-        let interrupted = advanced.as_mut().ok().and_then(|arrival| arrival.interrupted.take());
-        let arrived = advanced.and_then(|arrival| self.arrive(reduced, arrival));
-        if arrived.is_err() {
-            (self.airspeed, self.reference, self.air) = (airspeed, reference, air);
-            self.undo(reduced, changed);
-            return arrived;
-        }
-        match interrupted {
-            Some(progress) => Err(self.interrupted(before, &progress, h, solver)),
-            None => Ok(()),
+        let error = match advanced {
+            Ok(()) => match self.arrive(reduced, &arrival) {
+                Ok(()) => return Ok(()),
+                Err(error) => error,
+            },
+            Err(Stopped::Budget(progress)) => {
+                arrival.lost += progress.lost;
+                match self.arrive(reduced, &arrival) {
+                    Ok(()) => return Err(self.interrupted(&begin, &progress, h, solver)),
+                    Err(error) => error,
+                }
+            }
+            Err(Stopped::Integration(error)) => ModelError::Integration(error),
+            Err(Stopped::Circuit(left)) => left_circuit(reduced, left),
+            Err(Stopped::Stuck(error, circuit)) => ModelError::Stuck { error, circuit: *circuit },
+            Err(Stopped::Length) => rough_length(reduced),
+            Err(Stopped::Locked) => ModelError::Locked { position: self.describe(reduced) },
+        };
+        self.undo(reduced, is_new);
+        Err(error)
+    }
+
+    /// The loads that the state decides, under the applied inputs.
+    ///
+    /// # Errors
+    /// None in a step: these loads were found when the inputs were applied.
+    #[inline(always)]
+    fn present_state_loads<'a>(&self, reduced: &'a Reduced) -> Result<Option<&'a StateLoads>, ModelError> {
+        match self.memory {
+            Memory::Conservative(_) => Ok(None),
+            _ => self.state_loads(reduced),
         }
     }
 
-    /// The end of a step of `h` [s], with the loads and the airspeed applied.
-    #[inline]
+    /// Advance by `h` [s] with the inputs applied, or as far as the motion comes, which `arrival` tells.
+    #[inline(always)]
     fn advance(
         &mut self,
         (reduced, state_loads): (&Reduced, Option<&StateLoads>),
-        inputs: &Inputs,
+        (inputs, locked): (&Inputs, EngagedLocks),
         h: f64,
         solver: &Solver,
-    ) -> Result<Arrival, Stopped> {
+        Arrival { y, lost, contact, passed }: &mut Arrival,
+    ) -> Result<(), Stopped> {
         let Self { saved, scratch, .. } = self;
-        let (mut y, mut contact) = ([saved.sigma, saved.sigma_dot], saved.contact);
         let SavedState { airspeed, revolutions, .. } = *saved;
-        let ends = &ends(&saved.travel, reduced, revolutions, &inputs.locks);
+        let ends = &Ends::new(&saved.travel, shift(reduced, revolutions), locked);
         contact.locks_set(ends);
         let sizes = &saved.applied;
         let applied = AppliedLoads { sizes, airspeed, revolutions, change: inputs.change(reduced) };
@@ -212,89 +201,55 @@ impl State {
             ports: None,
         };
         let (tolerance, max_steps) = (solver.tolerance, solver.max_steps as u64);
-        let mut passed = 0.0;
-        let (advanced, lost) = match &mut saved.memory {
+        match &mut saved.memory {
             Memory::Conservative(integrator) => {
                 let most = integrator.attempts() + max_steps;
-                let range = reduced.period().is_none().then_some(reduced.curve().range);
-                let (length, does_work) = (reduced.period(), || does_work(reduced, sizes));
-                let contact = &mut contact;
-                let mut coasting =
-                    Coasting { dynamics, integrator, ends, contact, tolerance, range, length, does_work };
-                (coasting.run(&mut y, h, most, &mut passed), 0.0)
+                let path = || Path {
+                    range: reduced.period().is_none().then_some(reduced.curve().range),
+                    length: reduced.period(),
+                    does_work: does_work(reduced, sizes),
+                };
+                let mut coasting = Coasting { dynamics, integrator, ends, contact, tolerance, path };
+                *lost = coasting.run(y, h, most, passed)?;
+                Ok(())
             }
             Memory::WithDissipation(integrator, lookahead) => {
-                if lookahead.begin(tolerance, ends.locked) {
+                if lookahead.begin(tolerance, locked) {
                     integrator.branch_off();
                 }
                 let mut z = [y[0], y[1], 0.0];
                 let progress = Progress::within(integrator.attempts() + max_steps);
-                let (ahead, contact_then) = (&mut *lookahead, &mut contact);
-                let advance = Advance {
-                    dynamics,
-                    integrator,
-                    lookahead: ahead,
-                    ends,
-                    contact: contact_then,
-                    tolerance,
-                    progress,
-                };
-                let advanced = advance.run(&mut z, h);
+                let ahead = &mut *lookahead;
+                let advance = Advance { dynamics, integrator, lookahead: ahead, ends, contact, tolerance, progress };
+                let impacts = advance.run(&mut z, h);
                 lookahead.end();
-                y = [z[0], z[1]];
-                (advanced, z[2])
+                (*y, *lost) = ([z[0], z[1]], z[2]);
+                *lost += impacts?;
+                Ok(())
             }
             Memory::WithCircuit(memory) => {
-                let driven = circuit::Driven { dynamics, memory, ends, contact: &mut contact, tolerance, inputs };
-                let (advanced, z) = driven.run(y, h, max_steps);
-                y = [z[0], z[1]];
-                (advanced, z[2])
+                let driven = circuit::Driven { dynamics, memory, ends, contact, tolerance, inputs };
+                let (impacts, z) = driven.run(*y, h, max_steps);
+                (*y, *lost) = ([z[0], z[1]], z[2]);
+                *lost += impacts?;
+                Ok(())
             }
-        };
-        match advanced {
-            Ok(impacts) => Ok(Arrival { y, lost: impacts + lost, contact, passed, interrupted: None }),
-            Err(Stopped::Budget(progress)) => {
-                Ok(Arrival { y, lost: progress.lost + lost, contact, passed, interrupted: Some(Box::new(progress)) })
-            }
-            Err(stopped) => Err(stopped),
         }
     }
 
     /// Take over the end of a step, with sigma within the curve.
-    #[inline]
-    fn arrive(
-        &mut self,
-        reduced: &Reduced,
-        Arrival { mut y, lost, contact, passed, .. }: Arrival,
-    ) -> Result<(), ModelError> {
+    ///
+    /// # Errors
+    /// The motion or the revolutions overflow, or an open curve was left; nothing has changed.
+    #[inline(always)]
+    fn arrive(&mut self, reduced: &Reduced, arrival: &Arrival) -> Result<(), ModelError> {
+        let &Arrival { mut y, lost, contact, passed } = arrival;
         if !(y[1] + lost).is_finite() || !(self.reference - lost).is_finite() {
             return Err(ModelError::Overflow { name: "the motion at the end of the step".into() });
         }
         let (first, last) = reduced.curve().range;
-        match reduced.period() {
-            Some(period) if passed != 0.0 || !(first..last).contains(&y[0]) => {
-                let revolutions = ((y[0] - first) / period).floor();
-                let all = self.revolutions + revolutions + passed;
-                if all.is_nan() || all.abs() > MOST_REVOLUTIONS {
-                    return Err(ModelError::Overflow { name: "the number of revolutions".into() });
-                }
-                let shift = self.revolutions * period;
-                let place = self.travel.places().find(|(_, position)| position - shift == y[0]);
-                y[0] = match place {
-                    // At a stop before, at the stop after: what is at a place is known by equal numbers.
-                    Some((_, position)) => position - all * period,
-                    // Over many revolutions the difference may be beyond the ends by rounding.
-                    None => (y[0] - revolutions * period).clamp(first, last),
-                };
-                self.revolutions = all;
-                // The panel in use and a step ahead are counted on over whole revolutions, but sigma is not any more.
-                self.memory.recount();
-                self.scratch.panel_force.invalidate();
-            }
-            None if !(first..=last).contains(&y[0]) => {
-                return Err(ModelError::Travel { position: reduced.curve().describe(y[0], self.revolutions) });
-            }
-            _ => {}
+        if passed != 0.0 || !(first..last).contains(&y[0]) {
+            y[0] = self.count_revolutions(reduced, y[0], passed)?;
         }
         [self.sigma, self.sigma_dot] = y;
         self.contact = contact;
@@ -302,17 +257,47 @@ impl State {
         Ok(())
     }
 
+    /// sigma within the first revolution of a closed curve, with the others counted.
+    ///
+    /// # Errors
+    /// The revolutions overflow, or an open curve was left; nothing has changed.
+    #[cold]
+    fn count_revolutions(&mut self, reduced: &Reduced, sigma: f64, passed: f64) -> Result<f64, ModelError> {
+        let (first, last) = reduced.curve().range;
+        let Some(period) = reduced.period() else {
+            return if (first..=last).contains(&sigma) {
+                Ok(sigma)
+            } else {
+                Err(ModelError::Travel { position: reduced.curve().describe(sigma, self.revolutions) })
+            };
+        };
+        let revolutions = ((sigma - first) / period).floor();
+        let all = self.revolutions + revolutions + passed;
+        if all.is_nan() || all.abs() > MOST_REVOLUTIONS {
+            return Err(ModelError::Overflow { name: "the number of revolutions".into() });
+        }
+        let shift = self.revolutions * period;
+        let place = self.travel.places().find(|(_, position)| position - shift == sigma);
+        self.revolutions = all;
+        // The panel in use and a step ahead are counted on over whole revolutions, but sigma is not any more.
+        self.memory.recount();
+        self.scratch.panel_force.invalidate();
+        Ok(match place {
+            // At a stop before, at the stop after: what is at a place is known by equal numbers.
+            Some((_, position)) => position - all * period,
+            // Over many revolutions the difference may be beyond the ends by rounding.
+            None => (sigma - revolutions * period).clamp(first, last),
+        })
+    }
+
     /// Why a step has come no further.
     #[cold]
-    fn interrupted(
-        &self,
-        (revolutions, statistics): (f64, Statistics),
-        &Progress { t: time, work, .. }: &Progress,
-        h: f64,
-        solver: &Solver,
-    ) -> ModelError {
-        let (statistics, revolutions) = ([statistics, self.memory.statistics()], self.revolutions - revolutions);
-        let why = Spent { statistics, work, revolutions, time, h, max_steps: solver.max_steps }.describe();
+    fn interrupted(&self, begin: &Begin, progress: &Progress, h: f64, solver: &Solver) -> ModelError {
+        let &Progress { t: time, work, .. } = progress;
+        let [[before, rejected], [now, all_rejected]] = [begin.tried, self.memory.tried()];
+        let (accepted, rejected) = (now - before, all_rejected - rejected);
+        let revolutions = self.revolutions - begin.revolutions;
+        let why = Spent { accepted, rejected, work, revolutions, time, h, max_steps: solver.max_steps }.describe();
         ModelError::Interrupted { time, why }
     }
 
@@ -324,13 +309,14 @@ impl State {
 
     /// The places of the stops in the frame of sigma, and where locks are engaged.
     pub fn ends(&self, reduced: &Reduced, locks: &[bool]) -> Ends<'_> {
-        ends(&self.travel, reduced, self.revolutions, locks)
+        let travel = &*self.travel;
+        Ends::new(travel, shift(reduced, self.revolutions), engaged_locks(travel, reduced, locks))
     }
 
     /// Whether the mechanism is at a stop or beyond: past the place where the stop is first met, and not back within
     /// the stop behind a dead centre.
     pub fn at_stop(&self, reduced: &Reduced, stop: usize) -> bool {
-        let shift = self.revolutions * reduced.period().unwrap_or(0.0);
+        let shift = shift(reduced, self.revolutions);
         let travel = &*self.travel;
         travel.places().filter(|(place, _)| travel.holds(*place, stop)).any(|(place, position)| {
             let past = (self.sigma - (position - shift)) * place.outward();
@@ -347,107 +333,6 @@ impl State {
     /// Description of the present position, for messages.
     pub fn describe(&self, reduced: &Reduced) -> String {
         reduced.curve().describe(self.sigma, self.revolutions)
-    }
-
-    /// Apply inputs that have changed since the last step, for a step of `h` [s], and return whether any has. The
-    /// change of the loads' potential is work from outside.
-    ///
-    /// # Errors
-    /// [`ModelError::Table`], [`ModelError::LoadOverflow`]; nothing has changed.
-    fn apply<'a>(
-        &mut self,
-        reduced: &'a Reduced,
-        inputs: &Inputs,
-        h: f64,
-    ) -> Result<(Option<&'a StateLoads>, bool), ModelError> {
-        let air = blows_under(reduced, inputs);
-        let state_loads = state_loads(reduced, air, self.revolutions)?;
-        circuit::check_ports(reduced, inputs)?;
-        let loads = reduced.loading().inputs.len();
-        let (mut work, mut largest) = (0.0, 0.0_f64);
-        let mut changed = false;
-        for (load, input) in inputs.reals[..loads].iter().enumerate() {
-            if self.applied[load].to_bits() != input.to_bits() {
-                work -= (input - self.applied[load]) * self.displacement(reduced, load);
-                largest = largest.max(input.abs());
-                changed = true;
-            }
-        }
-        let airspeed = airspeed(reduced, inputs);
-        if airspeed.to_bits() != self.airspeed.to_bits() {
-            largest = largest.max(airspeed.abs());
-            changed = true;
-        }
-        if inputs.signal.ahead {
-            largest = inputs.largest_at(h).max(largest);
-        }
-        if largest > LARGE {
-            self.try_loads((reduced, state_loads), inputs, h, work)?;
-        }
-        if self.renew_scratch(state_loads) {
-            self.memory.restart();
-        }
-        self.memory.set_dissipation(state_loads.is_some() || inputs.signal.ahead);
-        (self.airspeed, self.air) = (airspeed, air);
-        if changed {
-            self.reference += work;
-            self.before.copy_from_slice(&self.saved.applied);
-            self.applied[..loads].copy_from_slice(&inputs.reals[..loads]);
-        }
-        if changed || inputs.signal.ahead {
-            self.right_hand_side_changed();
-        }
-        Ok((state_loads, changed))
-    }
-
-    /// Refuse inputs so large that their work or their loads overflow at the start or at the end of a step of `h` [s],
-    /// at the present position. `work`: that of their change [J].
-    #[cold]
-    fn try_loads(
-        &self,
-        (reduced, state_loads): (&Reduced, Option<&StateLoads>),
-        inputs: &Inputs,
-        h: f64,
-        work: f64,
-    ) -> Result<(), ModelError> {
-        let loads = reduced.loading().inputs.len();
-        let mut sizes = self.applied.clone();
-        sizes[..loads].copy_from_slice(&inputs.reals[..loads]);
-        let (airspeed, revolutions) = (airspeed(reduced, inputs), self.revolutions);
-        let applied = AppliedLoads { sizes: &sizes, airspeed, revolutions, change: inputs.change(reduced) };
-        let (mode, scratch) = (Mode::default(), &mut Scratch::new(state_loads));
-        let mut equation =
-            EquationOfMotion { reduced, state_loads, applied, time: 0.0, mode, scratch, locked: false, ports: None };
-        let mut overflows = !(self.reference + work).is_finite();
-        for time in [0.0, h] {
-            equation.time = time;
-            let force = equation.effect(self.sigma, self.sigma_dot);
-            overflows |= force.is_ok_and(|force| !(force.acceleration.is_finite() && force.lost.is_finite()));
-        }
-        if !overflows {
-            return Ok(());
-        }
-        let sizes = (0..inputs.reals.len()).map(|input| (input, inputs.size_at(input, h)));
-        let acting = sizes.filter(|(input, _)| *input < loads || reduced.loading().air.is_some());
-        let (input, value) = acting.max_by(|(_, a), (_, b)| a.total_cmp(b)).unwrap_or_default();
-        let name = reduced.loading().inputs.get(input).map_or("airspeed", String::as_str);
-        Err(ModelError::LoadOverflow { name: name.into(), value })
-    }
-
-    /// After a step that failed, with the airspeed and the energy as before it: reverse the rest of [`Self::apply`].
-    /// The integration starts anew.
-    #[cold]
-    fn undo(&mut self, reduced: &Reduced, changed: bool) {
-        self.memory.restart();
-        self.memory.undo_circuit();
-        if changed {
-            self.saved.applied.copy_from_slice(&self.before);
-        }
-        // These state loads exist: they were in use before this step.
-        let state_loads = self.state_loads(reduced).unwrap_or_default();
-        self.renew_scratch(state_loads);
-        self.memory.set_dissipation(state_loads.is_some());
-        self.scratch.panel_force.invalidate();
     }
 
     /// Kinetic energy T = sigma_dot^2 / 2 [J]: sigma is the length in the kinetic metric.

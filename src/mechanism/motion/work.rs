@@ -2,7 +2,6 @@
 //!
 //! In: the largest number of integration steps, the steps and transitions made. Out: whether to go on; why so many
 //! steps were needed, in words. It must not know how a step is made.
-use crate::integrator::Statistics;
 use crate::numerics::decimal::Decimal;
 
 /// What an advance has taken besides the steps of its integration, and how far it may go.
@@ -45,8 +44,10 @@ impl Work {
 
 /// A communication step that met the bound.
 pub struct Spent {
-    /// Steps of the integration: counts before the step and now.
-    pub statistics: [Statistics; 2],
+    /// Steps of the integration.
+    pub accepted: u64,
+    /// Steps of the integration that missed the tolerance.
+    pub rejected: u64,
     pub work: Work,
     /// Whole revolutions of a closed curve made in the step.
     pub revolutions: f64,
@@ -60,11 +61,10 @@ pub struct Spent {
 impl Spent {
     /// What took so many steps, how far they came, and the remedy.
     pub fn describe(&self) -> String {
-        let Self { statistics: [before, now], work, revolutions, time, h, max_steps } = self;
-        let (accepted, rejected) = (now.accepted - before.accepted, now.rejected - before.rejected);
+        let Self { accepted, rejected, work, revolutions, time, h, max_steps } = self;
         let mut parts = vec![format!("{accepted} steps")];
         let counts = [
-            (rejected, "rejected steps"),
+            (*rejected, "rejected steps"),
             (work.impacts, "impacts on stops"),
             (work.bumpers, "contacts with bumpers made or ended"),
             (work.regimes, "changes of friction's regime"),
@@ -82,13 +82,13 @@ impl Spent {
             Decimal(*time),
             Decimal(*h),
             parts.join(", "),
-            self.cause(accepted, rejected)
+            self.cause()
         )
     }
 
     /// The phenomenon that most of the work went into.
-    fn cause(&self, accepted: u64, rejected: u64) -> String {
-        let Self { work, revolutions, time, .. } = self;
+    fn cause(&self) -> String {
+        let Self { accepted, rejected, work, revolutions, time, .. } = self;
         let total = accepted + rejected + work.extra;
         // An impact takes about eight of the units that are counted, the other events three.
         if 16 * work.impacts > total {
@@ -97,11 +97,11 @@ impl Spent {
             "the mechanism chatters between bumpers, directions or regimes of friction, so more damping helps".into()
         } else if rejected > accepted {
             "most steps tried miss solver.tolerance, so a larger one or smaller loads help".into()
-        } else if revolutions.abs() >= 1.0 && accepted as f64 <= 1e3 * revolutions.abs() {
+        } else if revolutions.abs() >= 1.0 && *accepted as f64 <= 1e3 * revolutions.abs() {
             let rate = revolutions.abs() / time;
             format!("the mechanism spins, at {rate:.3e} revolutions per second on average")
         } else {
-            let mean = time / accepted.max(1) as f64;
+            let mean = time / (*accepted).max(1) as f64;
             format!(
                 "the steps took {mean:.1e} s on average, and stiff friction, hard bumpers or large loads shorten them"
             )

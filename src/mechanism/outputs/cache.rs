@@ -1,6 +1,7 @@
 //! What several outputs of one state share, computed when an output first needs it.
+use crate::hydraulics::circuit::CIRCUIT;
 use crate::mechanism::dynamics::equation::Scratch;
-use crate::mechanism::dynamics::hydraulic::CIRCUIT;
+
 use crate::mechanism::dynamics::inputs::Change;
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::motion::contact::Place;

@@ -2,15 +2,12 @@
 //!
 //! In: pressures, spool and energies of a state, motion of the actuator, ports. Out: force, flows, powers, energies, in
 //! numbers N. It must not know how a step is made.
-use crate::hydraulics::circuit::{Equations, Point};
-use crate::mechanism::dynamics::hydraulic::{CIRCUIT, command};
+use crate::hydraulics::circuit::{CIRCUIT, ENERGIES, ENERGY, Equations, Point};
+use crate::mechanism::dynamics::hydraulic::command;
 use crate::mechanism::motion::CircuitState;
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError};
 use crate::mechanism::outputs::view::{Reading, View};
 use crate::mechanism::quantity::Hydraulic;
-
-/// Index of the first energy in the state of a circuit.
-const ENERGY: usize = 4;
 
 impl<'a, N: Reading> View<'a, N> {
     /// Laws and state of the circuit; none without one.
@@ -27,25 +24,16 @@ impl<'a, N: Reading> View<'a, N> {
     /// The circuit and its surroundings in this state. `with_speed`: with the speed of the actuator, else at rest.
     fn point(&mut self, circuit: &CircuitState, with_speed: bool) -> Result<Point<N>, OutputError> {
         let (reduced, inputs) = (self.reduced, self.inputs);
-        let (load, first, signal) = match &reduced.loading().hydraulics {
-            Some(drive) => (drive.load, drive.first_input, command(drive, inputs, circuit.time[0])),
+        let (laws, load, first, signal) = match &reduced.loading().hydraulics {
+            Some(drive) => (&drive.laws, drive.load, drive.first_input, command(drive, inputs, circuit.time[0])),
             None => return Err(OutputError::Locked),
         };
         let length = self.displacement(load, 0)?;
         let speed = if with_speed { self.displacement(load, 1)? } else { N::constant(0.0) };
         let port = |input: usize| self.cache.direction.input(input, inputs.reals[input]);
-        let of = |k: usize| self.component_of(circuit, k);
-        Ok(Point {
-            pressures: [of(0), of(1)],
-            spool: of(2),
-            spool_speed: of(3),
-            length,
-            speed,
-            supply: port(first + 1),
-            tank: port(first + 2),
-            // It acts on the acceleration of the spool alone, which is no output.
-            command: N::constant(signal.at(0.0)),
-        })
+        let state = std::array::from_fn(|k| self.component_of(circuit, k));
+        // The command acts on the acceleration of the spool alone, which is no output.
+        Ok(laws.point(state, [length, speed], [port(first + 1), port(first + 2), N::constant(signal.at(0.0))]))
     }
 
     /// A quantity of the circuit.
@@ -57,7 +45,7 @@ impl<'a, N: Reading> View<'a, N> {
             Hydraulic::SpoolPosition => self.component_of(circuit, 2),
             Hydraulic::SpoolSpeed => self.component_of(circuit, 3),
             Hydraulic::Energy(k) => energy(self, k),
-            Hydraulic::Balance => (1..CIRCUIT - ENERGY).fold(energy(self, 0), |sum, k| sum - energy(self, k)),
+            Hydraulic::Balance => (1..ENERGIES).fold(energy(self, 0), |sum, k| sum - energy(self, k)),
             Hydraulic::Volume(chamber) => laws.volumes(self.point(circuit, false)?.length)[chamber],
             Hydraulic::BulkModulus(chamber) => {
                 let volume = laws.volumes(self.point(circuit, false)?.length)[chamber];
@@ -69,6 +57,7 @@ impl<'a, N: Reading> View<'a, N> {
                 laws.stiffness(at.pressures, at.length)
             }
             Hydraulic::Flow(chamber) => laws.flows(&self.point(circuit, false)?).chambers[chamber],
+            Hydraulic::SupplyPressure => self.point(circuit, false)?.supply,
             Hydraulic::SupplyFlow => laws.flows(&self.point(circuit, false)?).supply,
             Hydraulic::TankFlow => laws.flows(&self.point(circuit, false)?).tank,
             Hydraulic::Force => {
@@ -81,15 +70,7 @@ impl<'a, N: Reading> View<'a, N> {
             }
             Hydraulic::Power(k) => {
                 let at = self.point(circuit, true)?;
-                let powers = laws.powers(&at, &laws.flows(&at));
-                [
-                    powers.supply,
-                    powers.returned,
-                    powers.piston,
-                    powers.seal_friction,
-                    powers.compression,
-                    powers.throttling,
-                ][k]
+                laws.powers(&at, &laws.flows(&at)).in_order()[k]
             }
         })
     }
@@ -100,20 +81,6 @@ impl View<'_, f64> {
     pub fn circuit_rates(&mut self) -> Result<[f64; CIRCUIT], OutputError> {
         let Some((laws, circuit)) = self.own_circuit() else { return Ok([0.0; CIRCUIT]) };
         let at = self.point(circuit, true)?;
-        let flows = laws.flows(&at);
-        let powers = laws.powers(&at, &flows);
-        let [a, b] = flows.pressure_rates;
-        Ok([
-            a,
-            b,
-            at.spool_speed,
-            flows.spool_acceleration,
-            powers.supply,
-            powers.returned,
-            powers.piston,
-            powers.seal_friction,
-            powers.compression,
-            powers.throttling,
-        ])
+        Ok(laws.rates(&at).state)
     }
 }

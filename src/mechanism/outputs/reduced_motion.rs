@@ -2,8 +2,9 @@
 //!
 //! In: steps, changed inputs, saved states, directions. Out: the state with a cache that belongs to it, outputs and
 //! their derivatives. It must not know any law.
+use crate::hydraulics::circuit::CIRCUIT;
 use crate::mechanism::definition::{Mechanism, Solver};
-use crate::mechanism::dynamics::hydraulic::CIRCUIT;
+
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::SavedState;
@@ -64,9 +65,7 @@ impl ReducedMotion {
     pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64, solver: &Solver) -> Result<(), ModelError> {
         let revolutions = self.state.revolutions;
         let stepped = self.state.step(reduced, inputs, h, solver);
-        if matches!(stepped, Ok(()) | Err(ModelError::Interrupted { .. })) {
-            self.invalidate(revolutions);
-        }
+        self.invalidate(revolutions);
         stepped
     }
 
@@ -102,12 +101,17 @@ impl ReducedMotion {
             self.loads.sizes[input] = value;
             self.invalidate_sizes();
         }
-        self.cache.invalidate();
+        self.inputs_changed();
     }
 
     /// A Boolean input, or the rate of the airspeed, has changed.
     pub fn set_lock(&mut self) {
+        self.inputs_changed();
+    }
+
+    fn inputs_changed(&mut self) {
         self.cache.invalidate();
+        self.state.inputs_changed();
     }
 
     fn invalidate_sizes(&mut self) {

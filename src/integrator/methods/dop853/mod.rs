@@ -6,7 +6,7 @@
 pub mod tableau;
 
 use crate::integrator::dense::{TERMS, hermite};
-use crate::integrator::pair::{Outcome, Pair, Path, Start, add_compensated, bulge, extremes};
+use crate::integrator::pair::{Outcome, Pair, Path, Start, add_compensated, bulge, extremes, stage};
 use crate::integrator::{Dense, Method, System};
 use tableau::{A, C, D, E3, E5, EXTENDED, STAGES};
 
@@ -82,7 +82,7 @@ impl<const N: usize> Pair<N> for Dop853<N> {
         k[0] = first;
         macro_rules! stage {
             ($i:literal; $($j:literal)*) => {{
-                let at = std::array::from_fn(|n| y[n] + h * (0.0 $(+ A[$i][$j] * k[$j][n])*));
+                let at = stage::<S, N>(y, |n| h * (0.0 $(+ A[$i][$j] * k[$j][n])*));
                 k[$i] = system.derivative(t + C[$i] * h, &at);
             }};
         }
@@ -97,22 +97,19 @@ impl<const N: usize> Pair<N> for Dop853<N> {
         stage!(9; 0 3 4 5 6 7 8);
         stage!(10; 0 3 4 5 6 7 8 9);
         stage!(11; 0 3 4 5 6 7 8 9 10);
-        let increment = std::array::from_fn(|n| {
-            let mut sum = A[12][0] * k[0][n];
-            for (j, stage) in k.iter().enumerate().take(STAGES).skip(5) {
-                sum += A[12][j] * stage[n];
-            }
-            h * sum
-        });
+        macro_rules! weighted {
+            ($n:ident; $($j:literal)*) => { h * (0.0 $(+ A[12][$j] * k[$j][$n])*) };
+        }
+        let increment = std::array::from_fn(|n| weighted!(n; 0 5 6 7 8 9 10 11));
         let (end, lost) = add_compensated(y, &increment, carry);
         k[STAGES] = system.derivative(t + h, &end);
         Outcome { last: k[STAGES], stages: Self(k), end, carry: lost }
     }
 
     /// Error estimate over the tolerance, II.10, eq. (10.17).
-    fn error(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
+    fn error<S: System<N>>(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
         let (mut fifth, mut third) = (0.0, 0.0);
-        for n in 0..N {
+        for n in 0..S::LEADING {
             let (mut e5, mut e3) = (0.0, 0.0);
             for (j, stage) in self.0.iter().enumerate().take(STAGES) {
                 e5 += E5[j] * stage[n];
@@ -128,9 +125,9 @@ impl<const N: usize> Pair<N> for Dop853<N> {
 
     /// From the last stage and the end of the step, both at t + h: |f(end) - f(stage)| / |end - stage|; Solving ODEs II
     /// (1996), IV.2, eq. (2.26), components over their scales.
-    fn stiffness(&self, h: f64, [start, end]: [&[f64; N]; 2], scale: &[f64; N]) -> f64 {
+    fn stiffness<S: System<N>>(&self, h: f64, [start, end]: [&[f64; N]; 2], scale: &[f64; N]) -> f64 {
         let (k, mut rates, mut points) = (&self.0, 0.0, 0.0);
-        for n in 0..N {
+        for n in 0..S::LEADING {
             let stage = start[n] + h * k[..11].iter().zip(&A[11]).map(|(k, a)| a * k[n]).sum::<f64>();
             rates += ((k[12][n] - k[11][n]) / scale[n]).powi(2);
             points += ((end[n] - stage) / scale[n]).powi(2);

@@ -256,5 +256,5 @@ fn error<const N: usize>(
 ) -> f64 {
     let defect = std::array::from_fn(|n| start.first[n] + (0..STAGES).map(|i| E[i] * z[i][n]).sum::<f64>() / h);
     let e = real.solve(defect);
-    mean_square(&newton.scale.map(|scale| newton.tolerance * scale), |n| e[n]).sqrt()
+    mean_square(N, &newton.scale.map(|scale| newton.tolerance * scale), |n| e[n]).sqrt()
 }

@@ -121,7 +121,7 @@ impl<const N: usize> Pair<N> for Rkn86 {
     /// the error of order 6, which falls as h^7. So relative to the scales the motion changes within h / e^(1/7), and
     /// the step of order 8 errs by about e^(9/7). To the power of 14 that needs no root, and of e its square.
     #[inline]
-    fn error(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
+    fn error<S: System<N>>(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
         // Quotients that do not wait for the accelerations.
         let (weight, weight_rate) = (h * h / scale[0], h / scale[1]);
         let (e, e_rate) = (weight * sum(&E, &self.0), weight_rate * sum(&E_RATE, &self.0));

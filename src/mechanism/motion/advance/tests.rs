@@ -6,6 +6,7 @@ use crate::integrator::System;
 use crate::mechanism::loads::laws::friction::{Law, Regime};
 use crate::mechanism::motion::contact::{BumperPlaces, RigidEnd, Travel};
 use crate::numerics::enclosure::Enclosure;
+use crate::numerics::table::TablePosition;
 
 const G: f64 = 9.81;
 const TOLERANCE: f64 = 1e-10;
@@ -147,7 +148,7 @@ impl Dynamics<3> for Particle {
         v
     }
 
-    fn slip_rate(&mut self, _joint: usize, [_, v, a]: [f64; 3]) -> [f64; 2] {
+    fn slip_rate(&self, _joint: usize, _at: TablePosition, [v, a]: [f64; 2]) -> [f64; 2] {
         [v, a]
     }
 
@@ -204,7 +205,7 @@ impl Run {
 
     fn step(&mut self, span: f64) {
         let (locked, mut z) = (self.locked, [self.x, self.v, 0.0]);
-        let ends = &Ends { travel: &self.travel, shift: 0.0, locked };
+        let ends = &Ends::new(&self.travel, 0.0, locked);
         self.contact.locks_set(ends);
         if self.lookahead.begin(TOLERANCE, locked) {
             self.integrator.branch_off();

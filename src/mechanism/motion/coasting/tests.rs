@@ -64,12 +64,10 @@ fn coast(
     let mut coasting = Coasting {
         dynamics: &mut Pendulum,
         integrator: &mut integrator,
-        ends: &Ends { travel: &travel, shift: 0.0, locked: EngagedLocks::default() },
+        ends: &Ends::new(&travel, 0.0, EngagedLocks::default()),
         contact: &mut Contact::default(),
         tolerance,
-        range: None,
-        length,
-        does_work: || false,
+        path: || Path { range: None, length, does_work: false },
     };
     let whole = coasting.run(&mut y, span, most, &mut passed).is_ok();
     (y, passed, integrator.attempts(), whole)
@@ -126,15 +124,14 @@ fn the_bound_ends_a_motion_that_has_no_period() {
     assert!(!whole && steps <= 5001, "{steps} {y:?}");
     // Work without a period: sigma grows without bound.
     let (mut y, mut passed, mut integrator) = ([0.0, 3.0], 0.0, Integrator::default());
+    let travel = Travel::default();
     let mut coasting = Coasting {
         dynamics: &mut Pendulum,
         integrator: &mut integrator,
-        ends: &Ends { travel: &Travel::default(), shift: 0.0, locked: EngagedLocks::default() },
+        ends: &Ends::new(&travel, 0.0, EngagedLocks::default()),
         contact: &mut Contact::default(),
         tolerance: 1e-9,
-        range: None,
-        length: Some(TAU),
-        does_work: || true,
+        path: || Path { range: None, length: Some(TAU), does_work: true },
     };
     let ended = coasting.run(&mut y, 1e6, 2000, &mut passed);
     assert!(matches!(ended, Err(Stopped::Budget(progress)) if progress.t < 1e3 && progress.t > 0.0));

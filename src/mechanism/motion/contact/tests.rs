@@ -12,7 +12,7 @@ fn travel() -> Travel {
 const NONE: EngagedLocks = EngagedLocks { rigid: [false; 2], bumpers: BumperSet::EMPTY };
 
 fn ends(travel: &Travel, locked: EngagedLocks) -> Ends<'_> {
-    Ends { travel, shift: 0.0, locked }
+    Ends::new(travel, 0.0, locked)
 }
 
 /// Rest of a contact.
@@ -113,7 +113,7 @@ fn places_are_told_with_their_locks() {
     assert_eq!(all, [(Place::rigid(0), 0.0), (Place::rigid(1), 1.0), (Place::of_bumper(1, 0), 0.5)]);
     assert!(travel.holds(Place::rigid(1), 1) && travel.holds(Place::rigid(1), 3));
     assert!(!travel.holds(Place::rigid(0), 3) && travel.holds(Place::of_bumper(1, 0), 2));
-    let shifted = Ends { shift: 0.5, ..ends(&travel, NONE) };
+    let shifted = Ends::new(&travel, 0.5, NONE);
     assert_eq!(shifted.at(0.0).collect::<Vec<_>>(), [Place::of_bumper(1, 0)]);
 }
 

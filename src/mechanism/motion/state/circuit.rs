@@ -1,21 +1,20 @@
 //! Steps with the hydraulic circuit of a drive, and what they refuse.
 //!
-//! In: an equation of motion, the state of the circuit, inputs. Out: the state after the step, or how the motion has left
-//! what the circuit allows. It must not know outputs.
-use crate::hydraulics::definition::ABOVE_VACUUM;
+//! In: an equation of motion, the state of the circuit, inputs. Out: the state after the step, or what of the circuit the
+//! motion has come to the end of. It must not know outputs.
+use super::State;
+use crate::hydraulics::circuit::{Left, SUPPLY};
+use crate::hydraulics::definition::{ABOVE_VACUUM, is_pressure};
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::hydraulic::{DRIVEN, MOTION, Ports};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::resolved::PORTS;
-use crate::mechanism::motion::advance::{Advance, Left, Progress, Stopped};
+use crate::mechanism::motion::advance::{Advance, Progress, Stopped};
 use crate::mechanism::motion::contact::{Contact, Ends, Travel};
-use crate::mechanism::motion::saved::CircuitMemory;
+use crate::mechanism::motion::saved::{CircuitMemory, Memory};
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::bits::same_bits;
-
-/// Length beyond the ends of the cylinder's travel that rounding explains [m].
-const SLACK: f64 = 1e-9;
 
 /// A step of a motion with a circuit.
 pub struct Driven<'a, 'e> {
@@ -39,7 +38,7 @@ impl Driven<'_, '_> {
         z[MOTION..].copy_from_slice(&circuit.values);
         let reduced = dynamics.reduced;
         let Some(drive) = &reduced.loading().hydraulics else { return (Ok(0.0), z) };
-        let Ok(length) = reduced.displacement(drive.load) else { return (Err(Stopped::Circuit(Left::Length)), z) };
+        let Ok(length) = reduced.displacement(drive.load) else { return (Err(Stopped::Length), z) };
         if lookahead.begin(tolerance, ends.locked) {
             integrator.branch_off();
         }
@@ -62,39 +61,30 @@ impl Driven<'_, '_> {
         };
         circuit.values.copy_from_slice(&z[MOTION..]);
         circuit.pass(reached);
-        if matches!(advanced, Ok(_) | Err(Stopped::Budget(_)))
-            && let Some(left) = left(dynamics, &z)
-        {
-            advanced = Err(Stopped::Circuit(left));
+        if let Err(Stopped::Integration(error)) = advanced {
+            advanced = Err(dynamics
+                .left(&z)
+                .map_or_else(|| Stopped::Stuck(error, Box::new(dynamics.describe_circuit(&z))), Stopped::Circuit));
         }
         (advanced, z)
     }
 }
 
-/// How a state has left what the circuit allows.
-fn left(dynamics: &EquationOfMotion<'_>, z: &[f64; DRIVEN]) -> Option<Left> {
-    let drive = dynamics.reduced.loading().hydraulics.as_ref()?;
-    let vacuum = -drive.laws.ambient();
-    // At absolute zero a pressure has no rate, so that it may be no number after it.
-    if let Some(chamber) = (0..2).find(|chamber| z[MOTION + chamber].is_nan() || z[MOTION + chamber] <= vacuum) {
-        return Some(Left::Vacuum(chamber, z[MOTION + chamber]));
-    }
-    let (length, [least, most]) = (dynamics.actuator_length(z[0])?, drive.laws.lengths());
-    (!(least - SLACK..=most + SLACK).contains(&length)).then_some(Left::Stroke(length))
-}
-
-/// The error for that.
+/// The error of a motion that has come to where the circuit ends.
 #[cold]
 pub fn left_circuit(reduced: &Reduced, left: Left) -> ModelError {
-    let name =
-        || reduced.loading().hydraulics.as_ref().map_or("", |d| &reduced.loading().drives[d.load].name).to_owned();
     match left {
         Left::Stroke(length) => stroke(reduced, length, "the end of the step"),
-        Left::Vacuum(chamber, pressure) => {
-            ModelError::Vacuum { chamber: ["chamber_a", "chamber_b"][chamber], pressure }
-        }
-        Left::Length => ModelError::Table { name: [name().as_str(), ".length"].concat(), position: "its start".into() },
+        Left::Vacuum(chamber) => ModelError::Vacuum { chamber: ["chamber_a", "chamber_b"][chamber] },
     }
+}
+
+/// The error of a length of the actuator that is not smooth along the motion.
+#[cold]
+pub fn rough_length(reduced: &Reduced) -> ModelError {
+    let loading = reduced.loading();
+    let name = loading.hydraulics.as_ref().map_or("", |drive| &loading.drives[drive.load].name);
+    ModelError::Table { name: [name, ".length"].concat(), position: "its start".into() }
 }
 
 /// A place where the actuator has a length that the cylinder has not.
@@ -115,10 +105,9 @@ fn stroke(reduced: &Reduced, length: f64, what: &str) -> ModelError {
 pub fn check_lengths(reduced: &Reduced, travel: &Travel, sigma: f64, revolutions: f64) -> Result<(), ModelError> {
     let loading = reduced.loading();
     let Some(drive) = &loading.hydraulics else { return Ok(()) };
-    let [least, most] = drive.laws.lengths();
     let check = |sigma: f64, revolutions: f64, what: &str| {
         let length = reduced.displacement_at(drive.load, sigma) + revolutions * reduced.load_growth(drive.load);
-        if (least - SLACK..=most + SLACK).contains(&length) { Ok(()) } else { Err(stroke(reduced, length, what)) }
+        if drive.laws.has_length(length) { Ok(()) } else { Err(stroke(reduced, length, what)) }
     };
     check(sigma, revolutions, "the start")?;
     for (index, stop) in loading.stops.iter().enumerate() {
@@ -132,17 +121,36 @@ pub fn check_lengths(reduced: &Reduced, travel: &Travel, sigma: f64, revolutions
     Ok(())
 }
 
-/// Refuse pressures of the ports at or below absolute zero.
+impl State {
+    /// The input with this index has this value: before the first step `supply.pressure` is the start of an accumulator.
+    pub fn fill_accumulator(&mut self, reduced: &Reduced, input: usize, value: f64) {
+        let Some(drive) = reduced.loading().hydraulics.as_ref().filter(|drive| drive.laws.supply_unit().is_some())
+        else {
+            return;
+        };
+        if let (true, Memory::WithCircuit(memory)) = (input == drive.first_input + 1, &mut self.saved.memory)
+            && memory.circuit.time == [0.0; 2]
+        {
+            memory.circuit.values[SUPPLY] = value;
+        }
+    }
+}
+
+/// Refuse pressures of the ports at or below absolute zero, or beyond what a port may have, at the beginning or at the
+/// end of a step of `h` [s].
 ///
 /// # Errors
 /// [`ModelError::Value`].
 #[inline]
-pub fn check_ports(reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
+pub fn check_ports(reduced: &Reduced, inputs: &Inputs, h: f64) -> Result<(), ModelError> {
     let Some(drive) = &reduced.loading().hydraulics else { return Ok(()) };
     for (name, input) in [("supply.pressure", drive.first_input + 1), ("tank.pressure", drive.first_input + 2)] {
-        let value = inputs.reals[input];
-        if value <= -drive.laws.ambient() {
-            return Err(ModelError::Value { name: name.into(), value, allowed: ABOVE_VACUUM.into() });
+        let (value, end) = (inputs.reals[input], inputs.signal.at(input, inputs.reals[input], h));
+        for (value, place) in [(value, ""), (end, " at the end of the step")] {
+            if !is_pressure(value, drive.laws.ambient()) {
+                let name = [name, place].concat();
+                return Err(ModelError::Value { name, value, allowed: ABOVE_VACUUM.into() });
+            }
         }
     }
     Ok(())

@@ -2,10 +2,11 @@
 //!
 //! In: the definition's start, inputs, a reduced model. Out: a state at rest or in motion, with the travel between the
 //! stops. It must not know steps.
-use super::{State, airspeed, blows_under, check_lengths, state_loads};
+use super::circuit::check_ports;
+use super::inputs::{Before, airspeed, blows_under, engaged_locks, state_loads};
+use super::{State, check_lengths};
 use crate::mechanism::definition::{DefinitionError, Mechanism};
 use crate::mechanism::dynamics::equation::Scratch;
-use crate::mechanism::dynamics::hydraulic::CIRCUIT;
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::laws::stop::Stop;
@@ -74,8 +75,11 @@ impl State {
         let air = blows_under(reduced, inputs);
         let state_loads = state_loads(reduced, air, revolutions)?;
         let applied = reduced.sizes(&inputs.reals);
+        // Nothing is to be applied with the first step, unless it is to be refused then.
+        let is_applied = check_ports(reduced, inputs, 0.0).is_ok();
+        let in_force = is_applied.then(|| engaged_locks(&travel, reduced, &inputs.locks));
         let mut state = Self {
-            before: applied.clone(),
+            before: Before::new(&applied),
             saved: SavedState {
                 sigma,
                 sigma_dot,
@@ -85,13 +89,13 @@ impl State {
                 applied,
                 airspeed: airspeed(reduced, inputs),
                 air,
+                in_force,
                 ..SavedState::default()
             },
             scratch: Scratch::new(state_loads),
         };
-        if let Some((_, _, circuit)) = mechanism.hydraulic_drive() {
-            let mut values = [0.0; CIRCUIT];
-            values[..2].copy_from_slice(&[circuit.chamber_a.start_pressure, circuit.chamber_b.start_pressure]);
+        if let (Some((_, _, circuit)), Some(drive)) = (mechanism.hydraulic_drive(), &reduced.loading().hydraulics) {
+            let values = drive.laws.start(circuit, inputs.reals[drive.first_input + 1]);
             let circuit = CircuitState { values, ..CircuitState::default() };
             state.memory = Memory::WithCircuit(Box::new(CircuitMemory::new(circuit)));
         }

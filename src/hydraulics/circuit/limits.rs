@@ -1,0 +1,71 @@
+//! What a circuit allows: lengths that the cylinder has, absolute pressures above 0.
+//!
+//! In: pressures, length of the actuator. Out: whether the laws hold there, and what a state has left. It must not know
+//! steps.
+use super::{DYNAMIC, Equations};
+
+/// Length beyond the ends of the cylinder's travel that rounding explains [m].
+pub const SLACK: f64 = 1e-9;
+/// Absolute pressure, as a part of the ambient pressure, below which oil without air is at absolute zero for an
+/// integration that comes no further.
+const NEAR_VACUUM: f64 = 1e-3;
+/// Absolute pressure, as a part of the ambient pressure, below which a chamber cavitates.
+const CAVITATES: f64 = 0.1;
+
+/// How a state has left what a circuit allows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Left {
+    /// The actuator has this length [m], which the cylinder does not have.
+    Stroke(f64),
+    /// A chamber, A or B, of oil without air has come to absolute zero.
+    Vacuum(usize),
+}
+
+impl Equations {
+    /// Whether all absolute pressures are above 0, as those of oil with air always are: a step that ends elsewhere was
+    /// too long. Oil without air comes to 0 where the laws end.
+    #[inline]
+    pub fn has_pressures(&self, [p_a, p_b, _, _, supply]: [f64; DYNAMIC]) -> bool {
+        let vacuum = -self.ambient;
+        p_a > vacuum && p_b > vacuum && (self.unit.is_none() || supply > vacuum)
+    }
+
+    /// Whether the cylinder has a length [m], but for rounding.
+    #[inline]
+    pub fn has_length(&self, length: f64) -> bool {
+        let [least, most] = self.lengths();
+        length >= least - SLACK && length <= most + SLACK
+    }
+
+    /// What keeps an integration from going on at these pressures and this length: the end of the stroke, or absolute zero in oil without air.
+    pub fn left(&self, pressures: [f64; 2], length: f64) -> Option<Left> {
+        let [least, most] = self.lengths();
+        if length <= least || length >= most {
+            return Some(Left::Stroke(length));
+        }
+        (0..2).find(|chamber| self.is_at_vacuum(pressures[*chamber])).map(Left::Vacuum)
+    }
+
+    /// Whether a gauge pressure [Pa] is that of oil without air at absolute zero, from which no integration goes on.
+    pub fn is_at_vacuum(&self, pressure: f64) -> bool {
+        self.air == 0.0 && pressure + self.ambient < NEAR_VACUUM * self.ambient
+    }
+
+    /// The pressures at which an integration came no further, in words: those of a chamber that cavitates with the
+    /// remedies, else both.
+    pub fn describe_pressures(&self, pressures: [f64; 2]) -> String {
+        use crate::numerics::decimal::Decimal;
+        let [a, b] = pressures.map(Decimal::rounded);
+        let both = format!("chamber_a.pressure = {a} Pa and chamber_b.pressure = {b} Pa");
+        let cavitates = |chamber: &usize| pressures[*chamber] + self.ambient < CAVITATES * self.ambient;
+        match (0..2).find(cavitates) {
+            Some(chamber) => format!(
+                "{both}: {} cavitates with fluid.air_fraction = {}; give fluid.air_fraction or \
+                 anticavitation.conductance a larger value",
+                ["chamber_a", "chamber_b"][chamber],
+                Decimal(self.air)
+            ),
+            None => both,
+        }
+    }
+}

@@ -1,0 +1,20 @@
+//! Smooth functions in place of kinks: a rounded maximum and a rounded step.
+//!
+//! In: an argument and the width of the rounding. Out: the value with its derivative. It must not know what they stand
+//! for.
+use crate::numerics::dual::Number;
+
+/// max(0, x), rounded over the width w: (x + sqrt(x^2 + w^2)) / 2.
+pub fn soft<T: Number>(x: T, w: f64) -> T {
+    let root = (x.value() * x.value() + w * w).sqrt();
+    // Where x < 0 the sum cancels; its product with the difference is w^2.
+    let value = if x.value() > 0.0 { 0.5 * (x.value() + root) } else { 0.5 * w * w / (root - x.value()) };
+    x.chain(value, value / root)
+}
+
+/// Step from 0 to 1, rounded over the width w: (1 + x / sqrt(x^2 + w^2)) / 2.
+pub fn gate<T: Number>(x: T, w: f64) -> T {
+    let square = x.value() * x.value() + w * w;
+    let root = square.sqrt();
+    x.chain(0.5 + 0.5 * x.value() / root, 0.5 * w * w / (square * root))
+}

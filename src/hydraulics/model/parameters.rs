@@ -1,0 +1,54 @@
+//! The definition of a model as read, and its present parameters.
+//!
+//! In: a definition, values of its parameters. Out: the laws that follow from them, the start. It must not know steps.
+use crate::format::Range;
+use crate::hydraulics::circuit::Equations;
+use crate::hydraulics::definition::{HydraulicActuator, Role};
+use crate::hydraulics::inputs::{Input, Inputs};
+use crate::hydraulics::interface::Quantity;
+use crate::hydraulics::state::{Setting, State};
+use crate::variables::Variables;
+use std::sync::Arc;
+
+/// A definition as read, before any value is set.
+#[derive(Debug)]
+pub struct Original {
+    pub parameters: Arc<Parameters>,
+    pub variables: Variables<Quantity>,
+    pub ranges: Vec<(Range, Role)>,
+    pub inputs: Inputs,
+}
+
+/// A definition with the values of its parameters, and the laws that follow from them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameters {
+    pub actuator: HydraulicActuator,
+    /// Numeric parameters, in the order of [`HydraulicActuator::parameters`].
+    pub values: Vec<f64>,
+    pub laws: Equations,
+}
+
+impl Parameters {
+    pub fn new(mut actuator: HydraulicActuator) -> Self {
+        let mut values = Vec::new();
+        actuator.parameters(&mut |_, value| values.push(*value));
+        Self { laws: Equations::new(&actuator.circuit), actuator, values }
+    }
+
+    /// Write the values into the definition.
+    pub fn update(&mut self) {
+        let mut values = self.values.iter();
+        self.actuator.parameters(&mut |_, value| *value = values.next().copied().unwrap_or(*value));
+        self.laws = Equations::new(&self.actuator.circuit);
+    }
+
+    pub fn setting<'a>(&'a self, inputs: &'a Inputs) -> Setting<'a> {
+        let HydraulicActuator { circuit, solver, .. } = &self.actuator;
+        Setting { laws: &self.laws, circuit, solver, inputs }
+    }
+
+    /// The start under these parameters and inputs.
+    pub fn start(&self, inputs: &Inputs) -> State {
+        State::at_start(&self.laws, &self.actuator.circuit, inputs.get(Input::Supply))
+    }
+}

@@ -1,0 +1,257 @@
+//! The motion foreseen with one element over the next step of the host.
+//!
+//! In: the state, inputs that tell the element, a step. Out: the foreseen motion, its derivative along a direction of
+//! the inputs, what it tells of the force. It must not change the state.
+use super::march::{Instants, Levels, March};
+use super::{Last, Setting, State};
+use crate::hydraulics::circuit::{CIRCUIT, Equations};
+use crate::hydraulics::error::HydraulicsError;
+use crate::hydraulics::inputs::Input;
+use crate::hydraulics::systems::{
+    Coupled, ELEMENT, Element, IMPULSE, LENGTH, MOMENT, SPEED, TANGENT, Tangent, with_element, without_element,
+};
+use crate::integrator::{Integrator, System};
+use crate::numerics::decimal::Decimal;
+use crate::numerics::dual::{Dual, Number};
+
+/// Change of the mass over one step, as a part of the mass, from which one element does not foresee the motion.
+const MASS_CHANGE: f64 = 0.5;
+/// Acceleration of an element that no mass and load have [m/s2].
+const MOST_ACCELERATION: f64 = 1e30;
+
+/// The motion foreseen with one element over a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Foreseen {
+    /// Size of the step [s].
+    pub h: f64,
+    /// State at its end, and the memory of the integration there.
+    pub end: [f64; ELEMENT],
+    pub memory: Integrator<ELEMENT>,
+    /// The element.
+    pub element: Element<f64>,
+    /// Correction r of the load [N].
+    pub correction: f64,
+    /// Time reached [s]: the step, or less where `solver.max_steps` was met.
+    pub reached: f64,
+}
+
+/// Why no motion is foreseen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Blind {
+    /// The mass of what the actuator moves is unknown.
+    NoMass,
+    /// The mass changes too much within the step: the mechanism is near a toggle of the actuator.
+    Toggle,
+    /// The integration found no motion.
+    Failed,
+}
+
+impl State {
+    /// The load's correction r, and whether the last step met a contact: m (v - v_foreseen)/h is what the element did
+    /// not know. A contact stops or reverses the motion, or its impulse is more than that of force and load together;
+    /// then r is 0, as the next step knows nothing of it.
+    fn correction(&self, setting: &Setting<'_>) -> (f64, bool) {
+        let Some(last) = self.last else { return (0.0, false) };
+        let get = |input| setting.inputs.get(input);
+        let (v, m) = (get(Input::Speed), get(Input::Mass));
+        let missed = v - last.speed;
+        let force = setting.laws.force(self.pressures(), last.speed);
+        let most = force.abs() + get(Input::Load).abs() + last.load.abs();
+        let reversed = v * last.speed <= 0.0 && missed.abs() > 0.5 * last.start_speed.abs().max(last.speed.abs());
+        let contact = (m * missed).abs() > most * last.step || reversed;
+        (if contact { 0.0 } else { last.correction - m * missed / last.step }, contact)
+    }
+
+    /// The element that stands for what the actuator moves, and the correction of its load.
+    fn element(&self, setting: &Setting<'_>, h: f64) -> Result<(Element<f64>, f64), Blind> {
+        let get = |input| setting.inputs.get(input);
+        let (mass, speed) = (get(Input::Mass), get(Input::Speed));
+        if mass == 0.0 {
+            return Err(Blind::NoMass);
+        }
+        let (correction, contact) = self.correction(setting);
+        let element = element_of(self.last.as_ref(), contact, &ELEMENT_INPUTS.map(get));
+        let force = setting.laws.force(self.pressures(), speed);
+        let acceleration = element.acceleration(force, element.length, speed, 0.0);
+        if acceleration.is_nan() || acceleration.abs() > MOST_ACCELERATION {
+            return Err(Blind::Failed);
+        }
+        let way = (speed.abs() + 0.5 * acceleration.abs() * h) * h;
+        // Not a comparison the other way round: NaN is no mass that changes little.
+        if (element.mass_derivative * way).abs() <= MASS_CHANGE * mass {
+            Ok((element, correction))
+        } else {
+            Err(Blind::Toggle)
+        }
+    }
+
+    /// The motion with one element over a step of size h [s] from here. Nothing changes.
+    ///
+    /// # Errors
+    /// Why none is foreseen.
+    pub fn foresee(&self, setting: &Setting<'_>, h: f64) -> Result<Foreseen, (Blind, Option<HydraulicsError>)> {
+        let named = |time: f64, what: String| {
+            let [mass, load] = [Input::Mass, Input::Load].map(|input| Decimal(setting.inputs.get(input)));
+            let what = format!("{what}; with actuator.reduced_mass = {mass} kg and actuator.holding_force = {load} N");
+            HydraulicsError::Stuck { time, what }
+        };
+        let failed = |blind| {
+            let pressures = || setting.laws.describe_pressures(self.pressures());
+            (blind, (blind == Blind::Failed).then(|| named(0.0, pressures())))
+        };
+        let (element, correction) = self.element(setting, h).map_err(failed)?;
+        let surroundings = setting.surroundings(self.time());
+        let mut instants = Instants::none();
+        surroundings.command.kinks(h, &mut |t| instants.add(t));
+        instants.sort();
+        let lengths = setting.laws.lengths();
+        let mut system = Coupled { laws: setting.laws, surroundings, element, stroke: lengths[1] - lengths[0] };
+        let motion = [Input::Length, Input::Speed];
+        let mut end = with_element(&self.circuit, motion.map(|input| setting.inputs.get(input)));
+        let mut memory = self.coupled;
+        memory.branch_off();
+        let mut march = March::new(setting, &memory);
+        let levels = Levels::new(setting, true);
+        for instant in instants.ends(h) {
+            let whole = march
+                .to(instant, &mut memory, &mut system, &mut end, &levels)
+                .map_err(|error| match error {
+                    HydraulicsError::Stuck { time, what } => named(time, what),
+                    other => other,
+                })
+                .map_err(|error| (Blind::Failed, Some(error)))?;
+            if !whole {
+                break;
+            }
+        }
+        Ok(Foreseen { h, end, memory, element, correction, reached: march.t })
+    }
+
+    /// Derivative of the foreseen motion along one direction: of the state at the end of a step of size h, and of the
+    /// element; None if none is foreseen. `inputs`: change of each input.
+    pub fn foresee_change(
+        &self,
+        setting: &Setting<'_>,
+        h: f64,
+        circuit: &[f64; CIRCUIT],
+        inputs: &dyn Fn(Input) -> f64,
+    ) -> Option<([Dual<1>; ELEMENT], Element<Dual<1>>)> {
+        self.element(setting, h).ok()?;
+        let dual = |input| Dual { value: setting.inputs.get(input), slope: [inputs(input)] };
+        let (_, contact) = self.correction(setting);
+        let element = element_of(self.last.as_ref(), contact, &ELEMENT_INPUTS.map(dual));
+        let value = |dual: Dual<1>| dual.value;
+        let plain = Element {
+            mass: value(element.mass),
+            mass_derivative: value(element.mass_derivative),
+            load: value(element.load),
+            load_derivative: value(element.load_derivative),
+            load_rate: value(element.load_rate),
+            length: value(element.length),
+        };
+        let surroundings = setting.surroundings(self.time());
+        let lengths = setting.laws.lengths();
+        let coupled = Coupled { laws: setting.laws, surroundings, element: plain, stroke: lengths[1] - lengths[0] };
+        let clipped = surroundings.command.wanted(0.0).abs() > 1.0;
+        let command = if clipped { 0.0 } else { inputs(Input::Command) };
+        let mut system = Tangent { coupled, element, ports: [inputs(Input::Supply), inputs(Input::Tank), command] };
+        let motion = [Input::Length, Input::Speed];
+        let start = with_element(&self.circuit, motion.map(|input| setting.inputs.get(input)));
+        let change = with_element(circuit, motion.map(inputs));
+        let mut y: [f64; TANGENT] = std::array::from_fn(|k| if k < ELEMENT { start[k] } else { change[k - ELEMENT] });
+        let mut memory = Integrator::default();
+        let mut t = 0.0;
+        let most = setting.solver.max_steps as u64;
+        let whole = memory.advance_from(&mut system, &mut t, &mut y, h, setting.solver.tolerance, most);
+        if whole != Ok(true) {
+            return None;
+        }
+        // A longer step ends later along the motion.
+        let later = inputs(Input::Horizon);
+        let f = system.derivative(h, &y);
+        let end = std::array::from_fn(|k| Dual { value: y[k], slope: [y[ELEMENT + k] + later * f[k]] });
+        Some((end, element))
+    }
+
+    /// Keep the foreseen motion as a step's.
+    pub fn keep(&mut self, foreseen: &Foreseen) {
+        self.circuit = without_element(&foreseen.end);
+    }
+}
+
+/// Inputs that make the element, in the order in which [`element_of`] takes them.
+const ELEMENT_INPUTS: [Input; 6] =
+    [Input::Length, Input::Speed, Input::Mass, Input::MassDerivative, Input::Load, Input::LoadDerivative];
+
+/// The element that stands for what the actuator moves, from the inputs: its load is the holding force plus the
+/// correction; where no derivative of the holding force is told, the load has the rate of the last step.
+fn element_of<T: Number>(last: Option<&Last>, contact: bool, inputs: &[T; 6]) -> Element<T> {
+    let [length, speed, mass, mass_derivative, load, load_derivative] = *inputs;
+    let zero = T::constant(0.0);
+    let (mut corrected, mut load_rate) = (load, zero);
+    if let Some(last) = last {
+        let per_step = 1.0 / last.step;
+        if !contact {
+            let missed = mass * (speed - T::constant(last.speed)) * per_step;
+            corrected = corrected + T::constant(last.correction) - missed;
+        }
+        if load_derivative.value() == 0.0 {
+            load_rate = (load - T::constant(last.load)) * per_step;
+        }
+    }
+    Element { mass, mass_derivative, load: corrected, load_derivative, load_rate, length }
+}
+
+/// What the foreseen motion tells of a step of size h, in the words of the interface.
+#[derive(Clone, Copy, Debug)]
+pub struct Preview<T> {
+    /// Value and rate of the line with the impulse and the first moment of the force [N], [N/s].
+    pub force: T,
+    pub force_rate: T,
+    /// Mean force [N].
+    pub force_mean: T,
+    /// Length and speed at the end [m], [m/s].
+    pub length: T,
+    pub speed: T,
+    /// Accelerations under the force at the beginning and at the end [m/s2].
+    pub start_acceleration: T,
+    pub acceleration: T,
+}
+
+impl<T: Number> Preview<T> {
+    /// From the element, pressures and speed at the beginning, the state at the end, and the step.
+    pub fn new(
+        laws: &Equations,
+        element: &Element<T>,
+        (pressures, speed): ([T; 2], T),
+        end: &[T; ELEMENT],
+        h: T,
+    ) -> Self {
+        let (mean, moment) = (end[IMPULSE] / h, end[MOMENT] / (h * h));
+        let rate = (moment * 2.0 - mean) * 6.0 / h;
+        let last = laws.force([end[0], end[1]], end[SPEED]);
+        let first = laws.force(pressures, speed);
+        Self {
+            force: mean - rate * h * 0.5,
+            force_rate: rate,
+            force_mean: mean,
+            length: end[LENGTH],
+            speed: end[SPEED],
+            start_acceleration: element.acceleration(first, element.length, speed, T::constant(0.0)),
+            acceleration: element.acceleration(last, end[LENGTH], end[SPEED], h),
+        }
+    }
+
+    /// Where none is foreseen: the present force, and the motion of the inputs.
+    pub fn blind(force: T, [length, speed, acceleration]: [T; 3], h: T) -> Self {
+        Self {
+            force,
+            force_rate: T::constant(0.0),
+            force_mean: force,
+            length: length + speed * h,
+            speed,
+            start_acceleration: acceleration,
+            acceleration,
+        }
+    }
+}

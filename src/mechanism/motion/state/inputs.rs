@@ -1,0 +1,189 @@
+//! Inputs that a state applies: sizes of loads, air, locks.
+//!
+//! In: inputs that may have changed since the last step. Out: a state with them applied, or as it was before; the loads
+//! that the state decides under them. It must not know how a step is made.
+use super::State;
+use super::circuit::check_ports;
+use crate::mechanism::dynamics::bumper_set::BumperSet;
+use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
+use crate::mechanism::dynamics::inputs::Inputs;
+use crate::mechanism::dynamics::panel_force::AppliedLoads;
+use crate::mechanism::dynamics::state_loads::Mode;
+use crate::mechanism::error::ModelError;
+use crate::mechanism::motion::contact::{EngagedLocks, Place, Travel};
+use crate::mechanism::reduced::{Reduced, StateLoads};
+use crate::numerics::table::Unresolved;
+
+/// Largest size of an input whose loads are taken not to overflow. The loads of a larger one are tried before a step.
+const LARGE: f64 = 1e100;
+
+/// Loads and energy before inputs were applied.
+#[derive(Clone, Debug, Default)]
+pub struct Before {
+    /// Sizes of the loads.
+    sizes: Vec<f64>,
+    airspeed: f64,
+    air: bool,
+    reference: f64,
+}
+
+impl Before {
+    /// Nothing replaced yet, with as many sizes as these.
+    pub fn new(sizes: &[f64]) -> Self {
+        Self { sizes: sizes.to_vec(), ..Self::default() }
+    }
+}
+
+/// Whether air of this speed [m/s] acts on the surfaces.
+pub fn blows(reduced: &Reduced, speed: f64) -> bool {
+    reduced.loading().air.as_ref().is_some_and(|air| air.relative_wind || speed != 0.0)
+}
+
+/// Airspeed under these inputs [m/s]; 0 without air.
+pub fn airspeed(reduced: &Reduced, inputs: &Inputs) -> f64 {
+    reduced.loading().air.as_ref().and(inputs.reals.last().copied()).unwrap_or(0.0)
+}
+
+/// The loads that the state decides, under these inputs.
+///
+/// # Errors
+/// [`Unresolved`]: a reaction that causes friction is not smooth.
+pub fn state_loads_under<'a>(reduced: &'a Reduced, inputs: &Inputs) -> Result<Option<&'a StateLoads>, &'a Unresolved> {
+    reduced.state_loads(blows_under(reduced, inputs))
+}
+
+/// Whether air acts on the surfaces at any time of a step under these inputs.
+pub fn blows_under(reduced: &Reduced, inputs: &Inputs) -> bool {
+    let changes = || inputs.change(reduced).is_some_and(|change| change.airspeed != [0.0; 2]);
+    blows(reduced, airspeed(reduced, inputs)) || (reduced.loading().air.is_some() && changes())
+}
+
+/// The loads that the state decides, in moving air or not, with an error located after so many revolutions.
+pub fn state_loads(reduced: &Reduced, air: bool, revolutions: f64) -> Result<Option<&StateLoads>, ModelError> {
+    reduced.state_loads(air).map_err(|at| ModelError::table(reduced, "friction", at, revolutions))
+}
+
+/// The places at which a lock is engaged.
+pub fn engaged_locks(travel: &Travel, reduced: &Reduced, locks: &[bool]) -> EngagedLocks {
+    let mut locked = EngagedLocks::default();
+    let engaged = reduced.loading().locks.iter().zip(locks).filter(|(_, engaged)| **engaged);
+    for (lock, _) in engaged {
+        for (side, locked) in locked.rigid.iter_mut().enumerate() {
+            *locked |= travel.holds(Place::rigid(side), lock.stop);
+        }
+        let bumpers = BumperSet::of(travel.bumpers.len(), |k| travel.bumpers[k].stop == lock.stop);
+        locked.bumpers = locked.bumpers.union(bumpers);
+    }
+    locked
+}
+
+impl State {
+    /// An input or a lock has changed: the inputs are applied with the next step.
+    #[inline]
+    pub fn inputs_changed(&mut self) {
+        self.saved.in_force = None;
+    }
+
+    /// Apply inputs that may have changed since the last step, for a step of `h` [s], and return the places where a lock
+    /// is engaged. The change of the loads' potential is work from outside.
+    ///
+    /// # Errors
+    /// [`ModelError::Table`], [`ModelError::LoadOverflow`]; nothing has changed.
+    pub(super) fn apply(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64) -> Result<EngagedLocks, ModelError> {
+        let (air, ahead) = (blows_under(reduced, inputs), inputs.signal.ahead);
+        let state_loads = state_loads(reduced, air, self.revolutions)?;
+        check_ports(reduced, inputs, h)?;
+        let loads = reduced.loading().inputs.len();
+        let (mut work, mut largest) = (0.0, 0.0_f64);
+        let mut changed = false;
+        for (load, input) in inputs.reals[..loads].iter().enumerate() {
+            if self.applied[load].to_bits() != input.to_bits() {
+                work -= (input - self.applied[load]) * self.displacement(reduced, load);
+                largest = largest.max(input.abs());
+                changed = true;
+            }
+        }
+        let airspeed = airspeed(reduced, inputs);
+        if airspeed.to_bits() != self.airspeed.to_bits() {
+            largest = largest.max(airspeed.abs());
+            changed = true;
+        }
+        if ahead {
+            largest = inputs.largest_at(h).max(largest);
+        }
+        if largest > LARGE {
+            self.try_loads((reduced, state_loads), inputs, h, work)?;
+        }
+        if self.renew_scratch(state_loads) {
+            self.memory.restart();
+        }
+        self.memory.set_dissipation(state_loads.is_some() || ahead);
+        let Self { saved, before, .. } = self;
+        before.sizes.copy_from_slice(&saved.applied);
+        (before.airspeed, before.air, before.reference) = (saved.airspeed, saved.air, saved.reference);
+        (saved.airspeed, saved.air) = (airspeed, air);
+        if changed {
+            saved.reference += work;
+            saved.applied[..loads].copy_from_slice(&inputs.reals[..loads]);
+        }
+        if changed || ahead {
+            self.right_hand_side_changed();
+        }
+        let locked = engaged_locks(&self.travel, reduced, &inputs.locks);
+        // Inputs that change with time are others after the step.
+        self.in_force = (!ahead).then_some(locked);
+        Ok(locked)
+    }
+
+    /// Refuse inputs so large that their work or their loads overflow at the start or at the end of a step of `h` [s],
+    /// at the present position. `work`: that of their change [J].
+    #[cold]
+    fn try_loads(
+        &self,
+        (reduced, state_loads): (&Reduced, Option<&StateLoads>),
+        inputs: &Inputs,
+        h: f64,
+        work: f64,
+    ) -> Result<(), ModelError> {
+        let loads = reduced.loading().inputs.len();
+        let mut sizes = self.applied.clone();
+        sizes[..loads].copy_from_slice(&inputs.reals[..loads]);
+        let (airspeed, revolutions) = (airspeed(reduced, inputs), self.revolutions);
+        let applied = AppliedLoads { sizes: &sizes, airspeed, revolutions, change: inputs.change(reduced) };
+        let (mode, scratch) = (Mode::default(), &mut Scratch::new(state_loads));
+        let mut equation =
+            EquationOfMotion { reduced, state_loads, applied, time: 0.0, mode, scratch, locked: false, ports: None };
+        let mut overflows = !(self.reference + work).is_finite();
+        for time in [0.0, h] {
+            equation.time = time;
+            let force = equation.effect(self.sigma, self.sigma_dot);
+            overflows |= force.is_ok_and(|force| !(force.acceleration.is_finite() && force.lost.is_finite()));
+        }
+        if !overflows {
+            return Ok(());
+        }
+        let sizes = (0..inputs.reals.len()).map(|input| (input, inputs.size_at(input, h)));
+        let acting = sizes.filter(|(input, _)| *input < loads || reduced.loading().air.is_some());
+        let (input, value) = acting.max_by(|(_, a), (_, b)| a.total_cmp(b)).unwrap_or_default();
+        let name = reduced.loading().inputs.get(input).map_or("airspeed", String::as_str);
+        Err(ModelError::LoadOverflow { name: name.into(), value })
+    }
+
+    /// After a step that failed: reverse [`Self::apply`] if it `applied` inputs. The integration starts anew.
+    #[cold]
+    pub(super) fn undo(&mut self, reduced: &Reduced, applied: bool) {
+        self.memory.restart();
+        self.memory.undo_circuit();
+        if applied {
+            let Self { saved, before, .. } = self;
+            saved.applied.copy_from_slice(&before.sizes);
+            (saved.airspeed, saved.air, saved.reference) = (before.airspeed, before.air, before.reference);
+            saved.in_force = None;
+        }
+        // These state loads exist: they were in use before this step.
+        let state_loads = self.state_loads(reduced).unwrap_or_default();
+        self.renew_scratch(state_loads);
+        self.memory.set_dissipation(state_loads.is_some());
+        self.scratch.panel_force.invalidate();
+    }
+}

@@ -1,0 +1,99 @@
+//! Oil near absolute zero, at loose tolerances: air holds the pressures above it, oil without air ends the run by name.
+use super::*;
+use linkage_fmu::mechanism::ModelError;
+
+/// Numbers from 0 to 1 (xorshift64*).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.next()
+    }
+
+    /// Between two positive numbers, with equal chances for equal ratios.
+    fn ratio(&mut self, low: f64, high: f64) -> f64 {
+        self.between(low.ln(), high.ln()).exp()
+    }
+}
+
+/// A gear with a random circuit, in a mood to cavitate: little suction, loads that pull.
+fn random_gear(random: &mut Random) -> Run {
+    let mut gear = Run::shared(HYDRAULIC_GEAR);
+    let values = [
+        ("solver.tolerance", random.ratio(1e-6, 0.02)),
+        ("anticavitation.conductance", if random.next() < 0.7 { 0.0 } else { random.ratio(1e-13, 1e-9) }),
+        ("fluid.air_fraction", random.ratio(1e-5, 0.05)),
+        ("fluid.polytropic_exponent", random.between(1.0, 1.4)),
+        ("leakage.internal", if random.next() < 0.5 { 0.0 } else { random.ratio(1e-14, 1e-11) }),
+        ("chamber_a.dead_volume", random.ratio(1e-6, 1e-3)),
+        ("chamber_b.dead_volume", random.ratio(1e-6, 1e-3)),
+        ("chamber_a.start_pressure", random.ratio(1e4, 2e7)),
+        ("chamber_b.start_pressure", random.ratio(1e4, 2e7)),
+        ("valve.rated_flow", random.ratio(1e-6, 1e-3)),
+        ("load_factor", random.between(-6.0, 9.0)),
+        ("tank.pressure", random.between(-1e5, 1e6)),
+        ("supply.pressure", random.ratio(1e5, 3e7)),
+        ("upstop.restitution", random.between(0.0, 0.9)),
+    ];
+    values.iter().for_each(|(name, value)| gear.set(name, *value));
+    gear.set("downstop.enabled", random.next() < 0.5);
+    gear.set("upstop.enabled", true);
+    gear.started()
+}
+
+/// At tolerances from 1e-6 to 0.02 every step ends with absolute pressures above 0; a step that fails, as the gear runs
+/// out of the stroke, says so.
+#[test]
+fn air_holds_pressures_above_absolute_zero_at_any_tolerance() {
+    let (mut random, mut steps, mut lowest) = (Random(7), 0, f64::INFINITY);
+    let (runs, mut strokes) = (cases().unwrap_or(150), 0);
+    for run in 0..runs {
+        let mut gear = random_gear(&mut random);
+        let h = random.ratio(1e-3, 0.2);
+        for _ in 0..(1.5 / h) as u32 + 1 {
+            if random.next() < 0.1 {
+                gear.set("valve.command", random.between(-1.0, 1.0));
+            }
+            match gear.0.model_mut().step(h) {
+                Ok(()) => {}
+                Err(ModelError::Stroke { .. }) => {
+                    strokes += 1;
+                    break;
+                }
+                Err(error) => panic!("run {run}: {error}"),
+            }
+            steps += 1;
+            for name in ["chamber_a.pressure", "chamber_b.pressure"] {
+                let absolute = gear.get(name) + 101_325.0;
+                assert!(absolute > 0.0, "run {run}: {name} = {absolute} Pa absolute");
+                lowest = lowest.min(absolute);
+            }
+            assert!(gear.get("crank.angle").is_finite());
+        }
+    }
+    println!("{runs} runs, {steps} steps, lowest {lowest} Pa absolute, {strokes} ends of the stroke");
+    assert!(lowest < 5e3, "no run came near absolute zero: {lowest}");
+}
+
+/// A command beyond the range is clipped, and the host is told once.
+#[test]
+fn a_clipped_command_is_told_once() {
+    let mut gear = retraction(1e-6);
+    gear.step(0.01);
+    assert_eq!(gear.take_warning(), None);
+    gear.set("valve.command", 1.5);
+    gear.step(0.01);
+    assert_says(gear.take_warning().unwrap(), &["valve.command", "1.6", "clipped", "-1 to 1"]);
+    gear.step(0.01);
+    assert_eq!(gear.take_warning(), None);
+    gear.initialize();
+    gear.step(0.01);
+    assert!(gear.take_warning().is_some());
+}

@@ -1,0 +1,128 @@
+//! Saved states, failed steps, faulty circuits.
+use super::*;
+
+/// A twin that is saved, written, read and restored at any time has the bits of one that is not.
+#[test]
+fn a_restored_twin_has_the_same_bits() {
+    let mut gear = retraction(1e-9);
+    let mut twin = gear.clone();
+    for step in 0..600 {
+        if step % 7 == 3 {
+            let snapshot = twin.snapshot();
+            twin.step(0.013);
+            twin.restore(&snapshot).unwrap();
+        }
+        if step % 11 == 5 {
+            let mut bytes = Vec::new();
+            twin.snapshot().write(&mut bytes).unwrap();
+            let mut fresh = Run::shared(HYDRAULIC_GEAR).started();
+            let snapshot = fresh.read_snapshot(&bytes).unwrap();
+            fresh.restore(&snapshot).unwrap();
+            twin = fresh;
+        }
+        if step == 500 {
+            gear.set("valve.command", -1.2);
+            twin.set("valve.command", -1.2);
+        }
+        gear.step(0.01);
+        twin.step(0.01);
+        for name in NAMES.iter().chain(&["energy.supplied", "energy.drift", "valve.speed", "supply.flow"]) {
+            assert_eq!(gear.get(name).to_bits(), twin.get(name).to_bits(), "{name} in step {step}");
+        }
+    }
+}
+
+#[test]
+fn a_failed_step_changes_nothing() {
+    let definition = changed(HYDRAULIC_GEAR, |gear| {
+        gear["stops"]["upstop"]["enabled"] = json!(false);
+        gear["stops"]["downstop"]["enabled"] = json!(false);
+        gear["actuators"]["actuator"]["hydraulics"]["command"] = json!({ "ramp_amplitude": 0.65, "ramp_time": 0.1 });
+    });
+    let mut gear = Run::new(&definition).started();
+    gear.steps(4, 4.0);
+    let before = NAMES.map(|name| gear.get(name));
+    let message = gear.0.step(4.0).unwrap_err().to_string();
+    assert_says(message, &["actuator.length", "0.742 m", "0.412 m", "stroke"]);
+    assert_eq!(before, NAMES.map(|name| gear.get(name)));
+    gear.step(0.05);
+}
+
+#[test]
+fn faulty_circuits_are_refused_by_name() {
+    let error = |change: &dyn Fn(&mut serde_json::Value)| {
+        let text = changed(HYDRAULIC_GEAR, |gear| change(gear));
+        linkage_fmu::mechanism::Model::from_json(&text).unwrap_err().to_string()
+    };
+    let drive =
+        |gear: &mut serde_json::Value, key: &str, value: serde_json::Value| gear["actuators"]["actuator"][key] = value;
+    assert_says(error(&|gear| drive(gear, "force", json!(3))), &["actuators.actuator.hydraulics", "remove force"]);
+    assert_says(error(&|gear| drive(gear, "efficiency", json!(0.9))), &["actuators.actuator.hydraulics", "efficiency"]);
+    assert_says(
+        error(&|gear| gear["actuators"]["other"] = gear["actuators"]["actuator"].clone()),
+        &["actuators.other.hydraulics", "actuator has a circuit already"],
+    );
+    assert_says(
+        error(&|gear| gear["actuators"]["motor"] = json!({ "joint": "joint1", "hydraulics": {} })),
+        &["actuators.motor.hydraulics", "prismatic"],
+    );
+    let circuit = |gear: &mut serde_json::Value, section: &str, key: &str, value: f64| {
+        gear["actuators"]["actuator"]["hydraulics"][section][key] = json!(value)
+    };
+    assert_says(error(&|gear| circuit(gear, "cylinder", "rod", 0.05)), &["cylinder.rod", "cylinder.bore"]);
+    assert_says(error(&|gear| circuit(gear, "chamber_a", "dead_volume", 0.0)), &["chamber_a.dead_volume"]);
+    assert_says(error(&|gear| circuit(gear, "supply", "pressure", -2e5)), &["supply.pressure"]);
+    assert_says(
+        error(&|gear| circuit(gear, "cylinder", "colour", 1.0)),
+        &["actuators.actuator.hydraulics.cylinder", "colour"],
+    );
+    assert_says(
+        error(&|gear| circuit(gear, "cylinder", "stroke", 0.2)),
+        &["actuator.length", "0.736", "0.612", "upstop"],
+    );
+    let mut gear = Run::shared(HYDRAULIC_GEAR).with(&[("cylinder.rod", 0.06)]);
+    assert_says(gear.refusal(), &["cylinder.rod"]);
+    let mut gear = Run::shared(HYDRAULIC_GEAR);
+    gear.set("solver.method", "rigid_fem");
+    assert_says(gear.refusal(), &["hydraulics", "rigid_fem", "reduced"]);
+    let mut gear = retraction(1e-9);
+    gear.set("tank.pressure", -2e5);
+    assert_says(gear.0.step(1e-3).unwrap_err(), &["tank.pressure", "fluid.ambient_pressure"]);
+    gear.set("tank.pressure", 0.35e6);
+    gear.step(1e-3);
+    assert!(gear.0.set("actuator.force", 1.0).is_err());
+    assert!(gear.0.set_derivative("actuator.force", 1, 1.0).is_err());
+}
+
+/// Oil without air in chambers from which the gear's weight draws: no valve lets oil in.
+#[test]
+fn oil_without_air_has_no_pressure_below_absolute_zero() {
+    let mut gear = retraction(1e-9);
+    gear.set_all(&[("fluid.air_fraction", 0.0), ("anticavitation.conductance", 0.0), ("command.ramp_amplitude", 0.0)]);
+    gear.set_all(&[
+        ("chamber_a.start_pressure", 0.4e6),
+        ("chamber_b.start_pressure", 0.4e6),
+        ("tank.pressure", 0.35e6),
+    ]);
+    gear.set("load_factor", 60.0);
+    gear.initialize();
+    let error = (0..500).find_map(|_| gear.0.step(1e-3).err()).unwrap().to_string();
+    assert_says(error, &["chamber_", "absolute", "fluid.air_fraction"]);
+}
+
+/// An input that changes takes effect at once, though steps may have gone on beyond the communication point.
+#[test]
+fn a_change_of_a_port_takes_effect_at_once() {
+    for (name, value) in [("valve.command", -0.3), ("supply.pressure", 15e6), ("tank.pressure", 1e6)] {
+        let end = |steps: u32| {
+            let mut gear = retraction(1e-11);
+            gear.steps(steps, 0.5);
+            gear.set(name, value);
+            gear.steps(steps, 0.05);
+            (gear.get("crank.angle"), gear.get("chamber_a.pressure"), gear.get("energy.supplied"))
+        };
+        let (whole, many) = (end(1), end(500));
+        assert!((whole.0 - many.0).abs() < 1e-9, "{name}: {whole:?} {many:?}");
+        assert!((whole.1 / many.1 - 1.0).abs() < 1e-8 && (whole.2 / many.2 - 1.0).abs() < 1e-9, "{name}");
+    }
+}
