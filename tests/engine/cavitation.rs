@@ -1,12 +1,10 @@
 //! A chamber that is drawn to absolute zero.
-use crate::support::{HYDRAULIC_GEAR, Run, assert_says};
-use linkage_fmu::mechanism::Model;
+use crate::support::{HYDRAULIC_GEAR, Run};
 
-/// However a chamber is drawn to absolute zero, a step ends with finite pressures above it or is refused. In some of these
-/// histories the interpolant of a step has no number there, which is refused by the name of the chamber.
+/// However a chamber is drawn to absolute zero, each step ends, with finite pressures above it.
 #[test]
-fn a_pressure_that_is_no_number_ends_the_step() {
-    let mut refused = 0;
+fn a_pressure_is_a_number_above_absolute_zero() {
+    let mut lowest = 0.0_f64;
     for tolerance in [1e-1, 1e-2, 1e-3, 1e-5, 1e-9] {
         for h in [1e-4, 1e-3, 1e-2] {
             for (torque, air) in [(1e4, 0.005), (-1e4, 0.005), (1e5, 0.05), (-1e5, 1e-6), (1e6, 0.005), (-1e6, 0.005)] {
@@ -16,21 +14,18 @@ fn a_pressure_that_is_no_number_ends_the_step() {
                 gear.initialize();
                 gear.set("crank.torque", torque);
                 for _ in 0..200 {
-                    if let Err(error) = Model::step(&mut gear, h) {
-                        let text = error.to_string();
-                        if text.contains("NaN") {
-                            assert_says(&text, &["chamber_", "is not above absolute zero", "solver.tolerance"]);
-                            refused += 1;
-                        }
-                        break;
-                    }
+                    gear.step(h);
                     for chamber in ["chamber_a.pressure", "chamber_b.pressure"] {
                         let pressure = gear.get(chamber);
-                        assert!(pressure > -101325.0, "{chamber} = {pressure} at {tolerance}, {torque}, {air}, {h} s");
+                        lowest = lowest.min(pressure);
+                        assert!(
+                            pressure.is_finite() && pressure > -101325.0,
+                            "{chamber} = {pressure} at {tolerance}, {torque}, {air}, {h} s"
+                        );
                     }
                 }
             }
         }
     }
-    assert!(refused > 0, "no history came to a pressure that is no number");
+    assert!(lowest < -100_000.0, "no chamber was drawn near absolute zero: {lowest} Pa");
 }
