@@ -1,6 +1,6 @@
 //! Stops, bumpers and locks: impacts, rest, what holds, and the energy.
 
-use crate::support::{Run, assert_says, read_all};
+use crate::support::{Run, SLIDER_CRANK, assert_says, changed, read_all};
 use proptest::prelude::*;
 
 fn same_reactions(one: &mut Run, other: &mut Run) {
@@ -307,5 +307,18 @@ proptest! {
                 prop_assert_eq!(gear.get("crank.angle"), angle);
             }
         }
+    }
+}
+
+/// A crank that turns has no end of travel at a stop which no number of revolutions reaches: the search for it ends.
+#[test]
+fn a_stop_beyond_all_numbers_is_never_met() {
+    for angle in [1e17, 1e300] {
+        let mut crank = Run::new(&changed(SLIDER_CRANK, |m| {
+            m["stops"] = serde_json::json!({ "far": { "body": "crank", "limit": "upper", "angle": angle } });
+        }))
+        .started();
+        crank.step(0.1);
+        assert!(!crank.0.boolean("far.reached").unwrap());
     }
 }

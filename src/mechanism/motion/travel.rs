@@ -207,6 +207,10 @@ impl Search<'_> {
                 period?;
                 revolution += direction;
                 revolution += direction * self.in_vain(revolution, direction);
+                if revolution + direction == revolution {
+                    // No number of revolutions gets there.
+                    return None;
+                }
                 panel = first;
             } else {
                 panel = if direction > 0.0 { panel + 1 } else { panel - 1 };
