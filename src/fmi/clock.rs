@@ -77,10 +77,7 @@ impl Clock {
     pub fn end_of_step(&self, point: f64, h: f64) -> Result<f64, Refusal> {
         let end = point + h;
         if !(h > 0.0 && h.is_finite()) {
-            return Err(Refusal::error(format!(
-                "communicationStepSize is {} s; it must be finite and greater than 0",
-                Decimal(h)
-            )));
+            return Err(Self::refuse_size(h));
         }
         let off = (point - self.time).abs();
         // Mostly a point is exact. Negated, so that a NaN is refused.
@@ -108,6 +105,12 @@ impl Clock {
             Decimal(self.time),
             self.slack(h)
         ))
+    }
+
+    /// The refusal of a size of the step.
+    #[cold]
+    fn refuse_size(h: f64) -> Refusal {
+        Refusal::error(format!("communicationStepSize is {} s; it must be finite and greater than 0", Decimal(h)))
     }
 
     fn slack(&self, h: f64) -> f64 {

@@ -95,6 +95,13 @@ impl Solver {
     /// Most steps of the integration in one communication step, where no number is stated.
     pub const MAX_STEPS: f64 = 5e4;
 
+    /// Most steps of the integration in one communication step, as a whole number: by way of i64, which is one
+    /// instruction of the processor.
+    #[inline]
+    pub fn most_steps(&self) -> u64 {
+        self.max_steps as i64 as u64
+    }
+
     pub(super) fn parameters(&mut self, visit: &mut Visit) {
         let mut list = Owner::new(None, "solver", Role::Tolerance, visit);
         list.add(

@@ -67,32 +67,48 @@ pub struct EquationOfMotion<'a, T: Differentiable = f64> {
     pub ports: Option<Ports<'a>>,
 }
 
+/// A reduced model with the loads that the state decides on its stretch of the curve.
+type Stretch<'a> = (&'a Reduced, Option<&'a StateLoads>);
+
+/// The stretch of the curve that holds sigma, mostly the present one.
+#[inline(always)]
+fn stretch_at<'a>(whole: &'a Reduced, present: Stretch<'a>, air: bool, sigma: f64) -> Stretch<'a> {
+    if !whole.is_open() || present.0.holds(sigma) {
+        return present;
+    }
+    whole.with_state_loads(sigma, air)
+}
+
+/// Enter the panel at sigma, on its stretch of the curve, which is returned. Not a method: as no reference to the
+/// equation of motion escapes, its other fields stay in registers between evaluations.
+#[cold]
+fn enter<'a, T: Differentiable>(
+    whole: &'a Reduced,
+    present: Stretch<'a>,
+    applied: &AppliedLoads,
+    scratch: &mut Scratch<T>,
+    sigma: f64,
+) -> Stretch<'a> {
+    let (reduced, state_loads) = stretch_at(whole, present, scratch.air, sigma);
+    scratch.panel_force.enter(reduced, state_loads, applied, sigma);
+    (reduced, state_loads)
+}
+
 impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
     /// x at sigma on its panel, which is entered if it is not the present one.
     #[inline(always)]
     pub fn locate(&mut self, sigma: f64) -> f64 {
         if !self.scratch.panel_force.holds(sigma) {
-            self.enter(sigma);
+            let present = (self.reduced, self.state_loads);
+            (self.reduced, self.state_loads) = enter(self.whole, present, &self.applied, self.scratch, sigma);
         }
         self.scratch.panel_force.x(sigma)
     }
 
-    /// Enter the panel at sigma, on its stretch of the curve.
-    #[cold]
-    fn enter(&mut self, sigma: f64) {
-        if self.whole.is_open() {
-            (self.reduced, self.state_loads) = self.stretch_at(sigma);
-        }
-        self.scratch.panel_force.enter(self.reduced, self.state_loads, &self.applied, sigma);
-    }
-
     /// The reduced model and the loads that the state decides on the stretch that holds sigma.
     #[inline(always)]
-    pub fn stretch_at(&self, sigma: f64) -> (&'a Reduced, Option<&'a StateLoads>) {
-        if !self.whole.is_open() || self.reduced.holds(sigma) {
-            return (self.reduced, self.state_loads);
-        }
-        self.whole.with_state_loads(sigma, self.scratch.air)
+    pub fn stretch_at(&self, sigma: f64) -> Stretch<'a> {
+        stretch_at(self.whole, (self.reduced, self.state_loads), self.scratch.air, sigma)
     }
 
     /// One component of the table of the loads that the state decides, at any sigma, without leaving the present panel.

@@ -63,9 +63,10 @@ impl<D: Dynamics<2>, P: Fn(f64) -> bool, L: Fn() -> Path> Coasting<'_, D, P, L> 
     #[inline(always)]
     pub fn run(&mut self, y: &mut [f64; 2], span: f64, most: u64, passed: &mut f64) -> Result<f64, Stopped> {
         let first = most.min(self.integrator.attempts() + PATIENCE);
-        match self.advance(y, span, Progress::within(first)) {
-            Err(Stopped::Budget(progress)) if first < most => self.run_long(y, span, (progress, most), passed),
-            ended => ended,
+        let ended = self.advance(y, span, Progress::within(first));
+        match &ended {
+            Err(Stopped::Budget(progress)) if first < most => self.run_long(y, span, (*progress, most), passed),
+            _ => ended,
         }
     }
 

@@ -96,9 +96,10 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
     let near = Near { start: step.start[0], end: step.end[0], bulge: step.bulge(0) };
     let is_near = near.any(ends) || contact.touching() != BumperSet::EMPTY;
     let joints = dynamics.friction_joints();
-    let slips = SlipBounds::new(dynamics, step, joints);
-    let may_change =
-        |dynamics: &D, joint: usize| held != Some(Event::Regime(joint)) && slips.may_leave(dynamics, joint);
+    let slips = (joints > 0).then(|| SlipBounds::new(dynamics, step));
+    let may_change = |dynamics: &D, joint: usize| {
+        held != Some(Event::Regime(joint)) && slips.as_ref().is_some_and(|slips| slips.may_leave(dynamics, joint))
+    };
     let changing = (0..joints).find(|&joint| may_change(dynamics, joint));
     let passed = |dynamics: &mut D, border: usize| {
         let [before, after] = [&step.start, &step.end].map(|z| dynamics.beyond_border(border, z));
@@ -304,10 +305,9 @@ struct SlipBounds {
 }
 
 impl SlipBounds {
-    fn new<D: Dynamics<N>, const N: usize>(dynamics: &D, step: &Step<N>, joints: usize) -> Self {
-        let rates = if joints > 0 { step.rates() } else { None };
+    fn new<D: Dynamics<N>, const N: usize>(dynamics: &D, step: &Step<N>) -> Self {
         let end = |y: &[f64; N], f: &[f64; N]| (dynamics.slip_position(y[0]), [y[1], f[1]]);
-        Self { h: step.h, ends: rates.map(|[first, last]| [end(&step.start, first), end(&step.end, last)]) }
+        Self { h: step.h, ends: step.rates().map(|[first, last]| [end(&step.start, first), end(&step.end, last)]) }
     }
 
     /// Whether the slip speed of a friction joint may leave the range of its regime within the step. Bounds are the

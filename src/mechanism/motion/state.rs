@@ -208,7 +208,7 @@ impl State {
             locked: false,
             ports: None,
         };
-        let (tolerance, max_steps) = (solver.tolerance, solver.max_steps as u64);
+        let (tolerance, max_steps) = (solver.tolerance, solver.most_steps());
         match &mut saved.memory {
             Memory::Conservative(integrator) => {
                 let most = integrator.attempts() + max_steps;

@@ -64,9 +64,16 @@ impl ReducedMotion {
     #[inline(always)]
     pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64, solver: &Solver) -> Result<(), ModelError> {
         let revolutions = self.state.revolutions;
-        let stepped = self.state.step(reduced, inputs, h, solver);
-        self.invalidate(revolutions);
-        stepped
+        match self.state.step(reduced, inputs, h, solver) {
+            Ok(()) => {
+                self.invalidate(revolutions);
+                Ok(())
+            }
+            Err(error) => {
+                self.invalidate(revolutions);
+                Err(error)
+            }
+        }
     }
 
     /// [`Self::from_saved`] in place, with the same reduced model; `inputs` if they are not the present ones.
