@@ -1,0 +1,210 @@
+//! Several stops on a side: bumpers with a rigid stop behind them, dead centres behind a bumper, locks at any of them.
+//! Random scenes are held against an integration of their own: the equation of a block or a slider-crank in closed form,
+//! Runge-Kutta's steps of one small size, events by halving such a step. It knows quantities and their stops only, no
+//! places on a curve.
+
+mod oracle;
+mod release;
+mod scene;
+
+use crate::support::assert_says;
+use linkage_fmu::simulation::Simulation;
+use oracle::{Machine, Quantity, Stop};
+use scene::{Scene, block, bumper, rigid, scene};
+use std::cell::Cell;
+
+#[test]
+fn random_scenes_agree_with_an_independent_integration() {
+    let cases = crate::support::cases().unwrap_or(300);
+    let (compared, several) = (Cell::new(0), Cell::new(0));
+    let result = crate::support::runner(cases).run(&scene(), |scene| {
+        let (phases, met) = scene.compare()?;
+        compared.set(compared.get() + phases);
+        several.set(several.get() + u32::from(met > 1));
+        Ok(())
+    });
+    result.unwrap_or_else(|error| panic!("{error}"));
+    let (compared, several) = (compared.get(), several.get());
+    assert!(
+        compared > cases && several > cases / 10,
+        "{compared} phases compared, {several} scenes with several stops"
+    );
+}
+
+/// A block passes the place of its bumper and comes to the rigid stop behind it; the flags on the way.
+#[test]
+fn a_rigid_stop_behind_a_bumper_ends_the_travel() {
+    let stops = [bumper(Quantity::Slide, 1.0, 0.5, 3000.0, 0.0), rigid(Quantity::Slide, 1.0, 0.51, 0.0)];
+    for order in [[0, 1], [1, 0]] {
+        let mut run = block(&order.map(|k| stops[k])).run();
+        run.set("load.force", 100.0);
+        let [soft, hard] = [0, 1].map(|k| format!("s{}.reached", order.iter().position(|&o| o == k).unwrap()));
+        let mut farthest: f64 = 0.0;
+        for _ in 0..400 {
+            run.step(1e-3);
+            let x = run.get("slide.position");
+            farthest = farthest.max(x);
+            assert_eq!((run.is(&soft), run.is(&hard)), (x >= 0.5, x >= 0.51 - 1e-15), "{x}");
+        }
+        assert!((farthest - 0.51).abs() < 1e-15 && run.get("slide.speed") == 0.0, "{farthest}");
+        // The bumper carries 30 N, the stop the rest.
+        let [soft, hard] = [soft, hard].map(|name| name.replace("reached", "force"));
+        assert!((run.get(&soft) + 30.0).abs() < 1e-9 && (run.get(&hard) + 70.0).abs() < 1e-9);
+        assert!(run.get("energy.drift").abs() < 1e-9);
+        // Less than 30 N do not hold it there.
+        run.set("load.force", 20.0);
+        run.step(1e-3);
+        assert!(run.get("slide.speed") < 0.0 && !run.is(&hard.replace("force", "reached")));
+    }
+}
+
+/// Over the bumper and the dead centre to the lower rigid stop; and back.
+#[test]
+fn a_crank_that_overruns_its_bumper_meets_the_stop_behind_the_dead_centre() {
+    let stops = [bumper(Quantity::Slide, 1.0, 1.09, 300.0, 5.0), rigid(Quantity::Slide, -1.0, 0.7, 0.3)];
+    let phases = vec![(5.0, false, 1.0, 7), (5.0, false, 1.0, 1), (-5.0, false, 1.0, 11), (-9.0, false, 2.0, 3)];
+    let scene =
+        Scene { machine: Machine::Crank(0.5, 1.0), start: [-1.2, 2.5], stops: stops.to_vec(), lock: None, phases };
+    let mut run = scene.run();
+    run.set("load.torque", 5.0);
+    run.steps(200, 3.0);
+    let (angle, slide) = (run.get("crank.angle"), run.get("slide.position"));
+    assert!(angle > 0.0 && (slide - 0.7).abs() < 1e-9, "{angle} {slide}");
+    assert!(run.is("s1.reached") && !run.is("s0.reached"), "within the bumper again");
+    assert_eq!(scene.compare().unwrap().0, 4);
+}
+
+/// At one place the rigid stop acts and the bumper is never compressed; each flag is true, each lock holds.
+#[test]
+fn stops_at_one_place() {
+    // At x = 0.9 the distance is hypot(0.7, 0.7).
+    let length = 0.7_f64.hypot(0.7);
+    for (n, others) in [
+        [bumper(Quantity::Slide, 1.0, 0.9, 3000.0, 10.0), rigid(Quantity::Slide, 1.0, 0.9, 0.5)],
+        [bumper(Quantity::Distance, 1.0, length, 3000.0, 10.0), rigid(Quantity::Slide, 1.0, 0.9, 0.5)],
+        [rigid(Quantity::Distance, 1.0, length, 0.5), rigid(Quantity::Slide, 1.0, 0.9, 0.5)],
+        [rigid(Quantity::Slide, 1.0, 0.9, 0.5), bumper(Quantity::Distance, 1.0, length, 3000.0, 10.0)],
+    ]
+    .iter()
+    .enumerate()
+    {
+        let mut stops = others.to_vec();
+        stops.push(bumper(Quantity::Slide, 1.0, 0.6, 200.0, 3.0));
+        for lock in [None, Some(0), Some(1)] {
+            let mut scene = block(&stops);
+            scene.lock = lock;
+            let mut run = scene.run();
+            run.set("load.force", 200.0);
+            if lock.is_some() {
+                run.set("latch.engage", true);
+            }
+            run.step(2.0);
+            let x = run.get("slide.position");
+            assert!((x - 0.9).abs() < 1e-12 && run.get("slide.speed") == 0.0, "{n} {lock:?}: {x}");
+            assert!((0..3).all(|k| run.is(&format!("s{k}.reached"))), "{n} {lock:?}");
+            for k in (0..2).filter(|&k| stops[k].rigid.is_none()) {
+                assert_eq!(run.get(&format!("s{k}.force")), 0.0, "not compressed");
+            }
+            run.set("load.force", -200.0);
+            if lock.is_some() {
+                assert!((run.get("latch.force") - 140.0).abs() > 1.0 && run.get("latch.force") > 0.0);
+            }
+            run.step(0.01);
+            assert_eq!(run.get("slide.position") == x, lock.is_some(), "{n} {lock:?}");
+        }
+    }
+    // Bumpers at one place push together.
+    let two = [bumper(Quantity::Slide, 1.0, 0.5, 1000.0, 3.0), bumper(Quantity::Slide, 1.0, 0.5, 2000.0, 6.0)];
+    let (mut pair, mut sum) = (block(&two).run(), block(&[bumper(Quantity::Slide, 1.0, 0.5, 3000.0, 9.0)]).run());
+    for run in [&mut pair, &mut sum] {
+        run.set("load.force", 50.0);
+        run.steps(30, 0.6);
+    }
+    let [a, b] = [&mut pair, &mut sum].map(|run| run.get("slide.position"));
+    assert!((a - b).abs() < 1e-9 && a > 0.4, "{a} {b}");
+}
+
+/// Places closer and closer to each other.
+#[test]
+fn a_gap_between_bumper_and_stop_may_be_any() {
+    for decade in 1..16 {
+        let gap = 10f64.powi(-decade);
+        for steps in [1, 50] {
+            let stops = [bumper(Quantity::Slide, 1.0, 0.5, 1e5, 20.0), rigid(Quantity::Slide, 1.0, 0.5 + gap, 0.4)];
+            let mut run = block(&stops).run();
+            run.set("load.force", 1e5);
+            run.steps(steps, 1.0);
+            let x = run.get("slide.position");
+            assert!(x <= 0.5 + gap + 1e-15 && x > 0.5 - 1e-12 && run.get("slide.speed").abs() < 1e-6, "{gap} {x}");
+            assert!(run.is("s0.reached"), "{gap}");
+            assert!(run.get("energy.drift").abs() < 1e-4, "{}", run.get("energy.drift"));
+        }
+    }
+}
+
+/// A lock at a bumper before a rigid stop catches the block on its way out, and on its way back if engaged beyond.
+#[test]
+fn a_lock_at_a_bumper_before_a_rigid_stop() {
+    for damping in [0.0, 20.0] {
+        let stops = [bumper(Quantity::Slide, 1.0, 0.5, 3000.0, damping), rigid(Quantity::Slide, 1.0, 0.51, 0.5)];
+        let mut scene = block(&stops);
+        scene.lock = Some(0);
+        let mut run = scene.run();
+        run.set("load.force", 100.0);
+        run.set("latch.engage", true);
+        run.steps(7, 1.0);
+        // At the place, which is the stop's value but for one rounding.
+        assert!((run.get("slide.position") - 0.5).abs() <= 0.5 * f64::EPSILON && run.get("slide.speed") == 0.0);
+        assert!((run.get("latch.force") + 100.0).abs() < 1e-9);
+        run.set("latch.engage", false);
+        run.step(1.0);
+        assert!(run.get("slide.position") > 0.505 && run.is("s0.reached"));
+        run.set("latch.engage", true);
+        run.set("load.force", -10.0);
+        run.steps(3, 1.0);
+        assert_eq!((run.get("slide.position"), run.get("slide.speed")), (0.5, 0.0), "{damping}");
+        assert!((run.get("latch.force") - 10.0).abs() < 1e-9);
+        assert!(run.get("energy.drift").abs() < 1e-9);
+    }
+}
+
+/// A state saved while several bumpers push, at rest or not, goes on to the bit.
+#[test]
+fn a_saved_state_goes_on_with_all_its_contacts() {
+    let stops = [
+        bumper(Quantity::Slide, 1.0, 0.3, 300.0, 2.0),
+        bumper(Quantity::Distance, 1.0, 0.75, 500.0, 0.0),
+        bumper(Quantity::Slide, 1.0, 0.4, 100.0, 40.0),
+        rigid(Quantity::Slide, 1.0, 0.55, 0.6),
+        bumper(Quantity::Slide, -1.0, -0.2, 800.0, 3.0),
+    ];
+    let mut run = block(&stops).run();
+    run.set("load.force", 180.0);
+    for n in 0..120 {
+        let saved = run.snapshot();
+        let mut twin = block(&stops).run();
+        twin.restore(&saved).unwrap();
+        if n == 60 {
+            run.set("load.force", -150.0);
+        }
+        twin.set("load.force", if n < 60 { 180.0 } else { -150.0 });
+        run.step(5e-3);
+        twin.step(5e-3);
+        for name in ["slide.position", "slide.speed", "s0.force", "s1.force", "s2.force", "s3.force", "energy.drift"] {
+            assert_eq!(run.get(name).to_bits(), twin.get(name).to_bits(), "{n} {name}");
+        }
+    }
+}
+
+#[test]
+fn too_many_bumpers_are_refused() {
+    let at = |k: usize| 1.0 + 0.01 * k as f64;
+    let mut stops: Vec<Stop> = (0..65).map(|k| bumper(Quantity::Slide, 1.0, at(k), 1e3, 1.0)).collect();
+    let refusal = Simulation::open(&block(&stops).definition()).err().unwrap();
+    assert_says(refusal, &["65 bumpers", "64", "enabled", "rigid"]);
+    stops[64] = rigid(Quantity::Slide, 1.0, at(64), 0.0);
+    let mut run = block(&stops).run();
+    run.set("load.force", 1e6);
+    run.step(2.0);
+    assert!((0..65).all(|k| run.is(&format!("s{k}.reached"))), "{}", run.get("slide.position"));
+}

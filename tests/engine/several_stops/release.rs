@@ -1,0 +1,168 @@
+//! Rest at a stop and release from it, within long steps and in any revolution.
+
+use super::oracle::{Machine, Quantity};
+use super::scene::{Scene, block, rigid};
+use crate::support::{Run, changed};
+use serde_json::json;
+
+/// 5 ms of release in one step of 0.52 s, and any other.
+#[test]
+fn a_release_is_met_however_short() {
+    let stops = [rigid(Quantity::Slide, -1.0, 0.0, 0.0)];
+    let scene = Scene { machine: Machine::Block(2.0), ..block(&stops) };
+    for (peak, bend, center, span) in
+        [(1e4, 1.6e9, 0.5078, 0.52), (1.0, 1e6, 0.01, 0.02), (1e-2, 1e7, 0.3, 1.0), (1e3, 1e8, 7.77, 10.0)]
+    {
+        let half = f64::sqrt(peak / bend);
+        // The speed of the way back to the stop is that of all steps shorter than the release.
+        let mut ends = Vec::new();
+        for cuts in [vec![center + half, span - center - half], vec![center - half, half, half, span - center - half]] {
+            let mut run = scene.run();
+            let mut t = 0.0;
+            for h in cuts {
+                run.set("load.force", peak - bend * (t - center) * (t - center));
+                run.set_derivative("load.force", 1, -2.0 * bend * (t - center));
+                run.set_derivative("load.force", 2, -2.0 * bend);
+                run.step(h);
+                t += h;
+                if (t - center - half).abs() < 0.1 * half {
+                    ends.push((run.get("slide.position"), run.get("slide.speed")));
+                }
+            }
+        }
+        let speed = 4.0 / 3.0 * peak * half / 2.0;
+        for (x, v) in &ends {
+            assert!((v - speed).abs() < 1e-3 * speed && *x > 0.0, "{peak} {bend}: {x} {v} {speed}");
+        }
+        assert_eq!(ends.len(), 2);
+    }
+}
+
+/// Within a step that goes from one revolution of a closed curve to the next, a crank comes to rest at a stop there.
+#[test]
+fn rest_in_another_revolution_is_rest_at_the_stop() {
+    let start = 1.0398903345316985;
+    for k in 0..40 {
+        let length = 0.46868801572172875 + 1e-3 * f64::from(k);
+        let machine = Machine::Crank(0.4, 1.3750900431962578);
+        let stop = rigid(Quantity::Distance, 1.0, length, 0.0);
+        let scene = Scene { machine, start: [start, 0.0], stops: vec![stop], lock: None, phases: vec![] };
+        for parts in [1, 7] {
+            let mut run = scene.run();
+            // The curve begins at the start, so the first step ends in the revolution before.
+            run.set("load.torque", -10.515086458192942);
+            run.step(0.02);
+            run.set("load.torque", 76.0);
+            (0..parts).for_each(|_| run.step(0.5 / f64::from(parts)));
+            let [distance, _] = machine.quantity(Quantity::Distance, run.get("crank.angle"));
+            assert!((distance - length).abs() < 1e-12 && run.get("crank.speed") == 0.0, "{distance} {length}");
+            assert!(run.is("s0.reached"), "at {length} in {parts} steps");
+        }
+    }
+}
+
+/// From rest at a stop under its weight, lifted by a drive with losses whose force changes its sign, or by a wind that
+/// turns: the instant of release in closed form, in one long step.
+#[test]
+fn a_release_by_a_drive_with_losses_or_by_the_wind_is_met() {
+    let (g, efficiency, area): (f64, f64, f64) = (9.81, 0.5, 0.3);
+    let scene = Scene { machine: Machine::Block(1.0), ..block(&[rigid(Quantity::Slide, -1.0, 0.0, 0.0)]) };
+    let definition = changed(&scene.definition(), |json| {
+        json["gravity"] = json!({ "acceleration": g, "up_angle": 0 });
+        json["actuators"]["load"]["efficiency"] = json!(efficiency);
+        json["air"] = json!({ "density": 1.2, "flow_angle": 0 });
+        json["surfaces"] = json!({ "sail": { "at": "block.origin", "area": area, "drag_coefficient": 1 } });
+    });
+    // By how much the input passes what lifts the block, how fast it bends, where it is largest, the whole step.
+    for (surplus, bend, center, span) in [(0.5, 1e3, 0.3, 1.0), (1e-3, 1e4, 4.321, 5.0), (1e-5, 300.0, 0.01, 2.0)] {
+        let half = f64::sqrt(surplus / bend);
+        let speed = f64::sqrt(g / (0.5 * 1.2 * area));
+        for (input, least) in [("load.force", g / efficiency), ("airspeed", speed)] {
+            let peak = least + surplus;
+            let set = |run: &mut Run, t: f64| {
+                run.set(input, peak - bend * (t - center) * (t - center));
+                run.set_derivative(input, 1, -2.0 * bend * (t - center));
+                run.set_derivative(input, 2, -2.0 * bend);
+            };
+            let mut run = Run::new(&definition).started();
+            set(&mut run, 0.0);
+            run.step(center - half * (1.0 + 1e-6));
+            assert!(
+                run.get("slide.position").abs() < 1e-15 && run.get("slide.speed") == 0.0,
+                "{input} {surplus}: held"
+            );
+            // From there on in one long step, and in short ones, to the middle of the release.
+            let mut run = Run::new(&definition).started();
+            set(&mut run, 0.0);
+            run.step(center);
+            // The surplus of force: a parabola that grows from 0 to its peak over `half`.
+            let lift = if input == "airspeed" { 1.2 * area * speed * surplus } else { efficiency * surplus };
+            let expected = lift * half * (2.0 / 3.0);
+            let v = run.get("slide.speed");
+            assert!(
+                (v - expected).abs() < (0.2 * surplus + 1e-6) * expected + 1e-15,
+                "{input} {surplus}: {v} {expected}"
+            );
+            // The whole step holds the block again at its end, after a flight.
+            let mut run = Run::new(&definition).started();
+            set(&mut run, 0.0);
+            run.step(span);
+            assert!(run.get("slide.position").abs() < 1e-15 && run.get("slide.speed") == 0.0, "{input} {surplus}");
+            assert!(run.get("energy.drift").abs() < 1e-9 && run.is("s0.reached"));
+        }
+    }
+}
+
+/// A four-bar linkage goes back beyond the place from which its curve is counted, and comes to rest at a stop on the
+/// other side: its position is that of the stop to the bit, so that the flag is true and a lock that is engaged holds.
+#[test]
+fn rest_at_a_stop_is_at_the_stop_in_whatever_revolution_it_is_counted() {
+    let definition = json!({
+        "name": "Scene",
+        "bodies": {
+            "ground": { "points": { "a": [0.0, 0.0], "d": [0.45679669370187065, 0.0], "post": [0.2, 0.7] } },
+            "crank": {
+                "length": 0.35515352391385724, "mass": 5.383184001376022, "inertia": 0.07403431620696398,
+                "center": [0.22042932275433227, -0.021492749518821644],
+            },
+            "coupler": {
+                "length": 0.5651921891635404, "mass": 2.691592000688011, "inertia": 0.10780625084651567,
+                "center": [0.19205191309471836, -0.018472289916182206],
+            },
+            "follower": {
+                "length": 0.5234039169052543, "mass": 10.766368002752044, "inertia": 0.20005039601392613,
+                "center": [0.2957000887509702, 0.03671456618773459],
+            },
+        },
+        "joints": {
+            "a": { "type": "revolute", "first": "ground.a", "second": "crank.origin" },
+            "b": { "type": "revolute", "first": "crank.end", "second": "coupler.origin" },
+            "c": { "type": "revolute", "first": "coupler.end", "second": "follower.end" },
+            "d": { "type": "revolute", "first": "ground.d", "second": "follower.origin" },
+        },
+        "actuators": { "load": { "joint": "a" } },
+        "stops": {
+            "s0": {
+                "body": "crank", "limit": "lower", "angle": -3.1020440638990388, "rigid": false,
+                "stiffness": 10.507332165627965,
+            },
+            "s1": { "body": "crank", "limit": "upper", "angle": -2.2771213335831813 },
+        },
+        "locks": { "latch": { "stop": "s1", "at": "crank.end" } },
+        "start": { "body": "crank", "angle": -2.348081666313255, "speed": -2.9501375040218285 },
+        "guess": { "coupler": -0.42684736584334504, "crank": -2.348081666313255, "follower": -1.9451670171654327 },
+        "solver": { "tolerance": 2.3004947677142523e-8 },
+    });
+    let mut run = Run::new(&definition.to_string()).started();
+    run.set("load.torque", 43.30438005112297);
+    run.steps(7, 0.32297009838491525);
+    assert!((run.get("crank.angle") + 2.2771213335831813).abs() < 1e-14 && run.is("s1.reached"));
+    run.set("latch.engage", true);
+    run.set("load.torque", -40.0);
+    run.steps(3, 0.5);
+    assert!((run.get("crank.angle") + 2.2771213335831813).abs() < 1e-14 && run.is("s1.reached"));
+    assert!(run.get("latch.force") != 0.0);
+    run.set("latch.engage", false);
+    run.step(0.1);
+    assert!(!run.is("s1.reached"));
+}
