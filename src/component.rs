@@ -9,6 +9,7 @@ use crate::format::Experiment;
 use crate::hydraulics::{self, HydraulicsError};
 use crate::inspection::{Finding, Inspection};
 use crate::integrator::Method;
+use crate::mechanism::Line;
 use crate::mechanism::{self, ModelError};
 use crate::variables::{Interface, Reference, Terminal};
 use std::fmt;
@@ -205,6 +206,14 @@ impl Component {
         }
     }
 
+    /// What was done to the definition so that it gives the model that is meant, for logs.
+    pub fn remarks(&self) -> Vec<String> {
+        match self {
+            Self::Mechanism(model) => model.remarks(),
+            Self::Hydraulic(_) => Vec::new(),
+        }
+    }
+
     /// Default experiment.
     pub fn experiment(&self) -> Experiment {
         each!(self, model => model.experiment())
@@ -295,15 +304,23 @@ impl Component {
         fn initialize(self: &mut Self) -> ();
     }
 
-    /// Advance by exactly `h` [s], > 0, or as far as `solver.max_steps` allows.
+    /// [`Self::step_from`] at the model's own time since the start.
+    ///
+    /// # Errors
+    /// As [`Self::step_from`].
+    pub fn step(&mut self, h: f64) -> Result<Stepped, Refused> {
+        self.step_from(None, h)
+    }
+
+    /// Advance from the host's time `point` [s], if it has one, by exactly `h` [s], > 0, or as far as `solver.max_steps` allows.
     ///
     /// # Errors
     /// Refused before the step began, without any change: not initialised, `h` out of range, inputs whose loads
     /// overflow.
     #[inline]
-    pub fn step(&mut self, h: f64) -> Result<Stepped, Refused> {
+    pub fn step_from(&mut self, point: Option<f64>, h: f64) -> Result<Stepped, Refused> {
         match self {
-            Self::Mechanism(model) => model.step(h).map_or_else(stepped, |()| Ok(Stepped::Whole)),
+            Self::Mechanism(model) => model.step_from(point, h).map_or_else(stepped, |()| Ok(Stepped::Whole)),
             Self::Hydraulic(model) => model.step(h).map_or_else(stepped_hydraulic, |()| Ok(Stepped::Whole)),
         }
     }
@@ -332,6 +349,23 @@ impl Component {
         match self {
             Self::Mechanism(model) => model.take_growth(),
             Self::Hydraulic(_) => None,
+        }
+    }
+
+    /// Keep events in steps, or details, for [`Self::take_occurrences`], or do not.
+    #[inline]
+    pub fn listen(&mut self, events: bool, details: bool) {
+        if let Self::Mechanism(model) = self {
+            model.listen(events, details);
+        }
+    }
+
+    /// What happened in the last step, which began at the time `point` [s], in words; nothing mostly.
+    #[inline]
+    pub fn take_occurrences(&mut self, point: f64) -> Vec<Line> {
+        match self {
+            Self::Mechanism(model) => model.take_occurrences(point),
+            Self::Hydraulic(_) => Vec::new(),
         }
     }
 

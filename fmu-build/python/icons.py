@@ -28,6 +28,21 @@ STEPS = 20
 """Steps after the start among which a mechanism that starts flat is drawn."""
 BODY, DRIVE, GROUND = "#24527a", "#d9822b", "#555555"
 
+OIL = "#ecc195"
+"""Oil in a chamber: the colour of a drive, half transparent on white."""
+CYLINDER = (
+    ((0.00, 1.00), (0.0, 0.0), DRIVE, 2.0),
+    ((0.18, 0.18), (0.0, -0.30), DRIVE, 1.4),
+    ((0.66, 0.66), (0.0, -0.30), DRIVE, 1.4),
+    ((0.08, 0.76), (0.0, 0.0), DRIVE, 8.4),
+    ((0.11, 0.73), (0.0, 0.0), "white", 6.0),
+    ((0.11, 0.34), (0.0, 0.0), OIL, 6.0),
+    ((0.34, 0.41), (0.0, 0.0), DRIVE, 6.0),
+    ((0.41, 0.76), (0.0, 0.0), DRIVE, 2.0),
+)
+"""Lines of a hydraulic drive from end to end: parts of its length along it and aside, colour, width. Rod, ports,
+barrel, its inside, the chamber on the side of the piston, the piston, the rod within."""
+
 Place = tuple[complex, complex]
 """Origin of a body [m], as x + i y, and the direction of its x axis."""
 
@@ -87,16 +102,25 @@ class Figure:
         axes.set_aspect("equal")
         axes.axis("off")
 
-        def line(ends: list[complex], colour: str, width: float) -> None:
+        def line(ends: list[complex], colour: str, width: float, *, square: bool = False) -> None:
             x, y = [p.real for p in ends], [p.imag for p in ends]
-            axes.plot(x, y, color=colour, linewidth=width, solid_capstyle="round")
+            axes.plot(x, y, color=colour, linewidth=width, solid_capstyle="butt" if square else "round")
 
         for name in self.places:
             own = [self.at(f"{name}.{point}") for point in points(self.bodies[name])]
             for end in own[1:]:
                 line([own[0], end], GROUND if name == "ground" else BODY, 0.8 if name == "ground" else 3.0)
         for drive in self.drives:
-            line([self.at(drive["first"]), self.at(drive["second"])], DRIVE, 2.2)
+            ends = self.at(drive["first"]), self.at(drive["second"])
+            if "hydraulics" not in drive:
+                line(list(ends), DRIVE, 2.2)
+                continue
+            for parts, aside, colour, width in CYLINDER:
+                offsets = [complex(part, off) for part, off in zip(parts, aside, strict=True)]
+                line([ends[0] + offset * (ends[1] - ends[0]) for offset in offsets], colour, width, square=True)
+            for end in ends:
+                pin = {"color": "white", "markeredgecolor": BODY, "markersize": 2.4, "markeredgewidth": 0.8}
+                axes.plot(end.real, end.imag, "o", **pin)
         for joint in self.joints:
             pin = self.at(joint["first"])
             colour = GROUND if "ground" in joint["first"] + joint["second"] else "white"

@@ -4,24 +4,10 @@
 use crate::workspace::Workspace;
 use crate::{command, package};
 use anyhow::Result;
-use clap::Args;
+pub use fmu_cli::Bench as Arguments;
 use std::env;
-use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::Command;
-
-/// What the command line says.
-#[derive(Args)]
-pub struct Arguments {
-    /// `importers`: the landing gear in FMPy, libcosim and ECOS; `peers`: work against error beside other solvers and
-    /// multibody programs; `plots`: figures from the tables' CSV; all else goes to the validation package as it is:
-    /// nothing for the tables of run times, `instructions` for callgrind's counts, `cosim` for the coupling of the packed
-    /// FMUs by every scheme (`--write` writes the page; `circuit` takes the circuit in plain numbers), `stress` for the
-    /// stress suite and 600 random linkages of each property, `attack` for random histories, states, definitions and
-    /// scenes, with `--minutes N`, `--seed S`, `--only PART`, `--count N`, `--threads N`, `--verbose`, `--write`
-    #[arg(value_name = "ARGS", trailing_var_arg = true, allow_hyphen_values = true)]
-    pub rest: Vec<OsString>,
-}
 
 /// Run the benchmarks, the importers or the other tools, or draw the figures.
 ///

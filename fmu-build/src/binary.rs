@@ -6,10 +6,10 @@
 use crate::archive::Entry;
 use crate::files;
 use anyhow::{Context, Result, bail};
+use fmu_cli::Library;
 use object::read::NameOrOrdinal;
 use object::read::macho::{FatArch, MachOFatFile32, MachOFatFile64};
 use object::{Architecture, BinaryFormat, FileKind, Object, ObjectKind};
-use std::path::PathBuf;
 
 /// A function that every library of an FMU has.
 const FUNCTION: &str = "fmi2Instantiate";
@@ -43,27 +43,6 @@ const PLATFORMS: [Platform; 6] = [
     },
 ];
 
-/// A platform and a file, as the command line names them.
-#[derive(Clone, Debug)]
-pub struct Named {
-    platform: &'static Platform,
-    file: PathBuf,
-}
-
-/// `PLATFORM=PATH`.
-///
-/// # Errors
-/// Another form, or an unknown platform.
-pub fn parse(text: &str) -> Result<Named, String> {
-    let known = || PLATFORMS.map(|platform| platform.name).join(", ");
-    let (name, file) = text.split_once('=').ok_or_else(|| format!("write PLATFORM=PATH; platforms: {}", known()))?;
-    let platform = PLATFORMS
-        .iter()
-        .find(|platform| platform.name == name)
-        .ok_or_else(|| format!("there is no platform {name} in FMI 2.0; platforms: {}", known()))?;
-    Ok(Named { platform, file: file.into() })
-}
-
 /// A library that was looked at.
 #[derive(Debug)]
 pub struct Binary {
@@ -76,8 +55,11 @@ impl Binary {
     ///
     /// # Errors
     /// There is no such file, or it is no library of the platform.
-    pub fn read(named: &Named) -> Result<Self> {
-        let (file, platform) = (named.file.display(), named.platform);
+    pub fn read(named: &Library) -> Result<Self> {
+        let file = named.file.display();
+        let Some(platform) = PLATFORMS.iter().find(|platform| platform.name == named.platform) else {
+            bail!("there is no platform {} in FMI 2.0", named.platform);
+        };
         if !named.file.is_file() {
             bail!("{file}: there is no such file; name the library for {}", platform.name);
         }
@@ -167,6 +149,8 @@ fn exports(library: &object::File) -> Result<Vec<String>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fmu_cli::library;
+    use std::path::PathBuf;
 
     fn platform(name: &str) -> &'static Platform {
         PLATFORMS.iter().find(|platform| platform.name == name).unwrap()
@@ -174,11 +158,12 @@ mod tests {
 
     #[test]
     fn a_platform_and_a_path_are_named() {
-        let named = parse("win64=a b=c.dll").unwrap();
-        assert_eq!((named.platform.name, named.file), ("win64", PathBuf::from("a b=c.dll")));
-        assert!(parse("win64").unwrap_err().contains("PLATFORM=PATH"));
-        let message = parse("win16=x.dll").unwrap_err();
+        let named = library("win64=a b=c.dll").unwrap();
+        assert_eq!((named.platform, named.file), ("win64", PathBuf::from("a b=c.dll")));
+        assert!(library("win64").unwrap_err().contains("PLATFORM=PATH"));
+        let message = library("win16=x.dll").unwrap_err();
         assert!(message.contains("win16") && message.contains("win32, win64, linux32"), "{message}");
+        assert_eq!(PLATFORMS.map(|platform| platform.name), fmu_cli::PLATFORMS);
     }
 
     #[test]
@@ -190,7 +175,7 @@ mod tests {
                 assert!(check(platform, content).is_err(), "{content:?}");
             }
         }
-        let missing = parse("win64=no/such.dll").unwrap();
+        let missing = library("win64=no/such.dll").unwrap();
         assert!(Binary::read(&missing).unwrap_err().to_string().contains("no/such.dll: there is no such file"));
     }
 

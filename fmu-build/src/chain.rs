@@ -7,27 +7,12 @@
 //! bars lie flat.
 
 use anyhow::{Context, Result};
-use clap::Args;
+pub use fmu_cli::Chain as Arguments;
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write;
 use std::fs;
-use std::path::PathBuf;
 
 use crate::workspace::MECHANISM;
-
-/// Most four-bars.
-const LONGEST: i64 = 80;
-
-/// What the command line says.
-#[derive(Args)]
-pub struct Arguments {
-    /// Number of four-bars, at most 80: packed in 2 s; longer chains are not all accepted where their bars lie flat
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=LONGEST))]
-    pub count: u32,
-    /// A file that ends in .json, or a folder, written as resources/mechanism.json in it [default: standard output]
-    #[arg(long, value_name = "PATH")]
-    pub out: Option<PathBuf>,
-}
 
 /// Write the mechanism.
 ///

@@ -7,36 +7,13 @@ mod faults;
 mod print;
 mod spans;
 
-use crate::files;
-use crate::source::Source;
+use crate::source::Definition;
 use crate::workspace::Workspace;
-use anyhow::{Context, Result, bail};
-use clap::Args;
+use anyhow::Result;
 pub use faults::Located;
-use linkage_fmu::component::Component;
-use linkage_fmu::fmi::LARGEST_DEFINITION;
+pub use fmu_cli::Check as Arguments;
 use linkage_fmu::inspection::{Inspection, Severity};
 pub use print::{findings, json, listed, summary};
-use std::io::{Cursor, Read};
-use std::path::{Path, PathBuf};
-use zip::ZipArchive;
-
-/// Largest FMU that is read [bytes].
-const LARGEST_FMU: u64 = 1 << 30;
-
-/// What the command line says.
-#[derive(Args)]
-pub struct Arguments {
-    /// A definition file (mechanism.json), a folder that holds one, or an FMU
-    #[arg(value_name = "PATH", required = true)]
-    pub paths: Vec<PathBuf>,
-    /// Print findings and facts as JSON, a list with one object for each path
-    #[arg(long)]
-    pub json: bool,
-    /// End with the exit code 1 on warnings too
-    #[arg(long)]
-    pub deny_warnings: bool,
-}
 
 /// A definition that was checked.
 pub struct Checked {
@@ -66,7 +43,7 @@ impl Checked {
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
     let mut all = Vec::new();
     for path in &arguments.paths {
-        let (shown, kind, text) = read(workspace, path)?;
+        let Definition { shown, kind, text } = Definition::read(workspace, path)?;
         all.push(check(shown, kind, text)?);
     }
     match arguments.json {
@@ -86,28 +63,4 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
 pub fn check(shown: String, kind: &str, text: String) -> Result<Checked> {
     let faults::All { inspection, located, is_whole } = faults::all(kind, &text)?;
     Ok(Checked { shown, text, findings: located, is_whole, inspection })
-}
-
-/// Name, kind and text of the definition to which a path leads.
-fn read(workspace: &Workspace, path: &Path) -> Result<(String, &'static str, String)> {
-    let is_fmu = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("fmu"));
-    if !(is_fmu && path.is_file()) {
-        let source = Source::find(workspace, path)?;
-        return Ok((source.definition.display().to_string(), source.kind(), source.text()?));
-    }
-    let shown = path.display();
-    let bytes = files::read(path, LARGEST_FMU)?;
-    let mut archive = ZipArchive::new(Cursor::new(bytes)).with_context(|| format!("{shown}: is no FMU"))?;
-    for kind in Component::definition_files() {
-        let name = format!("resources/{kind}");
-        let Ok(entry) = archive.by_name(&name) else { continue };
-        let mut bytes = Vec::new();
-        entry.take(LARGEST_DEFINITION + 1).read_to_end(&mut bytes).with_context(|| format!("{shown}: {name}"))?;
-        if bytes.len() as u64 > LARGEST_DEFINITION {
-            bail!("{shown}: {name} has more than {LARGEST_DEFINITION} bytes; is it the right file?");
-        }
-        let text = String::from_utf8(bytes).ok().with_context(|| format!("{shown}: {name} is not UTF-8 text"))?;
-        return Ok((format!("{shown}/{name}"), kind, text));
-    }
-    bail!("{shown}: holds no resources/{}; is it an FMU of this program?", Component::definition_files().join(" or "))
 }

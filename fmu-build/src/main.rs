@@ -1,35 +1,14 @@
 //! The command line of `cargo fmu`. Exit codes: 0 done, 1 refused with one line or with what `check` has found, 2 wrong
-//! usage.
+//! usage, 130 stopped by Ctrl-C.
 
-use clap::{Parser, Subcommand};
+use clap::Parser;
 use fmu_build::workspace::Workspace;
-use fmu_build::{bench, chain, check, package, report, test};
+use fmu_build::{bench, chain, check, package, report, simulate, test, view};
+use fmu_cli::{Cli, Task};
 use std::process::ExitCode;
 
-#[derive(Parser)]
-#[command(name = "cargo fmu", bin_name = "cargo fmu", version, about = "Builds, tests and demonstrates the FMUs")]
-struct Cli {
-    #[command(subcommand)]
-    task: Task,
-}
-
-#[derive(Subcommand)]
-enum Task {
-    /// Pack mechanisms into target/fmu/<Name>.fmu
-    Package(package::Arguments),
-    /// Tell what is wrong with a mechanism, where it can go, and what it weighs
-    Check(check::Arguments),
-    /// Run the retraction through FMPy: figures, table, plot
-    Demo(report::Demo),
-    /// Write the mechanism of a chain of N four-bars
-    Chain(chain::Arguments),
-    /// Recompute the papers' figures through FMPy: validation/report.md, validation/figures
-    Report(report::Arguments),
-    /// Run every test: Rust, packaging, Python style, FMPy
-    Test,
-    /// Run the benchmarks of the validation package
-    Bench(bench::Arguments),
-}
+/// Exit code after Ctrl-C, as shells have it.
+const INTERRUPTED: u8 = 130;
 
 fn main() -> ExitCode {
     let workspace = Workspace::locate();
@@ -38,6 +17,16 @@ fn main() -> ExitCode {
         Task::Check(arguments) => match check::run(&workspace, &arguments) {
             Ok(true) => Ok(()),
             Ok(false) => return ExitCode::FAILURE,
+            Err(error) => Err(error),
+        },
+        Task::View(arguments) => match view::run(&workspace, &arguments) {
+            Ok(true) => Ok(()),
+            Ok(false) => return ExitCode::FAILURE,
+            Err(error) => Err(error),
+        },
+        Task::Simulate(arguments) => match simulate::run(&workspace, &arguments) {
+            Ok(simulate::Outcome::Complete) => Ok(()),
+            Ok(simulate::Outcome::Interrupted) => return ExitCode::from(INTERRUPTED),
             Err(error) => Err(error),
         },
         Task::Demo(arguments) => report::demo(&workspace, &arguments),

@@ -4,39 +4,20 @@
 //! `modelDescription.xml`.
 
 use crate::archive::{self, Entry, MODEL_DESCRIPTION};
-use crate::binary::{self, Binary};
+use crate::binary::Binary;
 use crate::source::{self, Companions, Source};
 use crate::workspace::{DEFAULT_FMU, Workspace};
 use crate::xml::{fmi2, terminals};
 use crate::{check, files, library, page, schema, ssp};
 use anyhow::{Context, Result, bail};
-use clap::Args;
+use fmu_cli::Library;
+pub use fmu_cli::Package as Arguments;
 use linkage_fmu::component::Component;
 use linkage_fmu::inspection::Severity;
 use linkage_fmu::variables::Interface;
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-
-/// What the command line says.
-#[derive(Args, Default)]
-pub struct Arguments {
-    /// A definition file (mechanism.json), or a folder that holds one [default: modelDescription/LandingGearRetraction]
-    #[arg(value_name = "PATH", conflicts_with = "all")]
-    pub paths: Vec<PathBuf>,
-    /// Every folder of modelDescription/, and the system of the landing gear and its hydraulic actuator
-    #[arg(long)]
-    pub all: bool,
-    /// The landing gear and its hydraulic actuator, and the system of both as an SSP package
-    #[arg(long, conflicts_with_all = ["paths", "all"])]
-    pub ssp: bool,
-    /// Folder for the FMUs [default: target/fmu in the repository]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// One more platform's library, built elsewhere from this same version (win64=path/to.dll); may be given repeatedly
-    #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = binary::parse)]
-    pub binaries: Vec<binary::Named>,
-}
 
 /// A checked definition, ready to be packed.
 struct Prepared {
@@ -105,7 +86,7 @@ pub fn default(workspace: &Workspace) -> Result<PathBuf> {
 }
 
 /// The libraries of other platforms.
-fn further(named: &[binary::Named]) -> Result<Vec<Binary>> {
+fn further(named: &[Library]) -> Result<Vec<Binary>> {
     let mut binaries: Vec<Binary> = Vec::new();
     for named in named {
         let binary = Binary::read(named)?;

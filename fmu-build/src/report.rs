@@ -7,33 +7,14 @@
 use crate::workspace::{DEFAULT_FMU, Workspace};
 use crate::{command, package, ssp};
 use anyhow::{Context, Result};
-use clap::Args;
-use std::path::{self, PathBuf};
+pub use fmu_cli::{Demo, Report as Arguments};
+use std::path;
 use std::process::Command;
 
 /// FMU of gear and hydraulic actuator as one system.
 const WHOLE: &str = "LandingGearRetractionHydraulic";
 /// FMUs that the report runs.
 const FMUS: [&str; 3] = [DEFAULT_FMU, "SliderCrank", "Jib"];
-
-/// What the command line of the report says.
-#[derive(Args)]
-pub struct Arguments {
-    /// Folder for what is written [default: validation in the repository]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-}
-
-/// What the command line of the demo says.
-#[derive(Args)]
-pub struct Demo {
-    /// Retract by the hydraulic actuator: both FMUs coupled by several schemes, beside the FMU of both as one system
-    #[arg(long)]
-    pub hydraulic: bool,
-    /// Folder for what is written [default: target/demo]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-}
 
 /// Retract the landing gear: pack the default FMU, or it and the hydraulic actuator, and run the demo on it.
 ///

@@ -5,7 +5,8 @@
 use crate::archive::{self, Entry};
 use crate::xml::ssd::{self, Part, System};
 use anyhow::{Context, Result};
-use linkage_fmu::variables::{Value, Variable};
+use linkage_fmu::hydraulics::ACTUATOR;
+use linkage_fmu::variables::{Causality, Value, Variable};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -13,16 +14,6 @@ use std::path::{Path, PathBuf};
 const NAME: &str = "LandingGearRetractionWithHydraulics";
 /// The FMUs, by their folders in `modelDescription/`.
 pub const FMUS: [&str; 2] = ["LandingGearRetraction", "HydraulicActuator"];
-/// Variables of the actuator that both FMUs have under one name.
-const MOTION: [&str; 7] = [
-    "actuator.length",
-    "actuator.speed",
-    "actuator.acceleration",
-    "actuator.reduced_mass",
-    "actuator.reduced_mass_derivative",
-    "actuator.holding_force",
-    "actuator.holding_force_derivative",
-];
 /// End of the retraction, with some time to spare [s].
 const STOP_TIME: f64 = 4.5;
 
@@ -46,7 +37,9 @@ pub fn write(out: &Path, fmus: [(&Path, &[Variable]); 2]) -> Result<PathBuf> {
 
 /// The system structure: scene H1 of the coupling benchmark.
 fn structure([gear, hydraulics]: [&[Variable]; 2]) -> Result<String> {
-    let mut connections: Vec<[(usize, &str); 2]> = MOTION.iter().map(|name| [(0, *name), (1, *name)]).collect();
+    // Both FMUs have what the gear tells of its motion and of itself under one name.
+    let told = hydraulics.iter().filter(|v| v.causality == Causality::Input && v.name.starts_with(ACTUATOR));
+    let mut connections: Vec<[(usize, &str); 2]> = told.map(|v| [(0, v.name.as_str()), (1, v.name.as_str())]).collect();
     connections.push([(1, "preview.force_mean"), (0, "actuator.force")]);
     let of_gear = [("downstop.enabled", Value::Boolean(false))];
     let of_hydraulics = [("command.ramp_amplitude", 0.65), ("command.ramp_time", 0.1), ("preview.horizon", 1e-3)]

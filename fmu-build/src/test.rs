@@ -9,6 +9,8 @@ use std::time::Instant;
 
 /// Environment variable with the folder of the FMUs, for the Python tests.
 const FMU_FOLDER: &str = "LINKAGE_FMU_DIR";
+/// Environment variable with this program, for the browser tests, which let it write pages.
+const VIEW: &str = "LINKAGE_VIEW";
 /// Environment variable with the seed of proptest's random cases.
 const SEED: &str = "PROPTEST_RNG_SEED";
 
@@ -39,7 +41,17 @@ pub fn run(workspace: &Workspace) -> Result<()> {
             .current_dir(workspace.root());
         command::run(&mut pytest, "pytest")
     })?;
-    println!("all tests passed: Rust, packaging, Python style, FMPy ({:.0} s)", start.elapsed().as_secs_f64());
+    let folder = workspace.browser_tests();
+    let python = stage("Python environment of the browser tests", || {
+        command::environment(&workspace.target("venv-browser"), &folder.join("requirements.txt"))
+    })?;
+    stage("browser tests", || {
+        let program = std::env::current_exe().context("this program has no path")?;
+        let mut pytest = Command::new(&python);
+        pytest.args(["-m", "pytest", "-q"]).arg(&folder).env(VIEW, program).current_dir(workspace.root());
+        command::run(&mut pytest, "pytest")
+    })?;
+    println!("all tests passed: Rust, packaging, Python style, FMPy, browser ({:.0} s)", start.elapsed().as_secs_f64());
     Ok(())
 }
 

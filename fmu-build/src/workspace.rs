@@ -65,6 +65,11 @@ impl Workspace {
         self.root.join("tests").join("fmpy")
     }
 
+    /// The tests of pages in a browser, with their requirements.
+    pub fn browser_tests(&self) -> PathBuf {
+        self.root.join("tests").join("browser")
+    }
+
     /// The Python scripts of the demo.
     pub fn python_scripts(&self) -> PathBuf {
         self.root.join("fmu-build").join("python")

@@ -44,6 +44,7 @@ pub fn instantiate(
     let refusal = match catch_unwind(AssertUnwindSafe(load)) {
         Ok(Ok(component)) => {
             component.warnings().iter().for_each(|warning| logger.remark(&warning.to_string()));
+            component.remarks().iter().for_each(|remark| logger.remark(remark));
             let instance = UnsafeCell::new(Instance::new(logger, component));
             return Box::into_raw(Box::new(Handle { word: AtomicU64::new(IDLE), instance })).cast();
         }

@@ -291,6 +291,14 @@ impl Instance {
         Ok(())
     }
 
+    /// Log what happened in a step that began at the time `point` [s].
+    #[cold]
+    fn tell(&mut self, point: f64) {
+        for line in self.component.take_occurrences(point) {
+            if line.is_detail { self.logger.detail(&line.text) } else { self.logger.event(|| line.text) }
+        }
+    }
+
     /// Advance by exactly `h` [s] from the present communication point.
     ///
     /// The time after the step is the host's `point` plus `h`, so that the rounding of the host's sums is never counted
@@ -299,12 +307,16 @@ impl Instance {
     /// reached. A warning comes after a step that is done.
     pub fn do_step(&mut self, point: f64, h: f64) -> Result<(), Refusal> {
         let end = self.clock.end_of_step(point, h)?;
-        match self.component.step(h)? {
+        let (events, details) = (self.logger.has_events(), self.logger.has_details());
+        self.component.listen(events, details);
+        let stepped = self.component.step_from(Some(point), h)?;
+        if events || details {
+            self.tell(point);
+        }
+        match stepped {
             Stepped::Whole => {
                 self.clock.time = end;
-                if self.logger.has_events()
-                    && let Some(growth) = self.component.take_growth()
-                {
+                if events && let Some(growth) = self.component.take_growth() {
                     self.logger.event(|| format!("at t = {end} s {growth}"));
                 }
                 self.component.take_warning().map_or(Ok(()), |warning| Err(Refusal::warning(warning)))

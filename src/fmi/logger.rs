@@ -14,12 +14,13 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// The log categories of the FMU, name and description, in the order of the XML. The category of a verdict is at its
 /// index; `logAll` stands for all others.
-pub const LOG_CATEGORIES: [(&CStr, &str); 6] = [
-    (c"logEvents", "Changes of mode, where the mechanism was read, and what the integration cost"),
+pub const LOG_CATEGORIES: [(&CStr, &str); 7] = [
+    (c"logEvents", "Changes of mode, impacts, contacts and locks with their times, and what the integration cost"),
     (c"logStatusWarning", "Calls that were done although something about them is unusual; outputs without a value"),
     (c"logStatusDiscard", "Questions of the host that have no answer, and steps made in part"),
     (c"logStatusError", "Calls that were refused or failed, and why"),
     (c"logStatusFatal", "Faults inside the FMU; the instance is lost"),
+    (c"logDebug", "Changes of the regime of friction in each joint"),
     (c"logAll", "All messages"),
 ];
 
@@ -27,6 +28,8 @@ const fn bit(verdict: Verdict) -> u8 {
     1 << verdict as u8
 }
 
+/// Index of the category of details.
+const DETAILS: usize = LOG_CATEGORIES.len() - 2;
 /// Warnings that are the answer to a call; those beside the answer OK have the bit of the category.
 const WARNING_ANSWER: u8 = 1 << (LOG_CATEGORIES.len() - 1);
 const ALL: u8 = 2 * WARNING_ANSWER - 1;
@@ -55,14 +58,14 @@ impl Logger {
     /// Report why a call is answered with this verdict.
     pub fn log(&self, verdict: Verdict, message: &str) {
         if self.is_on(verdict) {
-            self.write(verdict, message);
+            self.write(verdict, verdict as usize, message);
         }
     }
 
     /// Report something unusual about a call that is answered with OK.
     pub fn remark(&self, message: &str) {
         if self.enabled & bit(Verdict::Warning) != 0 {
-            self.write(Verdict::Warning, message);
+            self.write(Verdict::Warning, Verdict::Warning as usize, message);
         }
     }
 
@@ -71,19 +74,31 @@ impl Logger {
         self.sink.is_some() && self.is_on(Verdict::Ok)
     }
 
+    /// Whether details of events are reported.
+    pub fn has_details(&self) -> bool {
+        self.sink.is_some() && self.enabled & 1 << DETAILS != 0
+    }
+
+    /// Report a detail of what happens.
+    pub fn detail(&self, message: &str) {
+        if self.has_details() {
+            self.write(Verdict::Ok, DETAILS, message);
+        }
+    }
+
     /// Report an event; the text is only made if the category is on.
     pub fn event(&self, message: impl FnOnce() -> String) {
         if self.has_events() {
-            self.write(Verdict::Ok, &message());
+            self.write(Verdict::Ok, Verdict::Ok as usize, &message());
         }
     }
 
     /// Pass a message on under the category of the verdict, as one line of at most [`LONGEST`] bytes: a control
     /// character inside the text, as a path may hold it, is made visible. What the host's logger throws ends here.
-    fn write(&self, verdict: Verdict, message: &str) {
+    fn write(&self, verdict: Verdict, category: usize, message: &str) {
         let Some(sink) = &self.sink else { return };
         if let Ok(message) = CString::new(shortened(on_one_line(message))) {
-            let category = LOG_CATEGORIES[verdict as usize].0;
+            let category = LOG_CATEGORIES[category].0;
             let _ = catch_unwind(AssertUnwindSafe(|| sink(verdict, category, &message)));
         }
     }
@@ -131,9 +146,9 @@ fn shortened(line: String) -> String {
     format!("{} ... ({} bytes left out) ... {}", &line[..first], last - first, &line[last..])
 }
 
-/// Categories that are on if the host names none.
+/// Categories that are on if the host names none: details are told to those only who ask for them.
 fn unnamed(logging_on: bool) -> u8 {
-    if logging_on { ALL } else { ANSWERS }
+    if logging_on { ALL & !(1 << DETAILS) } else { ANSWERS }
 }
 
 fn bits(category: &CStr) -> Result<u8, Refusal> {
@@ -183,7 +198,7 @@ mod tests {
         set(&mut logger, false, &[]).unwrap();
         assert_eq!(logger.enabled, self::logger(false).enabled);
         set(&mut logger, true, &[]).unwrap();
-        assert_eq!(logger.enabled, ALL);
+        assert_eq!(logger.enabled, ALL & !(1 << DETAILS));
     }
 
     #[test]

@@ -13,8 +13,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Largest number of bytes of a definition file; a mechanism of 100 bodies has about 30 thousand.
-pub const LARGEST_DEFINITION: u64 = 16 << 20;
+pub use crate::format::LARGEST_DEFINITION;
 
 /// Component of a new instance. Its definition is read at each instantiation, so that a user may edit the numbers in
 /// it.

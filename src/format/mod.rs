@@ -104,11 +104,18 @@ pub(crate) fn on_one_line(message: &str) -> String {
     line
 }
 
+/// Largest number of bytes of a definition; a mechanism of 100 bodies has about 30 thousand.
+pub const LARGEST_DEFINITION: u64 = 16 << 20;
+
 /// Read a definition of a `kind`, a word of the message where the text as a whole is at fault.
 ///
 /// # Errors
-/// The path of the key at which the parser stopped, with its message.
+/// More than [`LARGEST_DEFINITION`]; the path of the key at which the parser stopped, with its message.
 pub fn read<T: DeserializeOwned>(kind: &str, text: &str) -> Result<T, DefinitionError> {
+    if text.len() as u64 > LARGEST_DEFINITION {
+        let message = format!("it has {} bytes, and a definition at most {LARGEST_DEFINITION}", text.len());
+        return Err(DefinitionError::key(format!("no {kind}"), message));
+    }
     // Some editors begin a file with a byte order mark.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut json = serde_json::Deserializer::from_str(text);

@@ -16,6 +16,8 @@ pub enum Range {
     Positive,
     /// A length: > 0, with a finite square.
     Length,
+    /// A size >= 0 with a finite square.
+    Size,
     /// A coordinate: of any sign, with a finite square.
     Coordinate,
     /// An angle that counts revolutions; the last digit of the largest is 1e-10 rad.
@@ -40,6 +42,7 @@ impl Range {
             Self::NonNegative => (value >= 0.0, "a finite number >= 0"),
             Self::Positive => (value > 0.0, "a finite number > 0"),
             Self::Length => (value > 0.0 && value <= 1e100, "a number > 0 and <= 1e100"),
+            Self::Size => ((0.0..=1e100).contains(&value), "a finite number >= 0 and <= 1e100"),
             Self::Coordinate => (value.abs() <= 1e100, "a number from -1e100 to 1e100"),
             Self::Turn => (value.abs() <= 1e6, "an angle from -1e6 to 1e6 rad"),
             Self::Fraction => (value > 0.0 && value <= 1.0, "a number > 0 and <= 1"),

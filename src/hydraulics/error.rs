@@ -33,6 +33,8 @@ pub enum HydraulicsError {
     /// No step of the integration meets the tolerance, `time` [s] after the beginning of the step; `what`: the state
     /// there, in words.
     Stuck { time: f64, what: String },
+    /// An energy of the circuit is beyond the largest number, `time` [s] after the beginning of the step.
+    Overflow { time: f64 },
     /// The step met `solver.max_steps`, `time` [s] after its beginning.
     Interrupted { time: f64, why: String },
     /// A saved state that cannot be read.
@@ -42,7 +44,7 @@ pub enum HydraulicsError {
 impl HydraulicsError {
     /// Whether a step began that could not be made; else it was refused before it began.
     pub fn ends_step(&self) -> bool {
-        matches!(self, Self::Vacuum { .. } | Self::Stuck { .. })
+        matches!(self, Self::Vacuum { .. } | Self::Stuck { .. } | Self::Overflow { .. })
     }
 }
 
@@ -104,6 +106,12 @@ impl fmt::Display for HydraulicsError {
                 f,
                 "no step of the integration meets solver.tolerance {} s after the beginning of the step, at {what}; check \
                  the inputs, or raise solver.tolerance",
+                Decimal::rounded(*time)
+            ),
+            Self::Overflow { time } => write!(
+                f,
+                "an energy of the circuit is beyond the largest number, 1.8e308 J, {} s after the beginning of the step: \
+                 check the sizes of pressures, flows, conductances and friction",
                 Decimal::rounded(*time)
             ),
             Self::Interrupted { why, .. } => f.write_str(why),

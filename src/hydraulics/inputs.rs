@@ -139,16 +139,29 @@ impl Inputs {
         }
     }
 
+    /// Whether an input has derivatives that are not 0.
+    #[inline]
+    pub fn changes(&self, input: Input) -> bool {
+        self.rates[input as usize] != [0.0; SPEED_ORDER]
+    }
+
+    /// Value and derivatives of an input at the end of a step of size h with derivatives.
+    #[inline]
+    pub fn end(&self, input: Input, h: f64) -> (f64, [f64; SPEED_ORDER]) {
+        let [a, b, c, d] = self.rates[input as usize];
+        let rates = [a + h * (b + h * (c / 2.0 + h * d / 6.0)), b + h * (c + h * d / 2.0), c + h * d, d];
+        (self.polynomial(input).at(h), rates)
+    }
+
     /// A step of size h is done: the inputs keep their values at its end, and their derivatives there. `motion`: length
     /// and speed at the end, if they are not those of the inputs.
     pub fn leave(&mut self, h: f64, motion: Option<[f64; 2]>) {
         let length = self.length().at(h);
         if self.ahead {
-            for (value, rates) in self.values.iter_mut().zip(&mut self.rates) {
-                let [a, b, c, d] = *rates;
-                if [a, b, c, d] != [0.0; SPEED_ORDER] {
-                    *value = Polynomial([*value, a, b / 2.0, c / 6.0, d / 24.0, 0.0]).at(h);
-                    *rates = [a + h * (b + h * (c / 2.0 + h * d / 6.0)), b + h * (c + h * d / 2.0), c + h * d, d];
+            for input in Input::ALL {
+                if self.changes(input) {
+                    let index = input as usize;
+                    (self.values[index], self.rates[index]) = self.end(input, h);
                 }
             }
         } else {
@@ -177,6 +190,13 @@ impl Polynomial {
     #[inline]
     pub fn at(&self, t: f64) -> f64 {
         self.0.iter().rev().fold(0.0, |sum, term| sum * t + term)
+    }
+
+    /// Value at t of a polynomial of degree 2 at most: the same bits, but for the sign of 0.
+    #[inline]
+    pub fn quadratic_at(&self, t: f64) -> f64 {
+        let [a, b, c, ..] = self.0;
+        (c * t + b) * t + a
     }
 
     /// Coefficients of the derivative.
@@ -257,7 +277,7 @@ impl CommandSignal {
     /// The command before it is clipped, t [s] after the beginning of the step.
     #[inline]
     pub fn wanted(&self, t: f64) -> f64 {
-        let mut u = self.input.at(t);
+        let mut u = self.input.quadratic_at(t);
         let time = self.begin + t;
         if let Some([height, duration]) = self.ramp {
             u += if time < duration { height * time / duration } else { height };
@@ -350,7 +370,8 @@ impl Surroundings {
     /// Pressures of supply and tank [Pa], and the command, t [s] after the beginning of the step.
     #[inline]
     pub fn at(&self, t: f64) -> [f64; 3] {
-        [self.supply.at(t), self.tank.at(t), self.command.at(t)]
+        // All inputs but the speed have derivatives up to the second.
+        [self.supply.quadratic_at(t), self.tank.quadratic_at(t), self.command.at(t)]
     }
 }
 

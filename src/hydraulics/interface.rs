@@ -20,6 +20,10 @@ pub enum Quantity {
     Output(Output),
 }
 
+/// Beginning of the names of the inputs that tell the motion of the actuator and what it moves; a mechanism's outputs
+/// have the same names.
+pub const ACTUATOR: &str = "actuator.";
+
 /// Name, text and unit of each input, in the order of [`Input::ALL`].
 const INPUT_WORDS: [(&str, &str, Unit); Input::ALL.len()] = [
     (
@@ -30,7 +34,7 @@ const INPUT_WORDS: [(&str, &str, Unit); Input::ALL.len()] = [
     ("actuator.speed", "Rate of the length of the actuator", Unit::MetrePerSecond),
     (
         "actuator.acceleration",
-        "Acceleration of the actuator, for derivatives of outputs only",
+        "Acceleration of the actuator, for derivatives of outputs only; 0: that of the reduced mass, if it is told",
         Unit::MetrePerSecondSquared,
     ),
     ("valve.command", "Command of the valve, from -1 to 1", Unit::One),
@@ -55,8 +59,10 @@ const INPUT_WORDS: [(&str, &str, Unit); Input::ALL.len()] = [
     ("preview.horizon", "Next step of the host", Unit::Second),
 ];
 
-/// Inputs that the accelerations at the ends of the foreseen motion depend on: without a mass the first is that of the
-/// input.
+/// Inputs that the acceleration at the beginning of the foreseen motion depends on: it is that of the element under the
+/// present force; without a mass, that of the input.
+const START_ACCELERATION: &[Input] = &[Speed, Acceleration, Mass, MassDerivative, Load];
+/// Inputs that the acceleration at its end depends on: where no motion is foreseen, it is that of the input.
 const FORESEEN_ACCELERATION: &[Input] = &Input::ALL;
 /// Inputs that all other outputs of the foreseen motion depend on. The acceleration is none of them, as the mechanism's
 /// depends on the force: a host that orders by these lists would find an algebraic loop.
@@ -103,7 +109,7 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
         "Acceleration under the force at the beginning of the next step",
         Unit::MetrePerSecondSquared,
         Output::PreviewStartAcceleration,
-        FORESEEN_ACCELERATION,
+        START_ACCELERATION,
     ),
     (
         "preview.acceleration",
@@ -282,7 +288,7 @@ pub fn terminals<Q: Copy>(variables: &Variables<Q>) -> Vec<Terminal> {
     let list = variables.list();
     let mut members: Vec<Reference> = variables.find("actuator.force").into_iter().collect();
     let inputs = list.iter().enumerate().filter(|(_, variable)| variable.causality == Causality::Input);
-    let inputs = inputs.filter(|(_, variable)| variable.name.starts_with("actuator."));
+    let inputs = inputs.filter(|(_, variable)| variable.name.starts_with(ACTUATOR));
     members.extend(inputs.map(|(index, _)| index as Reference));
     let description = "Force and motion of the actuator".to_owned();
     vec![Terminal { name: "actuator".to_owned(), description, members }]
@@ -343,6 +349,7 @@ fn sections(output: Output) -> [&'static [&'static str]; 3] {
     ];
     const WALLS: &[&str] = &["fluid.", "cylinder.closed_length", "cylinder.wall", "hose.modulus"];
     match output {
+        Output::PreviewStartAcceleration => [AREAS, SEALS, STARTS],
         output if output.is_foreseen() => [&[""], &[], &[]],
         Output::Force | Output::Power(2) => [AREAS, SEALS, STARTS],
         Output::Damping | Output::Power(3) => [SEALS, STARTS, &[]],

@@ -21,6 +21,7 @@ mod state;
 mod systems;
 
 pub use error::HydraulicsError;
+pub use interface::ACTUATOR;
 pub use model::{INPUT_ORDER, Model, OUTPUT_ORDER};
 pub use snapshot::Snapshot;
 

@@ -7,13 +7,13 @@ mod parameters;
 mod step;
 mod warnings;
 
-use super::circuit::{ENERGY, Point, SUPPLY};
+use super::circuit::{DYNAMIC, ENERGY, Point, SUPPLY};
 use super::definition::{ABOVE_VACUUM, HydraulicActuator, Mode, is_pressure};
 use super::error::HydraulicsError;
 use super::inputs::{INPUTS, Input, Inputs};
 use super::interface::{self, Quantity};
 use super::outputs::{Output, Present, stable_step};
-use super::state::{Blind, Foreseen, Preview, State};
+use super::state::{Blind, Foreseen, Preview, State, dynamic};
 use crate::format::{DefinitionError, Experiment, Range};
 use crate::integrator::Statistics;
 use crate::variables::{Reference, Terminal, Variables};
@@ -42,6 +42,8 @@ pub(super) struct Cache {
     present: Option<Present<f64>>,
     /// Over a step of this size [s].
     foreseen: Option<(f64, Result<Foreseen, Blind>)>,
+    /// What it tells.
+    preview: Option<Preview<f64>>,
     /// Whether the host has read the foreseen motion since the last step.
     read: bool,
 }
@@ -49,7 +51,30 @@ pub(super) struct Cache {
 impl Cache {
     /// The state, the parameters or all inputs have changed.
     pub fn clear(&mut self) {
-        (self.present, self.foreseen, self.read) = (None, None, false);
+        self.present = None;
+        self.forget_foresight();
+        self.read = false;
+    }
+
+    /// The motion over the next step is another one.
+    pub fn forget_foresight(&mut self) {
+        (self.foreseen, self.preview) = (None, None);
+    }
+
+    /// The motion foreseen over a step of size h [s] from the present state and inputs.
+    pub fn foresee(
+        &mut self,
+        parameters: &Parameters,
+        inputs: &Inputs,
+        state: &State,
+        h: f64,
+    ) -> &Result<Foreseen, Blind> {
+        // A failure too belongs to its step.
+        if self.foreseen.as_ref().is_some_and(|(of, _)| of.to_bits() != h.to_bits()) {
+            self.forget_foresight();
+        }
+        let see = || (h, state.foresee(&parameters.setting(inputs), h).map_err(|(blind, _)| blind));
+        &self.foreseen.get_or_insert_with(see).1
     }
 }
 
@@ -138,21 +163,27 @@ impl Model {
             return Ok(output.foreseen(&told.preview).unwrap_or(f64::NAN));
         }
         if output.is_foreseen() {
-            let h = inputs.get(Input::Horizon);
-            cache.read = true;
-            let foreseen = foreseen(parameters, inputs, state, cache, h);
-            if let Err(blind) = foreseen {
-                warnings::blind(warnings, *blind, inputs, h);
+            if cache.preview.is_none() {
+                let h = inputs.get(Input::Horizon);
+                cache.read = true;
+                let foreseen = cache.foresee(parameters, inputs, state, h);
+                if let Err(blind) = foreseen {
+                    warnings::blind(warnings, *blind, inputs, h);
+                }
+                cache.preview = Some(preview(parameters, inputs, state, foreseen.as_ref().ok(), h));
             }
-            let preview = preview(parameters, inputs, state, foreseen.as_ref().ok(), h);
-            return Ok(output.foreseen(&preview).unwrap_or(f64::NAN));
+            return Ok(cache.preview.and_then(|preview| output.foreseen(&preview)).unwrap_or(f64::NAN));
         }
         if output == Output::StableStep {
-            return Ok(stable_step(&parameters.laws, &point(parameters, state, inputs), inputs.get(Input::Mass)));
+            return Ok(stable_step(
+                &parameters.laws,
+                &point(parameters, dynamic(&state.circuit), inputs),
+                inputs.get(Input::Mass),
+            ));
         }
         let present = cache.present.get_or_insert_with(|| {
             let energies = std::array::from_fn(|index| state.circuit[ENERGY + index]);
-            Present::new(&parameters.laws, point(parameters, state, inputs), energies)
+            Present::new(&parameters.laws, point(parameters, dynamic(&state.circuit), inputs), energies)
         });
         Ok(present.output(&parameters.laws, output).unwrap_or(f64::NAN))
     }
@@ -197,10 +228,10 @@ impl Model {
                     if let Some(state) = self.state.as_mut().filter(|state| fills && state.arrival.is_none()) {
                         state.circuit[SUPPLY] = value;
                     }
-                    self.cache.present = None;
+                    (self.cache.present, self.cache.preview) = (None, None);
                     let told = self.state.as_ref().is_some_and(|state| state.told.is_some());
                     if Input::ALL[index].changes_foresight(told) {
-                        self.cache.foreseen = None;
+                        self.cache.forget_foresight();
                     }
                 }
             }
@@ -339,25 +370,11 @@ impl Model {
     }
 }
 
-/// The point of the laws at the present state and inputs.
-pub(super) fn point(parameters: &Parameters, state: &State, inputs: &Inputs) -> Point<f64> {
+/// The point of the laws at the present inputs, and at these components of the state.
+pub(super) fn point(parameters: &Parameters, state: [f64; DYNAMIC], inputs: &Inputs) -> Point<f64> {
     let motion = [Input::Length, Input::Speed].map(|input| inputs.get(input));
     // The command acts on the acceleration of the spool alone, which is no output.
-    parameters.laws.point(state.dynamic(), motion, [inputs.get(Input::Supply), inputs.get(Input::Tank), 0.0])
-}
-
-/// The motion foreseen over a step of size h from the present state and inputs.
-fn foreseen<'c>(
-    parameters: &Parameters,
-    inputs: &Inputs,
-    state: &State,
-    cache: &'c mut Cache,
-    h: f64,
-) -> &'c Result<Foreseen, Blind> {
-    // A failure too belongs to its step.
-    cache.foreseen = cache.foreseen.take().filter(|(of, _)| of.to_bits() == h.to_bits());
-    let see = || (h, state.foresee(&parameters.setting(inputs), h).map_err(|(blind, _)| blind));
-    &cache.foreseen.get_or_insert_with(see).1
+    parameters.laws.point(state, motion, [inputs.get(Input::Supply), inputs.get(Input::Tank), 0.0])
 }
 
 /// What the foreseen motion tells.
@@ -370,13 +387,14 @@ fn preview(
 ) -> Preview<f64> {
     let (laws, speed) = (&parameters.laws, inputs.get(Input::Speed));
     match foreseen {
-        Some(Foreseen { element, end, reached, .. }) if *reached == h => {
-            Preview::new(laws, element, (state.pressures(), speed), end, h)
+        Some(Foreseen { element, end, reached, start_force, .. }) if *reached == h => {
+            Preview::new(laws, element, (*start_force, speed), end, h)
         }
         _ => {
             let force = laws.force(state.pressures(), speed);
             let [length, acceleration] = [Input::Length, Input::Acceleration].map(|input| inputs.get(input));
-            Preview::blind(force, [length, speed, acceleration], h)
+            let start = state.start_acceleration(&parameters.setting(inputs), |input| inputs.get(input), force);
+            Preview::blind(force, [length, speed, acceleration], start.unwrap_or(acceleration), h)
         }
     }
 }

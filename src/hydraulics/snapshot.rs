@@ -116,7 +116,7 @@ impl Model {
         let mut moves = false;
         record.flag("in motion", &mut moves)?;
         let state = if moves {
-            parameters.actuator.check()?;
+            parameters.check(&inputs)?;
             let mut state = parameters.start(&inputs);
             state.record(record)?;
             Some(state)

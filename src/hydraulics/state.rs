@@ -16,7 +16,7 @@ use crate::codec::record::{Damaged, Record};
 use crate::integrator::Integrator;
 pub use delayed::Told;
 pub use march::interrupted;
-use march::{Instants, Levels, March};
+use march::{Instants, Levels, March, finite};
 pub use preview::{Blind, Foreseen, Preview};
 
 /// Where a hydraulic actuator is.
@@ -36,6 +36,12 @@ pub struct State {
     pub arrival: Option<[f64; 2]>,
     /// What the mechanism has been told of the next step, in the mode delayed.
     pub told: Option<Told>,
+}
+
+/// The components of a circuit on which the rates depend.
+pub fn dynamic(circuit: &[f64; CIRCUIT]) -> [f64; DYNAMIC] {
+    let [a, b, spool, rate, supply, ..] = *circuit;
+    [a, b, spool, rate, supply]
 }
 
 /// What one step leaves to the foresight of the next.
@@ -125,23 +131,23 @@ impl State {
         self.time[0]
     }
 
-    /// The components on which the rates depend.
-    pub fn dynamic(&self) -> [f64; DYNAMIC] {
-        let [a, b, spool, rate, supply, ..] = self.circuit;
-        [a, b, spool, rate, supply]
-    }
-
     /// Pressures of the chambers [Pa].
     pub fn pressures(&self) -> [f64; 2] {
         [self.circuit[0], self.circuit[1]]
     }
 
-    /// A step of size h [s] under the motion of the inputs. Returns the time reached: h, or less where
-    /// `solver.max_steps` was met.
+    /// A step of size h [s] under the motion of the inputs. `rates`: those of the circuit at its beginning, if somebody
+    /// has evaluated them. Returns the time reached: h, or less where `solver.max_steps` was met.
     ///
     /// # Errors
-    /// No motion of the circuit was found; the state is undefined.
-    pub fn follow(&mut self, setting: &Setting<'_>, h: f64) -> Result<f64, HydraulicsError> {
+    /// No motion of the circuit was found, or an energy overflows; pressures, spool, energies and the memory of this
+    /// integration are then undefined.
+    pub fn follow(
+        &mut self,
+        setting: &Setting<'_>,
+        h: f64,
+        rates: Option<&[f64; CIRCUIT]>,
+    ) -> Result<f64, HydraulicsError> {
         let (length, speed) = (setting.inputs.length(), setting.inputs.polynomial(Input::Speed));
         let surroundings = setting.surroundings(self.time());
         let mut instants = Instants::none();
@@ -152,7 +158,10 @@ impl State {
         instants.sort();
         let mut system = Driven { laws: setting.laws, surroundings, length, speed };
         // The inputs may have changed.
-        self.driven.refresh();
+        match rates {
+            Some(rates) => self.driven.begin_with(*rates),
+            None => self.driven.refresh(),
+        }
         let mut march = March::new(setting, &self.driven);
         let levels = Levels::new(setting, false);
         for end in instants.ends(h) {
@@ -162,6 +171,7 @@ impl State {
                 break;
             }
         }
+        finite(&self.circuit, march.t)?;
         Ok(march.t)
     }
 
@@ -177,7 +187,7 @@ impl State {
             load: get(Input::Load),
         });
         if let Some(foreseen) = foreseen {
-            self.coupled = foreseen.memory;
+            self.coupled.copy_from(&foreseen.memory);
         }
         self.arrival = Some([end, (end - get(Input::Length)).abs()]);
         // Two-sum, so that many short steps do not lose the time.

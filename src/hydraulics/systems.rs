@@ -2,7 +2,7 @@
 //!
 //! In: the laws of a circuit, inputs as functions of time, a point-mass model of what the actuator moves. Out:
 //! right-hand sides, Jacobians and error weights for the integration. It must not know how steps are made, nor events.
-use super::circuit::{CIRCUIT, DYNAMIC, ENERGIES, Equations, FREE, Rates};
+use super::circuit::{CIRCUIT, DYNAMIC, ENERGIES, Equations, FREE, Point, Rates};
 use super::inputs::{Polynomial, Surroundings};
 use crate::integrator::System;
 use crate::numerics::dual::{Dual, Number};
@@ -47,10 +47,9 @@ pub struct Driven<'a> {
 
 impl Driven<'_> {
     #[inline]
-    fn rates<T: Number>(&self, t: f64, state: [T; DYNAMIC]) -> [T; CIRCUIT] {
+    fn point<T: Number>(&self, t: f64, state: [T; DYNAMIC]) -> Point<T> {
         let motion = [self.length.at(t), self.speed.at(t)].map(T::constant);
-        let at = self.laws.point(state, motion, self.surroundings.at(t).map(T::constant));
-        self.laws.rates(&at).state
+        self.laws.point(state, motion, self.surroundings.at(t).map(T::constant))
     }
 }
 
@@ -61,7 +60,15 @@ impl System<CIRCUIT> for Driven<'_> {
     #[inline]
     fn derivative(&mut self, t: f64, y: &[f64; CIRCUIT]) -> [f64; CIRCUIT] {
         let [a, b, spool, rate, supply, ..] = *y;
-        self.rates(t, [a, b, spool, rate, supply])
+        self.laws.rates(&self.point(t, [a, b, spool, rate, supply])).state
+    }
+
+    /// Without powers: the motion is given, so pressures and spool do not depend on the friction of the seals.
+    #[inline]
+    fn leading(&mut self, t: f64, y: &[f64; CIRCUIT]) -> [f64; CIRCUIT] {
+        let ([a, b, spool, rate, supply, ..], mut rates) = (*y, [0.0; CIRCUIT]);
+        rates[..DYNAMIC].copy_from_slice(&self.laws.dynamic_rates(&self.point(t, [a, b, spool, rate, supply])));
+        rates
     }
 
     #[inline]
@@ -79,7 +86,7 @@ impl System<CIRCUIT> for Driven<'_> {
 
     fn jacobian(&mut self, t: f64, y: &[f64; CIRCUIT]) -> [[f64; CIRCUIT]; CIRCUIT] {
         let duals: [Dual<DYNAMIC>; DYNAMIC] = std::array::from_fn(|k| Dual::variable(y[k], k));
-        self.rates(t, duals).map(|rate| row(rate.slope))
+        self.laws.rates(&self.point(t, duals)).state.map(|rate| row(rate.slope))
     }
 }
 

@@ -16,6 +16,12 @@ pub trait System<const N: usize> {
     /// f(t, y); t is counted from the start of the span [s].
     fn derivative(&mut self, t: f64, y: &[f64; N]) -> [f64; N];
 
+    /// f(t, y), of which only the leading components are read.
+    #[inline]
+    fn leading(&mut self, t: f64, y: &[f64; N]) -> [f64; N] {
+        self.derivative(t, y)
+    }
+
     /// q'' where q is `way` on from that of y, of a system of second order.
     #[inline]
     fn acceleration(&mut self, t: f64, y: &[f64; N], way: f64) -> f64 {

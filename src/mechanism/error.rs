@@ -94,6 +94,7 @@ impl ModelError {
                 stretch.curve().farthest * stretch.linkage().size,
                 stretch.curve().farthest
             ),
+            End::Failed(error @ ReductionError::EndsMeet { .. }) => error.to_string(),
             End::Failed(error) => format!("{error}; or limit the loads or the time, or add a stop before"),
         };
         Self::Travel { position: stretch.curve().describe(sigma, 0.0), reason }
@@ -151,7 +152,7 @@ impl fmt::Display for ModelError {
             ),
             Self::Overflow { name } => write!(
                 f,
-                "{name} is beyond the largest number under the present inputs and parameters: check their sizes"
+                "{name} is beyond the largest number, 1.8e308, under the present inputs and parameters: check their sizes"
             ),
             Self::NotInitialised => f.write_str("a step was asked for before initialisation: initialise first"),
             Self::StepSize { h } => write!(f, "step size h = {} s: must be finite and > 0", Decimal(*h)),

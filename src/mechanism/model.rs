@@ -3,6 +3,7 @@
 //! In: a definition's text, values set by the host, steps. Out: values by reference. It must not know FMI's life cycle.
 mod derivatives;
 mod description;
+mod occurrences;
 mod undefined;
 mod warnings;
 
@@ -14,13 +15,15 @@ use super::motion::state::State;
 use super::outputs::{Computed, ReducedMotion};
 use super::parameters::ParameterValues;
 use super::quantity::{Hydraulic, Output, Quantity};
-use super::warnings::warnings;
+use super::warnings::{of_near_misses, warnings};
 use crate::inspection::Finding;
 use crate::integrator::Statistics;
 use crate::mechanism::definition::{Mechanism, Method, Range, Role};
 use crate::mechanism::reduced::Reduced;
 use crate::variables::{Reference, Value, Variables};
 pub use derivatives::{INPUT_ORDER, OUTPUT_ORDER};
+pub use occurrences::Line;
+use occurrences::Told;
 use std::sync::{Arc, OnceLock};
 use warnings::Clipped;
 
@@ -40,6 +43,7 @@ pub struct Model {
     /// Whether [`Self::take_growth`] has told that the curve grows.
     has_told: bool,
     clipped: Clipped,
+    told: Told,
 }
 
 /// The state of motion in the formulation that solver.method chose.
@@ -90,6 +94,11 @@ impl Model {
         let inputs = Inputs { signal: InputPolynomial::new(reals.len()), reals, locks };
         let reduced = Arc::new(Reduced::new(&mechanism)?);
         found.extend(warnings(&mechanism, &reduced));
+        if !reduced.curve().near.misses.is_empty()
+            && let Ok(state) = State::at_start(&reduced, &mechanism, &inputs)
+        {
+            found.extend(of_near_misses(&mechanism, &reduced, &state.travel));
+        }
         let parameter_values = Arc::new(ParameterValues::new(mechanism));
         let identity = OnceLock::new();
         let original = Original { parameter_values, variables, ranges, inputs, identity, reduced, warnings: found };
@@ -101,6 +110,7 @@ impl Model {
             state: None,
             has_told: false,
             clipped: Clipped::default(),
+            told: Told::default(),
             original: Arc::new(original),
         };
         model.state()?;
@@ -114,7 +124,8 @@ impl Model {
     /// The present parameters give no mechanism.
     pub fn reduced(&mut self) -> Result<&Arc<Reduced>, ModelError> {
         if self.reduced.is_none() {
-            self.last = Arc::new(self.last.renewed(&self.parameter_values.mechanism)?);
+            ParameterValues::settle(&mut self.parameter_values);
+            self.last = Arc::new(self.last.renewed(self.parameter_values.mechanism())?);
             self.reduced = Some(Arc::clone(&self.last));
         }
         self.reduced.as_ref().ok_or(ModelError::NotInitialised)
@@ -192,15 +203,20 @@ impl Model {
             Some(Quantity::Parameter(i)) if self.parameter_values.parameters[i].to_bits() != value.to_bits() => {
                 let values = Arc::make_mut(&mut self.parameter_values);
                 values.parameters[i] = value;
-                values.update_mechanism();
+                values.changed();
                 self.state = None;
-                if is_reduced(self.original.ranges[i].1) {
+                if self.decides_reduced(self.original.ranges[i].1) {
                     self.reduced = None;
                 }
             }
             _ => {}
         }
         Ok(())
+    }
+
+    /// Whether parameters with this role decide the reduced model.
+    pub(super) fn decides_reduced(&self, role: Role) -> bool {
+        is_reduced(role) || role == Role::StartPosition && (self.last.is_part() || self.original.reduced.is_part())
     }
 
     /// Present value of a Boolean.
@@ -262,7 +278,7 @@ impl Model {
             Some(Quantity::Flag(i)) if self.parameter_values.flags[i] != value => {
                 let values = Arc::make_mut(&mut self.parameter_values);
                 values.flags[i] = value;
-                values.update_mechanism();
+                values.changed();
                 (self.state, self.reduced) = (None, None);
             }
             _ => {}
@@ -296,7 +312,7 @@ impl Model {
     pub fn set_text(&mut self, reference: Reference, value: &str) -> Result<(), ModelError> {
         let method = self.method_of(reference, value)?;
         if self.parameter_values.method() != method {
-            Arc::make_mut(&mut self.parameter_values).mechanism.solver.method = Some(method);
+            Arc::make_mut(&mut self.parameter_values).set_method(method);
             self.state = None;
             self.inputs.signal.clear();
         }
@@ -331,6 +347,7 @@ impl Model {
     pub fn initialize(&mut self) -> Result<(), ModelError> {
         self.state = None;
         self.clipped = Clipped::default();
+        self.told.restart();
         self.state().map(|_| ())
     }
 
@@ -342,19 +359,31 @@ impl Model {
     /// Not initialised, h out of range, loads that overflow, the integration stopped, the travel ended, or
     /// `solver.max_steps` was met. [`ModelError::ends_step`] tells a refusal from a step that could not be made.
     pub fn step(&mut self, h: f64) -> Result<(), ModelError> {
+        self.step_from(None, h)
+    }
+
+    /// [`Self::step`] from the time `point` [s] of the host on, which times of impacts count from; without it they count
+    /// from the start.
+    ///
+    /// # Errors
+    /// As [`Self::step`].
+    pub fn step_from(&mut self, point: Option<f64>, h: f64) -> Result<(), ModelError> {
         if !(h.is_finite() && h > 0.0) {
             return Err(ModelError::StepSize { h });
         }
         if self.inputs.signal.ahead {
             self.check_inputs_at(h)?;
         }
-        let solver = &self.parameter_values.mechanism.solver;
         let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) else {
             return Err(ModelError::NotInitialised);
         };
+        let solver = &self.parameter_values.mechanism().solver;
         let clipped = self.clipped.look((reduced, state), &self.inputs, h);
         let stepped = match state {
-            Formulation::Reduced(motion) => motion.step(reduced, &self.inputs, h, solver),
+            Formulation::Reduced(motion) => {
+                motion.state.witness.listens = self.told.listens;
+                motion.step_from(point, reduced, &self.inputs, h, solver)
+            }
             Formulation::RigidFem(motion) => motion.step(reduced, &self.inputs, h, solver),
         };
         if self.inputs.signal.ahead {
@@ -378,6 +407,7 @@ impl Model {
         self.state = None;
         self.has_told = false;
         self.clipped = Clipped::default();
+        self.told.restart();
     }
 
     /// That the motion has left the part of an open curve that was traced before the first step; told once.
@@ -416,7 +446,8 @@ impl Model {
     fn state(&mut self) -> Result<&mut Formulation, ModelError> {
         if self.state.is_none() {
             let reduced = Arc::clone(self.reduced()?);
-            let (mechanism, inputs) = (&self.parameter_values.mechanism, &self.inputs);
+            ParameterValues::settle(&mut self.parameter_values);
+            let (mechanism, inputs) = (self.parameter_values.mechanism(), &self.inputs);
             self.state = Some(match self.parameter_values.method() {
                 Method::Reduced => Formulation::Reduced(ReducedMotion::at_start(&reduced, mechanism, inputs)?),
                 Method::RigidFem => {
@@ -440,13 +471,13 @@ impl Model {
 }
 
 /// Whether the reduced model depends on a parameter of this role.
-pub(super) fn is_reduced(role: Role) -> bool {
+fn is_reduced(role: Role) -> bool {
     matches!(role, Role::Geometry | Role::Inertia | Role::Load | Role::Scale | Role::Circuit)
 }
 
 impl Formulation {
     /// The state along the curve; that of the finite elements where it fits best.
-    fn along_curve(&self) -> &State {
+    pub(super) fn along_curve(&self) -> &State {
         match self {
             Self::Reduced(motion) => &motion.state,
             Self::RigidFem(motion) => &motion.rigid.state,

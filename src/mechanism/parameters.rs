@@ -2,12 +2,15 @@
 use crate::codec::checksum::fnv1a;
 use crate::mechanism::definition::{Experiment, Mechanism, Method};
 use crate::numerics::bits::same_bits;
+use std::sync::Arc;
 
 /// A mechanism with the values of its parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParameterValues {
-    /// The definition with the values below.
-    pub mechanism: Mechanism,
+    /// The definition, with the values below if it is not stale.
+    mechanism: Mechanism,
+    /// Whether values have changed since they were written into the mechanism.
+    is_stale: bool,
     /// Numeric parameters, in the order of [`Mechanism::parameters`].
     pub parameters: Vec<f64>,
     /// Boolean parameters, in the order of [`Mechanism::flags`].
@@ -19,11 +22,40 @@ impl ParameterValues {
         let (mut parameters, mut flags) = (Vec::new(), Vec::new());
         mechanism.parameters(&mut |_, value| parameters.push(*value));
         mechanism.flags(&mut |_, value| flags.push(*value));
-        Self { mechanism, parameters, flags }
+        Self { mechanism, is_stale: false, parameters, flags }
+    }
+
+    /// The definition with the present values, once they are [settled](Self::settle).
+    pub fn mechanism(&self) -> &Mechanism {
+        debug_assert!(!self.is_stale, "parameters are settled before the mechanism is read");
+        &self.mechanism
+    }
+
+    /// A value has changed. Values are written into the mechanism all at once when it is next needed: a host may set each
+    /// of many.
+    pub fn changed(&mut self) {
+        self.is_stale = true;
+    }
+
+    /// Choose the formulation of the motion.
+    pub fn set_method(&mut self, method: Method) {
+        self.mechanism.solver.method = Some(method);
+    }
+
+    /// Write the values into the mechanism, if one has changed.
+    pub fn settle(this: &mut Arc<Self>) {
+        if this.is_stale {
+            Arc::make_mut(this).update_mechanism();
+        }
     }
 
     pub fn method(&self) -> Method {
-        self.mechanism.solver.method.unwrap_or_default()
+        self.stated_method().unwrap_or_default()
+    }
+
+    /// The formulation, if the definition has it as a parameter.
+    pub fn stated_method(&self) -> Option<Method> {
+        self.mechanism.solver.method
     }
 
     /// Whether all parameters are the same to the bit.
@@ -36,6 +68,7 @@ impl ParameterValues {
         let (mut parameters, mut flags) = (self.parameters.iter(), self.flags.iter());
         self.mechanism.parameters(&mut |_, value| *value = parameters.next().copied().unwrap_or(*value));
         self.mechanism.flags(&mut |_, value| *value = flags.next().copied().unwrap_or(*value));
+        self.is_stale = false;
     }
 }
 

@@ -47,6 +47,8 @@ pub enum Output {
     Drag { surface: usize },
     /// Force or torque of a stop.
     Stop { stop: usize },
+    /// What a stop has met: number of impacts, time or impulse of the last one.
+    Impact { stop: usize, part: ImpactPart },
     /// Force of a lock.
     Lock { lock: usize },
     /// Kinetic energy.
@@ -120,6 +122,17 @@ pub enum OneElement {
     BreakawayForward,
     /// Force that begins to move the mechanism from rest backward along the drive.
     BreakawayBackward,
+}
+
+/// Part of the record of a stop's impacts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ImpactPart {
+    /// Number of impacts.
+    Count,
+    /// Time of the last one.
+    Time,
+    /// Impulse of the last one.
+    Impulse,
 }
 
 /// Part of a joint's reaction.

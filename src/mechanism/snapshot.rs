@@ -5,7 +5,7 @@
 //! must not know FMI.
 use super::dynamics::inputs::Inputs;
 use super::error::ModelError;
-use super::model::{Formulation, Model, is_reduced};
+use super::model::{Formulation, Model};
 use crate::codec::checksum::fnv1a;
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::definition::Method;
@@ -76,7 +76,7 @@ impl Model {
     pub fn identity(&self) -> [u64; 2] {
         *self.original.identity.get_or_init(|| {
             let guid = self.original.variables.guid();
-            [fnv1a(guid.as_bytes()), fingerprint(&self.original.parameter_values.mechanism)]
+            [fnv1a(guid.as_bytes()), fingerprint(self.original.parameter_values.mechanism())]
         })
     }
 
@@ -116,6 +116,7 @@ impl Model {
     /// Reactions that cause friction are not smooth under the snapshot's parameters. The model is unchanged.
     #[inline]
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), ModelError> {
+        self.restart_told();
         let inputs = &snapshot.inputs;
         let same = self.shares_reduced(&self.parameter_values, &snapshot.parameter_values);
         match (&snapshot.motion, &mut self.state, &self.reduced) {
@@ -150,7 +151,7 @@ impl Model {
             (Some(own), _) if same => Some(Arc::clone(own)),
             (_, Some(theirs)) => Some(Arc::clone(theirs)),
             (_, None) if snapshot.has_motion() => {
-                Some(Arc::new(self.last.renewed(&snapshot.parameter_values.mechanism)?))
+                Some(Arc::new(self.last.renewed(snapshot.parameter_values.mechanism())?))
             }
             (_, None) => None,
         };
@@ -180,8 +181,8 @@ impl Model {
         let mut method = 0;
         record.choice("solver.method", &mut method, Method::ALL.len())?;
         let method = Method::ALL[usize::from(method)];
-        match &mut parameter_values.mechanism.solver.method {
-            Some(present) => *present = method,
+        match parameter_values.stated_method() {
+            Some(_) => parameter_values.set_method(method),
             None if method == Method::default() => {}
             None => return Err(Damaged(format!("solver.method = \"{}\": not a choice here", method.word())).into()),
         }
@@ -204,12 +205,12 @@ impl Model {
         let motion = if moves {
             let reduced = match &mut reduced {
                 Some(reduced) => reduced,
-                none => none.insert(Arc::new(self.last.renewed(&parameter_values.mechanism)?)),
+                none => none.insert(Arc::new(self.last.renewed(parameter_values.mechanism())?)),
             };
             Some(match method {
                 Method::Reduced => SavedFormulation::Reduced(SavedState::read(record, reduced)?),
                 Method::RigidFem => {
-                    SavedFormulation::RigidFem(SavedRigidFem::read(record, reduced, &parameter_values.mechanism)?)
+                    SavedFormulation::RigidFem(SavedRigidFem::read(record, reduced, parameter_values.mechanism())?)
                 }
             })
         } else {
@@ -240,7 +241,7 @@ impl Model {
     fn agree_in_reduced(&self, a: &ParameterValues, b: &ParameterValues) -> bool {
         let same = |i: usize| a.parameters[i].to_bits() == b.parameters[i].to_bits();
         a.flags == b.flags
-            && self.original.ranges.iter().enumerate().all(|(i, (_, role))| !is_reduced(*role) || same(i))
+            && self.original.ranges.iter().enumerate().all(|(i, (_, role))| !self.decides_reduced(*role) || same(i))
     }
 
     fn parameter_name(&self, index: usize) -> String {

@@ -2,8 +2,10 @@
 //!
 //! In: a definition and its reduced model. Out: warnings. It must not know states.
 use super::closure::guessed;
+use super::curve::{Near, NearMiss, cure};
 use super::definition::Mechanism;
 use super::linkage::{Freedom, GROUND, Joint, Linkage, Point};
+use super::motion::contact::Travel;
 use super::reduced::Reduced;
 use crate::inspection::Finding;
 use crate::numerics::decimal::Decimal;
@@ -13,12 +15,15 @@ use std::f64::consts::{PI, TAU};
 
 /// Distance of an assembled angle from its guess that is far [rad], and of a position in sizes of the linkage.
 const FAR: f64 = 0.5;
+/// Least move of a joint's point that is told, as a part of the largest one, and most of them that are told.
+const TOLD: f64 = 1e-3;
+const MOST_TOLD: usize = 12;
 /// Distance of two points that are one, and sine of the angle between two axes that are parallel, relative to the size.
 const SAME: f64 = 1e-9;
 
 /// All warnings that need geometry.
 pub fn warnings(mechanism: &Mechanism, reduced: &Reduced) -> Vec<Finding> {
-    let mut all = of_guess(mechanism, reduced.linkage(), &reduced.curve().configuration(0.0).q);
+    let mut all = of_guess(mechanism, reduced.linkage(), &reduced.curve().guess);
     warn_of_grounded_loads(mechanism, reduced.linkage(), &mut all);
     warn_of_joints_given_twice(reduced.linkage(), &mut all);
     all
@@ -61,6 +66,65 @@ pub fn of_guess(mechanism: &Mechanism, linkage: &Linkage, assembled: &[f64]) -> 
         all.push(Finding::warning(path, message, remedy));
     }
     all
+}
+
+/// Warnings about places within the travel where the lengths almost let branches cross, so that the motion turns off.
+pub fn of_near_misses(mechanism: &Mechanism, reduced: &Reduced, travel: &Travel) -> Vec<Finding> {
+    let size = reduced.linkage().size;
+    let misses = reduced.curve().near.misses.iter().filter(|miss| is_within(reduced, travel, miss.sigma));
+    let warning = |miss: &NearMiss| {
+        let message = format!(
+            "branches of motion almost cross at {}: the lengths miss a crossing by {:.1e} of the size of the mechanism \
+             ({:.1e} m), and the motion turns off there",
+            miss.position,
+            miss.miss,
+            miss.miss * size
+        );
+        let remedy =
+            format!("if it is to go straight on, write \"snap\": {:e} or correct the lengths", cure(miss.miss));
+        Finding::warning(if mechanism.snap.is_some() { "snap" } else { "" }, message, remedy)
+    };
+    misses.map(warning).collect()
+}
+
+/// Whether a sigma on the curve is within the travel.
+pub fn is_within(reduced: &Reduced, travel: &Travel, sigma: f64) -> bool {
+    let [low, high] = [0, 1].map(|side| travel.end(side));
+    let Some(period) = reduced.period() else {
+        return low.is_none_or(|low| low <= sigma) && high.is_none_or(|high| sigma <= high);
+    };
+    let (Some(low), Some(high)) = (low, high) else { return true };
+    (low..=high).contains(&(sigma + ((low - sigma) / period).ceil() * period))
+}
+
+/// What was done to the lengths so that branches cross, a line for each place.
+pub fn remarks(reduced: &Reduced, snap: f64) -> Vec<String> {
+    let Near { drawn, snapped, moves, .. } = &reduced.curve().near;
+    let Some(drawn) = drawn else { return Vec::new() };
+    let largest = moves.iter().map(|(_, change)| change.norm()).fold(0.0, f64::max);
+    let mut told: Vec<String> = Vec::new();
+    for (point, change) in moves.iter().filter(|(_, change)| change.norm() > TOLD * largest) {
+        let joints = drawn.joints.iter().filter(|joint| [joint.first, joint.second].contains(point));
+        let names: Vec<&str> = joints.map(|joint| joint.name.as_str()).collect();
+        told.push(format!("{} of {} by {:.1e} m", names.join(", "), drawn.bodies[point.body].name, change.norm()));
+    }
+    let count = told.len();
+    told.truncate(MOST_TOLD);
+    if count > MOST_TOLD {
+        told.push(format!("and {} more", count - MOST_TOLD));
+    }
+    let mut lines: Vec<String> = snapped
+        .iter()
+        .map(|(position, miss)| {
+            format!(
+                "the lengths miss a crossing of branches by {miss:.1e} of the size of the mechanism at {position}: less than \
+                 snap = {}, so that the branches are taken to cross and the motion goes straight on",
+                Decimal(snap)
+            )
+        })
+        .collect();
+    lines.push(format!("for that the points of joints are moved by {largest:.1e} m at most: {}", told.join("; ")));
+    lines
 }
 
 /// Forces and torques on the ground or on what is fixed to it.

@@ -34,21 +34,26 @@ impl Scalar for Complex<f64> {
 pub struct Factors<T, const N: usize> {
     lu: [[T; N]; N],
     pivots: [usize; N],
+    /// Columns from this one on have their diagonal entry only.
+    leading: usize,
 }
 
 impl<T: Scalar, const N: usize> Factors<T, N> {
-    /// None if a pivot is 0 or not finite.
-    pub fn new(mut a: [[T; N]; N]) -> Option<Self> {
-        let mut pivots = [0; N];
-        for k in 0..N {
+    /// Of a matrix whose columns after the first `leading` have no entry but that on the diagonal. None if a pivot is 0
+    /// or not finite.
+    pub fn new(mut a: [[T; N]; N], leading: usize) -> Option<Self> {
+        let mut pivots: [usize; N] = std::array::from_fn(|k| k);
+        if a.iter().enumerate().skip(leading).any(|(k, row)| !is_pivot(row[k])) {
+            return None;
+        }
+        for k in 0..leading {
             let mut pivot = k;
-            for i in k + 1..N {
+            for i in k + 1..leading {
                 if a[i][k].size() > a[pivot][k].size() {
                     pivot = i;
                 }
             }
-            let size = a[pivot][k].size();
-            if !(size > 0.0 && size.is_finite()) {
+            if !is_pivot(a[pivot][k]) {
                 return None;
             }
             pivots[k] = pivot;
@@ -57,25 +62,28 @@ impl<T: Scalar, const N: usize> Factors<T, N> {
             for below in &mut a[k + 1..] {
                 let factor = below[k].over(row[k]);
                 below[k] = factor;
-                for (entry, above) in below.iter_mut().zip(&row).skip(k + 1) {
+                for (entry, above) in below.iter_mut().zip(&row).take(leading).skip(k + 1) {
                     *entry = *entry - factor * *above;
                 }
             }
         }
-        Some(Self { lu: a, pivots })
+        Some(Self { lu: a, pivots, leading })
     }
 
     /// x with A x = b.
     pub fn solve(&self, mut b: [T; N]) -> [T; N] {
-        for k in 0..N {
+        for k in 0..self.leading {
             b.swap(k, self.pivots[k]);
         }
-        for k in 0..N {
+        for k in 0..self.leading {
             for i in k + 1..N {
                 b[i] = b[i] - self.lu[i][k] * b[k];
             }
         }
-        for k in (0..N).rev() {
+        for (k, x) in b.iter_mut().enumerate().skip(self.leading) {
+            *x = x.over(self.lu[k][k]);
+        }
+        for k in (0..self.leading).rev() {
             b[k] = b[k].over(self.lu[k][k]);
             for i in 0..k {
                 b[i] = b[i] - self.lu[i][k] * b[k];
@@ -83,6 +91,12 @@ impl<T: Scalar, const N: usize> Factors<T, N> {
         }
         b
     }
+}
+
+/// Whether a number can be divided by.
+fn is_pivot<T: Scalar>(pivot: T) -> bool {
+    let size = pivot.size();
+    size > 0.0 && size.is_finite()
 }
 
 #[cfg(test)]
@@ -93,7 +107,9 @@ mod tests {
 
     /// Backward stable: the residual is small whatever the condition.
     fn is_solved<T: Scalar + Add<Output = T>>(a: [[T; 3]; 3], x: [T; 3], zero: T, rounding: f64) {
-        let Some(factors) = Factors::new(a) else { return };
+        let leading =
+            (0..3).rfind(|column| (0..*column).any(|i| a[i][*column].size() > 0.0)).map_or(0, |last| last + 1);
+        let Some(factors) = Factors::new(a, leading) else { return };
         let b: [T; 3] = std::array::from_fn(|i| (0..3).fold(zero, |sum, j| sum + a[i][j] * x[j]));
         let y = factors.solve(b);
         let size = y.iter().fold(1.0_f64, |m, y| m.max(y.size()));
@@ -111,6 +127,8 @@ mod tests {
             x in prop::array::uniform3(-1.0..1.0_f64),
         ) {
             is_solved(a, x, 0.0, 1e-14);
+            // The last component is an integral beside the others.
+            is_solved([[a[0][0], a[0][1], 0.0], [a[1][0], a[1][1], 0.0], a[2]], x, 0.0, 1e-13);
             let c = std::array::from_fn(|i| std::array::from_fn(|j| Complex::new(a[i][j], im[i][j])));
             is_solved(c, x.map(|x| Complex::new(x, 1.0 - x)), Complex::new(0.0, 0.0), 1e-13);
         }
@@ -118,7 +136,8 @@ mod tests {
 
     #[test]
     fn a_singular_system_has_no_factors() {
-        assert!(Factors::new([[1.0, 2.0], [2.0, 4.0]]).is_none());
-        assert!(Factors::new([[f64::NAN, 2.0], [2.0, 4.0]]).is_none());
+        assert!(Factors::new([[1.0, 2.0], [2.0, 4.0]], 2).is_none());
+        assert!(Factors::new([[f64::NAN, 2.0], [2.0, 4.0]], 2).is_none());
+        assert!(Factors::new([[1.0, 0.0], [2.0, 0.0]], 1).is_none());
     }
 }

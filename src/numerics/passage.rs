@@ -54,7 +54,8 @@ where
             let m = (at, (self.f)(at));
             return self.on_grid((i, middle, grid), a, m, left).or_else(|| self.on_grid((middle, j, grid), m, b, left));
         }
-        if !passes(a, b) {
+        // From a root at its start, the function may fall first and rise later.
+        if !passes(a, b) || a.1 == 0.0 {
             return self.between(a, b, DEEPEST, left);
         }
         let root = (self.locate)(&mut self.f, a, b);

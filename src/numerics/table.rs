@@ -60,6 +60,8 @@ pub struct Table {
     components: usize,
     /// Monomial coefficients, panel by panel, component by component.
     coefficients: Vec<Series>,
+    /// Panels on which some component is not resolved, ascending.
+    gaps: Vec<usize>,
 }
 
 /// Position in a table.
@@ -98,11 +100,35 @@ impl Table {
         sizes: &[Vec<f64>],
         exact: &mut dyn FnMut(f64, &mut [f64]) -> f64,
     ) -> Vec<Result<Self, Unresolved>> {
+        Self::build(grid, sizes, false, exact)
+    }
+
+    /// Tabulate one set of functions, some of which may be unbounded somewhere: where no panel resolves a component,
+    /// however short, the table has a gap. The components that are smooth there are resolved in a gap, too; the others
+    /// are to be asked of the exact function. Where a function is large, its error is relative to its value.
+    ///
+    /// # Errors
+    /// None; [`Unresolved`] by type.
+    pub fn build_with_gaps(
+        grid: &Grid,
+        sizes: Vec<f64>,
+        exact: &mut dyn FnMut(f64, &mut [f64]) -> f64,
+    ) -> Result<Self, Unresolved> {
+        Self::build(grid, &[sizes], true, exact).swap_remove(0)
+    }
+
+    fn build(
+        grid: &Grid,
+        sizes: &[Vec<f64>],
+        with_gaps: bool,
+        exact: &mut dyn FnMut(f64, &mut [f64]) -> f64,
+    ) -> Vec<Result<Self, Unresolved>> {
         let mut sets: Vec<Set> = Vec::new();
         for size in sizes {
             let first = sets.last().map_or(0, |s| s.components.end);
-            let table = Self { borders: vec![grid.borders[0]], components: size.len(), coefficients: Vec::new() };
-            sets.push(Set { components: first..first + size.len(), largest: size.clone(), table, unresolved: None });
+            let table = Self { borders: vec![grid.borders[0]], components: size.len(), ..Self::default() };
+            let (components, largest) = (first..first + size.len(), size.clone());
+            sets.push(Set { components, largest, table, with_gaps, unresolved: None });
         }
         let components = sets.last().map_or(0, |s| s.components.end);
         let mut sampler = Sampler {
@@ -168,6 +194,16 @@ impl Table {
     /// Number of panels.
     pub fn panels(&self) -> usize {
         self.borders.len() - 1
+    }
+
+    /// Whether a panel is a gap: some component is not resolved there.
+    pub fn is_gap(&self, panel: usize) -> bool {
+        self.gaps.binary_search(&panel).is_ok()
+    }
+
+    /// First and last sigma of each gap.
+    pub fn gaps(&self) -> impl ExactSizeIterator<Item = (f64, f64)> {
+        self.gaps.iter().map(|&panel| self.borders(panel))
     }
 
     /// First and last sigma of a panel.
@@ -236,6 +272,8 @@ struct Set {
     /// The larger of each component's natural size and its largest value on the grid.
     largest: Vec<f64>,
     table: Table,
+    /// Whether what is not resolved is a gap; else it is an error.
+    with_gaps: bool,
     unresolved: Option<Unresolved>,
 }
 
@@ -261,6 +299,8 @@ impl Set {
         const ORDER: f64 = (NODES - 2) as f64;
         /// Relative rounding of sigma, a sum of lengths.
         const SIGMA_ROUNDING: f64 = 4.0 * f64::EPSILON;
+        /// Gaps after which whatever is not resolved is a gap at once, so that the work of a table is bounded.
+        const MOST_GAPS: usize = 64;
         /// Largest relative tail that may be due to the rounding of sigma.
         const COARSEST: f64 = 1e-9;
         let series = &interval.series[self.components.clone()];
@@ -268,6 +308,8 @@ impl Set {
         // Rounding of sigma in terms of x: it limits the resolution where an interval is short compared with sigma.
         let step = SIGMA_ROUNDING * interval.a.abs().max(interval.b.abs()) / (0.5 * (interval.b - interval.a));
         for (i, (s, largest)) in series.iter().zip(&self.largest).enumerate() {
+            let largest =
+                &if self.with_gaps { largest.max(interval.largest[self.components.start + i]) } else { *largest };
             let t = if *largest > 0.0 { tail(s) / largest } else { 0.0 };
             let slope = || s.iter().enumerate().map(|(k, c)| k as f64 * c.abs()).sum::<f64>();
             if (t > worst && (t > COARSEST || t * largest > step * slope())) || t.is_nan() {
@@ -278,14 +320,27 @@ impl Set {
         // A small tail that division has not reduced is rounding in the exact function.
         let is_rounding = interval.part < 1.0 && worst < noise && worst > 0.1 * parent_tail;
         if worst <= allowed || is_rounding {
-            self.table.borders.push(interval.b);
-            self.table.coefficients.extend(series.iter().map(|s| unless_zero(s, monomials)));
+            self.take(interval);
             return Verdict::Resolved;
         }
-        if interval.part < SHORTEST || !worst.is_finite() {
+        if self.with_gaps {
+            if interval.part < SHORTEST || self.table.gaps.len() >= MOST_GAPS {
+                self.table.gaps.push(self.table.borders.len() - 1);
+                self.take(interval);
+                return Verdict::Resolved;
+            }
+        } else if interval.part < SHORTEST || !worst.is_finite() {
             return Verdict::Unresolved(component);
         }
         Verdict::Divide { tail: worst, into: if (worst / allowed).powf(1.0 / ORDER) > 1.9 { 3 } else { 2 } }
+    }
+
+    /// Take the interval as a panel. A component without a finite value there is 0.
+    fn take(&mut self, interval: &Interval) {
+        let series = &interval.series[self.components.clone()];
+        let finite = |s: Series| if s.iter().all(|c| c.is_finite()) { s } else { [0.0; NODES] };
+        self.table.borders.push(interval.b);
+        self.table.coefficients.extend(series.iter().map(|s| finite(unless_zero(s, monomials))));
     }
 }
 
@@ -369,6 +424,45 @@ mod tests {
         })
         .unwrap_err();
         assert!((error.sigma - 0.7).abs() < 1e-3, "{error}");
+    }
+
+    #[test]
+    fn a_pole_is_a_gap_and_the_rest_is_resolved() {
+        let pole = 0.3;
+        let f = |s: f64| [1.0 / (s - pole), s.cos()];
+        let grid = Grid { borders: vec![-1.0, 0.0, 0.6, 2.0], centers: vec![pole], noise: NOISE };
+        let mut exact = |s: f64, v: &mut [f64]| {
+            v.copy_from_slice(&f(s));
+            1.0
+        };
+        let table = Table::build_with_gaps(&grid, vec![1.0, 1.0], &mut exact).unwrap();
+        let gaps: Vec<_> = table.gaps().collect();
+        let (first, last) = (gaps[0].0, gaps[gaps.len() - 1].1);
+        assert!(gaps.windows(2).all(|pair| pair[0].1 == pair[1].0), "{gaps:?}");
+        assert!(first < pole && pole < last && last - first < 1e-4, "{gaps:?}");
+        for i in 0..=3000 {
+            let s = -1.0 + f64::from(i) / 1000.0 + 1e-5;
+            let at = table.position(s);
+            assert!((table.value(at, 1) - f(s)[1]).abs() < 2.0 * ACCURACY);
+            if !table.is_gap(at.panel) {
+                let [exact, _] = f(s);
+                assert!((table.value(at, 0) - exact).abs() < 1e-11 * exact.abs().max(10.0), "{s}");
+            }
+        }
+        assert!(Table::build_all(&grid, &[vec![1.0, 1.0]], &mut exact)[0].is_err());
+    }
+
+    /// What is nowhere smooth is all gaps, without end of work.
+    #[test]
+    fn a_rough_function_has_bounded_work() {
+        let mut calls = 0;
+        let table = Table::build_with_gaps(&grid(&[0.0, 1.0]), vec![1.0], &mut |s, v| {
+            calls += 1;
+            v[0] = (s * 1e9).sin();
+            1.0
+        });
+        let table = table.unwrap();
+        assert!(calls < 100_000 && (0..table.panels()).all(|panel| table.is_gap(panel)), "{calls}");
     }
 
     #[test]

@@ -14,6 +14,9 @@ use std::ops::Deref;
 pub use terminal::Terminal;
 pub use unit::Unit;
 
+/// Names suggested for one that no variable has.
+const SUGGESTIONS: usize = 3;
+
 /// Index of a variable in the table; the FMI value reference.
 pub type Reference = u32;
 
@@ -142,10 +145,32 @@ impl Interface {
         self.list.iter().position(|v| v.name == name).map(|i| i as Reference)
     }
 
+    /// Names spelled most like this one, the nearest first, for messages.
+    pub fn nearest(&self, name: &str) -> Vec<&str> {
+        let mut names: Vec<&str> = self.list.iter().map(|variable| variable.name.as_str()).collect();
+        names.sort_by_cached_key(|other| edits(name, other));
+        names.truncate(SUGGESTIONS);
+        names
+    }
+
     /// GUID of the interface: a hash of names, kinds, causalities, variabilities and units, not of start values.
     pub fn guid(&self) -> &str {
         &self.guid
     }
+}
+
+/// Levenshtein's distance: the least number of letters inserted, removed or replaced to make one name of the other.
+fn edits(a: &str, b: &str) -> usize {
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.bytes().enumerate() {
+        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
+        for (j, y) in b.bytes().enumerate() {
+            let replaced = diagonal + usize::from(x != y);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
 }
 
 /// An interface with the quantity Q that the model looks up or computes for each variable.

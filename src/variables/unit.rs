@@ -33,6 +33,8 @@ pub enum Unit {
     CubicMetrePerSecondPascal,
     Watt,
     NewtonPerSecond,
+    NewtonSecond,
+    KilogramSquareMetrePerSecond,
 }
 
 impl Unit {
@@ -68,6 +70,8 @@ impl Unit {
             Self::CubicMetrePerSecondPascal => ("m3/(s.Pa)", [-1, 4, 1, 0]),    // flow per pressure
             Self::Watt => ("W", [1, 2, -3, 0]),                                 // power
             Self::NewtonPerSecond => ("N/s", [1, 1, -3, 0]),                    // rate of a force
+            Self::NewtonSecond => ("N.s", [1, 1, -1, 0]),                       // impulse
+            Self::KilogramSquareMetrePerSecond => ("kg.m2/s", [1, 2, -1, 0]),   // angular impulse
         }
     }
 

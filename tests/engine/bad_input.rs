@@ -94,6 +94,7 @@ fn numbers_out_of_range() {
         (r#""length": 0.1755"#, r#""length": -0.1755"#, &["bodies.crank.length", "= -0.1755", "> 0"]),
         (r#""mass": 19.5 }"#, r#""mass": 19.5, "inertia": -2 }"#, &["bodies.wheel.inertia", "= -2", ">= 0"]),
         (r#""acceleration": 9.81"#, r#""acceleration": -9.81"#, &["gravity.acceleration", "= -9.81", ">= 0"]),
+        (r#""acceleration": 9.81"#, r#""acceleration": 1e200"#, &["gravity.acceleration", "= 1e200", "<= 1e100"]),
         (r#""force": 30000"#, r#""force": 1, "efficiency": 1.2"#, &["actuators.actuator.efficiency", "1.2", "<= 1"]),
         (r#""tolerance": 1e-9"#, r#""tolerance": 1"#, &["solver.tolerance", "= 1", "1e-14"]),
         (r#""stop_time": 0.13"#, r#""stop_time": 0"#, &["experiment.stop_time", "= 0", "> 0"]),
@@ -154,12 +155,6 @@ fn loads_without_a_direction() {
     check(&changed(force, &one), &["actuators.actuator", "both ends are on crank", "name two bodies"]);
     let met = force.replace("crank.actuator", "coupler.origin").replace("follower.actuator", "crank.end");
     check(&changed(force, &met), &["actuators.actuator", "the one point of joint2", "name two points"]);
-    // The piston's eye passes through the bracket once in a turn.
-    let bracket = changed(r#"{ "length": 0.5729 }"#, r#"{ "length": 0.5729, "points": { "bracket": [0.1755, 0] } }"#);
-    check(
-        &bracket.replace(force, r#""first": "ground.bracket", "second": "crank.end""#),
-        &["actuator", "ends coincide near", "move one of its attachments", "stops"],
-    );
     let spring = changed(r#""markers":"#, "\"springs\": { \"coil\": { \"first\": \"crank.end\" } },\n  \"markers\":");
     check(&spring, &["springs.coil", "give first and second, or joint"]);
 }

@@ -62,10 +62,13 @@ fn a_step_in_part_is_the_same_as_a_shorter_one() {
         whole.set_derivative("actuator.force", 1, -2e4);
         whole.set_derivative("actuator.force", 2, 3e5);
         whole.step(time);
-        for name in ["crank.angle", "crank.speed", "energy.drift", "crank.acceleration"] {
+        for name in ["crank.angle", "crank.speed", "crank.acceleration"] {
             let [a, b] = [gear.get(name), whole.get(name)];
             assert!((a - b).abs() <= 1e-7 * (1.0 + b.abs()), "{name}: {a} {b}");
         }
+        // What the steps lose differs with their sizes; it is below the tolerance of 1e-9 of the energy.
+        let [a, b] = [gear.get("energy.drift"), whole.get("energy.drift")];
+        assert!((a - b).abs() <= 1e-9 * whole.get("energy.kinetic"), "energy.drift: {a} {b}");
         let bits = |run: &Run| {
             let mut bytes = Vec::new();
             run.snapshot().write(&mut bytes).unwrap();

@@ -123,10 +123,13 @@ fn no_answer_is_an_error_with_a_message() {
         for &(name, value) in values {
             assert_eq!(gear.set(name, value), Status::Ok);
         }
-        assert_eq!(gear.initialize(), Status::Ok);
-        gear.log.take();
-        assert_eq!(gear.step(0.0, 1e-3), Status::Error);
-        let message = gear.refusal();
+        // An energy beyond the largest number is refused at the start, a force that no step integrates with the step.
+        let mut status = gear.initialize();
+        if status == Status::Ok {
+            status = gear.step(0.0, 1e-3);
+        }
+        assert_eq!(status, Status::Error);
+        let message = gear.log.take().pop().map_or_else(String::new, |last| last.text);
         assert!(fragments.iter().all(|f| message.contains(f)), "{message}");
     }
     for (name, value, fragment) in [

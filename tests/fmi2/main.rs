@@ -3,6 +3,7 @@
 
 mod abi;
 mod clock;
+mod events;
 mod host;
 mod hostile;
 mod hydraulic_drive;

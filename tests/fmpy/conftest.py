@@ -23,6 +23,8 @@ from fmpy.logging import addLoggerProxy
 
 NAME = "LandingGearRetraction"
 REPOSITORY = Path(__file__).resolve().parents[2]
+CARGO = ["cargo", "run", "--release", "--quiet", "--manifest-path", str(REPOSITORY / "Cargo.toml"), "--package"]
+"""The long form of `cargo fmu`, which works in every folder."""
 
 
 MESSAGES: dict[int, list[str]] = {}

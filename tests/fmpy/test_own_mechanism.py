@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, Instance
+from conftest import CARGO, REPOSITORY, Instance
 from fmpy import extract, simulate_fmu
 from fmpy.validation import validate_fmu
 
@@ -24,8 +24,6 @@ SPEED = 20.0
 """Angular speed of the crank at the start [rad/s]."""
 ROUNDING = 1e-12
 """Distance [m] between positions and the closed form: tables are resolved to about 1e-13 of the mechanism's size."""
-CARGO = ["cargo", "run", "--release", "--quiet", "--manifest-path", str(REPOSITORY / "Cargo.toml"), "--package"]
-"""The long form of `cargo fmu`, which works in every folder."""
 
 
 def mechanism() -> dict[str, Any]:

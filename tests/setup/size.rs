@@ -8,6 +8,7 @@
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::mechanism::definition::Mechanism;
 use linkage_fmu::mechanism::interface;
+use linkage_fmu::variables::{Causality, Value as Start};
 use serde_json::{Value, json};
 use std::time::Instant;
 
@@ -130,17 +131,55 @@ fn the_interface_takes_time_in_proportion_to_the_definition() {
     in_proportion("forces", 4000, |n| with("forces", n, force), variables);
     in_proportion("constant forces", 4000, |n| with("forces", n, constant_force), variables);
     in_proportion("markers", 8000, |n| with("markers", n, marker), variables);
-    in_proportion("points with markers", 4000, points, variables);
+    in_proportion("points with markers", 50_000, points, variables);
     in_proportion("sliding blocks", 1000, blocks, variables);
 }
 
 #[test]
 fn the_model_takes_time_in_proportion_to_the_definition() {
     in_proportion("a chain of fixed bodies", 500, |n| chain(n, false), model);
-    in_proportion("springs", 250, |n| with("springs", n, spring), model);
+    in_proportion("springs", 750, |n| with("springs", n, spring), model);
     in_proportion("stops", 250, |n| with("stops", n, stop), model);
     in_proportion("forces", 250, |n| with("forces", n, force), model);
     in_proportion("markers", 4000, |n| with("markers", n, marker), model);
+}
+
+/// A host that sets each of n parameters pays for n, not for n^2: values are written into the definition all at once.
+#[test]
+fn setting_every_parameter_takes_time_in_proportion() {
+    let set_all = |text: &str| {
+        let mut model = Model::from_json(text).unwrap();
+        let list = model.variables().list().iter().zip(0..);
+        let stated: Vec<(u32, f64)> = list
+            .filter(|(v, _)| v.causality == Causality::Parameter && v.name.starts_with('e'))
+            .filter_map(|(v, reference)| match v.start {
+                Some(Start::Real(start)) => Some((reference, start)),
+                _ => None,
+            })
+            .collect();
+        assert!(stated.len() > 1000);
+        for &(reference, start) in &stated {
+            model.set_real(reference, start * 1.25).unwrap();
+        }
+        model.initialize().unwrap();
+        let (reference, start) = stated[0];
+        assert_eq!(model.real(reference).unwrap(), start * 1.25);
+    };
+    in_proportion("parameters of forces", 1000, |n| with("springs", n, spring), set_all);
+}
+
+/// A text that is far too large is refused by its length, before anything of it is read.
+#[test]
+fn a_text_of_300_megabytes_is_refused_by_its_length() {
+    let text =
+        SLIDER_CRANK.replacen("\"description\": \"", &format!("\"description\": \"{}", "x".repeat(300_000_000)), 1);
+    let mut said = String::new();
+    let refused = time(|| said = Model::from_json(&text).err().unwrap().to_string());
+    assert!(said.starts_with("no mechanism: it has 300") && said.contains("at most 16777216"), "{said}");
+    // Reading one part in 30 of it takes longer.
+    let short =
+        SLIDER_CRANK.replacen("\"description\": \"", &format!("\"description\": \"{}", "x".repeat(10_000_000)), 1);
+    assert!(refused < time(|| Mechanism::from_json(&short).unwrap()), "{refused} s");
 }
 
 /// Stops of the same number after 10 and after 1e5 revolutions: the search for a stop does not turn the mechanism.

@@ -6,6 +6,7 @@ pub mod cosim;
 mod gear;
 mod hydraulics;
 mod instructions;
+pub mod kinds;
 mod measure;
 mod rigid_fem;
 mod scene;

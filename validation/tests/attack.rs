@@ -3,13 +3,14 @@
 use validation::attack::{Asked, all};
 
 /// Cases of each part.
-const CASES: [(&str, u64); 7] = [
+const CASES: [(&str, u64); 8] = [
     ("histories", 1000),
     ("coupled", 100),
     ("calls", 200),
     ("states", 600),
     ("definitions", 300),
     ("scenes", 60),
+    ("kinds", 15),
     ("threads", 12),
 ];
 

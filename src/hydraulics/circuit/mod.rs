@@ -24,10 +24,13 @@ mod tests;
 
 use super::definition::Circuit;
 pub use limits::{Left, SLACK};
-pub use rates::{CIRCUIT, DYNAMIC, ENERGIES, ENERGY, FREE, Rates, SUPPLY};
+pub use rates::{CIRCUIT, DYNAMIC, ENERGIES, ENERGY, FREE, Rates, SPOOL, SUPPLY};
 pub use smooth::{gate, soft};
 use std::f64::consts::{FRAC_PI_4, TAU};
 pub use supply::SupplyUnit;
+
+/// Part of the clearance within which the spool is at an edge.
+const ON_EDGE: f64 = 1e-3;
 
 /// State and surroundings of a circuit at one instant.
 #[derive(Clone, Copy, Debug)]
@@ -214,6 +217,13 @@ impl Equations {
     /// Accumulator and pump; none where the pressure of the supply is an input.
     pub fn supply_unit(&self) -> Option<&SupplyUnit> {
         self.unit.as_ref()
+    }
+
+    /// Positions of the spool at which an edge opens, each if it is another one than the first, and the distance from one
+    /// within which the spool is at it. Over less than the clearance the flow grows from almost nothing there: a step of
+    /// the integration should end there, as it could pass that unseen.
+    pub fn edges(&self) -> ([Option<f64>; 2], f64) {
+        ([Some(self.overlap), Some(-self.overlap).filter(|edge| *edge != self.overlap)], ON_EDGE * self.clearance)
     }
 
     /// Lengths of the actuator at which a cushion begins or ends [m], where a step of the integration should end: the

@@ -14,6 +14,8 @@ pub const DYNAMIC: usize = SUPPLY + 1;
 pub const ENERGIES: usize = 6;
 /// Index of the first energy in the state.
 pub const ENERGY: usize = DYNAMIC;
+/// Index of the position of the spool.
+pub const SPOOL: usize = 2;
 /// Index of the pressure of an accumulator; without one the component stays 0.
 pub const SUPPLY: usize = 4;
 
@@ -70,12 +72,24 @@ impl Equations {
     /// Rates of the state at a point, from the flows and the powers there.
     #[inline]
     pub fn rates_of<T: Number>(&self, at: &Point<T>, flows: &Flows<T>, powers: &Powers<T>) -> Rates<T> {
-        let ([a, b], [supplied, returned, piston, seal, compression, throttling]) =
-            (flows.pressure_rates, powers.in_order());
-        let unit = self.unit.map_or(T::constant(0.0), |unit| unit.rate(at.supply, flows.supply));
-        let (y, acceleration) = (at.spool_speed, flows.spool_acceleration);
+        let [a, b, y, acceleration, unit] = self.leading(at, flows);
+        let [supplied, returned, piston, seal, compression, throttling] = powers.in_order();
         let state = [a, b, y, acceleration, unit, supplied, returned, piston, seal, compression, throttling];
         Rates { state, force: powers.force }
+    }
+
+    /// Rates of the leading components at a point.
+    #[inline]
+    pub fn dynamic_rates<T: Number>(&self, at: &Point<T>) -> [T; DYNAMIC] {
+        self.leading(at, &self.flows(at))
+    }
+
+    /// Rates of the leading components, from the flows.
+    #[inline]
+    fn leading<T: Number>(&self, at: &Point<T>, flows: &Flows<T>) -> [T; DYNAMIC] {
+        let [a, b] = flows.pressure_rates;
+        let unit = self.unit.map_or(T::constant(0.0), |unit| unit.rate(at.supply, flows.supply));
+        [a, b, at.spool_speed, flows.spool_acceleration, unit]
     }
 
     /// Size of each leading component of a state, to which its errors are relative: absolute pressures, at least the

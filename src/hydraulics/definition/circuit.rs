@@ -101,6 +101,21 @@ pub fn is_pressure(pressure: f64, ambient: f64) -> bool {
     pressure > -ambient && pressure <= MOST_PRESSURE
 }
 
+/// Refuse a gauge pressure [Pa] that oil cannot have under this ambient pressure.
+///
+/// # Errors
+/// The name, the value and what is allowed.
+pub fn check_pressure(name: &str, pressure: f64, ambient: f64) -> Result<(), DefinitionError> {
+    if is_pressure(pressure, ambient) {
+        return Ok(());
+    }
+    Err(DefinitionError::value(
+        name,
+        Decimal(pressure),
+        format!("{ABOVE_VACUUM}; the former is {} Pa", Decimal(-ambient)),
+    ))
+}
+
 impl Circuit {
     /// Call `visit` with every parameter and its value, in the order of the file. `roles`: role of the parameters of a
     /// law, and of those of the start.
@@ -134,7 +149,7 @@ impl Circuit {
         let mut ranges = Ranges::default();
         self.clone().parameters([(); 2], &mut |parameter, value| ranges.check(&parameter, *value));
         ranges.0?;
-        let (cylinder, vacuum) = (&self.cylinder, -self.fluid.ambient_pressure);
+        let cylinder = &self.cylinder;
         if cylinder.rod >= cylinder.bore {
             let allowed = format!("below cylinder.bore = {} m, for chamber B to have an area", Decimal(cylinder.bore));
             return Err(DefinitionError::value("cylinder.rod", Decimal(cylinder.rod), allowed));
@@ -156,10 +171,7 @@ impl Circuit {
             ("chamber_b.start_pressure", self.chamber_b.start_pressure),
             ("accumulator.precharge_pressure", self.accumulator.precharge_pressure),
         ] {
-            if !is_pressure(pressure, self.fluid.ambient_pressure) {
-                let allowed = format!("{ABOVE_VACUUM}; that is {} Pa", Decimal(vacuum));
-                return Err(DefinitionError::value(key, Decimal(pressure), allowed));
-            }
+            check_pressure(key, pressure, self.fluid.ambient_pressure)?;
         }
         let pump = &self.pump;
         let band = LEAST_BAND * (pump.max_pressure.abs() + self.fluid.ambient_pressure);

@@ -8,7 +8,7 @@ mod sections;
 
 use crate::format::{DefinitionError, Experiment, Owner, Parameter, Range, read};
 use crate::variables::Unit;
-pub use circuit::{ABOVE_VACUUM, Circuit, Supply, Tank, is_pressure};
+pub use circuit::{ABOVE_VACUUM, Circuit, Supply, Tank, check_pressure, is_pressure};
 pub use sections::*;
 use serde::{Deserialize, Serialize};
 

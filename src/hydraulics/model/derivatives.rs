@@ -8,7 +8,7 @@ use crate::hydraulics::error::HydraulicsError;
 use crate::hydraulics::inputs::{Input, Inputs};
 use crate::hydraulics::interface::Quantity;
 use crate::hydraulics::outputs::{Output, Present};
-use crate::hydraulics::state::{Preview, State};
+use crate::hydraulics::state::{Preview, State, dynamic};
 use crate::numerics::dual::{Dual, Number};
 use crate::variables::{Causality, Kind, Reference, Variability};
 
@@ -45,10 +45,12 @@ fn preview(parameters: &Parameters, inputs: &Inputs, state: &State, direction: &
     let pressures = std::array::from_fn(|side| Dual { value: pressures[side], slope: [direction.circuit[side]] });
     let change = |input: Input| direction.inputs[input as usize];
     match state.foresee_change(&parameters.setting(inputs), h.value, &direction.circuit, &change) {
-        Some((end, element)) => Preview::new(laws, &element, (pressures, speed), &end, h),
+        Some((end, element)) => Preview::new(laws, &element, (laws.force(pressures, speed), speed), &end, h),
         None => {
             let motion = [Input::Length, Input::Speed, Input::Acceleration].map(dual);
-            Preview::blind(laws.force(pressures, speed), motion, h)
+            let force = laws.force(pressures, speed);
+            let start = state.start_acceleration(&parameters.setting(inputs), dual, force).unwrap_or(motion[2]);
+            Preview::blind(force, motion, start, h)
         }
     }
 }
@@ -104,7 +106,8 @@ impl Model {
     }
 
     /// Rate of a continuous output in time, under inputs that change at the rates set by
-    /// [`Self::set_input_derivative`], and under the speed and the acceleration of the inputs. Outputs of the foreseen
+    /// [`Self::set_input_derivative`], and under the speed and the acceleration of the inputs; where that is 0 and a
+    /// reduced mass is told, under the acceleration of this mass. Outputs of the foreseen
     /// motion belong to the next step: the rate of `preview.force` is that of the line, `preview.force_mean` and
     /// `preview.force_rate` are constant, `preview.length` and `preview.speed` have the speed and the acceleration at
     /// the end of the step; the accelerations have no rate.
@@ -134,10 +137,17 @@ impl Model {
             return Err(HydraulicsError::NotInitialised);
         };
         let laws = &parameters.laws;
-        let at = point(parameters, state, inputs);
+        let at = point(parameters, dynamic(&state.circuit), inputs);
         let at = Point { command: parameters.setting(inputs).command(state.time()).at(0.0), ..at };
         let circuit = laws.rates(&at).state;
-        let direction = Direction { circuit, inputs: Input::ALL.map(|input| inputs.rate(input)) };
+        let mut direction = Direction { circuit, inputs: Input::ALL.map(|input| inputs.rate(input)) };
+        // A host that connects no acceleration may have told the mass.
+        let speed_rate = &mut direction.inputs[Input::Speed as usize];
+        if *speed_rate == 0.0 {
+            let force = laws.force(at.pressures, at.speed);
+            let own = state.start_acceleration(&parameters.setting(inputs), |input| inputs.get(input), force);
+            *speed_rate = own.unwrap_or(0.0);
+        }
         let rate = present(parameters, inputs, state, &direction).output(laws, output);
         Ok(rate.map_or(f64::NAN, |dual| dual.slope[0]))
     }
@@ -191,11 +201,9 @@ impl Model {
         value: f64,
     ) -> Result<(), HydraulicsError> {
         self.check_input_derivative(reference, order, value)?;
-        let was_ahead = self.inputs.ahead;
         self.inputs.set_rate(reference as usize, order as usize, value);
-        let changes = matches!(Input::ALL[reference as usize], Input::Command | Input::Supply | Input::Tank);
-        if changes || !was_ahead {
-            self.cache.foreseen = self.cache.foreseen.filter(|_| !changes);
+        if matches!(Input::ALL[reference as usize], Input::Command | Input::Supply | Input::Tank) {
+            self.cache.forget_foresight();
         }
         Ok(())
     }

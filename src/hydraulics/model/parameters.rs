@@ -3,7 +3,8 @@
 //! In: a definition, values of its parameters. Out: the laws that follow from them, the start. It must not know steps.
 use crate::format::Range;
 use crate::hydraulics::circuit::Equations;
-use crate::hydraulics::definition::{HydraulicActuator, Role};
+use crate::hydraulics::definition::{HydraulicActuator, Role, check_pressure};
+use crate::hydraulics::error::HydraulicsError;
 use crate::hydraulics::inputs::{Input, Inputs};
 use crate::hydraulics::interface::Quantity;
 use crate::hydraulics::state::{Setting, State};
@@ -45,6 +46,18 @@ impl Parameters {
     pub fn setting<'a>(&'a self, inputs: &'a Inputs) -> Setting<'a> {
         let HydraulicActuator { circuit, solver, .. } = &self.actuator;
         Setting { laws: &self.laws, circuit, solver, inputs }
+    }
+
+    /// Check the parameters, and the pressures of the ports, which are relative to the ambient pressure, a parameter.
+    ///
+    /// # Errors
+    /// The first number out of range, with its name, its value and what is allowed.
+    pub fn check(&self, inputs: &Inputs) -> Result<(), HydraulicsError> {
+        self.actuator.check()?;
+        for (name, input) in [("supply.pressure", Input::Supply), ("tank.pressure", Input::Tank)] {
+            check_pressure(name, inputs.get(input), self.actuator.circuit.fluid.ambient_pressure)?;
+        }
+        Ok(())
     }
 
     /// The start under these parameters and inputs.

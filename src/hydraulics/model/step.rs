@@ -3,13 +3,13 @@
 //! In: parameters, inputs, the size of a step. Out: the state after it, warnings; a refusal that leaves all as it was. It
 //! must not know outputs.
 use super::warnings::{self, Warning, Warnings};
-use super::{Model, foreseen, point};
+use super::{Model, point};
 use crate::format::Range;
 use crate::hydraulics::definition::{ABOVE_VACUUM, Mode, is_pressure};
 use crate::hydraulics::error::HydraulicsError;
 use crate::hydraulics::inputs::Input;
 use crate::hydraulics::interface::Quantity;
-use crate::hydraulics::state::{Blind, Setting, interrupted};
+use crate::hydraulics::state::{self, Blind, Setting, interrupted};
 use crate::hydraulics::systems::{LENGTH, SPEED};
 use crate::variables::{Reference, Variables};
 
@@ -30,7 +30,7 @@ impl Model {
     #[inline]
     pub(super) fn started(&mut self) -> Result<(), HydraulicsError> {
         if self.state.is_none() {
-            self.parameters.actuator.check()?;
+            self.parameters.check(&self.inputs)?;
             self.state = Some(self.parameters.start(&self.inputs));
         }
         Ok(())
@@ -58,28 +58,28 @@ impl Model {
         let seen = if inputs.get(Input::Mass) > 0.0 {
             if inputs.get(Input::Horizon).to_bits() != h.to_bits() {
                 warnings.raise(Warning::Horizon, [inputs.get(Input::Horizon), h]);
-                cache.foreseen = None;
+                cache.forget_foresight();
             }
-            foreseen(parameters, inputs, state, cache, h)
+            cache.foresee(parameters, inputs, state, h)
         } else {
             &Err(Blind::NoMass)
         };
         let mode = parameters.actuator.coupling.mode;
-        let mut next = *state;
+        let before = state.circuit;
         let mut predicted = None;
         let (reached, motion) = match seen {
             Ok(foreseen) if mode == Mode::Delayed => {
-                next.keep(foreseen);
                 predicted = state.predict(&setting, foreseen, h).ok();
+                state.keep(foreseen);
                 let end = [foreseen.end[LENGTH], foreseen.end[SPEED]];
                 (foreseen.reached, Some(predicted.map_or(end, |predicted| predicted.motion)))
             }
             Ok(foreseen) if mode == Mode::Preview => {
-                next.keep(foreseen);
+                state.keep(foreseen);
                 (foreseen.reached, Some([foreseen.end[LENGTH], foreseen.end[SPEED]]))
             }
-            blind => {
-                if let Err(blind) = blind {
+            seen => {
+                if let Err(blind) = seen {
                     warnings::blind(warnings, *blind, inputs, h);
                     if *blind == Blind::Failed && mode != Mode::Follow {
                         // Found again for its text.
@@ -88,19 +88,24 @@ impl Model {
                     }
                 }
                 check_inputs_at(&setting, &original.variables, h, true)?;
-                (next.follow(&setting, h)?, None)
+                let memory = state.driven;
+                // The motion foreseen begins with the same rates.
+                let rates = seen.as_ref().ok().map(|foreseen| &foreseen.start_rates);
+                let followed = state.follow(&setting, h, rates).inspect_err(|_| {
+                    (state.circuit, state.driven) = (before, memory);
+                });
+                (followed?, None)
             }
         };
+        if warnings.may_raise() {
+            let begin = || point(parameters, state::dynamic(&before), inputs);
+            warnings::watch(warnings, &setting, (state, &begin), h, read || mode != Mode::Follow);
+        }
         let end = motion.map_or_else(|| inputs.length().at(reached), |[length, _]| length);
-        next.arrive(&setting, reached, end, seen.as_ref().ok());
-        if let (Some(last), Some(predicted)) = (&mut next.last, &predicted) {
+        state.arrive(&setting, reached, end, seen.as_ref().ok());
+        if let (Some(last), Some(predicted)) = (&mut state.last, &predicted) {
             (last.speed, last.correction) = (predicted.motion[1], predicted.correction);
         }
-        if warnings.may_raise() {
-            let now = point(parameters, state, inputs);
-            warnings::watch(warnings, &setting, (state, &now), h, read || mode != Mode::Follow);
-        }
-        *state = next;
         inputs.leave(reached, motion);
         cache.clear();
         if let Some(predicted) = predicted.filter(|_| reached == h) {
@@ -122,22 +127,27 @@ fn check_inputs_at(
 ) -> Result<(), HydraulicsError> {
     let (inputs, laws) = (setting.inputs, setting.laws);
     if inputs.ahead {
-        for input in Input::ALL {
-            if matches!(input, Input::Length | Input::Speed) && !follows || input == Input::Length {
-                continue;
-            }
-            let value = inputs.polynomial(input).at(h);
+        // An input without derivatives keeps its value, which was in range.
+        for input in Input::ALL.into_iter().filter(|input| inputs.changes(*input)) {
+            let (value, rates) = inputs.end(input, h);
+            let is_own = input == Input::Length || input == Input::Speed && !follows;
             let range = match input {
                 Input::Mass => Range::NonNegative,
                 Input::Horizon => Range::Positive,
                 _ => Range::Finite,
             };
             let pressure = matches!(input, Input::Supply | Input::Tank);
-            if !range.contains(value) || pressure && !is_pressure(value, laws.ambient()) {
-                let allowed = if pressure { ABOVE_VACUUM.to_owned() } else { range.text() };
+            let name = |what: &str| {
                 let name = variables.get(input as Reference).map_or("an input", |variable| &variable.name);
-                let name = format!("{name} at the end of the step");
-                return Err(HydraulicsError::Value { name, value, allowed });
+                [what, name, " at the end of the step"].concat()
+            };
+            if !is_own && !range.contains(value) || pressure && !is_pressure(value, laws.ambient()) {
+                let allowed = if pressure { ABOVE_VACUUM.to_owned() } else { range.text() };
+                return Err(HydraulicsError::Value { name: name(""), value, allowed });
+            }
+            if let Some(value) = rates.into_iter().find(|rate| !rate.is_finite()) {
+                let name = name("a derivative of ");
+                return Err(HydraulicsError::Value { name, value, allowed: Range::Finite.text() });
             }
         }
     }

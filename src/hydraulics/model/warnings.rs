@@ -116,12 +116,12 @@ pub fn blind(warnings: &mut Warnings, blind: Blind, inputs: &Inputs, h: f64) {
     }
 }
 
-/// Raise what this step of size h, from the present state, gives reason for. `previewed`: whether the host uses the
-/// foreseen motion.
+/// Raise what a step of size h gives reason for. `begin`: the point of the laws at its beginning; `previewed`: whether the
+/// host uses the foreseen motion.
 pub fn watch(
     warnings: &mut Warnings,
     setting: &Setting<'_>,
-    (state, now): (&State, &Point<f64>),
+    (state, begin): (&State, &dyn Fn() -> Point<f64>),
     h: f64,
     previewed: bool,
 ) {
@@ -139,7 +139,7 @@ pub fn watch(
     let mass = inputs.get(Input::Mass);
     // The eigenvalues cost as much as the step.
     if !previewed && mass > 0.0 && warnings.steps.is_power_of_two() && !warnings.raised[Warning::Unstable as usize] {
-        let stable = stable_step(setting.laws, now, mass);
+        let stable = stable_step(setting.laws, &begin(), mass);
         if stable > 0.0 && h > stable {
             warnings.raise(Warning::Unstable, [stable, h]);
         }

@@ -42,7 +42,7 @@ impl Told {
     pub fn blank() -> Self {
         let element =
             Element { mass: 1.0, mass_derivative: 0.0, load: 0.0, load_derivative: 0.0, load_rate: 0.0, length: 0.0 };
-        Self { start: [0.0; 2], element, correction: 0.0, preview: Preview::blind(0.0, [0.0; 3], 1.0) }
+        Self { start: [0.0; 2], element, correction: 0.0, preview: Preview::blind(0.0, [0.0; 3], 0.0, 1.0) }
     }
 
     /// All fields, written or read.
@@ -69,7 +69,7 @@ impl State {
     /// # Errors
     /// Why it cannot be predicted.
     pub fn predict(&self, setting: &Setting<'_>, foreseen: &Foreseen, h: f64) -> Result<Predicted, Blind> {
-        let (element, correction) = self.element(setting, h)?;
+        let (element, correction) = self.checked_element(setting, h)?;
         let force = self.told.map_or(foreseen.end[IMPULSE] / h, |told| told.preview.force_mean);
         let start = [Input::Length, Input::Speed].map(|input| setting.inputs.get(input));
         let motion = under_force(&element, force, start, h);
@@ -85,7 +85,7 @@ impl State {
         let Predicted { motion: start, mut element, correction } = *predicted;
         element.load += element.load_rate * last;
         let seen = self.foresee_from(setting, start, (element, correction), h).ok()?;
-        let preview = Preview::new(setting.laws, &element, (self.pressures(), start[1]), &seen.end, h);
+        let preview = Preview::new(setting.laws, &element, (seen.start_force, start[1]), &seen.end, h);
         let finite = preview.values().iter().all(|value| value.is_finite()) && element.load.is_finite();
         if seen.reached < h || !finite {
             return None;

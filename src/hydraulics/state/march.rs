@@ -3,7 +3,7 @@
 //! In: a system, its memory, the state. Out: the state at an instant of the step. It must not know the motion of the
 //! actuator, nor what it moves.
 use super::Setting;
-use crate::hydraulics::circuit::{Equations, SUPPLY};
+use crate::hydraulics::circuit::{Equations, SPOOL, SUPPLY};
 use crate::hydraulics::definition::Solver;
 use crate::hydraulics::error::HydraulicsError;
 use crate::hydraulics::systems::LENGTH;
@@ -12,10 +12,6 @@ use crate::numerics::decimal::Decimal;
 
 /// Most instants within a step at which its integration must stop.
 const INSTANTS: usize = 24;
-/// Index of the spool's position in the state.
-const SPOOL: usize = 2;
-/// Part of the clearance within which the spool is at an edge.
-const ON_EDGE: f64 = 1e-3;
 /// Part of the stroke below which a length is on the border of a cushion.
 const ON_BORDER: f64 = 1e-9;
 
@@ -62,9 +58,8 @@ impl Levels {
         });
         let pressures = setting.laws.supply_unit().map(|unit| unit.borders().map(|p| (SUPPLY, p, ON_BORDER * p.abs())));
         let [c, d] = pressures.map_or([None; 2], |pressures| pressures.map(Some));
-        let overlap = setting.circuit.valve.overlap;
-        let edge = |at: f64| Some((SPOOL, at, ON_EDGE * setting.circuit.valve.clearance));
-        let [e, f] = [edge(overlap), edge(-overlap).filter(|_| overlap != 0.0)];
+        let (edges, near) = setting.laws.edges();
+        let [e, f] = edges.map(|edge| edge.map(|at| (SPOOL, at, near)));
         Self([a, b, c, d, e, f])
     }
 
@@ -147,6 +142,14 @@ impl<'a> March<'a> {
         }
         HydraulicsError::Stuck { time, what: laws.describe_pressures([y[0], y[1]]) }
     }
+}
+
+/// Refuse a state, `time` [s] after the beginning of a step, in which something is beyond the largest number: the sizes
+/// of steps are chosen by pressures, spool and motion, whatever the energies.
+pub fn finite(y: &[f64], time: f64) -> Result<(), HydraulicsError> {
+    // A sum of squares would overflow earlier; 0 x infinity is NaN.
+    let all: f64 = y.iter().map(|component| 0.0 * component).sum();
+    if all == 0.0 { Ok(()) } else { Err(HydraulicsError::Overflow { time }) }
 }
 
 /// What a step says that met `solver.max_steps` at the time [s] since its beginning.

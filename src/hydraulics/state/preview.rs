@@ -2,7 +2,7 @@
 //!
 //! In: the state, inputs that tell the element, a step. Out: the foreseen motion, its derivative along a direction of
 //! the inputs, what it tells of the force. It must not change the state.
-use super::march::{Instants, Levels, March};
+use super::march::{Instants, Levels, March, finite};
 use super::{Last, Setting, State, Told};
 use crate::hydraulics::circuit::{CIRCUIT, Equations};
 use crate::hydraulics::error::HydraulicsError;
@@ -31,6 +31,10 @@ pub struct Foreseen {
     pub element: Element<f64>,
     /// Correction r of the load [N].
     pub correction: f64,
+    /// Force at the beginning [N].
+    pub start_force: f64,
+    /// Rates of the circuit there, which are those of the motion of the inputs too.
+    pub start_rates: [f64; CIRCUIT],
     /// Time reached [s]: the step, or less where `solver.max_steps` was met.
     pub reached: f64,
 }
@@ -55,34 +59,48 @@ impl State {
         let get = |input| setting.inputs.get(input);
         let (v, m) = (get(Input::Speed), get(Input::Mass));
         let missed = v - last.speed;
-        let force = setting.laws.force(self.pressures(), last.speed);
-        let most = force.abs() + get(Input::Load).abs() + last.load.abs();
+        let loads = get(Input::Load).abs() + last.load.abs();
+        let exceeds = |most: f64| (m * missed).abs() > most * last.step;
+        let force = || setting.laws.force(self.pressures(), last.speed).abs();
         let reversed = v * last.speed <= 0.0 && missed.abs() > 0.5 * last.start_speed.abs().max(last.speed.abs());
-        let contact = (m * missed).abs() > most * last.step || reversed;
+        // The force is asked for only where the loads alone do not explain the difference.
+        let contact = reversed || exceeds(loads) && exceeds(force() + loads);
         (if contact { 0.0 } else { last.correction - m * missed / last.step }, contact)
     }
 
     /// The element that stands for what the actuator moves, and the correction of its load.
-    pub(super) fn element(&self, setting: &Setting<'_>, h: f64) -> Result<(Element<f64>, f64), Blind> {
+    fn element(&self, setting: &Setting<'_>) -> Result<(Element<f64>, f64), Blind> {
         let get = |input| setting.inputs.get(input);
-        let (mass, speed) = (get(Input::Mass), get(Input::Speed));
-        if mass == 0.0 {
+        if get(Input::Mass) == 0.0 {
             return Err(Blind::NoMass);
         }
         let (correction, contact) = self.correction(setting);
-        let element = element_of(self.last.as_ref(), contact, &ELEMENT_INPUTS.map(get));
+        Ok((element_of(self.last.as_ref(), contact, &ELEMENT_INPUTS.map(get)), correction))
+    }
+
+    /// Acceleration [m/s2] of the element under this force; none if no mass is told, or none that moves.
+    pub fn start_acceleration<T: Number>(
+        &self,
+        setting: &Setting<'_>,
+        inputs: impl Fn(Input) -> T,
+        force: T,
+    ) -> Option<T> {
+        if setting.inputs.get(Input::Mass) == 0.0 {
+            return None;
+        }
+        let (_, contact) = self.correction(setting);
+        let element = element_of(self.last.as_ref(), contact, &ELEMENT_INPUTS.map(&inputs));
+        let acceleration = element.acceleration(force, element.length, inputs(Input::Speed), T::constant(0.0));
+        acceleration.value().is_finite().then_some(acceleration)
+    }
+
+    /// [`Self::element`], if it stands for what the actuator moves over a step of size h [s].
+    pub(super) fn checked_element(&self, setting: &Setting<'_>, h: f64) -> Result<(Element<f64>, f64), Blind> {
+        let (element, correction) = self.element(setting)?;
+        let speed = setting.inputs.get(Input::Speed);
         let force = setting.laws.force(self.pressures(), speed);
-        let acceleration = element.acceleration(force, element.length, speed, 0.0);
-        if acceleration.is_nan() || acceleration.abs() > MOST_ACCELERATION {
-            return Err(Blind::Failed);
-        }
-        let way = (speed.abs() + 0.5 * acceleration.abs() * h) * h;
-        // Not a comparison the other way round: NaN is no mass that changes little.
-        if (element.mass_derivative * way).abs() <= MASS_CHANGE * mass {
-            Ok((element, correction))
-        } else {
-            Err(Blind::Toggle)
-        }
+        check_element(&element, element.acceleration(force, element.length, speed, 0.0), speed, h)?;
+        Ok((element, correction))
     }
 
     /// The motion with one element over a step of size h [s] from here: of the inputs, or, where the mechanism has been
@@ -94,11 +112,7 @@ impl State {
         if let Some(Told { start, element, correction, .. }) = self.told {
             return self.foresee_from(setting, start, (element, correction), h);
         }
-        let failed = |blind| {
-            let pressures = || setting.laws.describe_pressures(self.pressures());
-            (blind, (blind == Blind::Failed).then(|| stuck_with(setting, 0.0, &pressures())))
-        };
-        let element = self.element(setting, h).map_err(failed)?;
+        let element = self.element(setting).map_err(|blind| (blind, None))?;
         self.foresee_from(setting, [Input::Length, Input::Speed].map(|input| setting.inputs.get(input)), element, h)
     }
 
@@ -117,8 +131,15 @@ impl State {
         let lengths = setting.laws.lengths();
         let mut system = Coupled { laws: setting.laws, surroundings, element, stroke: lengths[1] - lengths[0] };
         let mut end = with_element(&self.circuit, motion);
+        let first = system.derivative(0.0, &end);
+        check_element(&element, first[SPEED], motion[1], h).map_err(|blind| {
+            let pressures = || setting.laws.describe_pressures(self.pressures());
+            (blind, (blind == Blind::Failed).then(|| stuck_with(setting, 0.0, &pressures())))
+        })?;
         let mut memory = self.coupled;
         memory.branch_off();
+        memory.begin_with(first);
+        memory.count_evaluations(1);
         let mut march = March::new(setting, &memory);
         let levels = Levels::new(setting, true);
         for instant in instants.ends(h) {
@@ -133,7 +154,9 @@ impl State {
                 break;
             }
         }
-        Ok(Foreseen { h, end, memory, element, correction, reached: march.t })
+        finite(&end, march.t).map_err(|error| (Blind::Failed, Some(error)))?;
+        let (start_force, start_rates) = (first[IMPULSE], without_element(&first));
+        Ok(Foreseen { h, end, memory, element, correction, start_force, start_rates, reached: march.t })
     }
 
     /// Derivative of the foreseen motion along one direction: of the state at the end of a step of size h, and of the
@@ -145,7 +168,7 @@ impl State {
         circuit: &[f64; CIRCUIT],
         inputs: &dyn Fn(Input) -> f64,
     ) -> Option<([Dual<1>; ELEMENT], Element<Dual<1>>)> {
-        self.element(setting, h).ok()?;
+        self.checked_element(setting, h).ok()?;
         let dual = |input| Dual { value: setting.inputs.get(input), slope: [inputs(input)] };
         let (_, contact) = self.correction(setting);
         let element = element_of(self.last.as_ref(), contact, &ELEMENT_INPUTS.map(dual));
@@ -186,6 +209,16 @@ impl State {
     pub fn keep(&mut self, foreseen: &Foreseen) {
         self.circuit = without_element(&foreseen.end);
     }
+}
+
+/// Whether an element with this acceleration [m/s2] stands for what the actuator moves over a step of size h [s].
+fn check_element(element: &Element<f64>, acceleration: f64, speed: f64, h: f64) -> Result<(), Blind> {
+    if acceleration.is_nan() || acceleration.abs() > MOST_ACCELERATION {
+        return Err(Blind::Failed);
+    }
+    let way = (speed.abs() + 0.5 * acceleration.abs() * h) * h;
+    // Not a comparison the other way round: NaN is no mass that changes little.
+    if (element.mass_derivative * way).abs() <= MASS_CHANGE * element.mass { Ok(()) } else { Err(Blind::Toggle) }
 }
 
 /// No motion is found with the element of the inputs.
@@ -236,18 +269,11 @@ pub struct Preview<T> {
 }
 
 impl<T: Number> Preview<T> {
-    /// From the element, pressures and speed at the beginning, the state at the end, and the step.
-    pub fn new(
-        laws: &Equations,
-        element: &Element<T>,
-        (pressures, speed): ([T; 2], T),
-        end: &[T; ELEMENT],
-        h: T,
-    ) -> Self {
+    /// From the element, force and speed at the beginning, the state at the end, and the step.
+    pub fn new(laws: &Equations, element: &Element<T>, (first, speed): (T, T), end: &[T; ELEMENT], h: T) -> Self {
         let (mean, moment) = (end[IMPULSE] / h, end[MOMENT] / (h * h));
         let rate = (moment * 2.0 - mean) * 6.0 / h;
         let last = laws.force([end[0], end[1]], end[SPEED]);
-        let first = laws.force(pressures, speed);
         Self {
             force: mean - rate * h * 0.5,
             force_rate: rate,
@@ -272,15 +298,15 @@ impl<T: Number> Preview<T> {
         [force, force_rate, force_mean, length, speed, start_acceleration, acceleration]
     }
 
-    /// Where none is foreseen: the present force, and the motion of the inputs.
-    pub fn blind(force: T, [length, speed, acceleration]: [T; 3], h: T) -> Self {
+    /// Where none is foreseen: the present force, and the motion of the inputs. `start_acceleration`: under that force.
+    pub fn blind(force: T, [length, speed, acceleration]: [T; 3], start_acceleration: T, h: T) -> Self {
         Self {
             force,
             force_rate: T::constant(0.0),
             force_mean: force,
             length: length + speed * h,
             speed,
-            start_acceleration: acceleration,
+            start_acceleration,
             acceleration,
         }
     }

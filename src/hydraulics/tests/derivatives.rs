@@ -199,11 +199,42 @@ fn initial_dependencies_are_exact() {
         let declared: std::collections::BTreeSet<u32> = declared[k].iter().copied().collect();
         let missing: Vec<String> = found[k].difference(&declared).map(name).collect();
         let superfluous: Vec<String> = declared.difference(&found[k]).map(name).collect();
-        // Whether a motion is foreseen follows from all, and the first acceleration from that.
-        let may_be_more = variable.name == "preview.start_acceleration";
-        if !(missing.is_empty() && (superfluous.is_empty() || may_be_more)) {
+        if !(missing.is_empty() && superfluous.is_empty()) {
             wrong.push(format!("{}: missing {missing:?}, superfluous {superfluous:?}", variable.name));
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// A host may tell the element and connect no acceleration: the force's rate is then that under the element's own.
+#[test]
+fn without_an_acceleration_the_force_has_the_rate_of_the_element() {
+    let start = |mass: f64, acceleration: f64| {
+        let mut actuator = model(ACTUATOR);
+        for (name, value) in [
+            ("actuator.length", 0.5),
+            ("actuator.speed", 0.05),
+            ("actuator.acceleration", acceleration),
+            ("actuator.reduced_mass", mass),
+            ("actuator.holding_force", 500.0),
+        ] {
+            set(&mut actuator, name, value);
+        }
+        actuator.initialize().unwrap();
+        actuator
+    };
+    let rate = |mut actuator: Model| {
+        let force = reference(&actuator, "actuator.force");
+        actuator.output_derivative(force, 1).unwrap()
+    };
+    let mut told = start(700.0, 0.0);
+    let own = get(&mut told, "preview.start_acceleration");
+    let expected = (get(&mut told, "actuator.force") - 500.0) / 700.0;
+    assert!((own - expected).abs() < 1e-12 * expected.abs() && own != 0.0, "{own} {expected}");
+    let (without, with) = (rate(told), rate(start(0.0, own)));
+    assert_eq!(without.to_bits(), with.to_bits());
+    // Without a mass an acceleration of 0 is what it says.
+    assert_ne!(rate(start(0.0, 0.0)), with);
+    // A connected acceleration is taken as it is.
+    assert_eq!(rate(start(700.0, 2.0 * own)).to_bits(), rate(start(0.0, 2.0 * own)).to_bits());
 }

@@ -142,6 +142,12 @@ impl<const N: usize> Integrator<N> {
         self.last = None;
     }
 
+    /// [`Self::refresh`], with the rates at the present point, which somebody has evaluated.
+    pub fn begin_with(&mut self, rates: [f64; N]) {
+        self.refresh();
+        self.derivative = Some(rates);
+    }
+
     /// Go on from a state on the interpolant of the last step.
     pub fn branch_off(&mut self) {
         self.refresh();

@@ -103,7 +103,7 @@ impl<const N: usize> Integrator<N> {
             let h = fitted(wish, rest);
             let shrink = match Radau::attempt(system, start, &newton, h, &mut self.statistics) {
                 Some((outcome, error)) if error <= 1.0 && system.admits(&outcome.end) => {
-                    self.stiffness.implicit_step(h, largest_eigenvalue(&jacobian));
+                    self.stiffness.implicit_step(h, largest_eigenvalue(&jacobian, S::LEADING));
                     self.before = Some(outcome.stages.collocation(h, [&start.y, &outcome.end]));
                     let grow = SAFETY * inverse_root(error, radau::ERROR_POWER);
                     self.propose(h, wish, grow.clamp(SHRINK_MOST, grow_most));
@@ -163,7 +163,7 @@ pub fn starting_step<S: System<N>, const N: usize>(
     let mut h = h1.min(100.0 * h0);
     if S::CAN_BE_STIFF {
         statistics.jacobians += 1;
-        let lambda = largest_eigenvalue(&system.jacobian(t, y));
+        let lambda = largest_eigenvalue(&system.jacobian(t, y), S::LEADING);
         if h * lambda > STABLE_TO {
             h = STABLE_TO / lambda;
         }

@@ -94,15 +94,21 @@ impl Stiffness {
     }
 }
 
-/// The largest |eigenvalue| of a real matrix, from the trace of its eighth power: at most the factor N^(1/8) too large.
+/// The largest |eigenvalue| of a real matrix whose columns after the first `leading` are 0, from the trace of its eighth power: at most the factor N^(1/8) too large.
 /// It needs no scaling of the components, as a trace does not depend on their units. Too small where the largest are a
 /// complex pair whose eighth powers are nearly imaginary: oscillation, which is not stiffness.
-pub fn largest_eigenvalue<const N: usize>(a: &[[f64; N]; N]) -> f64 {
+pub fn largest_eigenvalue<const N: usize>(a: &[[f64; N]; N], leading: usize) -> f64 {
     let square = |m: &[[f64; N]; N]| -> [[f64; N]; N] {
-        std::array::from_fn(|i| std::array::from_fn(|j| (0..N).map(|k| m[i][k] * m[k][j]).sum()))
+        let mut square = [[0.0; N]; N];
+        for (i, row) in square.iter_mut().enumerate().take(leading) {
+            for (j, entry) in row.iter_mut().enumerate().take(leading) {
+                *entry = (0..leading).map(|k| m[i][k] * m[k][j]).sum();
+            }
+        }
+        square
     };
     let fourth = square(&square(a));
-    let trace: f64 = (0..N).map(|i| (0..N).map(|j| fourth[i][j] * fourth[j][i]).sum::<f64>()).sum();
+    let trace: f64 = (0..leading).map(|i| (0..leading).map(|j| fourth[i][j] * fourth[j][i]).sum::<f64>()).sum();
     trace.abs().sqrt().sqrt().sqrt()
 }
 

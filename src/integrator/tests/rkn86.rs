@@ -65,6 +65,27 @@ fn error_follows_the_tolerance_for_less_than_dop853_costs() {
     }
 }
 
+/// A weak force that changes soon along a fast motion: q'' = a g'(q) passes bumps of width 1/30, which take a part of
+/// 1e-4 of the kinetic energy at most. The speed alone would let steps go by a bump. Reference: the energy integral
+/// v^2 / 2 = 1/2 + a g(q), g = 1 / (1 + (30 sin(q/2))^2).
+#[test]
+fn a_weak_force_that_changes_soon_is_resolved() {
+    let (a, n) = (1e-4, 30.0);
+    let potential = |q: f64| a / (1.0 + (n * (0.5 * q).sin()).powi(2));
+    let force = |_t: f64, y: &[f64; 2]| {
+        let bump = 1.0 + (n * (0.5 * y[0]).sin()).powi(2);
+        [y[1], -a * 0.5 * n * n * y[0].sin() / (bump * bump)]
+    };
+    for exponent in 5..=12 {
+        let tolerance = 10f64.powi(-exponent);
+        let (mut integrator, mut y) = (Integrator::default(), [-1.0, 1.0]);
+        let energy = 0.5 - potential(-1.0);
+        integrator.advance(&mut SecondOrder(force), &mut y, 20.0, tolerance).unwrap();
+        let miss = (0.5 * y[1] * y[1] - potential(y[0]) - energy).abs();
+        assert!(miss < 5.0 * tolerance, "tolerance {tolerance}: energy off by {miss}");
+    }
+}
+
 #[test]
 fn a_step_cut_short_is_the_step_of_that_size() {
     let (mut integrator, mut y, mut t) = (Integrator::default(), [1.0, 0.0], 0.0);

@@ -226,6 +226,15 @@ impl Closure {
         rounding_at(q, self.linkage.angles, &self.weights)
     }
 
+    /// Coordinates by name and in words, the first six at most.
+    pub fn describe(&self, q: &[f64]) -> String {
+        let names = &self.linkage.coordinates;
+        let unit = |i: usize| if i < self.linkage.angles { "rad" } else { "m" };
+        let parts: Vec<String> =
+            (0..q.len().min(6)).map(|i| format!("{} = {:.6} {}", names[i], q[i], unit(i))).collect();
+        parts.join(", ")
+    }
+
     /// Unit tangent of the curve in the weighted norm, of arbitrary sign.
     pub fn tangent(&self, q: &[f64]) -> Vec<f64> {
         let mut scratch = Scratch::default();

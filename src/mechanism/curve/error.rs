@@ -7,9 +7,21 @@ pub enum CurveError {
     /// The kinetic energy of a motion through this position vanishes.
     Massless(String),
     /// Two branches of motion almost cross here: rounding decides which one is followed.
-    NearCrossing(String),
+    NearCrossing {
+        /// Coordinates by name and in words.
+        position: String,
+        /// Coordinates.
+        at: Vec<f64>,
+        /// How much the loops lack of crossing, in sizes of the linkage; none if that is not known.
+        miss: Option<f64>,
+    },
     /// No panel, however short, leads on from this position.
-    Stuck(String),
+    Stuck {
+        /// Coordinates by name and in words.
+        position: String,
+        /// Coordinates.
+        at: Vec<f64>,
+    },
     /// No travel is permitted from this position.
     Outside(String),
     /// The curve has too many panels.
@@ -35,12 +47,19 @@ impl fmt::Display for CurveError {
                 f,
                 "the reduced inertia vanishes at {position}: nothing or almost nothing with mass moves there; give a mass or an inertia to a body that does"
             ),
-            Self::NearCrossing(position) => write!(
+            Self::NearCrossing { position, miss: None, .. } => write!(
                 f,
                 "two branches of motion almost cross at {position}: the lengths miss a crossing by so little that rounding decides; \
                  change a length by a part in 1e5 or more, or make them cross to the last digit"
             ),
-            Self::Stuck(position) => {
+            Self::NearCrossing { position, miss: Some(miss), .. } => write!(
+                f,
+                "two branches of motion almost cross at {position}: the lengths miss a crossing by {miss:.1e} of the size of \
+                 the mechanism, so little that rounding decides; give \"snap\": {:e} or more if the motion is to go straight \
+                 on there, or change a length by a part in 1e5 or more",
+                cure(*miss)
+            ),
+            Self::Stuck { position, .. } => {
                 write!(
                     f,
                     "the linkage cannot be followed past {position}: its motion ends or has a cusp there; change the lengths"
@@ -61,3 +80,14 @@ impl fmt::Display for CurveError {
 }
 
 impl std::error::Error for CurveError {}
+
+/// The value of `snap` that puts a miss right: the next larger number of one digit.
+pub fn cure(miss: f64) -> f64 {
+    let text = format!("{miss:.0e}");
+    let rounded: f64 = text.parse().unwrap_or(miss);
+    if rounded >= miss {
+        return rounded;
+    }
+    let unit = 10f64.powf(miss.log10().floor());
+    format!("{:.0e}", rounded + unit).parse().unwrap_or(rounded + unit)
+}

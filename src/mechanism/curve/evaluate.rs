@@ -2,6 +2,7 @@
 //!
 //! In: the panels of a traced curve. Out: the configuration at a sigma. It must not know how the panels were found.
 use super::configuration::{Configuration, Scratch};
+use super::near::Near;
 use super::panel::Panel;
 use crate::mechanism::closure::{self, Closure};
 use crate::mechanism::linkage::Linkage;
@@ -46,6 +47,8 @@ pub struct Curve {
     pub ends: Ends,
     /// Values of sigma where branches cross, ascending.
     pub crossings: Vec<f64>,
+    /// Positions where branches almost cross, as far as they were looked for.
+    pub near: Near,
     /// Number of positions closed in tracing, those of rejected panels included: the cost.
     pub closed: usize,
 }
@@ -107,7 +110,7 @@ impl Curve {
         if let Ends::Closed(growth) = &self.ends {
             q.iter_mut().zip(growth).for_each(|(q, growth)| *q += revolutions * growth);
         }
-        describe(&self.closure, &q)
+        self.closure.describe(&q)
     }
 
     /// The configuration at sigma, within the curve's range: loops closed by Newton's method, the tangent from the null
@@ -157,12 +160,4 @@ impl Curve {
         c.regular = closure.linearise(&c.q, &mut scratch.loops);
         std::mem::swap(&mut c.factors, &mut scratch.loops.factors);
     }
-}
-
-/// Coordinates by name and in words, the first six at most.
-pub(super) fn describe(closure: &Closure, q: &[f64]) -> String {
-    let names = &closure.linkage.coordinates;
-    let unit = |i: usize| if i < closure.linkage.angles { "rad" } else { "m" };
-    let parts: Vec<String> = (0..q.len().min(6)).map(|i| format!("{} = {:.6} {}", names[i], q[i], unit(i))).collect();
-    parts.join(", ")
 }

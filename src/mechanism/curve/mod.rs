@@ -14,14 +14,19 @@ mod evaluate;
 mod extrapolation;
 mod grid;
 mod kinetic;
+mod near;
 mod panel;
+mod part;
+mod singular;
 mod stretch;
 mod trace;
 mod travel;
 
 pub use configuration::{Configuration, Scratch};
-pub use error::CurveError;
+pub use error::{CurveError, cure};
 pub use evaluate::{Curve, Ends};
+pub use near::{Candidate, Near, NearMiss, REPORTED, is_same};
+pub use singular::{Place, Singular};
 pub use stretch::STRETCHES;
 pub use trace::NEAR_CROSSING;
 

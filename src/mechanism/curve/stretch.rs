@@ -7,7 +7,8 @@
 //! reach as far as numbers tell positions apart. A stretch depends on the one before and on nothing else, so the panels
 //! are the same in whatever order they were needed.
 use super::error::CurveError;
-use super::evaluate::{Curve, Ends, describe};
+use super::evaluate::{Curve, Ends};
+use super::near::Near;
 use super::panel::Base;
 use super::trace::{Stop, Tracer, mirrored};
 use super::travel::Travel;
@@ -34,14 +35,14 @@ impl Curve {
         let closure = self.closure.clone();
         let is_low = side == 0;
         let Some(panel) = (if is_low { self.panels.first() } else { self.panels.last() }) else {
-            return Err(CurveError::Outside(describe(&closure, &self.guess)));
+            return Err(CurveError::Outside(closure.describe(&self.guess)));
         };
         let mut scratch = Scratch::default();
         let mut tangent = Vec::new();
         let (q, sigma, outward) =
             if is_low { (&panel.base, -self.range.0, -1.0) } else { (&panel.tip, self.range.1, 1.0) };
         if !closure.linearise(q, &mut scratch) {
-            return Err(CurveError::Stuck(describe(&closure, q)));
+            return Err(CurveError::Stuck { position: closure.describe(q), at: q.clone() });
         }
         scratch.factors.tangent(&panel.normal, outward, &mut tangent);
         closure.normalise(&mut tangent);
@@ -65,7 +66,8 @@ impl Curve {
         }
         let ends = Ends::Stopped { low: !is_low || left, high: is_low || left };
         let (transform, closed, guess) = (tracer.transform, tracer.scratch.closed, self.guess.clone());
-        let stretch = Self { closure, transform, panels, guess, farthest, range, ends, crossings: Vec::new(), closed };
+        let (crossings, near) = (Vec::new(), Near::default());
+        let stretch = Self { closure, transform, panels, guess, farthest, range, ends, crossings, near, closed };
         stretch.checked()
     }
 }

@@ -1,10 +1,11 @@
 //! Tracing: panel after panel, until the curve returns, leaves the permitted travel, or gets too long.
 //!
 //! In: a closed position, limits of travel. Out: the curve. It must not know loads.
-use super::bridge::{Bridge, crossing_ahead};
+use super::bridge::Bridge;
 use super::error::CurveError;
-use super::evaluate::{Curve, Ends, describe};
+use super::evaluate::{Curve, Ends};
 use super::kinetic::twice_kinetic;
+use super::near::Near;
 use super::panel::{Base, Panel, Rejection, Scratch, near_crossing};
 use super::travel::Travel;
 use crate::mechanism::closure::Closure;
@@ -19,10 +20,6 @@ const FIRST: f64 = 0.25;
 const LARGEST: f64 = 1.5;
 /// Largest width of a panel relative to its distance from the guess.
 const LARGEST_PART: f64 = 0.5;
-/// Half width of a bridge over a crossing, for three coordinates: largest one, good one, least one.
-const BRIDGES: [f64; 3] = [0.5, 0.35, 0.01];
-/// Largest of the last coefficients of a bridge's series that is rounding.
-const RESOLVED: f64 = 2e-14;
 /// Width of a panel below which tracing fails.
 const SMALLEST: f64 = 1e-6;
 /// Largest number of panels.
@@ -108,11 +105,12 @@ impl Curve {
             }
         };
         if last <= first {
-            return Err(CurveError::Outside(describe(&closure, q)));
+            return Err(CurveError::Outside(closure.describe(q)));
         }
         let (transform, closed) = (tracer.transform, tracer.scratch.closed);
         let (guess, range) = (q.to_vec(), (first, last));
-        Self { closure, transform, panels, guess, farthest, range, ends, crossings: Vec::new(), closed }.checked()
+        let (crossings, near) = (Vec::new(), Near::default());
+        Self { closure, transform, panels, guess, farthest, range, ends, crossings, near, closed }.checked()
     }
 
     /// This curve with its crossings.
@@ -135,7 +133,7 @@ impl Curve {
                 for (row, gap) in linkage.gaps(&linkage.positions(&q)).iter().enumerate() {
                     if gap.abs() > 1e-9 * linkage.size * self.closure.rounding_at(&q) {
                         let joint = linkage.joints[joints[row]].name.clone();
-                        let position = describe(&self.closure, &q);
+                        let position = self.closure.describe(&q);
                         return Err(CurveError::Inconsistent { joint, gap: gap.abs(), position });
                     }
                 }
@@ -341,7 +339,7 @@ impl<'a> Tracer<'a> {
             }
         }
         let Self { closure, scratch, .. } = self;
-        let position = describe(closure, &base.q);
+        let position = closure.describe(&base.q);
         // Panels stop short of a position where nothing with mass moves.
         massless |= twice_kinetic_part(closure, &base.q, &base.tangent) < 1e-6;
         Err(if massless {
@@ -349,65 +347,10 @@ impl<'a> Tracer<'a> {
         } else if closure.linearise(&base.q, &mut scratch.evaluation.loops)
             && closure.amplification(&closure.normal(&base.tangent), &mut scratch.evaluation.loops) > NEAR_CROSSING
         {
-            CurveError::NearCrossing(position)
+            CurveError::NearCrossing { position, at: base.q.clone(), miss: None }
         } else {
-            CurveError::Stuck(position)
+            CurveError::Stuck { position, at: base.q.clone() }
         })
-    }
-
-    /// Prepare to cross the position ahead of `base` where branches seem to cross, within about `width`. The width of
-    /// the next panel, which is on a bridge or leads to one; None if there is nothing that a bridge crosses.
-    fn bridge_ahead(&mut self, base: &Base, width: f64) -> Option<f64> {
-        /// Factor of the half width after a failure.
-        const NARROWER: f64 = 0.8;
-        let Self { closure, gapped, scratch, bridge, .. } = self;
-        // The norm of a turn of all coordinates by the same angle grows with their number.
-        let [widest, good, least] = BRIDGES.map(|part| part * (base.q.len() as f64 / 3.0).sqrt());
-        self.half = self.half.min(widest);
-        if self.half <= least {
-            return None;
-        }
-        let distance = crossing_ahead(closure, base, 2.0 * width, &mut scratch.evaluation)?;
-        let mut build = |half: f64| Bridge::new(closure, gapped, base, [distance, half], &mut scratch.evaluation);
-        while self.half > least {
-            let half = self.half.min(good.max(distance));
-            if distance > 1.1 * half {
-                return Some(distance - half).filter(|shorter| *shorter < 0.95 * width);
-            }
-            let half = half.max(distance);
-            self.half = NARROWER * half;
-            if let Some(found) = build(half) {
-                let tail = found.0.tail;
-                // A tail that a narrower bridge does not reduce is rounding, or a miss of the branches of that size.
-                if tail < RESOLVED || build(self.half).is_some_and(|(narrower, _)| narrower.tail > NARROWER * tail) {
-                    self.half = f64::INFINITY;
-                    let approach = found.0.range[0] - found.1;
-                    if approach > 0.1 * half {
-                        return Some(approach).filter(|shorter| *shorter < 0.95 * width);
-                    }
-                    if found.1 > found.0.range[1] - 0.1 * half {
-                        // What looks like a crossing ahead is one behind.
-                        return None;
-                    }
-                    *bridge = Some(found);
-                    return Some(width);
-                }
-            }
-        }
-        None
-    }
-
-    /// The panel at the end of a bridge, with its tip on the loop equations again, and the unit tangent there.
-    fn land(&mut self, mut panel: Panel) -> Result<(Panel, Vec<f64>), CurveError> {
-        let Self { closure, scratch, .. } = self;
-        let loops = &mut scratch.evaluation.loops;
-        if closure.on_plane(loops, &mut panel.tip, &panel.base, &panel.normal, panel.width).is_none() {
-            return Err(CurveError::Stuck(describe(closure, &panel.tip)));
-        }
-        let mut tangent = Vec::new();
-        loops.factors.tangent(&panel.normal, 1.0, &mut tangent);
-        closure.normalise(&mut tangent);
-        Ok((panel, tangent))
     }
 
     /// For a panel through the start: the growth of the coordinates, and the part of the panel up to the start.
@@ -454,3 +397,5 @@ fn twice_kinetic_part(closure: &Closure, q: &[f64], tangent: &[f64]) -> f64 {
     let whole: f64 = linkage.bodies.iter().map(|b| b.mass * linkage.size.powi(2) + b.inertia).sum();
     if whole > 0.0 { twice_kinetic(linkage, &p, &linkage.rates(&p, q, tangent)) / whole } else { 0.0 }
 }
+
+mod bridging;

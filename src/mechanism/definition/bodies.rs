@@ -50,6 +50,14 @@ pub struct Marker {
 }
 
 impl Body {
+    /// Centre of mass in the body's frame [m]: half-way along a uniform rod, else as stated.
+    pub fn center_of_mass(&self) -> [f64; 2] {
+        match (self.shape, self.length) {
+            (Some(Shape::UniformRod), Some(length)) => [0.5 * length, 0.0],
+            _ => self.center.unwrap_or_default(),
+        }
+    }
+
     pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
         let mut list = Owner::new(Some("bodies"), name, Role::Geometry, visit);
         list.add("angle", "Angle of the x axis", Unit::Radian, Range::Finite, &mut self.angle);

@@ -143,7 +143,7 @@ impl Gravity {
     pub(super) fn parameters(&mut self, visit: &mut Visit) {
         let mut list = Owner::new(None, "gravity", Role::Load, visit);
         let (unit, words) = (Unit::MetrePerSecondSquared, "Upward direction, angle from the X axis");
-        list.add("acceleration", "Acceleration of free fall", unit, Range::NonNegative, &mut self.acceleration);
+        list.add("acceleration", "Acceleration of free fall", unit, Range::Size, &mut self.acceleration);
         list.add("up_angle", words, Unit::Radian, Range::Finite, &mut self.up_angle);
     }
 }

@@ -5,12 +5,18 @@ use super::contact::{Lock, Stop};
 use super::drawing::Units;
 use super::experiment::{Solver, Start};
 use super::loads::{Actuator, Air, Force, Gravity, Spring, Surface, Torque};
-use crate::format::{Experiment, Flag, Named};
+use crate::format::{DefinitionError, Experiment, Flag, Named};
 use crate::hydraulics::definition::Circuit;
+use crate::numerics::decimal::Decimal;
 use serde::{Deserialize, Serialize};
 
 /// Name of the body that does not move.
 pub const GROUND: &str = "ground";
+
+/// Largest miss of a crossing that is put right, relative to the size of the mechanism, where the file does not say.
+pub const SNAP: f64 = 1e-6;
+/// Largest `snap`.
+const LARGEST_SNAP: f64 = 0.01;
 
 /// A whole mechanism.
 #[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
@@ -67,6 +73,10 @@ pub struct Mechanism {
     /// those of drawn bodies follow.
     #[serde(default)]
     pub guess: Named<f64>,
+    /// Largest miss of a crossing of branches, relative to the size of the mechanism, that is put right; [`SNAP`] where
+    /// absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub snap: Option<f64>,
     /// Integration settings.
     #[serde(default)]
     pub solver: Solver,
@@ -76,6 +86,22 @@ pub struct Mechanism {
 }
 
 impl Mechanism {
+    /// Largest miss of a crossing that is put right, relative to the size of the mechanism; 0: none is.
+    pub fn snap(&self) -> f64 {
+        self.snap.unwrap_or(SNAP)
+    }
+
+    /// Refuse a `snap` that is no small part of the mechanism.
+    pub(super) fn check_snap(&self) -> Result<(), DefinitionError> {
+        match self.snap {
+            Some(snap) if !(0.0..=LARGEST_SNAP).contains(&snap) => {
+                let allowed = format!("from 0 to {LARGEST_SNAP}, a part of the mechanism's size");
+                Err(DefinitionError::value("snap", Decimal(snap), allowed))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// The drive with a hydraulic circuit, by its index, with its name and the circuit; none if no drive has one.
     pub fn hydraulic_drive(&self) -> Option<(usize, &str, &Circuit)> {
         let mut drives = self.actuators.iter().enumerate();

@@ -60,6 +60,7 @@ impl Mechanism {
             faults.keep::<()>(Err(DefinitionError::value("description", value, "one line of text")));
         }
         self.check_names(&mut faults);
+        faults.keep(self.check_snap());
         faults.keep(self.check_solver());
         self.parameters(&mut |parameter, value| {
             if !parameter.range.contains(*value) {

@@ -199,6 +199,15 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
         Ok(self.effect(sigma, sigma_dot)?.acceleration)
     }
 
+    /// Whether friction locks a motion so slow that every joint has its static friction against this direction.
+    pub fn locks_slowly(&mut self, sigma: T, direction: f64) -> bool {
+        self.clear_regimes();
+        self.mode.direction = direction;
+        let at_rest = self.effect(sigma, T::constant(0.0));
+        let Some(state_loads) = self.state_loads else { return false };
+        at_rest.is_err() || self.scratch.evaluator.locks_slowly(state_loads, direction)
+    }
+
     /// Derivative along sigma of the acceleration at rest, without losses of drives.
     pub fn slope_at_rest(&mut self, sigma: T) -> Result<T, Locked> {
         self.clear_regimes();

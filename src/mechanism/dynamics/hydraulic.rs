@@ -4,7 +4,7 @@
 //! rates of (sigma, sigma_dot, energy lost, components of the circuit), their error weights, the places and times
 //! at which a step ends. The force of the drive acts like an applied load whose size follows from the pressures and the
 //! speed. It must not know steps.
-use crate::hydraulics::circuit::{CIRCUIT, DYNAMIC, Equations, FREE, Left, SUPPLY};
+use crate::hydraulics::circuit::{CIRCUIT, DYNAMIC, Equations, FREE, Left, SPOOL, SUPPLY};
 use crate::hydraulics::inputs::{CommandSignal, Polynomial, Surroundings};
 use crate::integrator::System;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
@@ -22,6 +22,8 @@ const DRIVING: [usize; 7] = [0, 1, 3, 4, 5, 6, 7];
 /// Number of leading components, which these are but for the energy lost; the energies of the circuit follow.
 const LEADING: usize = MOTION + DYNAMIC;
 
+/// Number of borders of [`border_of`].
+pub const BORDERS: usize = 6;
 /// Most instants within a step at which its integration ends.
 const INSTANTS: usize = 16;
 /// Part of the weight of the speed without a circuit that holds with one: oil lets a mechanism move much slower than it
@@ -88,6 +90,18 @@ impl<'a> Ports<'a> {
     }
 }
 
+/// Where the laws of a circuit are not smooth, or change within a hair's breadth: two lengths at which the cushions of the
+/// chambers A and B begin [m], two pressures between which the pump reduces its flow [Pa], two positions of the spool at
+/// which an edge opens. None where there is no such border.
+pub fn border_of(laws: &Equations, border: usize) -> Option<f64> {
+    match border {
+        0 | 1 => laws.borders()[border],
+        2 | 3 => laws.supply_unit().map(|unit| unit.borders()[border - 2]),
+        4 | 5 => laws.edges().0[border - 4],
+        _ => None,
+    }
+}
+
 /// Length of the actuator at sigma, and its derivative along sigma.
 #[inline]
 fn length_at(equation: &EquationOfMotion<'_>, ports: &Ports<'_>, sigma: f64) -> [f64; 2] {
@@ -114,23 +128,15 @@ impl EquationOfMotion<'_> {
         self.ports.as_ref().map_or_else(String::new, describe)
     }
 
-    /// Number of borders at which the laws of the circuit are not smooth.
-    pub fn circuit_borders(&self) -> usize {
-        let has_unit = self.ports.as_ref().is_some_and(|ports| ports.laws.supply_unit().is_some());
-        if has_unit { 4 } else { 2 }
-    }
-
     /// How far a state is beyond a border at which the laws are not smooth, 0 where it is on it; None where there is no
-    /// such border. The first two borders are where the cushions of the chambers A and B begin [m], the last two the
-    /// pressures between which the pump reduces its flow [Pa].
+    /// such border.
     pub fn beyond_border_of_circuit(&self, border: usize, z: &[f64; DRIVEN]) -> Option<f64> {
         let ports = self.ports.as_ref()?;
-        let (value, level, near) = match border.checked_sub(2) {
-            None => (length_at(self, ports, z[0])[0], ports.laws.borders()[border]?, ON_BORDER),
-            Some(kink) => {
-                let level = ports.laws.supply_unit()?.borders()[kink];
-                (z[MOTION + SUPPLY], level, ON_KINK * level.abs())
-            }
+        let level = border_of(ports.laws, border)?;
+        let (value, near) = match border {
+            0 | 1 => (length_at(self, ports, z[0])[0], ON_BORDER),
+            2 | 3 => (z[MOTION + SUPPLY], ON_KINK * level.abs()),
+            _ => (z[MOTION + SPOOL], ports.laws.edges().1),
         };
         let beyond = value - level;
         Some(if beyond.abs() < near { 0.0 } else { beyond })
@@ -176,12 +182,15 @@ impl System<DRIVEN> for EquationOfMotion<'_> {
         scale
     }
 
-    /// The pressures are above absolute zero, and the cylinder has the length.
+    /// The pressures are above absolute zero, the cylinder has the length, and the energies are numbers: no error of a
+    /// step counts them.
     #[inline]
     fn admits(&mut self, y: &[f64; DRIVEN]) -> bool {
         let Some(ports) = &self.ports else { return true };
         let [sigma, _, _, a, b, spool, rate, supply, ..] = *y;
-        ports.laws.has_pressures([a, b, spool, rate, supply]) && ports.laws.has_length(length_at(self, ports, sigma)[0])
+        y[LEADING..].iter().sum::<f64>().is_finite()
+            && ports.laws.has_pressures([a, b, spool, rate, supply])
+            && ports.laws.has_length(length_at(self, ports, sigma)[0])
     }
 
     /// By one-sided differences along the components that the right-hand side depends on.

@@ -13,6 +13,8 @@ use crate::numerics::table::{Table, TablePosition, polynomial_at};
 
 /// Rounding of a panel's border that is counted on over whole revolutions, relative to the numbers that are added up.
 const BORDER: f64 = 8.0 * f64::EPSILON;
+/// Part of the width of a gap over which slopes are taken.
+const DIFFERENCE: f64 = 1e-4;
 
 /// Sizes of all that the state does not decide.
 #[derive(Clone, Copy, Debug)]
@@ -79,7 +81,7 @@ pub struct PanelForce {
     pub reactions: Vec<Row>,
     /// First and second time derivative of all rows, the force first; none under constant inputs.
     rates: Vec<[Series; 2]>,
-    /// Without tables: value and slope of all components at the one sigma for which it holds.
+    /// Without tables, or in a gap of the table: value and slope of all components at the one sigma for which it holds.
     exact: Vec<Series>,
     /// Without tables: the components that are read together, side by side.
     exact_bundle: Vec<Row>,
@@ -222,7 +224,7 @@ impl PanelForce {
             (self.low, self.high) = if sigma < first { (f64::NEG_INFINITY, first) } else { (last, f64::INFINITY) };
         }
         self.exact.clear();
-        if reduced.exact && self.inverse != 0.0 {
+        if (reduced.exact || table.is_gap(self.panel)) && self.inverse != 0.0 {
             self.enter_exactly(reduced, state_loads, table, sigma, shift);
         }
         let own = [(reduced.components().springs, 1.0), (reduced.components().winding, self.revolutions)];
@@ -259,8 +261,8 @@ impl PanelForce {
         add_side_by_side(&mut self.reactions, size, effects);
     }
 
-    /// Hold at sigma alone, with values from the exact evaluator. Slopes, which only Newton's method needs, come from
-    /// the table.
+    /// Hold at sigma alone, with values from the exact evaluator. Slopes come from the table, and in a gap of it from
+    /// differences of values.
     fn enter_exactly(
         &mut self,
         reduced: &Reduced,
@@ -271,8 +273,18 @@ impl PanelForce {
     ) {
         let x = Dual::<1>::variable(self.x(sigma), 0);
         let values = reduced.exact_motion(state_loads, sigma - shift);
+        let around = table.is_gap(self.panel).then(|| {
+            let (a, b) = table.borders(self.panel);
+            let h = DIFFERENCE * (b - a);
+            // For each unit of x, which is half the width of the panel.
+            let ends = [h, -h].map(|h| reduced.exact_motion(state_loads, sigma - shift + h));
+            (ends, (b - a) / (4.0 * h))
+        });
         self.exact.extend(values.iter().enumerate().map(|(component, &value)| {
-            let slope = polynomial_at(table.series(self.panel, component), x).slope[0];
+            let slope = match &around {
+                Some(([after, before], scale)) => (after[component] - before[component]) * scale,
+                None => polynomial_at(table.series(self.panel, component), x).slope[0],
+            };
             let mut series = [0.0; NODES];
             (series[0], series[1]) = (value, slope);
             series

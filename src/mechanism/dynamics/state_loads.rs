@@ -274,14 +274,10 @@ impl<T: Number> StateLoadEvaluator<T> {
         if n == 0 {
             return Ok(bare);
         }
-        let effects = self.effects.as_flattened();
         if let Some(direction) = breakaway {
-            for (j, friction_joint) in state_loads.friction_joints.iter().enumerate() {
-                let slip = effects[free + j].value() * direction;
-                let arm = friction_joint.law.static_coefficient * friction_joint.radius;
-                self.friction.arm[j] = T::constant(if slip < 0.0 { -arm } else { arm });
-            }
+            self.set_static_arms(state_loads, direction);
         }
+        let effects = self.effects.as_flattened();
         // This load balances the friction, so sigma_ddot does not depend on friction: the reactions to the load replace
         // the inertial ones.
         let inverse = influence.powi(-1);
@@ -299,6 +295,24 @@ impl<T: Number> StateLoadEvaluator<T> {
             force = force - effects[free + j] * self.friction.friction(j);
         }
         Ok(force)
+    }
+
+    /// Every friction joint has its static friction against a motion in this direction.
+    fn set_static_arms(&mut self, state_loads: &StateLoads, direction: f64) {
+        let slips = &self.effects.as_flattened()[state_loads.free()..];
+        for (j, (friction_joint, slip)) in state_loads.friction_joints.iter().zip(slips).enumerate() {
+            let arm = friction_joint.law.static_coefficient * friction_joint.radius;
+            self.friction.arm[j] = T::constant(if slip.value() * direction < 0.0 { -arm } else { arm });
+        }
+    }
+
+    /// Whether static friction against a motion in this direction has no solution together with the reactions of the
+    /// last evaluation, which was one at rest.
+    pub fn locks_slowly(&mut self, state_loads: &StateLoads, direction: f64) -> bool {
+        self.set_static_arms(state_loads, direction);
+        let effects = self.effects.as_flattened();
+        let reactions = self.reactions.as_flattened();
+        self.friction.solve(&balance(state_loads, [effects, reactions, &effects[state_loads.inertial()]])).is_err()
     }
 
     /// Sizes of the drag loads.

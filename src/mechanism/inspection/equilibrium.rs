@@ -16,7 +16,7 @@ const TOPIC: &str = "Equilibrium at the start";
 
 /// Add the facts of the equilibrium; the model is left at rest.
 pub fn add(model: &mut Model, reduced: &Reduced, state: &State, facts: &mut Vec<Fact>) {
-    let start = &model.original.parameter_values.mechanism.start;
+    let start = &model.original.parameter_values.mechanism().start;
     let of = start.body.clone().or_else(|| start.joint.clone()).unwrap_or_default();
     let Some(speed) = model.variables().find(&format!("{of}.start_speed")) else { return };
     if model.set_real(speed, 0.0).and_then(|()| model.initialize()).is_err() {

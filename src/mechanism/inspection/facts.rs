@@ -1,17 +1,18 @@
 //! Facts about a mechanism: its masses, its assembly, its travel, its drives.
 //!
 //! In: a model. Out: facts, and warnings about its travel. It must not know steps.
-use super::equilibrium;
 use super::travel::{Extremes, Walk, ends};
+use super::{equilibrium, friction};
 use crate::inspection::{Fact, Finding, Inspection};
 use crate::mechanism::closure::{AssemblyError, Closure, guessed};
-use crate::mechanism::curve::{Configuration, Ends, NEAR_CROSSING};
+use crate::mechanism::curve::{Configuration, Ends};
 use crate::mechanism::definition::Mechanism;
 use crate::mechanism::linkage::{GROUND, Linkage, Point, Positions};
 use crate::mechanism::model::Model;
+use crate::mechanism::motion::contact::Travel;
 use crate::mechanism::motion::state::State;
-use crate::mechanism::reduced::Reduced;
-use crate::mechanism::warnings::of_guess;
+use crate::mechanism::reduced::{End, Reduced};
+use crate::mechanism::warnings::{is_within, of_guess, remarks};
 use crate::numerics::decimal::Decimal;
 use crate::numerics::plane::{Vec2, cross};
 use crate::variables::Unit;
@@ -27,7 +28,7 @@ const FOLLOWED: usize = 200;
 /// Facts about a mechanism that could be assembled, traced and put at its start.
 pub fn collect(model: &mut Model, out: &mut Inspection) {
     let values = Arc::clone(&model.original.parameter_values);
-    let (mechanism, reduced) = (&values.mechanism, Arc::clone(&model.original.reduced));
+    let (mechanism, reduced) = (values.mechanism(), Arc::clone(&model.original.reduced));
     let Ok(state) = State::at_start(&reduced, mechanism, &model.original.inputs) else { return };
     let here = state.sigma + state.revolutions * reduced.period().unwrap_or(0.0);
     let facts = &mut out.facts;
@@ -35,7 +36,11 @@ pub fn collect(model: &mut Model, out: &mut Inspection) {
     add_masses(reduced.linkage(), &start.positions, facts);
     let assembled = reduced.curve().configuration(0.0);
     add_assembly(mechanism, reduced.linkage(), &assembled.q, facts);
-    add_travel(&reduced, &state, here, out);
+    let done = remarks(&reduced, mechanism.snap()).into_iter();
+    out.facts.extend(done.map(|text| Fact::new("Snapped lengths", "").saying(text)));
+    let ends = ends(&reduced, &state.travel, here);
+    add_travel(&reduced, &state, (here, ends), out);
+    friction::add((&reduced, &state), &model.original.inputs, ends, out);
     add_redundant_joints(&reduced, &assembled, &mut out.facts);
     equilibrium::add(model, &reduced, &state, &mut out.facts);
 }
@@ -178,9 +183,8 @@ fn functions(reduced: &Reduced) -> impl Fn(&Configuration, f64, &mut Vec<[f64; 2
     }
 }
 
-fn add_travel(reduced: &Reduced, state: &State, here: f64, out: &mut Inspection) {
+fn add_travel(reduced: &Reduced, state: &State, (here, ends): (f64, [f64; 2]), out: &mut Inspection) {
     let (linkage, loading) = (reduced.linkage(), reduced.loading());
-    let ends = ends(reduced, &state.travel, here);
     let mut walk = Walk::new(reduced, ends, functions(reduced));
     let at_start = walk.at(here);
     let coordinates = linkage.coordinates.len().min(FOLLOWED);
@@ -236,7 +240,7 @@ fn add_travel(reduced: &Reduced, state: &State, here: f64, out: &mut Inspection)
             out.facts.push(fact.saying("keeps its side over the whole travel"));
         }
     }
-    add_singular(reduced, &walk, out);
+    add_singular(reduced, &state.travel, out);
 }
 
 /// What ends the travel on each side, the stops on the way, and those that are never met.
@@ -250,6 +254,7 @@ fn add_ends<F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)>(
     for (side, word) in ["backward", "forward"].into_iter().enumerate() {
         let text = match (&state.travel.rigid[side], &reduced.curve().ends) {
             (Some(end), _) => format!("{} at {}", stops[end.stop].name, walk.describe(end.position)),
+            (None, _) if reduced.ends_meet()[side].is_some() => ends_meet(reduced, side),
             (None, Ends::Closed(_)) => "no stop: the motion goes round".to_owned(),
             (None, _) => format!("no stop: the motion goes on beyond {}", walk.describe(walk.ends[side])),
         };
@@ -290,37 +295,25 @@ fn add_ends<F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)>(
     }
 }
 
-/// Crossings of branches and positions where the loop equations almost lose rank.
-fn add_singular<F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)>(
-    reduced: &Reduced,
-    walk: &Walk<F>,
-    out: &mut Inspection,
-) {
+/// Why the motion ends on a side where two ends of a load coincide.
+fn ends_meet(reduced: &Reduced, side: usize) -> String {
+    match reduced.next(reduced, side) {
+        Err(End::Failed(reason)) => format!("no stop: {reason}"),
+        _ => String::new(),
+    }
+}
+
+/// Crossings of branches within the travel, and positions where the lengths almost let them cross.
+fn add_singular(reduced: &Reduced, travel: &Travel, out: &mut Inspection) {
     let curve = reduced.curve();
-    let [low, high] = walk.ends;
-    let shift = reduced.unwound(0.5 * (low + high)).1 * reduced.period().unwrap_or(0.0);
-    let within = |sigma: &&f64| {
-        let turns = [-1.0, 0.0, 1.0].map(|k| **sigma + shift + k * reduced.period().unwrap_or(0.0));
-        turns.iter().any(|sigma| (low..=high).contains(sigma))
-    };
-    for &sigma in curve.crossings.iter().filter(within).take(PLACES) {
+    for &sigma in curve.crossings.iter().filter(|sigma| is_within(reduced, travel, **sigma)).take(PLACES) {
         let text = format!("branches cross at {}; the motion goes straight on", curve.describe(sigma, 0.0));
         out.facts.push(Fact::new("Crossings", "").saying(text));
     }
-    let amplification = &walk.amplifications;
-    for k in 1..amplification.len().saturating_sub(1) {
-        let [before, at, after] = [k - 1, k, k + 1].map(|k| amplification[k]);
-        let sigma = walk.positions[k];
-        let on_curve = reduced.unwound(sigma).0;
-        let crosses = curve.crossings.iter().any(|crossing| (crossing - on_curve).abs() < curve.scale());
-        if at > NEAR_CROSSING && at >= before && at > after && !crosses {
-            let text = format!(
-                "branches almost cross near {}; rounding counts {} times there",
-                walk.describe(sigma),
-                Decimal((at * 10.0).round() / 10.0)
-            );
-            out.facts.push(Fact::new("Near misses", "").saying(text));
-        }
+    for miss in curve.near.misses.iter().filter(|miss| is_within(reduced, travel, miss.sigma)).take(PLACES) {
+        let text = format!("branches almost cross at {}; the motion turns off there", miss.position);
+        let fact = Fact::new("Near misses", "").with("miss", miss.miss * curve.linkage().size, Unit::Metre);
+        out.facts.push(fact.with("relative to the size", miss.miss, Unit::One).saying(text));
     }
 }
 

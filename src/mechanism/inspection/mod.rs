@@ -4,8 +4,14 @@
 //! FMI's life cycle.
 mod equilibrium;
 mod facts;
+mod friction;
 mod path;
+mod poses;
+mod scene;
 mod travel;
+
+pub use poses::{Attempt, Gap, Pose, Sweep, SweptStop, attempt};
+pub use scene::{Connection, DrawnBody, DrawnJoint, DrawnLock, DrawnStop, NamedPoint, On, Scene, Surface, Weight};
 
 use super::definition::{DefinitionError, Mechanism};
 use super::model::Model;

@@ -21,8 +21,6 @@ pub struct Walk<'a, F> {
     pub positions: Vec<f64>,
     /// Value and derivative along sigma of each function at each position.
     values: Vec<Vec<[f64; 2]>>,
-    /// Amplification of rounding in the loop equations at each position.
-    pub amplifications: Vec<f64>,
     functions: F,
     scratch: Scratch,
     c: Configuration,
@@ -37,10 +35,10 @@ pub struct Extremes {
     pub stationary: Vec<f64>,
 }
 
-/// Ends of the travel: at the first rigid stop on each side, else of the curve, else one revolution.
+/// Ends of the travel: at the first rigid stop on each side, else where two ends coincide, else of the curve, else one revolution.
 pub fn ends(reduced: &Reduced, travel: &Travel, here: f64) -> [f64; 2] {
     let (first, last) = reduced.curve().range;
-    let [low, high] = travel.rigid.map(|end| end.map(|end| end.position));
+    let [low, high] = [0, 1].map(|side| travel.end(side));
     match &reduced.curve().ends {
         Ends::Closed(_) => {
             let period = last - first;
@@ -60,13 +58,12 @@ impl<'a, F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)> Walk<'a, F> {
     /// so many whole revolutions.
     pub fn new(reduced: &'a Reduced, ends: [f64; 2], functions: F) -> Self {
         let (scratch, c) = (Scratch::default(), Configuration::default());
-        let (values, amplifications) = (Vec::new(), Vec::new());
+        let values = Vec::new();
         let positions = positions(reduced, ends);
-        let mut walk = Self { reduced, ends, positions: Vec::new(), values, amplifications, functions, scratch, c };
+        let mut walk = Self { reduced, ends, positions: Vec::new(), values, functions, scratch, c };
         for &sigma in &positions {
             let values = walk.at(sigma);
             walk.values.push(values);
-            walk.amplifications.push(walk.c.amplification);
         }
         walk.positions = positions;
         walk

@@ -87,7 +87,7 @@ impl<'a> Builder<'a> {
         };
         let variability = match (causality, kind) {
             (Causality::Parameter, _) => Variability::Fixed,
-            (_, Kind::Real) => Variability::Continuous,
+            (_, Kind::Real) if !is_discrete(quantity) => Variability::Continuous,
             _ => Variability::Discrete,
         };
         self.dependencies += needs.inputs.len();
@@ -112,6 +112,11 @@ impl<'a> Builder<'a> {
         let parameters = (*first..).zip(causes).filter(|(_, causes)| meets(causes)).map(|(reference, _)| reference);
         (0..inputs).chain(others).map(|i| i as Reference).chain(parameters).collect()
     }
+}
+
+/// Whether a Real changes at events only.
+fn is_discrete(quantity: Quantity) -> bool {
+    matches!(quantity, Quantity::Output(Output::Impact { .. }))
 }
 
 /// Whether the stretch of rods changes an output. Terms of the mechanism as one element are those of rigid bodies.

@@ -2,9 +2,11 @@
 use super::builder::Builder;
 use super::needs::Needs;
 use crate::mechanism::loads::unit_load::Load;
-use crate::mechanism::quantity::{Output, Quantity};
-use crate::variables::Unit::{Metre, MetrePerSecond, Newton, NewtonMetre, One, Radian};
-use crate::variables::{Causality, Value};
+use crate::mechanism::quantity::{ImpactPart, Output, Quantity};
+use crate::variables::Unit::{
+    KilogramSquareMetrePerSecond, Metre, MetrePerSecond, Newton, NewtonMetre, NewtonSecond, One, Radian, Second,
+};
+use crate::variables::{Causality, Unit, Value};
 
 pub(super) fn add_inputs(b: &mut Builder) {
     let m = b.source.mechanism;
@@ -80,6 +82,22 @@ pub(super) fn add_stops(b: &mut Builder) {
         let (suffix, unit) = if stop.quantity == "angle" { ("torque", NewtonMetre) } else { ("force", Newton) };
         let text = ["Push of ", n, " against the mechanism"];
         b.output(n, suffix, &text, unit, Output::Stop { stop: i }, s.acceleration());
+        add_impacts(b, i, if stop.quantity == "angle" { KilogramSquareMetrePerSecond } else { NewtonSecond });
+    }
+}
+
+/// What a stop has met.
+fn add_impacts(b: &mut Builder, stop: usize, impulse: Unit) {
+    let s = b.source;
+    let name = &s.loading.stops[stop].name;
+    let met = "Magnitude of the impulse of the last impact, on a bumper reduced mass times speed, on ";
+    let parts = [
+        ("impact_count", "Number of impacts since the start on ", One, ImpactPart::Count),
+        ("impact_time", "Time of the last impact, -1 s before the first one, on ", Second, ImpactPart::Time),
+        ("impact_impulse", met, impulse, ImpactPart::Impulse),
+    ];
+    for (suffix, text, unit, part) in parts {
+        b.output(name, suffix, &[text, name], unit, Output::Impact { stop, part }, Needs::default());
     }
 }
 

@@ -18,11 +18,11 @@ impl Moments {
     /// Moments of one body of the definition with its frame at this origin and angle.
     fn of(body: &definition::Body, origin: Vec2, angle: f64) -> Self {
         let mass = body.mass.unwrap_or(0.0);
-        let (center, inertia) = match (body.shape, body.length) {
-            (Some(Shape::UniformRod), Some(length)) => (Vec2::new(0.5 * length, 0.0), mass * length * length / 12.0),
-            _ => (body.center.map_or(Vec2::zeros(), |[x, y]| Vec2::new(x, y)), body.inertia.unwrap_or(0.0)),
+        let inertia = match (body.shape, body.length) {
+            (Some(Shape::UniformRod), Some(length)) => mass * length * length / 12.0,
+            _ => body.inertia.unwrap_or(0.0),
         };
-        let at = origin + turned(center, angle);
+        let at = origin + turned(body.center_of_mass().into(), angle);
         Self { mass, first: mass * at, second: inertia + mass * at.norm_squared() }
     }
 

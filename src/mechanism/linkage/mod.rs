@@ -8,6 +8,7 @@
 mod build;
 mod loops;
 mod motion;
+mod points;
 mod precise;
 mod structure;
 

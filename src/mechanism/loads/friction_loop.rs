@@ -47,6 +47,8 @@ pub struct FrictionLoop<T> {
     effect: Vec<T>,
     unknown: Vec<T>,
     before: Vec<T>,
+    /// Magnitudes of the solution before.
+    last: Vec<f64>,
     rest: Vec<T>,
     matrix: Vec<f64>,
     /// Component of inertial_i in the direction of R_i, then the direction of R_i.
@@ -85,6 +87,7 @@ impl<T: Number> FrictionLoop<T> {
             effect: vec![zero; unknowns * n],
             unknown: vec![zero; unknowns],
             before: vec![zero; unknowns],
+            last: vec![0.0; n],
             rest: vec![zero; unknowns],
             matrix: vec![0.0; unknowns * unknowns],
             direction: vec![[0.0; 3]; n],
@@ -134,6 +137,7 @@ impl<T: Number> FrictionLoop<T> {
             return false;
         };
         let effect = [influence, passed_x, passed_y].map(|row| std::array::from_fn::<T, N, _>(|j| -(row[j] * arm[j])));
+        let contracts = is_contraction(&effect, along_x, along_y);
         let zero = T::constant(0.0);
         let (mut x, mut y, mut sizes) = (*free_x, *free_y, [zero; N]);
         let mut z = [zero; 3];
@@ -143,6 +147,7 @@ impl<T: Number> FrictionLoop<T> {
         for k in 0..3 {
             z[k] = dot(&effect[k], &sizes);
         }
+        let free = sizes;
         let mut converged = false;
         for iteration in 1..=most {
             // Derivatives of each |R| with respect to the unknowns.
@@ -195,7 +200,7 @@ impl<T: Number> FrictionLoop<T> {
                         *size = *size + step[k] * T::constant(slopes[k][i]);
                     }
                 }
-                return true;
+                return contracts || are_near(&self.size, free.iter().map(|size| size.value()));
             }
             converged = error < CONVERGED;
         }
@@ -209,8 +214,9 @@ impl<T: Number> FrictionLoop<T> {
     fn solve_any(&mut self, balance: &Balance<T>) -> Result<(), Locked> {
         /// First growth of the arms, relative to their full size.
         const FIRST: f64 = 0.25;
-        /// Least growth of the arms.
-        const LEAST: f64 = 1e-4;
+        /// Least growth of the arms: near the end of the solution, where reactions may grow without bound, each growth is
+        /// a part of what is left.
+        const LEAST: f64 = 1e-11;
         /// Largest number of iterations for one growth.
         const MOST: u32 = 12;
         let n = self.arm.len();
@@ -228,7 +234,9 @@ impl<T: Number> FrictionLoop<T> {
         for (z, row) in self.unknown.iter_mut().zip(self.effect.chunks_exact(n)) {
             *z = total(row, &self.size);
         }
-        if self.newton(balance, 1.0, FEW + u32::from(T::CARRIES)) {
+        self.keep_sizes();
+        let contracts = self.contracts(balance);
+        if self.newton(balance, 1.0, FEW + u32::from(T::CARRIES)) && (contracts || self.is_near()) {
             return Ok(());
         }
         self.unknown.fill(T::constant(0.0));
@@ -236,8 +244,9 @@ impl<T: Number> FrictionLoop<T> {
         while part < 1.0 {
             self.before.copy_from_slice(&self.unknown);
             let next = f64::min(part + more, 1.0);
-            if self.newton(balance, next, MOST) {
+            if self.newton(balance, next, MOST) && self.is_near() {
                 (part, more) = (next, 2.0 * more);
+                self.keep_sizes();
             } else if more > LEAST {
                 self.unknown.copy_from_slice(&self.before);
                 more *= 0.25;
@@ -246,6 +255,27 @@ impl<T: Number> FrictionLoop<T> {
             }
         }
         Ok(())
+    }
+
+    /// [`is_contraction`] for any number of joints and groups.
+    fn contracts(&self, balance: &Balance<T>) -> bool {
+        let n = self.arm.len();
+        let largest = balance.inertial[0].iter().zip(balance.inertial[1]).map(|(x, y)| length_bound(*x, *y));
+        let largest = largest.fold(0.0, greater);
+        let along: f64 = self.effect[..n].iter().map(|effect| effect.value().abs()).sum();
+        let group = |rows: &[T]| rows.iter().map(|effect| effect.value().abs()).sum::<f64>();
+        let passed = self.effect[n..].chunks_exact(2 * n).map(group).fold(0.0, greater);
+        along * largest + passed < 1.0
+    }
+
+    /// Keep the magnitudes, for [`Self::is_near`].
+    fn keep_sizes(&mut self) {
+        self.last.iter_mut().zip(&self.size).for_each(|(last, size)| *last = size.value());
+    }
+
+    /// Whether the magnitudes are near those kept last.
+    fn is_near(&self) -> bool {
+        are_near(&self.size, self.last.iter().copied())
     }
 
     /// |R_j|, or what stands for it under a held sign.
@@ -325,6 +355,36 @@ impl<T: Number> FrictionLoop<T> {
         }
         false
     }
+}
+
+/// Whether the friction of N joints of one group changes the reactions that cause it by less than these change: then
+/// there is one solution, and it is connected with the frictionless one. `effect` is B, `along` are reactions to
+/// sigma_ddot = 1; a reaction |R| changes by at most |along| for each unit of u, and as much as P_g.
+#[inline(always)]
+fn is_contraction<T: Number, const N: usize>(effect: &[[T; N]; 3], along_x: &[T; N], along_y: &[T; N]) -> bool {
+    let [mut along, mut passed, mut largest] = [0.0; 3];
+    for j in 0..N {
+        along += effect[0][j].value().abs();
+        passed += length_bound(effect[1][j], effect[2][j]);
+        largest = greater(largest, length_bound(along_x[j], along_y[j]));
+    }
+    along * largest + passed < 1.0
+}
+
+/// Whether magnitudes are near others. Where the solution that is connected with the frictionless one ends, Newton's
+/// method may find another one, far away.
+#[inline]
+fn are_near<T: Number>(sizes: &[T], others: impl Iterator<Item = f64> + Clone) -> bool {
+    /// Largest change of a reaction, relative to the largest reaction.
+    const FAR: f64 = 0.5;
+    let scale = others.clone().fold(f64::MIN_POSITIVE, |most, size| greater(most, size.abs()));
+    sizes.iter().zip(others).all(|(size, other)| (size.value() - other).abs() <= FAR * scale)
+}
+
+/// A bound of the length of a vector.
+#[inline(always)]
+fn length_bound<T: Number>(x: T, y: T) -> f64 {
+    x.value().abs() + y.value().abs()
 }
 
 /// Inner product.

@@ -5,17 +5,18 @@ use crate::inspection::Finding;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::interface;
 use crate::mechanism::quantity::Quantity;
+use crate::mechanism::warnings::remarks;
 use crate::variables::{Reference, Terminal, Variables};
 
 impl Model {
     /// Name of the mechanism, the FMU's modelName and modelIdentifier.
     pub fn name(&self) -> &str {
-        &self.original.parameter_values.mechanism.name
+        &self.original.parameter_values.mechanism().name
     }
 
     /// One-line description of the mechanism.
     pub fn description(&self) -> &str {
-        &self.original.parameter_values.mechanism.description
+        &self.original.parameter_values.mechanism().description
     }
 
     /// The variables that the host sees.
@@ -29,7 +30,7 @@ impl Model {
     /// # Errors
     /// A parameter that may not change a little.
     pub fn initial_dependencies(&self) -> Result<Option<Vec<Vec<Reference>>>, ModelError> {
-        Ok(interface::initial_dependencies(&self.original.parameter_values.mechanism)?)
+        Ok(interface::initial_dependencies(self.original.parameter_values.mechanism())?)
     }
 
     /// The variables of each drive, as one connection.
@@ -42,8 +43,13 @@ impl Model {
         &self.original.warnings
     }
 
+    /// What was done to the definition so that it gives the mechanism that is meant, for logs.
+    pub fn remarks(&self) -> Vec<String> {
+        remarks(&self.original.reduced, self.original.parameter_values.mechanism().snap())
+    }
+
     /// Default experiment.
     pub fn experiment(&self) -> Experiment {
-        self.original.parameter_values.mechanism.experiment
+        self.original.parameter_values.mechanism().experiment
     }
 }

@@ -22,7 +22,7 @@ impl Clipped {
     #[inline]
     pub fn look(&self, (reduced, state): (&Reduced, &Formulation), inputs: &Inputs, h: f64) -> Option<f64> {
         let drive = reduced.loading().hydraulics.as_ref().filter(|_| !self.is_known)?;
-        command(drive, inputs, state.along_curve().memory.circuit()?.time[0]).clipped(h)
+        command(drive, inputs, state.along_curve().memory.circuit()?.time.now).clipped(h)
     }
 
     /// A step has clipped this command.

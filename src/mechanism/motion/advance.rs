@@ -11,7 +11,9 @@ use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::motion::contact::{Contact, Ends, EngagedLocks, Place, outward};
 use crate::mechanism::motion::dynamics::Dynamics;
 use crate::mechanism::motion::events::{Event, Found, REGIME_TOLERANCE, earliest_event, excess};
+use crate::mechanism::motion::impacts::Impact;
 use crate::mechanism::motion::step_ahead::{Lookahead, StepAhead};
+use crate::mechanism::motion::witness::{What, Witness};
 use crate::mechanism::motion::work::Work;
 
 /// Why an advance ended early.
@@ -21,6 +23,8 @@ pub enum Stopped {
     Integration(IntegrationError),
     /// Friction and reactions have no common solution.
     Locked,
+    /// The motion has come to the end of the curve on this side, where two ends of a load coincide.
+    EndsMeet(usize),
     /// The motion has come to where a circuit ends: length of its actuator, or pressure of a chamber.
     Circuit(Left),
     /// The integration stopped with a circuit, whose state is told in words.
@@ -51,6 +55,7 @@ pub struct Advance<'a, D, const N: usize> {
     pub lookahead: &'a mut Lookahead<N>,
     pub ends: &'a Ends<'a>,
     pub contact: &'a mut Contact,
+    pub witness: &'a mut Witness,
     pub tolerance: f64,
     /// How far it has come: [`Progress::default`] at the start.
     pub progress: Progress,
@@ -175,7 +180,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// Go on from a step that went beyond the last span: read the state at the end of this span from it and return
     /// true, or go to the end of that step.
     #[inline(always)]
-    fn resume(&mut self, z: &mut [f64; N], span: f64) -> Result<bool, Locked> {
+    fn resume(&mut self, z: &mut [f64; N], span: f64) -> Result<bool, Stopped> {
         let Some(ahead) = &mut self.lookahead.step_ahead else { return Ok(false) };
         if span < ahead.rest() {
             let state = ahead.read(span);
@@ -280,7 +285,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                 }
                 let (outward, dynamics) = (outward(side), &mut *self.dynamics);
                 if z[1] * outward > 0.0 || (z[1] == 0.0 && dynamics.free_acceleration(z[0], 0.0)? * outward > 0.0) {
-                    self.contact.touched(bumper);
+                    self.touched(bumper);
                 }
             }
         }
@@ -374,7 +379,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
 
     /// The transition that an event at the state z causes. `at_once`: it came at the very start of its step.
     #[inline(always)]
-    fn apply_event(&mut self, event: Event, at_once: bool, z: &mut [f64; N]) -> Result<(), Locked> {
+    fn apply_event(&mut self, event: Event, at_once: bool, z: &mut [f64; N]) -> Result<(), Stopped> {
         match event {
             Event::Undefined => self.integrator.refresh(),
             // The right-hand side is continuous there.
@@ -383,6 +388,9 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                 self.integrator.refresh();
                 self.progress.work.regimes += 1;
                 self.dynamics.change_regime(joint, z[0], z[1]);
+                if let Some(regime) = self.dynamics.regime(joint) {
+                    self.tell(What::Regime { joint, regime });
+                }
                 self.progress.held = at_once.then_some(event);
             }
             Event::Switch(switch) => {
@@ -394,6 +402,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             Event::Reversal => {
                 self.jumped();
                 self.progress.work.reversals += 1;
+                self.tell(What::Reversal);
                 z[1] = 0.0;
             }
             Event::Bumper(bumper) => {
@@ -401,8 +410,9 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                 self.progress.work.bumpers += 1;
                 if self.contact.touching().contains(bumper) {
                     self.contact.let_go(bumper);
+                    self.tell(What::Left { stop: self.ends.travel.bumpers[bumper].stop });
                 } else {
-                    self.contact.touched(bumper);
+                    self.touched(bumper);
                 }
             }
             Event::Stop(place) => {
@@ -416,8 +426,11 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// The mechanism comes to the place of a stop, and of all that are at that place: a lock catches it, it touches
     /// bumpers, bounces, or comes to rest.
     #[inline(always)]
-    fn impact(&mut self, place: Place, z: &mut [f64; N]) -> Result<(), Locked> {
+    fn impact(&mut self, place: Place, z: &mut [f64; N]) -> Result<(), Stopped> {
         let Some(position) = self.ends.position(place) else { return Ok(()) };
+        if place.bumper.is_none() && self.ends.travel.rigid[place.side].is_none() {
+            return Err(Stopped::EndsMeet(place.side));
+        }
         self.progress.work.impacts += 1;
         z[0] = position;
         let before = 0.5 * z[1] * z[1];
@@ -426,13 +439,16 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         let is_caught = is_rigid(place) && self.ends.is_at_rigid(1 - place.side, position);
         let latch = if self.ends.is_locked(place) { Some(place) } else { self.lock_at(position) };
         if latch.is_some() || is_caught {
+            self.meets(place, [z[1], 0.0]);
             z[1] = 0.0;
-            self.contact.rests(latch.unwrap_or(place), latch.is_some());
+            self.rests(latch.unwrap_or(place), latch.is_some());
             self.speed_has_jumped(z);
             self.progress.lost += before;
         } else if is_rigid(place) {
             // Newton's law of impact.
+            let speed = z[1];
             z[1] *= -self.ends.travel.rigid[place.side].map_or(0.0, |end| end.restitution);
+            self.meets(place, [speed, z[1]]);
             let after = 0.5 * z[1] * z[1];
             self.speed_has_jumped(z);
             self.progress.lost += before - after + self.end_bouncing(place.side, z)?;
@@ -440,8 +456,9 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             for bumper in 0..self.ends.bumpers() {
                 let is_met =
                     |side: usize| z[1] * outward(side) > 0.0 && self.ends.bumper(side, bumper) == Some(position);
-                if is_met(0) || is_met(1) {
-                    self.contact.touched(bumper);
+                if let Some(side) = (0..2).find(|&side| is_met(side)) {
+                    self.meets(Place::of_bumper(side, bumper), [z[1], 0.0]);
+                    self.touched(bumper);
                 }
             }
         }
@@ -462,6 +479,9 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     fn speed_has_jumped(&mut self, z: &[f64; N]) {
         if self.ends.bumpers() > 0 {
             let touching = self.pressed_bumpers(z[0], z[1]);
+            if self.witness.listens.events {
+                self.tell_bumpers(touching);
+            }
             self.contact.set_touching(touching);
             self.dynamics.set_touching(touching);
         }
@@ -492,9 +512,54 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         }
         z[1] = 0.0;
         let place = Place::rigid(side);
-        self.contact.rests(place, self.ends.is_locked(place));
+        self.rests(place, self.ends.is_locked(place));
         self.speed_has_jumped(z);
         Ok(0.5 * speed * speed)
+    }
+
+    /// Something happens now.
+    #[inline(always)]
+    fn tell(&mut self, what: What) {
+        self.witness.tell(self.progress.t, what);
+    }
+
+    /// The mechanism meets the stop of a place from within, with sigma_dot before and after; a bumper is taken to end
+    /// the motion.
+    #[inline(always)]
+    fn meets(&mut self, place: Place, [before, after]: [f64; 2]) {
+        if let Some((stop, slope)) = self.ends.travel.stop(place) {
+            let impact = Impact { slope, before, after };
+            if impact.comes_from_within(place.side) {
+                self.witness.impact(self.progress.t, (stop, place.bumper.is_none()), impact);
+            }
+        }
+    }
+
+    /// The mechanism has come to rest at a place.
+    #[inline(always)]
+    fn rests(&mut self, place: Place, locked: bool) {
+        self.contact.rests(place, locked);
+        if let Some((stop, _)) = self.ends.travel.stop(place) {
+            self.tell(if locked { What::Caught { stop } } else { What::Rests { stop } });
+        }
+    }
+
+    /// A bumper begins to push.
+    #[inline(always)]
+    fn touched(&mut self, bumper: usize) {
+        self.contact.touched(bumper);
+        self.tell(What::Touched { stop: self.ends.travel.bumpers[bumper].stop });
+    }
+
+    /// These bumpers push from now on.
+    fn tell_bumpers(&mut self, touching: BumperSet) {
+        for bumper in 0..self.ends.bumpers() {
+            let (before, after) = (self.contact.touching().contains(bumper), touching.contains(bumper));
+            let stop = self.ends.travel.bumpers[bumper].stop;
+            if before != after {
+                self.tell(if after { What::Touched { stop } } else { What::Left { stop } });
+            }
+        }
     }
 }
 

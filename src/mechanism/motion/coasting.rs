@@ -11,6 +11,7 @@ use crate::mechanism::motion::advance::{Advance, Progress, Stopped};
 use crate::mechanism::motion::contact::{Contact, Ends};
 use crate::mechanism::motion::dynamics::Dynamics;
 use crate::mechanism::motion::step_ahead::Lookahead;
+use crate::mechanism::motion::witness::Witness;
 
 /// Steps within one span before a period is looked for, and most steps of that search. A vain search doubles both.
 const PATIENCE: u64 = 256;
@@ -31,6 +32,7 @@ pub struct Coasting<'a, D, P, L> {
     pub integrator: &'a mut Integrator<2>,
     pub ends: &'a Ends<'a>,
     pub contact: &'a mut Contact,
+    pub witness: &'a mut Witness,
     pub tolerance: f64,
     /// Whether a sigma is beyond an end of an open curve.
     pub passes: P,
@@ -73,7 +75,7 @@ impl<D: Dynamics<2>, P: Fn(f64) -> bool, L: Fn() -> Path> Coasting<'_, D, P, L> 
     /// Advance from the state and time in `progress`, up to the end of the span or of the work allowed there.
     #[inline(always)]
     fn advance(&mut self, y: &mut [f64; 2], span: f64, mut progress: Progress) -> Result<f64, Stopped> {
-        let Self { dynamics, integrator, ends, contact, tolerance, .. } = self;
+        let Self { dynamics, integrator, ends, contact, witness, tolerance, .. } = self;
         let tolerance = *tolerance;
         if ends.travel.is_empty() {
             let most = progress.work.most.saturating_sub(progress.work.extra);
@@ -81,7 +83,7 @@ impl<D: Dynamics<2>, P: Fn(f64) -> bool, L: Fn() -> Path> Coasting<'_, D, P, L> 
             return if reached.map_err(Stopped::Integration)? { Ok(0.0) } else { Err(Stopped::Budget(progress)) };
         }
         let lookahead = &mut Lookahead::default();
-        Advance { dynamics: *dynamics, integrator, lookahead, ends, contact, tolerance, progress }.run(y, span)
+        Advance { dynamics: *dynamics, integrator, lookahead, ends, contact, witness, tolerance, progress }.run(y, span)
     }
 
     /// [`Self::run`] after many steps: pass over whole periods if the motion has one.

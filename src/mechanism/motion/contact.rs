@@ -35,6 +35,8 @@ pub struct RigidEnd {
     pub stop: usize,
     /// Speed after an impact over the speed before [1].
     pub restitution: f64,
+    /// Derivative along sigma of the stop's displacement.
+    pub slope: f64,
 }
 
 /// Where a bumper is first met.
@@ -45,6 +47,8 @@ pub struct BumperPlaces {
     /// sigma at the low and at the high side, counted on over whole revolutions; none where the bumper is not met
     /// before the rigid stop.
     pub positions: [Option<f64>; 2],
+    /// Derivative along sigma of the stop's displacement at each of these.
+    pub slopes: [f64; 2],
 }
 
 /// Where the stops are first met, going out from the start. It does not change during a run.
@@ -54,6 +58,9 @@ pub struct Travel {
     pub rigid: [Option<RigidEnd>; 2],
     /// Bumpers, in the order of the state loads.
     pub bumpers: Vec<BumperPlaces>,
+    /// sigma at the low and at the high side where two ends of a drive, a spring or a stop coincide: unless a rigid stop
+    /// is met before, the motion cannot go on there.
+    pub ends_meet: [Option<f64>; 2],
     /// Side and index of each stop at the very place of a rigid stop that acts, so that it never acts itself.
     pub beside: Vec<(usize, usize)>,
 }
@@ -82,7 +89,7 @@ pub struct Ends<'a> {
     pub travel: &'a Travel,
     /// Length of the whole revolutions before sigma = 0.
     shift: f64,
-    /// sigma at the rigid stop of each side; infinite where there is none.
+    /// sigma at the end of the travel on each side; infinite where there is none.
     pub limits: [f64; 2],
     pub locked: EngagedLocks,
 }
@@ -133,15 +140,30 @@ impl Travel {
     /// Whether no stop is ever met.
     #[inline]
     pub fn is_empty(&self) -> bool {
-        self.rigid[0].is_none() && self.rigid[1].is_none() && self.bumpers.is_empty()
+        self.end(0).is_none() && self.end(1).is_none() && self.bumpers.is_empty()
+    }
+
+    /// sigma at the end of the travel on a side, if it has one.
+    #[inline]
+    pub fn end(&self, side: usize) -> Option<f64> {
+        self.rigid[side].map(|end| end.position).or(self.ends_meet[side])
     }
 
     /// sigma at a place, counted on over whole revolutions.
     #[inline]
     pub fn position(&self, place: Place) -> Option<f64> {
         match place.bumper {
-            None => self.rigid[place.side].map(|end| end.position),
+            None => self.end(place.side),
             Some(bumper) => self.bumpers.get(bumper)?.positions[place.side],
+        }
+    }
+
+    /// Index of the stop at a place, and the derivative along sigma of its displacement there.
+    #[inline]
+    pub fn stop(&self, place: Place) -> Option<(usize, f64)> {
+        match place.bumper {
+            None => self.rigid[place.side].map(|end| (end.stop, end.slope)),
+            Some(bumper) => self.bumpers.get(bumper).map(|bumper| (bumper.stop, bumper.slopes[place.side])),
         }
     }
 
@@ -173,7 +195,7 @@ impl<'a> Ends<'a> {
     /// The places in the frame of sigma, before which there are whole revolutions of the length `shift`.
     #[inline(always)]
     pub fn new(travel: &'a Travel, shift: f64, locked: EngagedLocks) -> Self {
-        let limit = |side: usize| travel.rigid[side].map_or(outward(side) * f64::INFINITY, |end| end.position - shift);
+        let limit = |side: usize| travel.end(side).map_or(outward(side) * f64::INFINITY, |end| end - shift);
         Self { travel, shift, limits: [limit(0), limit(1)], locked }
     }
 
@@ -183,7 +205,7 @@ impl<'a> Ends<'a> {
         self.travel.position(place).map(|position| position - self.shift)
     }
 
-    /// sigma at the rigid stop of a side.
+    /// sigma at the end of the travel on a side.
     #[inline]
     pub fn rigid(&self, side: usize) -> Option<f64> {
         Some(self.limits[side]).filter(|limit| limit.is_finite())

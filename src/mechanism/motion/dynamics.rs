@@ -5,7 +5,7 @@
 use crate::integrator::System;
 use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
-use crate::mechanism::dynamics::hydraulic::{DRIVEN, MOTION};
+use crate::mechanism::dynamics::hydraulic::{BORDERS, DRIVEN, MOTION};
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::loads::laws::friction::Regime;
 use crate::mechanism::reduced::StateLoads;
@@ -135,6 +135,11 @@ pub trait Dynamics<const N: usize>: System<N> {
         (f64::NEG_INFINITY, f64::INFINITY)
     }
 
+    /// Regime in which a joint is.
+    fn regime(&self, _joint: usize) -> Option<Regime> {
+        None
+    }
+
     /// State the regimes in which all joints are at this state. No sign is held until [`Self::find_signs`].
     fn set_regimes(&mut self, _sigma: f64, _sigma_dot: f64) {}
 
@@ -218,10 +223,16 @@ where
 
     #[inline(always)]
     fn borders(&self) -> usize {
-        if N == DRIVEN { self.circuit_borders() } else { 0 }
+        let gaps = self.state_loads.map_or(0, StateLoads::gap_borders);
+        if N == DRIVEN { gaps + BORDERS } else { gaps }
     }
 
     fn beyond_border(&mut self, border: usize, z: &[f64; N]) -> f64 {
+        let (reduced, state_loads) = self.stretch_at(z[0]);
+        let gaps = self.state_loads.map_or(0, StateLoads::gap_borders);
+        let Some(border) = border.checked_sub(gaps) else {
+            return state_loads.map_or(0.0, |state_loads| state_loads.beyond_gap(border, z[0], reduced.period()));
+        };
         z.first_chunk().and_then(|z| self.beyond_border_of_circuit(border, z)).unwrap_or(0.0)
     }
 
@@ -341,6 +352,10 @@ where
         let [influence, slope] = state_loads.table.value_and_slope(at, state_loads.free() + joint);
         let rate = slope * sigma_dot * sigma_dot + influence * sigma_ddot;
         [influence * sigma_dot, rate].map(|v| v * state_loads.friction_joints[joint].radius)
+    }
+
+    fn regime(&self, joint: usize) -> Option<Regime> {
+        self.scratch.evaluator.regimes[joint]
     }
 
     fn slip_range(&self, joint: usize) -> (f64, f64) {

@@ -37,7 +37,7 @@ pub enum Event {
     Switch(usize),
     /// A border in the space of states is passed at which the right-hand side is less smooth.
     Border(usize),
-    /// The interpolant has no finite value, as friction locks in a state that it tried: the step is taken again,
+    /// The interpolant has no finite value, or leads over positions in which friction locks: the step is taken again,
     /// shorter.
     Undefined,
 }
@@ -172,7 +172,15 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
             offer(part.filter(is_own), Event::Bumper(bumper));
         }
     }
-    earliest.map(|(part, event)| Found { part, state: dense.at(part), event })
+    let found = earliest.map(|(part, event)| Found { part, state: dense.at(part), event })?;
+    if let Event::Border(_) = found.event
+        && dynamics.derivative(step.t + found.part * step.h, &found.state)[1].is_nan()
+    {
+        // Friction locks somewhere before, where no stage of the step was.
+        dynamics.take_locked();
+        return Some(Found { part: 0.25, state: dense.at(0.25), event: Event::Undefined });
+    }
+    Some(found)
 }
 
 /// sigma over a step, as far as it decides whether a place may be passed.

@@ -3,11 +3,14 @@ pub mod advance;
 mod coasting;
 pub mod contact;
 pub mod dynamics;
+mod elapsed;
 pub mod events;
+pub mod impacts;
 mod saved;
 pub mod state;
 pub mod step_ahead;
 pub mod travel;
+pub mod witness;
 mod work;
 
 pub use saved::{CircuitState, MOST_REVOLUTIONS, SavedState};

@@ -6,11 +6,13 @@ use super::state::{blows, state_loads};
 use crate::codec::record::{Damaged, Record};
 use crate::hydraulics::circuit::CIRCUIT;
 use crate::integrator::{Integrator, Statistics};
-use crate::mechanism::dynamics::hydraulic::DRIVEN;
+use crate::mechanism::dynamics::hydraulic::{DRIVEN, border_of};
 use crate::mechanism::error::ModelError;
-use crate::mechanism::loads::resolved::{HydraulicDrive, PORTS};
+use crate::mechanism::loads::resolved::PORTS;
 use crate::mechanism::motion::contact::{BumperPlaces, Contact, EngagedLocks, Place, RigidEnd, Travel};
+use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::events::Event;
+use crate::mechanism::motion::impacts::Impacts;
 use crate::mechanism::motion::step_ahead::Lookahead;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::bits::become_same;
@@ -41,6 +43,10 @@ pub struct SavedState {
     pub air: bool,
     /// Energy at the start, plus the work of changing sizes, less the energy lost since.
     pub reference: f64,
+    /// Time since the start, or that of the host; counted if there are stops.
+    pub time: Elapsed,
+    /// Impacts on each stop.
+    pub impacts: Vec<Impacts>,
     /// Places where a lock is engaged, if the inputs of the last step are still in force: then nothing is to be applied.
     /// None is always right, and what a state has that was read.
     pub in_force: Option<EngagedLocks>,
@@ -74,8 +80,8 @@ pub struct CircuitMemory {
 /// State of the hydraulic circuit of a drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CircuitState {
-    /// Time since the start [s], and what its sum has lost to rounding.
-    pub time: [f64; 2],
+    /// Time since the start.
+    pub time: Elapsed,
     /// Pressures of the chambers A and B [Pa], position and speed of the spool, six energies [J], pressure of the
     /// accumulator [Pa].
     pub values: [f64; CIRCUIT],
@@ -85,14 +91,6 @@ impl CircuitState {
     /// Pressures of the chambers A and B [Pa].
     pub fn pressures(&self) -> [f64; 2] {
         [self.values[0], self.values[1]]
-    }
-
-    /// `h` [s] have gone by, summed in two parts so that many short steps do not lose the time.
-    pub fn pass(&mut self, h: f64) {
-        let [time, lost] = self.time;
-        let delta = h + lost;
-        let sum = time + delta;
-        self.time = [sum, delta - (sum - time)];
     }
 }
 
@@ -110,7 +108,7 @@ impl CircuitMemory {
 
     /// All fields, written or read.
     fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
-        record.all_finite("time", &mut self.circuit.time)?;
+        self.circuit.time.record(record)?;
         record.all_finite("state of the circuit", &mut self.circuit.values)?;
         self.before = self.circuit;
         record.all_finite("input of the circuit", &mut self.ports)?;
@@ -264,7 +262,8 @@ impl SavedState {
             self.travel = Arc::clone(&other.travel);
         }
         (self.airspeed, self.air, self.reference) = (other.airspeed, other.air, other.reference);
-        self.in_force = other.in_force;
+        (self.time, self.in_force) = (other.time, other.in_force);
+        self.impacts.clone_from(&other.impacts);
         self.memory.copy_from(&other.memory);
         others
     }
@@ -281,9 +280,11 @@ impl SavedState {
     pub fn read(record: &mut Record, reduced: &Reduced) -> Result<Self, ModelError> {
         let stops = reduced.loading().stops.iter().enumerate();
         let bumpers = stops.filter(|(_, stop)| stop.enabled && !stop.rigid);
-        let bumpers = bumpers.map(|(stop, _)| BumperPlaces { stop, positions: [None; 2] }).collect();
-        let travel = Arc::new(Travel { bumpers, ..Travel::default() });
-        let mut saved = Self { applied: vec![0.0; reduced.components().sized], travel, ..Self::default() };
+        let bumpers = bumpers.map(|(stop, _)| BumperPlaces { stop, ..BumperPlaces::default() }).collect();
+        let travel = Arc::new(Travel { bumpers, ends_meet: reduced.ends_meet(), ..Travel::default() });
+        let impacts = vec![Impacts::default(); reduced.loading().stops.len()];
+        let applied = vec![0.0; reduced.components().sized];
+        let mut saved = Self { applied, travel, impacts, ..Self::default() };
         if reduced.loading().hydraulics.is_some() {
             saved.memory = Memory::WithCircuit(Box::new(CircuitMemory::new(CircuitState::default())));
         }
@@ -308,6 +309,9 @@ impl SavedState {
         record.finite("airspeed", &mut self.airspeed)?;
         record.flag("air acts", &mut self.air)?;
         record.finite("energy", &mut self.reference)?;
+        self.time.record(record)?;
+        record.length("stops", self.impacts.len())?;
+        self.impacts.iter_mut().try_for_each(|impacts| impacts.record(record))?;
         let mut with_dissipation = !matches!(self.memory, Memory::Conservative(_));
         record.flag("energy lost integrated", &mut with_dissipation)?;
         self.memory.set_dissipation(with_dissipation);
@@ -370,9 +374,14 @@ impl SavedState {
                 }
                 Event::Stop(place) => (is_place(place), "event ahead: no stop is met there".into()),
                 Event::Border(border) => {
-                    let has_unit = |drive: &HydraulicDrive| drive.laws.supply_unit().is_some();
-                    let borders = loading.hydraulics.as_ref().map_or(0, |drive| if has_unit(drive) { 4 } else { 2 });
-                    (border < borders, format!("index of an event = {border}: there is no such cushion nor pump"))
+                    let gaps = state_loads.map_or(0, StateLoads::gap_borders);
+                    let of_circuit = |border| {
+                        let drive = loading.hydraulics.as_ref();
+                        drive.is_some_and(|drive| border_of(&drive.laws, border).is_some())
+                    };
+                    let what = "there is no such gap of the friction table, cushion, pump or edge of a valve";
+                    let is_one = border.checked_sub(gaps).is_none_or(of_circuit);
+                    (is_one, format!("index of an event = {border}: {what}"))
                 }
                 Event::Switch(switch) => (
                     switch < state_loads.map_or(0, StateLoads::switches),
@@ -398,14 +407,18 @@ fn record_travel(travel: &mut Travel, record: &mut Record) -> Result<(), Damaged
     for end in &mut travel.rigid {
         record.option("end of the travel", end, RigidEnd::default, |record, end| {
             record.finite("end of the travel", &mut end.position)?;
+            record.finite("slope at the end of the travel", &mut end.slope)?;
             record.place("stop", &mut end.stop, usize::MAX)
         })?;
     }
     record.length("bumpers", travel.bumpers.len())?;
-    for position in travel.bumpers.iter_mut().flat_map(|bumper| &mut bumper.positions) {
-        record.option("place of a bumper", position, f64::default, |record, position| {
-            record.finite("place of a bumper", position)
-        })?;
+    for bumper in &mut travel.bumpers {
+        for position in &mut bumper.positions {
+            record.option("place of a bumper", position, f64::default, |record, position| {
+                record.finite("place of a bumper", position)
+            })?;
+        }
+        record.all_finite("slope at a bumper", &mut bumper.slopes)?;
     }
     let mut count = travel.beside.len();
     record.place("stops beside a rigid one", &mut count, usize::MAX)?;

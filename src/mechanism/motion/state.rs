@@ -15,8 +15,10 @@ use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::advance::{Advance, Progress, Stopped};
 use crate::mechanism::motion::coasting::{Coasting, Path};
 use crate::mechanism::motion::contact::{Contact, Ends, EngagedLocks};
+use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::saved::{MOST_REVOLUTIONS, Memory, SavedState};
 use crate::mechanism::motion::travel::AT_STOP;
+use crate::mechanism::motion::witness::{What, Witness};
 use crate::mechanism::motion::work::Spent;
 use crate::mechanism::reduced::{End, Reduced, ReductionError, StateLoads};
 use crate::numerics::table::Unresolved;
@@ -36,6 +38,8 @@ pub struct State {
     before: Before,
     /// Right-hand side for the applied sizes, for the integration.
     scratch: Scratch,
+    /// What happens within a step.
+    pub witness: Witness,
 }
 
 impl Deref for State {
@@ -70,10 +74,30 @@ struct Arrival {
     passed: f64,
 }
 
+/// Locks are engaged or not as the ends tell; where the mechanism rests, a lock catches it or lets it go.
+#[inline(always)]
+fn set_locks(contact: &mut Contact, ends: &Ends, witness: &mut Witness) {
+    let was_latched = contact.is_latched();
+    contact.locks_set(ends);
+    if contact.is_latched() != was_latched
+        && let Some((stop, _)) = contact.at_rest().and_then(|place| ends.travel.stop(place))
+    {
+        witness.tell(0.0, if was_latched { What::LetGo { stop } } else { What::Caught { stop } });
+    }
+}
+
 /// Whether a load of these sizes or a spring does work over a whole revolution of a closed curve.
 fn does_work(reduced: &Reduced, sizes: &[f64]) -> bool {
     let mut sizes = sizes.iter().enumerate();
     reduced.components().winding.is_some() || sizes.any(|(load, size)| *size != 0.0 && reduced.load_growth(load) != 0.0)
+}
+
+/// The error of a motion that has come to a position where two ends of a load coincide.
+#[cold]
+fn ends_meet(reduced: &Reduced, side: usize) -> ModelError {
+    let (first, last) = reduced.curve().range;
+    let (sigma, end) = (if side == 0 { first } else { last }, reduced.next(reduced, side));
+    ModelError::travel((reduced, end.err().unwrap_or(End::OfTravel)), sigma)
 }
 
 /// Length of so many whole revolutions.
@@ -91,7 +115,8 @@ impl State {
         let reduced = reduced.at(saved.sigma);
         state_loads(reduced, blows_under(reduced, inputs), saved.revolutions)?;
         let scratch = Scratch::new(saved.state_loads(reduced)?);
-        Ok(Self { saved: saved.clone(), before: Before::new(&saved.applied), scratch })
+        let witness = Witness::new(saved.impacts.len());
+        Ok(Self { saved: saved.clone(), before: Before::new(&saved.applied), scratch, witness })
     }
 
     /// [`Self::from_saved`] in place, with the same reduced model; without allocation unless air has begun or ceased to
@@ -156,6 +181,7 @@ impl State {
             Err(Stopped::Integration(error)) => ModelError::Integration(error),
             Err(Stopped::Circuit(left)) => left_circuit(reduced, left),
             Err(Stopped::Stuck(error, circuit)) => ModelError::Stuck { error, circuit },
+            Err(Stopped::EndsMeet(side)) => ends_meet(reduced, side),
             Err(Stopped::Length) => rough_length(reduced),
             Err(Stopped::Locked) => {
                 let joint = reduced.locking_joint(self.sigma).to_owned();
@@ -189,10 +215,10 @@ impl State {
         Arrival { y, lost, contact, passed }: &mut Arrival,
     ) -> Result<(), Stopped> {
         let reduced = whole.at(self.sigma);
-        let Self { saved, scratch, .. } = self;
+        let Self { saved, scratch, witness, .. } = self;
         let SavedState { airspeed, revolutions, .. } = *saved;
         let ends = &Ends::new(&saved.travel, shift(reduced, revolutions), locked);
-        contact.locks_set(ends);
+        set_locks(contact, ends, witness);
         let sizes = &saved.applied;
         let applied = AppliedLoads { sizes, airspeed, revolutions, change: inputs.change(reduced) };
         let mode = Mode::default();
@@ -214,7 +240,7 @@ impl State {
                 let most = integrator.attempts() + max_steps;
                 let passes = |sigma: f64| whole.reach(sigma).is_err();
                 let path = || Path { length: reduced.period(), does_work: does_work(reduced, sizes) };
-                let mut coasting = Coasting { dynamics, integrator, ends, contact, tolerance, passes, path };
+                let mut coasting = Coasting { dynamics, integrator, ends, contact, witness, tolerance, passes, path };
                 *lost = coasting.run(y, h, most, passed)?;
                 Ok(())
             }
@@ -225,7 +251,8 @@ impl State {
                 let mut z = [y[0], y[1], 0.0];
                 let progress = Progress::within(integrator.attempts() + max_steps);
                 let ahead = &mut *lookahead;
-                let advance = Advance { dynamics, integrator, lookahead: ahead, ends, contact, tolerance, progress };
+                let advance =
+                    Advance { dynamics, integrator, lookahead: ahead, ends, contact, witness, tolerance, progress };
                 let impacts = advance.run(&mut z, h);
                 lookahead.end();
                 (*y, *lost) = ([z[0], z[1]], z[2]);
@@ -233,13 +260,27 @@ impl State {
                 Ok(())
             }
             Memory::WithCircuit(memory) => {
-                let driven = circuit::Driven { dynamics, memory, ends, contact, tolerance, inputs };
+                let driven = circuit::Driven { dynamics, memory, ends, contact, witness, tolerance, inputs };
                 let (impacts, z) = driven.run(*y, h, max_steps);
                 (*y, *lost) = ([z[0], z[1]], z[2]);
                 *lost += impacts?;
                 Ok(())
             }
         }
+    }
+
+    /// A step of `h` [s] is done, from `point` [s] on in the host's time if it has told one: what stops have met counts.
+    #[inline(always)]
+    pub fn pass(&mut self, point: Option<f64>, h: f64) {
+        let Self { saved, witness, .. } = self;
+        if saved.travel.is_empty() {
+            return;
+        }
+        if let Some(point) = point {
+            saved.time = Elapsed::at(point);
+        }
+        witness.settle(&mut saved.impacts, saved.time.now);
+        saved.time.pass(h);
     }
 
     /// Take over the end of a step, with sigma within the curve.

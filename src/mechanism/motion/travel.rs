@@ -37,9 +37,9 @@ pub fn travel(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<Travel,
     let here = sigma + revolutions * reduced.period().unwrap_or(0.0);
     let met = passages(reduced, sigma, revolutions)?;
     let one_place = ONE_PLACE * (reduced.scale() + here.abs());
-    let mut travel = Travel::default();
+    let mut travel = Travel { ends_meet: reduced.ends_meet(), ..Travel::default() };
     for passages in met.iter().filter(|passages| !stops[passages.stop].rigid) {
-        travel.bumpers.push(BumperPlaces { stop: passages.stop, positions: [None; 2] });
+        travel.bumpers.push(BumperPlaces { stop: passages.stop, ..BumperPlaces::default() });
     }
     for side in 0..2 {
         let all = || met.iter().filter_map(|m| Some((m.stop, m.positions[side]?)));
@@ -49,15 +49,36 @@ pub fn travel(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<Travel,
         let nearest = rigid().map(|(_, position)| distance(position)).fold(f64::INFINITY, f64::min);
         let acting = rigid().find(|(_, position)| distance(*position) <= nearest + one_place);
         let end = acting.map_or(f64::INFINITY, |(_, position)| distance(position));
-        travel.rigid[side] =
-            acting.map(|(stop, position)| RigidEnd { position, stop, restitution: stops[stop].restitution });
+        travel.rigid[side] = acting.map(|(stop, position)| RigidEnd {
+            position,
+            stop,
+            restitution: stops[stop].restitution,
+            slope: 0.0,
+        });
         let beside = all().filter(|(stop, position)| {
             (distance(*position) - end).abs() <= one_place && acting.is_some_and(|(acting, _)| acting != *stop)
         });
         travel.beside.extend(beside.map(|(stop, _)| (side, stop)));
         place_bumpers(&mut travel.bumpers, side, all(), |position| distance(position) < end - one_place, one_place);
     }
+    add_slopes(&mut travel, reduced);
     Ok(travel)
+}
+
+/// The derivative along sigma of each stop's displacement at its places.
+fn add_slopes(travel: &mut Travel, reduced: &Reduced) {
+    let slope = |stop: usize, position: f64| {
+        let (sigma, _) = reduced.unwound(position);
+        let (load, stretch) = (reduced.loading().stops[stop].load, reduced.at(sigma));
+        // Passages were found in these tables.
+        stretch.displacement(load).map_or(0.0, |table| table.value(table.position(sigma), 1))
+    };
+    for end in travel.rigid.iter_mut().flatten() {
+        end.slope = slope(end.stop, end.position);
+    }
+    for bumper in &mut travel.bumpers {
+        bumper.slopes = bumper.positions.map(|position| position.map_or(0.0, |position| slope(bumper.stop, position)));
+    }
 }
 
 /// Where each bumper is first met on a side, if it acts there; bumpers at one place have one position.

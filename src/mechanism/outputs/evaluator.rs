@@ -5,7 +5,8 @@
 //! a formulation finds what it gives.
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::loads::resolved::Loading;
-use crate::mechanism::quantity::{Hydraulic, OneElement, Output, ReactionPart};
+use crate::mechanism::motion::impacts::Impacts;
+use crate::mechanism::quantity::{Hydraulic, ImpactPart, OneElement, Output, ReactionPart};
 use crate::mechanism::rigid_fem::RigidFemError;
 use crate::numerics::dual::Number;
 use crate::numerics::table::Unresolved;
@@ -78,6 +79,11 @@ pub trait Kinematics<N: Number> {
         Ok(N::constant(0.0))
     }
 
+    /// Impacts on a stop since the start.
+    fn impacts(&self, _stop: usize) -> Impacts {
+        Impacts::default()
+    }
+
     /// Force with which a lock holds the mechanism [N], along the path of its point; positive towards the stop.
     fn lock_force(&mut self, _lock: usize) -> Result<N, OutputError> {
         Ok(N::constant(0.0))
@@ -142,6 +148,14 @@ pub fn evaluate<N: Number, K: Kinematics<N>>(
             None => N::constant(0.0),
         },
         Output::Stop { stop } => motion.state_load(loading.stops[stop].load)? + motion.stop_force(stop)?,
+        Output::Impact { stop, part } => {
+            let impacts = motion.impacts(stop);
+            N::constant(match part {
+                ImpactPart::Count => impacts.count,
+                ImpactPart::Time => impacts.time,
+                ImpactPart::Impulse => impacts.impulse,
+            })
+        }
         Output::Lock { lock } => motion.lock_force(lock)?,
         Output::OneElement { drive, term } => motion.one_element(drive, term)?,
         Output::Kinetic => motion.kinetic(),

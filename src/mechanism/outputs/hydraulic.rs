@@ -25,7 +25,7 @@ impl<'a, N: Reading> View<'a, N> {
     fn point(&mut self, circuit: &CircuitState, with_speed: bool) -> Result<Point<N>, OutputError> {
         let (reduced, inputs) = (self.reduced, self.inputs);
         let (laws, load, first, signal) = match &reduced.loading().hydraulics {
-            Some(drive) => (&drive.laws, drive.load, drive.first_input, command(drive, inputs, circuit.time[0])),
+            Some(drive) => (&drive.laws, drive.load, drive.first_input, command(drive, inputs, circuit.time.now)),
             None => return Err(OutputError::Locked),
         };
         let length = self.displacement(load, 0)?;

@@ -117,7 +117,12 @@ impl<N: Reading> View<'_, N> {
         for (part, sum) in value.iter_mut().enumerate().take(units.parts) {
             let unit = match position {
                 Ok((table, position)) => self.component(table, position, part * columns + own),
-                Err(at) => N::constant(part_of(units.exact.get(column).ok_or(at)?, part)),
+                Err(at) if !self.sigma().is_constant() => return Err(at.into()),
+                Err(_) => N::constant(match units.exact.get(column) {
+                    Some(unit) => part_of(unit, part),
+                    // Loads that the state sizes have a table of their own.
+                    None => part_of(&self.reduced.exact_reaction(units.joint, self.state.sigma)[column], part),
+                }),
             };
             *sum = *sum + size * unit;
         }

@@ -57,19 +57,30 @@ impl ReducedMotion {
         }
     }
 
-    /// [`State::step`].
+    /// [`State::step`] from the time `point` [s] of the host on, if it tells one.
     ///
     /// # Errors
     /// As [`State::step`].
     #[inline(always)]
-    pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64, solver: &Solver) -> Result<(), ModelError> {
+    pub fn step_from(
+        &mut self,
+        point: Option<f64>,
+        reduced: &Reduced,
+        inputs: &Inputs,
+        h: f64,
+        solver: &Solver,
+    ) -> Result<(), ModelError> {
         let revolutions = self.state.revolutions;
         match self.state.step(reduced, inputs, h, solver) {
             Ok(()) => {
+                self.state.pass(point, h);
                 self.invalidate(revolutions);
                 Ok(())
             }
             Err(error) => {
+                if let ModelError::Interrupted { time, .. } = error {
+                    self.state.pass(point, time);
+                }
                 self.invalidate(revolutions);
                 Err(error)
             }

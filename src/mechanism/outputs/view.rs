@@ -8,6 +8,7 @@ use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::motion::SavedState;
 use crate::mechanism::motion::contact::{Holder, Place};
+use crate::mechanism::motion::impacts::Impacts;
 use crate::mechanism::motion::state::{State, airspeed, state_loads_under};
 use crate::mechanism::outputs::cache::{Forces, OutputCache, PresentLoads};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite};
@@ -292,6 +293,10 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
         let table = self.reduced.displacement(load)?;
         let slope = self.before_derivative(table, table.position(self.state.sigma), 1);
         Ok(finite(-free / slope))
+    }
+
+    fn impacts(&self, stop: usize) -> Impacts {
+        self.state.impacts[stop]
     }
 
     fn lock_force(&mut self, lock: usize) -> Result<N, OutputError> {

@@ -4,8 +4,10 @@
 //! reactions as tables of sigma. A table is built at its first use; all are immutable and shared. It must not know
 //! states or inputs.
 mod error;
+mod meetings;
 mod model;
 mod resolved;
+mod snap;
 mod source;
 mod start;
 mod state_loads;
@@ -15,5 +17,6 @@ mod tables;
 pub use error::ReductionError;
 pub use model::{Built, Reduced};
 pub use source::Components;
+pub use start::Stated;
 pub use state_loads::StateLoads;
 pub use stretches::End;

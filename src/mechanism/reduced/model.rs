@@ -2,11 +2,13 @@
 //!
 //! In: a definition. Out: the reduced model, with the tables that every start needs. It must not know states or inputs.
 use super::error::ReductionError;
+use super::meetings::{self, MEET};
 use super::resolved::Resolved;
+use super::snap::trace;
 use super::source::{Components, Source};
 use super::state_loads::StateLoads;
 use super::stretches::Beyond;
-use crate::mechanism::curve::{Configuration, Curve, CurveError, Ends, NEAR_CROSSING};
+use crate::mechanism::curve::{Configuration, Curve, CurveError, Ends, NEAR_CROSSING, NearMiss};
 use crate::mechanism::definition::{Mechanism, Solver};
 use crate::mechanism::linkage::{Linkage, Point};
 use crate::mechanism::loads::resolved::Loading;
@@ -36,6 +38,8 @@ pub struct Reduced {
     pub(super) state_loads: [OnceLock<Result<Option<StateLoads>, Unresolved>>; 2],
     /// What is beyond the open ends of the curve, if it has one.
     pub(super) beyond: Option<Box<Beyond>>,
+    /// Why the motion ends at the low and at the high end of the curve, where two ends of a load coincide there.
+    pub(super) ends_meet: [Option<ReductionError>; 2],
     /// Number of the stretch: 0 for the one with the guess, negative on its low side.
     pub(crate) stretch: i32,
 }
@@ -82,8 +86,8 @@ impl Reduced {
     /// [`ReductionError`].
     pub fn new(mechanism: &Mechanism) -> Result<Self, ReductionError> {
         let resolved = Resolved::new(mechanism)?;
-        let curve = Arc::new(resolved.trace(mechanism)?);
-        Self::on(curve, resolved.loading, resolved.markers, &mechanism.solver)
+        let curve = Arc::new(trace(&resolved, mechanism)?);
+        Self::on(curve, resolved.loading, resolved.markers, mechanism)
     }
 
     /// The curve alone.
@@ -91,7 +95,7 @@ impl Reduced {
     /// # Errors
     /// [`Self::new`]'s.
     pub fn trace(mechanism: &Mechanism) -> Result<Curve, ReductionError> {
-        Resolved::new(mechanism)?.trace(mechanism)
+        trace(&Resolved::new(mechanism)?, mechanism)
     }
 
     /// The reduced model of the same mechanism with other parameters, equal to [`Self::new`] to the bit. The curve and
@@ -100,30 +104,59 @@ impl Reduced {
     /// # Errors
     /// [`Self::new`]'s.
     pub fn renewed(&self, mechanism: &Mechanism) -> Result<Self, ReductionError> {
-        let (resolved, solver) = (Resolved::new(mechanism)?, &mechanism.solver);
-        if !resolved.moves_as(self.linkage(), self.loading()) {
-            let curve = Arc::new(resolved.trace(mechanism)?);
-            return Self::on(curve, resolved.loading, resolved.markers, solver);
+        let resolved = Resolved::new(mechanism)?;
+        if self.is_part() || !resolved.moves_as(self.curve().drawn(), self.loading()) {
+            let curve = Arc::new(trace(&resolved, mechanism)?);
+            return Self::on(curve, resolved.loading, resolved.markers, mechanism);
         }
         let (curve, Resolved { loading, markers, .. }) = (Arc::clone(&self.source.curve), resolved);
         let own = self.loading();
         if (&loading.loads, &loading.springs, &markers) != (&own.loads, &own.springs, &self.markers) {
-            return Self::on(curve, loading, markers, solver);
+            return Self::on(curve, loading, markers, mechanism);
         }
         let source = Source { curve, loading: Arc::new(loading), ..self.source };
         let (grid, fine, tables) = (self.grid.clone(), self.fine.clone(), Arc::clone(&self.tables));
-        Ok(Self::assembled(source, markers, [grid, fine], tables, Origin::Guess(solver)))
+        Ok(Self::assembled(source, markers, [grid, fine], tables, Origin::Guess(&mechanism.solver)))
     }
 
-    /// The reduced model on a given curve.
-    fn on(curve: Arc<Curve>, loading: Loading, markers: Vec<Point>, solver: &Solver) -> Result<Self, ReductionError> {
-        Self::tabulated(curve, Arc::new(loading), markers, Origin::Guess(solver))
+    /// The reduced model on a given curve. Where two ends of a load coincide somewhere on it: on the arc between such
+    /// positions that has the start, or else the guess.
+    fn on(
+        curve: Arc<Curve>,
+        loading: Loading,
+        markers: Vec<Point>,
+        mechanism: &Mechanism,
+    ) -> Result<Self, ReductionError> {
+        let (loading, of) = (Arc::new(loading), Origin::Guess(&mechanism.solver));
+        let whole = Self::tabulated(Arc::clone(&curve), Arc::clone(&loading), markers.clone(), of);
+        let Err(ReductionError::EndsMeet { .. }) = whole else { return whole };
+        let mut first = None;
+        for arc in meetings::arcs(&curve, &loading) {
+            let part = Arc::new(curve.between(arc.range));
+            let reduced = Self::tabulated(part, Arc::clone(&loading), markers.clone(), of);
+            let reduced = reduced.map(|reduced| Self { ends_meet: arc.ends, ..reduced });
+            if reduced.as_ref().is_ok_and(|reduced| reduced.has_start(mechanism)) {
+                return reduced;
+            }
+            first = first.or(Some(reduced));
+        }
+        first.unwrap_or(whole)
     }
 
-    /// The reduced model on a stretch of this one's curve.
+    /// The reduced model on a stretch of this one's curve, as far as no two ends of a load coincide.
     pub(super) fn on_stretch(&self, curve: Curve, stretch: i32) -> Result<Self, ReductionError> {
-        let loading = Arc::clone(&self.source.loading);
-        Self::tabulated(Arc::new(curve), loading, self.markers.clone(), Origin::Whole(self, stretch))
+        let (loading, of) = (&self.source.loading, Origin::Whole(self, stretch));
+        let on = |curve: Arc<Curve>| Self::tabulated(curve, Arc::clone(loading), self.markers.clone(), of);
+        let curve = Arc::new(curve);
+        let whole = on(Arc::clone(&curve));
+        let Err(ReductionError::EndsMeet { .. }) = whole else { return whole };
+        let (first, last) = curve.range;
+        // Its inner end is that next to the guess.
+        let is_inner = |arc: &meetings::Arc| if stretch < 0 { arc.range.1 == last } else { arc.range.0 == first };
+        match meetings::arcs(&curve, loading).into_iter().find(is_inner) {
+            Some(arc) => Ok(Self { ends_meet: arc.ends, ..on(Arc::new(curve.between(arc.range)))? }),
+            None => whole,
+        }
     }
 
     fn assembled(
@@ -139,7 +172,8 @@ impl Reduced {
         };
         let beyond = if stretch == 0 { Beyond::of(&source.curve) } else { None };
         let state_loads = Default::default();
-        Self { source, markers, grid, fine, tables, exact, speed_floor, state_loads, beyond, stretch }
+        let ends_meet = [None, None];
+        Self { source, markers, grid, fine, tables, exact, speed_floor, state_loads, beyond, ends_meet, stretch }
     }
 
     /// The reduced model with the tables that every start needs.
@@ -269,16 +303,32 @@ impl Reduced {
 
     /// Values at sigma of the functions that the equation of motion reads, from the exact evaluator: those in the table
     /// of the state loads, or without state loads those of [`Self::influence`].
+    ///
+    /// Where branches cross to the last digit, reactions are the mean of those on both sides: their limit if they have
+    /// one.
     pub fn exact_motion(&self, state_loads: Option<&StateLoads>, sigma: f64) -> Vec<f64> {
+        /// Distance of both sides, relative to the scale: the error of the mean is as large as its rounding.
+        const ASIDE: f64 = 1e-4;
         let c = self.curve().configuration(sigma);
+        if c.factors().is_none() {
+            let h = ASIDE * self.scale();
+            let [before, after] =
+                [-h, h].map(|h| self.exact_values(state_loads, &self.curve().configuration(sigma + h)));
+            return before.iter().zip(&after).map(|(a, b)| 0.5 * (a + b)).collect();
+        }
+        self.exact_values(state_loads, &c)
+    }
+
+    /// [`Self::exact_motion`] at a configuration.
+    fn exact_values(&self, state_loads: Option<&StateLoads>, c: &Configuration) -> Vec<f64> {
         let Source { loading, components, .. } = &self.source;
         let mut values = vec![0.0; state_loads.map_or(components.count, |s| s.table.components())];
         if let Some(state_loads) = state_loads {
-            state_loads.fill(&self.source, &c, &mut state_loads.scratch(loading), &mut values);
+            state_loads.fill(&self.source, c, &mut state_loads.scratch(loading), &mut values);
         } else {
             let mut springs = Vec::new();
-            self.source.spring_loads(&c, &mut springs);
-            components.fill(&springs, |load| loading.loads[load].influence(self.linkage(), &c), &mut values);
+            self.source.spring_loads(c, &mut springs);
+            components.fill(&springs, |load| loading.loads[load].influence(self.linkage(), c), &mut values);
         }
         values
     }
@@ -289,7 +339,7 @@ fn unresolved_influence(loading: &Loading, curve: &Curve, at: &Unresolved) -> Re
     let position = curve.describe(at.sigma, 0.0);
     let c = curve.configuration(at.sigma);
     let meets = loading.loads.iter().position(|load| {
-        matches!(load, Load::Pair { .. }) && load.displacement(curve.linkage(), &c)[0] < 1e-3 * curve.linkage().size
+        matches!(load, Load::Pair { .. }) && load.displacement(curve.linkage(), &c)[0] < MEET * curve.linkage().size
     });
     match meets {
         Some(load) => ReductionError::EndsMeet { name: loading.name(load), position },
@@ -302,7 +352,10 @@ pub(super) fn not_smooth(curve: &Curve, what: String, at: &Unresolved) -> Reduct
     let position = curve.describe(at.sigma, 0.0);
     let crosses = curve.crossings.iter().any(|sigma| (sigma - at.sigma).abs() < curve.scale());
     if !crosses && curve.amplification(at.sigma) > NEAR_CROSSING {
-        ReductionError::Curve(CurveError::NearCrossing(position))
+        let (misses, near) =
+            (curve.near.misses.iter(), |miss: &NearMiss| (miss.sigma - at.sigma).abs() < curve.scale());
+        let miss = misses.filter(|miss| near(miss)).map(|miss| miss.miss).reduce(f64::min);
+        ReductionError::Curve(CurveError::NearCrossing { position, at: curve.configuration(at.sigma).q, miss })
     } else {
         ReductionError::Table { what, position }
     }

@@ -2,7 +2,7 @@
 //!
 //! In: a definition. Out: its linkage, loads and markers, and the curve of the linkage. It must not know tables.
 use super::error::ReductionError;
-use crate::mechanism::closure::{Closure, guessed};
+use crate::mechanism::closure::Closure;
 use crate::mechanism::curve::{Curve, CurveError};
 use crate::mechanism::definition::Mechanism;
 use crate::mechanism::linkage::{Linkage, Point, Positions};
@@ -29,14 +29,6 @@ impl Resolved {
         Ok(Self { linkage, loading, markers })
     }
 
-    /// Assemble the linkage and trace its curve.
-    pub(super) fn trace(&self, mechanism: &Mechanism) -> Result<Curve, ReductionError> {
-        let guess = guessed(&self.linkage, &mechanism.guess).map_err(ReductionError::Assembly)?;
-        let linkage = Arc::new(self.linkage.clone());
-        let (closure, q) = Closure::assemble(linkage, &guess).map_err(ReductionError::Assembly)?;
-        trace(closure, &q, &self.loading).map_err(ReductionError::Curve)
-    }
-
     /// Whether the curve equals that of another state of the same mechanism: the same linkage between the same stops.
     pub(super) fn moves_as(&self, linkage: &Linkage, loading: &Loading) -> bool {
         self.linkage == *linkage && limits(&self.loading).eq(limits(loading))
@@ -51,7 +43,7 @@ fn limits(loading: &Loading) -> impl Iterator<Item = (bool, bool, f64, &Load)> {
 
 /// The curve: between the stops if all are rigid, else as a whole. Beyond a rigid stop only trial steps before an
 /// impact evaluate the curve. A guess beyond a stop still identifies a branch, which is then traced as a whole.
-fn trace(closure: Closure, q: &[f64], loading: &Loading) -> Result<Curve, CurveError> {
+pub(super) fn trace(closure: Closure, q: &[f64], loading: &Loading) -> Result<Curve, CurveError> {
     let linkage = Arc::clone(&closure.linkage);
     match margin(&linkage, loading) {
         Some(margin) if margin(&linkage.positions(q)) > 0.0 => Curve::trace(closure, q, Some(&mut |p| margin(p))),

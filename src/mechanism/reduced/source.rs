@@ -129,6 +129,21 @@ impl Source {
         }));
     }
 
+    /// Table of functions of the configuration of which some may be unbounded: exact if all are smooth, else with gaps.
+    pub(super) fn tabulate_with_gaps(
+        &self,
+        grid: &Grid,
+        sizes: Vec<f64>,
+        exact: &mut dyn FnMut(&Configuration, &mut [f64]),
+    ) -> Result<Table, Unresolved> {
+        let (mut scratch, mut c) = (Scratch::default(), Configuration::default());
+        Table::build_with_gaps(grid, sizes, &mut |sigma, values| {
+            self.curve.configure(sigma, &mut scratch, &mut c);
+            exact(&c, values);
+            c.amplification
+        })
+    }
+
     /// Tables of sets of functions of the configuration with common evaluations; `sizes`: natural sizes of each set.
     pub(super) fn tabulate(
         &self,

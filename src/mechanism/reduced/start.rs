@@ -3,12 +3,51 @@
 //! In: a coordinate and its value. Out: sigma and revolutions. It must not know speeds or time.
 use super::error::ReductionError;
 use super::model::{Reduced, not_smooth};
+use crate::mechanism::definition::Mechanism;
+use crate::mechanism::linkage::Linkage;
 use crate::mechanism::loads::laws::stop::Stop;
 use crate::numerics::bracket::bisect;
 use crate::numerics::table::{Table, polynomial};
 use std::f64::consts::TAU;
 
+/// The quantity by which a definition states the start.
+pub struct Stated<'a> {
+    /// Index of the coordinate; none if the quantity gives none.
+    pub coordinate: Option<usize>,
+    /// Value of the coordinate.
+    pub value: f64,
+    /// Name of the body or the joint.
+    pub name: &'a str,
+    /// `angle` or `position`.
+    pub quantity: &'static str,
+}
+
+impl<'a> Stated<'a> {
+    /// The start of a definition.
+    pub fn new(mechanism: &'a Mechanism, linkage: &Linkage) -> Self {
+        let start = &mechanism.start;
+        if let Some(body) = &start.body {
+            let (carrier, own) = linkage.carrier(mechanism, body).unwrap_or((0, 0.0));
+            let coordinate = linkage.bodies[carrier].angle_coordinate;
+            let value = start.angle.unwrap_or(0.0) - own - linkage.bodies[carrier].offset;
+            return Self { coordinate, value, name: body, quantity: "angle" };
+        }
+        let Some(joint) = &start.joint else {
+            return Self { coordinate: None, value: 0.0, name: &mechanism.name, quantity: "angle" };
+        };
+        let index = linkage.coordinates[linkage.angles..].iter().position(|c| c == joint);
+        let (coordinate, value) = (index.map(|i| i + linkage.angles), start.position.unwrap_or(0.0));
+        Self { coordinate, value, name: joint, quantity: "position" }
+    }
+}
+
 impl Reduced {
+    /// Whether the start that a definition states is on the curve.
+    pub(super) fn has_start(&self, mechanism: &Mechanism) -> bool {
+        let Stated { coordinate, value, name, .. } = Stated::new(mechanism, self.linkage());
+        coordinate.is_some_and(|coordinate| self.find(coordinate, value, name).is_ok())
+    }
+
     /// sigma at which a coordinate has this value, and the number of revolutions of the curve before it. Of several
     /// positions the nearest to the guess, where sigma is 0; an open curve is searched stretch by stretch, going out from
     /// the guess on both sides.

@@ -13,6 +13,7 @@ use crate::mechanism::reactions::{Columns, Reaction, groups};
 use crate::numerics::bundle::Bundle;
 use crate::numerics::plane::perp;
 use crate::numerics::table::{Grid, Table, Unresolved};
+use std::f64::consts::TAU;
 use std::ops::Range;
 
 /// Loads sized by the state.
@@ -81,6 +82,21 @@ impl StateLoads {
     /// the normal forces of the prismatic joints with friction.
     pub fn switches(&self) -> usize {
         self.efficient + self.prismatic.len()
+    }
+
+    /// Number of ends of gaps of the table. A step ends there, so that none passes over a gap unseen, where friction may
+    /// lock.
+    pub fn gap_borders(&self) -> usize {
+        2 * self.table.gaps().len()
+    }
+
+    /// How far sigma is beyond an end of a gap; on a closed curve with this period, beyond one that may be revolutions
+    /// away.
+    pub fn beyond_gap(&self, border: usize, sigma: f64, period: Option<f64>) -> f64 {
+        let Some((a, b)) = self.table.gaps().nth(border / 2) else { return 0.0 };
+        let beyond = sigma - if border.is_multiple_of(2) { a } else { b };
+        // As a sine, without a jump; half a revolution away a step ends in vain.
+        period.map_or(beyond, |period| (TAU * beyond / period).sin())
     }
 
     /// Number of `loads` that are not friction.
@@ -189,7 +205,9 @@ impl StateLoads {
         let sizes = state_loads.sizes(source);
         let mut scratch = state_loads.scratch(loading);
         let mut fill = |c: &Configuration, values: &mut [f64]| state_loads.fill(source, c, &mut scratch, values);
-        state_loads.table = source.tabulate(grid, &[sizes], &mut fill).swap_remove(0)?;
+        let smooth = source.tabulate(grid, std::slice::from_ref(&sizes), &mut fill).swap_remove(0);
+        // Where branches cross, reactions may be unbounded, and friction with them.
+        state_loads.table = smooth.or_else(|_| source.tabulate_with_gaps(grid, sizes, &mut fill))?;
         state_loads.bundle = Bundle::new(&state_loads.table, 0..state_loads.bundled());
         let own = &state_loads;
         let of_applied = |k: usize| Bundle::new(&own.table, (1..own.rows()).map(move |row| own.given(row, k)));

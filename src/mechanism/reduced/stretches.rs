@@ -100,7 +100,10 @@ impl Reduced {
     ///
     /// # Errors
     /// There is none.
-    pub fn next(&self, stretch: &Self, side: usize) -> Result<&Self, End<'_>> {
+    pub fn next<'a>(&'a self, stretch: &'a Self, side: usize) -> Result<&'a Self, End<'a>> {
+        if let Some(reason) = &stretch.ends_meet[side] {
+            return Err(End::Failed(reason));
+        }
         let Some(Beyond(slots)) = self.beyond.as_deref() else { return Err(End::OfTravel) };
         let outward = if side == 0 { -1 } else { 1 };
         let number = stretch.stretch + outward;
@@ -149,6 +152,18 @@ impl Reduced {
     pub fn stretches(&self) -> impl Iterator<Item = &Self> {
         let slots = self.beyond.iter().flat_map(|beyond| beyond.0.as_flattened());
         slots.filter_map(|slot| slot.get()?.as_deref().ok())
+    }
+
+    /// Whether the curve ends where two ends of a load coincide, so that the start decides which part of it this is.
+    pub fn is_part(&self) -> bool {
+        self.ends_meet.iter().any(Option::is_some)
+    }
+
+    /// sigma at the low and at the high end of the stretch with the guess, where two ends of a load coincide there.
+    pub fn ends_meet(&self) -> [Option<f64>; 2] {
+        let (first, last) = self.curve().range;
+        let at = |side: usize, sigma: f64| self.ends_meet[side].as_ref().map(|_| sigma);
+        [at(0, first), at(1, last)]
     }
 
     /// The coordinates at sigma after a number of revolutions of a closed curve, by name and in words.

@@ -1,7 +1,7 @@
 //! Passages of known functions, short ones above all.
 #![allow(clippy::unwrap_used)]
 use super::*;
-use crate::numerics::bracket::bisect;
+use crate::numerics::bracket::{bisect, false_position};
 use crate::numerics::enclosure::Interval;
 use proptest::prelude::*;
 use std::convert::Infallible;
@@ -61,6 +61,22 @@ proptest! {
             prop_assert!((at - (center - half)).abs() < rounding, "{at} {}", center - half);
             prop_assert!(f(at) > 0.0);
         }
+    }
+
+    /// A joint that enters the range of a regime at the start and leaves it soon at the other end: from a root at the start
+    /// the function falls, and it rises within the first part of the grid.
+    #[test]
+    fn a_rise_after_a_root_at_the_start_is_met(half in 1e-5..0.06f64, rounding in 0.0..1e-16f64) {
+        let f = move |s: f64| (s - half).abs() - half + rounding;
+        let bounds = move |a: f64, b: f64| {
+            let slope = Interval { low: if a < half { -1.0 } else { 1.0 }, high: if b > half { 1.0 } else { -1.0 } };
+            let low = if a < half && b > half { rounding - half } else { f(a).min(f(b)) };
+            Enclosure { value: Interval { low, high: f(a).max(f(b)) }, slope }
+        };
+        let locate = |f: &mut dyn FnMut(f64) -> f64, a: Sample, b: Sample| false_position(f, a, b, 1e-15);
+        let found = Bounded { f, bounds, locate }.first_rise(f(0.0).min(0.0), 8);
+        let found = found.unwrap();
+        prop_assert!((found - 2.0 * half).abs() < 1e-14, "{found} instead of {}", 2.0 * half);
     }
 
     /// Quartics with known roots: the first rise, however near the next fall is.

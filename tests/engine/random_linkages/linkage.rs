@@ -202,7 +202,7 @@ impl Linkage {
             "markers": { "mark": { "at": self.text(at) } },
             "start": start,
             "guess": guess,
-            "solver": { "tolerance": 1e-12 },
+            "snap": 0, "solver": { "tolerance": 1e-12 },
         })
         .to_string()
     }

@@ -49,6 +49,9 @@ fn config() -> ProptestConfig {
 fn given<T>(linkage: &Linkage, result: Result<T, SimulationError>) -> Result<T, TestCaseError> {
     let model_error = |error| match error {
         ModelError::Reduction(ReductionError::EndsMeet { .. }) => TestCaseError::reject("ends meet"),
+        ModelError::Travel { reason, .. } if reason.contains("its two ends coincide") => {
+            TestCaseError::reject("comes to where ends meet")
+        }
         ModelError::Table { .. } | ModelError::Reduction(ReductionError::Table { .. }) => {
             TestCaseError::reject("ends almost meet, or not smooth far out")
         }

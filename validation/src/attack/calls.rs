@@ -8,6 +8,8 @@ use linkage_fmu::variables::{Causality, Kind};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
+/// What no message may say.
+const UNITS: [&str; 6] = ["NaN Pa", "NaN N", "NaN kg", "NaN J", "NaN m", "NaN rad"];
 /// Calls of a case.
 const CALLS: usize = 400;
 
@@ -246,6 +248,12 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
         }
         if !fine {
             result = Err(format!("call {n}, {name} in {:?}: {status:?}, may {may:?}: {log:?}", player.phase));
+            break;
+        }
+        // A quantity of the model, none that the host has handed over.
+        let undefined = |text: &str| UNITS.iter().any(|unit| text.contains(unit));
+        if let Some(message) = log.iter().find(|message| undefined(&message.text)) {
+            result = Err(format!("call {n}, {name}: a message with NaN: {message:?}"));
             break;
         }
         if let Some((phase, before)) = watched.filter(|_| status == Status::Error && may == May::BeRefused)

@@ -6,22 +6,13 @@ use super::mechanism::{Definition, Prepared};
 use super::probe::Probe;
 use super::random::Random;
 use linkage_fmu::component::{Component, Refused, Stepped};
-use linkage_fmu::variables::Reference;
+use linkage_fmu::hydraulics::ACTUATOR;
+use linkage_fmu::variables::{Causality, Reference};
 use serde_json::Value;
 
 const GEAR: &str = include_str!("../../../modelDescription/LandingGearRetraction/resources/mechanism.json");
 /// Most steps of a coupling.
 const STEPS: usize = 24;
-/// What the gear tells and the actuator takes.
-const TOLD: [&str; 7] = [
-    "actuator.length",
-    "actuator.speed",
-    "actuator.acceleration",
-    "actuator.reduced_mass",
-    "actuator.reduced_mass_derivative",
-    "actuator.holding_force",
-    "actuator.holding_force_derivative",
-];
 /// What the actuator foresees.
 const FORESEEN: [&str; 5] =
     ["preview.force", "preview.force_rate", "preview.force_mean", "preview.start_acceleration", "preview.acceleration"];
@@ -50,7 +41,8 @@ struct Pair {
 struct Start {
     gear: Prepared,
     actuator: Prepared,
-    told: [[Reference; 2]; TOLD.len()],
+    /// What the gear tells and the actuator takes: length, speed, and so on.
+    told: Vec<[Reference; 2]>,
     foreseen: [Reference; FORESEEN.len()],
     force: [Reference; 2],
     horizon: Reference,
@@ -66,10 +58,9 @@ impl Start {
         let gear = Prepared::new(Definition { file: "mechanism.json", text, force: 1e4, torque: 1e3, h: 1e-3 })?;
         let (actuator, _) = Prepared::random(random, actuator::definition);
         let find = |of: &Prepared, name: &str| of.start.interface().find(name).ok_or(format!("no variable {name}"));
-        let mut told = [[0; 2]; TOLD.len()];
-        for (pair, name) in told.iter_mut().zip(TOLD) {
-            *pair = [find(&gear, name)?, find(&actuator, name)?];
-        }
+        let inputs = (0..).zip(actuator.start.interface().list()).filter(|(_, v)| v.causality == Causality::Input);
+        let inputs = inputs.filter(|(_, v)| v.name.starts_with(ACTUATOR));
+        let told = inputs.map(|(to, v)| Ok([find(&gear, &v.name)?, to])).collect::<Result<_, String>>()?;
         let mut foreseen = [0; FORESEEN.len()];
         for (reference, name) in foreseen.iter_mut().zip(FORESEEN) {
             *reference = find(&actuator, name)?;
@@ -116,7 +107,8 @@ fn exchange(
     let reals = |component: &mut Component, names: &[Reference]| -> Result<Vec<f64>, String> {
         names.iter().map(|&name| component.real(name).map_err(words)).collect()
     };
-    let told = reals(&mut pair.gear, &start.told.map(|[gear, _]| gear))?;
+    let of_gear: Vec<Reference> = start.told.iter().map(|[gear, _]| *gear).collect();
+    let told = reals(&mut pair.gear, &of_gear)?;
     between(pair)?;
     for (&[_, to], &value) in start.told.iter().zip(&told) {
         // Near a toggle of the drive the gear tells no finite mass; then the old one stays in both twins.
@@ -143,7 +135,7 @@ fn exchange(
     let gear = pair.gear.step(h);
     between(pair)?;
     if matches!(exchange, Exchange::TwoPasses) {
-        let end = reals(&mut pair.gear, &start.told.map(|[gear, _]| gear))?;
+        let end = reals(&mut pair.gear, &of_gear)?;
         let speed = (end[1] - told[1] - from * h) / (h * h);
         let slope = (to - from) / h;
         let rates = [from, 2.0 * (3.0 * speed - slope), 6.0 * (slope - 2.0 * speed) / h];

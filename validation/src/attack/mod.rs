@@ -8,10 +8,11 @@ mod calls;
 mod coupled;
 mod definitions;
 mod histories;
+mod kinds;
 mod mechanism;
 mod page;
 mod probe;
-mod random;
+pub mod random;
 mod scenes;
 mod states;
 mod threads;
@@ -47,7 +48,7 @@ pub struct Part {
 }
 
 /// All kinds of attack.
-pub const PARTS: [Part; 7] = [
+pub const PARTS: [Part; 8] = [
     Part {
         name: "histories",
         claim: "twins of a random history, one of them read, saved, restored and serialised in between, agree to the bit; every state that is written is read back",
@@ -94,6 +95,14 @@ pub const PARTS: [Part; 7] = [
         case: scenes::attack,
         count: 1_000,
         share: 0.28,
+        block: 1,
+    },
+    Part {
+        name: "kinds",
+        claim: "a random mechanism of one of the kinds is taken unless its lengths cannot be joined; its positions, rates and reactions are its closed form's, its motion that of Lagrange's equation to within 100 times the tolerance, or what it makes of a start moved by it",
+        case: kinds::attack,
+        count: 300,
+        share: 0.1,
         block: 1,
     },
     Part {

@@ -230,7 +230,9 @@ impl Case {
         let list = model.variables().list().iter();
         let settable = list.zip(0..).filter(|(v, _)| v.kind == Kind::Real && v.causality != Causality::Output);
         let with_unit = settable.filter_map(|(v, reference)| {
-            matches!(v.start, Some(Value::Real(_))).then_some(())?;
+            // Settings of the integration belong to it, not to the mechanism, and have ranges of their own.
+            let is_own = matches!(v.start, Some(Value::Real(_))) && !v.name.starts_with("solver.");
+            is_own.then_some(())?;
             let done = stretched && matches!(v.unit, Some(Unit::Metre | Unit::KilogramSquareMetre));
             let scaling = if done { Scaling { length: 1.0, ..self.scaling } } else { self.scaling };
             v.unit.map(|unit| (reference, scaling.factor(unit)))

@@ -183,11 +183,11 @@ fn collocate<S: System<N>, const N: usize>(
     iterations: u32,
     statistics: &mut Statistics,
 ) -> Option<(Increments<N>, Factors<f64, N>)> {
-    let real = Factors::new(shifted(newton.jacobian, GAMMA, h))?;
+    let real = Factors::new(shifted(newton.jacobian, GAMMA, h), S::LEADING)?;
     let diagonal = shifted(newton.jacobian, ALPHA, h);
-    let complex: Factors<Complex<f64>, N> = Factors::new(std::array::from_fn(|i| {
-        std::array::from_fn(|j| Complex { re: diagonal[i][j], im: if i == j { BETA / h } else { 0.0 } })
-    }))?;
+    let entry = |i: usize, j: usize| Complex { re: diagonal[i][j], im: if i == j { BETA / h } else { 0.0 } };
+    let complex: Factors<Complex<f64>, N> =
+        Factors::new(std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))), S::LEADING)?;
     let stop: [f64; N] = std::array::from_fn(|n| {
         let rounding = 8.0 * f64::EPSILON * start.y[n].abs();
         (NEWTON * newton.tolerance * newton.scale[n]).max(rounding)

@@ -118,15 +118,19 @@ impl<const N: usize> Pair<N> for Rkn86 {
     }
 
     /// Error estimate over the tolerance, to the power of 14. The difference e of the pair, relative to the scales, is
-    /// the error of order 6, which falls as h^7. So relative to the scales the motion changes within h / e^(1/7), and
-    /// the step of order 8 errs by about e^(9/7). To the power of 14 that needs no root, and of e its square.
+    /// the error of order 6, which falls as h^7. Relative to the scales the accelerations contribute w to the step. So
+    /// they change within h / (e / w)^(1/7), and the step of order 8 errs by about e (e / w)^(2/7). To the power of 14
+    /// that needs no root, and of e its square. A w above 1 counts as 1.
     #[inline]
     fn error<S: System<N>>(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
         // Quotients that do not wait for the accelerations.
         let (weight, weight_rate) = (h * h / scale[0], h / scale[1]);
         let (e, e_rate) = (weight * sum(&E, &self.0), weight_rate * sum(&E_RATE, &self.0));
         let square = 0.5 * (e * e + e_rate * e_rate);
-        square.powi(9) * tolerance.powi(-14)
+        let error = square.powi(9) * tolerance.powi(-14);
+        let [least, most] = extremes(self.0);
+        let strength = weight_rate * most.max(-least);
+        if strength < 1.0 && strength > 0.0 { error / (strength * strength).powi(2) } else { error }
     }
 }
 

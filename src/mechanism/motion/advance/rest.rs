@@ -3,6 +3,7 @@
 //! In: a mechanism at rest, inputs that may change with time. Out: the time at which it sets off. It must not know what
 //! moves.
 use super::{Advance, Instant, Stopped};
+use crate::integrator::{Dense, Step};
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::motion::contact::Place;
 use crate::mechanism::motion::dynamics::Dynamics;
@@ -31,7 +32,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         // Of two stops at one place, what one lets go the other may hold.
         for other in self.ends.at(sigma).filter(|other| *other != place) {
             if self.ends.is_locked(other) || self.is_pressed(other, sigma)? {
-                self.contact.rests(other, self.ends.is_locked(other));
+                self.rests(other, self.ends.is_locked(other));
                 break;
             }
         }
@@ -104,8 +105,6 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
 
     /// [`Self::go_on_at_rest`] with the mechanism held.
     fn hold(&mut self, z: &mut [f64; N], span: f64, directions: &[f64]) -> Result<bool, Stopped> {
-        /// Part of the time from which a step is too short to be taken again shorter.
-        const SHORT: f64 = 1e-14;
         while self.progress.t < span {
             if self.progress.work.is_spent(self.integrator.attempts()) {
                 return Err(Stopped::Budget(self.progress));
@@ -137,31 +136,76 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             if locked {
                 return Err(Stopped::Locked);
             }
-            let h = part * step.h;
-            let is_short = h <= SHORT * span;
-            let end = if is_short || part >= 1.0 { step } else { self.integrator.retake(self.dynamics, &step, h) };
-            self.progress.work.extra += 1;
+            let end = self.step_to_set_off(&step, &dense, part, span, directions)?;
             *z = end.end;
             self.progress.t += end.h;
-            // By rounding of the interpolant it may not be there yet.
-            if is_short || self.sets_off(self.progress.t, z, directions)? {
-                self.dynamics.set_time(self.progress.t);
-                return Ok(self.progress.t < span);
-            }
+            self.dynamics.set_time(self.progress.t);
+            return Ok(self.progress.t < span);
         }
         Ok(false)
     }
 
+    /// The step up to where the mechanism sets off, which its interpolant has at this part of it: by the secant's method
+    /// on the size of the step, as the interpolant is less exact than the step; then on by little until it does.
+    fn step_to_set_off(
+        &mut self,
+        step: &Step<N>,
+        dense: &Dense<N>,
+        part: f64,
+        span: f64,
+        directions: &[f64],
+    ) -> Result<Step<N>, Locked> {
+        /// Part of the time to the instant over which the first slope is taken.
+        const DIFFERENCE: f64 = 1e-3;
+        /// Part of the span up to which the instant is found, and by which a step is longer that is not there yet.
+        const CLOSE: f64 = 1e-14;
+        /// Growth of what a step that is not there yet is lengthened by.
+        const GROWTH: f64 = 8.0;
+        let close = CLOSE * span;
+        let mut h = part * step.h;
+        let mut before = part * (1.0 - DIFFERENCE);
+        let mut miss_before = self.excess_from_rest(step.t + before * step.h, &dense.at(before), directions)?;
+        before *= step.h;
+        for _ in 0..8 {
+            if !(h > close && h < step.h) {
+                break;
+            }
+            let end = self.integrator.retake(self.dynamics, step, h);
+            self.progress.work.extra += 1;
+            let miss = self.excess_from_rest(step.t + h, &end.end, directions)?;
+            let next = h - miss * (h - before) / (miss - miss_before);
+            let is_within = next > 0.0 && next < step.h && (next - h).abs() < 0.1 * step.h;
+            if !is_within || (next - h).abs() <= close {
+                break;
+            }
+            (before, miss_before, h) = (h, miss, next);
+        }
+        let mut longer = close;
+        loop {
+            self.progress.work.extra += 1;
+            let end = if h < step.h { self.integrator.retake(self.dynamics, step, h) } else { *step };
+            if h >= step.h || self.sets_off(step.t + h, &end.end, directions)? {
+                return Ok(end);
+            }
+            h += longer;
+            longer *= GROWTH;
+        }
+    }
+
     /// Whether a mechanism at rest sets off in one of these directions.
     fn sets_off(&mut self, t: f64, z: &[f64; N], directions: &[f64]) -> Result<bool, Locked> {
+        Ok(self.excess_from_rest(t, z, directions)? > 0.0)
+    }
+
+    /// The largest acceleration with which a mechanism at rest would set off in one of these directions; below 0: none.
+    fn excess_from_rest(&mut self, t: f64, z: &[f64; N], directions: &[f64]) -> Result<f64, Locked> {
         self.dynamics.set_time(t);
         self.dynamics.set_state(z);
+        let mut most = f64::NEG_INFINITY;
         for &direction in directions {
-            if self.dynamics.acceleration_from_rest(z[0], direction)? * direction > 0.0 {
-                return Ok(true);
-            }
+            most = most.max(self.dynamics.acceleration_from_rest(z[0], direction)? * direction);
         }
-        Ok(false)
+        Ok(most)
     }
 
     /// The first time after `t`, at most `span`, at which an input passes 0 whose sign decides a law at rest.

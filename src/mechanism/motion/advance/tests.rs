@@ -178,6 +178,7 @@ struct Run {
     travel: Travel,
     locked: EngagedLocks,
     contact: Contact,
+    witness: Witness,
     x: f64,
     v: f64,
     lost: f64,
@@ -190,12 +191,12 @@ impl Run {
         for (index, stop) in stops.iter().enumerate() {
             match *stop {
                 Stop::Rigid(side, position, restitution) => {
-                    travel.rigid[side] = Some(RigidEnd { position, stop: index, restitution });
+                    travel.rigid[side] = Some(RigidEnd { position, stop: index, restitution, slope: 1.0 });
                 }
                 Stop::Bumper(bumper) => {
                     let mut positions = [None; 2];
                     positions[bumper.side] = Some(bumper.law[2]);
-                    travel.bumpers.push(BumperPlaces { stop: index, positions });
+                    travel.bumpers.push(BumperPlaces { stop: index, positions, slopes: [1.0; 2] });
                     particle.bumpers.push(bumper);
                 }
             }
@@ -216,6 +217,7 @@ impl Run {
             lookahead: &mut self.lookahead,
             ends,
             contact: &mut self.contact,
+            witness: &mut self.witness,
             tolerance: TOLERANCE,
             progress: Progress::default(),
         };

@@ -59,13 +59,16 @@ fn coast(
 ) -> ([f64; 2], f64, u64, bool) {
     let (mut y, mut passed, mut integrator) = (start, 0.0, Integrator::default());
     let length = travel.iter().all(Option::is_none).then_some(TAU);
-    let rigid = travel.map(|position| position.map(|position| RigidEnd { position, stop: 0, restitution: 1.0 }));
+    let rigid = travel.map(|position| {
+        position.map(|position| RigidEnd { position, restitution: 1.0, slope: 1.0, ..RigidEnd::default() })
+    });
     let travel = Travel { rigid, ..Travel::default() };
     let mut coasting = Coasting {
         dynamics: &mut Pendulum,
         integrator: &mut integrator,
         ends: &Ends::new(&travel, 0.0, EngagedLocks::default()),
         contact: &mut Contact::default(),
+        witness: &mut Witness::default(),
         tolerance,
         passes: |_| false,
         path: || Path { length, does_work: false },
@@ -131,6 +134,7 @@ fn the_bound_ends_a_motion_that_has_no_period() {
         integrator: &mut integrator,
         ends: &Ends::new(&travel, 0.0, EngagedLocks::default()),
         contact: &mut Contact::default(),
+        witness: &mut Witness::default(),
         tolerance: 1e-9,
         passes: |_| false,
         path: || Path { length: Some(TAU), does_work: true },

@@ -4,9 +4,9 @@ use super::*;
 
 /// A bumper before a rigid stop on the high side, a rigid stop on the low side.
 fn travel() -> Travel {
-    let rigid = |position: f64, stop: usize| Some(RigidEnd { position, stop, restitution: 0.0 });
-    let bumpers = vec![BumperPlaces { stop: 2, positions: [None, Some(0.5)] }];
-    Travel { rigid: [rigid(0.0, 0), rigid(1.0, 1)], bumpers, beside: vec![(1, 3)] }
+    let rigid = |position: f64, stop: usize| Some(RigidEnd { position, stop, ..RigidEnd::default() });
+    let bumpers = vec![BumperPlaces { stop: 2, positions: [None, Some(0.5)], ..BumperPlaces::default() }];
+    Travel { rigid: [rigid(0.0, 0), rigid(1.0, 1)], bumpers, beside: vec![(1, 3)], ..Travel::default() }
 }
 
 const NONE: EngagedLocks = EngagedLocks { rigid: [false; 2], bumpers: BumperSet::EMPTY };

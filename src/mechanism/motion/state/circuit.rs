@@ -12,7 +12,9 @@ use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::resolved::PORTS;
 use crate::mechanism::motion::advance::{Advance, Progress, Stopped};
 use crate::mechanism::motion::contact::{Contact, Ends, Travel};
+use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::saved::{CircuitMemory, Memory};
+use crate::mechanism::motion::witness::Witness;
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::bits::same_bits;
 
@@ -22,6 +24,7 @@ pub struct Driven<'a, 'e> {
     pub memory: &'a mut CircuitMemory,
     pub ends: &'a Ends<'a>,
     pub contact: &'a mut Contact,
+    pub witness: &'a mut Witness,
     pub tolerance: f64,
     pub inputs: &'a Inputs,
 }
@@ -30,7 +33,7 @@ impl Driven<'_, '_> {
     /// Advance (sigma, sigma_dot) and the circuit by exactly `h` [s]. Returns the energy lost in impacts [J], and the
     /// state reached.
     pub fn run(self, [sigma, sigma_dot]: [f64; 2], h: f64, max_steps: u64) -> (Result<f64, Stopped>, [f64; DRIVEN]) {
-        let Self { dynamics, memory, ends, contact, tolerance, inputs } = self;
+        let Self { dynamics, memory, ends, contact, witness, tolerance, inputs } = self;
         let CircuitMemory { integrator, lookahead, circuit, before, ports } = memory;
         *before = *circuit;
         let mut z = [0.0; DRIVEN];
@@ -50,9 +53,10 @@ impl Driven<'_, '_> {
             }
             integrator.refresh();
         }
-        dynamics.ports = Some(Ports::new(drive, length, inputs, circuit.time[0], h));
+        dynamics.ports = Some(Ports::new(drive, length, inputs, circuit.time.now, h));
         let progress = Progress::within(integrator.attempts() + max_steps);
-        let advance = Advance { dynamics: &mut *dynamics, integrator, lookahead, ends, contact, tolerance, progress };
+        let dynamics = &mut *dynamics;
+        let advance = Advance { dynamics, integrator, lookahead, ends, contact, witness, tolerance, progress };
         let mut advanced = advance.run(&mut z, h);
         lookahead.end();
         let reached = match &advanced {
@@ -60,7 +64,7 @@ impl Driven<'_, '_> {
             _ => h,
         };
         circuit.values.copy_from_slice(&z[MOTION..]);
-        circuit.pass(reached);
+        circuit.time.pass(reached);
         if let Err(Stopped::Integration(error)) = advanced {
             advanced = Err(dynamics
                 .left(&z)
@@ -129,7 +133,7 @@ impl State {
             return;
         };
         if let (true, Memory::WithCircuit(memory)) = (input == drive.first_input + 1, &mut self.saved.memory)
-            && memory.circuit.time == [0.0; 2]
+            && memory.circuit.time == Elapsed::default()
         {
             memory.circuit.values[SUPPLY] = value;
         }

@@ -175,6 +175,7 @@ impl State {
     pub(super) fn undo(&mut self, reduced: &Reduced, applied: bool) {
         self.memory.restart();
         self.memory.undo_circuit();
+        self.witness.forget();
         if applied {
             let Self { saved, before, .. } = self;
             saved.applied.copy_from_slice(&before.sizes);

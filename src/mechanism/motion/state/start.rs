@@ -12,9 +12,12 @@ use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::laws::stop::Stop;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::motion::contact::Contact;
+use crate::mechanism::motion::impacts::Impacts;
 use crate::mechanism::motion::saved::{CircuitMemory, CircuitState, Memory, SavedState};
 use crate::mechanism::motion::travel::{beyond_stop, can_hold, travel};
-use crate::mechanism::reduced::{Reduced, ReductionError};
+use crate::mechanism::motion::witness::Witness;
+use crate::mechanism::reduced::{Reduced, ReductionError, Stated};
+use crate::numerics::decimal::Decimal;
 use std::sync::Arc;
 
 impl State {
@@ -23,19 +26,7 @@ impl State {
         let start = &mechanism.start;
         let linkage = reduced.linkage();
         let carrier = start.body.as_ref().and_then(|body| linkage.carrier(mechanism, body));
-        let (coordinate, value, name, quantity) = match (&start.body, &start.joint) {
-            (Some(body), _) => {
-                let (carrier, own) = carrier.unwrap_or((0, 0.0));
-                let coordinate = linkage.bodies[carrier].angle_coordinate;
-                let value = start.angle.unwrap_or(0.0) - own - linkage.bodies[carrier].offset;
-                (coordinate, value, body, "angle")
-            }
-            (None, Some(joint)) => {
-                let index = linkage.coordinates[linkage.angles..].iter().position(|c| c == joint);
-                (index.map(|i| i + linkage.angles), start.position.unwrap_or(0.0), joint, "position")
-            }
-            (None, None) => (None, 0.0, &mechanism.name, "angle"),
-        };
+        let Stated { coordinate, value, name, quantity } = Stated::new(mechanism, linkage);
         let variable = format!("{name}.start_{quantity}");
         let coordinate = coordinate.ok_or_else(|| {
             let allowed = format!("state one of the coordinates {}", linkage.coordinates.join(", "));
@@ -91,17 +82,27 @@ impl State {
                 airspeed: airspeed(reduced, inputs),
                 air,
                 in_force,
+                impacts: vec![Impacts::default(); reduced.loading().stops.len()],
                 ..SavedState::default()
             },
             scratch: Scratch::new(state_loads),
+            witness: Witness::new(reduced.loading().stops.len()),
         };
         if let (Some((_, _, circuit)), Some(drive)) = (mechanism.hydraulic_drive(), &reduced.loading().hydraulics) {
+            // Its start is no part of the reduced model, which is checked when it is made.
+            circuit.check()?;
             let values = drive.laws.start(circuit, inputs.reals[drive.first_input + 1]);
             let circuit = CircuitState { values, ..CircuitState::default() };
             state.memory = Memory::WithCircuit(Box::new(CircuitMemory::new(circuit)));
         }
         state.memory.set_dissipation(state_loads.is_some());
-        state.reference = state.kinetic() + state.load_potential(reduced);
-        Ok(state)
+        let (kinetic, potential) = (state.kinetic(), state.load_potential(reduced));
+        state.reference = kinetic + potential;
+        if state.reference.is_finite() {
+            return Ok(state);
+        }
+        let [kinetic, potential] = [kinetic, potential].map(Decimal::rounded);
+        let name = format!("the energy at the start (kinetic {kinetic} J, potential of the loads {potential} J)");
+        Err(ModelError::Overflow { name })
     }
 }

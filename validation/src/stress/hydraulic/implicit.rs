@@ -27,7 +27,7 @@ pub fn integrate<const N: usize>(
         let d = if last { span - t } else { h };
         let weights = scale(&y);
         let jacobian = jacobian(f, driving, start + t, &y, &weights);
-        let (next, before) = step(f, &jacobian, driving, start + t, &y, d);
+        let (next, before) = step(f, &Start { t: start + t, y: &y, jacobian: &jacobian, driving }, d);
         let error = (0..driving).map(|i| ((next[i] - before[i]) / (weights[i] * tolerance)).abs());
         let error = error.fold(0.0, |worst: f64, e| if e.is_finite() { worst.max(e) } else { f64::INFINITY });
         if error <= 1.0 {
@@ -60,20 +60,25 @@ fn jacobian<const N: usize>(
     columns
 }
 
+/// Where a step begins.
+struct Start<'a, const N: usize> {
+    t: f64,
+    y: &'a [f64; N],
+    jacobian: &'a [[f64; N]; N],
+    driving: usize,
+}
+
 /// The last two values on the diagonal of the extrapolation.
 fn step<const N: usize>(
     f: &mut impl FnMut(f64, &[f64; N]) -> [f64; N],
-    jacobian: &[[f64; N]; N],
-    driving: usize,
-    t: f64,
-    y: &[f64; N],
+    start: &Start<'_, N>,
     h: f64,
 ) -> ([f64; N], [f64; N]) {
     let mut columns = [[0.0; N]; COLUMNS];
-    let mut before = *y;
+    let mut before = *start.y;
     for row in 0..COLUMNS {
         let n = row + 1;
-        columns[row] = euler(f, jacobian, driving, t, y, h, n);
+        columns[row] = euler(f, start, h, n);
         for k in (0..row).rev() {
             let ratio = n as f64 / (k + 1) as f64;
             let next = columns[k + 1];
@@ -91,10 +96,7 @@ fn step<const N: usize>(
 /// n substeps: (1 - d J) (y_(i+1) - y_i) = d f(t_(i+1), y_i).
 fn euler<const N: usize>(
     f: &mut impl FnMut(f64, &[f64; N]) -> [f64; N],
-    jacobian: &[[f64; N]; N],
-    driving: usize,
-    t: f64,
-    y: &[f64; N],
+    &Start { t, y, jacobian, driving }: &Start<'_, N>,
     h: f64,
     n: usize,
 ) -> [f64; N] {

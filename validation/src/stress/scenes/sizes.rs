@@ -71,7 +71,7 @@ pub fn units() -> Vec<Scene> {
 const STILL: [(&str, &str, f64); 6] = [
     (
         "AndrewsSqueezer",
-        "K2.inertia K3.mass K3.inertia K4.mass K4.inertia K5.mass K5.inertia K6.mass K6.inertia K7.mass K7.inertia",
+        "K2.inertia K3.mass K3.inertia K4.mass K4.inertia K5.mass K6.mass K6.inertia K7.mass K7.inertia",
         1e9,
     ),
     ("CraneJib", "beak.inertia", 1e9),
@@ -101,7 +101,10 @@ pub fn mass_ratios() -> Vec<Scene> {
                     .any(|&(of, names, by)| of == m.name && by == factor && names.split(' ').any(|n| n == name));
                 let refused = || Expected::refusal(&["almost nothing with mass moves there"]);
                 let expected = if alone || stated_still { refused() } else { Expected::Angle };
-                let (case, plan) = (Case::of(m).with(name, factor * stated), Plan::steady(m.span, m.steps));
+                // Without its load the jib swings so fast that 3 s take 4e5 steps, eight times `solver.max_steps`.
+                let fast = m.name == "Jib" && name == "load.mass" && factor == 1e-9;
+                let span = if fast { 0.01 * m.span } else { m.span };
+                let (case, plan) = (Case::of(m).with(name, factor * stated), Plan::steady(span, m.steps));
                 let what = format!("{name} x {factor:e}");
                 scenes.push(Scene { group: "Mass ratios", what, case, plan, tolerance: 1e-9, expected });
             }

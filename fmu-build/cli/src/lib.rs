@@ -1,0 +1,206 @@
+//! The command line of `cargo fmu`, without any of its tasks.
+//!
+//! In: words. Out: a task with its arguments, or help. It must not know the engine, so that it is built in seconds: the
+//! first command of a newcomer asks for help.
+use clap::{Args, Parser, Subcommand};
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+/// Builds, tests and demonstrates the FMUs.
+#[derive(Parser)]
+#[command(name = "cargo fmu", bin_name = "cargo fmu", version, about = "Builds, tests and demonstrates the FMUs")]
+pub struct Cli {
+    /// The task.
+    #[command(subcommand)]
+    pub task: Task,
+}
+
+/// What `cargo fmu` does.
+#[derive(Subcommand)]
+pub enum Task {
+    /// Pack mechanisms into target/fmu/<Name>.fmu
+    Package(Package),
+    /// Tell what is wrong with a mechanism, where it can go, and what it weighs
+    Check(Check),
+    /// Write a page that moves a mechanism in the browser
+    View(View),
+    /// Run a mechanism or an FMU by the engine itself: CSV, plot
+    Simulate(Simulate),
+    /// Run the retraction through FMPy: figures, table, plot
+    Demo(Demo),
+    /// Write the mechanism of a chain of N four-bars
+    Chain(Chain),
+    /// Recompute the papers' figures through FMPy: validation/report.md, validation/figures
+    Report(Report),
+    /// Run every test: Rust, packaging, Python style, FMPy, pages in a browser
+    Test,
+    /// Run the benchmarks of the validation package
+    Bench(Bench),
+}
+
+/// Arguments of `package`.
+#[derive(Args, Default)]
+pub struct Package {
+    /// A definition file (mechanism.json), or a folder that holds one [default: modelDescription/LandingGearRetraction]
+    #[arg(value_name = "PATH", conflicts_with = "all")]
+    pub paths: Vec<PathBuf>,
+    /// Every folder of modelDescription/, and the system of the landing gear and its hydraulic actuator
+    #[arg(long)]
+    pub all: bool,
+    /// The landing gear and its hydraulic actuator, and the system of both as an SSP package
+    #[arg(long, conflicts_with_all = ["paths", "all"])]
+    pub ssp: bool,
+    /// Folder for the FMUs [default: target/fmu in the repository]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// One more platform's library, built elsewhere from this same version (win64=path/to.dll); may be given repeatedly
+    #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library)]
+    pub binaries: Vec<Library>,
+}
+
+/// Arguments of `check`.
+#[derive(Args)]
+pub struct Check {
+    /// A definition file (mechanism.json), a folder that holds one, or an FMU
+    #[arg(value_name = "PATH", required = true)]
+    pub paths: Vec<PathBuf>,
+    /// Print findings and facts as JSON, a list with one object for each path
+    #[arg(long)]
+    pub json: bool,
+    /// End with the exit code 1 on warnings too
+    #[arg(long)]
+    pub deny_warnings: bool,
+}
+
+/// Arguments of `view`.
+#[derive(Args)]
+pub struct View {
+    /// A definition file (mechanism.json), a folder that holds one, or an FMU
+    #[arg(value_name = "MECHANISM")]
+    pub path: PathBuf,
+    /// The page [default: target/view/<Name>.html of the repository]
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Open the page in the browser
+    #[arg(long)]
+    pub open: bool,
+    /// Time to which the motion is computed [s] [default: that of the definition's experiment]
+    #[arg(long, value_name = "SECONDS")]
+    pub stop_time: Option<f64>,
+    /// Start values of inputs and parameters, such as: actuator.force 2e4 crank.start_angle 45deg
+    #[arg(long, value_names = ["NAME", "VALUE"], num_args = 2.., allow_negative_numbers = true)]
+    pub start_values: Vec<String>,
+}
+
+/// Arguments of `simulate`.
+#[derive(Args)]
+pub struct Simulate {
+    /// A definition file (mechanism.json), a folder that holds one, or an FMU
+    #[arg(value_name = "PATH")]
+    pub path: PathBuf,
+    /// Time at which the run starts [s]
+    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub start_time: f64,
+    /// Time at which the run ends [s] [default: that of the definition's experiment]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub stop_time: Option<f64>,
+    /// Time from row to row [s], which is the communication step [default: the experiment's step, doubled to at most 1000
+    /// rows]
+    #[arg(long, value_name = "S")]
+    pub output_interval: Option<f64>,
+    /// Relative tolerance of the integration [default: solver.tolerance]
+    #[arg(long, value_name = "REL")]
+    pub relative_tolerance: Option<f64>,
+    /// Start values: pairs of a name and a value, or name=value; a number may have the unit or the display unit of the
+    /// variable (45deg)
+    #[arg(long, value_name = "NAME VALUE", num_args = 1.., allow_negative_numbers = true)]
+    pub start_values: Vec<String>,
+    /// Inputs over time: a CSV file with the column `time` first. Values between two times are interpolated, Booleans
+    /// held; a time that stands twice is a jump
+    #[arg(long, value_name = "CSV")]
+    pub input_file: Option<PathBuf>,
+    /// Set the slopes of the input signals too, so that inputs change within a step
+    #[arg(long, requires = "input_file")]
+    pub set_input_derivatives: bool,
+    /// Variables to record [default: every output]
+    #[arg(long, value_name = "NAME", num_args = 1..)]
+    pub output_variables: Vec<String>,
+    /// File for the recorded variables, as CSV with `time` first
+    #[arg(long, value_name = "CSV")]
+    pub output_file: Option<PathBuf>,
+    /// Picture of the recorded variables over time: a .png or .svg file
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+}
+
+/// Arguments of `demo`.
+#[derive(Args)]
+pub struct Demo {
+    /// Retract by the hydraulic actuator: both FMUs coupled by several schemes, beside the FMU of both as one system
+    #[arg(long)]
+    pub hydraulic: bool,
+    /// Folder for what is written [default: target/demo]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// Most four-bars of a chain.
+pub const LONGEST_CHAIN: i64 = 80;
+
+/// Arguments of `chain`.
+#[derive(Args)]
+pub struct Chain {
+    /// Number of four-bars, at most 80: packed in 2 s; longer chains are not all accepted where their bars lie flat
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=LONGEST_CHAIN))]
+    pub count: u32,
+    /// A file that ends in .json, or a folder, written as resources/mechanism.json in it [default: standard output]
+    #[arg(long, value_name = "PATH")]
+    pub out: Option<PathBuf>,
+}
+
+/// Arguments of `report`.
+#[derive(Args)]
+pub struct Report {
+    /// Folder for what is written [default: validation in the repository]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// Arguments of `bench`.
+#[derive(Args)]
+pub struct Bench {
+    /// `importers`: the landing gear in FMPy, libcosim and ECOS; `peers`: work against error beside other solvers and
+    /// multibody programs; `plots`: figures from the tables' CSV; all else goes to the validation package as it is:
+    /// nothing for the tables of run times, `instructions` for callgrind's counts, `cosim` for the coupling of the packed
+    /// FMUs by every scheme (`--write` writes the page; `circuit` takes the circuit in plain numbers), `stress` for the
+    /// stress suite and 600 random linkages of each property, `attack` for random histories, states, definitions and
+    /// scenes, with `--minutes N`, `--seed S`, `--only PART`, `--count N`, `--threads N`, `--verbose`, `--write`
+    #[arg(value_name = "ARGS", trailing_var_arg = true, allow_hyphen_values = true)]
+    pub rest: Vec<OsString>,
+}
+
+/// Platforms of FMI 2.0.5, 2.3.
+pub const PLATFORMS: [&str; 6] = ["win32", "win64", "linux32", "linux64", "darwin32", "darwin64"];
+
+/// A platform and the library for it.
+#[derive(Clone, Debug)]
+pub struct Library {
+    /// One of [`PLATFORMS`].
+    pub platform: &'static str,
+    /// The library.
+    pub file: PathBuf,
+}
+
+/// `PLATFORM=PATH`.
+///
+/// # Errors
+/// Another form, or an unknown platform.
+pub fn library(text: &str) -> Result<Library, String> {
+    let known = || PLATFORMS.join(", ");
+    let (name, file) = text.split_once('=').ok_or_else(|| format!("write PLATFORM=PATH; platforms: {}", known()))?;
+    let platform = PLATFORMS
+        .into_iter()
+        .find(|platform| *platform == name)
+        .ok_or_else(|| format!("there is no platform {name} in FMI 2.0; platforms: {}", known()))?;
+    Ok(Library { platform, file: file.into() })
+}

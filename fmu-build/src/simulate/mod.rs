@@ -1,0 +1,138 @@
+//! `cargo fmu simulate`: a run of a model by the engine itself, with the options that FMPy has.
+//!
+//! In: a definition or an FMU, start values, input signals, an interval. Out: a table of the outputs over time as CSV, a
+//! plot. The run makes the steps that FMPy makes, so that both have the same bits.
+
+mod plot;
+mod run;
+mod signals;
+mod table;
+
+use crate::source::Definition;
+use crate::start_values::{self, find};
+use crate::workspace::Workspace;
+use anyhow::{Context, Result, bail};
+pub use fmu_cli::Simulate as Arguments;
+use linkage_fmu::component::Component;
+use linkage_fmu::variables::{Causality, Interface, Kind, Reference, Variable};
+use run::{Ended, Span};
+use signals::Signals;
+use std::io::IsTerminal;
+use table::{Column, Table};
+
+/// How a run ended, for the exit code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// At the stop time.
+    Complete,
+    /// The user stopped it; what was recorded is written.
+    Interrupted,
+}
+
+/// Run the model and write what was asked for.
+///
+/// # Errors
+/// The path leads to no definition; a name, a value or a signal that the model does not take; a step that cannot be
+/// made, with what was recorded until then written; a file that cannot be written.
+pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
+    arguments.plot.as_deref().map_or(Ok(()), plot::check)?;
+    let definition = Definition::read(workspace, &arguments.path)?;
+    let mut model = Component::from_definition(definition.kind, &definition.text)
+        .with_context(|| format!("{}; `cargo fmu check` tells more", definition.shown))?;
+    for finding in model.warnings() {
+        eprintln!("warning: {}", finding.message);
+    }
+    if let Some(tolerance) = arguments.relative_tolerance {
+        model.set_tolerance(tolerance).context("--relative-tolerance")?;
+    }
+    start_values::apply(&mut model, &arguments.start_values)?;
+    let span = span(&model, arguments)?;
+    let signals = match &arguments.input_file {
+        Some(path) => Signals::read(path, model.interface(), arguments.set_input_derivatives)?,
+        None => Signals::none(),
+    };
+    if arguments.set_input_derivatives && model.input_order() == 0 {
+        bail!("--set-input-derivatives: the model takes no derivatives of inputs");
+    }
+    let columns = columns(model.interface(), &arguments.output_variables)?;
+    let mut table = Table::new(columns, arguments.output_file.as_deref(), arguments.plot.is_some())?;
+    let is_shown = std::io::stderr().is_terminal();
+    let started = std::time::Instant::now();
+    let ended = run::run(&mut model, &span, signals, &mut table, is_shown);
+    let elapsed = started.elapsed().as_secs_f64();
+    let recorded = table.finish()?;
+    let ended = ended?;
+    if let Some(path) = &arguments.plot {
+        plot::write(path, &recorded)?;
+    }
+    summarize(arguments, &recorded, &ended, elapsed);
+    Ok(if ended.is_interrupted { Outcome::Interrupted } else { Outcome::Complete })
+}
+
+/// The times of the run.
+fn span(model: &Component, arguments: &Arguments) -> Result<Span> {
+    let experiment = model.experiment();
+    let start = arguments.start_time;
+    let stop = arguments.stop_time.unwrap_or(start + experiment.stop_time);
+    if !(start.is_finite() && stop.is_finite() && stop > start) {
+        bail!("a run from {start} s to {stop} s: the stop time must be finite and after the start time");
+    }
+    let interval = match arguments.output_interval {
+        Some(interval) if interval > 0.0 && interval.is_finite() => interval,
+        Some(interval) => bail!("--output-interval: {interval} s must be finite and > 0"),
+        None => {
+            let mut interval = experiment.step_size;
+            while (stop - start) / interval > DEFAULT_ROWS {
+                interval *= 2.0;
+            }
+            interval
+        }
+    };
+    if (stop - start) / interval > MOST_STEPS {
+        bail!("--output-interval: {interval} s over {} s are more than {MOST_STEPS:e} steps", stop - start);
+    }
+    Ok(Span { start, stop, interval })
+}
+
+/// Most rows that a run has unless its interval is given.
+const DEFAULT_ROWS: f64 = 1000.0;
+/// Most steps of a run.
+const MOST_STEPS: f64 = 1e12;
+
+/// The variables to record: those named, or every output with a number, Reals before Booleans.
+fn columns(interface: &Interface, names: &[String]) -> Result<Vec<Column>> {
+    if !names.is_empty() {
+        return names
+            .iter()
+            .map(|name| {
+                let reference = find(interface, name)?;
+                let variable = &interface.list()[reference as usize];
+                if variable.kind == Kind::String {
+                    bail!("--output-variables: {name} is a text; a table holds Reals and Booleans");
+                }
+                Ok(Column::new(reference, variable))
+            })
+            .collect();
+    }
+    let of_kind = |kind: Kind| {
+        let is_recorded = move |variable: &Variable| variable.causality == Causality::Output && variable.kind == kind;
+        (0..).zip(interface.list()).filter(move |(_, variable)| is_recorded(variable))
+    };
+    let all = of_kind(Kind::Real).chain(of_kind(Kind::Boolean));
+    Ok(all.map(|(reference, variable): (Reference, _)| Column::new(reference, variable)).collect())
+}
+
+/// What the run gave, in some lines.
+fn summarize(arguments: &Arguments, recorded: &table::Recorded, ended: &Ended, elapsed: f64) {
+    let rows = recorded.rows;
+    eprintln!("{} steps to {} s in {elapsed:.3} s, {rows} rows", ended.steps, ended.time);
+    for path in [&arguments.output_file, &arguments.plot].into_iter().flatten() {
+        eprintln!("{}", path.display());
+    }
+    if arguments.output_file.is_none() && arguments.plot.is_none() {
+        // Without a file the last row is the answer.
+        for (column, value) in recorded.columns.iter().zip(&recorded.last) {
+            println!("{}\t{value:?}\t{}", column.name, column.unit.map_or("", |unit| unit.name()));
+        }
+    }
+}

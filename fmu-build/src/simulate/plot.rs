@@ -1,0 +1,173 @@
+//! Pictures of recorded variables: one panel for each unit, lines over time.
+//!
+//! In: what a run has recorded. Out: a PNG or an SVG.
+
+use super::table::Recorded;
+use anyhow::{Context, Result, anyhow, bail};
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::{FontStyle, register_font};
+use std::path::Path;
+
+/// Size of a panel in pixels.
+const WIDTH: u32 = 900;
+const HEIGHT: u32 = 280;
+/// Most lines in one panel, and panels in one picture: more could not be told apart.
+const LINES: usize = 6;
+const PANELS: usize = 8;
+/// Name under which the font of the pictures is known.
+const FONT: &str = "sans-serif";
+/// Colours that are told apart by people who see fewer (Okabe and Ito 2008).
+const COLOURS: [RGBColor; LINES] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(230, 159, 0),
+];
+
+/// Lines of one unit.
+struct Panel {
+    unit: String,
+    /// Factor from the unit of the variables.
+    factor: f64,
+    /// Indices of the columns.
+    lines: Vec<usize>,
+}
+
+/// Whether a picture can have this name.
+///
+/// # Errors
+/// It ends neither in .png nor in .svg.
+pub fn check(path: &Path) -> Result<()> {
+    match extension(path).as_str() {
+        "png" | "svg" => Ok(()),
+        _ => bail!("--plot: {} must end in .png or .svg", path.display()),
+    }
+}
+
+fn extension(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
+}
+
+/// Draw the courses of what was recorded.
+///
+/// # Errors
+/// The file cannot be written, or has another ending than .png and .svg.
+pub fn write(path: &Path, recorded: &Recorded) -> Result<()> {
+    check(path)?;
+    let (panels, left_out) = panels(recorded);
+    if left_out > 0 {
+        eprintln!(
+            "note: {left_out} variables are not drawn, as a picture has {PANELS} panels of {LINES} lines at most; name those to \
+             draw by --output-variables"
+        );
+    }
+    let font = register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT);
+    font.map_err(|_| anyhow!("the font of the pictures cannot be read"))?;
+    let size = (WIDTH, HEIGHT * panels.len().max(1) as u32);
+    let drawn = match extension(path).as_str() {
+        "svg" => draw(&SVGBackend::new(path, size).into_drawing_area(), &panels, recorded),
+        _ => draw(&BitMapBackend::new(path, size).into_drawing_area(), &panels, recorded),
+    };
+    drawn.with_context(|| format!("--plot: {}", path.display()))
+}
+
+/// The panels, and how many variables are in none.
+fn panels(recorded: &Recorded) -> (Vec<Panel>, usize) {
+    let (mut panels, mut left_out): (Vec<Panel>, usize) = (Vec::new(), 0);
+    for (index, column) in recorded.columns.iter().enumerate() {
+        let own = column.unit.map_or(("", 1.0), |unit| unit.display().unwrap_or((unit.name(), 1.0)));
+        let is_free = panels.len() < PANELS;
+        match panels.iter_mut().find(|panel| panel.unit == own.0) {
+            Some(panel) if panel.lines.len() < LINES => panel.lines.push(index),
+            None if is_free => panels.push(Panel { unit: own.0.to_owned(), factor: own.1, lines: vec![index] }),
+            _ => left_out += 1,
+        }
+    }
+    (panels, left_out)
+}
+
+fn draw<B: DrawingBackend>(area: &DrawingArea<B, Shift>, panels: &[Panel], recorded: &Recorded) -> Result<()>
+where
+    B::ErrorType: 'static,
+{
+    area.fill(&WHITE)?;
+    for (part, panel) in area.split_evenly((panels.len().max(1), 1)).iter().zip(panels) {
+        draw_panel(part, panel, recorded)?;
+    }
+    Ok(area.present()?)
+}
+
+fn draw_panel<B: DrawingBackend>(area: &DrawingArea<B, Shift>, panel: &Panel, recorded: &Recorded) -> Result<()>
+where
+    B::ErrorType: 'static,
+{
+    let course = |index: usize| {
+        let point = move |row: &Vec<f64>| (row[0], panel.factor * row[index + 1]);
+        recorded.plotted.iter().map(point).filter(|(_, value)| value.is_finite())
+    };
+    let values = panel.lines.iter().flat_map(|&index| course(index)).map(|(_, value)| value);
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+    let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
+    let margin = if high > low { 0.05 * (high - low) } else { low.abs().max(1.0) * 0.05 };
+    let time = |row: Option<&Vec<f64>>| row.map_or(0.0, |row| row[0]);
+    let times = time(recorded.plotted.first())..time(recorded.plotted.last());
+    let mut chart = ChartBuilder::on(area)
+        .margin(12)
+        .x_label_area_size(34)
+        .y_label_area_size(78)
+        .build_cartesian_2d(times, (low - margin)..(high + margin))?;
+    let label = |value: &f64| plain(*value);
+    chart
+        .configure_mesh()
+        .light_line_style(WHITE)
+        .bold_line_style(RGBColor(225, 225, 225))
+        .x_desc("time in s")
+        .y_desc(if panel.unit.is_empty() { String::new() } else { format!("in {}", panel.unit) })
+        .x_label_formatter(&label)
+        .y_label_formatter(&label)
+        .label_style((FONT, 14))
+        .axis_desc_style((FONT, 15))
+        .draw()?;
+    for (&index, colour) in panel.lines.iter().zip(COLOURS) {
+        let line = LineSeries::new(course(index), colour.stroke_width(2));
+        chart
+            .draw_series(line)?
+            .label(recorded.columns[index].name.clone())
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
+    }
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperLeft)
+        .background_style(WHITE.mix(0.8))
+        .label_font((FONT, 14))
+        .draw()?;
+    Ok(())
+}
+
+/// A number for an axis: six digits at most.
+fn plain(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let size = value.abs();
+    if !(1e-3..1e6).contains(&size) {
+        return format!("{:e}", format!("{value:.3e}").parse::<f64>().unwrap_or(value));
+    }
+    let digits = (5.0 - size.log10().floor()).max(0.0) as usize;
+    let text = format!("{value:.digits$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::plain;
+
+    #[test]
+    fn numbers_of_an_axis_are_short() {
+        let shown = [0.0, 0.1 + 0.2, -45.0, 30_000.0, 1e6, 1.5e-7, 123.456_789].map(plain);
+        assert_eq!(shown, ["0", "0.3", "-45", "30000", "1e6", "1.5e-7", "123.457"]);
+    }
+}

@@ -1,0 +1,255 @@
+//! Input signals: values over time from a CSV file, as FMPy interpolates them.
+//!
+//! In: the file. Out: at any time the values and slopes of the inputs; times at which an input jumps.
+
+use crate::start_values::{find, truth};
+use anyhow::{Context, Result, bail};
+use linkage_fmu::component::{Component, Refused};
+use linkage_fmu::variables::{Causality, Interface, Kind, Reference};
+use std::path::Path;
+
+/// Relative difference below which two times are one, as Python's math.isclose has it.
+const CLOSE: f64 = 1e-9;
+
+/// Whether two times are one but for rounding.
+pub fn is_close(a: f64, b: f64) -> bool {
+    a == b || (a - b).abs() <= CLOSE * a.abs().max(b.abs())
+}
+
+/// Values of one input at all times.
+struct Signal {
+    reference: Reference,
+    values: Vec<f64>,
+}
+
+/// Signals of some inputs.
+pub struct Signals {
+    times: Vec<f64>,
+    /// Inputs that are interpolated.
+    continuous: Vec<Signal>,
+    /// Booleans, 1 for true, held until they change.
+    discrete: Vec<Signal>,
+    /// Times at which an input jumps, ascending.
+    events: Vec<f64>,
+    /// Whether slopes are set as derivatives of the inputs.
+    with_slopes: bool,
+}
+
+impl Signals {
+    /// No signal: the inputs stay as they are.
+    pub fn none() -> Self {
+        Self { times: Vec::new(), continuous: Vec::new(), discrete: Vec::new(), events: Vec::new(), with_slopes: false }
+    }
+
+    /// Read a file whose first column is the time.
+    ///
+    /// # Errors
+    /// The file cannot be read; a column that is no input of the model; a value that is no number or not finite; times
+    /// that go back.
+    pub fn read(path: &Path, interface: &Interface, with_slopes: bool) -> Result<Self> {
+        let shown = path.display();
+        let mut reader = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .from_path(path)
+            .with_context(|| format!("--input-file: {shown} cannot be read"))?;
+        let header = reader.headers().with_context(|| format!("{shown}"))?.clone();
+        let mut names = header.iter().map(|name| name.trim_start_matches('\u{feff}').trim_matches('"'));
+        match names.next() {
+            Some("time") => {}
+            first => bail!("{shown}: the first column is \"{}\"; it must be time", first.unwrap_or("").escape_debug()),
+        }
+        let mut signals = Self { with_slopes, ..Self::none() };
+        let mut kinds = Vec::new();
+        for name in names {
+            let reference = find(interface, name).with_context(|| format!("{shown}"))?;
+            let variable = &interface.list()[reference as usize];
+            if variable.causality != Causality::Input {
+                let kind = variable.causality.word().to_lowercase();
+                bail!("{shown}: {name} is no input but of causality {kind}; a parameter belongs to --start-values");
+            }
+            if signals.all().any(|signal| signal.reference == reference) {
+                bail!("{shown}: {name} stands twice");
+            }
+            let signal = Signal { reference, values: Vec::new() };
+            kinds.push((name.to_owned(), variable.kind));
+            match variable.kind {
+                Kind::Real => signals.continuous.push(signal),
+                Kind::Boolean => signals.discrete.push(signal),
+                Kind::Integer | Kind::String => bail!("{shown}: {name} is a text and changes with no signal"),
+            }
+        }
+        for (record, line) in reader.records().zip(2..) {
+            let record = record.with_context(|| format!("{shown}"))?;
+            let mut texts = record.iter();
+            let time =
+                value(texts.next().unwrap_or(""), Kind::Real).with_context(|| format!("{shown}, line {line}, time"))?;
+            if signals.times.last().is_some_and(|last| *last > time) {
+                bail!("{shown}, line {line}: the time goes back to {time} s; sort the rows by time");
+            }
+            signals.times.push(time);
+            let (mut continuous, mut discrete) = (signals.continuous.iter_mut(), signals.discrete.iter_mut());
+            for (text, (name, kind)) in texts.zip(&kinds) {
+                let value = value(text, *kind).with_context(|| format!("{shown}, line {line}, {name}"))?;
+                let signal = if *kind == Kind::Real { continuous.next() } else { discrete.next() };
+                signal.into_iter().for_each(|signal| signal.values.push(value));
+            }
+        }
+        if signals.times.is_empty() {
+            bail!("{shown}: holds no row of values");
+        }
+        signals.events = signals.find_events();
+        Ok(signals)
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Signal> {
+        self.continuous.iter().chain(&self.discrete)
+    }
+
+    /// Times that stand twice, and those at which a Boolean changes.
+    fn find_events(&self) -> Vec<f64> {
+        let mut events = Vec::new();
+        for (k, pair) in self.times.windows(2).enumerate() {
+            let changes = self.discrete.iter().any(|signal| signal.values[k] != signal.values[k + 1]);
+            if pair[0] == pair[1] || changes {
+                events.push(pair[1]);
+            }
+        }
+        events.dedup();
+        events
+    }
+
+    /// The next time after `time` at which an input jumps; infinite if there is none.
+    pub fn next_event(&self, time: f64) -> f64 {
+        let after = self.events.partition_point(|event| *event <= time);
+        self.events[after..].iter().copied().find(|event| !is_close(*event, time)).unwrap_or(f64::INFINITY)
+    }
+
+    /// Set the inputs to their values at `time`: at a jump those after it, or those before it.
+    ///
+    /// # Errors
+    /// The model refuses a value.
+    pub fn apply(&self, model: &mut Component, time: f64, after_event: bool) -> Result<(), Refused> {
+        if self.times.is_empty() {
+            return Ok(());
+        }
+        let place = self.place(time, after_event);
+        for signal in &self.continuous {
+            let [value, slope] = place.interpolate(&self.times, &signal.values, time);
+            model.set_real(signal.reference, value)?;
+            if self.with_slopes {
+                model.set_input_derivative(signal.reference, 1, slope)?;
+            }
+        }
+        let row = self.row(time, after_event);
+        for signal in &self.discrete {
+            model.set_boolean(signal.reference, signal.values[row] != 0.0)?;
+        }
+        Ok(())
+    }
+
+    /// Row of the Booleans that hold at `time`.
+    fn row(&self, time: f64, after_event: bool) -> usize {
+        let (times, last) = (&self.times, self.times.len() - 1);
+        let mut row = match times.partition_point(|t| *t < time) {
+            0 => return 0,
+            next if next > last => return last,
+            next => next - 1,
+        };
+        while after_event && row < last && (times[row + 1] < time || is_close(time, times[row + 1])) {
+            row += 1;
+        }
+        row
+    }
+
+    /// Where the continuous inputs are at `time`.
+    fn place(&self, time: f64, after_event: bool) -> Place {
+        let (times, last) = (&self.times, self.times.len() - 1);
+        let mut row = times.partition_point(|t| *t < time);
+        if last == 0 || row == 0 || row > last {
+            return Place::At { row: row.min(last), slope: None };
+        }
+        let is_jump = |row: usize| row < last && is_close(times[row], times[row + 1]);
+        if !(is_close(time, times[row]) && is_jump(row)) {
+            return Place::Between(row - 1);
+        }
+        if !after_event {
+            return Place::At { row, slope: Some(row - 1) };
+        }
+        while is_jump(row) {
+            row += 1;
+        }
+        Place::At { row, slope: (row < last).then_some(row) }
+    }
+}
+
+/// Place of a time among those of the signals.
+enum Place {
+    /// At a row; the slope is that from the row `slope` to the next, or 0.
+    At { row: usize, slope: Option<usize> },
+    /// Between this row and the next.
+    Between(usize),
+}
+
+impl Place {
+    /// Value and slope there.
+    fn interpolate(&self, times: &[f64], values: &[f64], time: f64) -> [f64; 2] {
+        let slope = |row: usize| (values[row + 1] - values[row]) / (times[row + 1] - times[row]);
+        match *self {
+            Self::At { row, slope: from } => [values[row], from.map_or(0.0, slope)],
+            Self::Between(row) => {
+                let weight = (times[row + 1] - time) / (times[row + 1] - times[row]);
+                [weight * values[row] + (1.0 - weight) * values[row + 1], slope(row)]
+            }
+        }
+    }
+}
+
+/// A cell of the file; a truth value as 1 or 0.
+fn value(text: &str, kind: Kind) -> Result<f64> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        Ok(value) => bail!("{value} must be finite"),
+        Err(_) if kind == Kind::Boolean => Ok(f64::from(u8::from(truth(text)?))),
+        Err(_) => bail!("\"{}\" is no number", text.escape_debug()),
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn signals(times: &[f64], force: &[f64], lock: &[f64]) -> Signals {
+        let signal = |reference, values: &[f64]| Signal { reference, values: values.to_vec() };
+        let mut signals = Signals::none();
+        (signals.times, signals.continuous, signals.discrete) =
+            (times.to_vec(), vec![signal(0, force)], vec![signal(1, lock)]);
+        signals.events = signals.find_events();
+        signals
+    }
+
+    fn at(signals: &Signals, time: f64, after: bool) -> ([f64; 2], f64) {
+        let place = signals.place(time, after);
+        let row = signals.row(time, after);
+        (place.interpolate(&signals.times, &signals.continuous[0].values, time), signals.discrete[0].values[row])
+    }
+
+    #[test]
+    fn signals_are_interpolated_and_jump_where_a_time_stands_twice() {
+        let signals = signals(&[0.0, 1.0, 1.0, 3.0], &[0.0, 2.0, 10.0, 14.0], &[0.0, 0.0, 1.0, 1.0]);
+        assert_eq!(at(&signals, -1.0, true), ([0.0, 0.0], 0.0));
+        assert_eq!(at(&signals, 0.25, true), ([0.5, 2.0], 0.0));
+        assert_eq!(at(&signals, 1.0, false), ([2.0, 2.0], 0.0));
+        assert_eq!(at(&signals, 1.0, true), ([10.0, 2.0], 1.0));
+        assert_eq!(at(&signals, 2.0, true), ([12.0, 2.0], 1.0));
+        assert_eq!(at(&signals, 9.0, true), ([14.0, 0.0], 1.0));
+        assert_eq!([0.0, 0.5, 1.0].map(|time| signals.next_event(time)), [1.0, 1.0, f64::INFINITY]);
+    }
+
+    #[test]
+    fn a_boolean_changes_with_an_event() {
+        let signals = signals(&[0.0, 0.5, 2.0], &[1.0; 3], &[1.0, 0.0, 0.0]);
+        assert_eq!(signals.next_event(0.0), 0.5);
+        assert_eq!([0.25, 0.5, 0.75].map(|time| at(&signals, time, true).1), [1.0, 0.0, 0.0]);
+    }
+}

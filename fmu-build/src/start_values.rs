@@ -1,0 +1,170 @@
+//! Start values from the command line.
+//!
+//! In: pairs of a name and a text. Out: a model with these parameters and inputs.
+
+use anyhow::{Context, Result, bail};
+use linkage_fmu::component::Component;
+use linkage_fmu::variables::{Interface, Kind, Reference, Unit, Value, Variable};
+
+/// What these words set, each pair as `name=value` or as two words, in the order of the model's variables.
+///
+/// # Errors
+/// A name without a value, one that no variable has or that stands twice; a value that is none of its kind, or in another
+/// unit.
+pub fn parse(interface: &Interface, words: &[String]) -> Result<Vec<(Reference, Value)>> {
+    let mut values: Vec<(Reference, Value)> = Vec::new();
+    for (name, text) in pairs(words)? {
+        let reference = find(interface, name).context("--start-values")?;
+        if values.iter().any(|(other, _)| *other == reference) {
+            bail!("--start-values: {name} stands twice");
+        }
+        let variable = &interface.list()[reference as usize];
+        let value = match variable.kind {
+            Kind::Real => Value::Real(number(variable, text)?),
+            Kind::Boolean => Value::Boolean(truth(text).with_context(|| format!("--start-values: {name}"))?),
+            Kind::String | Kind::Integer => Value::String(text.to_owned()),
+        };
+        values.push((reference, value));
+    }
+    // As a host does it: what a value is checked against may depend on one before.
+    values.sort_by_key(|(reference, _)| *reference);
+    Ok(values)
+}
+
+/// Set these pairs; see [`parse`].
+///
+/// # Errors
+/// As [`parse`]; a value that the model refuses.
+pub fn apply(model: &mut Component, words: &[String]) -> Result<()> {
+    for (reference, value) in parse(model.interface(), words)? {
+        let set = match &value {
+            Value::Real(value) => model.set_real(reference, *value),
+            Value::Boolean(value) => model.set_boolean(reference, *value),
+            Value::String(value) => model.set_text(reference, value),
+        };
+        set.with_context(|| format!("--start-values {}", model.interface().list()[reference as usize].name))?;
+    }
+    Ok(())
+}
+
+/// Names with their values.
+fn pairs(words: &[String]) -> Result<Vec<(&str, &str)>> {
+    let (mut pairs, mut words) = (Vec::new(), words.iter());
+    while let Some(word) = words.next() {
+        match word.split_once('=') {
+            Some(pair) => pairs.push(pair),
+            None => match words.next() {
+                Some(value) => pairs.push((word, value)),
+                None => bail!("--start-values: {} has no value; write a value after each name", word.escape_debug()),
+            },
+        }
+    }
+    Ok(pairs)
+}
+
+/// A number in the unit of a variable; the text may name this unit or its display unit.
+fn number(variable: &Variable, text: &str) -> Result<f64> {
+    let name = &variable.name;
+    if let Ok(value) = text.parse::<f64>() {
+        return Ok(value);
+    }
+    // The longest beginning that is a number.
+    let ends = (1..text.len()).rev().filter(|&end| text.is_char_boundary(end));
+    let split =
+        ends.map(|end| text.split_at(end)).find_map(|(a, b)| Some((a.trim_end().parse::<f64>().ok()?, b.trim())));
+    let Some((value, unit)) = split else {
+        bail!("--start-values: {name} is a number; \"{}\" is none", text.escape_debug());
+    };
+    let own = variable.unit.map_or("1", Unit::name);
+    let display = variable.unit.and_then(Unit::display);
+    match display {
+        _ if unit == own => Ok(value),
+        Some((shown, factor)) if unit == shown => Ok(value / factor),
+        _ => {
+            let other = display.map_or(String::new(), |(shown, _)| format!(" or {shown}"));
+            bail!("--start-values: {name} is in {own}{other}, not in \"{}\"", unit.escape_debug())
+        }
+    }
+}
+
+/// The variable with this name.
+///
+/// # Errors
+/// There is none; the nearest names.
+pub fn find(interface: &Interface, name: &str) -> Result<Reference> {
+    interface.find(name).with_context(|| {
+        let nearest = interface.nearest(name).join(", ");
+        format!("no variable is called \"{}\": the nearest are {nearest}", name.escape_debug())
+    })
+}
+
+/// A truth value.
+///
+/// # Errors
+/// The text is none.
+pub fn truth(text: &str) -> Result<bool> {
+    match text.trim().to_ascii_lowercase().as_str() {
+        "true" | "1" => Ok(true),
+        "false" | "0" => Ok(false),
+        _ => bail!("\"{}\" is no truth value; write true or false", text.escape_debug()),
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    const GEAR: &str = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
+
+    fn gear(words: &[&str]) -> Result<Component> {
+        let mut gear = Component::from_definition("mechanism.json", GEAR).unwrap();
+        apply(&mut gear, &words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>())?;
+        Ok(gear)
+    }
+
+    fn angle(words: &[&str]) -> f64 {
+        let mut gear = gear(words).unwrap();
+        let reference = gear.interface().find("crank.start_angle").unwrap();
+        gear.real(reference).unwrap()
+    }
+
+    #[test]
+    fn a_number_may_have_its_unit_or_its_display_unit() {
+        assert_eq!(angle(&["crank.start_angle", "0.5"]), 0.5);
+        assert_eq!(angle(&["crank.start_angle=0.5rad"]), 0.5);
+        assert_eq!(angle(&["crank.start_angle", "-45 deg"]), -std::f64::consts::FRAC_PI_4);
+        assert_eq!(angle(&["crank.start_angle=-4.5e1deg"]), -std::f64::consts::FRAC_PI_4);
+    }
+
+    #[test]
+    fn every_kind_is_set() {
+        let words = ["solver.method=rigid_fem", "friction.enabled", "TRUE", "actuator.force", "-1e3"];
+        let mut gear = gear(&words).unwrap();
+        let find = |gear: &Component, name: &str| gear.interface().find(name).unwrap();
+        let [method, friction, force] =
+            ["solver.method", "friction.enabled", "actuator.force"].map(|name| find(&gear, name));
+        assert_eq!(gear.text(method).unwrap(), "rigid_fem");
+        assert!(gear.boolean(friction).unwrap());
+        assert_eq!(gear.real(force).unwrap(), -1e3);
+    }
+
+    #[test]
+    fn what_is_no_start_value_is_refused_by_name() {
+        for (words, said) in [
+            (&["crank.start_angle"][..], "crank.start_angle has no value"),
+            (&["crank.start_angel=1"], "nearest are crank.start_angle"),
+            (&["crank.mass=1", "crank.mass=2"], "crank.mass stands twice"),
+            (&["crank.mass=12lb"], "crank.mass is in kg, not in \"lb\""),
+            (&["crank.start_angle=12grad"], "crank.start_angle is in rad or deg, not in \"grad\""),
+            (&["crank.mass=heavy"], "crank.mass is a number; \"heavy\" is none"),
+            (&["crank.mass=-1"], "crank.mass"),
+            (&["friction.enabled=2"], "\"2\" is no truth value"),
+            (&["solver.method=magic"], "solver.method"),
+            (&["crank.angle=1"], "crank.angle"),
+        ] {
+            let error = format!("{:#}", gear(words).unwrap_err());
+            assert!(error.contains(said), "{words:?}: {error}");
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! `cargo fmu view`: one page that moves the mechanism.
+//!
+//! In: a definition file, a folder that holds one, or an FMU. Out: one HTML file with all that it needs; where the
+//! definition gives no motion, a page that shows how far it comes and why.
+
+mod data;
+mod page;
+mod series;
+
+use crate::check::{self, Checked};
+use crate::files;
+use crate::source::Definition;
+use crate::workspace::{MECHANISM, Workspace};
+use anyhow::{Context, Result, bail};
+pub use data::{Data, Status, Wanted};
+pub use fmu_cli::View as Arguments;
+use linkage_fmu::inspection::Severity;
+pub use page::{as_script, html};
+
+/// Write the page; whether it shows the whole motion that was asked for.
+///
+/// # Errors
+/// A path that leads to no mechanism, a start value that no variable takes, or a page that cannot be written.
+pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
+    let Definition { shown, kind, text } = Definition::read(workspace, &arguments.path)?;
+    if kind != MECHANISM {
+        bail!("{shown}: a {kind} has no linkage to be drawn; name a {MECHANISM}, or the FMU of one");
+    }
+    let checked = check::check(shown, kind, text)?;
+    let wanted = Wanted::new(arguments.stop_time, &arguments.start_values)?;
+    let data = Data::collect(&checked, &wanted)?;
+    let html = html(&data)?;
+    let path =
+        arguments.out.clone().unwrap_or_else(|| workspace.target("view").join(format!("{}.html", data.file_name())));
+    files::replace(&path, html.as_bytes())?;
+    println!("{} ({} kB, {})", path.display(), html.len().div_ceil(1000), data.summary());
+    if arguments.open {
+        open::that_detached(&path).with_context(|| format!("{}: no browser opens it", path.display()))?;
+    }
+    if let Some(error) = &data.error {
+        match checked.count(Severity::Error) {
+            0 => eprintln!("error: {error}"),
+            _ => eprint!("{}", check::findings(&checked)),
+        }
+    }
+    Ok(data.error.is_none())
+}
+
+impl Checked {
+    /// Name of the model, if its definition could be read.
+    fn name(&self) -> Option<&str> {
+        Some(self.inspection.name.as_str()).filter(|name| !name.is_empty())
+    }
+}

@@ -1,0 +1,151 @@
+//! What the page plays: the scene, the motion in time, the travel without time, all from the engine.
+//!
+//! In: a checked definition, start values. Out: data for the page. It must not know how anything is drawn.
+
+mod motion;
+mod still;
+mod sweep;
+mod wanted;
+
+use crate::check::Checked;
+use anyhow::Result;
+use linkage_fmu::inspection::Severity;
+use linkage_fmu::mechanism::definition::Mechanism;
+use linkage_fmu::mechanism::inspection::Scene;
+use linkage_fmu::simulation::Simulation;
+pub use motion::Motion;
+use serde::Serialize;
+pub use still::Still;
+pub use sweep::Travel;
+pub use wanted::Wanted;
+
+/// How far the definition comes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// The whole motion that was asked for.
+    Whole,
+    /// The motion up to a step that could not be made.
+    Part,
+    /// Poses without a motion: at the guess, or assembled.
+    Still,
+    /// Nothing to be drawn.
+    Nothing,
+}
+
+/// A finding, for the page.
+#[derive(Clone, Debug, Serialize)]
+pub struct Told {
+    is_error: bool,
+    path: String,
+    line: usize,
+    message: String,
+    remedy: String,
+}
+
+/// All that the page knows.
+#[derive(Clone, Debug, Serialize)]
+pub struct Data {
+    /// Name of the model; empty if the definition could not be read.
+    pub name: String,
+    /// One line of text.
+    pub description: String,
+    /// The definition, as messages name it.
+    pub source: String,
+    /// How far the definition comes.
+    pub status: Status,
+    /// Why it comes no further.
+    pub error: Option<String>,
+    /// What the check has found.
+    pub findings: Vec<Told>,
+    /// What there is to be drawn.
+    pub scene: Option<Scene>,
+    /// The motion in time.
+    pub motion: Option<Motion>,
+    /// The travel without time.
+    pub travel: Option<Travel>,
+    /// Poses of a definition that gives no motion.
+    pub still: Option<Still>,
+}
+
+impl Data {
+    /// Compute what is wanted, as far as the definition comes.
+    ///
+    /// # Errors
+    /// A start value that no variable takes, or a stop time that is no time.
+    pub fn collect(checked: &Checked, wanted: &Wanted) -> Result<Self> {
+        let told = checked.findings.iter().map(|located| Told {
+            is_error: located.finding.severity == Severity::Error,
+            path: located.finding.path.clone(),
+            line: if located.span.is_empty() { 0 } else { located.position[0] },
+            message: located.finding.message.clone(),
+            remedy: located.finding.remedy.clone(),
+        });
+        let mut data = Self {
+            name: checked.name().unwrap_or_default().into(),
+            description: Mechanism::with_faults(&checked.text).map_or_else(|_| String::new(), |(m, _)| m.description),
+            source: checked.shown.clone(),
+            status: Status::Nothing,
+            error: None,
+            findings: told.collect(),
+            scene: None,
+            motion: None,
+            travel: None,
+            still: None,
+        };
+        let refused = match Simulation::open(&checked.text) {
+            Ok(mut simulation) => {
+                wanted.set(&mut simulation)?;
+                match data.play(&mut simulation, wanted) {
+                    Ok(()) => return Ok(data),
+                    Err(refused) => refused,
+                }
+            }
+            Err(error) => error.to_string(),
+        };
+        data.error = Some(refused);
+        data.stand(&checked.text);
+        Ok(data)
+    }
+
+    /// The motion and the travel; why there is no start, if there is none.
+    fn play(&mut self, simulation: &mut Simulation, wanted: &Wanted) -> Result<(), String> {
+        let words = |error: &dyn std::fmt::Display| error.to_string();
+        simulation.initialize().map_err(|error| words(&error))?;
+        let model = simulation.model_mut();
+        let scene = model.scene().map_err(|error| words(&error))?;
+        let travel = Travel::new(model).map_err(|error| words(&error))?;
+        let (motion, error) = Motion::new(simulation, &scene, wanted).map_err(|error| words(&error))?;
+        self.status = if error.is_none() { Status::Whole } else { Status::Part };
+        (self.error, self.scene, self.travel, self.motion) = (error, Some(scene), Some(travel), Some(motion));
+        Ok(())
+    }
+
+    /// Poses of a definition that gives no motion.
+    fn stand(&mut self, text: &str) {
+        if let Some((scene, still)) = Still::new(text) {
+            (self.status, self.scene, self.still) = (Status::Still, Some(scene), Some(still));
+        }
+    }
+
+    /// What the page is called.
+    pub fn title(&self) -> &str {
+        if self.name.is_empty() { "Mechanism" } else { &self.name }
+    }
+
+    /// Name of the page's file.
+    pub fn file_name(&self) -> &str {
+        let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        if self.title().chars().all(is_name) { self.title() } else { "Mechanism" }
+    }
+
+    /// What the page shows, in a few words.
+    pub fn summary(&self) -> String {
+        match (&self.motion, &self.still) {
+            (Some(motion), _) => format!("{} frames over {} s", motion.frames(), motion.stop_time()),
+            (None, Some(still)) if !still.is_assembled() => "the open loops at the guess".into(),
+            (None, Some(_)) => "the assembled position".into(),
+            (None, None) => "the error".into(),
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! The experiment that the command line asks for: stop time and start values.
+
+use crate::start_values::parse;
+use anyhow::{Context, Result, bail};
+use linkage_fmu::simulation::Simulation;
+use linkage_fmu::variables::Value;
+
+/// What is asked for.
+#[derive(Clone, Debug, Default)]
+pub struct Wanted {
+    /// Stop time [s]; that of the definition's experiment if there is none.
+    pub stop_time: Option<f64>,
+    /// Names and values, as written.
+    start_values: Vec<String>,
+}
+
+impl Wanted {
+    /// A stop time and a list of names, each followed by its value.
+    ///
+    /// # Errors
+    /// The time is no time.
+    pub fn new(stop_time: Option<f64>, start_values: &[String]) -> Result<Self> {
+        if let Some(time) = stop_time.filter(|time| !(time.is_finite() && *time > 0.0)) {
+            bail!("--stop-time {time}: a time in s, > 0");
+        }
+        Ok(Self { stop_time, start_values: start_values.to_vec() })
+    }
+
+    /// Set the start values.
+    ///
+    /// # Errors
+    /// There is no such variable, or it does not take the value.
+    pub fn set(&self, simulation: &mut Simulation) -> Result<()> {
+        for (reference, value) in parse(simulation.model().variables(), &self.start_values)? {
+            let name = simulation.model().variables().list()[reference as usize].name.clone();
+            let set = match value {
+                Value::Real(value) => simulation.set(&name, value),
+                Value::Boolean(value) => simulation.set(&name, value),
+                Value::String(value) => simulation.set(&name, value.as_str()),
+            };
+            set.with_context(|| format!("--start-values {name}"))?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,69 @@
+//! The page: a template filled with style, script, plots and data.
+//!
+//! In: data. Out: one HTML document that loads nothing. It must not know mechanics.
+
+use super::data::Data;
+use anyhow::{Context, Result};
+use minijinja::value::Value;
+use minijinja::{Environment, context};
+
+const TEMPLATE: &str = include_str!("page/template.html");
+const STYLE: &str = include_str!("page/view.css");
+/// Parts of the script, in order.
+const SCRIPTS: [&str; 9] = [
+    include_str!("page/samples.js"),
+    include_str!("page/shapes.js"),
+    include_str!("page/connections.js"),
+    include_str!("page/drawing.js"),
+    include_str!("page/arrows.js"),
+    include_str!("page/plots.js"),
+    include_str!("page/table.js"),
+    include_str!("page/clock.js"),
+    include_str!("page/view.js"),
+];
+/// uPlot 1.6.32, MIT licence.
+const PLOTS: [&str; 2] = [include_str!("page/uplot/uPlot.iife.min.js"), include_str!("page/uplot/uPlot.min.css")];
+
+/// JSON that may stand in a script element: what could end it, or end a line of it, is escaped; so are the marks that
+/// turn the direction of text, which would show the source in another order than it has.
+pub fn as_script(json: &str) -> String {
+    let mut out = String::with_capacity(json.len() + json.len() / 16);
+    for c in json.chars() {
+        match c {
+            '<'
+            | '>'
+            | '&'
+            | '\u{2028}'
+            | '\u{2029}'
+            | '\u{200e}'
+            | '\u{200f}'
+            | '\u{061c}'
+            | '\u{202a}'..='\u{202e}'
+            | '\u{2066}'..='\u{2069}' => out.push_str(&format!("\\u{:04x}", c as u32)),
+            _ => out.push(c),
+        }
+    }
+    out
+}
+
+/// The whole page.
+///
+/// # Errors
+/// The template is wrong.
+pub fn html(data: &Data) -> Result<String> {
+    let mut environment = Environment::new();
+    environment.add_template("page.html", TEMPLATE).context("template of the page")?;
+    let template = environment.get_template("page.html").context("template of the page")?;
+    let json = serde_json::to_string(data).context("data of the page")?;
+    let page = template.render(context! {
+        name => data.title(),
+        description => &data.description,
+        error => &data.error,
+        style => Value::from_safe_string(STYLE.into()),
+        plot_style => Value::from_safe_string(PLOTS[1].into()),
+        plot_script => Value::from_safe_string(PLOTS[0].into()),
+        script => Value::from_safe_string(SCRIPTS.concat()),
+        data => Value::from_safe_string(as_script(&json)),
+    });
+    page.context("template of the page")
+}

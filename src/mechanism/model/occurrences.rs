@@ -1,0 +1,158 @@
+//! What has happened in a step, in words for the log.
+//!
+//! In: occurrences of a step, names of the definition. Out: lines of text, for the log of events or for that of debugging.
+//! Impacts that follow one another on one stop, each slower than the one before, are a series: its first ones are told,
+//! and its end. It must not change the state.
+use super::{Formulation, Model};
+use crate::mechanism::loads::laws::friction::Regime;
+use crate::mechanism::loads::resolved::Loading;
+use crate::mechanism::motion::witness::{Listens, Occurrence, What};
+use crate::mechanism::reduced::Reduced;
+use crate::numerics::decimal::Decimal;
+
+/// Impacts of a series that are told one by one.
+const TOLD: u64 = 5;
+/// Most lines of one step.
+const MOST_LINES: usize = 100;
+
+/// A line for the log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// Whether it is told for debugging only.
+    pub is_detail: bool,
+    /// The words, on one line.
+    pub text: String,
+}
+
+/// Impacts on one stop, each slower than the one before.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Series {
+    stop: usize,
+    count: u64,
+    /// Magnitude of the speed of the last one [rad/s or m/s].
+    speed: f64,
+}
+
+/// Whether occurrences are told, and the series of impacts that goes on.
+#[derive(Clone, Debug, Default)]
+pub struct Told {
+    pub listens: Listens,
+    series: Option<Series>,
+}
+
+impl Told {
+    /// The state has jumped to another one: no series goes on.
+    #[inline]
+    pub fn restart(&mut self) {
+        self.series = None;
+    }
+
+    /// Lines about what happened in a step that began at the time `point` [s].
+    fn lines(&mut self, occurrences: &[Occurrence], reduced: &Reduced, point: f64) -> Vec<Line> {
+        let mut lines: Vec<Line> = Vec::new();
+        let mut more = 0_u64;
+        for Occurrence { t, what } in occurrences {
+            let Some((is_detail, text)) = self.words(*what, reduced.loading(), reduced) else { continue };
+            if lines.len() < MOST_LINES {
+                lines.push(Line { is_detail, text: format!("at t = {} s {text}", Decimal::rounded(point + t)) });
+            } else {
+                more += 1;
+            }
+        }
+        if more > 0 {
+            lines.push(Line { is_detail: false, text: format!("{more} more events up to the end of this step") });
+        }
+        lines
+    }
+
+    /// What happened, and whether it is a detail; None for an impact that is told with the end of its series.
+    fn words(&mut self, what: What, loading: &Loading, reduced: &Reduced) -> Option<(bool, String)> {
+        let name = |stop: usize| loading.stops[stop].name.as_str();
+        let event = |text: String| Some((false, text));
+        match what {
+            What::Impact { stop, speed, impulse, is_rigid } => {
+                let count = self.count(stop, speed.abs());
+                if count > TOLD {
+                    return None;
+                }
+                let (per, impulse_unit) = units(loading, stop);
+                let (name, speed) = (name(stop), Decimal::rounded(speed));
+                event(if is_rigid {
+                    format!("impact on {name} at {speed} {per}, impulse {} {impulse_unit}", Decimal::rounded(impulse))
+                } else {
+                    format!("the mechanism meets {name} at {speed} {per}")
+                })
+            }
+            What::Rests { stop } => {
+                let series = self.series.take().filter(|series| series.stop == stop && series.count > 1);
+                let after = series.map_or(String::new(), |series| format!(" after {} impacts", series.count));
+                event(format!("the mechanism comes to rest at {}{after}", name(stop)))
+            }
+            What::Touched { stop } => event(format!("bumper {} begins to push", name(stop))),
+            What::Left { stop } => event(format!("bumper {} ceases to push", name(stop))),
+            What::Caught { stop } => {
+                self.series = None;
+                event(format!("a lock catches the mechanism at {}", name(stop)))
+            }
+            What::LetGo { stop } => event(format!("the lock at {} lets the mechanism go", name(stop))),
+            What::Reversal => event("the motion ends or reverses, and with it the losses of the drives".to_owned()),
+            What::Regime { joint, regime } => {
+                let load = loading.friction.as_ref()?.friction_joints.get(joint)?.joint;
+                let joint = &reduced.linkage().joints[load].name;
+                Some((true, format!("friction in {joint} becomes {}", word(regime))))
+            }
+        }
+    }
+
+    /// Number of this impact in its series.
+    fn count(&mut self, stop: usize, speed: f64) -> u64 {
+        let goes_on = self.series.filter(|series| series.stop == stop && speed < series.speed);
+        let count = goes_on.map_or(1, |series| series.count + 1);
+        self.series = Some(Series { stop, count, speed });
+        count
+    }
+}
+
+/// Units of the speed and of the impulse of an impact on a stop.
+fn units(loading: &Loading, stop: usize) -> (&'static str, &'static str) {
+    if loading.stops[stop].quantity == "angle" { ("rad/s", "kg.m2/s") } else { ("m/s", "N.s") }
+}
+
+fn word(regime: Regime) -> &'static str {
+    match regime {
+        Regime::Viscous => "viscous",
+        Regime::Transition(_) => "that between static and kinetic",
+        Regime::Kinetic(_) => "kinetic",
+    }
+}
+
+impl Model {
+    /// The state jumps to another one: no series of impacts goes on.
+    #[inline]
+    pub(crate) fn restart_told(&mut self) {
+        self.told.restart();
+    }
+
+    /// Keep events in steps, or details, for [`Self::take_occurrences`], or do not.
+    #[inline]
+    pub fn listen(&mut self, events: bool, details: bool) {
+        self.told.listens = Listens { events, details };
+    }
+
+    /// What happened in the last step, which began at the time `point` [s], in words.
+    #[inline]
+    pub fn take_occurrences(&mut self, point: f64) -> Vec<Line> {
+        match (&mut self.state, &self.reduced) {
+            (Some(Formulation::Reduced(motion)), Some(reduced)) if motion.state.witness.has_occurrences() => {
+                let left_out = motion.state.witness.left_out;
+                let mut lines = self.told.lines(&motion.state.witness.take(), reduced, point);
+                if left_out > 0 {
+                    let text = format!("{left_out} events more at the end of this step, of which none is told");
+                    lines.push(Line { is_detail: false, text });
+                }
+                lines
+            }
+            _ => Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! Drives and springs whose two ends coincide somewhere on the curve: an error only for a motion that gets there.
+
+use crate::support::{Run, assert_says};
+use serde_json::{Value, json};
+use std::f64::consts::{PI, TAU};
+
+/// Moment of inertia of the arm about its pivot [kg.m2]: a rod of 3 kg and 1 m.
+const INERTIA: f64 = 1.0;
+
+/// An arm of 1 m about the origin, which starts at 1 rad; a cylinder from its tip to the ground at (1, 0), where the
+/// tip is at the angle 0.
+fn arm(further: &Value) -> String {
+    let mut definition = json!({
+        "name": "Arm",
+        "bodies": {
+            "ground": { "points": { "east": [1, 0], "west": [-1, 0] } },
+            "arm": { "length": 1, "mass": 3, "shape": "uniform_rod" }
+        },
+        "joints": { "pivot": { "type": "revolute", "first": "ground.origin", "second": "arm.origin" } },
+        "actuators": { "cylinder": { "first": "ground.east", "second": "arm.end" } },
+        "start": { "body": "arm", "angle": 1, "speed": 0 }, "guess": { "arm": 1 },
+        "solver": { "tolerance": 1e-12 }
+    });
+    let keys = definition.as_object_mut().unwrap();
+    keys.extend(further.as_object().unwrap().clone());
+    definition.to_string()
+}
+
+/// Length of the cylinder at an angle of the arm.
+fn length(angle: f64) -> f64 {
+    2.0 * (0.5 * angle).sin().abs()
+}
+
+#[test]
+fn a_motion_that_stays_away_is_exact() {
+    // Pushed from 1 rad over the dead point at pi to 2 pi - 1 and back.
+    let mut run = Run::new(&arm(&json!({}))).with(&[("cylinder.force", 2.0)]).started();
+    let (mut least, mut most) = (1.0_f64, 1.0_f64);
+    for _ in 0..400 {
+        run.step(0.05);
+        let (angle, speed) = (run.get("arm.angle"), run.get("arm.speed"));
+        (least, most) = (least.min(angle), most.max(angle));
+        assert!((run.get("cylinder.length") - length(angle)).abs() < 1e-12);
+        let error = 0.5 * INERTIA * speed * speed - 2.0 * (length(angle) - length(1.0));
+        assert!(error.abs() < 1e-9, "{angle}: {error:e} J");
+        assert!((run.get("cylinder.reduced_mass") * (0.5 * angle).cos().powi(2) / INERTIA - 1.0).abs() < 1e-8);
+    }
+    assert!(least < 1.01 && most > TAU - 1.01, "{least} {most}");
+}
+
+#[test]
+fn a_motion_that_gets_there_is_refused_with_place_and_remedy() {
+    let told = [": its two ends coincide near arm = ", "move one of its attachments", "stops"];
+    let pulled = Run::new(&arm(&json!({}))).with(&[("cylinder.force", -2.0)]).started();
+    for h in [1e-3, 0.1, 10.0, 1000.0] {
+        let mut run = pulled.clone();
+        let mut steps = 0;
+        let error = loop {
+            let before = run.get("arm.angle");
+            match run.0.step(h) {
+                Ok(()) => steps += 1,
+                Err(error) => {
+                    assert_eq!(run.get("arm.angle").to_bits(), before.to_bits(), "a refused step changes nothing");
+                    break error;
+                }
+            }
+            assert!(run.get("arm.angle") > 0.0, "it has passed");
+        };
+        assert_says(&error, &told);
+        assert_says(error, &["cylinder.force"]);
+        if h == 1e-3 {
+            // It has come as near as it could: 1e-3 sizes of the mechanism and one step.
+            let (angle, speed) = (run.get("arm.angle"), run.get("arm.speed"));
+            assert!(angle < 1e-3 + 1.1 * h * speed.abs(), "{angle}");
+            assert!((0.5 * speed * speed - 2.0 * (length(1.0) - length(angle))).abs() < 1e-9);
+        } else if h >= 10.0 {
+            assert_eq!(steps, 0);
+        }
+    }
+    // There and back again within one step: a drive that is pulled through and pushed back.
+    let mut run = Run::new(&arm(&json!({}))).with(&[("cylinder.force", 1.0)]);
+    run.place(("arm.start_angle", 0.3), ("arm.start_speed", -3.0));
+    assert_says(run.0.step(1.0).unwrap_err(), &told);
+    // From the other side too, and with losses, friction and a damper.
+    for further in [
+        json!({ "springs": { "damper": { "joint": "pivot", "damping": 0.01 } } }),
+        json!({ "springs": { "coil": { "first": "ground.east", "second": "arm.end", "stiffness": 1, "damping": 0.1 } } }),
+    ] {
+        for speed in [-9.0, 9.0] {
+            let mut run = Run::new(&arm(&further)).with(&[("arm.start_speed", speed)]).started();
+            let error = (0..1000).find_map(|_| run.0.step(0.01).err()).unwrap();
+            assert_says(error, &told);
+            let angle = run.get("arm.angle");
+            let left = if speed < 0.0 { angle } else { TAU - angle };
+            assert!(left > 0.0 && left < 0.2, "{angle}");
+        }
+    }
+}
+
+#[test]
+fn stops_keep_the_motion_away() {
+    for rigid in [true, false] {
+        let mut stops = json!({
+            "low": { "body": "arm", "angle": 0.5, "limit": "lower", "restitution": 1 },
+            "high": { "body": "arm", "angle": 5.5, "limit": "upper", "restitution": 1 }
+        });
+        if !rigid {
+            stops = json!({
+                "low": { "body": "arm", "angle": 0.5, "limit": "lower", "rigid": false, "stiffness": 1e4 },
+                "high": { "body": "arm", "angle": 5.5, "limit": "upper", "rigid": false, "stiffness": 1e4 }
+            });
+        }
+        let mut run = Run::new(&arm(&json!({ "stops": stops }))).with(&[("cylinder.force", -2.0)]).started();
+        let mut least = 1.0_f64;
+        for _ in 0..2000 {
+            run.step(0.01);
+            least = least.min(run.get("arm.angle"));
+            assert!(run.get("energy.drift").abs() < 1e-8);
+        }
+        assert!(least < 0.52, "the stop must be met: {least}");
+    }
+}
+
+/// Two cylinders whose ends coincide at 0 and at pi: the start decides on which of the arcs the arm moves.
+#[test]
+fn the_start_decides_between_which_meetings_the_motion_is() {
+    let two = json!({ "actuators": {
+        "cylinder": { "first": "ground.east", "second": "arm.end" },
+        "ram": { "first": "ground.west", "second": "arm.end" }
+    } });
+    let mut run = Run::new(&arm(&two)).with(&[("cylinder.force", 1.0), ("ram.force", 1.0)]);
+    for (start, middle) in [(1.0, 0.5 * PI), (4.0, 1.5 * PI), (5.0, 1.5 * PI), (2.0, 0.5 * PI)] {
+        run.place(("arm.start_angle", start), ("arm.start_speed", 0.0));
+        let potential = |angle: f64| length(angle) + 2.0 * (0.5 * angle).cos().abs();
+        for _ in 0..200 {
+            run.step(0.05);
+            let (angle, speed) = (run.get("arm.angle"), run.get("arm.speed"));
+            assert!((angle - middle).abs() <= (start - middle).abs() + 1e-9, "{start}: {angle}");
+            let error = 0.5 * INERTIA * speed * speed - (potential(angle) - potential(start));
+            assert!(error.abs() < 1e-9, "{start} {angle}: {error:e} J");
+        }
+    }
+    // At the meeting itself the guess gives no direction.
+    run.set("arm.start_angle", 0.0);
+    assert!(run.0.initialize().is_err());
+}
+
+/// A carriage on a rail with a spring to the rail's origin, beyond the first stretch of the curve.
+#[test]
+fn a_meeting_on_a_stretch_ends_the_motion_there_and_not_before() {
+    let carriage = json!({
+        "name": "Carriage",
+        "bodies": { "ground": { "points": { "far": [60, 0] } }, "carriage": { "length": 0.02, "mass": 2 } },
+        "joints": { "rail": { "type": "prismatic", "first": "ground.origin", "second": "carriage.origin" } },
+        "springs": { "spring": { "first": "ground.far", "second": "carriage.origin", "stiffness": 0, "preload": 4 } },
+        "start": { "joint": "rail", "position": 0, "speed": 1 }, "guess": { "rail": 0 }
+    });
+    let mut run = Run::new(&carriage.to_string()).started();
+    for k in 1..1000 {
+        let error = run.0.step(0.05).err();
+        // The spring pulls with 4 N.
+        let t = 0.05 * f64::from(k);
+        let exact = t + t * t;
+        let limit = 60.0 * (1.0 - 1e-3);
+        if exact < limit {
+            assert!(error.is_none(), "{exact}: {error:?}");
+            assert!((run.get("rail.position") - exact).abs() < 1e-9 * exact);
+        } else {
+            assert_says(error.unwrap(), &["spring: its two ends coincide near rail = ", "move one of its attachments"]);
+            return;
+        }
+    }
+    panic!("it has passed the meeting");
+}
+
+#[test]
+fn the_check_tells_where_the_motion_ends() {
+    let inspection = linkage_fmu::mechanism::inspection::inspect(&arm(&json!({})));
+    assert!(inspection.findings.is_empty(), "{:?}", inspection.findings);
+    let ends: Vec<_> = inspection.facts.iter().filter(|fact| fact.topic == "Ends of travel").collect();
+    assert_eq!(ends.len(), 2);
+    ends.iter().for_each(|fact| assert_says(&fact.text, &["cylinder.force: its two ends coincide near arm = "]));
+}

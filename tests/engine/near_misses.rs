@@ -1,0 +1,244 @@
+//! Lengths that almost let branches of motion cross: snapped below `snap`, warned of above.
+
+use crate::support::{Run, assert_says};
+use linkage_fmu::inspection::Inspection;
+use linkage_fmu::mechanism::inspection::inspect;
+use serde_json::{Value, json};
+use std::f64::consts::TAU;
+
+fn rod(length: f64) -> Value {
+    json!({ "length": length, "mass": length, "shape": "uniform_rod" })
+}
+
+fn pin(first: &str, second: &str) -> Value {
+    json!({ "type": "revolute", "first": first, "second": second })
+}
+
+fn extended(mut definition: Value, further: Value) -> String {
+    let keys = definition.as_object_mut().unwrap();
+    keys.extend(further.as_object().unwrap().clone());
+    definition.to_string()
+}
+
+/// A four-bar of rods of 1 kg/m: lengths of ground, crank, coupler, rocker; speed of the crank; guess, which is the start
+/// too.
+fn four_bar([ground, crank, coupler, rocker]: [f64; 4], speed: f64, guess: [f64; 3], further: Value) -> String {
+    let definition = json!({
+        "name": "FourBar",
+        "bodies": {
+            "ground": { "length": ground }, "crank": rod(crank), "coupler": rod(coupler), "rocker": rod(rocker)
+        },
+        "joints": {
+            "a": pin("ground.origin", "crank.origin"), "b": pin("crank.end", "coupler.origin"),
+            "c": pin("coupler.end", "rocker.end"), "d": pin("ground.end", "rocker.origin")
+        },
+        "start": { "body": "crank", "angle": guess[0], "speed": speed },
+        "guess": { "crank": guess[0], "coupler": guess[1], "rocker": guess[2] },
+        "solver": { "tolerance": 1e-12 }
+    });
+    extended(definition, further)
+}
+
+fn parallelogram(change: f64, further: Value) -> String {
+    four_bar([2.0, 1.0 + change, 2.0, 1.0], 3.0, [0.4, 0.0, 0.4], further)
+}
+
+fn texts(inspection: &Inspection, topic: &str) -> Vec<String> {
+    inspection.facts.iter().filter(|fact| fact.topic == topic).map(|fact| fact.text.clone()).collect()
+}
+
+fn warnings(run: &Run) -> Vec<String> {
+    run.0.model().warnings().iter().map(ToString::to_string).collect()
+}
+
+/// The crank turns round and round, and the rocker with it.
+fn goes_straight_on(text: &str, close: f64) {
+    let mut run = Run::new(text).started();
+    let speed = run.get("crank.speed");
+    for _ in 0..500 {
+        run.step(0.05);
+        let (crank, rocker) = (run.get("crank.angle"), run.get("rocker.angle"));
+        assert!((crank - rocker).abs() < close, "{crank} {rocker}");
+        assert!((run.get("crank.speed") / speed - 1.0).abs() < close);
+    }
+    assert!(run.get("crank.angle").abs() > 10.0 * TAU);
+}
+
+#[test]
+fn a_parallelogram_with_one_crank_longer_by_less_than_snap_goes_straight_on() {
+    for power in 6..=13 {
+        for sign in [1.0, -1.0] {
+            let change = sign * 10f64.powi(-power);
+            let text = parallelogram(change, json!({}));
+            goes_straight_on(&text, 1e-12 + change.abs());
+            let run = Run::new(&text);
+            let remarks = run.0.model().remarks();
+            assert_eq!(remarks.len(), 3, "two flat positions, and the moves: {remarks:?}");
+            assert_says(&remarks[0], &["less than snap = 1e-6", "crank = "]);
+            assert_says(&remarks[2], &["points of joints are moved by", "of crank by"]);
+            assert!(warnings(&run).is_empty());
+            let inspection = inspect(&text);
+            assert!(inspection.findings.is_empty(), "{:?}", inspection.findings);
+            assert_eq!(texts(&inspection, "Snapped lengths"), remarks);
+            assert_eq!(texts(&inspection, "Crossings").len(), 2);
+            assert!(texts(&inspection, "Near misses").is_empty());
+            // The parameters keep the user's values.
+            let mut run = run;
+            assert_eq!(run.get("crank.length"), 1.0 + change);
+        }
+    }
+    let exact = Run::new(&parallelogram(0.0, json!({})));
+    assert!(exact.0.model().remarks().is_empty() && exact.clone().reduced().unwrap().curve().near.drawn.is_none());
+}
+
+#[test]
+fn larger_misses_are_warned_of_with_the_snap_that_cures_them() {
+    for change in [3e-6, -3e-6, 1e-4, 1e-3] {
+        let text = parallelogram(change, json!({}));
+        let run = Run::new(&text);
+        let told = warnings(&run);
+        assert_eq!(told.len(), 2, "{change}: {told:?}");
+        let inspection = inspect(&text);
+        assert_eq!(inspection.findings.len(), 2);
+        assert_eq!(texts(&inspection, "Near misses").len(), 2);
+        let mut cure = 0.0_f64;
+        for (line, finding) in told.iter().zip(&inspection.findings) {
+            assert_says(line, &["almost cross at ", "the lengths miss a crossing by", "turns off there"]);
+            let snap = finding.remedy.split("\"snap\": ").nth(1).unwrap().split(' ').next().unwrap();
+            cure = cure.max(snap.parse().unwrap());
+        }
+        // At the flat position the loop of size 2 lacks the change of the crank.
+        let miss = 0.5 * change.abs();
+        assert!(cure >= miss && cure < 2.1 * miss, "{change}: {cure}");
+        let reduced = std::sync::Arc::clone(run.clone().reduced().unwrap());
+        let near = &reduced.curve().near;
+        near.misses.iter().for_each(|m| assert!((m.miss / miss - 1.0).abs() < 2.0 * change.abs() + 1e-6, "{m:?}"));
+        goes_straight_on(&parallelogram(change, json!({ "snap": cure })), 1e-12 + change.abs());
+        // Without a cure it folds to an antiparallelogram.
+        let mut run = run.started();
+        let mut apart = 0.0_f64;
+        for _ in 0..200 {
+            run.step(0.05);
+            apart = apart.max((run.get("crank.angle") - run.get("rocker.angle")).abs());
+        }
+        assert!(apart > 1.0);
+    }
+}
+
+#[test]
+fn without_snap_misses_are_refused_with_their_size() {
+    for change in [1e-8, 1e-10] {
+        let error = linkage_fmu::simulation::Simulation::open(&parallelogram(change, json!({ "snap": 0 })));
+        let error = error.err().unwrap().to_string();
+        assert_says(&error, &["almost cross", "miss a crossing by 5.0e-", "give \"snap\": "]);
+    }
+    for (value, told) in [("-1e-6", "-"), ("0.5", "0.5"), ("1e3", "1000")] {
+        let text = parallelogram(0.0, json!({ "snap": value.parse::<f64>().unwrap() }));
+        let error = linkage_fmu::simulation::Simulation::open(&text).err().unwrap().to_string();
+        assert_says(error, &["snap", told, "from 0 to 0.01"]);
+    }
+}
+
+#[test]
+fn a_miss_out_of_travel_is_not_told() {
+    let stops = |rigid: bool| {
+        let stop = |limit: &str, angle: f64| match rigid {
+            true => json!({ "body": "crank", "limit": limit, "angle": angle }),
+            false => json!({ "body": "crank", "limit": limit, "angle": angle, "rigid": false, "stiffness": 1e5 }),
+        };
+        let low = stop("lower", 0.2);
+        json!({ "stops": { "low": low, "high": json!({ "body": "crank", "limit": "upper", "angle": 2.9 }) } })
+    };
+    let inspection = inspect(&parallelogram(1e-4, stops(true)));
+    assert!(inspection.findings.is_empty(), "{:?}", inspection.findings);
+    assert!(texts(&inspection, "Near misses").is_empty());
+    let inspection = inspect(&parallelogram(1e-4, json!({})));
+    assert_eq!(inspection.findings.len(), 2);
+}
+
+/// Other linkages with a length changed by less than snap: each goes on as the exact one does, to within the change.
+#[test]
+fn other_linkages_follow_their_exact_shapes() {
+    let coupled = |lengths: [f64; 5]| {
+        let [first, other, last, rod_a, rod_b] = lengths;
+        json!({
+            "name": "Coupled",
+            "bodies": {
+                "ground": { "points": { "middle": [2, 0], "right": [3.5, 0] } },
+                "crank": rod(first), "second": rod(other), "third": rod(last), "rod_a": rod(rod_a), "rod_b": rod(rod_b)
+            },
+            "joints": {
+                "a": pin("ground.origin", "crank.origin"), "b": pin("ground.middle", "second.origin"),
+                "c": pin("ground.right", "third.origin"), "d": pin("crank.end", "rod_a.origin"),
+                "e": pin("second.end", "rod_a.end"), "f": pin("second.end", "rod_b.origin"),
+                "g": pin("third.end", "rod_b.end")
+            },
+            "start": { "body": "crank", "angle": 0.4, "speed": 3 },
+            "guess": { "crank": 0.4, "second": 0.4, "third": 0.4, "rod_a": 0, "rod_b": 0 },
+            "solver": { "tolerance": 1e-12 }
+        })
+        .to_string()
+    };
+    let slider = |crank: f64, rod_length: f64| {
+        json!({
+            "name": "Isosceles",
+            "bodies": { "ground": {}, "crank": rod(crank), "rod": rod(rod_length), "slider": { "mass": 0.5 } },
+            "joints": {
+                "a": pin("ground.origin", "crank.origin"), "b": pin("crank.end", "rod.origin"),
+                "c": pin("rod.end", "slider.origin"),
+                "rail": { "type": "prismatic", "first": "ground.origin", "second": "slider.origin" }
+            },
+            "start": { "body": "crank", "angle": 0.4, "speed": 3 },
+            "guess": { "crank": 0.4, "rod": -0.4, "rail": 1.8 }, "solver": { "tolerance": 1e-12 }
+        })
+        .to_string()
+    };
+    let kite = |lengths: [f64; 4]| {
+        let [ground, crank, coupler, rocker] = lengths;
+        // Diagonal from the crank's end to the rocker's pivot at the crank's angle 0.8 rad.
+        let q = 0.8_f64;
+        let (x, y) = (ground - crank * q.cos(), -crank * q.sin());
+        let d = x.hypot(y);
+        let line = y.atan2(x);
+        let bend = ((d * d + coupler * coupler - rocker * rocker) / (2.0 * d * coupler)).acos();
+        let coupler_angle = line + bend;
+        let (cx, cy) =
+            (crank * q.cos() + coupler * coupler_angle.cos(), crank * q.sin() + coupler * coupler_angle.sin());
+        four_bar(lengths, 3.0, [q, coupler_angle, cy.atan2(cx - ground)], json!({}))
+    };
+    type Build<'a> = Box<dyn Fn(f64) -> String + 'a>;
+    let cases: Vec<(&str, Build)> = vec![
+        ("first crank", Box::new(|e| coupled([1.0 + e, 1.0, 1.0, 2.0, 1.5]))),
+        ("middle crank", Box::new(|e| coupled([1.0, 1.0 + e, 1.0, 2.0, 1.5]))),
+        ("rods", Box::new(|e| coupled([1.0, 1.0, 1.0, 2.0 + e, 1.5 - 0.3 * e]))),
+        ("rhombus", Box::new(|e| four_bar([1.0, 1.0 + e, 1.0, 1.0], 3.0, [0.4, 0.0, 0.4], json!({})))),
+        ("kite", Box::new(|e| kite([2.0, 2.0 + e, 1.0, 1.0]))),
+        ("galloway", Box::new(|e| kite([1.0, 1.0 + e, 2.0, 2.0]))),
+        ("crank of the slider", Box::new(|e| slider(1.0 + e, 1.0))),
+        ("rod of the slider", Box::new(|e| slider(1.0, 1.0 - e))),
+    ];
+    for (name, build) in &cases {
+        let exact = Run::new(&build(0.0));
+        let coordinates = exact.clone().reduced().unwrap().linkage().coordinates.clone();
+        for change in [1e-13, -1e-11, 1e-9, -1e-7, 3e-7] {
+            let text = build(change);
+            let mut run = match linkage_fmu::simulation::Simulation::open(&text) {
+                Ok(simulation) => Run(simulation).started(),
+                Err(error) => panic!("{name} {change:e}: {error}"),
+            };
+            assert!(!run.0.model().remarks().is_empty(), "{name} {change:e}");
+            assert!(warnings(&run).is_empty(), "{name} {change:e}: {:?}", warnings(&run));
+            let mut other = exact.clone().started();
+            for _ in 0..100 {
+                run.step(0.05);
+                other.step(0.05);
+                for coordinate in &coordinates {
+                    let output =
+                        if coordinate == "rail" { "rail.position".into() } else { format!("{coordinate}.angle") };
+                    let apart = (run.get(&output) - other.get(&output)).abs();
+                    assert!(apart < 1e-9 + 100.0 * change.abs(), "{name} {change:e}: {output} differs by {apart:e}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! What happens within steps, in the log of the FMU.
+
+use crate::host::Folder;
+use linkage_fmu::fmi2::fmi2SetDebugLogging;
+use linkage_fmu::fmi2::host::{Description, Host, logger};
+use linkage_fmu::fmi2::types::Status;
+use std::ffi::CStr;
+
+const GEAR: &str = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
+const HIT: f64 = 0.132_059_852_744_259_7;
+
+/// The gear with pieces of its file replaced, at its start at this time.
+fn gear(name: &str, changes: &[(&str, &str)], logging_on: bool, start: f64) -> Host {
+    let folder = Folder::new(name);
+    let resources = folder.0.join("resources");
+    std::fs::create_dir_all(&resources).unwrap();
+    let definition = changes.iter().fold(GEAR.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replacen(from, to, 1)
+    });
+    std::fs::write(resources.join("mechanism.json"), definition).unwrap();
+    let host = Description::read(&folder.0).unwrap().instantiate(Some(logger()), logging_on).unwrap();
+    assert_eq!(host.set_up(None, start, None), Status::Ok);
+    assert_eq!(host.initialize(), Status::Ok);
+    host.log.take();
+    host
+}
+
+/// Category and text of the messages since the last look.
+fn told(host: &Host) -> Vec<(String, String)> {
+    host.log.take().into_iter().map(|message| (message.category, message.text)).collect()
+}
+
+fn texts(host: &Host) -> Vec<String> {
+    told(host).into_iter().map(|(_, text)| text).collect()
+}
+
+/// Messages of this category alone.
+fn ask_for(host: &Host, category: &CStr) {
+    // SAFETY: the component is valid, and the category is a C string.
+    assert_eq!(unsafe { fmi2SetDebugLogging(host.c, 1, 1, [category.as_ptr()].as_ptr()) }, Status::Ok);
+}
+
+#[test]
+fn an_impact_is_told_with_time_speed_and_impulse() {
+    let host = gear("impact", &[], true, 5.0);
+    assert_eq!(host.step(5.0, 0.1), Status::Ok);
+    assert_eq!(texts(&host), [""; 0]);
+    assert_eq!(host.step(5.1, 0.1), Status::Ok);
+    let said = told(&host);
+    let (impulse, time) = (host.get("upstop.impact_impulse").unwrap(), host.get("upstop.impact_time").unwrap());
+    assert!((time - 5.0 - HIT).abs() < 1e-9, "{time}");
+    assert!(said.iter().all(|(category, _)| category == "logEvents"), "{said:?}");
+    let first = &said[0].1;
+    assert!(first.starts_with("at t = 5.13205985") && first.contains("impact on upstop at -30.2577"), "{first}");
+    assert!(first.contains(&format!("impulse {impulse:.4}")[..12]) && first.ends_with("kg.m2/s"), "{first} {impulse}");
+    assert!(said[1].1.ends_with("the mechanism comes to rest at upstop"), "{said:?}");
+    assert_eq!(said.len(), 2, "{said:?}");
+}
+
+#[test]
+fn bounces_are_told_as_one_series() {
+    let elastic = [("\"flag\": \"retracted\"", "\"restitution\": 0.9, \"flag\": \"retracted\"")];
+    let host = gear("series", &elastic, true, 0.0);
+    assert_eq!(host.step(0.0, 3.0), Status::Ok);
+    let said = texts(&host);
+    let count = host.get("upstop.impact_count").unwrap();
+    assert!(count > 50.0, "{count}");
+    assert!(said.len() == 6 && said[..5].iter().all(|line| line.contains("impact on upstop")), "{said:?}");
+    assert!(said[5].ends_with(&format!("comes to rest at upstop after {count} impacts")), "{said:?}");
+    // The same series over many steps.
+    let host = gear("series cut", &elastic, true, 0.0);
+    (0..300).for_each(|k| assert_eq!(host.step(0.01 * f64::from(k), 0.01), Status::Ok));
+    assert_eq!(texts(&host).len(), 6);
+}
+
+#[test]
+fn locks_are_told() {
+    let host = gear("locks", &[], true, 0.0);
+    host.set_boolean("uplock.engage", true);
+    assert_eq!(host.step(0.0, 0.2), Status::Ok);
+    let said = texts(&host);
+    assert!(said.len() == 2 && said[1].ends_with("a lock catches the mechanism at upstop"), "{said:?}");
+    host.set_boolean("uplock.engage", false);
+    assert_eq!(host.set("actuator.force", -3e4), Status::Ok);
+    assert_eq!(host.step(0.2, 0.01), Status::Ok);
+    let said = texts(&host);
+    assert!(said[0].starts_with("at t = 0.2 s the lock at upstop lets"), "{said:?}");
+    assert_eq!(said.len(), 1, "{said:?}");
+}
+
+#[test]
+fn regimes_of_friction_are_told_for_debugging() {
+    let host = gear("regimes", &[("\"enabled\": false, ", "\"enabled\": true, ")], true, 0.0);
+    ask_for(&host, c"logDebug");
+    assert_eq!(host.step(0.0, 0.1), Status::Ok);
+    let said = told(&host);
+    assert!(
+        said.iter().any(|(category, text)| category == "logDebug" && text.contains("friction in joint")),
+        "{said:?}"
+    );
+    assert!(said.iter().any(|(_, text)| text.ends_with("becomes viscous")), "{said:?}");
+    // A host that does not ask for details gets none.
+    let host = gear("no regimes", &[("\"enabled\": false, ", "\"enabled\": true, ")], true, 0.0);
+    assert_eq!(host.step(0.0, 0.1), Status::Ok);
+    assert_eq!(told(&host), []);
+    assert_eq!(host.step(0.1, 0.1), Status::Ok);
+    assert!(texts(&host)[0].contains("impact on upstop"));
+}
+
+#[test]
+fn nothing_is_told_without_logging_nor_of_a_step_that_is_refused() {
+    let host = gear("silent", &[], false, 0.0);
+    assert_eq!(host.step(0.0, 0.2), Status::Ok);
+    assert_eq!(texts(&host), [""; 0]);
+    let host = gear("refused", &[], true, 0.0);
+    assert_ne!(host.step(0.0, -1.0), Status::Ok);
+    assert!(texts(&host).iter().all(|line| !line.contains("impact")));
+    assert_eq!(host.get("upstop.impact_count"), Ok(0.0));
+}

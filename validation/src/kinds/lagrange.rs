@@ -1,0 +1,272 @@
+//! Motion by Lagrange's equation in the parameter of a closed form, with an integration of its own.
+//!
+//! With the inertia I(s) = sum of m |c'|^2 + J theta'^2 and the generalised force Q: I s'' = Q - I'/2 s'^2. Gragg,
+//! Bulirsch and Stoer's extrapolation of the midpoint rule integrates it.
+//!
+//! In: a sketch. Out: the parameter and its rate in time. It must not know the engine.
+use super::jet::{Jet, Vector};
+use super::sketch::{Miss, Pose, Sketch, Spring, Stops};
+
+/// Steps of the midpoint rule that are extrapolated: each column doubles the order by 2.
+const COLUMNS: usize = 8;
+/// Relative error of a step.
+const ERROR: f64 = 2e-14;
+/// Rate after an impact below which the mechanism rests, as part of the largest so far.
+const SLOW: f64 = 1e-9;
+/// Rate of an impact without restitution, as part of the largest so far, below which it is a graze: whether the stop is
+/// met at all is then decided by errors of the size of the tolerance.
+const GRAZE: f64 = 1e-3;
+/// Steps after which a motion is given up: one that its damper makes stiff.
+const STEPS: u32 = 4000;
+/// Steps of the search for an impact.
+const SEARCH: u32 = 60;
+
+/// How a span of time ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum End {
+    /// At its end.
+    Reached,
+    /// The motion leaves the range in which the closed form tells it, or is given up.
+    Left,
+}
+
+/// A mechanism in motion.
+pub struct Motion<'a> {
+    sketch: &'a Sketch,
+    /// Parameter and rate.
+    pub state: [f64; 2],
+    /// Largest rate so far.
+    pub fastest: f64,
+    /// Whether a stop holds it.
+    pub held: bool,
+    /// Sign of the rate with which it left a stop from rest. Without a damper it comes back to that stop at rest: a graze.
+    released: f64,
+    step: f64,
+    taken: u32,
+}
+
+/// Everything at one parameter.
+pub struct Place {
+    pub places: Vec<Vector>,
+    pub poses: Vec<Pose>,
+}
+
+impl Place {
+    /// # Errors
+    /// The closed form has no value there.
+    pub fn of(sketch: &Sketch, s: f64) -> Result<Self, Miss> {
+        let places = (sketch.places)(Jet::variable(s))?;
+        let poses = sketch.poses(&places);
+        Ok(Self { places, poses })
+    }
+
+    /// Inertia and half its derivative.
+    pub fn inertia(&self, sketch: &Sketch) -> [f64; 2] {
+        let (mut inertia, mut half) = (0.0, 0.0);
+        for (body, pose) in sketch.bodies.iter().zip(&self.poses) {
+            let center = Sketch::at(pose, body.center);
+            for (mass, x) in [(body.mass, center.x), (body.mass, center.y), (body.inertia, pose.angle)] {
+                inertia += mass * x.slope() * x.slope();
+                half += mass * x.slope() * x.bend();
+            }
+        }
+        [inertia, half]
+    }
+
+    /// Generalised force at a rate.
+    pub fn force(&self, sketch: &Sketch, rate: f64) -> f64 {
+        let [g, up] = sketch.loads.gravity;
+        let mut force = 0.0;
+        for (body, pose) in sketch.bodies.iter().zip(&self.poses) {
+            let center = Sketch::at(pose, body.center);
+            force -= body.mass * g * (up.cos() * center.x.slope() + up.sin() * center.y.slope());
+        }
+        for (body, torque) in &sketch.loads.torques {
+            force += torque * self.poses[*body].angle.slope();
+        }
+        for spring in &sketch.loads.springs {
+            let [pull, length] = self.pull(spring, rate);
+            force -= pull * length;
+        }
+        force
+    }
+
+    /// Pull of a spring at a rate, and the slope of its length.
+    pub fn pull(&self, spring: &Spring, rate: f64) -> [f64; 2] {
+        let length = (self.places[spring.end] - Vector::fixed(spring.anchor)).norm();
+        let force = spring.stiffness * (length.value() - spring.free) + spring.damping * length.slope() * rate;
+        [force, length.slope()]
+    }
+
+    /// The coordinate of the sketch.
+    pub fn value(&self, sketch: &Sketch) -> Jet {
+        sketch.value(&self.places, &self.poses)
+    }
+}
+
+impl<'a> Motion<'a> {
+    /// At the start, moved by `nudge` and its rate by that part.
+    pub fn new(sketch: &'a Sketch, nudge: f64) -> Self {
+        let [s, rate] = sketch.start;
+        let state = [s + nudge, rate * (1.0 + nudge)];
+        Self { sketch, state, fastest: rate.abs(), held: false, released: 0.0, step: 1e-3, taken: 0 }
+    }
+
+    fn acceleration(&self, [s, rate]: [f64; 2]) -> Result<f64, Miss> {
+        if self.sketch.range.is_some_and(|[low, high]| s < low || s > high) {
+            return Err(Miss::Near);
+        }
+        let place = Place::of(self.sketch, s)?;
+        let [inertia, half] = place.inertia(self.sketch);
+        Ok((place.force(self.sketch, rate) - half * rate * rate) / inertia)
+    }
+
+    /// The midpoint rule with Gragg's last step.
+    fn midpoint(&self, h: f64, count: usize) -> Result<[f64; 2], Miss> {
+        let (start, h) = (self.state, h / count as f64);
+        let slope = |y: [f64; 2]| self.acceleration(y).map(|a| [y[1], a]);
+        let add = |y: [f64; 2], h: f64, f: [f64; 2]| [y[0] + h * f[0], y[1] + h * f[1]];
+        let (mut before, mut now) = (start, add(start, h, slope(start)?));
+        for _ in 1..count {
+            (before, now) = (now, add(before, 2.0 * h, slope(now)?));
+        }
+        let end = add(before, h, slope(now)?);
+        Ok([0, 1].map(|k| 0.5 * (now[k] + end[k])))
+    }
+
+    /// A step; None if it is too long for its error.
+    fn step(&self, h: f64) -> Result<Option<[f64; 2]>, Miss> {
+        let mut last = [[0.0; 2]; COLUMNS];
+        let scales = [1.0 + self.state[0].abs() * 0.01, self.fastest.max(1e-3)];
+        for k in 0..COLUMNS {
+            let count = |k: usize| 2.0 * (k + 1) as f64;
+            let mut row = [[0.0; 2]; COLUMNS];
+            row[0] = self.midpoint(h, 2 * (k + 1))?;
+            for j in 1..=k {
+                let ratio = (count(k) / count(k - j)).powi(2);
+                row[j] = [0, 1].map(|n| row[j - 1][n] + (row[j - 1][n] - last[j - 1][n]) / (ratio - 1.0));
+            }
+            if k > 1 && (0..2).all(|n| (row[k][n] - row[k - 1][n]).abs() <= ERROR * scales[n]) {
+                return Ok(Some(row[k]));
+            }
+            last = row;
+        }
+        Ok(None)
+    }
+
+    /// How far the coordinate is beyond a stop.
+    fn beyond(&self, s: f64) -> Result<f64, Miss> {
+        let Some(Stops { values: [low, high], .. }) = self.sketch.stops else { return Ok(-1.0) };
+        let value = self.near(Place::of(self.sketch, s)?.value(self.sketch).value());
+        Ok((low - value).max(value - high))
+    }
+
+    /// An angle without the jumps of a whole turn: within half a turn of the middle of the stops.
+    fn near(&self, value: f64) -> f64 {
+        let (Some(stops), super::sketch::Coordinate::Angle(_)) = (self.sketch.stops, self.sketch.coordinate) else {
+            return value;
+        };
+        let middle = 0.5 * (stops.values[0] + stops.values[1]);
+        middle + super::angle_apart(value, middle)
+    }
+
+    /// Integrate over a span.
+    pub fn advance(&mut self, span: f64) -> End {
+        let mut t = 0.0;
+        while self.taken < STEPS {
+            self.taken += 1;
+            if self.held || t >= span * (1.0 - 1e-15) {
+                return End::Reached;
+            }
+            let h = self.step.min(span - t);
+            let Ok(Some(end)) = self.step(h) else {
+                if h < 1e-9 {
+                    return End::Left;
+                }
+                self.step = 0.5 * h;
+                continue;
+            };
+            // A step may go beyond a stop and come back within itself: it is farthest out where it turns.
+            let turned = self.sketch.stops.is_some() && self.state[1] * end[1] < 0.0;
+            let (out, farthest) = match turned.then(|| self.turn(h)) {
+                None => (h, end),
+                Some(Some(turn)) => turn,
+                Some(None) => return End::Left,
+            };
+            let (h, end) = match self.beyond(farthest[0]) {
+                Ok(beyond) if beyond > 0.0 => (out, farthest),
+                _ => (h, end),
+            };
+            match self.beyond(end[0]) {
+                Err(_) => return End::Left,
+                Ok(beyond) if beyond > 0.0 => {
+                    let Some(h) = self.impact(h) else { return End::Left };
+                    t += h;
+                }
+                Ok(_) => {
+                    if self.state[1] * self.released < 0.0 && end[1] * self.released >= 0.0 {
+                        return End::Left;
+                    }
+                    (self.state, t) = (end, t + h);
+                    self.step = 1.5 * h.max(1e-8);
+                }
+            }
+            self.fastest = self.fastest.max(self.state[1].abs());
+        }
+        End::Left
+    }
+
+    /// Where the rate changes its sign within a step, and the state there.
+    fn turn(&self, h: f64) -> Option<(f64, [f64; 2])> {
+        let (mut low, mut high, mut there) = (0.0, h, self.state);
+        for _ in 0..SEARCH {
+            let middle = 0.5 * (low + high);
+            there = self.step(middle).ok()??;
+            if there[1] * self.state[1] > 0.0 {
+                low = middle
+            } else {
+                high = middle
+            }
+            if there[1].abs() < 1e-9 * self.fastest {
+                break;
+            }
+        }
+        Some((high, there))
+    }
+
+    /// Go to the stop that is met within a step, and back from it. The time to it.
+    fn impact(&mut self, h: f64) -> Option<f64> {
+        // Newton's method on the length of the step, between a length that falls short and one that goes beyond.
+        let (mut low, mut high, mut at) = (0.0, h, h);
+        let mut end = self.state;
+        for _ in 0..SEARCH {
+            end = self.step(at).ok()??;
+            let beyond = self.beyond(end[0]).ok()?;
+            if beyond > 0.0 {
+                high = at
+            } else {
+                low = at
+            }
+            let place = Place::of(self.sketch, end[0]).ok()?;
+            let next = at - beyond / (place.value(self.sketch).slope() * end[1]).abs();
+            let next = if next > low && next < high { next } else { 0.5 * (low + high) };
+            if beyond.abs() < 1e-15 || (next - at).abs() <= 1e-15 * h || high - low <= 1e-16 {
+                break;
+            }
+            at = next;
+        }
+        let restitution = self.sketch.stops?.restitution;
+        let rate = end[1];
+        if restitution == 0.0 && rate.abs() < GRAZE * self.fastest {
+            return None;
+        }
+        self.state = [end[0], -restitution * rate];
+        if restitution * rate.abs() < SLOW * self.fastest {
+            let pressed = self.acceleration([end[0], 0.0]).ok()? * rate >= 0.0;
+            self.state[1] = 0.0;
+            self.held = pressed;
+            self.released = if restitution == 0.0 && !pressed { -rate } else { 0.0 };
+        }
+        Some(at)
+    }
+}

@@ -1,0 +1,61 @@
+//! Kinds of mechanisms that engineers draw, each with its closed form: a reference for positions, rates, reactions and
+//! motion that shares nothing with the engine.
+//!
+//! In: usual lengths or random ones. Out: definitions, and how far the engine is off. It must not know how the engine
+//! closes loops, nor how it integrates.
+mod check;
+mod dyads;
+mod engines;
+mod fourbars;
+mod jet;
+mod lagrange;
+mod legs;
+mod machines;
+mod sixbars;
+mod sketch;
+mod sliders;
+mod straight;
+mod travel;
+mod vary;
+mod wild;
+
+pub use check::{Off, open, run};
+pub use sketch::{Coordinate, Miss, Sketch};
+pub use vary::Vary;
+pub use wild::{Draw, wild};
+
+use crate::attack::random::Random;
+use std::f64::consts::{PI, TAU};
+
+/// A kind: its name, and a mechanism of that kind.
+pub type Kind = (&'static str, fn(&mut Vary) -> Sketch);
+
+/// All kinds.
+pub fn all() -> Vec<Kind> {
+    [fourbars::KINDS, straight::KINDS, sliders::KINDS, engines::KINDS, sixbars::KINDS, legs::KINDS, machines::KINDS]
+        .concat()
+}
+
+/// A way of the parameter that is a whole travel: a turn [rad, m].
+const ROUND: f64 = TAU;
+
+/// A kind with usual lengths under gravity, pushed at the start; with stops where its travel is not a whole turn.
+pub fn usual(place: usize, kind: Kind) -> Sketch {
+    let mut sketch = kind.1(&mut Vary::none());
+    let mut random = Random::new(place as u64);
+    sketch.weigh(&mut random, [0.2, 5.0]);
+    sketch.start[1] = 2.0 * sketch.own_motion();
+    let reach = travel::reach(&sketch, ROUND);
+    if reach.iter().any(|end| (end - sketch.start[0]).abs() < ROUND) {
+        sketch.stops = travel::stops(&sketch, reach, [0.8, 0.8], 0.5);
+    }
+    sketch.loads.gravity = [9.81, PI / 2.0];
+    sketch.tolerance = 1e-10;
+    sketch
+}
+
+/// The difference of two angles, whole turns left out [rad].
+pub fn angle_apart(a: f64, b: f64) -> f64 {
+    let apart = (a - b).rem_euclid(TAU);
+    if apart > PI { apart - TAU } else { apart }
+}

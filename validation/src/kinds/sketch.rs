@@ -1,0 +1,473 @@
+//! A mechanism as one draws it: points, bodies between them, slides, and where all points are in closed form.
+//!
+//! In: lengths, a closed form. Out: the text of a definition, places of all bodies with their derivatives by the closed
+//! form's parameter. It must not know how the engine closes loops.
+use super::jet::{Jet, Vector};
+use crate::attack::random::Random;
+use serde_json::{Map, Value, json};
+
+/// Why a closed form has no value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Miss {
+    /// The lengths cannot be joined there: circles apart, or one within the other.
+    Apart,
+    /// So near a limit of the travel that the parameter of the closed form does not suit.
+    Near,
+}
+
+/// How the frame of a body stands.
+#[derive(Clone, Copy, Debug)]
+pub enum Frame {
+    /// Its x axis points from its origin to this point, at this distance [m].
+    To(usize, f64),
+    /// Its angle is fixed: a body in a guide on the ground [rad].
+    Fixed(f64),
+    /// Its angle is that of another body, and this one more [rad].
+    With(usize, f64),
+}
+
+/// A body: it has the point of its origin, the other end if its frame has one, and further points in its frame [m].
+#[derive(Clone, Debug)]
+pub struct Body {
+    pub name: String,
+    pub origin: usize,
+    pub frame: Frame,
+    pub points: Vec<(usize, [f64; 2])>,
+    pub mass: f64,
+    pub center: [f64; 2],
+    pub inertia: f64,
+}
+
+/// A guide on a body or on the ground (None), through its point `from`, in which the origin of the body `block` moves.
+#[derive(Clone, Debug)]
+pub struct Slide {
+    pub name: String,
+    pub on: Option<usize>,
+    pub from: usize,
+    pub axis: f64,
+    pub block: usize,
+}
+
+/// A coordinate of the mechanism by which its motion is stated and judged.
+#[derive(Clone, Copy, Debug)]
+pub enum Coordinate {
+    /// Angle of a body.
+    Angle(usize),
+    /// Position in a slide.
+    Position(usize),
+}
+
+/// Spring and damper from a place of the ground to a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Spring {
+    pub anchor: [f64; 2],
+    pub end: usize,
+    pub stiffness: f64,
+    pub damping: f64,
+    pub free: f64,
+}
+
+/// What acts on a mechanism. All is constant.
+#[derive(Clone, Debug, Default)]
+pub struct Loads {
+    /// Acceleration [m/s2] and upward direction [rad].
+    pub gravity: [f64; 2],
+    /// Body and torque on it [N.m].
+    pub torques: Vec<(usize, f64)>,
+    pub springs: Vec<Spring>,
+}
+
+/// Rigid stops: lower and upper value of the coordinate, restitution.
+#[derive(Clone, Copy, Debug)]
+pub struct Stops {
+    pub values: [f64; 2],
+    pub restitution: f64,
+}
+
+/// Places of all points, one after the other, for a value of the parameter.
+pub type Places = Box<dyn Fn(Jet) -> Result<Vec<Vector>, Miss>>;
+
+/// Where a body is: origin and angle.
+#[derive(Clone, Copy, Debug)]
+pub struct Pose {
+    pub origin: Vector,
+    pub angle: Jet,
+}
+
+/// A mechanism.
+pub struct Sketch {
+    /// Name of the model.
+    pub name: &'static str,
+    /// Points of the ground.
+    pub ground: Vec<(usize, [f64; 2])>,
+    /// Bodies but the ground, in the order of the file.
+    pub bodies: Vec<Body>,
+    /// Prismatic joints.
+    pub slides: Vec<Slide>,
+    /// What the motion is stated and judged by.
+    pub coordinate: Coordinate,
+    /// Where the motion starts: the parameter [rad or m] and its rate.
+    pub start: [f64; 2],
+    /// Span of the parameter over which the mechanism is judged; None if it goes round for ever.
+    pub range: Option<[f64; 2]>,
+    /// What acts on it.
+    pub loads: Loads,
+    /// Stops of its coordinate.
+    pub stops: Option<Stops>,
+    /// Tolerance of the engine's integration.
+    pub tolerance: f64,
+    /// How far each number of the guess is from the assembled position, at most [rad or parts of the size].
+    pub rough: f64,
+    /// The closed form.
+    pub places: Places,
+}
+
+/// A joint: its name, first and second body (None: ground), and the point of each.
+#[derive(Clone, Debug)]
+pub struct Joint {
+    pub name: String,
+    pub ends: [(Option<usize>, usize); 2],
+    /// The slide that it is.
+    pub slide: Option<usize>,
+}
+
+impl Sketch {
+    /// A mechanism whose points are here; it starts at this parameter, and the first body's angle is its coordinate.
+    pub fn new(name: &'static str, start: f64, places: impl Fn(Jet) -> Result<Vec<Vector>, Miss> + 'static) -> Self {
+        Self {
+            name,
+            ground: Vec::new(),
+            bodies: Vec::new(),
+            slides: Vec::new(),
+            coordinate: Coordinate::Angle(0),
+            start: [start, 0.0],
+            range: None,
+            loads: Loads::default(),
+            stops: None,
+            tolerance: 1e-9,
+            rough: 0.0,
+            places: Box::new(places),
+        }
+    }
+
+    /// With these points on the ground.
+    pub fn ground(mut self, points: &[(usize, [f64; 2])]) -> Self {
+        self.ground.extend_from_slice(points);
+        self
+    }
+
+    fn with(mut self, name: &str, origin: usize, frame: Frame, points: &[(usize, [f64; 2])]) -> Self {
+        self.bodies.push(Body {
+            name: name.into(),
+            origin,
+            frame,
+            points: points.to_vec(),
+            mass: 0.0,
+            center: [0.0; 2],
+            inertia: 0.0,
+        });
+        self
+    }
+
+    /// With a rod from a point to another.
+    pub fn rod(self, name: &str, from: usize, to: usize, length: f64) -> Self {
+        self.plate(name, from, to, length, &[])
+    }
+
+    /// With a body from a point to another, which has further points.
+    pub fn plate(self, name: &str, from: usize, to: usize, length: f64, points: &[(usize, [f64; 2])]) -> Self {
+        self.with(name, from, Frame::To(to, length), points)
+    }
+
+    /// With a body in a guide on the ground, along a line through a point of the ground.
+    pub fn slider(self, name: &str, at: usize, from: usize, axis: f64) -> Self {
+        let (block, guide) = (self.bodies.len(), format!("{name}_guide"));
+        self.with(name, at, Frame::Fixed(axis), &[]).guided(&guide, None, from, axis, block)
+    }
+
+    /// With a block on a body, along a line through a point of that body.
+    pub fn block(self, name: &str, at: usize, on: usize, from: usize, axis: f64) -> Self {
+        let (block, guide) = (self.bodies.len(), format!("{name}_guide"));
+        self.with(name, at, Frame::With(on, axis), &[]).guided(&guide, Some(on), from, axis, block)
+    }
+
+    /// With a guide between bodies that are there.
+    pub fn guided(mut self, name: &str, on: Option<usize>, from: usize, axis: f64, block: usize) -> Self {
+        // The file has joints in the order of their names.
+        let name = format!("slide{}_{name}", self.slides.len());
+        self.slides.push(Slide { name, on, from, axis, block });
+        self
+    }
+
+    /// With further points on the last body.
+    pub fn points(mut self, points: &[(usize, [f64; 2])]) -> Self {
+        if let Some(body) = self.bodies.last_mut() {
+            body.points.extend_from_slice(points);
+        }
+        self
+    }
+
+    /// With the motion judged by this coordinate.
+    pub fn by(mut self, coordinate: Coordinate) -> Self {
+        self.coordinate = coordinate;
+        self
+    }
+
+    /// Judged while the parameter is in this range.
+    pub fn within(mut self, low: f64, high: f64) -> Self {
+        self.range = Some([low, high]);
+        self
+    }
+
+    /// Give every body a mass between these, a centre and a moment of inertia.
+    pub fn weigh(&mut self, random: &mut Random, [low, high]: [f64; 2]) {
+        let size = self.size();
+        for body in &mut self.bodies {
+            body.mass = random.decades(low, high);
+            let length = match body.frame {
+                Frame::To(_, length) => {
+                    body.center = [length * random.within(0.2, 0.8), length * random.within(-0.1, 0.1)];
+                    length
+                }
+                _ => 0.2 * size,
+            };
+            body.inertia = body.mass * length * length * random.within(0.05, 0.15);
+        }
+    }
+
+    /// The rate of the parameter that gravity gives over the mechanism's size, whatever its masses [1/s].
+    pub fn own_motion(&self) -> f64 {
+        (9.81 / self.size()).sqrt()
+    }
+
+    /// The largest distance of points of a body [m].
+    pub fn size(&self) -> f64 {
+        let lengths = self.bodies.iter().filter_map(|body| match body.frame {
+            Frame::To(_, length) => Some(length),
+            _ => None,
+        });
+        let ground = self.ground.iter().map(|(_, [x, y])| x.hypot(*y));
+        lengths.chain(ground).fold(0.0, f64::max)
+    }
+
+    /// Where every body is, from the places of the points.
+    pub fn poses(&self, places: &[Vector]) -> Vec<Pose> {
+        let mut out: Vec<Pose> = Vec::new();
+        for body in &self.bodies {
+            let angle = match body.frame {
+                Frame::To(end, _) => (places[end] - places[body.origin]).angle(),
+                Frame::Fixed(angle) => angle.into(),
+                Frame::With(other, angle) => out[other].angle + angle.into(),
+            };
+            out.push(Pose { origin: places[body.origin], angle });
+        }
+        out
+    }
+
+    /// A point of a body's frame.
+    pub fn at(pose: &Pose, local: [f64; 2]) -> Vector {
+        pose.origin + Vector::unit(pose.angle).frame(local)
+    }
+
+    /// Where a point stands in the frame of a body; None if the body has no such point.
+    pub fn local(&self, body: Option<usize>, point: usize) -> Option<[f64; 2]> {
+        let further = |points: &[(usize, [f64; 2])]| points.iter().find(|(own, _)| *own == point).map(|(_, at)| *at);
+        let Some(body) = body.map(|body| &self.bodies[body]) else { return further(&self.ground) };
+        match body.frame {
+            _ if body.origin == point => Some([0.0; 2]),
+            Frame::To(end, length) if end == point => Some([length, 0.0]),
+            _ => further(&body.points),
+        }
+    }
+
+    /// How far the closed form leaves the points of the bodies from where their lengths have them, and blocks from their
+    /// guides, as a part of the size; None where it has no value.
+    pub fn gap(&self, parameter: f64) -> Option<f64> {
+        let places = (self.places)(Jet::variable(parameter)).ok()?;
+        let poses = self.poses(&places);
+        let mut gap = 0.0_f64;
+        for (k, pose) in poses.iter().enumerate() {
+            for (point, place) in places.iter().enumerate() {
+                if let Some(local) = self.local(Some(k), point) {
+                    let off = Self::at(pose, local) - *place;
+                    gap = gap.max(off.x.value().hypot(off.y.value()));
+                }
+            }
+        }
+        for Slide { on, from, axis, block, .. } in &self.slides {
+            let angle = on.map_or(Jet::default(), |body| poses[body].angle) + (*axis).into();
+            let off = Vector::unit(angle).left().dot(poses[*block].origin - places[*from]);
+            gap = gap.max(off.value().abs());
+        }
+        let fixed = self
+            .ground
+            .iter()
+            .map(|(point, [x, y])| (places[*point].x.value() - x).hypot(places[*point].y.value() - y));
+        Some(fixed.fold(gap, f64::max) / self.size())
+    }
+
+    /// Bodies that have a point; the ground first.
+    fn owners(&self, point: usize) -> Vec<Option<usize>> {
+        let bodies = std::iter::once(None).chain((0..self.bodies.len()).map(Some));
+        bodies.filter(|&body| self.local(body, point).is_some()).collect()
+    }
+
+    /// The first body that has a point; None for the ground.
+    pub fn owner(&self, point: usize) -> Option<usize> {
+        self.owners(point).first().copied().flatten()
+    }
+
+    /// All joints: a pin wherever bodies share a point, then the slides.
+    pub fn joints(&self) -> Vec<Joint> {
+        let bodies = self.bodies.iter().flat_map(|body| {
+            let end = if let Frame::To(end, _) = body.frame { Some(end) } else { None };
+            [body.origin].into_iter().chain(end).chain(body.points.iter().map(|(point, _)| *point))
+        });
+        let mut points: Vec<usize> = bodies.collect();
+        points.sort_unstable();
+        points.dedup();
+        let mut out = Vec::new();
+        for point in points {
+            let owners = self.owners(point);
+            for other in owners.iter().skip(1) {
+                let name = format!("pin{}", out.len());
+                out.push(Joint { name, ends: [(owners[0], point), (*other, point)], slide: None });
+            }
+        }
+        for (k, slide) in self.slides.iter().enumerate() {
+            let block = (Some(slide.block), self.bodies[slide.block].origin);
+            out.push(Joint { name: slide.name.clone(), ends: [(slide.on, slide.from), block], slide: Some(k) });
+        }
+        out
+    }
+
+    /// Position in a slide: of the block's origin along the axis, from the point of the guide.
+    pub fn position(&self, slide: usize, places: &[Vector], poses: &[Pose]) -> Jet {
+        let Slide { on, from, axis, block, .. } = self.slides[slide];
+        let angle = on.map_or(Jet::default(), |body| poses[body].angle) + axis.into();
+        Vector::unit(angle).dot(poses[block].origin - places[from])
+    }
+
+    /// Value of the coordinate.
+    pub fn value(&self, places: &[Vector], poses: &[Pose]) -> Jet {
+        match self.coordinate {
+            Coordinate::Angle(body) => poses[body].angle,
+            Coordinate::Position(slide) => self.position(slide, places, poses),
+        }
+    }
+
+    /// Whether a body turns as no body before it does.
+    pub fn turns(&self, body: usize) -> bool {
+        matches!(self.bodies[body].frame, Frame::To(..))
+    }
+
+    /// Whether the positions in the slides before it give that in this one: its bodies are joined by them.
+    pub fn follows(&self, slide: usize) -> bool {
+        let mut group: Vec<Option<usize>> = vec![self.slides[slide].on];
+        for _ in 0..slide {
+            for other in &self.slides[..slide] {
+                match (group.contains(&other.on), group.contains(&Some(other.block))) {
+                    (true, false) => group.push(Some(other.block)),
+                    (false, true) => group.push(other.on),
+                    _ => {}
+                }
+            }
+        }
+        group.contains(&Some(self.slides[slide].block))
+    }
+
+    fn point_name(&self, (body, point): (Option<usize>, usize)) -> String {
+        let Some(body) = body.map(|body| &self.bodies[body]) else { return format!("ground.p{point}") };
+        let local = match body.frame {
+            _ if body.origin == point => "origin".into(),
+            Frame::To(end, _) if end == point => "end".into(),
+            _ => format!("p{point}"),
+        };
+        format!("{}.{local}", body.name)
+    }
+
+    /// The text of its definition. The guess is off by `rough`, differently for each number.
+    ///
+    /// # Errors
+    /// The closed form has no value at the start.
+    pub fn definition(&self) -> Result<String, Miss> {
+        let places = (self.places)(Jet::variable(self.start[0]))?;
+        Ok(self.definition_at(&places))
+    }
+
+    /// The definition with a guess from these places.
+    pub fn definition_at(&self, places: &[Vector]) -> String {
+        let poses = self.poses(places);
+        let mut random = Random::new(self.bodies.len() as u64);
+        let mut near = |value: f64, scale: f64| {
+            let off = if self.rough > 0.0 { self.rough * scale * random.within(-1.0, 1.0) } else { 0.0 };
+            json!(value + off)
+        };
+        let (mut bodies, mut joints, mut guess, mut markers) = (Map::new(), Map::new(), Map::new(), Map::new());
+        let list = |points: &[(usize, [f64; 2])]| -> Value {
+            points.iter().map(|(point, at)| (format!("p{point}"), json!(at))).collect::<Map<_, _>>().into()
+        };
+        bodies.insert("ground".into(), json!({ "points": list(&self.ground) }));
+        for (k, body) in self.bodies.iter().enumerate() {
+            let mut out = json!({ "mass": body.mass, "center": body.center, "inertia": body.inertia });
+            out["points"] = list(&body.points);
+            if let Frame::To(_, length) = body.frame {
+                out["length"] = json!(length);
+                guess.insert(body.name.clone(), near(poses[k].angle.value(), 1.0));
+            }
+            bodies.insert(body.name.clone(), out);
+            let last = body.points.last().map_or(body.origin, |(point, _)| *point);
+            markers.insert(format!("{}_mark", body.name), json!({ "at": self.point_name((Some(k), last)) }));
+        }
+        for joint in self.joints() {
+            let [first, second] = joint.ends.map(|end| self.point_name(end));
+            let mut out = json!({ "type": "revolute", "first": first, "second": second });
+            if let Some(slide) = joint.slide {
+                let Slide { on, axis, block, .. } = self.slides[slide];
+                let turned = poses[block].angle - on.map_or(Jet::default(), |body| poses[body].angle);
+                (out["type"], out["axis_angle"], out["angle"]) =
+                    (json!("prismatic"), json!(axis), json!(turned.value()));
+                if !self.follows(slide) {
+                    guess.insert(joint.name.clone(), near(self.position(slide, places, &poses).value(), self.size()));
+                }
+            }
+            joints.insert(joint.name, out);
+        }
+        let value = self.value(places, &poses);
+        let (at, key) = (value.value(), value.slope() * self.start[1]);
+        let start = match self.coordinate {
+            Coordinate::Angle(body) => json!({ "body": self.bodies[body].name, "angle": at, "speed": key }),
+            Coordinate::Position(slide) => json!({ "joint": self.slides[slide].name, "position": at, "speed": key }),
+        };
+        let mut out = json!({
+            "name": self.name, "bodies": bodies, "joints": joints, "guess": guess, "markers": markers, "start": start,
+            "gravity": { "acceleration": self.loads.gravity[0], "up_angle": self.loads.gravity[1] },
+            "solver": { "tolerance": self.tolerance },
+        });
+        self.add_loads(&mut out);
+        out.to_string()
+    }
+
+    fn add_loads(&self, out: &mut Value) {
+        for (k, (body, torque)) in self.loads.torques.iter().enumerate() {
+            out["torques"][format!("torque{k}")] =
+                json!({ "on": self.bodies[*body].name, "torque": torque, "constant": true });
+        }
+        for (k, spring) in self.loads.springs.iter().enumerate() {
+            out["bodies"]["ground"]["points"][format!("anchor{k}")] = json!(spring.anchor);
+            out["springs"][format!("spring{k}")] = json!({
+                "first": format!("ground.anchor{k}"), "second": self.point_name((self.owner(spring.end), spring.end)),
+                "stiffness": spring.stiffness, "damping": spring.damping,
+                "free_length": spring.free,
+            });
+        }
+        for (name, value) in self.stops.iter().flat_map(|stops| ["lower", "upper"].into_iter().zip(stops.values)) {
+            let mut stop = match self.coordinate {
+                Coordinate::Angle(body) => json!({ "body": self.bodies[body].name, "angle": value }),
+                Coordinate::Position(slide) => json!({ "joint": self.slides[slide].name, "position": value }),
+            };
+            (stop["limit"], stop["restitution"]) = (json!(name), json!(self.stops.map_or(0.0, |s| s.restitution)));
+            out["stops"][format!("{name}_stop")] = stop;
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! Each kind of mechanism at usual lengths: its closed form position by position, its motion against Lagrange's equation.
+
+use validation::kinds::{self, Off, open, run, usual};
+
+/// Positions to this part of the size [1, rad].
+const POSITION: f64 = 1e-11;
+/// Speeds, accelerations and reactions to this part of the largest.
+const RATES: f64 = 1e-9;
+/// Largest error of the motion over the tolerance.
+const MOST: f64 = 100.0;
+/// Kinds that the engine refuses although their closed form goes on: a fault, and none once they are taken.
+const REFUSED: &[&str] = &["inversor of Peaucellier"];
+
+#[test]
+fn every_kind_is_its_closed_form() {
+    let mut worst = Off::default();
+    let mut faults = Vec::new();
+    for (place, kind) in kinds::all().into_iter().enumerate() {
+        let sketch = usual(place, kind);
+        let Ok(text) = sketch.definition() else {
+            faults.push(format!("{}: no start", kind.0));
+            continue;
+        };
+        let off = open(&text).map_err(|e| e.to_string()).and_then(|mut model| {
+            run(&sketch, &mut model, 8.0 / sketch.own_motion(), 160, &mut |model, h| model.step(h))
+        });
+        println!("{:28} {off:?}", kind.0);
+        match off {
+            Err(_) if REFUSED.contains(&kind.0) => {}
+            Ok(_) if REFUSED.contains(&kind.0) => faults.push(format!("{} is taken: no longer to be listed", kind.0)),
+            Err(why) => faults.push(format!("{}: {why}", kind.0)),
+            Ok(off) => {
+                let good = off.position < POSITION && off.rates < RATES && off.balance < RATES && off.ratio < MOST;
+                if !good || off.samples < 20 {
+                    faults.push(format!("{}: {off:?}", kind.0));
+                }
+                worst.position = worst.position.max(off.position);
+            }
+        }
+    }
+    println!("{worst:?}");
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// The closed forms themselves: lengths, guides and fixed points, over the travel.
+#[test]
+fn closed_forms_close_their_joints() {
+    let kinds = kinds::all();
+    assert!(kinds.len() >= 40, "{} kinds", kinds.len());
+    for (place, kind) in kinds.into_iter().enumerate() {
+        let sketch = usual(place, kind);
+        let places = (-40..=40).filter_map(|k| sketch.gap(sketch.start[0] + 0.05 * f64::from(k)));
+        let gaps: Vec<f64> = places.collect();
+        let worst = gaps.iter().fold(0.0_f64, |worst, gap| worst.max(*gap));
+        assert!(gaps.len() > 5 && worst < 1e-13, "{}: {worst:e} at {} places", kind.0, gaps.len());
+    }
+}
