@@ -1,0 +1,80 @@
+//! Location of an event found in a step: on the interpolant where that is exact, else by a step that ends at the event.
+//!
+//! In: a step, an event on its interpolant. Out: the step that ends at the event. It must not know what moves.
+use super::Advance;
+use crate::integrator::{Dense, Step};
+use crate::mechanism::motion::dynamics::Dynamics;
+use crate::mechanism::motion::events::{Event, Found, REGIME_TOLERANCE, excess};
+
+impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
+    /// Whether states may be taken from the interpolant of a step.
+    #[inline(always)]
+    pub(super) fn is_exact(&mut self, step: &Step<N>, dense: &Dense<N>) -> bool {
+        let Some([first, _]) = step.rates() else { return false };
+        let scale = self.dynamics.scale(&step.start, first);
+        step.interpolates() && dense.is_within(self.tolerance, &scale)
+    }
+
+    /// Locate an event: on the interpolant if that is exact, or by a step that ends there, which is returned; the place of
+    /// a stop to the last digit.
+    #[inline(always)]
+    pub(super) fn locate(&mut self, step: &Step<N>, found: &Found<N>, dense: Option<&Dense<N>>) -> Option<Step<N>> {
+        let is_smooth = matches!(
+            found.event,
+            Event::Regime(_) | Event::Bumper(_) | Event::Reversal | Event::Border(_) | Event::Switch(_)
+        );
+        if is_smooth && dense.is_some_and(|dense| self.is_exact(step, dense)) && self.dynamics.admits(&found.state) {
+            self.integrator.branch_off();
+            return None;
+        }
+        let mut shorter = self.integrator.retake(self.dynamics, step, found.part * step.h);
+        self.progress.work.extra += 1;
+        if let Event::Stop(place) = found.event {
+            for _ in 1..6 {
+                let miss = self.ends.position(place).map_or(0.0, |position| position - shorter.end[0]);
+                let correction = miss / shorter.end[1];
+                let is_small = correction.abs() <= 1e-15 * (step.t + step.h)
+                    || miss.abs() <= 4.0 * f64::EPSILON * shorter.end[0].abs();
+                let next = shorter.h + correction;
+                if is_small || !(next > 0.0 && next <= step.h && correction.abs() < 0.1 * step.h) {
+                    break;
+                }
+                shorter = self.integrator.retake(self.dynamics, step, next);
+                self.progress.work.extra += 1;
+            }
+        } else if let (true, Some(dense)) = (is_smooth, dense) {
+            self.polish(step, found, dense, &mut shorter);
+        }
+        Some(shorter)
+    }
+
+    /// Let a step end where the event is and not where an interpolant that is not exact has it: Newton's method on the
+    /// size of the step, with the slope of the interpolant and then of the secant.
+    #[cold]
+    fn polish(&mut self, step: &Step<N>, found: &Found<N>, dense: &Dense<N>, shorter: &mut Step<N>) {
+        /// Part of the time to the event over which the first slope is taken.
+        const DIFFERENCE: f64 = 1e-3;
+        let Self { dynamics, integrator, contact, .. } = self;
+        let width = DIFFERENCE * found.part;
+        let [before, at] = [found.part - width, found.part]
+            .map(|part| excess(*dynamics, contact, found.event, step.t + part * step.h, &dense.at(part)));
+        let mut slope = (at - before) / (width * step.h);
+        let mut miss = excess(*dynamics, contact, found.event, step.t + shorter.h, &shorter.end);
+        for _ in 0..8 {
+            let correction = -miss / slope;
+            let next = shorter.h + correction;
+            let is_within = next > 0.0 && next <= step.h && correction.abs() < 0.1 * step.h;
+            if !is_within || correction.abs() <= REGIME_TOLERANCE * step.h {
+                break;
+            }
+            let end = integrator.retake(*dynamics, step, next);
+            self.progress.work.extra += 1;
+            let after = excess(*dynamics, contact, found.event, step.t + end.h, &end.end);
+            let secant = (after - miss) / (end.h - shorter.h);
+            if secant.is_finite() && secant != 0.0 {
+                slope = secant;
+            }
+            (*shorter, miss) = (end, after);
+        }
+    }
+}
