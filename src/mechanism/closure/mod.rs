@@ -2,27 +2,22 @@
 //!
 //! In: a linkage and a guess. Out: closed coordinates, the independent loop equations, and Newton's method on a plane
 //! across the curve of closed positions. It must not know loads or time.
+mod assembly;
 mod error;
 mod factors;
 
+pub use assembly::guessed;
 pub use error::AssemblyError;
 pub use factors::{Factors, dot};
 
-use crate::format::on_one_line;
-use crate::mechanism::definition::Named;
-use crate::mechanism::linkage::{Freedom, Linkage, Positions};
+use crate::mechanism::linkage::{Linkage, Positions};
 use crate::numerics::twofold::Twofold;
-use nalgebra::{DMatrix, DVector};
+use assembly::{close, independent_rows, rank, scaled_jacobian};
 use std::sync::Arc;
 
-/// Largest gap of a closed loop, relative to the linkage's size: rounding of Newton's method.
-const CLOSED: f64 = 1e-14;
 /// Position of a prismatic joint, in sizes of the linkage, up to which its rounding is no more than that of Newton's
 /// method.
 const NEAR: f64 = 100.0;
-/// Singular values below this part of the largest count as zero.
-const RANK: f64 = 1e-9;
-
 /// The loop equations of a linkage with one degree of freedom.
 #[derive(Clone, Debug)]
 pub struct Closure {
@@ -30,6 +25,8 @@ pub struct Closure {
     pub linkage: Arc<Linkage>,
     /// Indices of the independent loop equations, one fewer than coordinates.
     rows: Vec<usize>,
+    /// Two gaps of each independent loop equation that probe the amplification [m].
+    probes: Vec<[f64; 2]>,
     /// Weights that make coordinates comparable: 1 for an angle, 1/size for a length [1/m].
     pub weights: Vec<f64>,
 }
@@ -65,62 +62,17 @@ fn weights(linkage: &Linkage) -> Vec<f64> {
     (0..linkage.coordinates.len()).map(|i| if i < linkage.angles { 1.0 } else { 1.0 / linkage.size }).collect()
 }
 
-/// Dimensionless Jacobian: gaps relative to the linkage's size, coordinates weighted.
-fn scaled_jacobian(linkage: &Linkage, p: &Positions, q: &[f64], w: &[f64]) -> DMatrix<f64> {
-    let mut j = linkage.jacobian(p, q) / linkage.size;
-    for (mut column, weight) in j.column_iter_mut().zip(w) {
-        column /= *weight;
-    }
-    j
-}
-
 /// Rounding of the loop equations far from the origin, relative to that near it: positions of prismatic joints are sums
 /// in the bodies' positions.
 fn rounding_at(q: &[f64], angles: usize, w: &[f64]) -> f64 {
     q.iter().zip(w).skip(angles).fold(1.0, |most: f64, (s, w)| most.max((s * w).abs() / NEAR))
 }
 
-fn rank(matrix: &DMatrix<f64>) -> usize {
-    if matrix.is_empty() {
-        return 0;
-    }
-    let values = matrix.singular_values();
-    values.iter().filter(|s| **s > RANK * values.max().max(1e-3)).count()
-}
-
-/// Closed coordinates near a guess, by Newton's method with least-norm corrections.
-fn close(linkage: &Linkage, guess: &[f64], w: &[f64]) -> Result<Vec<f64>, AssemblyError> {
-    const ITERATIONS: usize = 200;
-    const STRIDE: f64 = 0.5;
-    let mut q = guess.to_vec();
-    let mut best = f64::INFINITY;
-    let mut unimproved = 0;
-    for _ in 0..ITERATIONS {
-        let p = linkage.positions(&q);
-        let gaps = linkage.gaps(&p);
-        let worst = gaps.iter().fold(0.0, |a: f64, g| a.max(g.abs())) / linkage.size;
-        // Closed, or as near to it as rounding allows at a singular position.
-        unimproved = if worst < 0.5 * best { 0 } else { unimproved + 1 };
-        best = best.min(worst);
-        if worst < CLOSED || (unimproved > 3 && worst < 100.0 * CLOSED * rounding_at(&q, linkage.angles, w)) {
-            return Ok(q);
-        }
-        let j = scaled_jacobian(linkage, &p, &q, w);
-        if !(worst.is_finite() && j.iter().all(|x| x.is_finite())) {
-            break;
-        }
-        let right = DVector::from_iterator(gaps.len(), gaps.iter().map(|g| -g / linkage.size));
-        let svd = j.svd(true, true);
-        let cut = 1e-10 * svd.singular_values.max();
-        let Ok(step) = svd.solve(&right, cut) else { break };
-        let shorten = (STRIDE / step.norm()).min(1.0);
-        for (i, s) in step.iter().enumerate() {
-            q[i] += shorten * s / w[i];
-        }
-    }
-    let gaps = linkage.gaps(&linkage.positions(&q));
-    let (row, gap) = gaps.iter().enumerate().fold((0, 0.0), |a, (i, g)| if g.abs() >= a.1 { (i, g.abs()) } else { a });
-    Err(AssemblyError::Open { joint: linkage.joints[linkage.row_joints()[row]].name.clone(), gap })
+/// Two sizes for the independent loop equation with index `i`, of either sign. They follow no pattern, as the gaps that
+/// are amplified may: the same ones in two loops with opposite signs, say.
+fn probes(i: usize) -> [f64; 2] {
+    let uneven = 1.0 + 0.5 * (1.0 + 3.7 * i as f64).sin();
+    [0, 1].map(|k| if (i >> k).is_multiple_of(2) { uneven } else { -uneven })
 }
 
 impl Closure {
@@ -150,7 +102,8 @@ impl Closure {
             }
             return Err(AssemblyError::Freedom { count: freedom });
         }
-        Ok((Self { linkage, rows: independent_rows(&j, n - 1), weights: w }, q))
+        let probes = (0..n - 1).map(|i| probes(i).map(|gap| gap * linkage.size)).collect();
+        Ok((Self { linkage, rows: independent_rows(&j, n - 1), probes, weights: w }, q))
     }
 
     /// Whether some loop equations depend on others.
@@ -187,24 +140,16 @@ impl Closure {
     /// Amplification of rounding in a gap in solutions on planes with this normal: the largest entry of two solutions.
     pub fn amplification(&self, normal: &[f64], scratch: &mut Scratch) -> f64 {
         scratch.steps.resize(normal.len(), [0.0; 3]);
-        let rows = (0..self.rows.len()).map(|i| self.probes(i, 0.0));
+        let rows = self.probes.iter().map(|[a, b]| [0.0, *a, *b]);
         scratch.factors.solve(rows, normal, [0.0; 3], &mut scratch.steps);
         let [_, a, b] = self.sizes(&scratch.steps);
         a.max(b)
     }
 
-    /// Right-hand sides of the independent loop equation with index `i`: a change of its gap, and two sequences of
-    /// signs that probe the amplification.
-    fn probes(&self, i: usize, change: f64) -> [f64; 3] {
-        let size = self.linkage.size;
-        let signed = |k: usize| if (i >> k).is_multiple_of(2) { size } else { -size };
-        [change, signed(0), signed(1)]
-    }
-
     /// A solution on a plane with this normal, for gaps that are no special combination of loops.
     pub fn probe(&self, normal: &[f64], scratch: &Scratch) -> Vec<f64> {
         let mut out = vec![0.0; normal.len()];
-        let rows = (0..self.rows.len()).map(|i| [self.linkage.size * (1.0 + 3.7 * i as f64).sin()]);
+        let rows = self.probes.iter().map(|[gap, _]| [*gap]);
         scratch.factors.solve(rows, normal, [0.0], out.as_chunks_mut().0);
         out
     }
@@ -289,7 +234,7 @@ impl Closure {
             self.linkage.gaps_into(&scratch.positions, &mut scratch.gaps);
             let off: f64 = (0..q.len()).map(|i| normal[i] * (q[i] - base[i])).sum();
             scratch.steps.resize(q.len(), [0.0; 3]);
-            let rows = self.rows.iter().enumerate().map(|(i, &r)| self.probes(i, -scratch.gaps[r]));
+            let rows = self.rows.iter().zip(&self.probes).map(|(&r, [a, b])| [-scratch.gaps[r], *a, *b]);
             scratch.factors.solve(rows, normal, [along - off, 0.0, 0.0], &mut scratch.steps);
             let [size, a, b] = self.sizes(&scratch.steps);
             if size > 1.0 {
@@ -348,70 +293,4 @@ impl Closure {
         }
         None
     }
-}
-
-/// Rows of full rank, each chosen for the largest part that the rows before do not span.
-fn independent_rows(j: &DMatrix<f64>, count: usize) -> Vec<usize> {
-    let mut rest: Vec<DVector<f64>> = j.row_iter().map(|r| r.transpose()).collect();
-    if rest.len() == count {
-        return (0..count).collect();
-    }
-    let mut rows = Vec::new();
-    for _ in 0..count {
-        let best = (0..rest.len()).fold(0, |b, i| if rest[i].norm() > rest[b].norm() { i } else { b });
-        let unit = rest[best].normalize();
-        for v in &mut rest {
-            let part = v.dot(&unit);
-            v.axpy(-part, &unit, 1.0);
-        }
-        rows.push(best);
-    }
-    rows.sort_unstable();
-    rows
-}
-
-/// Coordinates from the guess of a definition: a body's name gives an angle, a prismatic joint's name a position.
-///
-/// # Errors
-/// [`AssemblyError::Guess`] for a missing or a superfluous name.
-pub fn guessed(linkage: &Linkage, guess: &Named<f64>) -> Result<Vec<f64>, AssemblyError> {
-    let mut q = vec![None; linkage.coordinates.len()];
-    for (name, &value) in guess.iter() {
-        let body = linkage.bodies.iter().find(|b| b.name == name);
-        let found = match body {
-            Some(b) => b.angle_coordinate.map(|t| (t, value - b.offset)),
-            None => linkage.coordinates[linkage.angles..]
-                .iter()
-                .position(|c| c == name)
-                .map(|i| (linkage.angles + i, value)),
-        };
-        match found {
-            Some((i, v)) => q[i] = Some(v),
-            None => {
-                let all = linkage.coordinates.join(", ");
-                let message = match (body, linkage.joints.iter().find(|joint| joint.name == name)) {
-                    (Some(_), _) => {
-                        format!("the ground holds this body, so that it does not turn: leave it out of {all}")
-                    }
-                    (None, Some(joint)) if joint.freedom == Freedom::Revolute => {
-                        format!("is a revolute joint: guess the angles of bodies instead; the coordinates are {all}")
-                    }
-                    (None, Some(_)) => format!(
-                        "its position follows from those of other prismatic joints between the same bodies: leave it out; \
-                         the coordinates are {all}"
-                    ),
-                    (None, None) => format!("gives no coordinate; those are {all}"),
-                };
-                return Err(AssemblyError::Guess { name: on_one_line(name), message });
-            }
-        }
-    }
-    let missing = |i: usize| AssemblyError::Guess {
-        name: linkage.coordinates[i].clone(),
-        message: format!(
-            "is missing: give its rough {}",
-            if i < linkage.angles { "angle [rad]" } else { "position [m]" }
-        ),
-    };
-    q.into_iter().enumerate().map(|(i, v)| v.ok_or_else(|| missing(i))).collect()
 }
