@@ -52,7 +52,7 @@ fn possible(probe: &mut Probe, sketch: &Sketch, text: &str, span: f64, steps: u3
         probe.count("mechanisms that leave the closed form at once");
     }
     if plain > MOST {
-        probe.count("mechanisms beyond 100 times the tolerance that a start moved by it explains");
+        probe.count("mechanisms beyond 100 times the tolerance that a state moved by it explains");
     }
     for (what, value, most) in [
         ("position", position, POSITION),

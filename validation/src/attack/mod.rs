@@ -91,7 +91,7 @@ pub const PARTS: [Part; 8] = [
     },
     Part {
         name: "scenes",
-        claim: "the motion is within 100 times the tolerance, or what the scene makes of a start moved by it, of an independent integration",
+        claim: "the motion is within 100 times the tolerance, or what the scene makes of a state moved by it, of an independent integration",
         case: scenes::attack,
         count: 1_000,
         share: 0.28,
@@ -99,7 +99,7 @@ pub const PARTS: [Part; 8] = [
     },
     Part {
         name: "kinds",
-        claim: "a random mechanism of one of the kinds is taken unless its lengths cannot be joined; its positions, rates and reactions are its closed form's, its motion that of Lagrange's equation to within 100 times the tolerance, or what it makes of a start moved by it",
+        claim: "a random mechanism of one of the kinds is taken unless its lengths cannot be joined; its positions, rates and reactions are its closed form's, its motion that of Lagrange's equation to within 100 times the tolerance, or what it makes of a state moved by it",
         case: kinds::attack,
         count: 300,
         share: 0.1,

@@ -22,7 +22,7 @@ pub struct Off {
     pub balance: f64,
     /// Largest error of the coordinate [rad, or parts of the size] and its speed, relative to the largest one.
     pub motion: f64,
-    /// What a start moved by the tolerance makes of the motion, where `motion` over it is largest.
+    /// What a state moved by the tolerance makes of the motion, where `motion` over it is largest.
     pub moved: f64,
     /// Largest `motion` over the greater of the tolerance and `moved`.
     pub ratio: f64,
@@ -44,6 +44,9 @@ impl Off {
 const OWN: f64 = 1e-12;
 /// Distance of two motions from which on nothing can be said.
 const LOST: f64 = 1e-3;
+/// Error over what a moved start leads to, above which states on the way are moved too, and the number of these.
+const SUSPECT: f64 = 10.0;
+const PLACES: usize = 12;
 
 /// A sketch in the engine, at its start.
 ///
@@ -215,6 +218,30 @@ fn balance(
     Ok(worst / largest)
 }
 
+/// Distance of two motions at one time: of their coordinates and of their speeds, over the fastest.
+fn between(sketch: &Sketch, one: &Motion<'_>, other: &Motion<'_>, fastest: f64) -> Result<f64, Miss> {
+    let [near, moved] = [one, other].map(|motion| {
+        let value = Place::of(sketch, motion.state[0])?.value(sketch);
+        Ok((value.value(), value.slope() * motion.state[1]))
+    });
+    let ((x, v), (y, w)) = (near?, moved?);
+    Ok(apart(sketch, x, y).abs().max((v - w).abs() / fastest))
+}
+
+/// The farthest that a state moved by the tolerance at one of some instants of a motion, `h` apart, leads from its last.
+fn moved_on_the_way(sketch: &Sketch, track: &[Motion<'_>], h: f64, fastest: f64) -> f64 {
+    let Some((last, before)) = track.split_last() else { return 0.0 };
+    let mut farthest = 0.0_f64;
+    for k in 0..PLACES {
+        let from = k * before.len() / PLACES;
+        let Some(mut moved) = before.get(from).map(|motion| motion.nudged(sketch.tolerance)) else { continue };
+        if (from..before.len()).all(|_| moved.advance(h) == End::Reached) {
+            farthest = farthest.max(between(sketch, last, &moved, fastest).unwrap_or(0.0));
+        }
+    }
+    farthest
+}
+
 /// How a step of the engine is made.
 pub type Step<'a> = dyn FnMut(&mut Simulation, f64) -> Result<(), SimulationError> + 'a;
 
@@ -224,27 +251,32 @@ pub type Step<'a> = dyn FnMut(&mut Simulation, f64) -> Result<(), SimulationErro
 /// The engine refuses a step or an output.
 pub fn run(sketch: &Sketch, run: &mut Simulation, span: f64, steps: u32, step: &mut Step<'_>) -> Result<Off, String> {
     let names = Names::of(sketch);
-    let (mut one, mut other) = (Motion::new(sketch, 0.0), Motion::new(sketch, sketch.tolerance));
+    let mut one = Motion::new(sketch);
+    let mut other = one.nudged(sketch.tolerance);
+    let mut track = vec![one.clone()];
     let mut off = Off::default();
     let mut fastest = 0.0_f64;
+    let h = span / f64::from(steps);
     for _ in 0..steps {
-        let h = span / f64::from(steps);
         if [&mut one, &mut other].into_iter().any(|motion| motion.advance(h) == End::Left) {
             break;
         }
         step(run, h).map_err(|e| format!("a step is refused: {e}"))?;
-        let [near, moved] =
-            [&one, &other].map(|motion| Place::of(sketch, motion.state[0]).map(|place| place.value(sketch)));
-        let (Ok(near), Ok(moved)) = (near, moved) else { break };
-        let (rate, other_rate) = (near.slope() * one.state[1], moved.slope() * other.state[1]);
+        track.push(one.clone());
+        let Ok(near) = Place::of(sketch, one.state[0]).map(|place| place.value(sketch)) else { break };
+        let rate = near.slope() * one.state[1];
         fastest = fastest.max(rate.abs()).max(1e-2 * sketch_scale(sketch));
-        let doubt = apart(sketch, near.value(), moved.value()).abs().max((rate - other_rate).abs() / fastest);
+        let Ok(mut doubt) = between(sketch, &one, &other, fastest) else { break };
         if doubt > LOST {
             break;
         }
         let [value, speed, _] = rates(run, &names.value)?;
         let motion = apart(sketch, value, near.value()).abs().max((speed - rate).abs() / fastest);
-        let ratio = (motion - OWN).max(0.0) / sketch.tolerance.max(doubt);
+        let over = |doubt: f64| (motion - OWN).max(0.0) / sketch.tolerance.max(doubt);
+        if over(doubt) > SUSPECT {
+            doubt = doubt.max(moved_on_the_way(sketch, &track, h, fastest));
+        }
+        let ratio = over(doubt);
         off.motion = off.motion.max(motion);
         off.plain = off.motion / sketch.tolerance;
         if ratio >= off.ratio {

@@ -31,6 +31,7 @@ pub enum End {
 }
 
 /// A mechanism in motion.
+#[derive(Clone)]
 pub struct Motion<'a> {
     sketch: &'a Sketch,
     /// Parameter and rate.
@@ -105,11 +106,16 @@ impl Place {
 }
 
 impl<'a> Motion<'a> {
-    /// At the start, moved by `nudge` and its rate by that part.
-    pub fn new(sketch: &'a Sketch, nudge: f64) -> Self {
-        let [s, rate] = sketch.start;
-        let state = [s + nudge, rate * (1.0 + nudge)];
-        Self { sketch, state, fastest: rate.abs(), held: false, released: 0.0, step: 1e-3, taken: 0 }
+    /// At the start.
+    pub fn new(sketch: &'a Sketch) -> Self {
+        let fastest = sketch.start[1].abs();
+        Self { sketch, state: sketch.start, fastest, held: false, released: 0.0, step: 1e-3, taken: 0 }
+    }
+
+    /// This motion with its state moved by `nudge` and its rate by that part.
+    pub fn nudged(&self, nudge: f64) -> Self {
+        let [s, rate] = self.state;
+        Self { state: [s + nudge, rate * (1.0 + nudge)], ..self.clone() }
     }
 
     fn acceleration(&self, [s, rate]: [f64; 2]) -> Result<f64, Miss> {

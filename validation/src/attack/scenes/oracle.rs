@@ -76,15 +76,12 @@ fn axpy(sum: &mut Coordinates, factor: f64, x: &Coordinates) {
 }
 
 impl Oracle {
-    /// At the start; `nudge` moves the coordinate by that much and its speed by that part.
-    pub fn new(machine: &Machine, most: f64, error: f64, nudge: f64) -> Option<Self> {
+    /// At the start.
+    pub fn new(machine: &Machine, most: f64, error: f64) -> Option<Self> {
         let mut newton = Newton::new(machine);
         let mut state = State { q: newton.start(), v: [0.0; 9] };
         newton.project(&mut state.q, &mut state.v);
-        let motion = newton.free_motion(machine.coordinate, &state.q)?;
-        axpy(&mut state.q, nudge, &motion);
-        newton.project(&mut state.q, &mut state.v);
-        state.v = newton.free_motion(machine.coordinate, &state.q)?.map(|x| x * machine.speed * (1.0 + nudge));
+        state.v = newton.free_motion(machine.coordinate, &state.q)?.map(|x| x * machine.speed);
         let touching = vec![false; machine.stops.len()];
         let (next, fastest) = (1e-5, machine.speed.abs());
         Some(Self {
@@ -100,6 +97,25 @@ impl Oracle {
             next,
             fastest,
         })
+    }
+
+    /// This state with the coordinate moved by `nudge` and its speed by that part. None of a machine that is held, or at a
+    /// dead centre of the coordinate.
+    pub fn nudged(&self, nudge: f64) -> Option<Self> {
+        /// Largest change of another coordinate for that of the machine's.
+        const LEVER: f64 = 1e3;
+        let mut moved = self.clone();
+        let coordinate = self.machine().coordinate;
+        let motion = moved.newton.free_motion(coordinate, &self.state.q)?;
+        if self.held.is_some() || motion.iter().any(|part| part.is_nan() || part.abs() > LEVER) {
+            return None;
+        }
+        let speed = self.coordinate()[1];
+        axpy(&mut moved.state.q, nudge, &motion);
+        moved.newton.project(&mut moved.state.q, &mut moved.state.v);
+        let motion = moved.newton.free_motion(coordinate, &moved.state.q)?;
+        moved.state.v = motion.map(|part| part * speed * (1.0 + nudge));
+        Some(moved)
     }
 
     /// Whether the equations or the events had no solution on the way.
