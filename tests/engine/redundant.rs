@@ -3,6 +3,7 @@
 use crate::support::Run;
 use linkage_fmu::mechanism::Model;
 use nalgebra::{DMatrix, DVector};
+use serde_json::{Value, json};
 
 /// A parallelogram with a third bar in the middle; `third` is its length. The plate is the coupler, 2 m long.
 fn three_bars(third: f64) -> String {
@@ -76,6 +77,27 @@ fn reactions_of_a_third_bar_are_those_of_least_norm() {
             }
         }
         assert!(run.get("energy.drift").abs() < 1e-9);
+    }
+}
+
+/// Guesses of three angles that are not closed contradict the redundant loop: what closes it is next to them, not where
+/// the bars are in line and the loop equations singular.
+#[test]
+fn what_closes_a_redundant_loop_is_next_to_the_guess() {
+    for case in 0..60 {
+        let off = |k: u32| 5e-3 * f64::from(case * 7 + k).sin();
+        let mut definition: Value = serde_json::from_str(&three_bars(1.0)).unwrap();
+        let guess = [("left", 1.1), ("right", 1.1), ("third", 1.1), ("plate", 0.0)];
+        for (k, (body, angle)) in guess.iter().enumerate() {
+            definition["guess"][*body] = json!(angle + off(k as u32));
+        }
+        let mut run = Run::new(&definition.to_string()).started();
+        let linkage = run.reduced().unwrap().linkage().clone();
+        let closed = &run.reduced().unwrap().curve().guess;
+        for (name, q) in linkage.coordinates.iter().zip(closed) {
+            let guessed = definition["guess"][name].as_f64().unwrap();
+            assert!((q - guessed).abs() < 0.02, "case {case}: {name} {guessed} closed at {q}");
+        }
     }
 }
 

@@ -8,8 +8,6 @@ const POSITION: f64 = 1e-11;
 const RATES: f64 = 1e-9;
 /// Largest error of the motion over the tolerance.
 const MOST: f64 = 100.0;
-/// Kinds that the engine refuses although their closed form goes on: a fault, and none once they are taken.
-const REFUSED: &[&str] = &["inversor of Peaucellier"];
 
 #[test]
 fn every_kind_is_its_closed_form() {
@@ -26,8 +24,6 @@ fn every_kind_is_its_closed_form() {
         });
         println!("{:28} {off:?}", kind.0);
         match off {
-            Err(_) if REFUSED.contains(&kind.0) => {}
-            Ok(_) if REFUSED.contains(&kind.0) => faults.push(format!("{} is taken: no longer to be listed", kind.0)),
             Err(why) => faults.push(format!("{}: {why}", kind.0)),
             Ok(off) => {
                 let good = off.position < POSITION && off.rates < RATES && off.balance < RATES && off.ratio < MOST;

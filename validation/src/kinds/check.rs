@@ -18,7 +18,7 @@ pub struct Off {
     pub position: f64,
     /// Largest error of a speed or an acceleration, relative to the largest one.
     pub rates: f64,
-    /// Largest force that is left over in Newton and Euler's equations of a body, as a part of the largest.
+    /// Largest force that is left over in Newton and Euler's equations of a body, as a part of the largest so far.
     pub balance: f64,
     /// Largest error of the coordinate [rad, or parts of the size] and its speed, relative to the largest one.
     pub motion: f64,
@@ -44,6 +44,8 @@ impl Off {
 const OWN: f64 = 1e-12;
 /// Distance of two motions from which on nothing can be said.
 const LOST: f64 = 1e-3;
+/// Speed of a body's angle over that of the coordinate at a dead centre of the coordinate, and above.
+const DEAD: f64 = 1e3;
 /// Error over what a moved start leads to, above which states on the way are moved too, and the number of these.
 const SUSPECT: f64 = 10.0;
 const PLACES: usize = 12;
@@ -106,15 +108,27 @@ fn parameter(sketch: &Sketch, value: f64, guess: f64) -> Result<f64, Miss> {
     Ok(s)
 }
 
-/// Compare positions, rates and reactions of the present state; `s` is the parameter of the reference.
+/// Compare positions, rates and reactions of the present state; `s` is the parameter of the reference, `strongest` the
+/// largest force so far. None at a dead centre of the coordinate, where it does not tell the rates, and outside the closed
+/// form.
 ///
 /// # Errors
 /// An output is refused, or is not finite.
-pub fn state(sketch: &Sketch, run: &mut Simulation, names: &Names, s: f64) -> Result<Option<Off>, String> {
+fn state(
+    sketch: &Sketch,
+    run: &mut Simulation,
+    names: &Names,
+    s: f64,
+    strongest: &mut f64,
+) -> Result<Option<Off>, String> {
     let [value, speed, acceleration] = rates(run, &names.value)?;
     let Ok(s) = parameter(sketch, value, s) else { return Ok(None) };
     let Ok(place) = Place::of(sketch, s) else { return Ok(None) };
     let own = place.value(sketch);
+    let fastest = place.poses.iter().fold(0.0_f64, |most, pose| most.max(pose.angle.slope().abs()));
+    if fastest * sketch_scale(sketch) > DEAD * own.slope().abs() {
+        return Ok(None);
+    }
     let rate = speed / own.slope();
     let second = (acceleration - own.bend() * rate * rate) / own.slope();
     let mut off = Off::default();
@@ -155,7 +169,7 @@ pub fn state(sketch: &Sketch, run: &mut Simulation, names: &Names, s: f64) -> Re
         let position = format!("{}.position", sketch.slides[k].name);
         judge(rates(run, &position)?, sketch.position(k, &place.places, &place.poses), size, false);
     }
-    off.balance = balance(sketch, run, names, &place, [rate, second])?;
+    off.balance = balance(sketch, run, names, (&place, [rate, second]), strongest)?;
     Ok(Some(off))
 }
 
@@ -167,13 +181,13 @@ fn sketch_scale(sketch: &Sketch) -> f64 {
 }
 
 /// What is left over in Newton and Euler's equations of the bodies under the engine's reactions, as a part of the
-/// largest force.
+/// largest force so far, which is kept in `strongest`.
 fn balance(
     sketch: &Sketch,
     run: &mut Simulation,
     names: &Names,
-    place: &Place,
-    [rate, second]: [f64; 2],
+    (place, [rate, second]): (&Place, [f64; 2]),
+    strongest: &mut f64,
 ) -> Result<f64, String> {
     let (size, [g, up]) = (sketch.size(), sketch.loads.gravity);
     let mut left: Vec<[f64; 3]> = Vec::new();
@@ -215,7 +229,8 @@ fn balance(
         push(sketch.owner(spring.end), [end.x.value(), end.y.value()], force, 0.0, 1.0);
     }
     let worst = left.iter().map(|[x, y, m]| x.hypot(*y).max(m.abs() / size)).fold(0.0, f64::max);
-    Ok(worst / largest)
+    *strongest = strongest.max(largest);
+    Ok(worst / *strongest)
 }
 
 /// Distance of two motions at one time: of their coordinates and of their speeds, over the fastest.
@@ -255,7 +270,7 @@ pub fn run(sketch: &Sketch, run: &mut Simulation, span: f64, steps: u32, step: &
     let mut other = one.nudged(sketch.tolerance);
     let mut track = vec![one.clone()];
     let mut off = Off::default();
-    let mut fastest = 0.0_f64;
+    let (mut fastest, mut strongest) = (0.0_f64, 0.0_f64);
     let h = span / f64::from(steps);
     for _ in 0..steps {
         if [&mut one, &mut other].into_iter().any(|motion| motion.advance(h) == End::Left) {
@@ -284,7 +299,7 @@ pub fn run(sketch: &Sketch, run: &mut Simulation, span: f64, steps: u32, step: &
         }
         off.samples += 1;
         if !one.held
-            && let Some(now) = state(sketch, run, &names, one.state[0])?
+            && let Some(now) = state(sketch, run, &names, one.state[0], &mut strongest)?
         {
             off.take(now);
         }

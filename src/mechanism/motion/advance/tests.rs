@@ -3,8 +3,9 @@
 #![allow(clippy::unwrap_used)]
 mod particle;
 
+use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::loads::laws::friction::{Law, Regime};
-use crate::mechanism::motion::contact::{EngagedLocks, Place};
+use crate::mechanism::motion::contact::{Contact, EngagedLocks, Place};
 use particle::{Particle, Run, bumper, falling, only, rigid};
 
 const G: f64 = 9.81;

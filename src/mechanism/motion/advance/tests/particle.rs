@@ -6,7 +6,7 @@ use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::loads::laws::friction::{Law, Regime};
 use crate::mechanism::motion::advance::{Advance, Progress};
-use crate::mechanism::motion::contact::{BumperPlaces, Contact, Ends, EngagedLocks, RigidEnd, Travel};
+use crate::mechanism::motion::contact::{BumperPlaces, Contact, Ends, EngagedLocks, RigidEnd, Travel, outward};
 use crate::mechanism::motion::dynamics::Dynamics;
 use crate::mechanism::motion::step_ahead::Lookahead;
 use crate::mechanism::motion::witness::Witness;
