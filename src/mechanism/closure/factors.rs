@@ -139,6 +139,12 @@ impl Factors {
         self.null.iter().all(|v| v.is_finite())
     }
 
+    /// Logarithm of the size of the determinant of J with the plane's normal as its last row.
+    pub fn log_determinant(&self, normal: &[f64]) -> f64 {
+        let inverses: f64 = self.pivots.iter().map(|(_, inverse)| inverse.abs().ln()).sum();
+        dot(normal, &self.null).abs().ln() - inverses
+    }
+
     /// Multiple of z with the inner product `along` with the plane's normal.
     pub fn tangent(&self, normal: &[f64], along: f64, out: &mut Vec<f64>) {
         let scale = along / dot(normal, &self.null);

@@ -32,14 +32,15 @@ struct Walk<'a> {
     u: f64,
     q: Vec<f64>,
     slope: Vec<f64>,
-    amplification: f64,
+    /// Logarithm of the determinant of the loop equations and the plane's.
+    determinant: f64,
 }
 
 impl<'a> Walk<'a> {
     fn new(closure: &'a Closure, base: &'a Base, scratch: &mut configuration::Scratch) -> Option<Self> {
         let normal = closure.normal(&base.tangent);
         let mut walk =
-            Self { closure, base, u: 0.0, q: base.q.clone(), slope: base.tangent.clone(), amplification: 0.0, normal };
+            Self { closure, base, u: 0.0, q: base.q.clone(), slope: base.tangent.clone(), determinant: 0.0, normal };
         walk.close(scratch, 0.0, f64::INFINITY)?;
         Some(walk)
     }
@@ -48,10 +49,9 @@ impl<'a> Walk<'a> {
     fn close(&mut self, scratch: &mut configuration::Scratch, u: f64, most: f64) -> Option<()> {
         let mut q: Vec<f64> = self.q.iter().zip(&self.slope).map(|(q, slope)| q + (u - self.u) * slope).collect();
         let loops = &mut scratch.loops;
-        let converged =
-            self.closure.on_plane(loops, &mut q, &self.base.q, &self.normal, u).filter(|c| c.first <= most)?;
+        self.closure.on_plane(loops, &mut q, &self.base.q, &self.normal, u).filter(|c| c.first <= most)?;
         loops.factors.tangent(&self.normal, 1.0, &mut self.slope);
-        (self.u, self.q, self.amplification) = (u, q, converged.amplification);
+        (self.u, self.q, self.determinant) = (u, q, loops.factors.log_determinant(&self.normal));
         Some(())
     }
 
@@ -95,8 +95,8 @@ impl<'a> Walk<'a> {
 
 /// Distance from `base` across planes normal to its tangent to the next crossing, up to a little beyond `width`.
 ///
-/// Near a crossing at the distance c the amplification grows like (c - u)^-k, so that the inverse of the slope of its
-/// logarithm is (c - u) / k, which falls linearly to 0.
+/// Near a crossing at the distance c, where k loops are singular, the determinant of the loop equations falls like
+/// (c - u)^k, so that the inverse of the slope of its logarithm is (u - c) / k, which rises linearly to 0.
 pub(super) fn crossing_ahead(
     closure: &Closure,
     base: &Base,
@@ -113,12 +113,12 @@ pub(super) fn crossing_ahead(
     let [mut stride, longest, shortest] = STRIDES;
     let (mut before, mut found): (Option<[f64; 2]>, Option<f64>) = (None, None);
     while walk.u < 1.5 * width && stride > shortest {
-        let (u, low, apart) = (walk.u, walk.amplification.ln(), APART * stride);
+        let (u, high, apart) = (walk.u, walk.determinant, APART * stride);
         if walk.go(scratch, u + apart).is_none() {
             stride *= 0.5;
             continue;
         }
-        let (at, inverse) = (u + 0.5 * apart, apart / (walk.amplification.ln() - low));
+        let (at, inverse) = (u + 0.5 * apart, apart / (high - walk.determinant));
         let estimate = before.and_then(|[u, value]| {
             let c = at + inverse * (at - u) / (value - inverse);
             (inverse > 0.0 && value > inverse && c < 2.0 * width).then_some(c)
