@@ -130,6 +130,10 @@ pub(super) fn crossing_ahead(
             stride = (2.0 * stride).min(longest).min(PART * (c - at));
         } else {
             stride = (2.0 * stride).min(longest);
+            if before.is_none() && inverse > 0.0 {
+                // As if one loop were singular ahead and nothing else changed the determinant.
+                stride = stride.min(PART * inverse);
+            }
         }
         (before, found) = (Some([at, inverse]), estimate);
         while stride > shortest && walk.go(scratch, at + stride).is_none() {
