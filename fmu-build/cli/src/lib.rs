@@ -24,7 +24,7 @@ pub enum Task {
     Check(Check),
     /// Write a page that moves a mechanism in the browser
     View(View),
-    /// Run a mechanism or an FMU by the engine itself: CSV, plot
+    /// Run a mechanism or an FMU by the engine itself: CSV, Parquet, plot, film
     Simulate(Simulate),
     /// Run the retraction through FMPy: figures, table, plot
     Demo(Demo),
@@ -125,12 +125,15 @@ pub struct Simulate {
     /// Variables to record [default: every output]
     #[arg(long, value_name = "NAME", num_args = 1..)]
     pub output_variables: Vec<String>,
-    /// File for the recorded variables, as CSV with `time` first
-    #[arg(long, value_name = "CSV")]
+    /// File for the recorded variables, with `time` first: CSV, or Parquet if the name ends in .parquet
+    #[arg(long, value_name = "FILE")]
     pub output_file: Option<PathBuf>,
     /// Picture of the recorded variables over time: a .png or .svg file
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+    /// Film of the mechanism in motion: a .gif file
+    #[arg(long, value_name = "FILE")]
+    pub gif: Option<PathBuf>,
 }
 
 /// Arguments of `demo`.
