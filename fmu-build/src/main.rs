@@ -3,7 +3,7 @@
 
 use clap::Parser;
 use fmu_build::workspace::Workspace;
-use fmu_build::{bench, chain, check, package, report, simulate, test, view};
+use fmu_build::{bench, chain, check, info, package, report, simulate, test, validate, view};
 use fmu_cli::{Cli, Task};
 use std::process::ExitCode;
 
@@ -15,6 +15,12 @@ fn main() -> ExitCode {
     let result = match Cli::parse().task {
         Task::Package(arguments) => package::run(&workspace, &arguments).map(drop),
         Task::Check(arguments) => match check::run(&workspace, &arguments) {
+            Ok(true) => Ok(()),
+            Ok(false) => return ExitCode::FAILURE,
+            Err(error) => Err(error),
+        },
+        Task::Info(arguments) => info::run(&workspace, &arguments),
+        Task::Validate(arguments) => match validate::run(&workspace, &arguments) {
             Ok(true) => Ok(()),
             Ok(false) => return ExitCode::FAILURE,
             Err(error) => Err(error),

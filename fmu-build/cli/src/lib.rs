@@ -22,6 +22,10 @@ pub enum Task {
     Package(Package),
     /// Tell what is wrong with a mechanism, where it can go, and what it weighs
     Check(Check),
+    /// Tell what an FMU or a mechanism offers to a host: variables, default experiment, platforms
+    Info(Info),
+    /// Tell whether an FMU is whole: archive, description, libraries, definition
+    Validate(Validate),
     /// Write a page that moves a mechanism in the browser
     View(View),
     /// Run a mechanism or an FMU by the engine itself: CSV, Parquet, plot, film
@@ -70,6 +74,25 @@ pub struct Check {
     /// End with the exit code 1 on warnings too
     #[arg(long)]
     pub deny_warnings: bool,
+}
+
+/// Arguments of `info`.
+#[derive(Args)]
+pub struct Info {
+    /// An FMU, a definition file (mechanism.json), or a folder that holds one
+    #[arg(value_name = "PATH")]
+    pub path: PathBuf,
+    /// Print the same as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `validate`.
+#[derive(Args)]
+pub struct Validate {
+    /// An FMU, a definition file (mechanism.json), or a folder that holds one
+    #[arg(value_name = "PATH", required = true)]
+    pub paths: Vec<PathBuf>,
 }
 
 /// Arguments of `view`.

@@ -13,6 +13,8 @@ use std::path::Path;
 const WIDTH: u32 = 1080;
 const HEIGHT: u32 = 280;
 const NAMES: u32 = 250;
+/// Rows above which lines are thin.
+const DENSE: usize = 2000;
 /// Beyond this a value stands for an infinite one, such as a reduced mass at a dead centre.
 const INFINITE: f64 = 1e300;
 /// Most lines in one panel, and panels in one picture: more could not be told apart.
@@ -58,8 +60,8 @@ pub fn write(path: &Path, recorded: &Recorded) -> Result<()> {
     picture::register()?;
     let size = (WIDTH, HEIGHT * panels.len().max(1) as u32);
     let drawn = match extension(path).as_str() {
-        "svg" => draw(&SVGBackend::new(path, size).into_drawing_area(), &panels, recorded),
-        _ => draw(&BitMapBackend::new(path, size).into_drawing_area(), &panels, recorded),
+        "svg" => draw(&SVGBackend::new(path, size).into_drawing_area(), &panels, recorded, true),
+        _ => draw(&BitMapBackend::new(path, size).into_drawing_area(), &panels, recorded, false),
     };
     drawn.with_context(|| format!("--plot: {}", path.display()))
 }
@@ -79,18 +81,30 @@ fn panels(recorded: &Recorded) -> (Vec<Panel>, usize) {
     (panels, left_out)
 }
 
-fn draw<B: DrawingBackend>(area: &DrawingArea<B, Shift>, panels: &[Panel], recorded: &Recorded) -> Result<()>
+fn draw<B: DrawingBackend>(
+    area: &DrawingArea<B, Shift>,
+    panels: &[Panel],
+    recorded: &Recorded,
+    is_joined: bool,
+) -> Result<()>
 where
     B::ErrorType: 'static,
 {
     area.fill(&WHITE)?;
     for (part, panel) in area.split_evenly((panels.len().max(1), 1)).iter().zip(panels) {
-        draw_panel(part, panel, recorded)?;
+        draw_panel(part, panel, recorded, is_joined)?;
     }
     Ok(area.present()?)
 }
 
-fn draw_panel<B: DrawingBackend>(area: &DrawingArea<B, Shift>, panel: &Panel, recorded: &Recorded) -> Result<()>
+/// One panel. `is_joined`: each line is one path; else each of its segments is one, as the corners of wide lines stick far
+/// out in bitmaps where a line turns back.
+fn draw_panel<B: DrawingBackend>(
+    area: &DrawingArea<B, Shift>,
+    panel: &Panel,
+    recorded: &Recorded,
+    is_joined: bool,
+) -> Result<()>
 where
     B::ErrorType: 'static,
 {
@@ -122,10 +136,16 @@ where
         .axis_desc_style((FONT, 15))
         .draw()?;
     for ((&index, colour), place) in panel.lines.iter().zip(COLOURS).zip(1..) {
-        let style = colour.stroke_width(2);
+        let style = colour.stroke_width(if recorded.plotted.len() > DENSE { 1 } else { 2 });
         // Where a value does not exist, the line has a gap.
         for part in recorded.plotted.split(|row| !is_drawn(row, index)) {
-            chart.draw_series(LineSeries::new(part.iter().map(|row| point(row, index)), style))?;
+            let points = || part.iter().map(|row| point(row, index));
+            if is_joined {
+                chart.draw_series(LineSeries::new(points(), style))?;
+            } else {
+                let pairs = points().zip(points().skip(1));
+                chart.draw_series(pairs.map(|(a, b)| PathElement::new([a, b], style)))?;
+            }
         }
         let y = 24 * place;
         names.draw(&PathElement::new([(0, y + 7), (18, y + 7)], style))?;
