@@ -10,6 +10,7 @@ pub mod check;
 mod command;
 mod files;
 mod fmu;
+pub mod gallery;
 pub mod info;
 mod library;
 mod names;

@@ -116,7 +116,7 @@ pub struct View {
 }
 
 /// Arguments of `simulate`.
-#[derive(Args)]
+#[derive(Args, Default)]
 pub struct Simulate {
     /// A definition file (mechanism.json), a folder that holds one, or an FMU
     #[arg(value_name = "PATH")]
@@ -165,7 +165,10 @@ pub struct Demo {
     /// Retract by the hydraulic actuator: both FMUs coupled by several schemes, beside the FMU of both as one system
     #[arg(long)]
     pub hydraulic: bool,
-    /// Folder for what is written [default: target/demo]
+    /// Draw the mechanisms of docs/gallery in motion, each as a GIF beside its definition
+    #[arg(long, conflicts_with = "hydraulic")]
+    pub gallery: bool,
+    /// Folder for what is written [default: target/demo; with --gallery docs/gallery]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }

@@ -20,17 +20,17 @@ pub struct Size {
 }
 
 /// Width of all pictures, and bounds of their height [px].
-const WIDTH: u16 = 480;
-const HEIGHTS: [f64; 2] = [200.0, 480.0];
+const WIDTH: u16 = 400;
+const HEIGHTS: [f64; 2] = [180.0, 360.0];
 /// Room above and below the mechanism for the name and the time and for the names of the bodies, and around it [px].
 const HEAD: f64 = 40.0;
 const FOOT: f64 = 24.0;
-const MARGIN: f64 = 26.0;
+const MARGIN: f64 = 22.0;
 /// The picture is drawn so many times as large.
 const FINE: u32 = 3;
 /// Half the width of a body in sizes of the mechanism, and its bounds [px].
 const HALF: f64 = 0.02;
-const HALVES: [f64; 2] = [3.0, 7.0];
+const HALVES: [f64; 2] = [2.6, 5.0];
 /// Colours of the bodies, those of the page of `cargo fmu view`.
 const BODIES: [RGBColor; 8] = [
     RGBColor(0x3f, 0x7f, 0xc1),

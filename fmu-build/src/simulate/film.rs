@@ -26,7 +26,7 @@ const PAUSE: u16 = 100;
 /// Angle [rad] and part of the size below which a pose has returned.
 const RETURNED: f64 = 0.02;
 /// Colours from white to each of the drawing's colours.
-const SHADES: u16 = 10;
+const SHADES: u16 = 5;
 
 /// The bodies at a time.
 pub struct Still {

@@ -6,7 +6,7 @@ use super::signals::{Signals, is_close};
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use linkage_fmu::component::{Component, Stepped};
-use std::sync::Arc;
+use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -104,14 +104,13 @@ pub fn run(
     Ok(ended)
 }
 
-/// Set when the user types Ctrl-C.
-fn stop_wish() -> Arc<AtomicBool> {
-    let wish = Arc::new(AtomicBool::new(false));
-    let own = Arc::clone(&wish);
+/// Set when the user types Ctrl-C; one for all runs of the program, which can have one handler only.
+fn stop_wish() -> &'static AtomicBool {
+    static WISH: AtomicBool = AtomicBool::new(false);
+    static HANDLED: Once = Once::new();
     // Without a handler Ctrl-C ends the program at once, which loses rows only.
-    let handled = ctrlc::set_handler(move || own.store(true, Ordering::Relaxed));
-    debug_assert!(handled.is_ok() || cfg!(test));
-    wish
+    HANDLED.call_once(|| drop(ctrlc::set_handler(|| WISH.store(true, Ordering::Relaxed))));
+    &WISH
 }
 
 /// How far a long run is.
