@@ -34,7 +34,7 @@ pub enum Task {
     Demo(Demo),
     /// Write the mechanism of a chain of N four-bars
     Chain(Chain),
-    /// Recompute the papers' figures through FMPy: validation/report.md, validation/figures
+    /// Recompute the papers' figures through FMPy: validation/report.md, report.html and figures
     Report(Report),
     /// Run every test: Rust, packaging, Python style, FMPy, pages in a browser
     Test,
@@ -96,7 +96,7 @@ pub struct Validate {
 }
 
 /// Arguments of `view`.
-#[derive(Args)]
+#[derive(Args, Default)]
 pub struct View {
     /// A definition file (mechanism.json), a folder that holds one, or an FMU
     #[arg(value_name = "MECHANISM")]
