@@ -3,9 +3,14 @@
 //! In: a mechanism at the communication points of a run. Out: the GIF, the same bytes for the same poses; it plays for
 //! ever. Frames after the first hold only what has changed.
 
-use super::drawing::{Drawing, Size};
+mod canvas;
+mod drawing;
+
+use super::picture;
 use super::thinned::Thinned;
 use anyhow::{Context, Result, bail};
+use canvas::Size;
+use drawing::Drawing;
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
 use linkage_fmu::component::Component;
 use linkage_fmu::mechanism::inspection::{Pose, Scene};
@@ -138,6 +143,7 @@ fn is_same(scene: &Scene, a: &Still, b: &Still) -> bool {
 }
 
 fn encode(path: &Path, name: &str, scene: &Scene, stills: &[Still]) -> Result<()> {
+    picture::register()?;
     let pace = Pace::new(scene, stills);
     let drawing = Drawing::new(name, &pace.words, scene, stills);
     let size @ Size { width, height } = drawing.size();

@@ -4,7 +4,6 @@
 //! Parquet, a plot, a film. The run makes the steps that FMPy makes, so that both have the same bits.
 
 mod csv;
-mod drawing;
 mod file;
 mod film;
 mod parquet;

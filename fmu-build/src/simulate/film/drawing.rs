@@ -1,23 +1,13 @@
 //! One picture of a mechanism: bodies, joints, drives, springs, paths of markers, the time.
 //!
-//! In: the scene and the poses of a film. Out: pixels, drawn three times as large and reduced, for soft edges.
+//! In: the scene and the poses of a film. Out: pixels.
 
-use super::film::Still;
-use super::picture::{self, FONT};
+use super::Still;
+use super::canvas::{Canvas, Point, Size, between, distance, hull};
 use anyhow::Result;
 use linkage_fmu::mechanism::inspection::{Connection, DrawnBody, DrawnJoint, On, Pose, Scene, Surface};
-use plotters::coord::Shift;
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-
-/// Size of a picture [px].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Size {
-    /// Width.
-    pub width: u16,
-    /// Height.
-    pub height: u16,
-}
+use plotters::style::text_anchor::HPos;
+use plotters::style::{RGBColor, WHITE};
 
 /// Width of all pictures, and bounds of their height [px].
 const WIDTH: u16 = 400;
@@ -26,8 +16,6 @@ const HEIGHTS: [f64; 2] = [180.0, 360.0];
 const HEAD: f64 = 40.0;
 const FOOT: f64 = 24.0;
 const MARGIN: f64 = 22.0;
-/// The picture is drawn so many times as large.
-const FINE: u32 = 3;
 /// Half the width of a body in sizes of the mechanism, and its bounds [px].
 const HALF: f64 = 0.02;
 const HALVES: [f64; 2] = [2.6, 5.0];
@@ -50,9 +38,6 @@ const DRIVE: RGBColor = RGBColor(84, 96, 106);
 const SPRING: RGBColor = RGBColor(70, 130, 90);
 const MARKER: RGBColor = RGBColor(200, 80, 60);
 const TRACE: RGBColor = RGBColor(228, 168, 158);
-
-type Area<'a> = DrawingArea<BitMapBackend<'a>, Shift>;
-type Point = [f64; 2];
 
 /// What stays the same in all pictures of a film.
 pub struct Drawing<'a> {
@@ -93,14 +78,6 @@ fn position(poses: &[Pose], joint: &DrawnJoint, axis: Point) -> f64 {
     let (a, b) = (place(poses, joint.first), place(poses, joint.second));
     let [x, y] = direct(&poses[joint.first.frame], axis);
     (b[0] - a[0]) * x + (b[1] - a[1]) * y
-}
-
-fn between([x1, y1]: Point, [x2, y2]: Point, part: f64) -> Point {
-    [x1 + (x2 - x1) * part, y1 + (y2 - y1) * part]
-}
-
-fn distance([x1, y1]: Point, [x2, y2]: Point) -> f64 {
-    (x2 - x1).hypot(y2 - y1)
 }
 
 impl<'a> Drawing<'a> {
@@ -182,27 +159,12 @@ impl<'a> Drawing<'a> {
         [self.origin[0] + self.scale * x, self.origin[1] - self.scale * y]
     }
 
-    /// The pixels of one still, line by line.
+    /// The pixels of one still, line by line. The font must be known.
     ///
     /// # Errors
-    /// The font cannot be read.
+    /// Something cannot be drawn, such as text without a font.
     pub fn picture(&self, still: &Still) -> Result<Vec<[u8; 3]>> {
-        picture::register()?;
-        let [width, height] = [self.size.width, self.size.height].map(|side| FINE * u32::from(side));
-        let mut fine = vec![0; 3 * (width * height) as usize];
-        {
-            let area = BitMapBackend::with_buffer(&mut fine, (width, height)).into_drawing_area();
-            area.fill(&WHITE)?;
-            Picture { drawing: self, area: &area, poses: &still.poses }.draw(still.time)?;
-            area.present()?;
-        }
-        let sum = |row: u32, column: u32, part: u32| -> u32 {
-            let cells = (0..FINE * FINE).map(|k| (row * FINE + k / FINE) * width + column * FINE + k % FINE);
-            cells.map(|cell| u32::from(fine[(3 * cell + part) as usize])).sum()
-        };
-        let pixel = |row: u32, column: u32| [0, 1, 2].map(|part| (sum(row, column, part) / (FINE * FINE)) as u8);
-        let rows = 0..u32::from(self.size.height);
-        Ok(rows.flat_map(|row| (0..u32::from(self.size.width)).map(move |column| pixel(row, column))).collect())
+        Canvas::drawn(self.size, |canvas| Picture { drawing: self, canvas, poses: &still.poses }.draw(still.time))
     }
 }
 
@@ -224,7 +186,7 @@ fn colour(frame: usize) -> RGBColor {
 /// One picture that is being drawn.
 struct Picture<'a, 'b> {
     drawing: &'a Drawing<'a>,
-    area: &'a Area<'b>,
+    canvas: &'a Canvas<'b>,
     poses: &'a [Pose],
 }
 
@@ -233,14 +195,14 @@ impl Picture<'_, '_> {
         let scene = self.drawing.scene;
         self.ground()?;
         for path in &self.drawing.paths {
-            self.polyline(path, 1.2, TRACE)?;
+            self.canvas.polyline(path, 1.2, TRACE)?;
         }
         for body in scene.bodies.iter().filter(|body| frame(body) > 0) {
             self.body(body)?;
         }
         for surface in &scene.surfaces {
             if let Some([a, b]) = edges(surface) {
-                self.line(self.at(a), self.at(b), 2.0, GROUND)?;
+                self.canvas.line(self.at(a), self.at(b), 2.0, GROUND)?;
             }
         }
         for spring in &scene.springs {
@@ -253,7 +215,7 @@ impl Picture<'_, '_> {
             self.joint(joint)?;
         }
         for marker in &scene.markers {
-            self.dot(self.at(marker.on), 3.0, MARKER)?;
+            self.canvas.dot(self.at(marker.on), 3.0, MARKER)?;
         }
         self.words(time)
     }
@@ -277,9 +239,9 @@ impl Picture<'_, '_> {
         let ends = scene.actuators.iter().chain(&scene.springs).flat_map(|c| c.ends.into_iter().flatten());
         for [x, y] in joints.chain(ends).filter(|on| on.frame == 0).map(|on| self.at(on)) {
             let corners = [[x, y], [x - 9.0, y + 14.0], [x + 9.0, y + 14.0]];
-            self.polygon(&corners, RGBColor(214, 219, 222))?;
-            self.polyline(&[corners[0], corners[1], corners[2], corners[0]], 1.2, GROUND)?;
-            self.hatch([x - 14.0, y + 14.0], [x + 14.0, y + 14.0])?;
+            self.canvas.polygon(&corners, RGBColor(214, 219, 222))?;
+            self.canvas.polyline(&[corners[0], corners[1], corners[2], corners[0]], 1.2, GROUND)?;
+            self.canvas.hatch([x - 14.0, y + 14.0], [x + 14.0, y + 14.0], GROUND)?;
         }
         for (joint, [least, most]) in scene.joints.iter().zip(&self.drawing.slides) {
             let Some(axis) = joint.axis else { continue };
@@ -288,25 +250,12 @@ impl Picture<'_, '_> {
             let ends = [least * self.drawing.scale - 20.0, most * self.drawing.scale + 20.0];
             let [a, b] = ends.map(|s| [start[0] + s * x, start[1] + s * y]);
             if joint.first.frame > 0 {
-                self.line(a, b, 1.6, GROUND)?;
+                self.canvas.line(a, b, 1.6, GROUND)?;
                 continue;
             }
             // The rail beside the block, on the right-hand side of the axis.
             let beside = |[u, v]: Point| [u - 10.0 * y, v + 10.0 * x];
-            self.hatch(beside(a), beside(b))?;
-        }
-        Ok(())
-    }
-
-    /// A line with hatching on its right-hand side, seen from its first end with y downward.
-    fn hatch(&self, a: Point, b: Point) -> Result<()> {
-        self.line(a, b, 1.4, GROUND)?;
-        let length = distance(a, b);
-        let [x, y] = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
-        let count = (length / 5.0).round().max(1.0);
-        for k in 0..=count as u32 {
-            let [u, v] = between(a, b, f64::from(k) / count);
-            self.line([u, v], [u - 4.0 * x - 5.0 * y, v - 4.0 * y + 5.0 * x], 1.0, GROUND)?;
+            self.canvas.hatch(beside(a), beside(b), GROUND)?;
         }
         Ok(())
     }
@@ -322,15 +271,15 @@ impl Picture<'_, '_> {
             // The block of a prismatic joint stands for it.
             [_] if self.drawing.scene.joints.iter().any(is_joined) => Ok(()),
             [center] => {
-                self.dot(center, 1.9 * half + 1.2, WHITE)?;
-                self.dot(center, 1.9 * half, colour)
+                self.canvas.dot(center, 1.9 * half + 1.2, WHITE)?;
+                self.canvas.dot(center, 1.9 * half, colour)
             }
             _ => {
                 for (wide, colour) in [(half + 1.2, WHITE), (half, colour)] {
-                    self.polygon(&corners, colour)?;
+                    self.canvas.polygon(&corners, colour)?;
                     for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
-                        self.line(*a, *b, 2.0 * wide, colour)?;
-                        self.dot(*a, wide, colour)?;
+                        self.canvas.line(*a, *b, 2.0 * wide, colour)?;
+                        self.canvas.dot(*a, wide, colour)?;
                     }
                 }
                 Ok(())
@@ -346,13 +295,13 @@ impl Picture<'_, '_> {
             let [x, y] = self.direction(joint.first.frame, axis);
             let corner = |[u, v]: Point| [center[0] + u * x - v * y, center[1] + u * y + v * x];
             let corners = |u: f64, v: f64| [[-u, -v], [u, -v], [u, v], [-u, v]].map(corner);
-            self.polygon(&corners(15.2, 10.2), WHITE)?;
-            self.polygon(&corners(14.0, 9.0), colour(of))?;
-            return self.dot(center, 2.0, WHITE);
+            self.canvas.polygon(&corners(15.2, 10.2), WHITE)?;
+            self.canvas.polygon(&corners(14.0, 9.0), colour(of))?;
+            return self.canvas.dot(center, 2.0, WHITE);
         }
         let center = self.at(joint.first);
-        self.dot(center, radius + 1.4, INK)?;
-        self.dot(center, radius, WHITE)
+        self.canvas.dot(center, radius + 1.4, INK)?;
+        self.canvas.dot(center, radius, WHITE)
     }
 
     /// A cylinder between two points, or an arrow around a joint.
@@ -362,11 +311,11 @@ impl Picture<'_, '_> {
             let length = distance(a, b);
             if length > 0.0 {
                 let end = between(a, b, (0.8 * least * self.drawing.scale / length).min(1.0));
-                self.line(a, b, 2.4, DRIVE)?;
-                self.line(a, end, 10.0, DRIVE)?;
-                self.line(between(a, end, 1.5 / length), between(a, end, 0.97), 7.0, RGBColor(222, 227, 231))?;
+                self.canvas.line(a, b, 2.4, DRIVE)?;
+                self.canvas.line(a, end, 10.0, DRIVE)?;
+                self.canvas.line(between(a, end, 1.5 / length), between(a, end, 0.97), 7.0, RGBColor(222, 227, 231))?;
             }
-            return [a, b].into_iter().try_for_each(|end| self.dot(end, 3.4, DRIVE));
+            return [a, b].into_iter().try_for_each(|end| self.canvas.dot(end, 3.4, DRIVE));
         }
         let Some(joint) = drive.joint.and_then(|index| self.drawing.scene.joints.get(index)) else { return Ok(()) };
         if joint.axis.is_some() {
@@ -379,10 +328,10 @@ impl Picture<'_, '_> {
             [x + radius * cos, y - radius * sin]
         };
         let arc: Vec<Point> = (0..=22).map(|k| point(-20.0 + 10.0 * f64::from(k))).collect();
-        self.polyline(&arc, 2.0, DRIVE)?;
+        self.canvas.polyline(&arc, 2.0, DRIVE)?;
         let (tip, [u, v]) = (point(212.0), point(200.0));
         let [dx, dy] = [u - x, v - y].map(|part| 5.0 * part / radius);
-        self.polygon(&[tip, [u + dx, v + dy], [u - dx, v - dy]], DRIVE)
+        self.canvas.polygon(&[tip, [u + dx, v + dy], [u - dx, v - dy]], DRIVE)
     }
 
     /// A zigzag between two points.
@@ -400,108 +349,29 @@ impl Picture<'_, '_> {
         let mut points = vec![a];
         points.extend((0..=TEETH).map(tooth));
         points.push(b);
-        self.polyline(&points, 1.6, SPRING)?;
-        [a, b].into_iter().try_for_each(|end| self.dot(end, 2.6, SPRING))
+        self.canvas.polyline(&points, 1.6, SPRING)?;
+        [a, b].into_iter().try_for_each(|end| self.canvas.dot(end, 2.6, SPRING))
     }
 
     /// Name, time and pace above the mechanism, names of the bodies below.
     fn words(&self, time: f64) -> Result<()> {
         let Size { width, height } = self.drawing.size;
         let right = f64::from(width) - 10.0;
-        self.text(self.drawing.name, [10.0, 8.0], 16.0, INK, HPos::Left)?;
+        self.canvas.text(self.drawing.name, [10.0, 8.0], 16.0, INK, HPos::Left)?;
         let digits = self.drawing.digits;
-        self.text(&format!("t = {time:.digits$} s"), [right, 8.0], 16.0, INK, HPos::Right)?;
-        self.text(self.drawing.pace, [right, 26.0], 12.0, GROUND, HPos::Right)?;
+        self.canvas.text(&format!("t = {time:.digits$} s"), [right, 8.0], 16.0, INK, HPos::Right)?;
+        self.canvas.text(self.drawing.pace, [right, 26.0], 12.0, GROUND, HPos::Right)?;
         let mut left = 10.0;
         for (frame, name) in self.drawing.scene.frames.iter().enumerate().skip(1) {
-            let style = (FONT, 12.0 * f64::from(FINE)).into_text_style(self.area);
-            let wide = f64::from(self.area.estimate_text_size(name, &style)?.0) / f64::from(FINE);
+            let wide = self.canvas.width(name, 12.0)?;
             if left + 13.0 + wide > right {
                 break;
             }
             let [x, y] = [left, f64::from(height) - 18.0];
-            self.polygon(&[[x, y], [x + 9.0, y], [x + 9.0, y + 9.0], [x, y + 9.0]], colour(frame))?;
-            self.text(name, [x + 13.0, y - 2.0], 12.0, INK, HPos::Left)?;
+            self.canvas.polygon(&[[x, y], [x + 9.0, y], [x + 9.0, y + 9.0], [x, y + 9.0]], colour(frame))?;
+            self.canvas.text(name, [x + 13.0, y - 2.0], 12.0, INK, HPos::Left)?;
             left += 13.0 + wide + 12.0;
         }
         Ok(())
-    }
-
-    fn text(&self, text: &str, at: Point, size: f64, colour: RGBColor, side: HPos) -> Result<()> {
-        let style = (FONT, size * f64::from(FINE)).into_text_style(self.area).color(&colour);
-        let style = style.pos(Pos::new(side, VPos::Top));
-        self.area.draw(&Text::new(text.to_owned(), fine(at), style))?;
-        Ok(())
-    }
-
-    fn line(&self, a: Point, b: Point, width: f64, colour: RGBColor) -> Result<()> {
-        let [(x1, y1), (x2, y2)] = [fine(a), fine(b)];
-        if (x1, y1) == (x2, y2) {
-            return Ok(());
-        }
-        // A polygon of its own: what plotters draws as a wide line has rounded widths.
-        let length = distance(a, b);
-        let [u, v] = [-(b[1] - a[1]) * 0.5 * width / length, (b[0] - a[0]) * 0.5 * width / length];
-        self.polygon(&[[a[0] + u, a[1] + v], [b[0] + u, b[1] + v], [b[0] - u, b[1] - v], [a[0] - u, a[1] - v]], colour)
-    }
-
-    fn polyline(&self, points: &[Point], width: f64, colour: RGBColor) -> Result<()> {
-        points.windows(2).try_for_each(|pair| self.line(pair[0], pair[1], width, colour))
-    }
-
-    fn polygon(&self, corners: &[Point], colour: RGBColor) -> Result<()> {
-        let corners: Vec<(i32, i32)> = corners.iter().map(|corner| fine(*corner)).collect();
-        self.area.draw(&Polygon::new(corners, colour.filled()))?;
-        Ok(())
-    }
-
-    fn dot(&self, center: Point, radius: f64, colour: RGBColor) -> Result<()> {
-        self.area.draw(&Circle::new(fine(center), (radius * f64::from(FINE)).round() as i32, colour.filled()))?;
-        Ok(())
-    }
-}
-
-/// The nearest point of the large picture.
-fn fine([x, y]: Point) -> (i32, i32) {
-    let of = |part: f64| (part * f64::from(FINE)).round() as i32;
-    (of(x), of(y))
-}
-
-/// Corners of the convex hull in order (Andrew 1979); two of points in a line, one of points at one place.
-fn hull(mut points: Vec<Point>) -> Vec<Point> {
-    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-    points.dedup_by(|a, b| distance(*a, *b) < 0.01);
-    if points.len() < 3 {
-        return points;
-    }
-    let is_left = |a: Point, b: Point, c: Point| {
-        (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 1e-3 * distance(a, b) * distance(a, c)
-    };
-    let half = |points: &mut dyn Iterator<Item = Point>| {
-        let mut chain: Vec<Point> = Vec::new();
-        for point in points {
-            while chain.len() > 1 && !is_left(chain[chain.len() - 2], chain[chain.len() - 1], point) {
-                chain.pop();
-            }
-            chain.push(point);
-        }
-        chain.pop();
-        chain
-    };
-    let mut corners = half(&mut points.iter().copied());
-    corners.extend(half(&mut points.iter().rev().copied()));
-    corners
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_hull_is_what_a_rubber_band_holds() {
-        let square = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0], [1.0, 1.0], [1.0, 0.0]];
-        assert_eq!(hull(square), [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]);
-        assert_eq!(hull(vec![[0.0, 0.0], [4.0, 2.0], [2.0, 1.0]]), [[0.0, 0.0], [4.0, 2.0]]);
-        assert_eq!(hull(vec![[1.0, 1.0]; 3]), [[1.0, 1.0]]);
     }
 }
