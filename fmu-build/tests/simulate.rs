@@ -1,7 +1,7 @@
 //! `cargo fmu simulate`: constant memory, whatever the number of steps; what a run costs beside its steps.
 #![allow(clippy::unwrap_used)]
 
-use fmu_build::simulate::{self, Arguments};
+use fmu_build::simulate::{self, Arguments, Outcome};
 use fmu_build::workspace::Workspace;
 use linkage_fmu::component::{Component, Stepped};
 use std::path::{Path, PathBuf};
@@ -119,7 +119,7 @@ fn a_run_costs_what_its_steps_cost() {
             output_variables: variables.iter().map(|&name| name.to_owned()).collect(),
             ..Default::default()
         };
-        fastest(|| drop(simulate::run(&workspace, &arguments).unwrap()))
+        fastest(|| assert_eq!(simulate::run(&workspace, &arguments).unwrap(), Outcome::Complete))
     };
     let bare = run(None, &[]);
     let motion = ["crank.angle", "crank.speed", "coupler.angle"];
