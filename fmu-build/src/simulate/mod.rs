@@ -21,6 +21,7 @@ use anyhow::{Context, Result, bail};
 use film::Film;
 pub use fmu_cli::Simulate as Arguments;
 use linkage_fmu::component::Component;
+use linkage_fmu::format::Experiment;
 use linkage_fmu::variables::{Causality, Interface, Kind, Reference, Variable};
 use run::{Ended, Span};
 use signals::Signals;
@@ -75,7 +76,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
         }
         table.record(model, time)
     };
-    let ended = run::run(&mut model, &span, &signals, &mut record, is_shown);
+    let ended = run::run(&mut model, &span, &signals, &mut record, run::stop_wish(), is_shown);
     let elapsed = started.elapsed().as_secs_f64();
     let recorded = table.finish(ended.is_ok().then_some((&mut model, reached)))?;
     if let Some(path) = &arguments.plot {
@@ -105,6 +106,15 @@ fn check(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
+/// The experiment's step, doubled until a run of this length has few rows [s].
+fn default_interval(experiment: Experiment, length: f64) -> f64 {
+    let mut interval = experiment.step_size;
+    while length / interval > DEFAULT_ROWS {
+        interval *= 2.0;
+    }
+    interval
+}
+
 /// The times of the run.
 fn span(model: &Component, arguments: &Arguments) -> Result<Span> {
     let experiment = model.experiment();
@@ -116,13 +126,7 @@ fn span(model: &Component, arguments: &Arguments) -> Result<Span> {
     let interval = match arguments.output_interval {
         Some(interval) if interval > 0.0 && interval.is_finite() => interval,
         Some(interval) => bail!("--output-interval: {interval:?} s must be finite and > 0"),
-        None => {
-            let mut interval = experiment.step_size;
-            while (stop - start) / interval > DEFAULT_ROWS {
-                interval *= 2.0;
-            }
-            interval
-        }
+        None => default_interval(experiment, stop - start),
     };
     if (stop - start) / interval > MOST_STEPS {
         bail!("--output-interval: {interval:?} s over {:?} s are more than {MOST_STEPS:e} steps", stop - start);

@@ -40,8 +40,8 @@ pub struct Ended {
 }
 
 /// Initialise the model and step it from start to stop, as FMPy does: to each multiple of the interval, to jumps of the
-/// inputs and to the stop time. `record` is called at each communication point. `is_shown`: a bar shows how far a long
-/// run is.
+/// inputs and to the stop time. `record` is called at each communication point. `stop_wish`: set when the run is to end;
+/// `is_shown`: a bar shows how far a long run is.
 ///
 /// # Errors
 /// The model refuses its start, an input or a step; a step that met `solver.max_steps`; an error of `record`.
@@ -50,9 +50,9 @@ pub fn run(
     span: &Span,
     signals: &Signals,
     record: &mut impl FnMut(&mut Component, f64) -> Result<()>,
+    stop_wish: &AtomicBool,
     is_shown: bool,
 ) -> Result<Ended> {
-    let stop_wish = stop_wish();
     let start_at = |time: f64| format!("initialisation at {time} s");
     signals.apply(model, span.start, false).with_context(|| start_at(span.start))?;
     model.initialize().with_context(|| start_at(span.start))?;
@@ -105,7 +105,7 @@ pub fn run(
 }
 
 /// Set when the user types Ctrl-C; one for all runs of the program, which can have one handler only.
-fn stop_wish() -> &'static AtomicBool {
+pub fn stop_wish() -> &'static AtomicBool {
     static WISH: AtomicBool = AtomicBool::new(false);
     static HANDLED: Once = Once::new();
     // Without a handler Ctrl-C ends the program at once, which loses rows only.
