@@ -75,8 +75,25 @@ impl Binary {
 
     /// The entry in the FMU of a mechanism with this modelIdentifier.
     pub fn entry(&self, model_identifier: &str) -> Entry {
-        let Platform { name, extension, .. } = self.platform;
-        Entry { name: format!("binaries/{name}/{model_identifier}.{extension}"), content: self.content.clone() }
+        let name = path(self.platform.name, model_identifier).unwrap_or_default();
+        Entry { name, content: self.content.clone() }
+    }
+}
+
+/// Path in an FMU of the library for the platform of this name; None if FMI 2.0 has no such platform.
+pub fn path(platform: &str, model_identifier: &str) -> Option<String> {
+    let Platform { name, extension, .. } = PLATFORMS.iter().find(|known| known.name == platform)?;
+    Some(format!("binaries/{name}/{model_identifier}.{extension}"))
+}
+
+/// Whether this is a library of FMI 2.0 for the platform of this name.
+///
+/// # Errors
+/// It is none; there is no such platform.
+pub fn check_for(platform: &str, content: &[u8]) -> Result<()> {
+    match PLATFORMS.iter().find(|known| known.name == platform) {
+        Some(platform) => check(platform, content),
+        None => bail!("FMI 2.0 has no platform {platform}; it knows {}", fmu_cli::PLATFORMS.join(", ")),
     }
 }
 

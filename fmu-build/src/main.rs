@@ -3,7 +3,7 @@
 
 use clap::Parser;
 use fmu_build::workspace::Workspace;
-use fmu_build::{bench, chain, check, package, report, simulate, test, view};
+use fmu_build::{bench, chain, check, gallery, info, package, report, simulate, test, validate, view};
 use fmu_cli::{Cli, Task};
 use std::process::ExitCode;
 
@@ -19,6 +19,12 @@ fn main() -> ExitCode {
             Ok(false) => return ExitCode::FAILURE,
             Err(error) => Err(error),
         },
+        Task::Info(arguments) => info::run(&workspace, &arguments),
+        Task::Validate(arguments) => match validate::run(&workspace, &arguments) {
+            Ok(true) => Ok(()),
+            Ok(false) => return ExitCode::FAILURE,
+            Err(error) => Err(error),
+        },
         Task::View(arguments) => match view::run(&workspace, &arguments) {
             Ok(true) => Ok(()),
             Ok(false) => return ExitCode::FAILURE,
@@ -29,6 +35,7 @@ fn main() -> ExitCode {
             Ok(simulate::Outcome::Interrupted) => return ExitCode::from(INTERRUPTED),
             Err(error) => Err(error),
         },
+        Task::Demo(arguments) if arguments.gallery => gallery::run(&workspace, arguments.out.as_deref()),
         Task::Demo(arguments) => report::demo(&workspace, &arguments),
         Task::Chain(arguments) => chain::run(&arguments),
         Task::Report(arguments) => report::report(&workspace, &arguments),

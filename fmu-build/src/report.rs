@@ -1,11 +1,11 @@
 //! `cargo fmu demo` and `cargo fmu report`: Python programs that run packed FMUs through FMPy.
 //!
 //! In: the packed FMUs. Out: of the demo, figures on the terminal, `retraction.csv` and `retraction.png`, or
-//! `hydraulic.csv` and `hydraulic.png`; of the report, the figures and claims of the two papers, recomputed: `report.md`
-//! and `figures/`, in `validation/` by default.
+//! `hydraulic.csv` and `hydraulic.png`; of the report, the figures and claims of the two papers, recomputed: `report.md`,
+//! `report.html` and `figures/`, in `validation/` by default.
 
 use crate::workspace::{DEFAULT_FMU, Workspace};
-use crate::{command, package, ssp};
+use crate::{command, package, ssp, view};
 use anyhow::{Context, Result};
 pub use fmu_cli::{Demo, Report as Arguments};
 use std::path;
@@ -43,7 +43,11 @@ pub fn report(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     package::run(workspace, &package::Arguments { paths, ..Default::default() })?;
     let out = arguments.out.clone().unwrap_or_else(|| workspace.validation());
     let out = path::absolute(&out).with_context(|| out.display().to_string())?;
+    let motion = workspace.target("view").join(DEFAULT_FMU).with_extension("html");
+    let gear = workspace.descriptions().join(DEFAULT_FMU);
+    view::run(workspace, &view::Arguments { path: gear, out: Some(motion.clone()), ..Default::default() })?;
     let mut report = Command::new(command::python(workspace)?);
-    report.args(["-m", "report"]).arg(workspace.fmu_folder()).arg("--out").arg(out).current_dir(workspace.validation());
+    report.args(["-m", "report"]).arg(workspace.fmu_folder()).arg("--motion").arg(motion).arg("--out").arg(out);
+    report.current_dir(workspace.validation());
     command::run(&mut report, "report")
 }

@@ -3,25 +3,20 @@
 //! In: a path. Out: the definition's kind and text, and the files that accompany it in the FMU.
 
 use crate::archive::{Entry, MODEL_DESCRIPTION};
+use crate::fmu::{self, Fmu, RESOURCES};
 use crate::workspace::Workspace;
 use crate::{files, names};
 use anyhow::{Context, Result, bail};
 use linkage_fmu::component::Component;
 use linkage_fmu::fmi::LARGEST_DEFINITION;
 use std::fs;
-use std::io::{Cursor, Read};
 use std::path::{Path, PathBuf};
-use zip::ZipArchive;
 
 /// What a folder may hold besides the definition, under the names that FMI 2.0.5 (2.1, 2.5) gives them.
 const COMPANIONS: [&str; 5] = ["documentation", "extra", "licenses", "model.png", "terminalsAndIcons"];
 
 /// What belongs to the folder of a model and not to its FMU, or is made anew for the FMU.
 const OF_THE_FOLDER: [&str; 2] = ["README.md", MODEL_DESCRIPTION];
-/// Largest FMU that is read [bytes].
-const LARGEST_FMU: u64 = 1 << 30;
-/// Folder of the definition, in a model's folder and in an FMU.
-const RESOURCES: &str = "resources";
 
 /// The files that accompany a definition.
 #[derive(Debug, Default)]
@@ -153,31 +148,11 @@ impl Definition {
     /// # Errors
     /// The path leads to no definition; what is there cannot be read.
     pub fn read(workspace: &Workspace, path: &Path) -> Result<Self> {
-        let is_fmu = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("fmu"));
-        if is_fmu && path.is_file() {
-            return Self::in_fmu(path);
+        if fmu::is_fmu(path) {
+            return Fmu::open(path)?.definition();
         }
         let source = Source::find(workspace, path)?;
         Ok(Self { shown: source.definition.display().to_string(), kind: source.kind(), text: source.text()? })
-    }
-
-    fn in_fmu(path: &Path) -> Result<Self> {
-        let shown = path.display();
-        let bytes = files::read(path, LARGEST_FMU)?;
-        let mut archive = ZipArchive::new(Cursor::new(bytes)).with_context(|| format!("{shown}: is no FMU"))?;
-        for kind in Component::definition_files() {
-            let name = format!("{RESOURCES}/{kind}");
-            let Ok(entry) = archive.by_name(&name) else { continue };
-            let mut bytes = Vec::new();
-            entry.take(LARGEST_DEFINITION + 1).read_to_end(&mut bytes).with_context(|| format!("{shown}: {name}"))?;
-            if bytes.len() as u64 > LARGEST_DEFINITION {
-                bail!("{shown}: {name} has more than {LARGEST_DEFINITION} bytes; is it the right file?");
-            }
-            let text = String::from_utf8(bytes).ok().with_context(|| format!("{shown}: {name} is not UTF-8 text"))?;
-            return Ok(Self { shown: format!("{shown}/{name}"), kind, text });
-        }
-        let files = Component::definition_files().join(" or ");
-        bail!("{shown}: holds no {RESOURCES}/{files}; is it an FMU of this program?")
     }
 }
 

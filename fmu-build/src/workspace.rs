@@ -80,6 +80,11 @@ impl Workspace {
         self.root.join("validation")
     }
 
+    /// Mechanisms that other programs fail at, with their films.
+    pub fn gallery(&self) -> PathBuf {
+        self.root.join("docs").join("gallery")
+    }
+
     /// The committed results of the benchmarks.
     pub fn results(&self) -> PathBuf {
         self.validation().join("results")

@@ -1,8 +1,9 @@
-//! Writers of the XML files of an FMU.
+//! The XML files of an FMU: their writers, and the reader of the description.
 //!
 //! In: the model. Out: the text of each file, the same for the same interface, as none holds a time stamp.
 
 mod common;
+pub mod description;
 pub mod fmi2;
 pub mod ssd;
 pub mod terminals;

@@ -5,8 +5,10 @@ from __future__ import annotations
 import re
 
 import pytest
+from bench_figures import figures
 from conftest import FMU_FOLDER, REPOSITORY
 from report.build import sections
+from report.html import Shown, html
 from report.page import Section, text
 
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
@@ -67,6 +69,19 @@ def test_committed_page(found: dict[str, Section]) -> None:
         decimals = len(there.partition(".")[2])
         unit = 0.0 if "e" in there else 1.01 * 10.0**-decimals if decimals else 0.0
         assert abs(float(there) - float(here)) <= unit, f"{there} is now {here}{again}"
+
+
+def test_committed_html(found: dict[str, Section]) -> None:
+    """The text of the page is what the command writes, but for pictures and the page of the gear in it."""
+    committed = (REPOSITORY / "validation" / "report.html").read_text(encoding="utf-8")
+    results, empty = REPOSITORY / "validation" / "results", b""
+    pictures = {figure.name: empty for section in found.values() for figure in section.figures}
+    written = html(list(found.values()), pictures, "", [Shown(figure, empty) for figure in figures(results)])
+    held = re.compile(r'(src="data:image/png;base64,|srcdoc=")[^"]*')
+    assert len(held.findall(committed)) == len(pictures) + 6
+    again = "; run `cargo fmu report` and commit what it writes"
+    there, here = (NUMBER.sub("#", held.sub("", text)) for text in (committed, written))
+    assert there == here, f"the words differ{again}"
 
 
 def test_committed_figures(found: dict[str, Section]) -> None:

@@ -69,17 +69,24 @@ def lines(
     return draw
 
 
-def write(figure: Figure, folder: Path) -> None:
-    """Draw one figure into NAME.png and NAME.svg."""
+def drawn(figure: Figure) -> tuple[bytes, str]:
+    """One figure as a PNG and as an SVG."""
     with mpl.rc_context(STYLE):
         canvas = Canvas(figsize=figure.size)
         figure.draw(canvas)
-        picture, drawing = io.BytesIO(), io.StringIO()
-        canvas.savefig(picture, format="png", dpi=RESOLUTION, metadata={"Software": None})
+        full, small, drawing = io.BytesIO(), io.BytesIO(), io.StringIO()
+        canvas.savefig(full, format="png", dpi=RESOLUTION, metadata={"Software": None})
         canvas.savefig(drawing, format="svg", metadata={"Date": None, "Creator": None})
-    image = Image.open(picture).convert("RGB").quantize(COLOURS, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
-    image.save(folder / f"{figure.name}.png", optimize=True, dpi=(RESOLUTION, RESOLUTION))
-    (folder / f"{figure.name}.svg").write_text(shortened(drawing.getvalue()), encoding="utf-8", newline="\n")
+    image = Image.open(full).convert("RGB").quantize(COLOURS, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    image.save(small, format="png", optimize=True, dpi=(RESOLUTION, RESOLUTION))
+    return small.getvalue(), shortened(drawing.getvalue())
+
+
+def write(figure: Figure, folder: Path) -> None:
+    """Draw one figure into NAME.png and NAME.svg."""
+    picture, drawing = drawn(figure)
+    (folder / f"{figure.name}.png").write_bytes(picture)
+    (folder / f"{figure.name}.svg").write_text(drawing, encoding="utf-8", newline="\n")
 
 
 def shortened(drawing: str) -> str:

@@ -1,4 +1,7 @@
-"""What the report is made of, and its text. It must not know where numbers come from or how figures are drawn."""
+"""What the report is made of, and its text as Markdown.
+
+It must not know where numbers come from or how figures are drawn.
+"""
 
 from __future__ import annotations
 
@@ -22,6 +25,8 @@ below, from 1e-12 up.
 """
 
 
+OURS = "Ours: "
+"""What stands in a caption between the words about the paper and those about the runs."""
 ROUNDING = 1e-12
 """Relative errors below this are rounding, and not told apart."""
 
@@ -35,6 +40,21 @@ class Figure:
     caption: str
     draw: Callable[[Canvas], None]
     size: tuple[float, float] = (6.4, 4.0)
+
+    @property
+    def words(self) -> str:
+        """The title without brackets, for those who do not see the figure."""
+        return self.title.replace("[", "").replace("]", "")
+
+    @property
+    def paper(self) -> str:
+        """What the caption says of the paper."""
+        return sentence(self.caption.partition(OURS)[0].removeprefix("Paper: ").strip())
+
+    @property
+    def ours(self) -> str:
+        """What the caption says of the runs."""
+        return sentence(self.caption.partition(OURS)[2])
 
 
 @dataclass(frozen=True)
@@ -59,6 +79,11 @@ class Section:
     introduction: str = ""
 
 
+def sentence(text: str) -> str:
+    """With a capital at its beginning, unless a symbol stands there."""
+    return text[:1].upper() + text[1:] if text[1:2].isalpha() else text
+
+
 def bound(values: float | Iterable[float]) -> str:
     """A power of ten that all of these errors stay below by a factor of three or more: their digits are noise."""
     largest = max([values] if isinstance(values, float) else values)
@@ -74,7 +99,6 @@ def text(sections: list[Section]) -> str:
     for section in sections:
         parts.append(f"## {section.title}\n{section.introduction}".rstrip() + "\n")
         for figure in section.figures:
-            words = figure.title.replace("[", "").replace("]", "")
-            image = f"[![{words}](figures/{figure.name}.png)](figures/{figure.name}.svg)"
+            image = f"[![{figure.words}](figures/{figure.name}.png)](figures/{figure.name}.svg)"
             parts.append(f"{image}\n\n**{figure.title}.** {figure.caption}\n")
     return "\n".join(parts)

@@ -22,15 +22,19 @@ pub enum Task {
     Package(Package),
     /// Tell what is wrong with a mechanism, where it can go, and what it weighs
     Check(Check),
+    /// Tell what an FMU or a mechanism offers to a host: variables, default experiment, platforms
+    Info(Info),
+    /// Tell whether an FMU is whole: archive, description, libraries, definition
+    Validate(Validate),
     /// Write a page that moves a mechanism in the browser
     View(View),
-    /// Run a mechanism or an FMU by the engine itself: CSV, plot
+    /// Run a mechanism or an FMU by the engine itself: CSV, Parquet, plot, film
     Simulate(Simulate),
     /// Run the retraction through FMPy: figures, table, plot
     Demo(Demo),
     /// Write the mechanism of a chain of N four-bars
     Chain(Chain),
-    /// Recompute the papers' figures through FMPy: validation/report.md, validation/figures
+    /// Recompute the papers' figures through FMPy: validation/report.md, report.html and figures
     Report(Report),
     /// Run every test: Rust, packaging, Python style, FMPy, pages in a browser
     Test,
@@ -72,8 +76,27 @@ pub struct Check {
     pub deny_warnings: bool,
 }
 
-/// Arguments of `view`.
+/// Arguments of `info`.
 #[derive(Args)]
+pub struct Info {
+    /// An FMU, a definition file (mechanism.json), or a folder that holds one
+    #[arg(value_name = "PATH")]
+    pub path: PathBuf,
+    /// Print the same as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `validate`.
+#[derive(Args)]
+pub struct Validate {
+    /// An FMU, a definition file (mechanism.json), or a folder that holds one
+    #[arg(value_name = "PATH", required = true)]
+    pub paths: Vec<PathBuf>,
+}
+
+/// Arguments of `view`.
+#[derive(Args, Default)]
 pub struct View {
     /// A definition file (mechanism.json), a folder that holds one, or an FMU
     #[arg(value_name = "MECHANISM")]
@@ -93,7 +116,7 @@ pub struct View {
 }
 
 /// Arguments of `simulate`.
-#[derive(Args)]
+#[derive(Args, Default)]
 pub struct Simulate {
     /// A definition file (mechanism.json), a folder that holds one, or an FMU
     #[arg(value_name = "PATH")]
@@ -125,12 +148,15 @@ pub struct Simulate {
     /// Variables to record [default: every output]
     #[arg(long, value_name = "NAME", num_args = 1..)]
     pub output_variables: Vec<String>,
-    /// File for the recorded variables, as CSV with `time` first
-    #[arg(long, value_name = "CSV")]
+    /// File for the recorded variables, with `time` first: CSV, or Parquet if the name ends in .parquet
+    #[arg(long, value_name = "FILE")]
     pub output_file: Option<PathBuf>,
     /// Picture of the recorded variables over time: a .png or .svg file
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+    /// Film of the mechanism in motion: a .gif file
+    #[arg(long, value_name = "FILE")]
+    pub gif: Option<PathBuf>,
 }
 
 /// Arguments of `demo`.
@@ -139,7 +165,10 @@ pub struct Demo {
     /// Retract by the hydraulic actuator: both FMUs coupled by several schemes, beside the FMU of both as one system
     #[arg(long)]
     pub hydraulic: bool,
-    /// Folder for what is written [default: target/demo]
+    /// Draw the mechanisms of docs/gallery in motion, each as a GIF beside its definition
+    #[arg(long, conflicts_with = "hydraulic")]
+    pub gallery: bool,
+    /// Folder for what is written [default: target/demo; with --gallery docs/gallery]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }

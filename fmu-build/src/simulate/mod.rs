@@ -1,24 +1,33 @@
 //! `cargo fmu simulate`: a run of a model by the engine itself, with the options that FMPy has.
 //!
-//! In: a definition or an FMU, start values, input signals, an interval. Out: a table of the outputs over time as CSV, a
-//! plot. The run makes the steps that FMPy makes, so that both have the same bits.
+//! In: a definition or an FMU, start values, input signals, an interval. Out: a table of the outputs over time as CSV or
+//! Parquet, a plot, a film. The run makes the steps that FMPy makes, so that both have the same bits.
 
+mod csv;
+mod file;
+mod film;
+mod parquet;
+mod picture;
 mod plot;
 mod run;
 mod signals;
 mod table;
+mod thinned;
 
 use crate::source::Definition;
 use crate::start_values::{self, find};
 use crate::workspace::Workspace;
 use anyhow::{Context, Result, bail};
+use film::Film;
 pub use fmu_cli::Simulate as Arguments;
 use linkage_fmu::component::Component;
+use linkage_fmu::format::Experiment;
 use linkage_fmu::variables::{Causality, Interface, Kind, Reference, Variable};
 use run::{Ended, Span};
 use signals::Signals;
 use std::io::IsTerminal;
-use table::{Column, Table};
+use std::path::PathBuf;
+use table::{Column, Recorded, Table};
 
 /// How a run ended, for the exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,7 +44,7 @@ pub enum Outcome {
 /// The path leads to no definition; a name, a value or a signal that the model does not take; a step that cannot be
 /// made, with what was recorded until then written; a file that cannot be written.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
-    arguments.plot.as_deref().map_or(Ok(()), plot::check)?;
+    check(arguments)?;
     let definition = Definition::read(workspace, &arguments.path)?;
     let mut model = Component::from_definition(definition.kind, &definition.text)
         .with_context(|| format!("{}; `cargo fmu check` tells more", definition.shown))?;
@@ -55,18 +64,55 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
         bail!("--set-input-derivatives: the model takes no derivatives of inputs");
     }
     let columns = columns(model.interface(), &arguments.output_variables)?;
+    let mut film = arguments.gif.is_some().then(|| Film::new(&model)).transpose()?;
     let mut table = Table::new(columns, arguments.output_file.as_deref(), arguments.plot.is_some())?;
     let is_shown = std::io::stderr().is_terminal();
     let started = std::time::Instant::now();
-    let ended = run::run(&mut model, &span, signals, &mut table, is_shown);
+    let mut reached = span.start;
+    let mut record = |model: &mut Component, time: f64| {
+        reached = time;
+        if let Some(film) = &mut film {
+            film.record(model, time);
+        }
+        table.record(model, time)
+    };
+    let ended = run::run(&mut model, &span, &signals, &mut record, run::stop_wish(), is_shown);
     let elapsed = started.elapsed().as_secs_f64();
-    let recorded = table.finish()?;
-    let ended = ended?;
+    let recorded = table.finish(ended.is_ok().then_some((&mut model, reached)))?;
     if let Some(path) = &arguments.plot {
         plot::write(path, &recorded)?;
     }
+    if let (Some(path), Some(film)) = (&arguments.gif, film) {
+        film.write(path, &mut model, reached)?;
+    }
+    let ended = ended?;
     summarize(arguments, &recorded, &ended, elapsed);
     Ok(if ended.is_interrupted { Outcome::Interrupted } else { Outcome::Complete })
+}
+
+/// Check the names of the files to be written, before anything is computed.
+fn check(arguments: &Arguments) -> Result<()> {
+    let Arguments { output_file, plot, gif, .. } = arguments;
+    plot.as_deref().map_or(Ok(()), plot::check)?;
+    gif.as_deref().map_or(Ok(()), film::check)?;
+    output_file.as_deref().map_or(Ok(()), file::check)?;
+    let read = [("the model", Some(&arguments.path)), ("--input-file", arguments.input_file.as_ref())];
+    for path in [output_file, plot, gif].into_iter().flatten() {
+        let is_same = |other: &PathBuf| matches!((path.canonicalize(), other.canonicalize()), (Ok(a), Ok(b)) if a == b);
+        if let Some((what, _)) = read.iter().find(|(_, other)| other.is_some_and(is_same)) {
+            bail!("{}: this is {what}; name another file to be written", path.display());
+        }
+    }
+    Ok(())
+}
+
+/// The experiment's step, doubled until a run of this length has few rows [s].
+fn default_interval(experiment: Experiment, length: f64) -> f64 {
+    let mut interval = experiment.step_size;
+    while length / interval > DEFAULT_ROWS {
+        interval *= 2.0;
+    }
+    interval
 }
 
 /// The times of the run.
@@ -75,21 +121,15 @@ fn span(model: &Component, arguments: &Arguments) -> Result<Span> {
     let start = arguments.start_time;
     let stop = arguments.stop_time.unwrap_or(start + experiment.stop_time);
     if !(start.is_finite() && stop.is_finite() && stop > start) {
-        bail!("a run from {start} s to {stop} s: the stop time must be finite and after the start time");
+        bail!("a run from {start:?} s to {stop:?} s: the stop time must be finite and after the start time");
     }
     let interval = match arguments.output_interval {
         Some(interval) if interval > 0.0 && interval.is_finite() => interval,
-        Some(interval) => bail!("--output-interval: {interval} s must be finite and > 0"),
-        None => {
-            let mut interval = experiment.step_size;
-            while (stop - start) / interval > DEFAULT_ROWS {
-                interval *= 2.0;
-            }
-            interval
-        }
+        Some(interval) => bail!("--output-interval: {interval:?} s must be finite and > 0"),
+        None => default_interval(experiment, stop - start),
     };
     if (stop - start) / interval > MOST_STEPS {
-        bail!("--output-interval: {interval} s over {} s are more than {MOST_STEPS:e} steps", stop - start);
+        bail!("--output-interval: {interval:?} s over {:?} s are more than {MOST_STEPS:e} steps", stop - start);
     }
     Ok(Span { start, stop, interval })
 }
@@ -104,8 +144,12 @@ fn columns(interface: &Interface, names: &[String]) -> Result<Vec<Column>> {
     if !names.is_empty() {
         return names
             .iter()
-            .map(|name| {
-                let reference = find(interface, name)?;
+            .enumerate()
+            .map(|(k, name)| {
+                if names[..k].contains(name) {
+                    bail!("--output-variables: {name} stands twice");
+                }
+                let reference = find(interface, name).context("--output-variables")?;
                 let variable = &interface.list()[reference as usize];
                 if variable.kind == Kind::String {
                     bail!("--output-variables: {name} is a text; a table holds Reals and Booleans");
@@ -123,13 +167,13 @@ fn columns(interface: &Interface, names: &[String]) -> Result<Vec<Column>> {
 }
 
 /// What the run gave, in some lines.
-fn summarize(arguments: &Arguments, recorded: &table::Recorded, ended: &Ended, elapsed: f64) {
-    let rows = recorded.rows;
-    eprintln!("{} steps to {} s in {elapsed:.3} s, {rows} rows", ended.steps, ended.time);
-    for path in [&arguments.output_file, &arguments.plot].into_iter().flatten() {
+fn summarize(arguments: &Arguments, recorded: &Recorded, ended: &Ended, elapsed: f64) {
+    eprintln!("{} steps to {:?} s in {elapsed:.3} s", ended.steps, ended.time);
+    let files = [&arguments.output_file, &arguments.plot, &arguments.gif];
+    for path in files.into_iter().flatten() {
         eprintln!("{}", path.display());
     }
-    if arguments.output_file.is_none() && arguments.plot.is_none() {
+    if files.iter().all(|file| file.is_none()) {
         // Without a file the last row is the answer.
         for (column, value) in recorded.columns.iter().zip(&recorded.last) {
             println!("{}\t{value:?}\t{}", column.name, column.unit.map_or("", |unit| unit.name()));

@@ -2,31 +2,24 @@
 //!
 //! In: what a run has recorded. Out: a PNG or an SVG.
 
+use super::picture::{self, COLOURS, FONT};
 use super::table::Recorded;
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, bail};
 use plotters::coord::Shift;
 use plotters::prelude::*;
-use plotters::style::{FontStyle, register_font};
 use std::path::Path;
 
-/// Size of a panel in pixels.
-const WIDTH: u32 = 900;
+/// Size of a panel in pixels, and its part for the names beside the lines.
+const WIDTH: u32 = 1080;
 const HEIGHT: u32 = 280;
+const NAMES: u32 = 250;
+/// Rows above which lines are thin.
+const DENSE: usize = 2000;
+/// Beyond this a value stands for an infinite one, such as a reduced mass at a dead centre.
+const INFINITE: f64 = 1e300;
 /// Most lines in one panel, and panels in one picture: more could not be told apart.
-const LINES: usize = 6;
+const LINES: usize = COLOURS.len();
 const PANELS: usize = 8;
-/// Name under which the font of the pictures is known.
-const FONT: &str = "sans-serif";
-/// Colours that are told apart by people who see fewer (Okabe and Ito 2008).
-const COLOURS: [RGBColor; LINES] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(86, 180, 233),
-    RGBColor(230, 159, 0),
-];
-
 /// Lines of one unit.
 struct Panel {
     unit: String,
@@ -64,12 +57,11 @@ pub fn write(path: &Path, recorded: &Recorded) -> Result<()> {
              draw by --output-variables"
         );
     }
-    let font = register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT);
-    font.map_err(|_| anyhow!("the font of the pictures cannot be read"))?;
+    picture::register()?;
     let size = (WIDTH, HEIGHT * panels.len().max(1) as u32);
     let drawn = match extension(path).as_str() {
-        "svg" => draw(&SVGBackend::new(path, size).into_drawing_area(), &panels, recorded),
-        _ => draw(&BitMapBackend::new(path, size).into_drawing_area(), &panels, recorded),
+        "svg" => draw(&SVGBackend::new(path, size).into_drawing_area(), &panels, recorded, true),
+        _ => draw(&BitMapBackend::new(path, size).into_drawing_area(), &panels, recorded, false),
     };
     drawn.with_context(|| format!("--plot: {}", path.display()))
 }
@@ -89,32 +81,44 @@ fn panels(recorded: &Recorded) -> (Vec<Panel>, usize) {
     (panels, left_out)
 }
 
-fn draw<B: DrawingBackend>(area: &DrawingArea<B, Shift>, panels: &[Panel], recorded: &Recorded) -> Result<()>
+fn draw<B: DrawingBackend>(
+    area: &DrawingArea<B, Shift>,
+    panels: &[Panel],
+    recorded: &Recorded,
+    is_joined: bool,
+) -> Result<()>
 where
     B::ErrorType: 'static,
 {
     area.fill(&WHITE)?;
     for (part, panel) in area.split_evenly((panels.len().max(1), 1)).iter().zip(panels) {
-        draw_panel(part, panel, recorded)?;
+        draw_panel(part, panel, recorded, is_joined)?;
     }
     Ok(area.present()?)
 }
 
-fn draw_panel<B: DrawingBackend>(area: &DrawingArea<B, Shift>, panel: &Panel, recorded: &Recorded) -> Result<()>
+/// One panel. `is_joined`: each line is one path; else each of its segments is one, as the corners of wide lines stick far
+/// out in bitmaps where a line turns back.
+fn draw_panel<B: DrawingBackend>(
+    area: &DrawingArea<B, Shift>,
+    panel: &Panel,
+    recorded: &Recorded,
+    is_joined: bool,
+) -> Result<()>
 where
     B::ErrorType: 'static,
 {
-    let course = |index: usize| {
-        let point = move |row: &Vec<f64>| (row[0], panel.factor * row[index + 1]);
-        recorded.plotted.iter().map(point).filter(|(_, value)| value.is_finite())
-    };
-    let values = panel.lines.iter().flat_map(|&index| course(index)).map(|(_, value)| value);
+    let point = |row: &Vec<f64>, index: usize| (row[0], panel.factor * row[index + 1]);
+    let is_drawn = |row: &Vec<f64>, index: usize| row[index + 1].abs() < INFINITE;
+    let of_panel = recorded.plotted.iter().flat_map(|row| panel.lines.iter().map(move |&index| (row, index)));
+    let values = of_panel.filter(|(row, index)| is_drawn(row, *index)).map(|(row, index)| point(row, index).1);
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
     let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
     let margin = if high > low { 0.05 * (high - low) } else { low.abs().max(1.0) * 0.05 };
     let time = |row: Option<&Vec<f64>>| row.map_or(0.0, |row| row[0]);
     let times = time(recorded.plotted.first())..time(recorded.plotted.last());
-    let mut chart = ChartBuilder::on(area)
+    let (left, names) = area.split_horizontally(WIDTH - NAMES);
+    let mut chart = ChartBuilder::on(&left)
         .margin(12)
         .x_label_area_size(34)
         .y_label_area_size(78)
@@ -125,25 +129,28 @@ where
         .light_line_style(WHITE)
         .bold_line_style(RGBColor(225, 225, 225))
         .x_desc("time in s")
-        .y_desc(if panel.unit.is_empty() { String::new() } else { format!("in {}", panel.unit) })
+        .y_desc(if matches!(&*panel.unit, "" | "1") { String::new() } else { format!("in {}", panel.unit) })
         .x_label_formatter(&label)
         .y_label_formatter(&label)
         .label_style((FONT, 14))
         .axis_desc_style((FONT, 15))
         .draw()?;
-    for (&index, colour) in panel.lines.iter().zip(COLOURS) {
-        let line = LineSeries::new(course(index), colour.stroke_width(2));
-        chart
-            .draw_series(line)?
-            .label(recorded.columns[index].name.clone())
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
+    for ((&index, colour), place) in panel.lines.iter().zip(COLOURS).zip(1..) {
+        let style = colour.stroke_width(if recorded.plotted.len() > DENSE { 1 } else { 2 });
+        // Where a value does not exist, the line has a gap.
+        for part in recorded.plotted.split(|row| !is_drawn(row, index)) {
+            let points = || part.iter().map(|row| point(row, index));
+            if is_joined {
+                chart.draw_series(LineSeries::new(points(), style))?;
+            } else {
+                let pairs = points().zip(points().skip(1));
+                chart.draw_series(pairs.map(|(a, b)| PathElement::new([a, b], style)))?;
+            }
+        }
+        let y = 24 * place;
+        names.draw(&PathElement::new([(0, y + 7), (18, y + 7)], style))?;
+        names.draw(&Text::new(recorded.columns[index].name.clone(), (26, y), (FONT, 14)))?;
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
-        .background_style(WHITE.mix(0.8))
-        .label_font((FONT, 14))
-        .draw()?;
     Ok(())
 }
 

@@ -3,11 +3,10 @@
 //! In: a model at its start values, times, signals. Out: a row for each communication point.
 
 use super::signals::{Signals, is_close};
-use super::table::Table;
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use linkage_fmu::component::{Component, Stepped};
-use std::sync::Arc;
+use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -41,19 +40,26 @@ pub struct Ended {
 }
 
 /// Initialise the model and step it from start to stop, as FMPy does: to each multiple of the interval, to jumps of the
-/// inputs and to the stop time. `is_shown`: a bar shows how far a long run is.
+/// inputs and to the stop time. `record` is called at each communication point. `stop_wish`: set when the run is to end;
+/// `is_shown`: a bar shows how far a long run is.
 ///
 /// # Errors
-/// The model refuses its start, an input or a step; a step that met `solver.max_steps`; the table cannot be written.
-pub fn run(model: &mut Component, span: &Span, signals: Signals, table: &mut Table, is_shown: bool) -> Result<Ended> {
-    let stop_wish = stop_wish();
+/// The model refuses its start, an input or a step; a step that met `solver.max_steps`; an error of `record`.
+pub fn run(
+    model: &mut Component,
+    span: &Span,
+    signals: &Signals,
+    record: &mut impl FnMut(&mut Component, f64) -> Result<()>,
+    stop_wish: &AtomicBool,
+    is_shown: bool,
+) -> Result<Ended> {
     let start_at = |time: f64| format!("initialisation at {time} s");
     signals.apply(model, span.start, false).with_context(|| start_at(span.start))?;
     model.initialize().with_context(|| start_at(span.start))?;
     if let Some(warning) = model.start_warning() {
         eprintln!("warning: {warning}");
     }
-    table.record(model, span.start)?;
+    record(model, span.start)?;
     let mut ended = Ended { time: span.start, steps: 0, is_interrupted: false };
     let mut bar = Bar::new(is_shown);
     // Points of the grid that are behind.
@@ -80,7 +86,7 @@ pub fn run(model: &mut Component, span: &Span, signals: Signals, table: &mut Tab
         {
             Stepped::Whole => {}
             Stepped::Part(part) => {
-                table.record(model, ended.time + part.time)?;
+                record(model, ended.time + part.time)?;
                 bail!("the run ends at {} s: {}", ended.time + part.time, part.why);
             }
             Stepped::Failed(why) => bail!("the run ends at {} s: {why}", ended.time),
@@ -92,20 +98,19 @@ pub fn run(model: &mut Component, span: &Span, signals: Signals, table: &mut Tab
         if is_close(next, regular) {
             points += 1;
         }
-        table.record(model, next)?;
+        record(model, next)?;
     }
     bar.end();
     Ok(ended)
 }
 
-/// Set when the user types Ctrl-C.
-fn stop_wish() -> Arc<AtomicBool> {
-    let wish = Arc::new(AtomicBool::new(false));
-    let own = Arc::clone(&wish);
+/// Set when the user types Ctrl-C; one for all runs of the program, which can have one handler only.
+pub fn stop_wish() -> &'static AtomicBool {
+    static WISH: AtomicBool = AtomicBool::new(false);
+    static HANDLED: Once = Once::new();
     // Without a handler Ctrl-C ends the program at once, which loses rows only.
-    let handled = ctrlc::set_handler(move || own.store(true, Ordering::Relaxed));
-    debug_assert!(handled.is_ok() || cfg!(test));
-    wish
+    HANDLED.call_once(|| drop(ctrlc::set_handler(|| WISH.store(true, Ordering::Relaxed))));
+    &WISH
 }
 
 /// How far a long run is.

@@ -1,23 +1,18 @@
 //! The recorded variables: rows to a file as the run goes on, courses for a plot.
 //!
-//! In: a model at a time. Out: CSV with the column `time` first, Booleans as 1 and 0, NaN where a value does not exist;
-//! every number in the fewest digits that give it back. A thread of its own writes it, block by block, so that memory
-//! stays constant.
+//! In: a model at a time. Out: blocks of rows for the file's writer, each row the time and the values, Booleans as 1 and
+//! 0, NaN where a value does not exist; some of the rows, for a plot.
 
-use anyhow::{Context, Result, anyhow};
+use super::file::Writer;
+use super::thinned::Thinned;
+use anyhow::{Context, Result};
 use linkage_fmu::component::{Component, Refused};
 use linkage_fmu::variables::{Kind, Reference, Unit, Variable};
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
 use std::path::Path;
-use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
-use std::thread::JoinHandle;
 
-/// Rows that are handed to the writing thread at once.
+/// Rows that are handed to the writer at once.
 const BLOCK: usize = 1024;
-/// Blocks that may wait for it.
-const WAITING: usize = 8;
-/// Most rows that are kept for a plot; of more, every second one is dropped.
+/// Most rows that are kept for a plot.
 const PLOTTED: usize = 1 << 14;
 
 /// A variable to record.
@@ -28,7 +23,8 @@ pub struct Column {
     pub name: String,
     /// Its unit.
     pub unit: Option<Unit>,
-    is_boolean: bool,
+    /// Whether it is true or false, as 1 or 0.
+    pub is_boolean: bool,
 }
 
 impl Column {
@@ -50,9 +46,7 @@ impl Column {
 pub struct Recorded {
     /// The recorded variables.
     pub columns: Vec<Column>,
-    /// Number of rows.
-    pub rows: u64,
-    /// Values in the last row, without the time.
+    /// Values at the end, without the time; none of a run that came to none.
     pub last: Vec<f64>,
     /// Rows for a plot, each the time and the values.
     pub plotted: Vec<Vec<f64>>,
@@ -60,21 +54,11 @@ pub struct Recorded {
 
 /// A table that grows.
 pub struct Table {
-    recorded: Recorded,
-    /// Rows that the writing thread does not have yet.
+    columns: Vec<Column>,
+    /// Rows that the writer does not have yet; without a writer the last one read.
     block: Vec<f64>,
     writer: Option<Writer>,
-    /// Of how many rows one is kept for the plot; 0: none.
-    stride: u64,
-}
-
-/// The thread that writes.
-struct Writer {
-    blocks: SyncSender<Vec<f64>>,
-    /// Blocks that are written, to be filled again.
-    empty: Receiver<Vec<f64>>,
-    thread: JoinHandle<io::Result<()>>,
-    shown: String,
+    plotted: Option<Thinned<Vec<f64>>>,
 }
 
 impl Table {
@@ -84,148 +68,66 @@ impl Table {
     /// The file cannot be made.
     pub fn new(columns: Vec<Column>, path: Option<&Path>, is_plotted: bool) -> Result<Self> {
         let writer = path.map(|path| Writer::new(path, &columns)).transpose()?;
-        let recorded = Recorded { columns, rows: 0, last: Vec::new(), plotted: Vec::new() };
-        Ok(Self { recorded, block: Vec::new(), writer, stride: u64::from(is_plotted) })
+        let plotted = is_plotted.then(|| Thinned::new(PLOTTED));
+        Ok(Self { columns, block: Vec::new(), writer, plotted })
     }
 
-    /// Add the row of the model's present state.
+    /// Add the row of the model's present state. Nothing is read where neither file nor plot wants the row.
     ///
     /// # Errors
     /// The model refuses to tell a value; the file cannot be written.
     pub fn record(&mut self, model: &mut Component, time: f64) -> Result<()> {
-        let start = self.block.len();
-        self.block.push(time);
-        for column in &self.recorded.columns {
-            let value = column.read(model).with_context(|| format!("{} at {time} s", column.name));
-            match value {
-                Ok(value) => self.block.push(value),
-                Err(error) => {
-                    self.block.truncate(start);
-                    return Err(error);
-                }
-            }
+        let is_plotted = self.plotted.as_mut().is_some_and(Thinned::wants_next);
+        if self.writer.is_some() || is_plotted {
+            self.read(model, time)?;
         }
-        self.recorded.rows += 1;
-        if self.stride > 0 && (self.recorded.rows - 1).is_multiple_of(self.stride) {
-            self.keep(start);
-        }
-        if self.block.len() >= BLOCK * (self.recorded.columns.len() + 1) {
-            self.hand_over()?;
-        }
-        Ok(())
-    }
-
-    /// Keep the last row for the plot.
-    fn keep(&mut self, start: usize) {
-        self.recorded.plotted.push(self.block[start..].to_vec());
-        if self.recorded.plotted.len() >= PLOTTED {
-            let mut index = 0_usize;
-            self.recorded.plotted.retain(|_| {
-                index += 1;
-                index % 2 == 1
-            });
-            self.stride *= 2;
-        }
-    }
-
-    /// Hand the block to the writing thread.
-    fn hand_over(&mut self) -> Result<()> {
-        let width = self.recorded.columns.len() + 1;
-        if let Some(last) = self.block.chunks_exact(width).last() {
-            self.recorded.last.clear();
-            self.recorded.last.extend_from_slice(&last[1..]);
+        if let Some(plotted) = self.plotted.as_mut().filter(|_| is_plotted) {
+            plotted.keep(self.block[self.block.len() - self.columns.len() - 1..].to_vec());
         }
         match &mut self.writer {
-            None => self.block.clear(),
-            Some(writer) => {
-                let mut next = writer.empty.try_recv().unwrap_or_default();
-                next.clear();
-                if writer.blocks.send(std::mem::replace(&mut self.block, next)).is_err() {
-                    return Err(self.failed());
+            Some(writer) if self.block.len() >= BLOCK * (self.columns.len() + 1) => writer.write(&mut self.block),
+            _ => Ok(()),
+        }
+    }
+
+    /// Read the row of the present state into the block.
+    fn read(&mut self, model: &mut Component, time: f64) -> Result<()> {
+        if self.writer.is_none() {
+            self.block.clear();
+        }
+        let start = self.block.len();
+        self.block.push(time);
+        for column in &self.columns {
+            match column.read(model) {
+                Ok(value) => self.block.push(value),
+                Err(refused) => {
+                    self.block.truncate(start);
+                    return Err(refused).with_context(|| format!("{} at {time} s", column.name));
                 }
             }
         }
         Ok(())
     }
 
-    /// Why the writing thread has ended.
-    fn failed(&mut self) -> anyhow::Error {
-        match self.writer.take() {
-            Some(writer) => writer.end().err().unwrap_or_else(|| anyhow!("the output file was closed")),
-            None => anyhow!("the output file was closed"),
-        }
-    }
-
-    /// Write what is left.
+    /// Write what is left; `last`: the model and its time, if the run came to an end.
     ///
     /// # Errors
-    /// The file cannot be written.
-    pub fn finish(mut self) -> Result<Recorded> {
-        self.hand_over()?;
-        if let Some(writer) = self.writer.take() {
+    /// The file cannot be written; the model refuses to tell a value.
+    pub fn finish(mut self, last: Option<(&mut Component, f64)>) -> Result<Recorded> {
+        if let Some(writer) = &mut self.writer {
+            writer.write(&mut self.block)?;
             writer.end()?;
         }
-        Ok(self.recorded)
-    }
-}
-
-impl Writer {
-    fn new(path: &Path, columns: &[Column]) -> Result<Self> {
-        let shown = path.display().to_string();
-        let mut file = File::create(path).map(BufWriter::new).with_context(|| format!("{shown}: cannot be made"))?;
-        let names: Vec<&str> = std::iter::once("time").chain(columns.iter().map(|column| &*column.name)).collect();
-        let (width, booleans) = (names.len(), columns.iter().map(|column| column.is_boolean).collect::<Vec<_>>());
-        let mut header = csv::WriterBuilder::new().quote_style(csv::QuoteStyle::Always).from_writer(Vec::new());
-        header.write_record(&names)?;
-        file.write_all(&header.into_inner().unwrap_or_default()).with_context(|| shown.clone())?;
-        let (blocks, waiting): (_, Receiver<Vec<f64>>) = sync_channel(WAITING);
-        let (done, empty): (Sender<Vec<f64>>, _) = channel();
-        let thread = std::thread::spawn(move || {
-            for block in waiting {
-                for row in block.chunks_exact(width) {
-                    write_row(&mut file, row, &booleans)?;
-                }
-                file.flush()?;
-                // The run may be over.
-                let _ = done.send(block);
+        self.writer = None;
+        let mut plotted = self.plotted.take().map_or_else(Vec::new, Thinned::into_items);
+        let mut values = Vec::new();
+        if let Some((model, time)) = last {
+            self.read(model, time)?;
+            values.extend_from_slice(&self.block[1..]);
+            if plotted.last().is_some_and(|row| row[0] < time) {
+                plotted.push(self.block);
             }
-            file.flush()
-        });
-        Ok(Self { blocks, empty, thread, shown })
-    }
-
-    /// Wait until all is written.
-    fn end(self) -> Result<()> {
-        drop(self.blocks);
-        let written = self.thread.join().map_err(|_| anyhow!("{}: the writing thread panicked", self.shown))?;
-        written.with_context(|| format!("{}: cannot be written", self.shown))
-    }
-}
-
-/// One line of the file.
-fn write_row(file: &mut impl Write, row: &[f64], booleans: &[bool]) -> io::Result<()> {
-    let mut digits = zmij::Buffer::new();
-    let mut number = |file: &mut dyn Write, value: f64| match value.is_finite() {
-        true => file.write_all(digits.format_finite(value).as_bytes()),
-        false => write!(
-            file,
-            "{}",
-            if value.is_nan() {
-                "nan"
-            } else if value > 0.0 {
-                "inf"
-            } else {
-                "-inf"
-            }
-        ),
-    };
-    number(file, row[0])?;
-    for (value, is_boolean) in row[1..].iter().zip(booleans) {
-        file.write_all(b",")?;
-        match is_boolean {
-            true => file.write_all(if *value == 0.0 { b"0" } else { b"1" })?,
-            false => number(file, *value)?,
         }
+        Ok(Recorded { columns: self.columns, last: values, plotted })
     }
-    file.write_all(b"\n")
 }

@@ -1,0 +1,151 @@
+//! `cargo fmu info`: what a model offers to a host.
+//!
+//! In: an FMU of any program, or a definition. Out: the content of its `modelDescription.xml`, of a definition the one
+//! that packing would write, in words or as JSON.
+
+use crate::archive::MODEL_DESCRIPTION;
+use crate::fmu::{self, Fmu};
+use crate::source::Definition;
+use crate::workspace::Workspace;
+use crate::xml::description::{Described, Description};
+use crate::xml::fmi2;
+use anyhow::{Context, Result};
+pub use fmu_cli::Info as Arguments;
+use linkage_fmu::component::Component;
+use serde::Serialize;
+use std::fmt::Write;
+
+/// Causalities in the order in which variables are listed, with the headings.
+const CAUSALITIES: [(&str, &str); 4] =
+    [("input", "Inputs"), ("output", "Outputs"), ("parameter", "Parameters"), ("", "Other variables")];
+
+/// What is told.
+#[derive(Serialize)]
+struct Told {
+    file: String,
+    /// Definition file of the kind of model; none in an FMU of another program.
+    definition: Option<String>,
+    /// Platforms of the libraries in an FMU.
+    platforms: Vec<String>,
+    #[serde(flatten)]
+    description: Description,
+}
+
+/// Print what the model offers.
+///
+/// # Errors
+/// The path leads to no model, or its description cannot be read.
+pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
+    let told = if fmu::is_fmu(&arguments.path) {
+        of_fmu(Fmu::open(&arguments.path)?)?
+    } else {
+        let Definition { shown, kind, text } = Definition::read(workspace, &arguments.path)?;
+        let component = Component::from_definition(kind, &text)
+            .with_context(|| format!("{shown}; `cargo fmu check` tells more"))?;
+        let description = Description::parse(&fmi2::to_xml(&component).with_context(|| shown.clone())?)?;
+        Told { file: shown, definition: Some(kind.to_owned()), platforms: Vec::new(), description }
+    };
+    match arguments.json {
+        true => println!("{}", serde_json::to_string_pretty(&told)?),
+        false => print!("{}", words(&told)),
+    }
+    Ok(())
+}
+
+fn of_fmu(mut fmu: Fmu) -> Result<Told> {
+    let description = description(&mut fmu)?;
+    let definition =
+        Component::definition_files().into_iter().find(|file| fmu.names().iter().any(|n| n.ends_with(file)));
+    let (file, definition) = (fmu.shown().to_owned(), definition.map(str::to_owned));
+    Ok(Told { file, definition, platforms: platforms(&fmu), description })
+}
+
+/// The description in an FMU.
+///
+/// # Errors
+/// There is none, or it cannot be read.
+pub fn description(fmu: &mut Fmu) -> Result<Description> {
+    let shown = fmu.shown().to_owned();
+    let text = fmu.text(MODEL_DESCRIPTION)?.with_context(|| format!("{shown}: holds no {MODEL_DESCRIPTION}"))?;
+    Description::parse(&text).with_context(|| format!("{shown}/{MODEL_DESCRIPTION}"))
+}
+
+/// Names of the folders of libraries in an FMU.
+pub fn platforms(fmu: &Fmu) -> Vec<String> {
+    let mut found: Vec<String> = Vec::new();
+    for name in fmu.names() {
+        if let Some((platform, _)) = name.strip_prefix("binaries/").and_then(|rest| rest.split_once('/'))
+            && !found.iter().any(|other| other == platform)
+        {
+            found.push(platform.to_owned());
+        }
+    }
+    found.sort();
+    found
+}
+
+fn words(told: &Told) -> String {
+    let Told { description, .. } = told;
+    let mut out = String::new();
+    let mut line = |name: &str, text: String| {
+        if !text.is_empty() {
+            let _ = writeln!(out, "{name:<13}{text}");
+        }
+    };
+    line("file", told.file.clone());
+    line("name", description.name.clone());
+    line("description", description.description.clone());
+    line("definition", told.definition.clone().unwrap_or_default());
+    line("FMI", description.fmi_version.clone());
+    line("interfaces", description.interfaces.keys().cloned().collect::<Vec<_>>().join(", "));
+    line("GUID", description.guid.clone());
+    line("written by", description.generation_tool.clone());
+    line("platforms", told.platforms.join(", "));
+    line("experiment", experiment(description));
+    let of = |causality: &str| -> Vec<&Described> {
+        let is_known = |variable: &Described| CAUSALITIES.iter().any(|(known, _)| *known == variable.causality);
+        description
+            .variables
+            .iter()
+            .filter(|v| v.causality == causality || causality.is_empty() && !is_known(v))
+            .collect()
+    };
+    let counts = CAUSALITIES.map(|(causality, heading)| (of(causality).len(), heading.to_lowercase()));
+    let counts: Vec<String> =
+        counts.iter().filter(|(count, _)| *count > 0).map(|(count, heading)| format!("{count} {heading}")).collect();
+    line("variables", format!("{}: {}", description.variables.len(), counts.join(", ")));
+    for (causality, heading) in CAUSALITIES {
+        let listed = of(causality);
+        if !listed.is_empty() {
+            let _ = write!(out, "\n{heading}\n{}", table(&listed));
+        }
+    }
+    out
+}
+
+fn experiment(description: &Description) -> String {
+    let experiment = &description.experiment;
+    let parts = [
+        ("from", experiment.start_time, " s"),
+        ("to", experiment.stop_time, " s"),
+        ("in steps of", experiment.step_size, " s"),
+        ("tolerance", experiment.tolerance, ""),
+    ];
+    let told = parts.iter().filter_map(|(word, value, unit)| value.map(|value| format!("{word} {value:?}{unit}")));
+    told.collect::<Vec<_>>().join(" ")
+}
+
+/// A line for each variable: name, start value, unit, description.
+fn table(variables: &[&Described]) -> String {
+    let cells = variables.iter().map(|variable| {
+        let unit = if variable.unit.is_empty() { variable.kind.clone() } else { variable.unit.clone() };
+        [variable.name.clone(), variable.start.clone().unwrap_or_default(), unit]
+    });
+    let cells: Vec<[String; 3]> = cells.collect();
+    let [name, start, unit] = [0, 1, 2].map(|i| cells.iter().map(|row| row[i].chars().count()).max().unwrap_or(0));
+    let lines = cells.iter().zip(variables).map(|([a, b, c], variable)| {
+        let line = format!("  {a:<name$}  {b:>start$}  {c:<unit$}  {}", variable.description);
+        format!("{}\n", line.trim_end())
+    });
+    lines.collect()
+}

@@ -1,0 +1,106 @@
+//! The file of the recorded rows, written by a thread of its own, block by block, so that memory stays constant.
+//!
+//! In: a path, whose ending names the format, and blocks of rows. Out: the file. It must not know what the values mean.
+
+use super::csv::Csv;
+use super::parquet::Parquet;
+use super::table::Column;
+use anyhow::{Context, Result, anyhow, bail};
+use std::fs::File;
+use std::path::Path;
+use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
+use std::thread::JoinHandle;
+
+/// Blocks that may wait for the writing thread.
+const WAITING: usize = 8;
+
+/// A format of tables. A row is the time and the values of the columns.
+pub trait Format: Send + Sized + 'static {
+    /// Begin the file.
+    fn begin(file: File, columns: &[Column]) -> Result<Self>;
+    /// Add rows.
+    fn write(&mut self, rows: &[f64]) -> Result<()>;
+    /// End the file.
+    fn end(self) -> Result<()>;
+}
+
+/// Whether a file of this name can be written.
+///
+/// # Errors
+/// The ending names another format than CSV and Parquet.
+pub fn check(path: &Path) -> Result<()> {
+    match extension(path).as_str() {
+        "csv" | "parquet" | "" => Ok(()),
+        _ => bail!("--output-file: {} must end in .csv or .parquet", path.display()),
+    }
+}
+
+fn extension(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
+}
+
+/// The thread that writes.
+pub struct Writer {
+    blocks: Option<SyncSender<Vec<f64>>>,
+    /// Blocks that are written, to be filled again.
+    empty: Receiver<Vec<f64>>,
+    thread: Option<JoinHandle<Result<()>>>,
+    shown: String,
+}
+
+impl Writer {
+    /// Make the file; Parquet if its name ends so, else CSV.
+    ///
+    /// # Errors
+    /// The file cannot be made.
+    pub fn new(path: &Path, columns: &[Column]) -> Result<Self> {
+        check(path)?;
+        let file = File::create(path).with_context(|| format!("{}: cannot be made", path.display()))?;
+        match extension(path).as_str() {
+            "parquet" => Self::start::<Parquet>(path, file, columns),
+            _ => Self::start::<Csv>(path, file, columns),
+        }
+    }
+
+    fn start<F: Format>(path: &Path, file: File, columns: &[Column]) -> Result<Self> {
+        let shown = path.display().to_string();
+        let mut format = F::begin(file, columns).with_context(|| format!("{shown}: cannot be written"))?;
+        let (blocks, waiting): (_, Receiver<Vec<f64>>) = sync_channel(WAITING);
+        let (done, empty): (Sender<Vec<f64>>, _) = channel();
+        let thread = std::thread::spawn(move || {
+            for block in waiting {
+                format.write(&block)?;
+                // The run may be over.
+                let _ = done.send(block);
+            }
+            format.end()
+        });
+        Ok(Self { blocks: Some(blocks), empty, thread: Some(thread), shown })
+    }
+
+    /// Hand over a block of rows; an empty one takes its place.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write(&mut self, block: &mut Vec<f64>) -> Result<()> {
+        let mut next = self.empty.try_recv().unwrap_or_default();
+        next.clear();
+        let full = std::mem::replace(block, next);
+        match &self.blocks {
+            Some(blocks) if blocks.send(full).is_ok() => Ok(()),
+            // The thread has ended, which it does before its time on an error only.
+            _ => self.end().and_then(|()| Err(anyhow!("{}: is already closed", self.shown))),
+        }
+    }
+
+    /// Wait until all is written.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn end(&mut self) -> Result<()> {
+        self.blocks = None;
+        let Some(thread) = self.thread.take() else { return Ok(()) };
+        let written = thread.join().map_err(|_| anyhow!("{}: the writing thread panicked", self.shown))?;
+        written.with_context(|| format!("{}: cannot be written", self.shown))
+    }
+}

@@ -1,0 +1,189 @@
+//! `cargo fmu validate`: whether a model can be given to a host as it is.
+//!
+//! In: an FMU of this program, or a definition. Out: errors and warnings, one a line: of a definition those of `check`; of
+//! an FMU also whether its archive is whole, its description is that of its definition, and its libraries are ones.
+
+use crate::check;
+use crate::fmu::{self, Fmu};
+use crate::source::Definition;
+use crate::workspace::Workspace;
+use crate::xml::description::{Described, Description};
+use crate::xml::fmi2;
+use crate::{binary, info, library, names};
+use anyhow::{Context, Result};
+pub use fmu_cli::Validate as Arguments;
+use linkage_fmu::component::Component;
+use linkage_fmu::inspection::Severity;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Interface of the FMUs that this program packs.
+const INTERFACE: &str = "CoSimulation";
+
+/// What was found.
+#[derive(Default)]
+struct Found {
+    errors: Vec<String>,
+    warnings: Vec<String>,
+}
+
+impl Found {
+    /// Count a failure as an error.
+    fn take<T>(&mut self, result: Result<T>) -> Option<T> {
+        result.map_err(|error| self.errors.push(format!("{error:#}"))).ok()
+    }
+}
+
+/// Validate the models and print what was found; whether all are without errors.
+///
+/// # Errors
+/// A path that leads to no model.
+pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
+    let mut is_valid = true;
+    for path in &arguments.paths {
+        let Found { errors, warnings } = validate(workspace, path)?;
+        errors.iter().for_each(|error| println!("error: {error}"));
+        warnings.iter().for_each(|warning| println!("warning: {warning}"));
+        let counted = |count: usize, word: &str| format!("{count} {word}{}", if count == 1 { "" } else { "s" });
+        let verdict = if errors.is_empty() { "valid" } else { "not valid" };
+        let counts = [counted(errors.len(), "error"), counted(warnings.len(), "warning")].join(", ");
+        println!("{}: {verdict}: {counts}", path.display());
+        is_valid &= errors.is_empty();
+    }
+    Ok(is_valid)
+}
+
+fn validate(workspace: &Workspace, path: &Path) -> Result<Found> {
+    let mut found = Found::default();
+    if !fmu::is_fmu(path) {
+        definition(Definition::read(workspace, path)?, &mut found)?;
+        return Ok(found);
+    }
+    let Some(mut fmu) = found.take(Fmu::open(path)) else { return Ok(found) };
+    archive(&mut fmu, &mut found);
+    let described = found.take(info::description(&mut fmu));
+    if let Some(described) = &described {
+        libraries(&mut fmu, described, &mut found);
+    }
+    if let Some(packed) = found.take(fmu.definition())
+        && let Some(meant) = definition(packed, &mut found)?
+        && let Some(described) = described
+    {
+        compare(&fmu, &described, &meant, &mut found);
+    }
+    Ok(found)
+}
+
+/// Check a definition as `check` does; the description that it gives, if it gives a model.
+fn definition(Definition { shown, kind, text }: Definition, found: &mut Found) -> Result<Option<Description>> {
+    let checked = check::check(shown.clone(), kind, text.clone())?;
+    found.errors.extend(check::listed(&checked, Severity::Error));
+    found.warnings.extend(check::listed(&checked, Severity::Warning));
+    if checked.count(Severity::Error) > 0 {
+        return Ok(None);
+    }
+    let description = Component::from_definition(kind, &text)
+        .map_err(anyhow::Error::from)
+        .and_then(|component| Description::parse(&fmi2::to_xml(&component)?))
+        .context(shown);
+    Ok(found.take(description))
+}
+
+/// Names and contents of all entries.
+fn archive(fmu: &mut Fmu, found: &mut Found) {
+    let all = fmu.names().to_vec();
+    for name in &all {
+        found.take(names::check(name).with_context(|| fmu.shown().to_owned()));
+        // Unpacking compares the check sum.
+        found.take(fmu.read(name));
+    }
+    found.take(names::check_case(all.iter().map(String::as_str)).with_context(|| fmu.shown().to_owned()));
+}
+
+/// A library for each platform that has a folder, for this one too.
+fn libraries(fmu: &mut Fmu, described: &Description, found: &mut Found) {
+    let shown = fmu.shown().to_owned();
+    let Some(identifier) = described.interfaces.get(INTERFACE) else {
+        found.errors.push(format!("{shown}: the description has no {INTERFACE}"));
+        return;
+    };
+    let platforms = info::platforms(fmu);
+    if platforms.is_empty() {
+        found.errors.push(format!("{shown}: holds no library; no host can load it"));
+    }
+    for platform in &platforms {
+        let Some(path) = binary::path(platform, identifier) else {
+            let known = fmu_cli::PLATFORMS.join(", ");
+            found
+                .warnings
+                .push(format!("{shown}: binaries/{platform} is of no platform of FMI 2.0, which knows {known}"));
+            continue;
+        };
+        match fmu.read(&path) {
+            Ok(Some(content)) => {
+                found.take(binary::check_for(platform, &content).with_context(|| format!("{shown}/{path}")));
+            }
+            Ok(None) => found.errors.push(format!("{shown}: holds no {path}, which hosts on {platform} load")),
+            // The archive's check has told it.
+            Err(_) => {}
+        }
+    }
+    if let Ok(own) = library::platform()
+        && !platforms.iter().any(|platform| platform == own)
+    {
+        found.warnings.push(format!("{shown}: holds no library for this machine ({own})"));
+    }
+}
+
+/// Whether the description in the FMU is the one of its definition.
+fn compare(fmu: &Fmu, packed: &Description, meant: &Description, found: &mut Found) {
+    let shown = fmu.shown();
+    let of_model = [
+        ("fmiVersion", &packed.fmi_version, &meant.fmi_version),
+        ("modelName", &packed.name, &meant.name),
+        ("guid", &packed.guid, &meant.guid),
+    ];
+    let remedy = "pack it again, or restore the names in the definition";
+    let mut differ = |what: &str, packed: &str, meant: &str| {
+        found.errors.push(format!("{shown}: {what} is \"{packed}\", but the definition gives \"{meant}\"; {remedy}"));
+    };
+    for (what, packed, meant) in of_model {
+        if packed != meant {
+            differ(what, packed, meant);
+        }
+    }
+    if packed.interfaces != meant.interfaces {
+        differ("the interface", &format!("{:?}", packed.interfaces), &format!("{:?}", meant.interfaces));
+    }
+    let mut others: BTreeMap<&str, &Described> = packed.variables.iter().map(|v| (v.name.as_str(), v)).collect();
+    let mut starts = Vec::new();
+    for meant in &meant.variables {
+        let Some(packed) = others.remove(meant.name.as_str()) else {
+            found.errors.push(format!("{shown}: the description lacks the variable {}; {remedy}", meant.name));
+            continue;
+        };
+        let parts = |variable: &Described| {
+            [&variable.reference, &variable.kind, &variable.causality, &variable.variability, &variable.unit]
+                .map(String::clone)
+        };
+        if parts(packed) != parts(meant) {
+            let (name, packed, given) = (&meant.name, parts(packed).join(" "), parts(meant).join(" "));
+            found
+                .errors
+                .push(format!("{shown}: {name} is \"{packed}\", but the definition gives \"{given}\"; {remedy}"));
+        }
+        if packed.start != meant.start {
+            starts.push(meant.name.as_str());
+        }
+    }
+    for name in others.keys() {
+        found.errors.push(format!("{shown}: the definition gives no variable {name}; {remedy}"));
+    }
+    if let Some(first) = starts.first() {
+        let more = if starts.len() > 1 { format!(" and {} more", starts.len() - 1) } else { String::new() };
+        found.warnings.push(format!(
+            "{shown}: the start value of {first}{more} differs between description and definition; hosts show the first, and \
+             the FMU starts from the second; pack it again"
+        ));
+    }
+}

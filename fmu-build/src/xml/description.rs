@@ -1,0 +1,200 @@
+//! The reader of `modelDescription.xml`: what an FMU offers to a host.
+//!
+//! In: the text of the file, of FMI 2.0 or 3.0 and of any program. Out: the model, its default experiment, its
+//! variables. Elements and attributes that say nothing about these are passed over.
+
+use anyhow::{Context, Result, bail};
+use quick_xml::events::{BytesStart, Event};
+use quick_xml::{Reader, XmlVersion};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Elements that say what kind of simulation an FMU is for.
+const INTERFACES: [&str; 3] = ["CoSimulation", "ModelExchange", "ScheduledExecution"];
+
+/// What an FMU offers to a host.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Description {
+    /// Version of FMI.
+    pub fmi_version: String,
+    /// Name of the model.
+    pub name: String,
+    /// Its description.
+    pub description: String,
+    /// GUID, or token of FMI 3.0.
+    pub guid: String,
+    /// Program that wrote the FMU.
+    pub generation_tool: String,
+    /// Kinds of simulation, each with its modelIdentifier.
+    pub interfaces: BTreeMap<String, String>,
+    /// Default experiment.
+    pub experiment: Experiment,
+    /// Variables, in their order.
+    pub variables: Vec<Described>,
+}
+
+/// Default experiment, as it is written.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Experiment {
+    /// Start time [s].
+    pub start_time: Option<f64>,
+    /// Stop time [s].
+    pub stop_time: Option<f64>,
+    /// Communication step [s].
+    pub step_size: Option<f64>,
+    /// Relative tolerance.
+    pub tolerance: Option<f64>,
+}
+
+/// A variable, as it is written; empty where nothing is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Described {
+    /// Name.
+    pub name: String,
+    /// Value reference.
+    pub reference: String,
+    /// Type, such as Real.
+    pub kind: String,
+    /// Causality.
+    pub causality: String,
+    /// Variability.
+    pub variability: String,
+    /// Unit.
+    pub unit: String,
+    /// Start value.
+    pub start: Option<String>,
+    /// Description.
+    pub description: String,
+}
+
+/// Attributes of an element by name.
+struct Attributes(BTreeMap<String, String>);
+
+impl Attributes {
+    fn of(element: &BytesStart) -> Result<Self> {
+        let read = element.attributes().map(|attribute| {
+            let attribute = attribute?;
+            let value = attribute.normalized_value(XmlVersion::Implicit1_0)?.into_owned();
+            Ok((attribute.key.as_ref().to_owned(), value))
+        });
+        Ok(Self(read.collect::<Result<_>>()?))
+    }
+
+    fn take(&mut self, name: &str) -> String {
+        self.0.remove(name).unwrap_or_default()
+    }
+
+    fn number(&mut self, name: &str) -> Result<Option<f64>> {
+        let read =
+            |text: String| text.trim().parse().with_context(|| format!("{name} is \"{text}\", which is no number"));
+        self.0.remove(name).map(read).transpose()
+    }
+}
+
+impl Description {
+    /// Read the file.
+    ///
+    /// # Errors
+    /// The text is no XML, or its root is not `fmiModelDescription`.
+    pub fn parse(xml: &str) -> Result<Self> {
+        let mut reader = Reader::from_str(xml.trim_start_matches('\u{feff}'));
+        let mut out = Self::default();
+        // Elements that are open.
+        let mut open: Vec<String> = Vec::new();
+        loop {
+            let event = reader.read_event();
+            match event.with_context(|| format!("the text is no XML at byte {}", reader.error_position()))? {
+                Event::Start(element) => {
+                    out.take(&open, &element)?;
+                    open.push(element.name().as_ref().to_owned());
+                }
+                Event::Empty(element) => out.take(&open, &element)?,
+                Event::End(_) => drop(open.pop()),
+                Event::Eof => break,
+                _ => {}
+            }
+        }
+        if out.fmi_version.is_empty() {
+            bail!("there is no element fmiModelDescription with an fmiVersion");
+        }
+        Ok(out)
+    }
+
+    /// Take what an element says that stands in these.
+    fn take(&mut self, open: &[String], element: &BytesStart) -> Result<()> {
+        let name = element.name().as_ref().to_owned();
+        let path: Vec<&str> = open.iter().map(String::as_str).collect();
+        let mut attributes = Attributes::of(element).with_context(|| format!("element {name}"))?;
+        match path[..] {
+            [] if name == "fmiModelDescription" => {
+                self.fmi_version = attributes.take("fmiVersion");
+                self.name = attributes.take("modelName");
+                self.description = attributes.take("description");
+                self.generation_tool = attributes.take("generationTool");
+                self.guid =
+                    attributes.take(if self.fmi_version.starts_with('3') { "instantiationToken" } else { "guid" });
+            }
+            ["fmiModelDescription"] if INTERFACES.contains(&&*name) => {
+                self.interfaces.insert(name, attributes.take("modelIdentifier"));
+            }
+            ["fmiModelDescription"] if name == "DefaultExperiment" => {
+                self.experiment = Experiment {
+                    start_time: attributes.number("startTime")?,
+                    stop_time: attributes.number("stopTime")?,
+                    step_size: attributes.number("stepSize")?,
+                    tolerance: attributes.number("tolerance")?,
+                };
+            }
+            ["fmiModelDescription", "ModelVariables"] => self.variables.push(Described {
+                name: attributes.take("name"),
+                reference: attributes.take("valueReference"),
+                causality: attributes.take("causality"),
+                variability: attributes.take("variability"),
+                description: attributes.take("description"),
+                // In FMI 2.0 the type is an element of its own, with unit and start value.
+                kind: if name == "ScalarVariable" { String::new() } else { name },
+                unit: attributes.take("unit"),
+                start: attributes.0.remove("start"),
+            }),
+            ["fmiModelDescription", "ModelVariables", "ScalarVariable"] if name != "Annotations" => {
+                if let Some(variable) = self.variables.last_mut() {
+                    (variable.kind, variable.unit) = (name, attributes.take("unit"));
+                    variable.start = attributes.0.remove("start");
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn variables_of_both_versions_are_read() {
+        let second = "<?xml version=\"1.0\"?><fmiModelDescription fmiVersion=\"2.0\" modelName=\"A &amp; B\" guid=\"{1}\">\
+            <CoSimulation modelIdentifier=\"ab\"><SourceFiles/></CoSimulation>\
+            <DefaultExperiment stopTime=\"2\" stepSize=\"1e-3\"/><ModelVariables><ScalarVariable name=\"x\" \
+            valueReference=\"7\" causality=\"input\"><Real unit=\"N\" start=\"3\"/><Annotations/></ScalarVariable>\
+            </ModelVariables></fmiModelDescription>";
+        let read = Description::parse(second).unwrap();
+        assert_eq!((&*read.name, &*read.guid, &*read.interfaces["CoSimulation"]), ("A & B", "{1}", "ab"));
+        assert_eq!((read.experiment.stop_time, read.experiment.tolerance), (Some(2.0), None));
+        let variable = &read.variables[0];
+        assert_eq!((&*variable.name, &*variable.reference, &*variable.kind), ("x", "7", "Real"));
+        assert_eq!((&*variable.unit, variable.start.as_deref()), ("N", Some("3")));
+        let third = "<fmiModelDescription fmiVersion=\"3.0\" instantiationToken=\"{2}\"><ModelVariables>\
+            <Float64 name=\"x\" unit=\"N\" start=\"3\"/></ModelVariables></fmiModelDescription>";
+        let read = Description::parse(third).unwrap();
+        assert_eq!((&*read.guid, &*read.variables[0].kind, &*read.variables[0].unit), ("{2}", "Float64", "N"));
+    }
+
+    #[test]
+    fn what_is_no_description_is_refused() {
+        for text in ["", "{}", "<html/>", "<fmiModelDescription fmiVersion=\"2.0\"", "<a></b>"] {
+            assert!(Description::parse(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! `cargo fmu simulate`: constant memory, whatever the number of steps; what a run costs beside its steps.
+#![allow(clippy::unwrap_used)]
+
+use fmu_build::simulate::{self, Arguments, Outcome};
+use fmu_build::workspace::Workspace;
+use linkage_fmu::component::{Component, Stepped};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+use std::{env, fs, process};
+
+/// Communication step [s].
+const STEP: f64 = 1e-3;
+/// A four-bar under gravity that turns without a drive.
+const START_VALUES: [&str; 1] = ["drive.torque=0"];
+
+fn four_bar() -> PathBuf {
+    Workspace::locate().descriptions().join("FourBar")
+}
+
+/// A folder that is removed with all that is in it.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(test: &str) -> Self {
+        let path = env::temp_dir().join(format!("fmu-build-simulate-{}-{test}", process::id()));
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Largest memory of a run of so many steps that writes a file of this ending, or none [kB].
+#[cfg(target_os = "linux")]
+fn memory(folder: &Path, steps: u32, ending: &str) -> u64 {
+    use std::process::{Command, Stdio};
+    let mut command = Command::new(env!("CARGO_BIN_EXE_fmu-build"));
+    command.args(["simulate", "--output-interval", "1e-3", "--stop-time", &(f64::from(steps) * STEP).to_string()]);
+    command.arg("--start-values").args(START_VALUES).args(["--output-variables", "crank.angle", "crank.speed"]);
+    let option = match ending {
+        "" => None,
+        "gif" => Some("--gif"),
+        "png" => Some("--plot"),
+        _ => Some("--output-file"),
+    };
+    if let Some(option) = option {
+        command.arg(option).arg(folder.join(format!("run.{ending}")));
+    }
+    let mut child = command.arg("--").arg(four_bar()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let mut most = 0;
+    let status = loop {
+        // The kernel keeps the largest value, so that the last look has it but for the last moments.
+        let told = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
+        let peak =
+            told.lines().find_map(|line| line.strip_prefix("VmHWM:")).and_then(|line| line.split_whitespace().next());
+        most = most.max(peak.map_or(0, |peak| peak.parse().unwrap()));
+        if let Some(status) = child.try_wait().unwrap() {
+            break status;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    };
+    assert!(status.success());
+    most
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_does_not_grow_with_the_steps() {
+    let folder = Folder::new("memory");
+    for ending in ["", "csv", "parquet", "png", "gif"] {
+        // The first row group of a Parquet file holds 349 525 rows of a time and two variables.
+        let few = if ending == "parquet" { 400_000 } else { 100_000 };
+        let [short, long] = [few, 1_000_000].map(|steps| memory(&folder.0, steps, ending));
+        println!("{ending:>8}: {short} kB for {few} steps, {long} kB for 1e6");
+        // Rows of 1e6 steps take 24 MB. Blocks that wait for the writer may be a few more or fewer.
+        assert!(long < short + 4_000, "{ending}: {short} kB for {few} steps, {long} kB for 1e6");
+        assert!(short > 1_000);
+    }
+}
+
+/// The fastest of some runs [s].
+fn fastest(mut run: impl FnMut()) -> f64 {
+    let time = |run: &mut dyn FnMut()| {
+        let start = Instant::now();
+        run();
+        start.elapsed().as_secs_f64()
+    };
+    (0..5).map(|_| time(&mut run)).fold(f64::INFINITY, f64::min)
+}
+
+/// The same steps by the engine alone.
+fn engine(text: &str, steps: u32) {
+    let mut model = Component::from_definition("mechanism.json", text).unwrap();
+    let torque = model.interface().find("drive.torque").unwrap();
+    model.set_real(torque, 0.0).unwrap();
+    model.initialize().unwrap();
+    for k in 0..steps {
+        let time = f64::from(k) * STEP;
+        let next = f64::from(k + 1) * STEP;
+        assert_eq!(model.step_from(Some(time), next - time).unwrap(), Stepped::Whole);
+    }
+}
+
+#[test]
+#[ignore = "measures run time: cargo test --release -p fmu-build --test simulate -- --ignored --nocapture"]
+fn a_run_costs_what_its_steps_cost() {
+    let (folder, workspace, steps) = (Folder::new("cost"), Workspace::locate(), 1_000_000);
+    let text = fs::read_to_string(four_bar().join("resources/mechanism.json")).unwrap();
+    let alone = fastest(|| engine(&text, steps));
+    let run = |file: Option<&str>, variables: &[&str]| {
+        let arguments = Arguments {
+            path: four_bar(),
+            stop_time: Some(f64::from(steps) * STEP),
+            output_interval: Some(STEP),
+            start_values: START_VALUES.map(String::from).to_vec(),
+            output_file: file.map(|name| folder.0.join(name)),
+            output_variables: variables.iter().map(|&name| name.to_owned()).collect(),
+            ..Default::default()
+        };
+        fastest(|| assert_eq!(simulate::run(&workspace, &arguments).unwrap(), Outcome::Complete))
+    };
+    let bare = run(None, &[]);
+    let motion = ["crank.angle", "crank.speed", "coupler.angle"];
+    let told = [
+        ("no file", bare),
+        ("CSV, 3 variables", run(Some("run.csv"), &motion)),
+        ("CSV, all outputs", run(Some("run.csv"), &[])),
+        ("Parquet, 3 variables", run(Some("run.parquet"), &motion)),
+        ("Parquet, all outputs", run(Some("run.parquet"), &[])),
+    ];
+    let each = |seconds: f64| 1e9 * seconds / f64::from(steps);
+    println!("the engine alone: {:.0} ns a step", each(alone));
+    for (what, seconds) in told {
+        println!("{what}: {:.0} ns a step, {:.2} times the engine", each(seconds), seconds / alone);
+    }
+    assert!(bare < 1.2 * alone, "{bare} s, the engine alone {alone} s");
+}

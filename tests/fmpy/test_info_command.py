@@ -1,0 +1,143 @@
+"""`cargo fmu info` and `validate`: what FMPy reads, and each way in which an FMU can be spoiled."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import fmpy
+import pytest
+from conftest import CARGO, FMU_FOLDER, NAME, REPOSITORY
+from fmpy import read_model_description
+
+Command = Callable[..., subprocess.CompletedProcess[str]]
+Change = Callable[[str, bytes], tuple[str, bytes] | None]
+
+
+@pytest.fixture
+def command(tmp_path: Path) -> Command:
+    """`cargo fmu` with these arguments, called in a folder of its own."""
+
+    def run(*arguments: object) -> subprocess.CompletedProcess[str]:
+        words = [*CARGO, "fmu-build", "--", *map(str, arguments)]
+        return subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, encoding="utf-8", timeout=900.0)
+
+    return run
+
+
+@pytest.mark.parametrize("name", [NAME, "HydraulicActuator"])
+def test_info_tells_what_fmpy_reads(command: Command, name: str) -> None:
+    fmu = FMU_FOLDER / f"{name}.fmu"
+    done = command("info", fmu, "--json")
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    read = read_model_description(str(fmu))
+    assert (told["fmi_version"], told["name"], told["guid"]) == (read.fmiVersion, read.modelName, read.guid)
+    assert told["description"] == read.description
+    assert told["generation_tool"] == read.generationTool
+    assert told["interfaces"] == {"CoSimulation": read.coSimulation.modelIdentifier}
+    assert told["platforms"] == fmpy.supported_platforms(str(fmu))
+    experiment = read.defaultExperiment
+    assert told["experiment"] == {
+        "start_time": float(experiment.startTime),
+        "stop_time": float(experiment.stopTime),
+        "step_size": float(experiment.stepSize),
+        "tolerance": float(experiment.tolerance),
+    }
+    for here, there in zip(told["variables"], read.modelVariables, strict=True):
+        assert here == {
+            "name": there.name,
+            "reference": str(there.valueReference),
+            "kind": there.type,
+            "causality": there.causality,
+            "variability": there.variability,
+            "unit": there.unit or "",
+            "start": there.start,
+            "description": there.description,
+        }
+
+
+def test_info_in_words(command: Command) -> None:
+    done = command("info", REPOSITORY / "modelDescription" / NAME)
+    assert done.returncode == 0, done.stderr
+    lines = [line.split() for line in done.stdout.splitlines()]
+    read = read_model_description(str(FMU_FOLDER / f"{NAME}.fmu"))
+    for variable in read.modelVariables:
+        words = [
+            variable.name,
+            *([variable.start] if variable.start is not None else []),
+            variable.unit or variable.type,
+        ]
+        assert any(line[: len(words)] == words for line in lines), words
+    inputs = sum(variable.causality == "input" for variable in read.modelVariables)
+    assert f"variables    {len(read.modelVariables)}: {inputs} inputs" in done.stdout
+
+
+def test_every_packed_fmu_is_valid(command: Command) -> None:
+    fmus = sorted(FMU_FOLDER.glob("*.fmu"))
+    done = command("validate", *fmus, REPOSITORY / "docs" / "gallery" / "peaucellier.json")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout.count("valid: 0 errors, 0 warnings") == len(fmus) + 1
+
+
+def without(part: str) -> Change:
+    return lambda name, content: None if part in name else (name, content)
+
+
+def edited(part: str, old: bytes, new: bytes) -> Change:
+    return lambda name, content: (name, content.replace(old, new)) if part in name else (name, content)
+
+
+def cut(part: str, size: int) -> Change:
+    return lambda name, content: (name, content[:size]) if part in name else (name, content)
+
+
+@pytest.mark.parametrize(
+    ("change", "said", "is_valid"),
+    [
+        (edited("mechanism.json", b'"force": 30000', b'"force": 20000'), "start value of actuator.force differs", True),
+        (edited("mechanism.json", b"coupler", b"kuppler"), "the description lacks the variable kuppler.angle", False),
+        (edited("modelDescription", b'guid="{', b'guid="{0'), "guid is", False),
+        (edited("modelDescription", b'unit="kg"', b'unit="g"'), "crank.mass is", False),
+        (edited("mechanism.json", b'"mass"', b'"weight"'), "weight", False),
+        (edited("mechanism.json", b'"mass"', b'"ma\xdf"'), "is not UTF-8", False),
+        (without("binaries"), "holds no library", False),
+        (cut("binaries", 5000), ".so", False),
+        (without("modelDescription"), "holds no modelDescription.xml", False),
+        (cut("modelDescription", 3000), "the text is no XML", False),
+        (without("mechanism.json"), "holds no resources/mechanism.json", False),
+        (
+            lambda name, content: (name.replace("documentation/", "../"), content),
+            'the path has the part ".."',
+            False,
+        ),
+    ],
+)
+def test_what_is_spoiled_is_told(
+    command: Command, fmu: Path, tmp_path: Path, change: Change, said: str, is_valid: bool
+) -> None:
+    spoiled = tmp_path / "spoiled gear.fmu"
+    with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(spoiled, "w", zipfile.ZIP_DEFLATED) as target:
+        for name in source.namelist():
+            entry = change(name, source.read(name))
+            if entry is not None:
+                target.writestr(*entry)
+    done = command("validate", spoiled.name)
+    assert said in done.stdout, done.stdout + done.stderr
+    assert done.returncode == (0 if is_valid else 1)
+    assert done.stdout.splitlines()[-1].startswith(f"spoiled gear.fmu: {'valid' if is_valid else 'not valid'}: ")
+
+
+def test_damaged_bytes_are_told(command: Command, fmu: Path, tmp_path: Path) -> None:
+    whole = fmu.read_bytes()
+    for name, content in [
+        ("half.fmu", whole[: len(whole) // 2]),
+        ("bit.fmu", whole[:500_000] + bytes([whole[500_000] ^ 1]) + whole[500_001:]),
+    ]:
+        (tmp_path / name).write_bytes(content)
+        done = command("validate", name)
+        assert done.returncode == 1
+        assert done.stdout.startswith("error: ")

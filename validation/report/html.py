@@ -1,0 +1,54 @@
+"""The report as one HTML page that loads nothing: figures beside what the text says, the gear in motion, benchmarks."""
+
+from __future__ import annotations
+
+import base64
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup, escape
+
+from .page import HEADER, Figure, Section
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A figure with its picture, a PNG."""
+
+    figure: Figure
+    picture: bytes
+
+    @property
+    def source(self) -> str:
+        """The picture as an address."""
+        return "data:image/png;base64," + base64.b64encode(self.picture).decode("ascii")
+
+
+def marked(text: str) -> Markup:
+    """Text with `code` and *emphasis*, as the captions have them."""
+    safe = re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(text)))
+    return Markup(re.sub(r"(?<![\w*])\*(?=\S)([^*<]+?)(?<=\S)\*(?![\w*])", r"<em>\1</em>", safe))
+
+
+def anchor(title: str) -> str:
+    """Name of a section in addresses."""
+    return re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")
+
+
+def html(sections: list[Section], pictures: dict[str, bytes], motion: str, measured: list[Shown]) -> str:
+    """The page; `pictures` by the figures' names, `motion` the page of the gear, `measured` the benchmarks' figures."""
+    title, _, introduction = HEADER.removeprefix("# ").partition("\n")
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent), autoescape=True, undefined=StrictUndefined, trim_blocks=True
+    )
+    environment.filters |= {"marked": marked, "anchor": anchor}
+    groups = [(section, [Shown(figure, pictures[figure.name]) for figure in section.figures]) for section in sections]
+    return environment.get_template("report.html").render(
+        title=title,
+        introduction=[part.replace("\n", " ") for part in introduction.split("\n\n")],
+        groups=groups,
+        motion=motion,
+        measured=measured,
+    )
