@@ -14,10 +14,13 @@ use crate::workspace::Workspace;
 use anyhow::{Context, Result, bail};
 pub use fmu_cli::Simulate as Arguments;
 use linkage_fmu::component::Component;
+use linkage_fmu::format::Experiment;
 use linkage_fmu::variables::{Causality, Interface, Kind, Reference, Variable};
 use run::{Ended, Span};
 use signals::Signals;
 use std::io::IsTerminal;
+use std::path::Path;
+use std::sync::Arc;
 use table::{Column, Table};
 
 /// How a run ended, for the exit code.
@@ -58,7 +61,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     let mut table = Table::new(columns, arguments.output_file.as_deref(), arguments.plot.is_some())?;
     let is_shown = std::io::stderr().is_terminal();
     let started = std::time::Instant::now();
-    let ended = run::run(&mut model, &span, signals, &mut table, is_shown);
+    let ended = run::run(&mut model, &span, signals, &mut table, run::stop_wish(), is_shown);
     let elapsed = started.elapsed().as_secs_f64();
     let recorded = table.finish()?;
     let ended = ended?;
@@ -67,6 +70,31 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     }
     summarize(arguments, &recorded, &ended, elapsed);
     Ok(if ended.is_interrupted { Outcome::Interrupted } else { Outcome::Complete })
+}
+
+/// Run a model at its start values over its experiment, every output recorded as CSV at this path; the interval of the
+/// rows [s].
+///
+/// # Errors
+/// The start or a step is refused, or the file cannot be written.
+pub fn default_run(model: &mut Component, path: &Path) -> Result<f64> {
+    let experiment = model.experiment();
+    let interval = default_interval(experiment, experiment.stop_time);
+    let span = Span { start: 0.0, stop: experiment.stop_time, interval };
+    let mut table = Table::new(columns(model.interface(), &[])?, Some(path), false)?;
+    // Nobody is asked whether to stop.
+    let ended = run::run(model, &span, Signals::none(), &mut table, Arc::default(), false);
+    table.finish()?;
+    ended.map(|_| interval)
+}
+
+/// The experiment's step, doubled until a run of this length has few rows [s].
+fn default_interval(experiment: Experiment, length: f64) -> f64 {
+    let mut interval = experiment.step_size;
+    while length / interval > DEFAULT_ROWS {
+        interval *= 2.0;
+    }
+    interval
 }
 
 /// The times of the run.
@@ -80,13 +108,7 @@ fn span(model: &Component, arguments: &Arguments) -> Result<Span> {
     let interval = match arguments.output_interval {
         Some(interval) if interval > 0.0 && interval.is_finite() => interval,
         Some(interval) => bail!("--output-interval: {interval} s must be finite and > 0"),
-        None => {
-            let mut interval = experiment.step_size;
-            while (stop - start) / interval > DEFAULT_ROWS {
-                interval *= 2.0;
-            }
-            interval
-        }
+        None => default_interval(experiment, stop - start),
     };
     if (stop - start) / interval > MOST_STEPS {
         bail!("--output-interval: {interval} s over {} s are more than {MOST_STEPS:e} steps", stop - start);

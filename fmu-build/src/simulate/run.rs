@@ -41,12 +41,18 @@ pub struct Ended {
 }
 
 /// Initialise the model and step it from start to stop, as FMPy does: to each multiple of the interval, to jumps of the
-/// inputs and to the stop time. `is_shown`: a bar shows how far a long run is.
+/// inputs and to the stop time. `stop_wish`: set when the run is to end; `is_shown`: a bar shows how far a long run is.
 ///
 /// # Errors
 /// The model refuses its start, an input or a step; a step that met `solver.max_steps`; the table cannot be written.
-pub fn run(model: &mut Component, span: &Span, signals: Signals, table: &mut Table, is_shown: bool) -> Result<Ended> {
-    let stop_wish = stop_wish();
+pub fn run(
+    model: &mut Component,
+    span: &Span,
+    signals: Signals,
+    table: &mut Table,
+    stop_wish: Arc<AtomicBool>,
+    is_shown: bool,
+) -> Result<Ended> {
     let start_at = |time: f64| format!("initialisation at {time} s");
     signals.apply(model, span.start, false).with_context(|| start_at(span.start))?;
     model.initialize().with_context(|| start_at(span.start))?;
@@ -99,7 +105,7 @@ pub fn run(model: &mut Component, span: &Span, signals: Signals, table: &mut Tab
 }
 
 /// Set when the user types Ctrl-C.
-fn stop_wish() -> Arc<AtomicBool> {
+pub fn stop_wish() -> Arc<AtomicBool> {
     let wish = Arc::new(AtomicBool::new(false));
     let own = Arc::clone(&wish);
     // Without a handler Ctrl-C ends the program at once, which loses rows only.
