@@ -89,9 +89,9 @@ fn conventions(component: &Component, mechanism: Option<&Mechanism>) -> Conventi
         return Conventions { has_circuit: true, input_order, output_order, ..Conventions::default() };
     };
     let gravity = mechanism.gravity.as_ref().filter(|gravity| gravity.acceleration > 0.0).map(|gravity| {
-        let down = (gravity.up_angle * 180.0 / PI - 180.0).rem_euclid(360.0);
-        let rounded: f64 = format!("{down:.2}").parse().unwrap_or(down);
-        [gravity.acceleration, if rounded > 180.0 { rounded - 360.0 } else { rounded }, gravity.load_factor].map(number)
+        let down = (gravity.up_angle * 180.0 / PI).rem_euclid(360.0) - 180.0;
+        let rounded = format!("{down:.2}").parse().unwrap_or(down);
+        [gravity.acceleration, rounded, gravity.load_factor].map(number)
     });
     let has_circuit = mechanism.actuators.iter().any(|(_, drive)| drive.hydraulics.is_some());
     Conventions {

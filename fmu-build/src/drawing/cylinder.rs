@@ -25,7 +25,7 @@ pub fn cylinder(name: &str, cylinder: &Cylinder, format: Format) -> Drawing {
     let Cylinder { bore, rod, stroke, closed_length, length } = *cylinder;
     let (size, margin) = match format {
         Format::Page { width } => ([width, 0.46 * width], 60.0),
-        Format::Icon { side } => ([side; 2], 0.08 * side),
+        Format::Icon { side } => ([side; 2], 0.12 * side),
     };
     let u = format.symbols();
     // An icon shows the piston halfway, and half a rod, so that the parts can be told apart.
@@ -39,7 +39,7 @@ pub fn cylinder(name: &str, cylinder: &Cylinder, format: Format) -> Drawing {
         Format::Page { .. } => (0.5 * bore * scale).clamp(22.0, 46.0),
         Format::Icon { .. } => 0.16 * high,
     };
-    let rod_half = (half * rod / bore).max(2.0 * u);
+    let rod_half = if format.is_page() { (half * rod / bore).max(2.0) } else { 0.35 * half };
     // The barrel is as long as the stroke with its heads; the rest is the eye's and the rod's.
     let (from, inner) = (0.35 * (closed_length - stroke).max(0.1 * reach) * scale, stroke * scale);
     let (head, piston) = (6.0 * u, 9.0 * u);
@@ -58,7 +58,8 @@ pub fn cylinder(name: &str, cylinder: &Cylinder, format: Format) -> Drawing {
     shapes.push(Shape::area(axis.rectangle([face + piston, eye], [-rod_half, rod_half]), Ink::Metal, edge));
     let disc = axis.rectangle([face, face + piston], [-inside, inside]);
     shapes.push(Shape::area(disc, Ink::Steel, (Ink::Steel, u)).of(Part::Body, "piston"));
-    for end in [0.0, eye] {
+    let eyes = [0.0, eye];
+    for end in eyes {
         shapes.push(Shape::circle(axis.at(end, 0.0), rod_half + 5.0 * u, Ink::Paper, (Ink::Line, 1.7 * u)));
     }
     let mut labels = Vec::new();
@@ -71,7 +72,7 @@ pub fn cylinder(name: &str, cylinder: &Cylinder, format: Format) -> Drawing {
         let [a, b] = [(from + head + 8.0, "A"), (to - head - 8.0, "B")];
         for (at, letter) in [a, b] {
             label(
-                axis.at(at + 34.0 * if letter == "A" { -1.0 } else { 1.0 }, half + 30.0),
+                axis.at(at + 44.0 * if letter == "A" { -1.0 } else { 1.0 }, half + 30.0),
                 &format!("chamber {letter}"),
                 Ink::Line,
             );
@@ -82,7 +83,12 @@ pub fn cylinder(name: &str, cylinder: &Cylinder, format: Format) -> Drawing {
         let below = -half - 34.0;
         shapes.extend(arrow(axis.at(0.5 * eye, below), axis.at(0.0, below), 8.0, Ink::Muted, 1.3));
         shapes.extend(arrow(axis.at(0.5 * eye, below), axis.at(eye, below), 8.0, Ink::Muted, 1.3));
-        label(axis.at(0.5 * eye, below - 12.0), &format!("length {:.4} m", length), Ink::Muted);
+        label(axis.at(0.5 * eye, below - 12.0), &format!("length {length:.4} m"), Ink::Muted);
+        // The longest that it can be.
+        let end = reach * scale;
+        shapes.push(Shape::line(vec![axis.at(eye, 0.0), axis.at(end, 0.0)], Ink::Muted, 1.0).dashed(&[4.0, 4.0]));
+        shapes.push(Shape::line(vec![axis.at(end, -9.0), axis.at(end, 9.0)], Ink::Muted, 1.3));
+        label(axis.at(end - 30.0, -22.0), &format!("at most {reach:.4} m"), Ink::Muted);
     }
     Drawing {
         size,

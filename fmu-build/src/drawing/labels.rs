@@ -37,14 +37,16 @@ const PIXEL: f64 = 0.22;
 /// Least and greatest x and y [px].
 type Box = [f64; 4];
 
-/// Labels for these wishes, placed one after the other.
-pub fn place(wishes: Vec<Wish>, shapes: &[Shape], [width, height]: [f64; 2]) -> Vec<Label> {
+/// Labels for these wishes, placed one after the other, after those that have their places.
+pub fn place(wishes: Vec<Wish>, mut labels: Vec<Label>, shapes: &[Shape], [width, height]: [f64; 2]) -> Vec<Label> {
     let grains: Vec<Point> = shapes.iter().flat_map(grains).collect();
-    let mut taken: Vec<Box> = Vec::new();
-    let mut labels = Vec::new();
+    let half = |text: &str, weight: Weight| {
+        [0.5 * LETTER * size(weight) * text.chars().count() as f64 + 1.0, 0.55 * size(weight)]
+    };
+    let mut taken: Vec<Box> =
+        labels.iter().map(|label| around(label.middle, half(&label.text, label.weight))).collect();
     for wish in wishes {
-        let letters = wish.text.chars().count() as f64;
-        let half = [0.5 * LETTER * size(wish.weight) * letters + 1.0, 0.55 * size(wish.weight)];
+        let half = half(&wish.text, wish.weight);
         let cost = |middle: Point, distance: f64| {
             let own = around(middle, half);
             let on_lines = grains.iter().filter(|[x, y]| own[0] < *x && *x < own[2] && own[1] < *y && *y < own[3]);
@@ -99,7 +101,15 @@ fn grains(shape: &Shape) -> Vec<Point> {
                 let (ax, ay, dx, dy) = (*ax, *ay, bx - ax, by - ay);
                 (0..=count).map(move |k| k as f64 / count as f64).map(move |t| [ax + t * dx, ay + t * dy])
             };
-            points.iter().zip(ends).flat_map(between).collect()
+            let middle = points.iter().zip(ends).flat_map(between);
+            // A wide line is avoided by its edges too.
+            let half = shape.stroke.map_or(0.0, |(_, width)| 0.5 * width);
+            let sides: &[Point] = if half > GRAIN {
+                &[[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]]
+            } else {
+                &[[0.0, 0.0]]
+            };
+            middle.flat_map(|[x, y]| sides.iter().map(move |[u, v]| [x + half * u, y + half * v])).collect()
         }
     }
 }
@@ -115,7 +125,7 @@ mod tests {
     #[test]
     fn labels_of_one_point_stand_apart_and_inside() {
         let size = [200.0, 200.0];
-        let labels = place(vec![wish([100.0, 100.0]), wish([100.0, 100.0]), wish([195.0, 5.0])], &[], size);
+        let labels = place(vec![wish([100.0, 100.0]), wish([100.0, 100.0]), wish([195.0, 5.0])], Vec::new(), &[], size);
         let [a, b, c] = [0, 1, 2].map(|k| labels[k].middle);
         assert!((a[0] - b[0]).abs() > 30.0 || (a[1] - b[1]).abs() > 12.0, "{a:?} {b:?}");
         assert!(c[0] < 180.0 && c[1] > 5.0, "{c:?}");
@@ -125,7 +135,7 @@ mod tests {
     fn labels_avoid_lines() {
         // A line through the place that would be taken first.
         let line = Shape::line(vec![[100.0, 100.0], [200.0, 0.0]], Ink::Line, 2.0);
-        let labels = place(vec![wish([100.0, 100.0])], std::slice::from_ref(&line), [200.0, 200.0]);
+        let labels = place(vec![wish([100.0, 100.0])], Vec::new(), std::slice::from_ref(&line), [200.0, 200.0]);
         let own = around(labels[0].middle, [18.0, 6.6]);
         assert!(grains(&line).iter().all(|[x, y]| *x < own[0] || *x > own[2] || *y < own[1] || *y > own[3]));
     }

@@ -77,9 +77,7 @@ pub fn mechanism(name: &str, scene: &Scene, poses: &[Pose], format: Format) -> D
     if format.is_page() {
         draft.frame(&mut drawing);
         let wishes = std::mem::take(&mut draft.wishes);
-        let fixed = std::mem::take(&mut drawing.labels);
-        drawing.labels = place(wishes, &draft.shapes, size);
-        drawing.labels.extend(fixed);
+        drawing.labels = place(wishes, std::mem::take(&mut drawing.labels), &draft.shapes, size);
     }
     drawing.shapes = draft.shapes;
     drawing
@@ -113,6 +111,12 @@ pub fn sides(scene: &Scene, poses: &[Pose]) -> [f64; 2] {
 /// Frame of a body.
 fn frame(body: &DrawnBody) -> usize {
     body.center.frame
+}
+
+/// Largest distance of a point of a body from its first [m].
+fn reach(body: &DrawnBody) -> f64 {
+    let [x, y] = body.points[0].on.at;
+    body.points.iter().map(|point| (point.on.at[0] - x).hypot(point.on.at[1] - y)).fold(0.0, f64::max)
 }
 
 /// What there is to be seen, in words.
@@ -200,13 +204,18 @@ impl Draft<'_> {
 
     fn bodies(&mut self) {
         let scene = self.scene;
-        for body in scene.bodies.iter().filter(|body| frame(body) != 0) {
+        let mut bodies: Vec<&DrawnBody> = scene.bodies.iter().filter(|body| frame(body) != 0).collect();
+        // A long body would hide a short one that lies along it.
+        bodies.sort_by(|a, b| reach(b).total_cmp(&reach(a)));
+        for body in bodies {
             let number = frame(body) - 1;
             let corners = hull(body.points.iter().map(|point| self.at(point.on)).collect());
             let middle = mean(&corners);
+            // A line leads to a centre of mass that is beside the points; the body covers the rest.
             if body.mass > 0.0 && self.format.is_page() {
-                let arm = vec![middle, self.at(body.center)];
-                self.shapes.push(Shape::line(arm, Ink::Edge(number), 1.2).dashed(DOTTED));
+                let center = self.at(body.center);
+                self.shapes.push(Shape::line(vec![middle, center], Ink::Edge(number), 1.2).dashed(DOTTED));
+                self.shapes.push(Shape::circle(center, 3.0, Ink::Edge(number), (Ink::Paper, 1.0)));
             }
             let (half, part) = (self.half, |shape: Shape| shape.of(Part::Body, &body.name));
             match corners.as_slice() {

@@ -220,7 +220,7 @@ mod tests {
         assert!(own.contains("<title id=\"a-title\">&lt;/title&gt;&lt;script&gt;"), "{own}");
         assert!(own.contains("data-joint=\"&quot;&gt;&lt;x&gt;\"") && own.contains("&lt;b&gt;</text>"), "{own}");
         assert!(own.contains("cx=\"0.33\" cy=\"0\" r=\"2\"") && own.contains("viewBox=\"0 0 100 50.5\""), "{own}");
-        assert!(own.contains("fill=\"#ffffff\" stroke=\"#ad6a26\" stroke-width=\"1.25\""), "{own}");
+        assert!(own.contains("fill=\"#ffffff\" stroke=\"#ae6d26\" stroke-width=\"1.25\""), "{own}");
         assert!(!own.contains("<script>") && !own.contains("<x>") && own.contains(">ab</desc>"), "{own}");
         let of_the_page = to_svg(&drawing, Colours::OfThePage, "a").unwrap();
         assert!(of_the_page.contains("style=\"fill:var(--panel);stroke:color-mix(in srgb,#d98324 78%,var(--ink))\""));
