@@ -110,7 +110,7 @@ fn every_variable_stands_in_the_page_with_its_unit_and_start() {
             assert!(cells.contains(&cell) || cells.contains(&format!("<td>{}</td>", unit.name())), "{cells}");
         }
     }
-    assert!(page.contains("0.8 (45.8366 deg)") && page.contains("in the direction of -115.25&deg;"), "gravity, start");
+    assert!(page.contains("0.8 (45.8366 deg)") && page.contains("in the direction of -115.26&deg;"), "gravity, start");
     for scope in ["<th scope=\"col\">Variable</th>", "<th scope=\"row\"><bdi>crank.angle</bdi></th>"] {
         assert!(page.contains(scope), "{scope}");
     }

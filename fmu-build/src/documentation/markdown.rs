@@ -35,7 +35,8 @@ pub fn to_html(text: &str) -> String {
     });
     let mut out = String::with_capacity(2 * text.len());
     html::push_html(&mut out, events);
-    out
+    // Of the text itself every `<` is escaped: these are the heads of columns.
+    out.replace("<th>", "<th scope=\"col\">").replace("<th ", "<th scope=\"col\" ")
 }
 
 /// The heading two levels below.
@@ -57,6 +58,7 @@ mod tests {
         let html = to_html("# Title\n\nAn *angle* of `a < b`.\n\n| x | y |\n|---|---|\n| 1 | 2 |\n");
         assert!(html.contains("<h3>Title</h3>") && html.contains("<em>angle</em>"), "{html}");
         assert!(html.contains("<code>a &lt; b</code>") && html.contains("<td>1</td>"), "{html}");
+        assert!(html.contains("<th scope=\"col\">x</th>"), "{html}");
         let html = to_html("<script>alert(1)</script>\n\ntext <b onclick=x>bold</b> <!-- --> &lt;i&gt;\n\n<img src=x>");
         assert!(!html.contains("<script") && !html.contains("<b ") && !html.contains("<img"), "{html}");
         assert!(html.contains("&lt;script&gt;alert(1)&lt;/script&gt;"), "{html}");
