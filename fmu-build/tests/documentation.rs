@@ -5,6 +5,7 @@ use fmu_build::check::{self, Checked};
 use fmu_build::documentation::{
     ANIMATION, Extent, ICON, MANIFEST, Made, PAGE, Picture, RESULTS, Subject, TERMINAL_ICONS,
 };
+use fmu_build::drawing::{Colours, to_svg};
 use fmu_build::workspace::Workspace;
 use linkage_fmu::component::Component;
 use linkage_fmu::simulation::Simulation;
@@ -121,9 +122,13 @@ fn every_variable_stands_in_the_page_with_its_unit_and_start() {
 const HOSTILE: &str =
     "</script></svg></style><img src=x onerror=alert(1)><!--\" ' & \u{202e}reversed\u{202c} \u{200f} ]]> {{ 7*7 }}";
 
-/// A name of the gear's parts that HTML, XML and templates would read as their own.
+/// The same as a reader of XML gives it back, escaped.
+const HOSTILE_READ: &str = "&lt;/script&gt;&lt;/svg&gt;&lt;/style&gt;&lt;img src=x onerror=alert(1)&gt;&lt;!--&quot; \
+    &apos; &amp; \u{202e}reversed\u{202c} \u{200f} ]]&gt; {{ 7*7 }}";
+
+/// Texts that HTML, XML and templates would read as their own.
 #[test]
-fn hostile_names_and_texts_stay_texts() {
+fn hostile_texts_stay_texts() {
     let text = gear_with("/description", json!(HOSTILE));
     let readme = format!(
         "# {HOSTILE}\n\n{HOSTILE}\n\n<script>alert(2)</script>\n\n[x](javascript:alert(3)) ![y](https://z/y.png)\n"
@@ -142,14 +147,29 @@ fn hostile_names_and_texts_stay_texts() {
         let closes = ["</bdi>", "</p>", "</h3>"].iter().filter_map(|tag| before.rfind(tag)).max().unwrap_or(0);
         assert!(opens > closes, "{}", &before[before.len().saturating_sub(200)..]);
     }
-    let mut all: Value = serde_json::from_str(&definition("LandingGearRetraction")).unwrap();
-    let hostile = "joint</title><b>\"'&\u{202e}";
-    let joint = all["joints"].as_object_mut().unwrap().remove("joint2").unwrap();
-    all["joints"][hostile] = joint;
-    // A name that the format refuses never comes here; one that it takes is escaped.
-    if Component::from_definition(MECHANISM, &all.to_string()).is_ok() {
-        let page = self::page(&all.to_string(), None);
-        assert!(!page.contains("<b>") && !page.contains("</title><b"));
+}
+
+/// The format takes names of letters, digits and underscores only; the drawing does not rely on it.
+#[test]
+fn hostile_names_in_a_scene_stay_texts() {
+    let text = definition("LandingGearRetraction");
+    let component = Component::from_definition(MECHANISM, &text).unwrap();
+    let Picture::Mechanism { name, mut scene, start, typical } = Picture::new(&component, &text).unwrap() else {
+        panic!()
+    };
+    for name in [&mut scene.joints[1].name, &mut scene.bodies[1].name, &mut scene.actuators[0].name] {
+        *name = HOSTILE.to_owned();
+    }
+    let drawing = Picture::Mechanism { name, scene, start, typical }.of_the_page();
+    for colours in [Colours::Own, Colours::OfThePage] {
+        let svg = to_svg(&drawing, colours, "hostile").unwrap();
+        assert_eq!(
+            (svg.matches("</svg>").count(), svg.matches("<script").count(), svg.matches("<img").count()),
+            (1, 0, 0)
+        );
+        // As an attribute, as the title of a shape and as a label.
+        assert!(svg.matches("&lt;/script&gt;").count() >= 6, "{svg}");
+        drawn(&svg, HOSTILE_READ);
     }
 }
 

@@ -6,12 +6,14 @@ import csv
 import itertools
 import json
 import math
+import os
+import subprocess
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from conftest import FMU_FOLDER, Show, Shown
+from conftest import FMU_FOLDER, Show, Shown, definition
 
 NAMES = sorted(fmu.stem for fmu in FMU_FOLDER.glob("*.fmu"))
 GEAR = "LandingGearRetraction"
@@ -57,6 +59,29 @@ def test_each_page_loads_without_errors_or_requests(name: str, scheme: str, unpa
     headings = page.evaluate("[...document.querySelectorAll('h1, h2, h3')].map((h) => Number(h.tagName[1]))")
     assert headings[0] == 1
     assert all(b - a <= 1 for a, b in itertools.pairwise(headings))
+
+
+def test_hostile_texts_do_nothing(tmp_path: Path, show: Show) -> None:
+    """A description and a README that would be scripts, pictures and ends of elements."""
+    hostile = "</script></svg></style><img src=https://x.y/z onerror=alert(1)> \"'& \u202ereversed {{ 7*7 }}"
+    mechanism = definition("FourBar")
+    mechanism["description"] = hostile
+    (tmp_path / "mechanism.json").write_text(json.dumps(mechanism), encoding="utf-8")
+    readme = f"# {hostile}\n\n{hostile}\n\n<script>alert(2)</script>\n\n[link](javascript:alert(3))\n"
+    (tmp_path / "README.md").write_text(readme, encoding="utf-8")
+    program = os.environ["LINKAGE_VIEW"]
+    command = [program, "package", str(tmp_path), "--out", str(tmp_path / "out")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=900, check=False)
+    assert done.returncode == 0, done.stderr
+    with zipfile.ZipFile(tmp_path / "out" / "FourBar.fmu") as archive:
+        archive.extractall(tmp_path / "unpacked")
+    page = opened(show, tmp_path / "unpacked").page
+    assert page.locator("script, img, a[href^=javascript]").count() == 0
+    assert page.locator("p.lead").inner_text() == hostile
+    assert page.locator(".readme h3").inner_text().endswith("{{ 7*7 }}")
+    # The animation takes its texts as data.
+    shown = show(tmp_path / "unpacked" / "documentation" / "animation.html")
+    assert shown.data()["description"] == hostile
 
 
 @pytest.mark.parametrize("name", NAMES)

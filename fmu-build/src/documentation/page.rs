@@ -56,7 +56,11 @@ pub fn html(subject: &Subject, picture: &Picture, animated: bool, results: Optio
     let warnings = checked.findings.iter().filter(|located| located.finding.severity == Severity::Warning);
     let results = results.map(|results| {
         let above = |path: String| format!("../{path}");
-        context! { outputs => above(results.outputs_path()), inputs => results.inputs_path().map(above), rows => results.rows }
+        context! {
+            outputs => above(results.outputs_path()),
+            inputs => results.inputs_path().map(above),
+            rows => results.rows,
+        }
     });
     let mut environment = Environment::new();
     environment.add_template("index.html", TEMPLATE).context("template of the documentation")?;

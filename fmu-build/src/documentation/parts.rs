@@ -84,12 +84,12 @@ fn between(first: &Option<String>, second: &Option<String>, joint: &Option<Strin
 /// What a stop limits, and to which value.
 fn limit(stop: &Stop) -> String {
     let side = if stop.limit == Limit::Lower { "at least" } else { "at most" };
-    let of = stop.body.clone().unwrap_or_else(|| between(&stop.first, &stop.second, &stop.joint));
+    let of = stop.body.clone().or(stop.joint.clone()).unwrap_or_else(|| between(&stop.first, &stop.second, &None));
     let (quantity, value, unit) = match (stop.angle, stop.position, stop.length) {
         (Some(angle), ..) => ("angle", angle, "rad"),
         (_, Some(position), _) => ("position", position, "m"),
         (.., length) => ("length", length.unwrap_or(f64::NAN), "m"),
     };
     let state = if stop.enabled { "" } else { ", not enabled" };
-    format!("{quantity} {of} {side} {} {unit}{state}", number(value))
+    format!("{quantity} of {of} {side} {} {unit}{state}", number(value))
 }

@@ -1,5 +1,5 @@
-//! Reference results after the layered standard FMI-LS-REF 1.0.0-alpha.1: what the default run gives, for whoever wants to
-//! see that his tool gets the same.
+//! Reference results after the layered standard FMI-LS-REF 1.0.0-alpha.1: what the default run gives, to be compared with
+//! what another tool makes of the FMU.
 //!
 //! In: a model. Out: inputs and outputs of its default run as CSV, and the manifest that names them.
 
@@ -69,9 +69,10 @@ impl Results {
     fn remarks(&self) -> String {
         format!(
             "Reference results of {name}, after the layered standard FMI-LS-REF.\n\n\
-             {name}_out.csv holds every output over the default experiment: all parameters and inputs at their start values, \
-             steps of\n{interval} s, {rows}. It was computed by the library in this FMU. On the same platform the same steps give the \
-             same\nbits; on others, rounding may differ. NaN stands for an output that does not exist in a state.\n{inputs}",
+             {name}_out.csv holds every output over the default experiment: all parameters and inputs at their start\n\
+             values, steps of {interval} s, {rows}. It was computed by the library in this FMU.\n\
+             On the same platform the same steps give the same bits; on others, rounding may differ. NaN stands for an\n\
+             output that does not exist in a state.\n{inputs}",
             name = self.name,
             interval = number(self.interval),
             rows = match self.stride {
@@ -79,7 +80,10 @@ impl Results {
                 stride => format!("one row for every {stride} and one for the end"),
             },
             inputs = match &self.inputs {
-                Some(_) => format!("{}_in.csv holds the inputs, which are constant.\n", self.name),
+                Some(_) => format!(
+                    "{}_in.csv holds the inputs, which are constant. A host that interpolates them rounds them.\n",
+                    self.name
+                ),
                 None => String::new(),
             }
         )

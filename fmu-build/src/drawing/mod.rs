@@ -4,6 +4,7 @@
 //! must not know where a drawing is shown.
 
 mod cylinder;
+mod geometry;
 mod labels;
 mod mechanism;
 mod paint;
