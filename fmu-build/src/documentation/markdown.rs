@@ -36,7 +36,7 @@ pub fn to_html(text: &str) -> String {
     let mut out = String::with_capacity(2 * text.len());
     html::push_html(&mut out, events);
     // Of the text itself every `<` is escaped: these are the heads of columns.
-    out.replace("<th>", "<th scope=\"col\">").replace("<th ", "<th scope=\"col\" ")
+    out.replace("<th ", "<th scope=\"col\" ").replace("<th>", "<th scope=\"col\">")
 }
 
 /// The heading two levels below.
