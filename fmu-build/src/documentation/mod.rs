@@ -92,7 +92,7 @@ impl Subject<'_> {
             None => None,
             Some(Ok(results)) => Some(results),
             Some(Err(error)) => {
-                made.left_out.push(format!("no reference results: the default run cannot be made: {error:#}"));
+                made.left_out.push(format!("no reference results: {error:#}"));
                 None
             }
         };

@@ -6,12 +6,26 @@ use crate::xml::common::number;
 use linkage_fmu::mechanism::definition::{JointKind, Limit, Mechanism, Stop};
 use serde::Serialize;
 
+/// Most rows of a table; the definition has the others.
+const MOST_ROWS: usize = 5000;
+
 /// A table of parts.
 #[derive(Debug, Serialize)]
 pub struct Table {
     title: &'static str,
     columns: Vec<&'static str>,
     rows: Vec<Vec<String>>,
+    /// Number of parts for which there is no row.
+    left_out: usize,
+}
+
+impl Table {
+    fn new(title: &'static str, columns: &[&'static str], rows: impl Iterator<Item = Vec<String>>) -> Self {
+        let mut rows: Vec<_> = rows.collect();
+        let left_out = rows.len().saturating_sub(MOST_ROWS);
+        rows.truncate(MOST_ROWS);
+        Self { title, columns: columns.to_vec(), rows, left_out }
+    }
 }
 
 /// The parts of a mechanism.
@@ -52,18 +66,10 @@ pub fn tables(mechanism: &Mechanism) -> Vec<Table> {
         mechanism.markers.iter().map(|(name, marker)| vec![name.to_owned(), "marker".to_owned(), marker.at.clone()]);
     let loads = drives.chain(springs).chain(forces).chain(torques).chain(surfaces);
     let tables = [
-        Table {
-            title: "Bodies",
-            columns: vec!["Body", "Mass [kg]", "Centre of mass [m]", "Length [m]", "Fixed to"],
-            rows: bodies.collect(),
-        },
-        Table { title: "Joints", columns: vec!["Joint", "Kind", "First body", "Second body"], rows: joints.collect() },
-        Table { title: "Drives and loads", columns: vec!["Name", "Kind", "Where"], rows: loads.collect() },
-        Table {
-            title: "Stops, locks and markers",
-            columns: vec!["Name", "Kind", "Where"],
-            rows: stops.chain(locks).chain(markers).collect(),
-        },
+        Table::new("Bodies", &["Body", "Mass [kg]", "Centre of mass [m]", "Length [m]", "Fixed to"], bodies),
+        Table::new("Joints", &["Joint", "Kind", "First body", "Second body"], joints),
+        Table::new("Drives and loads", &["Name", "Kind", "Where"], loads),
+        Table::new("Stops, locks and markers", &["Name", "Kind", "Where"], stops.chain(locks).chain(markers)),
     ];
     tables.into_iter().filter(|table| !table.rows.is_empty()).collect()
 }

@@ -8,9 +8,9 @@ use crate::documentation::{ANIMATION, PAGE};
 use crate::simulate;
 use crate::workspace::Workspace;
 use crate::xml::common::{document, empty, number};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use linkage_fmu::component::Component;
-use linkage_fmu::variables::{Causality, Value};
+use linkage_fmu::variables::{Causality, Value, Variable};
 use std::{fs, process};
 
 /// Folder in the FMU.
@@ -21,6 +21,8 @@ pub const MANIFEST: &str = "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xm
 const REMARKS: &str = "documentation/fmi-ls-ref.txt";
 /// Most rows of the results: enough for a curve, little beside the library.
 const MOST_ROWS: usize = 200;
+/// Most outputs of a model that has results.
+const MOST_OUTPUTS: usize = 2000;
 
 /// Inputs and outputs of the default run.
 #[derive(Clone, Debug)]
@@ -41,8 +43,15 @@ impl Results {
     /// Run the model from its start values over its experiment.
     ///
     /// # Errors
-    /// The run cannot be made, or not to its end.
+    /// The run cannot be made, or not to its end, or the model has very many outputs.
     pub fn new(workspace: &Workspace, component: &Component) -> Result<Self> {
+        let is_output = |variable: &&Variable| variable.causality == Causality::Output;
+        let count = component.interface().list().iter().filter(is_output).count();
+        if count > MOST_OUTPUTS {
+            bail!(
+                "the model has {count} outputs, at most {MOST_OUTPUTS}; record those you need by `cargo fmu simulate`"
+            );
+        }
         let folder = workspace.target("reference");
         fs::create_dir_all(&folder).with_context(|| format!("{}: cannot be made", folder.display()))?;
         let path = folder.join(format!("{}-{}.csv", component.name(), process::id()));

@@ -7,6 +7,11 @@ use crate::xml::fmi2::kind_attributes;
 use linkage_fmu::variables::{Causality, Interface, Kind, Reference, Unit, Value, Variability, Variable};
 use serde::Serialize;
 
+/// Most variables of a table; `modelDescription.xml` has the others.
+const MOST_ROWS: usize = 5000;
+/// Most inputs that are named in one row.
+const MOST_NAMES: usize = 24;
+
 /// The variables of one causality.
 #[derive(Debug, Serialize)]
 pub struct Table {
@@ -18,6 +23,8 @@ pub struct Table {
     has_ranges: bool,
     has_dependencies: bool,
     rows: Vec<Row>,
+    /// Number of variables for which there is no row.
+    left_out: usize,
 }
 
 /// A variable.
@@ -50,17 +57,23 @@ pub fn tables(interface: &Interface) -> Vec<Table> {
             Causality::Parameter,
         ),
     ];
+    let inputs: Vec<Reference> = (0..)
+        .zip(interface.list())
+        .filter(|(_, variable)| variable.causality == Causality::Input)
+        .map(|(reference, _)| reference)
+        .collect();
     let tables = kinds.into_iter().map(|(id, title, remark, causality)| {
-        let of_kind = interface.list().iter().filter(|variable| variable.causality == causality);
-        let rows: Vec<Row> = of_kind.map(|variable| row(variable, interface)).collect();
+        let of_kind = || interface.list().iter().filter(|variable| variable.causality == causality);
+        let rows: Vec<Row> = of_kind().take(MOST_ROWS).map(|variable| row(variable, interface, &inputs)).collect();
+        let left_out = of_kind().count() - rows.len();
         let (has_starts, has_dependencies) = (causality != Causality::Output, causality == Causality::Output);
         let has_ranges = rows.iter().any(|row| !row.range.is_empty());
-        Table { id, title, remark, has_starts, has_ranges, has_dependencies, rows }
+        Table { id, title, remark, has_starts, has_ranges, has_dependencies, rows, left_out }
     });
     tables.filter(|table| !table.rows.is_empty()).collect()
 }
 
-fn row(variable: &Variable, interface: &Interface) -> Row {
+fn row(variable: &Variable, interface: &Interface, inputs: &[Reference]) -> Row {
     let attributes = kind_attributes(variable);
     let attribute = |name: &str| attributes.iter().find(|(key, _)| *key == name).map(|(_, value)| value.as_str());
     let kind = match (variable.kind, variable.variability) {
@@ -81,7 +94,7 @@ fn row(variable: &Variable, interface: &Interface) -> Row {
             (None, Some(most)) => format!("at most {most}"),
             (Some(least), Some(most)) => format!("{least} to {most}"),
         },
-        dependencies: dependencies(variable, interface),
+        dependencies: dependencies(variable, interface, inputs),
     }
 }
 
@@ -104,19 +117,26 @@ fn rounded(value: f64) -> String {
 }
 
 /// The inputs on which an output depends at once, in the fewest words.
-fn dependencies(variable: &Variable, interface: &Interface) -> String {
-    let named = |references: &[Reference]| {
-        let names = references.iter().filter_map(|reference| interface.get(*reference));
-        names.map(|input| input.name.as_str()).collect::<Vec<_>>().join(", ")
+fn dependencies(variable: &Variable, interface: &Interface, inputs: &[Reference]) -> String {
+    let own = &variable.dependencies;
+    let named = |references: &mut dyn Iterator<Item = Reference>, count: usize| {
+        let names = references.take(MOST_NAMES).filter_map(|reference| interface.get(reference));
+        let names: Vec<&str> = names.map(|input| input.name.as_str()).collect();
+        match count.saturating_sub(MOST_NAMES) {
+            0 => names.join(", "),
+            more => format!("{} and {more} more", names.join(", ")),
+        }
     };
-    let inputs = (0..).zip(interface.list()).filter(|(_, variable)| variable.causality == Causality::Input);
-    let others: Vec<Reference> =
-        inputs.map(|(reference, _)| reference).filter(|input| !variable.dependencies.contains(input)).collect();
-    match (variable.dependencies.len(), others.len()) {
+    let others = inputs.len() - own.len().min(inputs.len());
+    match (own.len(), others) {
         (0, _) => "no input".to_owned(),
         (_, 0) => "every input".to_owned(),
-        (own, left) if left < own => format!("every input but {}", named(&others)),
-        _ => named(&variable.dependencies),
+        (count, left) if left < count => {
+            // Dependencies ascend.
+            let mut left_out = inputs.iter().copied().filter(|input| own.binary_search(input).is_err());
+            format!("every input but {}", named(&mut left_out, left))
+        }
+        (count, _) => named(&mut own.iter().copied(), count),
     }
 }
 

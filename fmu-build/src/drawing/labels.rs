@@ -21,6 +21,8 @@ pub struct Wish {
 const LETTER: f64 = 0.6;
 /// Distance between two points of a line that a label avoids [px].
 const GRAIN: f64 = 3.0;
+/// Most such points.
+const MOST_GRAINS: usize = 20_000;
 /// Directions in which places are tried, to the upper right first.
 const DIRECTIONS: usize = 16;
 /// Distances at which places are tried [px], beside that to keep.
@@ -39,7 +41,9 @@ type Box = [f64; 4];
 
 /// Labels for these wishes, placed one after the other, after those that have their places.
 pub fn place(wishes: Vec<Wish>, mut labels: Vec<Label>, shapes: &[Shape], [width, height]: [f64; 2]) -> Vec<Label> {
-    let grains: Vec<Point> = shapes.iter().flat_map(grains).collect();
+    let mut grains: Vec<Point> = shapes.iter().flat_map(grains).collect();
+    let stride = grains.len().div_ceil(MOST_GRAINS).max(1);
+    grains = grains.into_iter().step_by(stride).collect();
     let half = |text: &str, weight: Weight| {
         [0.5 * LETTER * size(weight) * text.chars().count() as f64 + 1.0, 0.55 * size(weight)]
     };

@@ -14,7 +14,7 @@ const HIGHEST: f64 = 0.64;
 const LOWEST: f64 = 300.0;
 /// Margins of a page and of an icon, as a part of the shorter side.
 const MARGINS: [f64; 2] = [78.0, 0.13];
-/// Most names of joints that are drawn.
+/// Most names of parts of one kind that are drawn; of more, none would be read.
 const MOST_NAMES: usize = 60;
 const DASHED: &[f64] = &[9.0, 3.0, 2.0, 3.0];
 const DOTTED: &[f64] = &[4.0, 3.0];
@@ -208,6 +208,7 @@ impl Draft<'_> {
         let mut bodies: Vec<&DrawnBody> = scene.bodies.iter().filter(|body| frame(body) != 0).collect();
         // A long body would hide a short one that lies along it.
         bodies.sort_by(|a, b| reach(b).total_cmp(&reach(a)));
+        let is_named = bodies.len() <= MOST_NAMES;
         for body in bodies {
             let number = frame(body) - 1;
             let corners = hull(body.points.iter().map(|point| self.at(point.on)).collect());
@@ -241,7 +242,9 @@ impl Draft<'_> {
                 }
             }
             let away = if corners.len() == 1 { 2.0 * half + 6.0 } else { half + 2.0 };
-            self.wish(middle, away, &body.name, Weight::Strong, Ink::Edge(number));
+            if is_named {
+                self.wish(middle, away, &body.name, Weight::Strong, Ink::Edge(number));
+            }
         }
     }
 
@@ -257,6 +260,7 @@ impl Draft<'_> {
         let of_kind =
             |all: &'_ [Connection], part: Part| all.iter().map(move |c| (part, c.clone())).collect::<Vec<_>>();
         let both = [of_kind(&scene.springs, Part::Spring), of_kind(&scene.actuators, Part::Drive)].concat();
+        let is_named = both.len() <= MOST_NAMES;
         for (part, connection) in both {
             let joint = connection.joint.and_then(|joint| scene.joints.get(joint));
             let ends = connection.ends.or(joint.filter(|j| j.axis.is_some()).map(|j| [j.first, j.second]));
@@ -277,7 +281,9 @@ impl Draft<'_> {
                 }
                 (None, None) => continue,
             };
-            self.wish(at, away, name, Weight::Plain, Ink::Muted);
+            if is_named {
+                self.wish(at, away, name, Weight::Plain, Ink::Muted);
+            }
         }
     }
 
@@ -351,13 +357,14 @@ impl Draft<'_> {
 
     fn markers(&mut self) {
         let (scene, r) = (self.scene, 5.0 * self.unit);
+        let is_named = scene.markers.len() <= MOST_NAMES;
         for marker in &scene.markers {
             let [x, y] = self.at(marker.on);
             let diamond = vec![[x, y - r], [x + r, y], [x, y + r], [x - r, y]];
             let shape = Shape::area(diamond, Ink::Accent, (Ink::Paper, self.unit));
             self.shapes.push(shape.of(Part::Marker, &marker.name));
             // A marker mostly has the name of what it is on.
-            if !self.wishes.iter().any(|wish| wish.text == marker.name) {
+            if is_named && !self.wishes.iter().any(|wish| wish.text == marker.name) {
                 self.wish([x, y], r, &marker.name, Weight::Plain, Ink::Accent);
             }
         }
