@@ -47,7 +47,7 @@ pub fn tables(interface: &Interface) -> Vec<Table> {
             "outputs",
             "Outputs",
             "Told at every communication point. An output that does not exist in a state is NaN, with a warning. All \
-             depend on the state; the last column names the inputs that act at once.",
+             may depend on the state; the last column names the inputs that act at once.",
             Causality::Output,
         ),
         (
