@@ -13,7 +13,7 @@ use anyhow::Result;
 pub use faults::Located;
 pub use fmu_cli::Check as Arguments;
 use linkage_fmu::inspection::{Inspection, Severity};
-pub use print::{findings, json, listed, summary};
+pub use print::{findings, json, line, listed, summary};
 
 /// A definition that was checked.
 pub struct Checked {

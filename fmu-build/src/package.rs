@@ -5,16 +5,17 @@
 
 use crate::archive::{self, Entry, MODEL_DESCRIPTION};
 use crate::binary::Binary;
+use crate::check::Checked;
+use crate::documentation::{Extent, RESULTS, Subject};
 use crate::source::{self, Companions, Source};
 use crate::workspace::{DEFAULT_FMU, Workspace};
 use crate::xml::{fmi2, terminals};
-use crate::{check, files, library, page, schema, ssp};
+use crate::{check, files, library, schema, ssp};
 use anyhow::{Context, Result, bail};
 use fmu_cli::Library;
 pub use fmu_cli::Package as Arguments;
 use linkage_fmu::component::Component;
 use linkage_fmu::inspection::Severity;
-use linkage_fmu::variables::Interface;
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -23,13 +24,24 @@ use std::path::{Path, PathBuf};
 struct Prepared {
     source: Source,
     name: String,
-    /// Text of the definition file.
-    definition: String,
-    /// Name of the definition file in the FMU.
-    file: &'static str,
+    /// The definition, with what was found in it.
+    checked: Checked,
+    component: Component,
+    /// Text about the model beside the definition.
+    readme: Option<String>,
     description: String,
-    terminals: Option<String>,
-    interface: Interface,
+    terminals: String,
+}
+
+/// What all FMUs of one call have in common.
+struct Common<'a> {
+    workspace: &'a Workspace,
+    library: Vec<u8>,
+    /// Libraries of other platforms.
+    binaries: Vec<Binary>,
+    extent: Extent,
+    /// Folder for the FMUs.
+    out: PathBuf,
 }
 
 /// Pack the definitions; the paths of the FMUs, in the order of the arguments.
@@ -65,9 +77,12 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
     let binaries = further(&arguments.binaries)?;
     let library = library::build(workspace)?;
     let out = arguments.out.clone().unwrap_or_else(|| workspace.fmu_folder());
-    let interfaces: HashMap<_, _> = prepared.iter().map(|fmu| (fmu.name.clone(), fmu.interface.clone())).collect();
-    let pack = |fmu| pack(workspace, fmu, &library, &binaries, &out);
-    let mut paths = prepared.into_iter().map(pack).collect::<Result<Vec<_>>>()?;
+    let interfaces: HashMap<_, _> =
+        prepared.iter().map(|fmu| (fmu.name.clone(), fmu.component.interface().clone())).collect();
+    let extent = Extent { animation: !arguments.no_animation, results: !arguments.no_results };
+    let common = Common { workspace, library, binaries, extent, out };
+    let mut paths = prepared.into_iter().map(|fmu| pack(&common, fmu)).collect::<Result<Vec<_>>>()?;
+    let out = common.out;
     if let ([Some(gear), Some(hydraulics)], true) =
         (ssp::FMUS.map(|name| interfaces.get(name)), arguments.ssp || arguments.all)
     {
@@ -105,7 +120,7 @@ fn further(named: &[Library]) -> Result<Vec<Binary>> {
 fn prepare(source: Source) -> Result<Prepared> {
     let path = source.definition.display();
     let definition = source.text()?;
-    let checked = check::check(path.to_string(), source.kind(), definition.clone())?;
+    let checked = check::check(path.to_string(), source.kind(), definition)?;
     print!("{}", check::findings(&checked));
     let errors = check::listed(&checked, Severity::Error);
     if let Some(first) = errors.first() {
@@ -113,9 +128,9 @@ fn prepare(source: Source) -> Result<Prepared> {
         bail!("{first}{others}");
     }
     println!("{}", check::summary(&checked));
-    let component = Component::from_definition(source.kind(), &definition).with_context(|| path.to_string())?;
+    let component = Component::from_definition(source.kind(), &checked.text).with_context(|| path.to_string())?;
     let description = fmi2::to_xml(&component).with_context(|| path.to_string())?;
-    let (name, file) = (component.name().to_owned(), component.definition_file());
+    let name = component.name().to_owned();
     if let Some(folder) = source.folder.as_deref().filter(|_| source.keeps_description) {
         // A name such as `.` says nothing; the full path does.
         let folder = folder.canonicalize()?;
@@ -124,39 +139,55 @@ fn prepare(source: Source) -> Result<Prepared> {
         }
     }
     let terminals = terminals::to_xml(&component).with_context(|| path.to_string())?;
-    let interface = component.interface().clone();
-    Ok(Prepared { name, definition, file, description, terminals, interface, source })
+    let readme = source.readme()?;
+    Ok(Prepared { name, checked, component, readme, description, terminals, source })
 }
 
-fn pack(workspace: &Workspace, fmu: Prepared, library: &[u8], binaries: &[Binary], out: &Path) -> Result<PathBuf> {
+fn pack(common: &Common, fmu: Prepared) -> Result<PathBuf> {
     if let Some(folder) = fmu.source.folder.as_deref().filter(|_| fmu.source.keeps_description) {
         write_if_changed(&folder.join(MODEL_DESCRIPTION), &fmu.description)?;
     }
+    let shown = fmu.source.definition.display();
     let Companions { mut entries, left_out } = fmu.source.companions()?;
     if !left_out.is_empty() {
-        println!("{}: left out of the FMU: {}", fmu.source.definition.display(), source::listed(&left_out));
+        println!("{shown}: left out of the FMU: {}", source::listed(&left_out));
     }
-    if let Some(page) = entries.iter_mut().find(|entry| entry.name == page::PATH) {
-        page.content = page::whole(&fmu.name, fmu.file, std::mem::take(&mut page.content));
+    let mut generated = documentation(common, &fmu, &entries)?;
+    generated.push(Entry { name: terminals::PATH.to_owned(), content: fmu.terminals.into_bytes() });
+    // A file of the user's own says more than the generated one.
+    let is_own = |made: &Entry| entries.iter().any(|own| own.name == made.name);
+    let (replaced, generated): (Vec<_>, Vec<_>) = generated.into_iter().partition(is_own);
+    if !replaced.is_empty() {
+        let names: Vec<String> = replaced.into_iter().map(|entry| entry.name).collect();
+        println!("{shown}: your own files are packed, not the generated ones: {}", source::listed(&names));
     }
-    let schema = schema::name(fmu.file);
-    let definition = schema::led_here(&fmu.definition, &schema).into_bytes();
+    entries.extend(generated);
+    let file = fmu.component.definition_file();
+    let schema = schema::name(file);
+    let definition = schema::led_here(&fmu.checked.text, &schema).into_bytes();
     entries.extend([
         Entry { name: MODEL_DESCRIPTION.to_owned(), content: fmu.description.into_bytes() },
-        Entry { name: library::path(&fmu.name)?, content: library.to_vec() },
-        Entry { name: format!("resources/{}", fmu.file), content: definition },
-        Entry { name: format!("resources/{schema}"), content: schema::text(workspace, fmu.file)? },
+        Entry { name: library::path(&fmu.name)?, content: common.library.clone() },
+        Entry { name: format!("resources/{file}"), content: definition },
+        Entry { name: format!("resources/{schema}"), content: schema::text(common.workspace, file)? },
     ]);
-    // A file of the user's own says more than the generated one.
-    if let Some(text) = fmu.terminals.filter(|_| entries.iter().all(|entry| entry.name != terminals::PATH)) {
-        entries.push(Entry { name: terminals::PATH.to_owned(), content: text.into_bytes() });
-    }
-    entries.extend(binaries.iter().map(|binary| binary.entry(&fmu.name)));
-    let path = out.join(format!("{}.fmu", fmu.name));
+    entries.extend(common.binaries.iter().map(|binary| binary.entry(&fmu.name)));
+    let path = common.out.join(format!("{}.fmu", fmu.name));
     archive::write(&path, entries)?;
     let size = fs::metadata(&path)?.len().div_ceil(1024);
-    println!("{} ({size} KiB, {} variables)", path.display(), fmu.interface.list().len());
+    println!("{} ({size} KiB, {} variables)", path.display(), fmu.component.interface().list().len());
     Ok(path)
+}
+
+/// The files that tell of the model. Reference results of the user's own stand alone: one manifest names them.
+fn documentation(common: &Common, fmu: &Prepared, own: &[Entry]) -> Result<Vec<Entry>> {
+    let shown = fmu.source.definition.display();
+    let subject = Subject { checked: &fmu.checked, component: &fmu.component, readme: fmu.readme.as_deref() };
+    let has_results = own.iter().any(|entry| entry.name.starts_with(RESULTS));
+    let extent = Extent { results: common.extent.results && !has_results, ..common.extent };
+    let made = subject.files(common.workspace, extent).with_context(|| shown.to_string())?;
+    made.left_out.iter().for_each(|line| println!("{shown}: {line}"));
+    Ok(made.entries)
 }
 
 fn write_if_changed(path: &Path, text: &str) -> Result<()> {

@@ -15,8 +15,12 @@ use std::path::{Path, PathBuf};
 /// What a folder may hold besides the definition, under the names that FMI 2.0.5 (2.1, 2.5) gives them.
 const COMPANIONS: [&str; 5] = ["documentation", "extra", "licenses", "model.png", "terminalsAndIcons"];
 
-/// What belongs to the folder of a model and not to its FMU, or is made anew for the FMU.
-const OF_THE_FOLDER: [&str; 2] = ["README.md", MODEL_DESCRIPTION];
+/// Text about a model, which goes into the page of its FMU.
+const README: &str = "README.md";
+/// What belongs to the folder of a model and not to its FMU as a file, or is made anew for the FMU.
+const OF_THE_FOLDER: [&str; 2] = [README, MODEL_DESCRIPTION];
+/// Largest text about a model [bytes].
+const LARGEST_README: u64 = 1 << 20;
 
 /// The files that accompany a definition.
 #[derive(Debug, Default)]
@@ -106,6 +110,22 @@ impl Source {
         let path = self.definition.display();
         let bytes = files::read(&self.definition, LARGEST_DEFINITION)?;
         String::from_utf8(bytes).ok().with_context(|| format!("{path}: is not UTF-8 text; save it as UTF-8"))
+    }
+
+    /// The text about the model beside its definition, in Markdown; none of a definition file named by itself.
+    ///
+    /// # Errors
+    /// What stands there is no regular file, is too large, or is not UTF-8.
+    pub fn readme(&self) -> Result<Option<String>> {
+        let Some(path) = self.folder.as_ref().map(|folder| folder.join(README)) else { return Ok(None) };
+        match fs::symlink_metadata(&path) {
+            Err(_) => Ok(None),
+            Ok(metadata) if !metadata.is_file() => Err(refused(&path, &metadata)),
+            Ok(_) => {
+                let text = String::from_utf8(files::read(&path, LARGEST_README)?).ok();
+                text.map(Some).with_context(|| format!("{}: is not UTF-8 text; save it as UTF-8", path.display()))
+            }
+        }
     }
 
     /// The accompanying files. Each that stands under a name of the standard is packed or refused, but for hidden ones.

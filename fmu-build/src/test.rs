@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
-/// Environment variable with the folder of the FMUs, for the Python tests.
+/// Environment variable with the folder of the FMUs, for the Python tests and those in a browser.
 const FMU_FOLDER: &str = "LINKAGE_FMU_DIR";
 /// Environment variable with this program, for the browser tests, which let it write pages.
 const VIEW: &str = "LINKAGE_VIEW";
@@ -48,7 +48,8 @@ pub fn run(workspace: &Workspace) -> Result<()> {
     stage("browser tests", || {
         let program = std::env::current_exe().context("this program has no path")?;
         let mut pytest = Command::new(&python);
-        pytest.args(["-m", "pytest", "-q"]).arg(&folder).env(VIEW, program).current_dir(workspace.root());
+        pytest.args(["-m", "pytest", "-q"]).arg(&folder);
+        pytest.env(VIEW, program).env(FMU_FOLDER, workspace.fmu_folder()).current_dir(workspace.root());
         command::run(&mut pytest, "pytest")
     })?;
     println!("all tests passed: Rust, packaging, Python style, FMPy, browser ({:.0} s)", start.elapsed().as_secs_f64());

@@ -1,4 +1,4 @@
-"""Pages of `cargo fmu view` in Chromium, driven by Playwright."""
+"""Pages of `cargo fmu view`, and those in FMUs, in Chromium, driven by Playwright."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 
 REPOSITORY = Path(__file__).resolve().parents[2]
+#: Where the packed FMUs are.
+FMU_FOLDER = Path(os.environ.get("LINKAGE_FMU_DIR", REPOSITORY / "target" / "fmu"))
 #: Nothing of Chromium's own goes to the network; /dev/shm may be small in a container.
 FLAGS = [
     "--no-sandbox",
@@ -117,7 +119,9 @@ def show(browser: Browser) -> Iterator[Show]:
     contexts: list[BrowserContext] = []
     opened: list[Shown] = []
 
-    def load(path: Path, width: int = 1400, height: int = 900, scheme: str = "light") -> Shown:
+    def load(
+        path: Path, width: int = 1400, height: int = 900, scheme: str = "light", ready: str = "body[data-ready]"
+    ) -> Shown:
         context = browser.new_context(
             viewport={"width": width, "height": height}, color_scheme="dark" if scheme == "dark" else "light"
         )
@@ -130,7 +134,7 @@ def show(browser: Browser) -> Iterator[Show]:
         page.on("dialog", lambda dialog: (shown.problems.append(f"dialog: {dialog.message}"), dialog.dismiss()))
         page.on("request", lambda request: shown.requests.append(request.url))
         page.goto(path.as_uri())
-        page.wait_for_selector("body[data-ready]")
+        page.wait_for_selector(ready)
         return shown
 
     yield load

@@ -42,8 +42,12 @@ def test_each_fmu_has_an_icon_and_documentation(name: str) -> None:
     with zipfile.ZipFile(FMU_FOLDER / f"{name}.fmu") as archive:
         assert archive.read("model.png").startswith(b"\x89PNG\r\n")
         assert b"<html" in archive.read("documentation/index.html")
+        document = etree.fromstring(archive.read("terminalsAndIcons/terminalsAndIcons.xml"))
+    etree.XMLSchema(etree.parse(SCHEMA)).assertValid(document)
+    assert document.find("GraphicalRepresentation/Icon") is not None
 
 
-def test_without_a_drive_there_is_no_file(tmp_path: Path) -> None:
+def test_without_a_drive_there_is_no_terminal(tmp_path: Path) -> None:
     folder = Path(extract(str(FMU_FOLDER / "FourBarChain.fmu"), str(tmp_path)))
-    assert not (folder / "terminalsAndIcons").exists()
+    document = etree.parse(folder / "terminalsAndIcons" / "terminalsAndIcons.xml")
+    assert document.find("Terminals") is None

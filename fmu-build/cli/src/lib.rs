@@ -60,6 +60,12 @@ pub struct Package {
     /// One more platform's library, built elsewhere from this same version (win64=path/to.dll); may be given repeatedly
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library)]
     pub binaries: Vec<Library>,
+    /// Leave out documentation/animation.html, which plays the default run
+    #[arg(long)]
+    pub no_animation: bool,
+    /// Leave out the reference results of the default run
+    #[arg(long)]
+    pub no_results: bool,
 }
 
 /// Arguments of `check`.

@@ -83,7 +83,8 @@ fn finding(checked: &Checked, located: &Located) -> String {
     Renderer::plain().render(&[group])
 }
 
-fn line(fact: &Fact) -> String {
+/// A fact in one line.
+pub fn line(fact: &Fact) -> String {
     let of = if fact.of.is_empty() { String::new() } else { format!("{}: ", fact.of) };
     let numbers: Vec<String> = fact.quantities.iter().map(quantity).collect();
     let numbers = numbers.join(", ");

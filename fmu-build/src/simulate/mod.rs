@@ -26,7 +26,8 @@ use linkage_fmu::variables::{Causality, Interface, Kind, Reference, Variable};
 use run::{Ended, Span};
 use signals::Signals;
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 use table::{Column, Recorded, Table};
 
 /// How a run ended, for the exit code.
@@ -104,6 +105,23 @@ fn check(arguments: &Arguments) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Run a model at its start values over its experiment, every output recorded as CSV at this path; the interval of the
+/// rows [s].
+///
+/// # Errors
+/// The start or a step is refused, or the file cannot be written.
+pub fn default_run(model: &mut Component, path: &Path) -> Result<f64> {
+    let experiment = model.experiment();
+    let interval = default_interval(experiment, experiment.stop_time);
+    let span = Span { start: 0.0, stop: experiment.stop_time, interval };
+    let mut table = Table::new(columns(model.interface(), &[])?, Some(path), false)?;
+    // Nobody is asked whether to stop.
+    let mut record = |model: &mut Component, time: f64| table.record(model, time);
+    let ended = run::run(model, &span, &Signals::none(), &mut record, &AtomicBool::new(false), false);
+    table.finish(None)?;
+    ended.map(|_| interval)
 }
 
 /// The experiment's step, doubled until a run of this length has few rows [s].

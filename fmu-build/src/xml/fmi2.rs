@@ -156,7 +156,8 @@ fn write_variable(xml: &mut Xml, reference: Reference, variable: &Variable) -> i
     element(xml, "ScalarVariable", &attributes, |xml| empty(xml, kind, &kind_attributes(variable)))
 }
 
-fn kind_attributes(variable: &Variable) -> Attributes<'static> {
+/// Attributes of the element that tells the kind of a variable: unit, start value and the like.
+pub fn kind_attributes(variable: &Variable) -> Attributes<'static> {
     let unit = variable.unit.map(|unit| ("unit", unit.name().to_owned()));
     let display = variable.unit.and_then(Unit::display).map(|(name, _)| ("displayUnit", name.to_owned()));
     let start = variable.start.as_ref().map(|start| {

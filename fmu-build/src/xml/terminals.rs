@@ -1,4 +1,4 @@
-//! The writer of `terminalsAndIcons.xml`: which variables belong together as one connection.
+//! The writer of `terminalsAndIcons.xml`: where the icon stands, and which variables belong together as one connection.
 //!
 //! In: the component. Out: the text of the file. FMI 2.0.5, 2.3, takes the file over from FMI 3.0, 2.4.9, with that
 //! version in it.
@@ -11,16 +11,30 @@ use linkage_fmu::variables::{Terminal, Variable};
 /// Path of the file in an FMU.
 pub const PATH: &str = "terminalsAndIcons/terminalsAndIcons.xml";
 
-/// The text of the file; none if the model has no terminal.
+/// Half the side of the icon in the coordinates of a diagram, which count from its middle.
+const HALF: &str = "100";
+/// Size in which a tool shows a unit of these coordinates [mm], as in Modelica's diagrams.
+const MILLIMETRES: &str = "0.1";
+
+/// The text of the file.
 ///
 /// # Errors
 /// XML cannot be written.
-pub fn to_xml(component: &Component) -> Result<Option<String>> {
+pub fn to_xml(component: &Component) -> Result<String> {
     let (terminals, interface) = (component.terminals(), component.interface());
-    if terminals.is_empty() {
-        return Ok(None);
-    }
-    let text = document("fmiTerminalsAndIcons", &[("fmiVersion", "3.0".to_owned())], |xml| {
+    document("fmiTerminalsAndIcons", &[("fmiVersion", "3.0".to_owned())], |xml| {
+        group(xml, "GraphicalRepresentation", |xml| {
+            let corners = ["x1", "y1", "x2", "y2"].map(|name| {
+                let sign = if name.ends_with('1') { "-" } else { "" };
+                (name, format!("{sign}{HALF}"))
+            });
+            let scale = ("suggestedScalingFactorTo_mm", MILLIMETRES.to_owned());
+            empty(xml, "CoordinateSystem", &[corners.to_vec(), vec![scale]].concat())?;
+            empty(xml, "Icon", &corners)
+        })?;
+        if terminals.is_empty() {
+            return Ok(());
+        }
         group(xml, "Terminals", |xml| {
             terminals.into_iter().try_for_each(|Terminal { name, description, members }| {
                 let attributes = [("name", name), ("matchingRule", "bus".to_owned()), ("description", description)];
@@ -36,8 +50,7 @@ pub fn to_xml(component: &Component) -> Result<Option<String>> {
                 })
             })
         })
-    })?;
-    Ok(Some(text))
+    })
 }
 
 /// What follows the dot in `actuator.force`.
@@ -51,7 +64,7 @@ mod tests {
     use crate::workspace::{MECHANISM, Workspace};
     use std::fs;
 
-    fn file_of(name: &str) -> Option<String> {
+    fn file_of(name: &str) -> String {
         let path = Workspace::locate().descriptions().join(name).join("resources").join(MECHANISM);
         let text = fs::read_to_string(path).unwrap();
         to_xml(&Component::from_definition(MECHANISM, &text).unwrap()).unwrap()
@@ -72,7 +85,7 @@ mod tests {
             ("LandingGearRetraction", expected("actuator", &["force", "length", "speed", "acceleration"])),
             ("FourBar", expected("drive", &["torque", "angle", "speed", "acceleration"])),
         ] {
-            let text: String = file_of(mechanism).unwrap().lines().map(str::trim).collect();
+            let text: String = file_of(mechanism).lines().map(str::trim).collect();
             assert_eq!(text.matches("<Terminal ").count(), 1, "{text}");
             assert!(text.contains(&terminal), "{terminal} is not in {text}");
         }
@@ -83,17 +96,20 @@ mod tests {
         let file = "hydraulics.json";
         let path = Workspace::locate().descriptions().join("HydraulicActuator").join("resources").join(file);
         let component = Component::from_definition(file, &fs::read_to_string(path).unwrap()).unwrap();
-        let text: String = to_xml(&component).unwrap().unwrap().lines().map(str::trim).collect();
+        let text: String = to_xml(&component).unwrap().lines().map(str::trim).collect();
         let members: Vec<&str> =
             text.split("memberName=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
         assert_eq!(members[..4], ["force", "length", "speed", "acceleration"]);
-        let gear = file_of("LandingGearRetraction").unwrap();
+        let gear = file_of("LandingGearRetraction");
         assert!(members[..4].iter().all(|member| gear.contains(&format!("memberName=\"{member}\""))));
     }
 
     #[test]
-    fn without_a_drive_there_is_no_file() {
-        assert_eq!(file_of("FourBarChain"), None);
-        assert_eq!(file_of("AndrewsSqueezer"), None);
+    fn without_a_drive_there_is_an_icon_alone() {
+        for name in ["FourBarChain", "AndrewsSqueezer"] {
+            let text = file_of(name);
+            assert!(text.contains("<Icon x1=\"-100\" y1=\"-100\" x2=\"100\" y2=\"100\"/>"), "{text}");
+            assert!(!text.contains("Terminals>"), "{text}");
+        }
     }
 }

@@ -1,0 +1,101 @@
+//! The parts of a mechanism as tables: bodies, joints, drives, springs, stops, locks, markers.
+//!
+//! In: a checked definition. Out: rows of texts, the first of each row the name.
+
+use crate::xml::common::number;
+use linkage_fmu::mechanism::definition::{JointKind, Limit, Mechanism, Stop};
+use serde::Serialize;
+
+/// Most rows of a table; the definition has the others.
+const MOST_ROWS: usize = 5000;
+
+/// A table of parts.
+#[derive(Debug, Serialize)]
+pub struct Table {
+    title: &'static str,
+    columns: Vec<&'static str>,
+    rows: Vec<Vec<String>>,
+    /// Number of parts for which there is no row.
+    left_out: usize,
+}
+
+impl Table {
+    fn new(title: &'static str, columns: &[&'static str], rows: impl Iterator<Item = Vec<String>>) -> Self {
+        let mut rows: Vec<_> = rows.collect();
+        let left_out = rows.len().saturating_sub(MOST_ROWS);
+        rows.truncate(MOST_ROWS);
+        Self { title, columns: columns.to_vec(), rows, left_out }
+    }
+}
+
+/// The parts of a mechanism.
+pub fn tables(mechanism: &Mechanism) -> Vec<Table> {
+    let bodies = mechanism.bodies.iter().map(|(name, body)| {
+        let [x, y] = body.center_of_mass();
+        let carried = body.fixed_to.clone().unwrap_or_default();
+        let center = if body.mass.is_some() { format!("{}, {}", number(x), number(y)) } else { String::new() };
+        vec![name.to_owned(), optional(body.mass), center, optional(body.length), carried]
+    });
+    let joints = mechanism.joints.iter().map(|(name, joint)| {
+        let kind = match joint.kind {
+            JointKind::Revolute => "revolute",
+            JointKind::Prismatic => "prismatic",
+        };
+        vec![name.to_owned(), kind.to_owned(), joint.first.clone(), joint.second.clone()]
+    });
+    let drives = mechanism.actuators.iter().map(|(name, drive)| {
+        let kind = if drive.hydraulics.is_some() { "hydraulic drive" } else { "drive" };
+        vec![name.to_owned(), kind.to_owned(), between(&drive.first, &drive.second, &drive.joint)]
+    });
+    let springs = mechanism.springs.iter().map(|(name, spring)| {
+        vec![name.to_owned(), "spring or damper".to_owned(), between(&spring.first, &spring.second, &spring.joint)]
+    });
+    let forces =
+        mechanism.forces.iter().map(|(name, force)| vec![name.to_owned(), "force".to_owned(), force.at.clone()]);
+    let torques =
+        mechanism.torques.iter().map(|(name, torque)| vec![name.to_owned(), "torque".to_owned(), torque.on.clone()]);
+    let surfaces = mechanism.surfaces.iter().map(|(name, surface)| {
+        let at = [&surface.at, &surface.from, &surface.to].into_iter().flatten().cloned().collect::<Vec<_>>();
+        vec![name.to_owned(), "drag".to_owned(), at.join(" to ")]
+    });
+    let stops = mechanism.stops.iter().map(|(name, stop)| vec![name.to_owned(), "stop".to_owned(), limit(stop)]);
+    let locks = mechanism.locks.iter().map(|(name, lock)| {
+        vec![name.to_owned(), "lock".to_owned(), format!("holds {} at the stop {}", lock.at, lock.stop)]
+    });
+    let markers =
+        mechanism.markers.iter().map(|(name, marker)| vec![name.to_owned(), "marker".to_owned(), marker.at.clone()]);
+    let loads = drives.chain(springs).chain(forces).chain(torques).chain(surfaces);
+    let tables = [
+        Table::new("Bodies", &["Body", "Mass [kg]", "Centre of mass [m]", "Length [m]", "Fixed to"], bodies),
+        Table::new("Joints", &["Joint", "Kind", "First body", "Second body"], joints),
+        Table::new("Drives and loads", &["Name", "Kind", "Where"], loads),
+        Table::new("Stops, locks and markers", &["Name", "Kind", "Where"], stops.chain(locks).chain(markers)),
+    ];
+    tables.into_iter().filter(|table| !table.rows.is_empty()).collect()
+}
+
+fn optional(value: Option<f64>) -> String {
+    value.map(number).unwrap_or_default()
+}
+
+/// The ends of a connection, or its joint.
+fn between(first: &Option<String>, second: &Option<String>, joint: &Option<String>) -> String {
+    match (first, second, joint) {
+        (Some(first), Some(second), _) => format!("{first} to {second}"),
+        (.., Some(joint)) => format!("in {joint}"),
+        _ => String::new(),
+    }
+}
+
+/// What a stop limits, and to which value.
+fn limit(stop: &Stop) -> String {
+    let side = if stop.limit == Limit::Lower { "at least" } else { "at most" };
+    let of = stop.body.clone().or(stop.joint.clone()).unwrap_or_else(|| between(&stop.first, &stop.second, &None));
+    let (quantity, value, unit) = match (stop.angle, stop.position, stop.length) {
+        (Some(angle), ..) => ("angle", angle, "rad"),
+        (_, Some(position), _) => ("position", position, "m"),
+        (.., length) => ("length", length.unwrap_or(f64::NAN), "m"),
+    };
+    let state = if stop.enabled { "" } else { ", not enabled" };
+    format!("{quantity} of {of} {side} {} {unit}{state}", number(value))
+}

@@ -1,0 +1,116 @@
+//! What is drawn of a model: a mechanism at its start, or a cylinder.
+//!
+//! In: a model. Out: drawings of it for a page and for an icon.
+
+use crate::drawing::{Cylinder, Drawing, Format, cylinder, mechanism};
+use anyhow::{Context, Result};
+use linkage_fmu::component::Component;
+use linkage_fmu::mechanism::inspection::{Pose, Scene, attempt};
+
+/// Width of a drawing on the page [px].
+const WIDTH: f64 = 880.0;
+/// Height to width below which a mechanism is too flat for an icon.
+const FLAT: f64 = 0.2;
+/// Positions of the travel among which an icon is chosen then.
+const POSITIONS: usize = 24;
+
+/// A model to be drawn.
+#[derive(Clone, Debug)]
+pub enum Picture {
+    /// A mechanism.
+    Mechanism {
+        /// Name.
+        name: String,
+        /// What there is to be drawn.
+        scene: Box<Scene>,
+        /// Poses at the start.
+        start: Vec<Pose>,
+        /// Poses in an icon.
+        typical: Vec<Pose>,
+    },
+    /// A hydraulic actuator.
+    Cylinder {
+        /// Name.
+        name: String,
+        /// Its cylinder.
+        cylinder: Cylinder,
+    },
+}
+
+impl Picture {
+    /// What is drawn of this model, whose definition has this text.
+    ///
+    /// # Errors
+    /// The bodies cannot be placed, or the actuator has no cylinder.
+    pub fn new(component: &Component, text: &str) -> Result<Self> {
+        let name = component.name().to_owned();
+        match component {
+            Component::Mechanism(model) => {
+                let mut model = model.clone();
+                let at_start = model.initialize().ok().and_then(|()| Some((model.scene().ok()?, model.poses()?)));
+                // A start that is refused leaves the assembled position.
+                let assembled = || attempt(text).map(|attempt| (attempt.scene, attempt.poses));
+                let (scene, start) = at_start.or_else(assembled).context("the bodies have no position to be drawn")?;
+                let mut typical = start.clone();
+                if flatness(&scene, &start) < FLAT
+                    && let Ok(sweep) = model.sweep(POSITIONS)
+                {
+                    let best = sweep.poses.into_iter();
+                    let best = best.max_by(|a, b| flatness(&scene, a).total_cmp(&flatness(&scene, b)));
+                    typical = best.unwrap_or(typical);
+                }
+                Ok(Self::Mechanism { name, scene: Box::new(scene), start, typical })
+            }
+            Component::Hydraulic(_) => {
+                let mut model = component.clone();
+                let mut value = |name: &str| -> Result<f64> {
+                    let reference =
+                        model.interface().find(name).with_context(|| format!("{name}: no such variable"))?;
+                    Ok(model.real(reference)?)
+                };
+                let cylinder = Cylinder {
+                    bore: value("cylinder.bore")?,
+                    rod: value("cylinder.rod")?,
+                    stroke: value("cylinder.stroke")?,
+                    closed_length: value("cylinder.closed_length")?,
+                    length: value("actuator.length")?,
+                };
+                Ok(Self::Cylinder { name, cylinder })
+            }
+        }
+    }
+
+    /// What there is to be drawn of a mechanism.
+    pub fn scene(&self) -> Option<&Scene> {
+        match self {
+            Self::Mechanism { scene, .. } => Some(scene),
+            Self::Cylinder { .. } => None,
+        }
+    }
+
+    /// The drawing for the page.
+    pub fn of_the_page(&self) -> Drawing {
+        self.drawing(Format::Page { width: WIDTH })
+    }
+
+    /// The drawing for an icon with sides of this length [px].
+    pub fn icon(&self, side: f64) -> Drawing {
+        self.drawing(Format::Icon { side })
+    }
+
+    fn drawing(&self, format: Format) -> Drawing {
+        match self {
+            Self::Mechanism { name, scene, start, typical } => {
+                mechanism(name, scene, if matches!(format, Format::Icon { .. }) { typical } else { start }, format)
+            }
+            Self::Cylinder { name, cylinder: of } => cylinder(name, of, format),
+        }
+    }
+}
+
+/// Smaller by larger side of what the joints fill: 0 on a line.
+fn flatness(scene: &Scene, poses: &[Pose]) -> f64 {
+    let sides = crate::drawing::sides(scene, poses);
+    let [least, most] = [sides[0].min(sides[1]), sides[0].max(sides[1])];
+    if most > 0.0 { least / most } else { 1.0 }
+}

@@ -1,0 +1,202 @@
+//! Reference results after the layered standard FMI-LS-REF 1.0.0-alpha.1: what the default run gives, to be compared with
+//! what another tool makes of the FMU.
+//!
+//! In: a model. Out: inputs and outputs of its default run as CSV, and the manifest that names them.
+
+use crate::archive::Entry;
+use crate::documentation::{ANIMATION, PAGE};
+use crate::simulate;
+use crate::workspace::Workspace;
+use crate::xml::common::{document, empty, number};
+use anyhow::{Context, Result, bail};
+use linkage_fmu::component::Component;
+use linkage_fmu::variables::{Causality, Value, Variable};
+use std::{fs, process};
+
+/// Folder in the FMU.
+pub const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";
+/// Path of the manifest in the FMU.
+pub const MANIFEST: &str = "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml";
+/// Path of the remarks, as the layered standard recommends them.
+const REMARKS: &str = "documentation/fmi-ls-ref.txt";
+/// Most rows of the results: enough for a curve, little beside the library.
+const MOST_ROWS: usize = 200;
+/// Most outputs of a model that has results.
+const MOST_OUTPUTS: usize = 2000;
+
+/// Inputs and outputs of the default run.
+#[derive(Clone, Debug)]
+pub struct Results {
+    name: String,
+    /// The inputs as CSV; none of a model without inputs.
+    inputs: Option<String>,
+    outputs: String,
+    /// Time from one step of the run to the next [s].
+    pub interval: f64,
+    /// Steps from one row to the next.
+    pub stride: usize,
+    /// Rows of the results.
+    pub rows: usize,
+}
+
+impl Results {
+    /// Run the model from its start values over its experiment.
+    ///
+    /// # Errors
+    /// The run cannot be made, or not to its end, or the model has very many outputs.
+    pub fn new(workspace: &Workspace, component: &Component) -> Result<Self> {
+        let is_output = |variable: &&Variable| variable.causality == Causality::Output;
+        let count = component.interface().list().iter().filter(is_output).count();
+        if count > MOST_OUTPUTS {
+            bail!(
+                "the model has {count} outputs, at most {MOST_OUTPUTS}; record those you need by `cargo fmu simulate`"
+            );
+        }
+        let folder = workspace.target("reference");
+        fs::create_dir_all(&folder).with_context(|| format!("{}: cannot be made", folder.display()))?;
+        let path = folder.join(format!("{}-{}.csv", component.name(), process::id()));
+        let ran = simulate::default_run(&mut component.clone(), &path);
+        let text = fs::read_to_string(&path).with_context(|| format!("{}: cannot be read", path.display()));
+        // What is left there is written over by the next run.
+        let _ = fs::remove_file(&path);
+        let (interval, text) = (ran?, text?);
+        let (outputs, stride, rows) = thinned(&text);
+        Ok(Self { name: component.name().to_owned(), inputs: inputs(component)?, outputs, interval, stride, rows })
+    }
+
+    /// Path of the outputs in the FMU.
+    pub fn outputs_path(&self) -> String {
+        format!("{FOLDER}/{}_out.csv", self.name)
+    }
+
+    /// Path of the inputs in the FMU, if there are any.
+    pub fn inputs_path(&self) -> Option<String> {
+        self.inputs.as_ref().map(|_| format!("{FOLDER}/{}_in.csv", self.name))
+    }
+
+    /// What there is to know of them.
+    fn remarks(&self) -> String {
+        format!(
+            "Reference results of {name}, after the layered standard FMI-LS-REF.\n\n\
+             {name}_out.csv holds every output over the default experiment: all parameters and inputs at their start\n\
+             values, steps of {interval} s, {rows}. It was computed by the library in this FMU.\n\
+             On the same platform the same steps give the same bits; on others, rounding may differ. NaN stands for an\n\
+             output that does not exist in a state.\n{inputs}",
+            name = self.name,
+            interval = number(self.interval),
+            rows = match self.stride {
+                1 => "one row for each".to_owned(),
+                stride => format!("one row for every {stride} and one for the end"),
+            },
+            inputs = match &self.inputs {
+                Some(_) => format!(
+                    "{}_in.csv holds the inputs, which are constant. A host that interpolates them rounds them.\n",
+                    self.name
+                ),
+                None => String::new(),
+            }
+        )
+    }
+
+    /// The files for the FMU, whose definition has this path.
+    ///
+    /// # Errors
+    /// XML cannot be written.
+    pub fn entries(self, definition: &str, is_animated: bool) -> Result<Vec<Entry>> {
+        let remarks = self.remarks();
+        let (outputs, inputs) = (format!("{}_out.csv", self.name), format!("{}_in.csv", self.name));
+        let above = |path: &str| format!("../../{path}");
+        let animation = is_animated.then(|| ("text/html", above(ANIMATION), "document", "The default run, animated"));
+        let of_inputs =
+            self.inputs.as_ref().map(|_| ("text/csv", inputs.clone(), "other", "Inputs of the default experiment"));
+        let related = [
+            Some(("text/csv", outputs.clone(), "result", "Output of the default experiment")),
+            of_inputs,
+            Some(("application/json", above(definition), "model", "Definition from which the FMU was made")),
+            Some(("text/html", above(PAGE), "document", "Documentation")),
+            animation,
+        ];
+        let namespace = "http://fmi-standard.org/fmi-ls-manifest";
+        let root = [
+            ("xmlns:fmi-ls", namespace),
+            ("fmi-ls:fmi-ls-name", "org.fmi-standard.fmi-ls-ref"),
+            ("fmi-ls:fmi-ls-version", "1.0.0-alpha.1"),
+            (
+                "fmi-ls:fmi-ls-description",
+                "Layered Standard providing information on related files included in an FMU.",
+            ),
+        ]
+        .map(|(name, value)| (name, value.to_owned()));
+        let manifest = document("fmiReferences", &root, |xml| {
+            related.into_iter().flatten().try_for_each(|(kind, source, role, description)| {
+                let attributes = [("type", kind), ("source", &source), ("role", role), ("description", description)];
+                empty(xml, "Related", &attributes.map(|(name, value)| (name, value.to_owned())))
+            })
+        })?;
+        let mut entries = vec![
+            Entry { name: MANIFEST.to_owned(), content: manifest.into_bytes() },
+            Entry { name: REMARKS.to_owned(), content: remarks.into_bytes() },
+            Entry { name: format!("{FOLDER}/{outputs}"), content: self.outputs.into_bytes() },
+        ];
+        entries
+            .extend(self.inputs.map(|text| Entry { name: format!("{FOLDER}/{inputs}"), content: text.into_bytes() }));
+        Ok(entries)
+    }
+}
+
+/// The head and every n-th row of a table, n a power of two, and its last one; n; the number of rows.
+fn thinned(text: &str) -> (String, usize, usize) {
+    let mut lines = text.lines();
+    let head = lines.next().unwrap_or_default();
+    let rows: Vec<&str> = lines.collect();
+    let mut stride = 1;
+    while rows.len().saturating_sub(1) / stride + 1 > MOST_ROWS {
+        stride *= 2;
+    }
+    let last = rows.len().saturating_sub(1);
+    let kept = rows.iter().enumerate().filter(|(k, _)| k.is_multiple_of(stride) || *k == last).map(|(_, row)| *row);
+    let kept: Vec<&str> = kept.collect();
+    let count = kept.len();
+    let lines = std::iter::once(head).chain(kept);
+    (lines.flat_map(|line| [line, "\n"]).collect(), stride, count)
+}
+
+/// The inputs of the default run: their start values at its beginning and at its end.
+fn inputs(component: &Component) -> Result<Option<String>> {
+    let inputs = component.interface().list().iter().filter(|variable| variable.causality == Causality::Input);
+    let values = inputs.filter_map(|input| match input.start {
+        Some(Value::Real(value)) => Some((input.name.as_str(), number(value))),
+        Some(Value::Boolean(value)) => Some((input.name.as_str(), u8::from(value).to_string())),
+        _ => None,
+    });
+    let (mut names, mut starts): (Vec<&str>, Vec<String>) = values.unzip();
+    if names.is_empty() {
+        return Ok(None);
+    }
+    names.insert(0, "time");
+    let mut head = csv::WriterBuilder::new().quote_style(csv::QuoteStyle::Always).from_writer(Vec::new());
+    head.write_record(&names)?;
+    let mut text = String::from_utf8(head.into_inner().context("the head of the inputs")?)?;
+    for time in [0.0, component.experiment().stop_time] {
+        starts.insert(0, number(time));
+        text += &starts.join(",");
+        text.push('\n');
+        starts.remove(0);
+    }
+    Ok(Some(text))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_table_keeps_its_ends() {
+        let table = |rows: usize| (0..rows).fold("head\n".to_owned(), |text, k| format!("{text}{k}\n"));
+        assert_eq!(thinned(&table(200)), (table(200), 1, 200));
+        let (text, stride, rows) = thinned(&table(1002));
+        assert_eq!((stride, rows), (8, 127));
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!([lines[0], lines[1], lines[2], lines[126], lines[127]], ["head", "0", "8", "1000", "1001"]);
+    }
+}

@@ -1,0 +1,164 @@
+//! The variables of a model as tables.
+//!
+//! In: the interface. Out: rows of texts, with the attributes that `modelDescription.xml` has.
+
+use crate::xml::common::number;
+use crate::xml::fmi2::kind_attributes;
+use linkage_fmu::variables::{Causality, Interface, Kind, Reference, Unit, Value, Variability, Variable};
+use serde::Serialize;
+
+/// Most variables of a table; `modelDescription.xml` has the others.
+const MOST_ROWS: usize = 5000;
+/// Most inputs that are named in one row.
+const MOST_NAMES: usize = 24;
+
+/// The variables of one causality.
+#[derive(Debug, Serialize)]
+pub struct Table {
+    id: &'static str,
+    title: &'static str,
+    /// What holds for all of them.
+    remark: &'static str,
+    has_starts: bool,
+    has_ranges: bool,
+    has_dependencies: bool,
+    rows: Vec<Row>,
+    /// Number of variables for which there is no row.
+    left_out: usize,
+}
+
+/// A variable.
+#[derive(Debug, Serialize)]
+struct Row {
+    name: String,
+    description: String,
+    /// Unit, or the kind of what has none.
+    unit: String,
+    start: String,
+    range: String,
+    dependencies: String,
+}
+
+/// Inputs, outputs and parameters, as far as there are any.
+pub fn tables(interface: &Interface) -> Vec<Table> {
+    let kinds = [
+        ("inputs", "Inputs", "Set by the host between steps.", Causality::Input),
+        (
+            "outputs",
+            "Outputs",
+            "Told at every communication point. An output that does not exist in a state is NaN, with a warning. All \
+             may depend on the state; the last column names the inputs that act at once.",
+            Causality::Output,
+        ),
+        (
+            "parameters",
+            "Parameters",
+            "Fixed by the host before the start. What the host sets wins over the definition.",
+            Causality::Parameter,
+        ),
+    ];
+    let inputs: Vec<Reference> = (0..)
+        .zip(interface.list())
+        .filter(|(_, variable)| variable.causality == Causality::Input)
+        .map(|(reference, _)| reference)
+        .collect();
+    let tables = kinds.into_iter().map(|(id, title, remark, causality)| {
+        let of_kind = || interface.list().iter().filter(|variable| variable.causality == causality);
+        let rows: Vec<Row> = of_kind().take(MOST_ROWS).map(|variable| row(variable, interface, &inputs)).collect();
+        let left_out = of_kind().count() - rows.len();
+        let (has_starts, has_dependencies) = (causality != Causality::Output, causality == Causality::Output);
+        let has_ranges = rows.iter().any(|row| !row.range.is_empty());
+        Table { id, title, remark, has_starts, has_ranges, has_dependencies, rows, left_out }
+    });
+    tables.filter(|table| !table.rows.is_empty()).collect()
+}
+
+fn row(variable: &Variable, interface: &Interface, inputs: &[Reference]) -> Row {
+    let attributes = kind_attributes(variable);
+    let attribute = |name: &str| attributes.iter().find(|(key, _)| *key == name).map(|(_, value)| value.as_str());
+    let kind = match (variable.kind, variable.variability) {
+        (Kind::Boolean, _) => "true or false",
+        (Kind::String, _) => "text",
+        (Kind::Integer, _) => "whole number",
+        (Kind::Real, Variability::Discrete) => "number, discrete",
+        (Kind::Real, _) => "number",
+    };
+    Row {
+        name: variable.name.clone(),
+        description: variable.description.clone(),
+        unit: attribute("unit").unwrap_or(kind).to_owned(),
+        start: start(variable),
+        range: match (attribute("min"), attribute("max")) {
+            (None, None) => String::new(),
+            (Some(least), None) => format!("at least {least}"),
+            (None, Some(most)) => format!("at most {most}"),
+            (Some(least), Some(most)) => format!("{least} to {most}"),
+        },
+        dependencies: dependencies(variable, interface, inputs),
+    }
+}
+
+/// The start value, in the display unit too.
+fn start(variable: &Variable) -> String {
+    match &variable.start {
+        None => String::new(),
+        Some(Value::Boolean(value)) => value.to_string(),
+        Some(Value::String(text)) => text.clone(),
+        Some(Value::Real(value)) => match variable.unit.and_then(Unit::display).filter(|_| *value != 0.0) {
+            Some((name, factor)) => format!("{} ({} {name})", number(*value), rounded(value * factor)),
+            None => number(*value),
+        },
+    }
+}
+
+/// Six digits.
+fn rounded(value: f64) -> String {
+    number(format!("{value:.5e}").parse().unwrap_or(value))
+}
+
+/// The inputs on which an output depends at once, in the fewest words.
+fn dependencies(variable: &Variable, interface: &Interface, inputs: &[Reference]) -> String {
+    let own = &variable.dependencies;
+    let named = |references: &mut dyn Iterator<Item = Reference>, count: usize| {
+        let names = references.take(MOST_NAMES).filter_map(|reference| interface.get(reference));
+        let names: Vec<&str> = names.map(|input| input.name.as_str()).collect();
+        match count.saturating_sub(MOST_NAMES) {
+            0 => names.join(", "),
+            more => format!("{} and {more} more", names.join(", ")),
+        }
+    };
+    let others = inputs.len() - own.len().min(inputs.len());
+    match (own.len(), others) {
+        (0, _) => "no input".to_owned(),
+        (_, 0) => "every input".to_owned(),
+        (count, left) if left < count => {
+            // Dependencies ascend.
+            let mut left_out = inputs.iter().copied().filter(|input| own.binary_search(input).is_err());
+            format!("every input but {}", named(&mut left_out, left))
+        }
+        (count, _) => named(&mut own.iter().copied(), count),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::workspace::{MECHANISM, Workspace};
+    use linkage_fmu::component::Component;
+
+    #[test]
+    fn dependencies_are_those_of_the_description() {
+        let path = Workspace::locate().descriptions().join("FourBar/resources").join(MECHANISM);
+        let component = Component::from_definition(MECHANISM, &std::fs::read_to_string(path).unwrap()).unwrap();
+        let interface = component.interface();
+        let tables = tables(interface);
+        assert_eq!(tables.iter().map(|table| table.id).collect::<Vec<_>>(), ["inputs", "outputs", "parameters"]);
+        assert_eq!(tables.iter().map(|table| table.rows.len()).sum::<usize>(), interface.list().len());
+        let row = |name: &str| tables.iter().flat_map(|table| &table.rows).find(|row| row.name == name).unwrap();
+        assert_eq!(row("crank.angle").dependencies, "no input");
+        let demanded = "drive.demanded_acceleration";
+        assert!(row("drive.required_force").dependencies.contains("every input"), "{:?}", row("drive.required_force"));
+        assert_eq!(row("crank.acceleration").dependencies, format!("every input but {demanded}"));
+        assert_eq!((row("drive.torque").start.as_str(), row("drive.torque").unit.as_str()), ("0.5", "N.m"));
+    }
+}

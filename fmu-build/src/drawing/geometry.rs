@@ -1,0 +1,73 @@
+//! Hulls of points, round lengths.
+
+use super::Point;
+
+/// Corners of the convex hull, in order.
+pub fn hull(mut points: Vec<Point>) -> Vec<Point> {
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    points.dedup_by(|a, b| (a[0] - b[0]).hypot(a[1] - b[1]) < 1e-6);
+    if points.len() < 3 {
+        return points;
+    }
+    let half = |points: &mut dyn Iterator<Item = &Point>| {
+        let mut out: Vec<Point> = Vec::new();
+        for &[x, y] in points {
+            while let [.., o, a] = out.as_slice() {
+                if (a[0] - o[0]) * (y - o[1]) - (a[1] - o[1]) * (x - o[0]) > 0.0 {
+                    break;
+                }
+                out.pop();
+            }
+            out.push([x, y]);
+        }
+        out.pop();
+        out
+    };
+    let mut corners = half(&mut points.iter());
+    corners.extend(half(&mut points.iter().rev()));
+    corners
+}
+
+/// Mean of points.
+pub fn mean(points: &[Point]) -> Point {
+    let count = points.len().max(1) as f64;
+    points.iter().fold([0.0, 0.0], |[x, y], p| [x + p[0] / count, y + p[1] / count])
+}
+
+/// The largest of 1, 2 and 5 times a power of ten that is not above a length.
+pub fn round_below(length: f64) -> f64 {
+    let power = 10f64.powi(length.log10().floor() as i32);
+    [5.0, 2.0, 1.0].into_iter().map(|k| k * power).find(|k| *k <= length).unwrap_or(power)
+}
+
+/// A length in km, m, mm or um.
+pub fn with_prefix(length: f64) -> String {
+    let prefixes = [(1e3, "km"), (1.0, "m"), (1e-3, "mm"), (1e-6, "\u{b5}m")];
+    let (factor, unit) = prefixes.into_iter().find(|(factor, _)| length >= 0.1 * factor).unwrap_or(prefixes[3]);
+    format!("{} {unit}", (1e6 * length / factor).round() / 1e6)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hull_has_the_outer_points_only() {
+        let square = vec![[0.0, 0.0], [2.0, 0.0], [1.0, 1.0], [2.0, 2.0], [0.0, 2.0], [1.0, 0.0], [0.0, 0.0]];
+        let corners = hull(square);
+        assert_eq!(corners.len(), 4, "{corners:?}");
+        assert!(!corners.contains(&[1.0, 1.0]) && !corners.contains(&[1.0, 0.0]));
+        assert_eq!(hull(vec![[0.0, 0.0], [1.0, 1.0], [0.5, 0.5]]).len(), 2);
+    }
+
+    #[test]
+    fn scales_are_round() {
+        for (length, below, words) in
+            [(0.37, 0.2, "0.2 m"), (1.0, 1.0, "1 m"), (0.0093, 0.005, "5 mm"), (7200.0, 5000.0, "5 km")]
+        {
+            let round = round_below(length);
+            assert!((round - below).abs() < 1e-12 * below, "{round}");
+            assert_eq!(with_prefix(round), words);
+        }
+    }
+}
