@@ -1,6 +1,6 @@
 //! Drives and springs whose two ends coincide somewhere on the curve: an error only for a motion that gets there.
 
-use crate::support::{Run, assert_says};
+use crate::support::{Run, assert_says, read_all};
 use serde_json::{Value, json};
 use std::f64::consts::{PI, TAU};
 
@@ -46,6 +46,31 @@ fn a_motion_that_stays_away_is_exact() {
         assert!((run.get("cylinder.reduced_mass") * (0.5 * angle).cos().powi(2) / INERTIA - 1.0).abs() < 1e-8);
     }
     assert!(least < 1.01 && most > TAU - 1.01, "{least} {most}");
+}
+
+/// Ends that come near each other without coinciding: where the motion is, the drive has all its outputs.
+#[test]
+fn ends_that_almost_coincide_elsewhere_leave_every_output_of_the_drive() {
+    for k in 2..=80 {
+        let reach = 1.0 + 10.0_f64.powf(-0.1 * f64::from(k));
+        let ground = json!({ "ground": { "points": { "east": [reach, 0], "west": [-1, 0] } },
+            "arm": { "length": 1, "mass": 3, "shape": "uniform_rod" } });
+        let mut run = Run::new(&arm(&json!({ "bodies": ground }))).with(&[("cylinder.force", 2.0)]).started();
+        for _ in 0..40 {
+            run.step(0.05);
+            let (angle, speed) = (run.get("arm.angle"), run.get("arm.speed"));
+            let length = (reach * reach + 1.0 - 2.0 * reach * angle.cos()).sqrt();
+            let slope = reach * angle.sin() / length;
+            let off =
+                (run.get("cylinder.length") - length).abs().max((run.get("cylinder.speed") - slope * speed).abs());
+            assert!(off < 1e-11 * (1.0 + speed.abs()), "{reach}: {off:e}");
+            if slope.abs() > 0.01 {
+                let mass = run.get("cylinder.reduced_mass") * slope * slope / INERTIA;
+                assert!((mass - 1.0).abs() < 1e-8, "{reach} {angle}: {mass}");
+            }
+            assert!(read_all(run.0.model_mut()).is_empty());
+        }
+    }
 }
 
 #[test]

@@ -31,6 +31,12 @@ impl From<RigidFemError> for OutputError {
     }
 }
 
+impl From<Unresolved> for OutputError {
+    fn from(at: Unresolved) -> Self {
+        Self::Table(at)
+    }
+}
+
 impl From<&Unresolved> for OutputError {
     fn from(at: &Unresolved) -> Self {
         Self::Table(at.clone())

@@ -12,8 +12,7 @@ impl<N: Reading> View<'_, N> {
     /// reduced inertia along sigma is 1. At a dead centre, S_sigma = 0, the largest number stands for an infinite term.
     pub fn drive_term(&mut self, drive: usize, term: OneElement) -> Result<N, OutputError> {
         let loading = self.reduced.loading();
-        let table = self.reduced.displacement(drive)?;
-        let position = table.position(self.state.sigma);
+        let (table, position) = self.reduced.displacement_around(drive, self.state.sigma)?;
         let slope = self.before_derivative(table, position, 1);
         let curvature = self.component(table, position, 2);
         let (sigma_dot, efficiency) = (self.sigma_dot(), loading.drives[drive].efficiency);

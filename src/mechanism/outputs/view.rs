@@ -238,12 +238,11 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
 
     fn displacement(&mut self, load: usize, order: usize) -> Result<N, OutputError> {
         let (reduced, sigma) = (self.reduced, self.sigma());
-        let table = reduced.displacement(load);
         if order > 0 {
-            let table = table?;
-            return self.time_derivative((table, table.position(self.state.sigma)), 0, order);
+            let around = reduced.displacement_around(load, self.state.sigma)?;
+            return self.time_derivative(around, 0, order);
         }
-        let slope = match table {
+        let slope = match reduced.displacement(load) {
             _ if sigma.is_constant() => 0.0,
             Ok(table) => table.value(table.position(self.state.sigma), 1),
             Err(_) => {
@@ -290,8 +289,8 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
             return Ok(N::constant(0.0));
         }
         let load = self.reduced.loading().stops[stop].load;
-        let table = self.reduced.displacement(load)?;
-        let slope = self.before_derivative(table, table.position(self.state.sigma), 1);
+        let (table, position) = self.reduced.displacement_around(load, self.state.sigma)?;
+        let slope = self.before_derivative(table, position, 1);
         Ok(finite(-free / slope))
     }
 

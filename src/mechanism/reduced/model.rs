@@ -50,6 +50,8 @@ pub(super) struct Tables {
     pub(super) influence: Table,
     pub(super) coordinates: Result<Table, Unresolved>,
     pub(super) displacements: Vec<OnceLock<Result<Table, Unresolved>>>,
+    /// Those that no table resolves everywhere, with gaps.
+    pub(super) gapped: Vec<OnceLock<Result<Table, Unresolved>>>,
     pub(super) markers: Lazy,
     pub(super) reactions: Lazy,
     pub(super) state_reactions: Lazy,
@@ -213,7 +215,8 @@ impl Reduced {
         };
         let mut tables = source.tabulate(&grid, &sizes, fill);
         let fine = grid.refined(tables.iter().flatten());
-        let displacements: Vec<_> = loading.loads.iter().map(|_| OnceLock::new()).collect();
+        let [displacements, gapped] =
+            [(); 2].map(|()| loading.loads.iter().map(|_| OnceLock::new()).collect::<Vec<_>>());
         for (load, table) in needed.into_iter().zip(tables.drain(2..)) {
             // Two stops of one load have the same table.
             let _ = displacements[load].set(table);
@@ -226,6 +229,7 @@ impl Reduced {
             influence,
             coordinates,
             displacements,
+            gapped,
             markers: OnceLock::new(),
             reactions: OnceLock::new(),
             state_reactions: OnceLock::new(),

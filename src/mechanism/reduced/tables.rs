@@ -7,7 +7,7 @@ use crate::mechanism::loads::resolved::FrictionJoint;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::reactions::{Columns, Reaction, columns};
 use crate::numerics::plane::Vec2;
-use crate::numerics::table::{Grid, Table, Unresolved};
+use crate::numerics::table::{Grid, Table, TablePosition, Unresolved};
 use std::ops::Range;
 
 impl Reduced {
@@ -31,6 +31,26 @@ impl Reduced {
             self.source.tabulate(&self.grid, &[size], &mut fill).swap_remove(0)
         };
         self.tables.displacements[load].get_or_init(table).as_ref()
+    }
+
+    /// A table of a load's displacement and its two derivatives, and the position of sigma in it. Where the ends of an
+    /// actuator almost coincide somewhere the table has a gap there.
+    ///
+    /// # Errors
+    /// [`Unresolved`] in a gap.
+    pub fn displacement_around(&self, load: usize, sigma: f64) -> Result<(&Table, TablePosition), Unresolved> {
+        let table = match self.displacement(load) {
+            Ok(table) => return Ok((table, table.position(sigma))),
+            Err(_) => self.tables.gapped[load].get_or_init(|| {
+                let size = self.source.derivative_sizes(self.source.displacement_size(load)).to_vec();
+                let (linkage, load) = (self.linkage(), &self.loading().loads[load]);
+                let mut fill = |c: &Configuration, v: &mut [f64]| v.copy_from_slice(&load.displacement(linkage, c));
+                self.source.tabulate_with_gaps(&self.grid, size, &mut fill)
+            }),
+        };
+        let table = table.as_ref().map_err(Clone::clone)?;
+        let position = table.position(sigma);
+        if table.is_gap(position.panel) { Err(Unresolved { sigma, component: 0 }) } else { Ok((table, position)) }
     }
 
     /// A load's displacement at sigma: from its table, or from the exact evaluator if the ends of an actuator come so
