@@ -136,6 +136,53 @@ fn redundant_joints_and_crossings_are_told() {
     assert_eq!(all.inspection.facts.iter().filter(|fact| fact.topic == "Crossings").count(), 2);
 }
 
+/// A carriage of 0.2 m between stops far beyond the part of its rail that is traced first.
+#[test]
+fn a_long_travel_is_told_to_its_stops() {
+    let stop = |limit: &str, position: f64| json!({ "joint": "rail", "limit": limit, "position": position });
+    let gantry = json!({
+        "name": "Gantry",
+        "bodies": { "ground": {}, "carriage": { "mass": 200, "points": { "first": [-0.1, 0], "second": [0.1, 0] } } },
+        "joints": { "rail": { "type": "prismatic", "first": "ground.origin", "second": "carriage.origin" } },
+        "stops": { "east": stop("upper", 6000.0), "west": stop("lower", -60.0) },
+        "actuators": { "drive": { "joint": "rail", "force": 100 } },
+        "start": { "joint": "rail", "position": 1000 }, "guess": { "rail": 0 }
+    });
+    let checked = checked(&gantry.to_string());
+    for (name, expected) in [("least", -60.0), ("most", 6000.0), ("start", 1000.0)] {
+        for (topic, of) in [("Travel", "rail"), ("Drives", "drive")] {
+            let told = number(&checked, topic, of, name);
+            assert!((told - expected).abs() < 1e-9, "{topic} {name}: {told}");
+        }
+    }
+    assert!((number(&checked, "Mass", "", "centre x") - 1000.0).abs() < 1e-9);
+    let text = &fact(&checked, "Ends of travel", "forward").text;
+    assert!(text.contains("east at rail = 6000.000000 m"), "{text}");
+}
+
+/// An elliptic trammel whose middle a crank holds too: some of its loop equations are singular at dead centres, all of them
+/// are not. A platform that does not move has no toggles.
+#[test]
+fn singular_parts_of_redundant_loops_are_no_crossings() {
+    let rod = |length: f64| json!({ "length": length, "mass": 1, "shape": "uniform_rod", "points": { "middle": [0.5 * length, 0] } });
+    let pin = |first: &str, second: &str| json!({ "type": "revolute", "first": first, "second": second });
+    let slide =
+        |second: &str, axis: f64| json!({ "type": "prismatic", "first": "ground.origin", "second": second, "axis_angle": axis });
+    let trammel = json!({
+        "name": "Trammel",
+        "bodies": { "ground": {}, "bar": rod(1.0), "arm": rod(0.5), "across": {}, "up": {} },
+        "joints": {
+            "h": slide("across.origin", 0.0), "v": slide("up.origin", std::f64::consts::FRAC_PI_2),
+            "a": pin("bar.origin", "across.origin"), "b": pin("bar.end", "up.origin"), "o": pin("ground.origin", "arm.origin"),
+            "p": pin("arm.end", "bar.middle")
+        },
+        "start": { "body": "bar", "angle": 2 }, "guess": { "bar": 2.0, "arm": 1.14, "h": 0.42, "v": 0.9 }
+    });
+    let checked = checked(&trammel.to_string());
+    assert!(checked.inspection.facts.iter().any(|fact| fact.topic == "Redundant joints"));
+    assert!(checked.inspection.facts.iter().all(|fact| fact.topic != "Crossings"), "{:?}", checked.inspection.facts);
+}
+
 #[test]
 fn warnings_name_the_key_the_value_and_the_remedy() {
     for (path, value, key, shown, fragments) in [

@@ -67,11 +67,23 @@ fn bounces_are_told_as_one_series() {
     let count = host.get("upstop.impact_count").unwrap();
     assert!(count > 50.0, "{count}");
     assert!(said.len() == 6 && said[..5].iter().all(|line| line.contains("impact on upstop")), "{said:?}");
+    assert!(said[4].ends_with("; slower ones that follow are counted, and told at their end"), "{said:?}");
     assert!(said[5].ends_with(&format!("comes to rest at upstop after {count} impacts")), "{said:?}");
     // The same series over many steps.
     let host = gear("series cut", &elastic, true, 0.0);
     (0..300).for_each(|k| assert_eq!(host.step(0.01 * f64::from(k), 0.01), Status::Ok));
     assert_eq!(texts(&host).len(), 6);
+}
+
+/// Impacts without losses but rounding are no series: each is told.
+#[test]
+fn impacts_without_losses_are_told_each() {
+    let elastic = [("\"flag\": \"retracted\"", "\"restitution\": 1, \"flag\": \"retracted\"")];
+    let host = gear("lossless", &elastic, true, 0.0);
+    assert_eq!(host.step(0.0, 2.0), Status::Ok);
+    let count = host.get("upstop.impact_count").unwrap();
+    let told = texts(&host).iter().filter(|line| line.contains("impact on upstop")).count();
+    assert!(count > 5.0 && told as f64 == count, "{told} of {count}");
 }
 
 #[test]

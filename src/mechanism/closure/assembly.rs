@@ -10,6 +10,8 @@ use nalgebra::{DMatrix, DVector, Dyn, SVD};
 
 /// Largest gap of a closed loop, relative to the linkage's size: rounding of Newton's method.
 const CLOSED: f64 = 1e-14;
+/// Largest gap of redundant loops, relative to the linkage's size, that is blamed on their lengths and not on the guess.
+const CONTRADICTION: f64 = 1e-2;
 /// Singular values below this part of the largest count as zero.
 const RANK: f64 = 1e-9;
 
@@ -74,7 +76,8 @@ pub(super) fn close(linkage: &Linkage, guess: &[f64], w: &[f64]) -> Result<Vec<f
     }
     let gaps = linkage.gaps(&linkage.positions(&q));
     let (row, gap) = gaps.iter().enumerate().fold((0, 0.0), |a, (i, g)| if g.abs() >= a.1 { (i, g.abs()) } else { a });
-    Err(AssemblyError::Open { joint: linkage.joints[linkage.row_joints()[row]].name.clone(), gap })
+    let joint = linkage.joints[linkage.row_joints()[row]].name.clone();
+    Err(AssemblyError::Open { joint, gap, contradicts: is_redundant && gap < CONTRADICTION * linkage.size })
 }
 
 /// The correction of Levenberg and Marquardt for J = U S V^T and this right side, damped by its norm.

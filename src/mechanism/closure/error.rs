@@ -17,6 +17,8 @@ pub enum AssemblyError {
         joint: String,
         /// Largest gap [m].
         gap: f64,
+        /// Whether joints hold some bodies more than once, and the gap is small beside the linkage.
+        contradicts: bool,
     },
     /// The number of degrees of freedom is not one.
     Freedom {
@@ -31,7 +33,13 @@ impl fmt::Display for AssemblyError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Guess { name, message } => write!(f, "guess.{name}: {message}"),
-            Self::Open { joint, gap } => write!(
+            Self::Open { joint, gap, contradicts: true } => write!(
+                f,
+                "the loops do not close: {joint} stays open by {gap:.3e} m, as other joints hold its bodies too and the lengths \
+                 contradict each other; correct the lengths by as much, to the last digit (snap does not help here), or leave \
+                 out a joint that the others make needless"
+            ),
+            Self::Open { joint, gap, .. } => write!(
                 f,
                 "the loops do not close from the guess: {joint} stays open by {gap:.3e} m; check the lengths, or guess closer"
             ),

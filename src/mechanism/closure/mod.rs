@@ -111,6 +111,18 @@ impl Closure {
         self.rows.len() < self.linkage.rows()
     }
 
+    /// Whether all loop equations together leave more than one degree of freedom at `q`, which is accurate to 1e-6 of it.
+    pub fn loses_rank(&self, q: &[f64]) -> bool {
+        const ACCURACY: f64 = 1e-6;
+        let mut values: Vec<f64> = scaled_jacobian(&self.linkage, &self.linkage.positions(q), q, &self.weights)
+            .singular_values()
+            .iter()
+            .copied()
+            .collect();
+        values.sort_by(|a, b| b.total_cmp(a));
+        values.get(self.weights.len() - 2).is_none_or(|value| *value < ACCURACY * values[0])
+    }
+
     /// Indices of the independent loop equations.
     pub fn rows(&self) -> &[usize] {
         &self.rows

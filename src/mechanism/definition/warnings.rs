@@ -3,7 +3,7 @@
 //!
 //! In: a definition as read, before its flags have their defaults. Out: warnings. It must not know how loops are
 //! closed.
-use super::mechanism::Mechanism;
+use super::mechanism::{GROUND, Mechanism};
 use super::{JointKind, Range};
 use crate::hydraulics::plausibility::circuit_warnings;
 use crate::inspection::Finding;
@@ -17,6 +17,12 @@ const DIRECTION: f64 = TAU + 0.01;
 const ANGLE: f64 = 2.0 * TAU;
 /// Ratio of neighbouring lengths, and of all lengths, from which some are taken for millimetres beside metres.
 const APART: [f64; 2] = [100.0, 300.0];
+/// Gravity that no planet of the Sun has [m/s2].
+const GRAVITY: f64 = 100.0;
+/// Size of a body from which on millimetres are suspected [m].
+const HUGE: f64 = 150.0;
+/// Moment of inertia over mass and squared size from which on another unit is suspected.
+const STOUT: f64 = 100.0;
 /// Distance of a centre of mass from the middle of its body's points that is far, in sizes of the body.
 const FAR: f64 = 3.0;
 
@@ -30,6 +36,7 @@ impl Mechanism {
         self.warn_of_bodies(&mut all);
         self.warn_of_angles(&mut all);
         self.warn_of_lengths(&mut all);
+        self.warn_of_sizes(&mut all);
         self.warn_of_circuit(&mut all);
         all
     }
@@ -158,6 +165,45 @@ impl Mechanism {
             let remedy =
                 "check for millimetres beside metres; \"units\": { \"length\": \"mm\" } takes the whole file in mm";
             all.push(Finding::warning(format_args!("bodies.{}", above.1), message, remedy));
+        }
+    }
+
+    /// Numbers that look as if they were in another unit, whatever stands beside them: a gravity in mm/s2, a mechanism as
+    /// large as a bridge, a moment of inertia that no body of this size has.
+    fn warn_of_sizes(&self, all: &mut Vec<Finding>) {
+        let acceleration = self.gravity.as_ref().map_or(0.0, |gravity| gravity.acceleration);
+        if acceleration.abs() > GRAVITY {
+            let message = format!("is {} m/s2, and the Earth's is 9.81 m/s2", Decimal::rounded(acceleration));
+            all.push(Finding::warning(
+                "gravity.acceleration",
+                message,
+                "give it in m/s2, whatever the unit of lengths",
+            ));
+        }
+        let mut largest = (0.0_f64, "");
+        for (name, body) in self.bodies.iter() {
+            let points = body.points.iter().map(|(_, [x, y])| x.hypot(*y));
+            let size = points.chain(body.length).fold(0.0, f64::max);
+            if size > largest.0 && name != GROUND {
+                largest = (size, name);
+            }
+            let (mass, inertia) = (body.mass.unwrap_or(0.0), body.inertia.unwrap_or(0.0));
+            if mass > 0.0 && size > 0.0 && inertia > STOUT * mass * size * size {
+                let radius = (inertia / mass).sqrt();
+                let message = format!(
+                    "is {} kg.m2: the radius of gyration is {} m in a body of {} m",
+                    Decimal::rounded(inertia),
+                    Decimal::rounded(radius),
+                    Decimal::rounded(size)
+                );
+                let remedy = "give it in kg.m2, about the centre of mass (1e6 kg.mm2 are 1 kg.m2)";
+                all.push(Finding::warning(format_args!("bodies.{name}.inertia"), message, remedy));
+            }
+        }
+        if largest.0 > HUGE {
+            let message = format!("measures {} m", Decimal::rounded(largest.0));
+            let remedy = "if millimetres are meant, give \"units\": { \"length\": \"mm\" }";
+            all.push(Finding::warning(format_args!("bodies.{}", largest.1), message, remedy));
         }
     }
 

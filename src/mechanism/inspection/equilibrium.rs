@@ -24,7 +24,7 @@ pub fn add(model: &mut Model, reduced: &Reduced, state: &State, facts: &mut Vec<
     }
     let linkage = reduced.linkage();
     // The coordinate that moves most tells the acceleration along the curve best.
-    let c = reduced.curve().configuration(state.sigma);
+    let c = reduced.at(state.sigma).curve().configuration(state.sigma);
     let weighted = |i: usize| c.q_sigma[i].abs() / if i < linkage.angles { 1.0 } else { linkage.size };
     let most = (0..c.q.len()).fold(0, |most, i| if weighted(i) > weighted(most) { i } else { most });
     let (name, is_angle) = (&linkage.coordinates[most], most < linkage.angles);

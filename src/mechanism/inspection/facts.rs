@@ -32,7 +32,7 @@ pub fn collect(model: &mut Model, out: &mut Inspection) {
     let Ok(state) = State::at_start(&reduced, mechanism, &model.original.inputs) else { return };
     let here = state.sigma + state.revolutions * reduced.period().unwrap_or(0.0);
     let facts = &mut out.facts;
-    let start = reduced.curve().configuration(state.sigma);
+    let start = reduced.at(state.sigma).curve().configuration(state.sigma);
     add_masses(reduced.linkage(), &start.positions, facts);
     let assembled = reduced.curve().configuration(0.0);
     add_assembly(mechanism, reduced.linkage(), &assembled.q, facts);
@@ -196,10 +196,13 @@ fn add_travel(reduced: &Reduced, state: &State, (here, ends): (f64, [f64; 2]), o
         let fact = Fact::new("Travel", name).with("least", least, unit).with("most", most, unit);
         let fact = fact.with("start", at_start[i][0], unit);
         let turns = reduced.curve().growth(i) / TAU;
+        if turns == 0.0 && most - least <= 1e-9 * (1.0 + most.abs()) {
+            out.facts.push(fact.saying("does not move"));
+            continue;
+        }
         out.facts.push(match turns == 0.0 {
-            true if most - least <= 1e-9 * (1.0 + most.abs()) => fact.saying("does not move"),
             true => fact,
-            false => fact.saying(format!("turns fully round, by {turns} for each round of the whole motion")),
+            false => fact.saying(format!("turns fully round, by {} for each round of the whole motion", turns.round())),
         });
         toggles.extend(stationary.iter().map(|&sigma| (name.clone(), sigma)));
     }
@@ -254,7 +257,12 @@ fn add_ends<F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)>(
     for (side, word) in ["backward", "forward"].into_iter().enumerate() {
         let text = match (&state.travel.rigid[side], &reduced.curve().ends) {
             (Some(end), _) => format!("{} at {}", stops[end.stop].name, walk.describe(end.position)),
-            (None, _) if reduced.ends_meet()[side].is_some() => ends_meet(reduced, side),
+            (None, _) if reduced.ends_meet()[side].is_some() => {
+                let reason = ends_meet(reduced, side);
+                let message = format!("a motion that gets there ends its run with an error: {reason}");
+                out.findings.push(Finding::warning("stops", message, "let stops end the travel before"));
+                format!("no stop: {reason}")
+            }
             (None, Ends::Closed(_)) => "no stop: the motion goes round".to_owned(),
             (None, _) => format!("no stop: the motion goes on beyond {}", walk.describe(walk.ends[side])),
         };
@@ -298,7 +306,7 @@ fn add_ends<F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)>(
 /// Why the motion ends on a side where two ends of a load coincide.
 fn ends_meet(reduced: &Reduced, side: usize) -> String {
     match reduced.next(reduced, side) {
-        Err(End::Failed(reason)) => format!("no stop: {reason}"),
+        Err(End::Failed(reason)) => reason.to_string(),
         _ => String::new(),
     }
 }
@@ -306,7 +314,8 @@ fn ends_meet(reduced: &Reduced, side: usize) -> String {
 /// Crossings of branches within the travel, and positions where the lengths almost let them cross.
 fn add_singular(reduced: &Reduced, travel: &Travel, out: &mut Inspection) {
     let curve = reduced.curve();
-    for &sigma in curve.crossings.iter().filter(|sigma| is_within(reduced, travel, **sigma)).take(PLACES) {
+    let crosses = |sigma: &&f64| is_within(reduced, travel, **sigma) && curve.branches_cross(**sigma);
+    for &sigma in curve.crossings.iter().filter(crosses).take(PLACES) {
         let text = format!("branches cross at {}; the motion goes straight on", curve.describe(sigma, 0.0));
         out.facts.push(Fact::new("Crossings", "").saying(text));
     }

@@ -72,7 +72,7 @@ impl<'a, F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)> Walk<'a, F> {
     /// Value and derivative of each function at sigma.
     pub fn at(&mut self, sigma: f64) -> Vec<[f64; 2]> {
         let (on_curve, revolutions) = self.reduced.unwound(sigma);
-        self.reduced.curve().configure(on_curve, &mut self.scratch, &mut self.c);
+        self.reduced.at(on_curve).curve().configure(on_curve, &mut self.scratch, &mut self.c);
         let mut values = Vec::new();
         (self.functions)(&self.c, revolutions, &mut values);
         values
@@ -102,13 +102,13 @@ impl<'a, F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)> Walk<'a, F> {
     /// Coordinates at sigma, by name and in words.
     pub fn describe(&self, sigma: f64) -> String {
         let (on_curve, revolutions) = self.reduced.unwound(sigma);
-        self.reduced.curve().describe(on_curve, revolutions)
+        self.reduced.at(on_curve).curve().describe(on_curve, revolutions)
     }
 }
 
-/// Positions to be sampled: those of the panels of the tables, in each revolution that the travel takes in.
+/// Positions to be sampled: those of the panels of the tables, in each revolution that the travel takes in, and on each
+/// stretch of an open curve.
 fn positions(reduced: &Reduced, [low, high]: [f64; 2]) -> Vec<f64> {
-    let table = reduced.influence();
     let period = reduced.period();
     let turn = |sigma: f64| reduced.unwound(sigma).1;
     let (first, last) = (turn(low), turn(high));
@@ -117,11 +117,20 @@ fn positions(reduced: &Reduced, [low, high]: [f64; 2]) -> Vec<f64> {
         Some(_) => (0..=(last - first) as usize).map(|k| first + k as f64).collect(),
         None => vec![0.0],
     };
+    let mut borders: Vec<(f64, f64)> = Vec::new();
+    let mut stretch = reduced.at(low);
+    loop {
+        let table = stretch.influence();
+        borders.extend((0..table.panels()).map(|panel| table.borders(panel)));
+        match reduced.next(stretch, 1) {
+            Ok(next) if stretch.curve().range.1 < high => stretch = next,
+            _ => break,
+        }
+    }
     let mut all = vec![low, high];
     for revolution in revolutions {
         let shift = revolution * period.unwrap_or(0.0);
-        for panel in 0..table.panels() {
-            let (a, b) = table.borders(panel);
+        for (a, b) in &borders {
             let inner = (0..=SAMPLES).map(|k| a + (b - a) * k as f64 / SAMPLES as f64 + shift);
             all.extend(inner.filter(|sigma| (low..=high).contains(sigma)));
         }

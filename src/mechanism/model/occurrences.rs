@@ -1,8 +1,8 @@
 //! What has happened in a step, in words for the log.
 //!
 //! In: occurrences of a step, names of the definition. Out: lines of text, for the log of events or for that of debugging.
-//! Impacts that follow one another on one stop, each slower than the one before, are a series: its first ones are told,
-//! and its end. It must not change the state.
+//! Impacts that follow one another on one stop, each slower than the one before, are a series: its first ones are told, that
+//! further ones are only counted, and its end. It must not change the state.
 use super::{Formulation, Model};
 use crate::mechanism::loads::laws::friction::Regime;
 use crate::mechanism::loads::resolved::Loading;
@@ -12,6 +12,8 @@ use crate::numerics::decimal::Decimal;
 
 /// Impacts of a series that are told one by one.
 const TOLD: u64 = 5;
+/// Speed over that of the impact before from which on an impact begins a series: no losses but rounding.
+const LOSSLESS: f64 = 1.0 - 1e-6;
 /// Most lines of one step.
 const MOST_LINES: usize = 100;
 
@@ -77,10 +79,13 @@ impl Told {
                 }
                 let (per, impulse_unit) = units(loading, stop);
                 let (name, speed) = (name(stop), Decimal::rounded(speed));
+                let more =
+                    if count == TOLD { "; slower ones that follow are counted, and told at their end" } else { "" };
                 event(if is_rigid {
-                    format!("impact on {name} at {speed} {per}, impulse {} {impulse_unit}", Decimal::rounded(impulse))
+                    let impulse = Decimal::rounded(impulse);
+                    format!("impact on {name} at {speed} {per}, impulse {impulse} {impulse_unit}{more}")
                 } else {
-                    format!("the mechanism meets {name} at {speed} {per}")
+                    format!("the mechanism meets {name} at {speed} {per}{more}")
                 })
             }
             What::Rests { stop } => {
@@ -106,7 +111,7 @@ impl Told {
 
     /// Number of this impact in its series.
     fn count(&mut self, stop: usize, speed: f64) -> u64 {
-        let goes_on = self.series.filter(|series| series.stop == stop && speed < series.speed);
+        let goes_on = self.series.filter(|series| series.stop == stop && speed < LOSSLESS * series.speed);
         let count = goes_on.map_or(1, |series| series.count + 1);
         self.series = Some(Series { stop, count, speed });
         count

@@ -40,7 +40,12 @@ pub(super) fn trace(resolved: &Resolved, mechanism: &Mechanism) -> Result<Curve,
         let found = search(&closure, &drawn, candidates, &places);
         let is_small = |found: &(Option<f64>, Place)| found.1.miss <= mechanism.snap();
         let (small, mut large): (Vec<_>, Vec<_>) = found.into_iter().partition(is_small);
-        large.retain(|(_, place)| place.miss <= REPORTED);
+        // Where the branches cross but for rounding, the motion goes straight on.
+        let crosses = |sigma: &Option<f64>| {
+            let crossings = traced.as_ref().map_or(&[][..], |curve| &curve.crossings);
+            sigma.is_some_and(|sigma| crossings.contains(&sigma))
+        };
+        large.retain(|(sigma, place)| place.miss <= REPORTED && !crosses(sigma));
         let misses = |found: &[(Option<f64>, Place)]| {
             let miss = |(sigma, place): &(Option<f64>, Place)| {
                 let position = closure.describe(&place.q);
