@@ -166,8 +166,7 @@ fn a_long_travel_is_told_to_its_stops() {
 fn singular_parts_of_redundant_loops_are_no_crossings() {
     let rod = |length: f64| json!({ "length": length, "mass": 1, "shape": "uniform_rod", "points": { "middle": [0.5 * length, 0] } });
     let pin = |first: &str, second: &str| json!({ "type": "revolute", "first": first, "second": second });
-    let slide =
-        |second: &str, axis: f64| json!({ "type": "prismatic", "first": "ground.origin", "second": second, "axis_angle": axis });
+    let slide = |second: &str, axis: f64| json!({ "type": "prismatic", "first": "ground.origin", "second": second, "axis_angle": axis });
     let trammel = json!({
         "name": "Trammel",
         "bodies": { "ground": {}, "bar": rod(1.0), "arm": rod(0.5), "across": {}, "up": {} },

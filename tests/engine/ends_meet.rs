@@ -201,7 +201,15 @@ fn a_meeting_on_a_stretch_ends_the_motion_there_and_not_before() {
 #[test]
 fn the_check_tells_where_the_motion_ends() {
     let inspection = linkage_fmu::mechanism::inspection::inspect(&arm(&json!({})));
-    assert!(inspection.findings.is_empty(), "{:?}", inspection.findings);
+    // A motion that gets there ends its run: one warning for each side.
+    assert_eq!(inspection.findings.len(), 2, "{:?}", inspection.findings);
+    for finding in &inspection.findings {
+        assert_says(
+            &finding.message,
+            &["ends its run with an error", "cylinder.force: its two ends coincide near arm = "],
+        );
+        assert_eq!(finding.path, "stops");
+    }
     let ends: Vec<_> = inspection.facts.iter().filter(|fact| fact.topic == "Ends of travel").collect();
     assert_eq!(ends.len(), 2);
     ends.iter().for_each(|fact| assert_says(&fact.text, &["cylinder.force: its two ends coincide near arm = "]));

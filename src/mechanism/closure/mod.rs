@@ -71,7 +71,7 @@ fn rounding_at(q: &[f64], angles: usize, w: &[f64]) -> f64 {
 /// Two sizes for the independent loop equation with index `i`, of either sign. The signs tell two loops apart; beyond, sizes
 /// follow no pattern, as the gaps that are amplified may: the same ones in two loops with opposite signs, say.
 fn probes(i: usize) -> [f64; 2] {
-    let size = if i < 4 { 1.0 } else { 1.0 + 0.5 * (1.0 + 3.7 * i as f64).sin() };
+    let size = if i < 4 { 1.0 } else { 1.25 + 0.25 * (1.0 + 3.7 * i as f64).sin() };
     [0, 1].map(|k| if (i >> k).is_multiple_of(2) { size } else { -size })
 }
 
