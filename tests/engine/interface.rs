@@ -29,6 +29,9 @@ fn the_names_are_the_contract() {
         extended downstop.torque downstop.impact_count downstop.impact_time downstop.impact_impulse \
         uplock.force downlock.force energy.kinetic energy.potential energy.drift";
     assert_eq!(with(Causality::Output).join(" "), outputs);
+    let frames = ["crank", "coupler", "follower"]
+        .map(|body| ["x", "y", "cos", "sin", "minus_sin"].map(|part| format!("{body}.frame.{part}")));
+    assert_eq!(with(Causality::Local), frames.concat());
     let parameters = with(Causality::Parameter);
     let some = "crank.length crank.start_angle crank.start_speed solver.tolerance solver.fem_step solver.method \
         crank.axial_stiffness coupler.axial_stiffness follower.axial_stiffness leg.mass wheel.mass";
