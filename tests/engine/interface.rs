@@ -63,7 +63,7 @@ fn the_guid_follows_the_interface_not_the_numbers() {
 #[test]
 fn the_identity_of_the_gear_is_pinned() {
     let gear = Model::from_json(GEAR).unwrap();
-    assert_eq!(gear.variables().guid(), "{0d2e4bf3-f188-019e-2950-7a3688465e09}");
+    assert_eq!(gear.variables().guid(), "{32eb750e-42e1-db93-a286-a8a192c2922b}");
     assert_eq!(gear.identity(), [0x380A_3F29_9AC8_3759, 0x734F_ECE4_E8AF_AE83]);
 }
 
