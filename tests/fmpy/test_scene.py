@@ -156,17 +156,16 @@ def test_a_slider_crank_is_drawn_at_its_closed_form() -> None:
             np.testing.assert_array_equal(axle.along, [0.0, 0.0, 1.0])
 
 
-def test_links_of_the_gear_meet_in_its_pins(fmu: Path) -> None:
-    """The crank's end is the coupler's begin, the follower is held at 0.5729 m."""
+def test_the_pins_of_the_gear_are_drawn_at_their_closed_form(fmu: Path) -> None:
+    """The crank of 0.1755 m turns about the origin, the follower of 0.34 m about a point 0.5729 m beside it."""
     scene = Scene(fmu)
-    for row in run(fmu, scene.names())[::20]:
-        pins = {ident: scene.place(f"joint.{ident}", row) for ident in ("joint1", "joint2", "joint3", "joint4")}
-        centers = {ident: 0.5 * (pin.begin + pin.end) for ident, pin in pins.items()}
-        np.testing.assert_allclose(centers["joint1"], np.zeros(3), rtol=0.0, atol=CLOSED_FORM)
-        np.testing.assert_allclose(centers["joint4"], [0.5729, 0.0, 0.0], rtol=0.0, atol=CLOSED_FORM)
-        crank = scene.place("body.crank", row)
-        np.testing.assert_allclose(crank.end, centers["joint2"], rtol=0.0, atol=CLOSED_FORM)
-        assert crank.length == pytest.approx(0.1755, abs=1e-12)
+    for row in run(fmu, scene.names() | {"crank.angle", "follower.angle"})[::20]:
+        crank, follower = ([np.cos(a), np.sin(a), 0.0] for a in (row["crank.angle"], row["follower.angle"]))
+        second = np.array([0.5729, 0.0, 0.0])
+        ends = (np.zeros(3), 0.1755 * np.array(crank), second + 0.34 * np.array(follower), second)
+        for number, expected in enumerate(ends, start=1):
+            pin = scene.place(f"joint.joint{number}", row)
+            np.testing.assert_allclose(0.5 * (pin.begin + pin.end), expected, rtol=0.0, atol=CLOSED_FORM)
 
 
 def blocks() -> list[str]:
