@@ -16,8 +16,13 @@ use serde::Serialize;
 use std::fmt::Write;
 
 /// Causalities in the order in which variables are listed, with the headings.
-const CAUSALITIES: [(&str, &str); 4] =
-    [("input", "Inputs"), ("output", "Outputs"), ("parameter", "Parameters"), ("", "Other variables")];
+const CAUSALITIES: [(&str, &str); 5] = [
+    ("input", "Inputs"),
+    ("output", "Outputs"),
+    ("parameter", "Parameters"),
+    ("local", "Local variables"),
+    ("", "Other variables"),
+];
 
 /// What is told.
 #[derive(Serialize)]

@@ -3,7 +3,7 @@
 
 use fmu_build::check::{self, Checked};
 use fmu_build::documentation::{
-    ANIMATION, Extent, ICON, MANIFEST, Made, PAGE, Picture, RESULTS, Subject, TERMINAL_ICONS,
+    ANIMATION, Extent, ICON, MANIFEST, Made, PAGE, Picture, RESULTS, Subject, TERMINAL_ICONS, scene_path,
 };
 use fmu_build::drawing::{Colours, to_svg};
 use fmu_build::workspace::Workspace;
@@ -300,4 +300,59 @@ fn a_folder_may_hold_any_text_about_the_model() {
     fs::write(folder.join("README.md"), [0xff, 0xfe]).unwrap();
     assert!(source(&folder).readme().unwrap_err().to_string().contains("is not UTF-8 text"));
     fs::remove_dir_all(folder).unwrap();
+}
+
+/// Texts of the elements of this name, in their order.
+fn texts(xml: &str, name: &str) -> Vec<String> {
+    let (open, close) = (format!("<{name}>"), format!("</{name}>"));
+    let parts = xml.split(&open).skip(1);
+    parts.map(|part| part[..part.find(&close).unwrap()].to_owned()).collect()
+}
+
+fn scene_of(text: &str) -> (String, Component) {
+    let component = Component::from_definition(MECHANISM, text).unwrap();
+    let made = made(MECHANISM, text, Extent { animation: false, results: false });
+    (entry(&made, &scene_path(component.name())).to_owned(), component)
+}
+
+#[test]
+fn a_scene_names_variables_that_are_there_and_no_shape_twice() {
+    let chain = include_str!("../../tests/fixtures/four_bar_chain_40.json");
+    let drives = include_str!("../../tests/fixtures/two_drives.json");
+    for text in [&definition("LandingGearRetraction"), chain, drives] {
+        let (scene, component) = scene_of(text);
+        assert_eq!(scene, scene_of(text).0, "the same bytes");
+        let named = texts(&scene, "cref");
+        assert!(!named.is_empty());
+        assert!(named.iter().all(|name| component.interface().find(name).is_some()), "{named:?}");
+        let mut idents = texts(&scene, "ident");
+        let count = idents.len();
+        idents.sort();
+        idents.dedup();
+        assert_eq!(idents.len(), count);
+        let constants: Vec<f64> = texts(&scene, "exp").iter().map(|value| value.parse().unwrap()).collect();
+        assert!(constants.iter().all(|value| value.is_finite()));
+    }
+}
+
+/// A drive along a prismatic joint has the length of its own variable, as long as that stays positive; one between two
+/// points has no direction.
+#[test]
+fn a_scene_draws_the_drives_whose_direction_it_has() {
+    let drives = include_str!("../../tests/fixtures/two_drives.json");
+    let shape = |scene: &str, ident: &str| {
+        texts(scene, "shape").into_iter().find(|shape| texts(shape, "ident") == [ident.to_owned()])
+    };
+    let (scene, _) = scene_of(drives);
+    let ram = shape(&scene, "drive.ram").unwrap();
+    assert!(texts(&ram, "length")[0].contains("<cref>ram.position</cref>"), "{ram}");
+    assert_eq!(shape(&scene, "drive.servo"), None, "it turns");
+    assert_eq!(shape(&scene_of(&definition("LandingGearRetraction")).0, "drive.actuator"), None);
+    let mut shifted: Value = serde_json::from_str(drives).unwrap();
+    // The guide begins beyond the travel of the slider.
+    shifted["bodies"]["ground"] = json!({ "points": { "far": [9.0, 0.0] } });
+    let joint = shifted["actuators"]["ram"]["joint"].as_str().unwrap().to_owned();
+    shifted["joints"][&joint]["first"] = json!("ground.far");
+    shifted["guess"][&joint] = json!(-8.65);
+    assert_eq!(shape(&scene_of(&shifted.to_string()).0, "drive.ram"), None);
 }

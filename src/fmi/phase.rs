@@ -92,17 +92,23 @@ impl Function {
     }
 }
 
-/// Permission to read: inputs and parameters always, outputs from initialization mode on.
+/// Permission to read: inputs and parameters always, what is computed from initialization mode on.
 ///
 /// # Errors
-/// An unknown reference, another type, or an output before initialization mode.
+/// An unknown reference, another type, or what is computed before initialization mode.
 #[inline]
 pub fn may_get(interface: &Interface, phase: Phase, reference: Reference, kind: Kind) -> Result<(), Refusal> {
     let early = phase == Phase::Instantiated;
     match interface.get(reference) {
-        Some(v) if v.kind == kind && !(early && v.causality == Causality::Output) => Ok(()),
+        Some(v) if v.kind == kind && !(early && is_computed(v)) => Ok(()),
         _ => Err(no_get(interface, reference, kind)),
     }
+}
+
+/// Whether a variable has no value before initialization mode.
+#[inline]
+fn is_computed(variable: &Variable) -> bool {
+    matches!(variable.causality, Causality::Output | Causality::Local)
 }
 
 /// Reason why a variable may not be read.
@@ -110,14 +116,15 @@ pub fn may_get(interface: &Interface, phase: Phase, reference: Reference, kind: 
 fn no_get(interface: &Interface, reference: Reference, kind: Kind) -> Refusal {
     match of_kind(interface, reference, kind) {
         Ok(variable) => Refusal::error(format!(
-            "'{}' (value reference {reference}) is an output; it has a value from initialization mode on",
-            variable.name
+            "'{}' (value reference {reference}) is {}; it has a value from initialization mode on",
+            variable.name,
+            if variable.causality == Causality::Local { "a local variable" } else { "an output" }
         )),
         Err(refusal) => refusal,
     }
 }
 
-/// Permission to set: inputs always, parameters until initialization mode ends, outputs never.
+/// Permission to set: inputs always, parameters until initialization mode ends, what is computed never.
 ///
 /// # Errors
 /// An unknown reference, another type, or a variable that is not the host's to set now.
@@ -128,6 +135,7 @@ pub fn may_set(interface: &Interface, phase: Phase, reference: Reference, kind: 
         (Causality::Parameter, Phase::Instantiated | Phase::Initialization) => return Ok(()),
         (Causality::Parameter, _) => "a parameter; it can be set until initialization mode ends, or after a reset",
         (Causality::Output, _) => "an output; it cannot be set",
+        (Causality::Local, _) => "a local variable; it cannot be set",
     };
     Err(Refusal::error(format!("'{}' (value reference {reference}) is {reason}", variable.name)))
 }

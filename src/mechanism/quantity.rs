@@ -39,6 +39,8 @@ pub enum Output {
     SpringForce { spring: usize },
     /// Position of a marker along the axis 0 for x or 1 for y.
     Marker { marker: usize, axis: usize, order: usize },
+    /// Part of the position and direction of the frame of a body of the linkage.
+    Frame { body: usize, part: FramePart },
     /// Friction force or torque of a joint on the second-named body, by its index among the joints with friction.
     Friction { friction_joint: usize },
     /// Slip speed in a joint, by its index among the joints with friction.
@@ -133,6 +135,19 @@ pub enum ImpactPart {
     Time,
     /// Impulse of the last one.
     Impulse,
+}
+
+/// Part of a body's frame in the mechanism frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FramePart {
+    /// Position of the origin along the axis 0 for x or 1 for y.
+    Origin(usize),
+    /// x of the first axis, y of the second: cosine of the angle of the body.
+    Cos,
+    /// y of the first axis: sine of the angle of the body.
+    Sin,
+    /// x of the second axis: the sine with the other sign.
+    MinusSin,
 }
 
 /// Part of a joint's reaction.

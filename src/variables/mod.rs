@@ -54,6 +54,8 @@ pub enum Causality {
     Input,
     /// Computed here; `initial` is calculated.
     Output,
+    /// Computed here, to be looked at and not to be connected; `initial` is calculated.
+    Local,
 }
 
 impl Causality {
@@ -63,6 +65,7 @@ impl Causality {
             Self::Parameter => "Parameter",
             Self::Input => "Input",
             Self::Output => "Output",
+            Self::Local => "Local",
         }
     }
 }
@@ -115,7 +118,7 @@ pub struct Variable {
     pub variability: Variability,
     /// Unit; only a Real has one.
     pub unit: Option<Unit>,
-    /// Start value: of every parameter and input, of no output.
+    /// Start value: of every parameter and input, of nothing that is computed.
     pub start: Option<Value>,
     /// Of an output: the inputs on which its present value depends, ascending. Else empty.
     pub dependencies: Vec<Reference>,

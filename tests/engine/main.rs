@@ -12,6 +12,7 @@ mod drawn;
 mod drives;
 mod ends_meet;
 mod exact;
+mod frames;
 mod friction;
 mod friction_balance;
 mod friction_crossings;

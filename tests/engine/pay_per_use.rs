@@ -26,8 +26,14 @@ fn cost(flags: &[(&str, bool)], values: &[(&str, f64)], reads: &[&str]) -> (Buil
 }
 
 /// Displacements of the six loads with energy, and of the two stops: the start needs them.
-const NOTHING: Built =
-    Built { displacements: 8, markers: false, reactions: false, state_reactions: false, state_loads: [false; 2] };
+const NOTHING: Built = Built {
+    displacements: 8,
+    markers: false,
+    origins: false,
+    reactions: false,
+    state_reactions: false,
+    state_loads: [false; 2],
+};
 
 #[test]
 fn a_bare_gear_builds_and_computes_nothing_but_its_motion() {
@@ -50,6 +56,15 @@ fn coordinates_cost_no_evaluation_and_an_acceleration_one() {
     let reads = &["crank.acceleration", "coupler.acceleration", "follower.acceleration"];
     let (built, computed, _) = cost(&[], &[], reads);
     assert_eq!((built, computed), (NOTHING, Computed { effects: 10, reactions: 0 }));
+}
+
+#[test]
+fn a_frame_builds_a_table_for_its_origin_only() {
+    let (built, computed, work) = cost(&[], &[], &["crank.frame.cos", "crank.frame.sin", "coupler.frame.minus_sin"]);
+    assert_eq!((built, computed, work), (NOTHING, Computed::default(), cost(&[], &[], &[]).2));
+    let (built, computed, work) = cost(&[], &[], &["crank.frame.x", "coupler.frame.y"]);
+    assert_eq!((built, computed), (Built { origins: true, ..NOTHING }, Computed::default()));
+    assert_eq!(work, cost(&[], &[], &[]).2);
 }
 
 #[test]

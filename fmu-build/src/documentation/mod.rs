@@ -1,4 +1,4 @@
-//! What an FMU tells of itself: the page, the pictures, the animation, the reference results.
+//! What an FMU tells of itself: the page, the pictures, the animation, the scene file, the reference results.
 //!
 //! In: a checked definition, its model, the user's own text. Out: files of the FMU, the same bytes for the same
 //! definition. It must not know how an FMU is packed.
@@ -8,6 +8,7 @@ mod page;
 mod parts;
 mod picture;
 mod results;
+mod scene;
 mod variables;
 
 use crate::archive::Entry;
@@ -20,6 +21,7 @@ use linkage_fmu::component::Component;
 pub use markdown::to_html;
 pub use picture::Picture;
 pub use results::{FOLDER as RESULTS, MANIFEST, Results};
+pub use scene::path as scene_path;
 
 /// Path of the page in an FMU.
 pub const PAGE: &str = "documentation/index.html";
@@ -84,6 +86,11 @@ impl Subject<'_> {
         add(TERMINAL_ICONS[1], to_svg(&icon, Colours::Own, "icon")?.into_bytes());
         add(TERMINAL_ICONS[0], pixels.clone());
         add(ICON, pixels);
+        match scene::xml(self.component, &picture)? {
+            Some(text) => add(&scene::path(self.component.name()), text.into_bytes()),
+            None if self.is_mechanism() => made.left_out.push("no scene file: the mechanism has too many parts".into()),
+            None => {}
+        }
         let animated = extent.animation && self.is_mechanism();
         if animated {
             add(ANIMATION, self.animation()?.into_bytes());

@@ -39,7 +39,7 @@ struct Row {
     dependencies: String,
 }
 
-/// Inputs, outputs and parameters, as far as there are any.
+/// Inputs, outputs, parameters and local variables, as far as there are any.
 pub fn tables(interface: &Interface) -> Vec<Table> {
     let kinds = [
         ("inputs", "Inputs", "Set by the host between steps.", Causality::Input),
@@ -56,6 +56,13 @@ pub fn tables(interface: &Interface) -> Vec<Table> {
             "Fixed by the host before the start. What the host sets wins over the definition.",
             Causality::Parameter,
         ),
+        (
+            "locals",
+            "Local variables",
+            "Where each body is, for whoever draws it: its origin in the mechanism frame, and the matrix of rotation by \
+             its angle. They are computed only if they are read.",
+            Causality::Local,
+        ),
     ];
     let inputs: Vec<Reference> = (0..)
         .zip(interface.list())
@@ -66,7 +73,8 @@ pub fn tables(interface: &Interface) -> Vec<Table> {
         let of_kind = || interface.list().iter().filter(|variable| variable.causality == causality);
         let rows: Vec<Row> = of_kind().take(MOST_ROWS).map(|variable| row(variable, interface, &inputs)).collect();
         let left_out = of_kind().count() - rows.len();
-        let (has_starts, has_dependencies) = (causality != Causality::Output, causality == Causality::Output);
+        let has_starts = matches!(causality, Causality::Input | Causality::Parameter);
+        let has_dependencies = causality == Causality::Output;
         let has_ranges = rows.iter().any(|row| !row.range.is_empty());
         Table { id, title, remark, has_starts, has_ranges, has_dependencies, rows, left_out }
     });
@@ -152,7 +160,10 @@ mod tests {
         let component = Component::from_definition(MECHANISM, &std::fs::read_to_string(path).unwrap()).unwrap();
         let interface = component.interface();
         let tables = tables(interface);
-        assert_eq!(tables.iter().map(|table| table.id).collect::<Vec<_>>(), ["inputs", "outputs", "parameters"]);
+        assert_eq!(
+            tables.iter().map(|table| table.id).collect::<Vec<_>>(),
+            ["inputs", "outputs", "parameters", "locals"]
+        );
         assert_eq!(tables.iter().map(|table| table.rows.len()).sum::<usize>(), interface.list().len());
         let row = |name: &str| tables.iter().flat_map(|table| &table.rows).find(|row| row.name == name).unwrap();
         assert_eq!(row("crank.angle").dependencies, "no input");

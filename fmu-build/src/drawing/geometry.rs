@@ -2,10 +2,10 @@
 
 use super::Point;
 
-/// Corners of the convex hull, in order.
-pub fn hull(mut points: Vec<Point>) -> Vec<Point> {
+/// Corners of the convex hull, in order. Points whose distance is below `least` are one.
+pub fn hull(mut points: Vec<Point>, least: f64) -> Vec<Point> {
     points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-    points.dedup_by(|a, b| (a[0] - b[0]).hypot(a[1] - b[1]) < 1e-6);
+    points.dedup_by(|a, b| (a[0] - b[0]).hypot(a[1] - b[1]) < least);
     if points.len() < 3 {
         return points;
     }
@@ -54,10 +54,10 @@ mod tests {
     #[test]
     fn a_hull_has_the_outer_points_only() {
         let square = vec![[0.0, 0.0], [2.0, 0.0], [1.0, 1.0], [2.0, 2.0], [0.0, 2.0], [1.0, 0.0], [0.0, 0.0]];
-        let corners = hull(square);
+        let corners = hull(square, 1e-6);
         assert_eq!(corners.len(), 4, "{corners:?}");
         assert!(!corners.contains(&[1.0, 1.0]) && !corners.contains(&[1.0, 0.0]));
-        assert_eq!(hull(vec![[0.0, 0.0], [1.0, 1.0], [0.5, 0.5]]).len(), 2);
+        assert_eq!(hull(vec![[0.0, 0.0], [1.0, 1.0], [0.5, 0.5]], 1e-6).len(), 2);
     }
 
     #[test]

@@ -16,6 +16,8 @@ const LOWEST: f64 = 300.0;
 const MARGINS: [f64; 2] = [78.0, 0.13];
 /// Most names of parts of one kind that are drawn; of more, none would be read.
 const MOST_NAMES: usize = 60;
+/// Distance below which two points are one [px].
+const LEAST: f64 = 1e-6;
 const DASHED: &[f64] = &[9.0, 3.0, 2.0, 3.0];
 const DOTTED: &[f64] = &[4.0, 3.0];
 
@@ -211,7 +213,7 @@ impl Draft<'_> {
         let is_named = bodies.len() <= MOST_NAMES;
         for body in bodies {
             let number = frame(body) - 1;
-            let corners = hull(body.points.iter().map(|point| self.at(point.on)).collect());
+            let corners = hull(body.points.iter().map(|point| self.at(point.on)).collect(), LEAST);
             let middle = mean(&corners);
             // A line leads to a centre of mass that is beside the points; the body covers the rest.
             if body.mass > 0.0 && self.format.is_page() {

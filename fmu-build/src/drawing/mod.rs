@@ -11,6 +11,7 @@ mod paint;
 mod svg;
 
 pub use cylinder::{Cylinder, cylinder};
+pub use geometry::hull;
 pub use mechanism::{mechanism, sides};
 pub use paint::to_png;
 pub use svg::{Colours, to_svg};

@@ -38,7 +38,7 @@ pub enum Colours {
 
 impl Ink {
     /// The colour in light.
-    pub(super) fn light(self) -> [u8; 3] {
+    pub fn light(self) -> [u8; 3] {
         let of = |body: usize| BODIES[body % BODIES.len()];
         match self {
             Self::Paper => WHITE,

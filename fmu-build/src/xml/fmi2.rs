@@ -139,6 +139,7 @@ fn write_variable(xml: &mut Xml, reference: Reference, variable: &Variable) -> i
         Causality::Parameter => ("parameter", Some("exact")),
         Causality::Input => ("input", None),
         Causality::Output => ("output", Some("calculated")),
+        Causality::Local => ("local", Some("calculated")),
     };
     let variability = match variable.variability {
         Variability::Fixed => "fixed",

@@ -183,6 +183,8 @@ fn write_connector(xml: &mut Xml, variable: &Variable) -> io::Result<()> {
         Causality::Parameter => "parameter",
         Causality::Input => "input",
         Causality::Output => "output",
+        // Nothing is connected with one, and none is given a value.
+        Causality::Local => return Ok(()),
     };
     let attributes = [("name", variable.name.clone()), ("kind", kind.to_owned())];
     element(xml, "ssd:Connector", &attributes, |xml| {

@@ -2,10 +2,12 @@
 //! fits best. No mesh has a prismatic joint; friction, drag, stops and locks are refused before they act.
 use super::{Kept, RigidFemMotion};
 use crate::mechanism::dynamics::inputs::Inputs;
+use crate::mechanism::linkage::Point;
 use crate::mechanism::outputs::{Kinematics, OutputError, evaluate};
 use crate::mechanism::quantity::{OneElement, Output};
 use crate::mechanism::reduced::Reduced;
 use crate::mechanism::rigid_fem::{self, RigidFem, RigidFemError};
+use crate::numerics::plane::Vec2;
 
 /// The finite elements in one state under the present inputs.
 struct View<'a> {
@@ -54,6 +56,11 @@ impl Kinematics<f64> for View<'_> {
     fn marker(&mut self, marker: usize, axis: usize, order: usize) -> Result<f64, OutputError> {
         let (fem, state) = self.motion.fem(order)?;
         Ok(fem.point(state, self.reduced.markers[marker], order)[axis])
+    }
+
+    fn origin(&mut self, body: usize, axis: usize) -> Result<f64, OutputError> {
+        let (fem, state) = self.motion.fem(0)?;
+        Ok(fem.point(state, Point { body, local: Vec2::zeros() }, 0)[axis])
     }
 
     fn reaction(&mut self, joint: usize) -> Result<[f64; 3], OutputError> {

@@ -2,9 +2,9 @@
 use super::builder::Builder;
 use super::needs::{Needs, placed};
 use crate::mechanism::linkage::Freedom;
-use crate::mechanism::quantity::{Output, ReactionPart};
+use crate::mechanism::quantity::{FramePart, Output, ReactionPart};
 use crate::variables::Unit::{
-    Joule, Metre, MetrePerSecond, MetrePerSecondSquared, Newton, NewtonMetre, Radian, RadianPerSecond,
+    Joule, Metre, MetrePerSecond, MetrePerSecondSquared, Newton, NewtonMetre, One, Radian, RadianPerSecond,
     RadianPerSecondSquared,
 };
 
@@ -94,4 +94,21 @@ pub(super) fn add_energy(b: &mut Builder) {
     b.output("energy", "potential", &[text], Joule, Output::Potential, potential);
     let text = "Energy now less energy at the start less work done: the error of the integration";
     b.output("energy", "drift", &[text], Joule, Output::Drift, Needs::default());
+}
+
+/// Where each body is, for whoever draws it: its origin, and the matrix of rotation by its angle.
+pub(super) fn add_frames(b: &mut Builder) {
+    for (body, carried) in b.source.linkage.bodies.iter().enumerate().skip(1) {
+        let parts = [
+            ("x", "x of the origin of ", Metre, FramePart::Origin(0)),
+            ("y", "y of the origin of ", Metre, FramePart::Origin(1)),
+            ("cos", "Cosine of the angle of ", One, FramePart::Cos),
+            ("sin", "Sine of the angle of ", One, FramePart::Sin),
+            ("minus_sin", "The sine with the other sign of the angle of ", One, FramePart::MinusSin),
+        ];
+        for (suffix, text, unit, part) in parts {
+            let name = [&carried.name, ".frame.", suffix].concat();
+            b.local(name, [text, &carried.name].concat(), unit, Output::Frame { body, part });
+        }
+    }
 }

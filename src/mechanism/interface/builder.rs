@@ -8,7 +8,7 @@ use crate::variables::{Causality, Kind, Reference, Unit, Value, Variability, Var
 /// Suffixes, descriptions (before the owner's name) and units of a coordinate and its two time derivatives.
 pub(super) type Derivatives = [(&'static str, &'static str, Unit); 3];
 
-/// Collects the variables in order: inputs, outputs, parameters.
+/// Collects the variables in order: inputs, outputs, parameters, local variables.
 pub(super) struct Builder<'a> {
     pub source: &'a Source<'a>,
     pub list: Vec<Variable>,
@@ -60,6 +60,12 @@ impl<'a> Builder<'a> {
     /// Output, Boolean where it has no unit.
     pub fn any_output(&mut self, name: String, text: String, unit: Option<Unit>, quantity: Quantity, needs: Needs) {
         self.add((name, text), Causality::Output, (unit, None), quantity, needs);
+    }
+
+    /// Real that is computed to be looked at; no dependencies of it are told.
+    pub fn local(&mut self, name: String, text: String, unit: Unit, output: Output) {
+        let quantity = Quantity::Output(output);
+        self.add((name, text), Causality::Local, (Some(unit), None), quantity, Needs::default());
     }
 
     /// A coordinate and its time derivatives; `stated`: whether the start states this coordinate.

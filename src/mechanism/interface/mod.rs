@@ -1,4 +1,5 @@
-//! The variables of a mechanism, by noun: inputs, outputs with their dependencies, parameters.
+//! The variables of a mechanism, by noun: inputs, outputs with their dependencies, parameters, frames of the
+//! bodies.
 //!
 //! In: a definition. Out: the table of variables with the quantity of each; the dependencies of initial values; the
 //! terminals. It must not know how a quantity is computed.
@@ -27,7 +28,7 @@ pub const MOST_DEPENDENCIES: usize = 50_000_000;
 /// Most comparisons that [`initial_dependencies`] makes: some seconds of work.
 const MOST_COMPARISONS: usize = 10_000_000;
 
-/// The variables of a mechanism: inputs, outputs, then parameters.
+/// The variables of a mechanism: inputs, outputs, parameters, then local variables.
 ///
 /// # Errors
 /// Two variables of one name; a definition that does not resolve; more than [`MOST_DEPENDENCIES`].
@@ -84,6 +85,7 @@ fn build<'a>(source: &'a Source<'a>, causes: Option<(Reference, Vec<Vec<Cause>>)
     bodies::add_energy(&mut b);
     hydraulics::add(&mut b);
     add_parameters(&mut b);
+    bodies::add_frames(&mut b);
     b
 }
 

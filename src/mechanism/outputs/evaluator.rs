@@ -6,7 +6,7 @@
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::motion::impacts::Impacts;
-use crate::mechanism::quantity::{Hydraulic, ImpactPart, OneElement, Output, ReactionPart};
+use crate::mechanism::quantity::{FramePart, Hydraulic, ImpactPart, OneElement, Output, ReactionPart};
 use crate::mechanism::rigid_fem::RigidFemError;
 use crate::numerics::dual::Number;
 use crate::numerics::table::Unresolved;
@@ -55,7 +55,7 @@ impl From<Locked> for OutputError {
 /// # Errors
 /// [`OutputError`], of all methods with a Result.
 pub trait Kinematics<N: Number> {
-    /// Angle of a body [rad].
+    /// Angle of a body [rad]; of one that does not turn the constant angle.
     fn angle(&mut self, body: usize, order: usize) -> Result<N, OutputError>;
 
     /// Position of a prismatic joint [m].
@@ -68,6 +68,9 @@ pub trait Kinematics<N: Number> {
 
     /// Position of a marker along an axis [m].
     fn marker(&mut self, marker: usize, axis: usize, order: usize) -> Result<N, OutputError>;
+
+    /// Position of a body's origin along an axis [m].
+    fn origin(&mut self, body: usize, axis: usize) -> Result<N, OutputError>;
 
     /// Force x, force y [N] and moment [N.m] that a joint transmits.
     fn reaction(&mut self, joint: usize) -> Result<[N; 3], OutputError>;
@@ -125,6 +128,7 @@ pub fn evaluate<N: Number, K: Kinematics<N>>(
         Output::JointPosition { coordinate, order } => motion.joint_position(coordinate, order)?,
         Output::Displacement { load, order } => motion.displacement(load, order)?,
         Output::Marker { marker, axis, order } => motion.marker(marker, axis, order)?,
+        Output::Frame { body, part } => frame(motion, body, part)?,
         Output::Reaction { joint, part } => {
             let [x, y, moment] = motion.reaction(joint)?;
             match part {
@@ -168,6 +172,21 @@ pub fn evaluate<N: Number, K: Kinematics<N>>(
         Output::Potential => potential(motion, loading)?,
         Output::Drift => motion.drift(),
         Output::Hydraulic(output) => motion.hydraulic(output)?,
+    })
+}
+
+/// Part of a body's frame: the origin, or an entry of the matrix of rotation by the angle theta.
+#[inline(never)]
+fn frame<N: Number, K: Kinematics<N>>(motion: &mut K, body: usize, part: FramePart) -> Result<N, OutputError> {
+    if let FramePart::Origin(axis) = part {
+        return motion.origin(body, axis);
+    }
+    let theta = motion.angle(body, 0)?;
+    let (sin, cos) = theta.value().sin_cos();
+    Ok(match part {
+        FramePart::Cos => theta.compose([cos, -sin, -cos]),
+        FramePart::Sin => theta.compose([sin, cos, -sin]),
+        _ => theta.compose([-sin, -cos, sin]),
     })
 }
 

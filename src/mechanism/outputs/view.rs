@@ -213,7 +213,9 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
     #[inline]
     fn angle(&mut self, body: usize, order: usize) -> Result<N, OutputError> {
         let body = &self.reduced.linkage().bodies[body];
-        let Some(coordinate) = body.angle_coordinate else { return Ok(N::constant(0.0)) };
+        let Some(coordinate) = body.angle_coordinate else {
+            return Ok(N::constant(if order == 0 { body.offset } else { 0.0 }));
+        };
         let value = self.joint_position(coordinate, order)?;
         Ok(if order == 0 { value + N::constant(body.offset) } else { value })
     }
@@ -256,6 +258,11 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
     fn marker(&mut self, marker: usize, axis: usize, order: usize) -> Result<N, OutputError> {
         let table = self.reduced.marker(marker)?;
         self.time_derivative((table, table.position(self.state.sigma)), 3 * axis, order)
+    }
+
+    fn origin(&mut self, body: usize, axis: usize) -> Result<N, OutputError> {
+        let table = self.reduced.origin(body)?;
+        self.time_derivative((table, table.position(self.state.sigma)), 3 * axis, 0)
     }
 
     #[inline]

@@ -53,6 +53,8 @@ pub(super) struct Tables {
     /// Those that no table resolves everywhere, with gaps.
     pub(super) gapped: Vec<OnceLock<Result<Table, Unresolved>>>,
     pub(super) markers: Lazy,
+    /// Origins of the bodies.
+    pub(super) origins: Lazy,
     pub(super) reactions: Lazy,
     pub(super) state_reactions: Lazy,
 }
@@ -64,6 +66,8 @@ pub struct Built {
     pub displacements: usize,
     /// Markers.
     pub markers: bool,
+    /// Origins of the bodies.
+    pub origins: bool,
     /// Reactions of the joints to applied loads and springs.
     pub reactions: bool,
     /// Reactions of the joints to loads sized by a state.
@@ -231,6 +235,7 @@ impl Reduced {
             displacements,
             gapped,
             markers: OnceLock::new(),
+            origins: OnceLock::new(),
             reactions: OnceLock::new(),
             state_reactions: OnceLock::new(),
         });
@@ -299,6 +304,7 @@ impl Reduced {
         Built {
             displacements: tables.displacements.iter().filter(|t| t.get().is_some()).count(),
             markers: tables.markers.get().is_some(),
+            origins: tables.origins.get().is_some(),
             reactions: tables.reactions.get().is_some(),
             state_reactions: tables.state_reactions.get().is_some(),
             state_loads: [0, 1].map(|air| matches!(self.state_loads[air].get(), Some(Ok(Some(_))))),

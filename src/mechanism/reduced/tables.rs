@@ -1,8 +1,9 @@
 //! Tables of the reduced model that are built at their first use, and exact values where no table resolves a function.
 //!
-//! In: the reduced model. Out: coordinates, displacements, markers, reactions. It must not know states or inputs.
+//! In: the reduced model. Out: coordinates, displacements, markers, origins of bodies, reactions. It must not know states or inputs.
 use super::model::Reduced;
 use crate::mechanism::curve::Configuration;
+use crate::mechanism::linkage::Point;
 use crate::mechanism::loads::resolved::FrictionJoint;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::reactions::{Columns, Reaction, columns};
@@ -68,16 +69,28 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn marker(&self, i: usize) -> Result<&Table, &Unresolved> {
-        let tables = self.tables.markers.get_or_init(|| {
-            let size = self.source.derivative_sizes(self.linkage().size).repeat(2);
-            self.source.tabulate(&self.grid, &vec![size; self.markers.len()], &mut |c, values| {
-                for (&point, v) in self.markers.iter().zip(values.chunks_exact_mut(6)) {
-                    let [x, first, second] = c.positions.motion(&c.rates, &c.second, point);
-                    v.copy_from_slice(&[x.x, first.x, second.x, x.y, first.y, second.y]);
-                }
-            })
-        });
-        tables[i].as_ref()
+        self.tables.markers.get_or_init(|| self.paths(&self.markers))[i].as_ref()
+    }
+
+    /// x of the origin of a body of the linkage with its two derivatives along sigma, then y.
+    ///
+    /// # Errors
+    /// [`Unresolved`].
+    pub fn origin(&self, body: usize) -> Result<&Table, &Unresolved> {
+        let origin = |body: usize| Point { body, local: Vec2::zeros() };
+        let origins = || (0..self.linkage().bodies.len()).map(origin).collect::<Vec<_>>();
+        self.tables.origins.get_or_init(|| self.paths(&origins()))[body].as_ref()
+    }
+
+    /// Tables of the x of these points with its two derivatives along sigma, then y.
+    fn paths(&self, points: &[Point]) -> Vec<Result<Table, Unresolved>> {
+        let size = self.source.derivative_sizes(self.linkage().size).repeat(2);
+        self.source.tabulate(&self.grid, &vec![size; points.len()], &mut |c, values| {
+            for (&point, v) in points.iter().zip(values.chunks_exact_mut(6)) {
+                let [x, first, second] = c.positions.motion(&c.rates, &c.second, point);
+                v.copy_from_slice(&[x.x, first.x, second.x, x.y, first.y, second.y]);
+            }
+        })
     }
 
     /// A joint's reaction: force x, force y, moment; each for sigma_ddot, sigma_dot^2, each applied load, each spring =

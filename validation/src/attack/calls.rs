@@ -154,7 +154,9 @@ impl Player<'_> {
             }
             58..=67 => {
                 let may = match of.map(|v| (v.kind, v.causality)) {
-                    Some((Kind::Real, Causality::Output)) if self.phase == Instantiated => May::BeRefused,
+                    Some((Kind::Real, Causality::Output | Causality::Local)) if self.phase == Instantiated => {
+                        May::BeRefused
+                    }
                     Some((Kind::Real, _)) => May::Either,
                     _ => May::BeRefused,
                 };

@@ -131,6 +131,7 @@ impl Recorded {
                 Causality::Parameter => "parameter",
                 Causality::Input => "input",
                 Causality::Output => OUTPUT,
+                Causality::Local => "local",
             },
             is_boolean: variable.kind == Kind::Boolean,
             values: Series::new(column),
@@ -199,6 +200,8 @@ fn rank(variable: &Variable, drawn: &HashSet<String>) -> Option<u8> {
         Causality::Output => 1,
         Causality::Input => 2,
         Causality::Parameter => 3,
+        // The poses tell the same.
+        Causality::Local => return None,
     })
 }
 
