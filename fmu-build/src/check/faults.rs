@@ -62,7 +62,9 @@ pub fn all(kind: &str, text: &str) -> Result<All> {
                 let missing =
                     tree.find("").filter(|_| is_missing(&finding)).map(|_| placeholder(kind, &repaired, &finding));
                 drop(tree);
-                let span = of_message(&repaired, &finding.message);
+                // A key that is missing at the top is missing in the whole.
+                let named = if is_missing(&finding) { "" } else { finding.message.as_str() };
+                let span = of_message(text, named);
                 located.push(at(text, finding, span));
                 if let Some(Some(more)) = missing {
                     repaired = more;
@@ -120,7 +122,7 @@ pub fn all(kind: &str, text: &str) -> Result<All> {
 /// A model whose name no FMU can have, as it names files in it.
 fn of_name(name: &str) -> Option<Finding> {
     let refused = names::check(name).err().filter(|_| !name.is_empty())?;
-    Some(Finding::error("name", format_args!("name = \"{name}\": {}", refused.root_cause())))
+    Some(Finding::error("name", format_args!("name = \"{name}\", of files in the FMU too: {refused}")))
 }
 
 /// The key of an object that the reader found twice.
