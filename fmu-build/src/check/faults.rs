@@ -122,7 +122,9 @@ pub fn all(kind: &str, text: &str) -> Result<All> {
 /// A model whose name no FMU can have, as it names files in it.
 fn of_name(name: &str) -> Option<Finding> {
     let refused = names::check(name).err().filter(|_| !name.is_empty())?;
-    Some(Finding::error("name", format_args!("name = \"{name}\", of files in the FMU too: {refused}")))
+    let refused = refused.to_string();
+    let reason = refused.strip_prefix(name).unwrap_or(&refused);
+    Some(Finding::error("name", format_args!("name = \"{name}\"{reason}")))
 }
 
 /// The key of an object that the reader found twice.
