@@ -276,7 +276,7 @@ fn starts_out_of_reach() {
     let free = |text: &str| text.replace(r#""angle": -1.3, "#, r#""angle": -1.3, "enabled": false, "#);
     check(&start("0.9"), &["downstop.angle = 0.8", "the start, at 0.9 rad, is beyond this stop"]);
     check(&start("-1.4"), &["upstop.angle = -1.3", "the start, at -1.4 rad, is beyond this stop"]);
-    check(&free(&start("-1.4")), &["crank.start_angle = -1.4 cannot", "moves from -1.325844931 to 0.8"]);
+    check(&free(&start("-1.4")), &["crank.start_angle = -1.4 rad cannot", "moves from -1.325844931 rad to 0.8 rad"]);
     // Stated by another body of the same group, in whose angle the range then is.
     let by_leg = start("-3.8").replace(r#""start": { "body": "crank""#, r#""start": { "body": "leg""#);
     check(&free(&by_leg), &["leg.start_angle = -3.8 cannot", "moves from -3.725844931 to -1.6"]);
