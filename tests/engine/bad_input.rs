@@ -279,7 +279,7 @@ fn starts_out_of_reach() {
     check(&free(&start("-1.4")), &["crank.start_angle = -1.4 rad cannot", "moves from -1.325844931 rad to 0.8 rad"]);
     // Stated by another body of the same group, in whose angle the range then is.
     let by_leg = start("-3.8").replace(r#""start": { "body": "crank""#, r#""start": { "body": "leg""#);
-    check(&free(&by_leg), &["leg.start_angle = -3.8 cannot", "moves from -3.725844931 to -1.6"]);
+    check(&free(&by_leg), &["leg.start_angle = -3.8 rad cannot", "moves from -3.725844931 rad to -1.6 rad"]);
     // The follower has no stop of its own, but cannot leave the crank's.
     let by_follower = start("4.5").replace(r#""start": { "body": "crank""#, r#""start": { "body": "follower""#);
     check(

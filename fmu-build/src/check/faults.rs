@@ -105,8 +105,9 @@ pub fn all(kind: &str, text: &str) -> Result<All> {
         for finding in inspection.findings.drain(..) {
             let place = tree.find(&finding.path).filter(|place| !place.path.is_empty() || !finding.path.is_empty());
             let span = place.map_or(0..0, |place| place.shown);
-            // A value that was written over is at fault once.
-            if !form.places.iter().any(|place| place.start < span.end && span.start < place.end) {
+            // A value that was written over is at fault once, and the motion that follows from it is none of the file's.
+            let follows = span.is_empty() && !form.places.is_empty();
+            if !follows && !form.places.iter().any(|place| place.start < span.end && span.start < place.end) {
                 located.push(at(text, units.told(finding), span));
             }
         }
