@@ -400,7 +400,7 @@ fn files_folders_and_fmus_are_checked() {
     assert!(!passes("bad.json", false));
     let missing =
         check::run(&workspace, &Arguments { paths: vec![folder.join("no.fmu")], json: true, deny_warnings: false });
-    assert!(missing.unwrap_err().to_string().contains("no such file"));
+    assert!(!missing.unwrap(), "a path that cannot be read is an error");
     std::fs::remove_dir_all(folder).unwrap();
 }
 
@@ -521,7 +521,7 @@ fn settings_that_do_nothing_are_warned_of() {
 #[test]
 fn a_path_that_cannot_be_read_does_not_hide_the_others() {
     use std::process::Command;
-    let folder = std::env::temp_dir().join(format!("fmu-build-check-{}", std::process::id()));
+    let folder = std::env::temp_dir().join(format!("fmu-build-check-paths-{}", std::process::id()));
     std::fs::create_dir_all(folder.join("near")).unwrap();
     let put = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
     put("good.json", &slider_crank().to_string());
