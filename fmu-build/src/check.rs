@@ -6,13 +6,17 @@
 mod faults;
 mod print;
 mod spans;
+mod syntax;
+mod units;
 
 use crate::source::Definition;
 use crate::workspace::Workspace;
 use anyhow::Result;
 pub use faults::Located;
 pub use fmu_cli::Check as Arguments;
-use linkage_fmu::inspection::{Inspection, Severity};
+use linkage_fmu::inspection::{Finding, Inspection, Severity};
+use std::path::{Path, PathBuf};
+
 pub use print::{findings, json, line, listed, summary};
 
 /// A definition that was checked.
@@ -36,16 +40,18 @@ impl Checked {
     }
 }
 
-/// Check the definitions and print what was found; whether all passed.
+/// Check the definitions and print what was found; whether all passed. A path that leads to no definition has one
+/// finding, and the others are checked.
 ///
 /// # Errors
-/// A path that leads to no definition.
+/// The findings cannot be written as JSON.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
-    let mut all = Vec::new();
-    for path in &arguments.paths {
+    let checked = |path: &PathBuf| {
         let Definition { shown, kind, text } = Definition::read(workspace, path)?;
-        all.push(check(shown, kind, text)?);
-    }
+        check(shown, kind, text)
+    };
+    let checked = |path| checked(path).unwrap_or_else(|error| unread(path, &error));
+    let all: Vec<Checked> = arguments.paths.iter().map(checked).collect();
     match arguments.json {
         true => println!("{}", serde_json::to_string_pretty(&print::json(&all))?),
         false => all.iter().for_each(|checked| print!("{}", print::text(checked))),
@@ -54,6 +60,14 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
         checked.count(Severity::Error) > 0 || arguments.deny_warnings && checked.count(Severity::Warning) > 0
     };
     Ok(!all.iter().any(fails))
+}
+
+/// A path that leads to no definition, with the reason.
+fn unread(path: &Path, error: &anyhow::Error) -> Checked {
+    let finding = Finding::error("", format!("{error:#}"));
+    let findings = vec![Located { finding, span: 0..0, position: [1, 1] }];
+    let shown = path.display().to_string();
+    Checked { shown, text: String::new(), findings, is_whole: true, inspection: Inspection::default() }
 }
 
 /// Check the text of a definition of this kind, which messages name so.

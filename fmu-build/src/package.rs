@@ -47,7 +47,7 @@ struct Common<'a> {
 /// Pack the definitions; the paths of the FMUs, in the order of the arguments.
 ///
 /// # Errors
-/// The first definition that is refused, before anything is built or written.
+/// Definitions that are refused, all of them told before anything is built or written.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>> {
     let paths = if arguments.all {
         workspace.description_folders()?
@@ -59,20 +59,29 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
         arguments.paths.clone()
     };
     let mut definitions: HashMap<String, PathBuf> = HashMap::new();
-    let mut prepared = Vec::new();
+    let (mut prepared, mut refused) = (Vec::new(), Vec::new());
     for path in &paths {
-        let fmu = prepare(Source::find(workspace, path)?)?;
+        let fmu = match Source::find(workspace, path).and_then(prepare) {
+            Ok(Some(fmu)) => fmu,
+            Ok(None) => {
+                refused.push(format!("{}: its errors stand above", path.display()));
+                continue;
+            }
+            Err(error) => {
+                refused.push(format!("{error:#}"));
+                continue;
+            }
+        };
         let definition = fmu.source.definition.clone();
         if let Some(other) = definitions.insert(fmu.name.clone(), definition) {
-            bail!(
-                "{}: name is {}, as in {}; both would be {}.fmu, so rename one",
-                fmu.source.definition.display(),
-                fmu.name,
-                other.display(),
-                fmu.name
-            );
+            let (path, name) = (fmu.source.definition.display(), &fmu.name);
+            let other = other.display();
+            refused.push(format!("{path}: name is {name}, as in {other}; both would be {name}.fmu, so rename one"));
         }
         prepared.push(fmu);
+    }
+    if !refused.is_empty() {
+        bail!("nothing was packed: {}", refused.join("\n"));
     }
     let binaries = further(&arguments.binaries)?;
     let library = library::build(workspace)?;
@@ -117,17 +126,16 @@ fn further(named: &[Library]) -> Result<Vec<Binary>> {
     Ok(binaries)
 }
 
-fn prepare(source: Source) -> Result<Prepared> {
+/// The checked definition of a source; none if it has errors, which are printed.
+fn prepare(source: Source) -> Result<Option<Prepared>> {
     let path = source.definition.display();
     let definition = source.text()?;
     let checked = check::check(path.to_string(), source.kind(), definition)?;
     print!("{}", check::findings(&checked));
-    let errors = check::listed(&checked, Severity::Error);
-    if let Some(first) = errors.first() {
-        let others = if errors.len() > 1 { format!("; {} more stand above", errors.len() - 1) } else { String::new() };
-        bail!("{first}{others}");
-    }
     println!("{}", check::summary(&checked));
+    if checked.count(Severity::Error) > 0 {
+        return Ok(None);
+    }
     let component = Component::from_definition(source.kind(), &checked.text).with_context(|| path.to_string())?;
     let description = fmi2::to_xml(&component).with_context(|| path.to_string())?;
     let name = component.name().to_owned();
@@ -140,7 +148,7 @@ fn prepare(source: Source) -> Result<Prepared> {
     }
     let terminals = terminals::to_xml(&component).with_context(|| path.to_string())?;
     let readme = source.readme()?;
-    Ok(Prepared { name, checked, component, readme, description, terminals, source })
+    Ok(Some(Prepared { name, checked, component, readme, description, terminals, source }))
 }
 
 fn pack(common: &Common, fmu: Prepared) -> Result<PathBuf> {
@@ -210,7 +218,7 @@ mod tests {
         let folders = workspace.description_folders().unwrap();
         assert!(folders.iter().any(|folder| folder.ends_with(DEFAULT_FMU)), "{folders:?}");
         for folder in folders {
-            let expected = prepare(Source::find(&workspace, &folder).unwrap()).unwrap().description;
+            let expected = prepare(Source::find(&workspace, &folder).unwrap()).unwrap().unwrap().description;
             let committed = fs::read_to_string(folder.join(MODEL_DESCRIPTION)).unwrap_or_default();
             assert!(
                 committed == expected,

@@ -81,6 +81,7 @@ impl Source {
             (Some(one), Some(other)) => {
                 bail!("{} and {}: an FMU has one definition; remove one of them", one.display(), other.display())
             }
+            (None, _) if let Some(near) = near_miss(path, &files) => bail!("{near}"),
             (None, _) => bail!(
                 "{}: the folder holds no {}, and its resources neither; put the definition there",
                 path.display(),
@@ -174,6 +175,18 @@ impl Definition {
         let source = Source::find(workspace, path)?;
         Ok(Self { shown: source.definition.display().to_string(), kind: source.kind(), text: source.text()? })
     }
+}
+
+/// A file in a folder whose name differs from that of a definition by case only, with what to do.
+fn near_miss(folder: &Path, files: &[&str]) -> Option<String> {
+    for inner in [folder.join(RESOURCES), folder.to_path_buf()] {
+        for name in names_in(&inner).unwrap_or_default() {
+            if let Some(file) = files.iter().find(|file| file.eq_ignore_ascii_case(&name)) {
+                return Some(format!("{}: rename this file to {file}, in small letters", inner.join(name).display()));
+            }
+        }
+    }
+    None
 }
 
 /// Some of these names, and how many there are besides.

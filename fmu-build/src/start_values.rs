@@ -68,6 +68,9 @@ fn number(variable: &Variable, text: &str) -> Result<f64> {
     if let Ok(value) = text.parse::<f64>() {
         return Ok(value);
     }
+    if let Some(point) = decimal_comma(text) {
+        bail!("--start-values: {name} = {text}: a decimal comma; write a point, {point}");
+    }
     // The longest beginning that is a number.
     let ends = (1..text.len()).rev().filter(|&end| text.is_char_boundary(end));
     let split =
@@ -85,6 +88,13 @@ fn number(variable: &Variable, text: &str) -> Result<f64> {
             bail!("--start-values: {name} is in {own}{other}, not in \"{}\"", unit.escape_debug())
         }
     }
+}
+
+/// A number with a decimal comma, or one before a unit, with a point in place of the comma; none if the text has none.
+pub fn decimal_comma(text: &str) -> Option<String> {
+    let (before, after) = text.split_once(',')?;
+    let is_number = before.parse::<f64>().is_ok() && after.starts_with(|c: char| c.is_ascii_digit());
+    is_number.then(|| format!("{before}.{after}"))
 }
 
 /// The variable with this name.
@@ -158,6 +168,8 @@ mod tests {
             (&["crank.mass=12lb"], "crank.mass is in kg, not in \"lb\""),
             (&["crank.start_angle=12grad"], "crank.start_angle is in rad or deg, not in \"grad\""),
             (&["crank.mass=heavy"], "crank.mass is a number; \"heavy\" is none"),
+            (&["crank.mass", "0,5"], "a decimal comma; write a point, 0.5"),
+            (&["crank.start_angle=-12,5 deg"], "a decimal comma; write a point, -12.5 deg"),
             (&["crank.mass=-1"], "crank.mass"),
             (&["friction.enabled=2"], "\"2\" is no truth value"),
             (&["solver.method=magic"], "solver.method"),

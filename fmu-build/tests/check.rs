@@ -358,7 +358,7 @@ fn errors_of_the_geometry_have_their_place() {
         ("/start/angle", json!(0.5), ""),
         ("/bodies/rod/length", json!(0.04), "start.angle"),
         ("/guess/extra", json!(1), "guess.extra"),
-        ("/stops", json!({ "s": { "body": "crank", "limit": "upper", "angle": 0.2 } }), "stops.s"),
+        ("/stops", json!({ "s": { "body": "crank", "limit": "upper", "angle": 0.2 } }), "stops.s.angle"),
         ("/start", json!({ "joint": "guide", "position": 3.0 }), "start.position"),
     ] {
         let found = found(&with(path, value), Severity::Error);
@@ -446,7 +446,7 @@ fn files_folders_and_fmus_are_checked() {
     assert!(!passes("bad.json", false));
     let missing =
         check::run(&workspace, &Arguments { paths: vec![folder.join("no.fmu")], json: true, deny_warnings: false });
-    assert!(missing.unwrap_err().to_string().contains("no such file"));
+    assert!(!missing.unwrap(), "a path that cannot be read is an error");
     std::fs::remove_dir_all(folder).unwrap();
 }
 
@@ -460,4 +460,137 @@ fn the_json_for_programs_has_places_facts_and_counts() {
     assert!(finding["line"].as_u64().unwrap() > 1 && finding["remedy"].as_str().unwrap().contains("degrees"));
     let mass = one["facts"].as_array().unwrap().iter().find(|fact| fact["topic"] == "Mass").unwrap();
     assert_eq!(mass["quantities"][0], json!({ "name": "total", "value": 3.0, "unit": "kg" }));
+}
+
+/// What the parser alone refuses has its place and its remedy, and what can be read besides is read.
+#[test]
+fn what_is_no_json_has_its_place_and_its_remedy() {
+    let good = serde_json::to_string_pretty(&slider_crank()).unwrap();
+    for (from, to, shown, said) in [
+        ("\"name\": \"M\"", "'name': 'M'", "'name'", "double quotes"),
+        ("\"mass\": 1.0", "\"mass\": .5", ".5", "0.5"),
+        ("\"mass\": 1.0", "\"mass\": 1/2", "1/2", "write the number 0.5"),
+        ("\"mass\": 1.0", "\"mass\": pi/2", "pi/2", "1.570796327"),
+        ("\"mass\": 1.0", "\"mass\": 1.2x", "1.2x", "write 1.2 alone"),
+        ("\"mass\": 1.0", "\"mass\" = 1.0", "=", "colon"),
+        ("\"mass\": 1.0,", "\"mass\": 1.0", "\"shape\"", "comma is missing"),
+        ("\"mass\": 1.0,", "\"mass\": 1.0, \"mass\": 2.0,", "\"mass\"", "remove one"),
+        ("\"name\": \"M\"", "\"name\": \"M", "\"M", "closing quote"),
+    ] {
+        let text = good.replacen(from, to, 1);
+        assert_ne!(text, good, "{from}");
+        let all = found(&text, Severity::Error);
+        assert!(all[0].1.contains(said), "{to}: {all:#?}");
+        assert!(all[0].2.starts_with(shown) && all[0].2.len() <= shown.len() + 1, "{to}: {all:#?}");
+    }
+    for (text, said) in [
+        (format!("{good}}}"), "bracket too many"),
+        (format!("{good}\n{good}"), "ends before"),
+        (good.trim_end().trim_end_matches('}').to_owned(), "never closed"),
+        ("[]".into(), "one object"),
+    ] {
+        let all = checked(&text);
+        let first = &all.findings[0];
+        assert!(first.finding.message.contains(said) && !first.span.is_empty(), "{:#?}", all.findings);
+        assert!(!first.finding.message.contains("decimals"), "{}", first.finding.message);
+    }
+}
+
+#[test]
+fn all_that_an_empty_definition_lacks_is_told() {
+    let messages: Vec<_> = checked("{}").findings.into_iter().map(|located| located.finding.message).collect();
+    for key in ["name", "bodies", "joints", "start"] {
+        assert!(messages.iter().any(|message| message.contains(&format!("`{key}`"))), "{key}: {messages:#?}");
+    }
+}
+
+#[test]
+fn values_are_told_in_the_units_of_the_file() {
+    let mut text = slider_crank();
+    text["units"] = json!({ "length": "mm" });
+    for (body, length) in [("crank", 100), ("rod", 300)] {
+        text["bodies"][body]["length"] = json!(length);
+    }
+    (text["guess"]["guide"], text["start"]) = (json!(380), json!({ "joint": "guide", "position": 500 }));
+    let all = found(&text.to_string(), Severity::Error);
+    assert!(all[0].1.contains("= 500 mm") && all[0].1.contains("from 200 mm to 400 mm"), "{all:#?}");
+    text["start"]["position"] = json!(390);
+    text["stops"] = json!({ "s": { "joint": "guide", "limit": "upper", "position": 0.35 } });
+    let all = found(&text.to_string(), Severity::Error);
+    assert!(all[0].1.starts_with("stops.s.position = 0.35 mm: the start, at 390 mm") && all[0].2 == "0.35", "{all:#?}");
+}
+
+#[test]
+fn names_and_guesses_at_fault_are_told_together() {
+    let mut text = slider_crank();
+    text["guess"] = json!({ "crank": 0.5 });
+    let all = found(&text.to_string(), Severity::Error);
+    assert!(all[0].1.contains("of guide") && all[0].1.contains("rod"), "{all:#?}");
+    text["guess"] = json!({ "crank": 0.5, "rod": -0.16, "gude": 0.38 });
+    text["start"]["body"] = json!("krank");
+    let paths: Vec<String> = found(&text.to_string(), Severity::Error).into_iter().map(|(path, ..)| path).collect();
+    assert!(
+        paths.iter().any(|path| path == "start.body") && paths.iter().any(|path| path == "guess.gude"),
+        "{paths:?}"
+    );
+    let text = with("/guess/slider", json!(0));
+    assert!(found(&text, Severity::Error)[0].1.contains("remove this key"));
+    let mut text = slider_crank();
+    text["joints"]["slider"] = text["joints"]["guide"].take();
+    text["joints"].as_object_mut().unwrap().remove("guide");
+    let all = found(&text.to_string(), Severity::Error);
+    assert!(all.iter().any(|(.., message, _)| message.contains("`slider` names a body and a joint")), "{all:#?}");
+    let text = with("/name", json!("CON"));
+    assert!(found(&text, Severity::Error)[0].1.contains("name of a device"));
+}
+
+#[test]
+fn of_many_names_the_nearest_are_told() {
+    let mut text = slider_crank();
+    let points: serde_json::Map<_, _> = (0..20_000).map(|k| (format!("p{k}"), json!([0.0, 0.1]))).collect();
+    text["bodies"]["rod"]["points"] = points.into();
+    text["markers"] = json!({ "m": { "at": "rod.p123456" } });
+    let all = found(&text.to_string(), Severity::Error);
+    assert!(all[0].1.len() < 300 && all[0].1.contains("20002 in number") && all[0].1.contains("p12345"), "{all:#?}");
+}
+
+#[test]
+fn settings_that_do_nothing_are_warned_of() {
+    let text = with("/experiment", json!({ "stop_time": 1.0, "step_size": 10.0 }));
+    assert!(found(&text, Severity::Warning).iter().any(|(path, ..)| path == "experiment.step_size"));
+    let text =
+        with("/springs", json!({ "s": { "first": "ground.origin", "second": "slider.origin", "stiffness": 0 } }));
+    assert!(found(&text, Severity::Warning).iter().any(|(path, ..)| path == "springs.s"));
+}
+
+/// Paths that cannot be read have an object of their own; nothing is packed unless all is sound.
+#[test]
+fn a_path_that_cannot_be_read_does_not_hide_the_others() {
+    use std::process::Command;
+    let folder = std::env::temp_dir().join(format!("fmu-build-check-paths-{}", std::process::id()));
+    std::fs::create_dir_all(folder.join("near")).unwrap();
+    let put = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+    put("good.json", &slider_crank().to_string());
+    put("bad.json", &with("/guess/gude", json!(1)));
+    put("near/Mechanism.json", "{}");
+    let run = |arguments: &[&str]| {
+        let out = Command::new(env!("CARGO_BIN_EXE_fmu-build")).args(arguments).current_dir(&folder).output().unwrap();
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        (text(out.stdout), text(out.stderr), out.status.code())
+    };
+    let (out, _, code) = run(&["check", "--json", "good.json", "missing.json", "bad.json"]);
+    let all: Value = serde_json::from_str(&out).unwrap();
+    let errors: Vec<_> = all.as_array().unwrap().iter().map(|one| one["errors"].as_u64().unwrap()).collect();
+    assert_eq!((errors, code), (vec![0, 1, 1], Some(1)), "{out}");
+    let (out, ..) = run(&["check", "missing.json", "good.json"]);
+    assert!(out.contains("no such file") && out.contains("good.json: M: 0 errors"), "{out}");
+    let (out, error, code) = run(&["package", "--out", "fmus", "good.json", "bad.json", "missing.json"]);
+    assert!(error.contains("nothing was packed") && error.contains("missing.json: there is no such"), "{error}");
+    assert_eq!((out.matches("guess.gude:").count(), error.matches("guess.gude").count(), code), (1, 0, Some(1)));
+    assert!(!folder.join("fmus").exists());
+    assert!(run(&["check", "near"]).0.contains("rename this file to mechanism.json"));
+    std::fs::write(folder.join("in.csv"), "time;load\n0;1\n").unwrap();
+    let (_, error, _) = run(&["simulate", "good.json", "--input-file", "in.csv"]);
+    assert!(error.contains("separated by ';'"), "{error}");
+    std::fs::remove_dir_all(folder).unwrap();
 }

@@ -1,5 +1,6 @@
 //! The default experiment that a definition states, and that hosts offer to their users.
 use super::{DefinitionError, Range};
+use crate::numerics::decimal::Decimal;
 use serde::{Deserialize, Serialize};
 
 /// Default experiment of the FMU.
@@ -19,6 +20,14 @@ impl Default for Experiment {
 }
 
 impl Experiment {
+    /// Key, message and remedy of a step that is longer than the whole run; none if it is not.
+    pub fn coarse(&self) -> Option<(&'static str, String, &'static str)> {
+        let (step, stop) = (Decimal(self.step_size), Decimal(self.stop_time));
+        let message = format!("is {step} s, longer than the whole run of {stop} s, which is cut to one step");
+        let remedy = "give a step_size below stop_time";
+        (self.step_size > self.stop_time).then_some(("experiment.step_size", message, remedy))
+    }
+
     /// Check both times.
     ///
     /// # Errors

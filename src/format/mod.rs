@@ -120,7 +120,8 @@ pub fn read<T: DeserializeOwned>(kind: &str, text: &str) -> Result<T, Definition
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut json = serde_json::Deserializer::from_str(text);
     let malformed = |key: String, error: &serde_json::Error| {
-        DefinitionError::key(if key.is_empty() { format!("no {kind}") } else { key }, message(error, text))
+        let message = message(error, text, key.is_empty());
+        DefinitionError::key(if key.is_empty() { format!("no {kind}") } else { key }, message)
     };
     let read = serde_path_to_error::deserialize(Strict(&mut json))
         .map_err(|error| malformed(key(error.path()), error.inner()))?;
@@ -142,17 +143,23 @@ fn key(path: &Path) -> String {
     key
 }
 
-/// The parser's message, for whoever writes the file.
-fn message(error: &serde_json::Error, text: &str) -> String {
+/// The parser's message, for whoever writes the file; `is_top`: about the text as a whole.
+fn message(error: &serde_json::Error, text: &str, is_top: bool) -> String {
     let message = error.to_string().replace("expected f64", "expected a number");
     let message = message.replace("invalid type: sequence", "invalid type: a list [ ]");
     let message = message.replace("invalid type: map", "invalid type: an object { }");
     let remedy = if message.contains("invalid type: null") {
         "; leave the key out if it has no value"
+    } else if is_top && message.contains("expected an object") {
+        "; a definition is one object { \"name\": ... }"
     } else if message.contains("a list [ ], expected an object") {
         "; write { \"name\": value } in place of [ value ]"
-    } else if message.contains("invalid length") || message.contains("trailing characters") {
+    } else if message.contains("duplicate field") {
+        "; remove one of the two"
+    } else if message.contains("invalid length") {
         "; decimals are written with a point, such as 0.5"
+    } else if message.contains("trailing characters") {
+        "; the object ends before this: remove what follows, or a closing bracket too many before it"
     } else if error.is_syntax() {
         syntax_remedy(text, error.line(), error.column())
     } else {
@@ -206,7 +213,11 @@ mod tests {
         let message = read::<std::collections::HashMap<String, [f64; 2]>>("test", "{ \"a\": [0,5, 0,2] }");
         let message = message.unwrap_err().to_string();
         assert!(message.contains("with a point"), "{message}");
-        let message = read::<Named<f64>>("test", "[1]").unwrap_err().to_string();
+        for (text, said) in [("[1]", "one object {"), ("{} {}", "remove what follows"), ("{} }", "bracket too many")] {
+            let message = read::<Named<f64>>("test", text).unwrap_err().to_string();
+            assert!(message.contains(said) && !message.contains("a point"), "{message}");
+        }
+        let message = read::<Named<Named<f64>>>("test", "{ \"a\": [1] }").unwrap_err().to_string();
         assert!(message.contains("expected an object") && message.contains("in place of"), "{message}");
     }
 

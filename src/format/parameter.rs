@@ -44,7 +44,7 @@ impl Range {
             Self::Length => (value > 0.0 && value <= 1e100, "a number > 0 and <= 1e100"),
             Self::Size => ((0.0..=1e100).contains(&value), "a finite number >= 0 and <= 1e100"),
             Self::Coordinate => (value.abs() <= 1e100, "a number from -1e100 to 1e100"),
-            Self::Turn => (value.abs() <= 1e6, "an angle from -1e6 to 1e6 rad"),
+            Self::Turn => (value.abs() <= 1e6, "an angle from -1e6 rad to 1e6 rad"),
             Self::Fraction => (value > 0.0 && value <= 1.0, "a number > 0 and <= 1"),
             Self::Unit => ((0.0..=1.0).contains(&value), "a number from 0 to 1"),
             Self::Tolerance => ((1e-14..=1e-1).contains(&value), "a number from 1e-14 to 1e-1"),
@@ -64,6 +64,18 @@ impl Range {
     /// The value is out of the range.
     pub fn check(self, key: impl fmt::Display, value: f64) -> Result<(), DefinitionError> {
         if self.contains(value) { Ok(()) } else { Err(DefinitionError::value(key, Decimal(value), self.text())) }
+    }
+
+    /// Check the value of a key in this unit.
+    ///
+    /// # Errors
+    /// The value is out of the range.
+    pub fn check_in(self, unit: Unit, key: impl fmt::Display, value: f64) -> Result<(), DefinitionError> {
+        if self.contains(value) {
+            return Ok(());
+        }
+        let unit = if unit == Unit::One { String::new() } else { format!(" {}", unit.name()) };
+        Err(DefinitionError::value(key, format_args!("{}{unit}", Decimal(value)), self.text()))
     }
 
     /// The range in words.

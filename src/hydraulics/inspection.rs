@@ -31,6 +31,8 @@ impl Model {
             copy.borrow_mut().real(reference).ok()
         };
         let mut all = circuit_warnings("circuit.", value);
+        let coarse = self.experiment().coarse();
+        all.extend(coarse.map(|(key, message, remedy)| Finding::warning(key, message, remedy)));
         if let [Some(length), Some(closed), Some(stroke)] =
             ["actuator.length", "cylinder.closed_length", "cylinder.stroke"].map(value)
             && !(closed..=closed + stroke).contains(&length)

@@ -169,10 +169,11 @@ impl fmt::Display for ModelError {
             ),
             Self::BeyondStop { name, value, start } => write!(
                 f,
-                "{name} = {}: the start, at {}, is beyond this stop; \
+                "stops.{name} = {}{unit}: the start, at {}{unit}, is beyond this stop; \
                  move the start or the stop, or set the stop's enabled to false",
-                Decimal(*value),
-                Decimal(*start)
+                Decimal::rounded(*value),
+                Decimal::rounded(*start),
+                unit = if name.ends_with(".angle") { " rad" } else { " m" }
             ),
             Self::TooManyBumpers { count, limit } => write!(
                 f,

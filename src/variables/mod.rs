@@ -150,16 +150,21 @@ impl Interface {
 
     /// Names spelled most like this one, the nearest first, for messages.
     pub fn nearest(&self, name: &str) -> Vec<&str> {
-        let mut names: Vec<&str> = self.list.iter().map(|variable| variable.name.as_str()).collect();
-        names.sort_by_cached_key(|other| edits(name, other));
-        names.truncate(SUGGESTIONS);
-        names
+        nearest(self.list.iter().map(|variable| variable.name.as_str()), name)
     }
 
     /// GUID of the interface: a hash of names, kinds, causalities, variabilities and units, not of start values.
     pub fn guid(&self) -> &str {
         &self.guid
     }
+}
+
+/// Those of some names that are spelled most like this one, the nearest first.
+pub fn nearest<'a>(names: impl Iterator<Item = &'a str>, name: &str) -> Vec<&'a str> {
+    let mut names: Vec<&str> = names.collect();
+    names.sort_by_cached_key(|other| edits(name, other));
+    names.truncate(SUGGESTIONS);
+    names
 }
 
 /// Levenshtein's distance: the least number of letters inserted, removed or replaced to make one name of the other.

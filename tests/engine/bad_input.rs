@@ -194,7 +194,7 @@ fn positions_without_an_answer() {
     check(&swings, &["reduced inertia vanishes at left = 2.168", "give a mass or an inertia"]);
     check(
         &swings.replace(r#""right": { "#, r#""right": { "inertia": 0.01, "#),
-        &["left.start_angle = 3.1", "cannot be reached", "moves from", "to"],
+        &["left.start_angle = 3.1 rad", "cannot be reached", "moves from", "to"],
     );
 }
 
@@ -274,20 +274,26 @@ fn starts_out_of_reach() {
     // With its stops the gear moves from one to the other; without the lower one as far as its toggle.
     let start = |stated: &str| changed("\"angle\": 0.8, \"speed\"", &format!("\"angle\": {stated}, \"speed\""));
     let free = |text: &str| text.replace(r#""angle": -1.3, "#, r#""angle": -1.3, "enabled": false, "#);
-    check(&start("0.9"), &["downstop.angle = 0.8", "the start, at 0.9, is beyond this stop"]);
-    check(&start("-1.4"), &["upstop.angle = -1.3", "the start, at -1.4, is beyond this stop"]);
-    check(&free(&start("-1.4")), &["crank.start_angle = -1.4 cannot", "moves from -1.325844931 to 0.8"]);
+    check(&start("0.9"), &["downstop.angle = 0.8", "the start, at 0.9 rad, is beyond this stop"]);
+    check(&start("-1.4"), &["upstop.angle = -1.3", "the start, at -1.4 rad, is beyond this stop"]);
+    check(&free(&start("-1.4")), &["crank.start_angle = -1.4 rad cannot", "moves from -1.325844931 rad to 0.8 rad"]);
     // Stated by another body of the same group, in whose angle the range then is.
     let by_leg = start("-3.8").replace(r#""start": { "body": "crank""#, r#""start": { "body": "leg""#);
-    check(&free(&by_leg), &["leg.start_angle = -3.8 cannot", "moves from -3.725844931 to -1.6"]);
+    check(&free(&by_leg), &["leg.start_angle = -3.8 rad cannot", "moves from -3.725844931 rad to -1.6 rad"]);
     // The follower has no stop of its own, but cannot leave the crank's.
     let by_follower = start("4.5").replace(r#""start": { "body": "crank""#, r#""start": { "body": "follower""#);
-    check(&by_follower, &["follower.start_angle = 4.5 cannot be reached", "moves from 2.409512947 to 3.350866873"]);
+    check(
+        &by_follower,
+        &["follower.start_angle = 4.5 rad cannot be reached", "moves from 2.409512947 rad to 3.350866873 rad"],
+    );
     // Whole turns away is the same position, but another angle.
     let around = start("7.0");
     let text =
         around.replace(r#""limit": "upper", "angle": 0.8"#, r#""limit": "upper", "enabled": false, "angle": 0.8"#);
-    check(&text, &["crank.start_angle = 7 cannot be reached", "where 0.7168146928 is the same position: state that"]);
+    check(
+        &text,
+        &["crank.start_angle = 7 rad cannot be reached", "where 0.7168146928 rad is the same position: state that"],
+    );
     // A crank that turns fully round may start in any turn.
     Model::from_json(&slider_crank(&[("start.angle", 700.into())])).unwrap();
 }

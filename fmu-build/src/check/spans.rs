@@ -112,6 +112,13 @@ pub fn line_and_column(text: &str, at: usize) -> [usize; 2] {
     [before.matches('\n').count() + 1, before[line_start..].chars().count() + 1]
 }
 
+/// The byte at a line and a column of bytes, both from 1; the nearest there is.
+pub fn byte_of(text: &str, line: usize, column: usize) -> usize {
+    let start: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
+    let at = (start + column.saturating_sub(1)).min(text.len());
+    (0..=at).rev().find(|at| text.is_char_boundary(*at)).unwrap_or(0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

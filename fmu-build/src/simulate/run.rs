@@ -6,6 +6,7 @@ use super::signals::{Signals, is_close};
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use linkage_fmu::component::{Component, Stepped};
+use linkage_fmu::numerics::decimal::Decimal;
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -53,7 +54,7 @@ pub fn run(
     stop_wish: &AtomicBool,
     is_shown: bool,
 ) -> Result<Ended> {
-    let start_at = |time: f64| format!("initialisation at {time} s");
+    let start_at = |time: f64| format!("initialisation at {} s", Decimal(time));
     signals.apply(model, span.start, false).with_context(|| start_at(span.start))?;
     model.initialize().with_context(|| start_at(span.start))?;
     if let Some(warning) = model.start_warning() {
@@ -79,20 +80,20 @@ pub fn run(
                 next = earlier;
             }
         }
-        signals.apply(model, ended.time, true).with_context(|| format!("inputs at {} s", ended.time))?;
+        signals.apply(model, ended.time, true).with_context(|| format!("inputs at {} s", Decimal(ended.time)))?;
         match model
             .step_from(Some(ended.time), next - ended.time)
-            .with_context(|| format!("step at {} s", ended.time))?
+            .with_context(|| format!("step at {} s", Decimal(ended.time)))?
         {
             Stepped::Whole => {}
             Stepped::Part(part) => {
                 record(model, ended.time + part.time)?;
-                bail!("the run ends at {} s: {}", ended.time + part.time, part.why);
+                bail!("the run ends at {} s: {}", Decimal(ended.time + part.time), part.why);
             }
-            Stepped::Failed(why) => bail!("the run ends at {} s: {why}", ended.time),
+            Stepped::Failed(why) => bail!("the run ends at {} s: {why}", Decimal(ended.time)),
         }
         if let Some(warning) = model.take_warning() {
-            bar.say(&format!("warning: at {next} s: {warning}"));
+            bar.say(&format!("warning: at {} s: {warning}", Decimal(next)));
         }
         (ended.time, ended.steps) = (next, ended.steps + 1);
         if is_close(next, regular) {

@@ -2,7 +2,7 @@
 //!
 //! In: the file. Out: at any time the values and slopes of the inputs; times at which an input jumps.
 
-use crate::start_values::{find, truth};
+use crate::start_values::{decimal_comma, find, truth};
 use anyhow::{Context, Result, bail};
 use linkage_fmu::component::{Component, Refused};
 use linkage_fmu::variables::{Causality, Interface, Kind, Reference};
@@ -56,6 +56,10 @@ impl Signals {
         let mut names = header.iter().map(|name| name.trim_start_matches('\u{feff}').trim_matches('"'));
         match names.next() {
             Some("time") => {}
+            Some(first) if let Some(separator) = first.chars().find(|c| ";\t|".contains(*c)) => bail!(
+                "{shown}: the columns are separated by {separator:?}; separate them by commas, and write decimals with a \
+                 point"
+            ),
             first => bail!("{shown}: the first column is \"{}\"; it must be time", first.unwrap_or("").escape_debug()),
         }
         let mut signals = Self { with_slopes, ..Self::none() };
@@ -210,7 +214,10 @@ fn value(text: &str, kind: Kind) -> Result<f64> {
         Ok(value) if value.is_finite() => Ok(value),
         Ok(value) => bail!("{value} must be finite"),
         Err(_) if kind == Kind::Boolean => Ok(f64::from(u8::from(truth(text)?))),
-        Err(_) => bail!("\"{}\" is no number", text.escape_debug()),
+        Err(_) => match decimal_comma(text) {
+            Some(point) => bail!("\"{text}\" has a decimal comma; write a point, {point}"),
+            None => bail!("\"{}\" is no number", text.escape_debug()),
+        },
     }
 }
 

@@ -131,7 +131,9 @@ pub fn guessed(linkage: &Linkage, guess: &Named<f64>) -> Result<Vec<f64>, Assemb
                 let all = linkage.coordinates.join(", ");
                 let message = match (body, linkage.joints.iter().find(|joint| joint.name == name)) {
                     (Some(_), _) => {
-                        format!("the ground holds this body, so that it does not turn: leave it out of {all}")
+                        format!(
+                            "the ground holds this body, so that it does not turn: remove this key; the coordinates are {all}"
+                        )
                     }
                     (None, Some(joint)) if joint.freedom == Freedom::Revolute => {
                         format!("is a revolute joint: guess the angles of bodies instead; the coordinates are {all}")
@@ -146,12 +148,13 @@ pub fn guessed(linkage: &Linkage, guess: &Named<f64>) -> Result<Vec<f64>, Assemb
             }
         }
     }
-    let missing = |i: usize| AssemblyError::Guess {
-        name: linkage.coordinates[i].clone(),
-        message: format!(
-            "is missing: give its rough {}",
-            if i < linkage.angles { "angle [rad]" } else { "position [m]" }
-        ),
-    };
-    q.into_iter().enumerate().map(|(i, v)| v.ok_or_else(|| missing(i))).collect()
+    let mut missing = (0..q.len()).filter(|&i| q[i].is_none());
+    let what = |i: usize| if i < linkage.angles { "angle [rad]" } else { "position [m]" };
+    if let Some(first) = missing.next() {
+        let others: Vec<String> = missing.map(|i| format!("{} of {}", what(i), linkage.coordinates[i])).collect();
+        let others = if others.is_empty() { String::new() } else { format!("; missing too: {}", others.join(", ")) };
+        let message = format!("is missing: give its rough {}{others}", what(first));
+        return Err(AssemblyError::Guess { name: linkage.coordinates[first].clone(), message });
+    }
+    Ok(q.into_iter().flatten().collect())
 }

@@ -167,7 +167,8 @@ impl Mechanism {
             let relative = wrapped(angle - own);
             match body.angle {
                 Some(stated) if wrapped(stated - relative).abs() > ROUNDING => {
-                    let message = format!("as drawn it is {}: remove one, or correct it", Decimal::rounded(relative));
+                    let message =
+                        format!("as drawn it is {} rad: remove one, or correct it", Decimal::rounded(relative));
                     let key = format!("bodies.{name}.angle");
                     faults.keep::<()>(Err(DefinitionError::key(key, message)));
                 }
@@ -191,7 +192,8 @@ impl Mechanism {
             let relative = wrapped(second - first);
             match joint.angle {
                 Some(stated) if wrapped(stated - relative).abs() > ROUNDING => {
-                    let message = format!("as drawn it is {}: remove one, or correct it", Decimal::rounded(relative));
+                    let message =
+                        format!("as drawn it is {} rad: remove one, or correct it", Decimal::rounded(relative));
                     faults.keep::<()>(Err(DefinitionError::key(format_args!("joints.{name}.angle"), message)));
                 }
                 Some(_) => {}
@@ -308,7 +310,8 @@ fn resolve_body(name: &str, body: &mut Body, drawn: Drawn) -> Result<(Vec2, f64)
                 Some(stated) if (stated - length).abs() > ROUNDING * length => {
                     let message = format!("origin and end are drawn {} m apart", Decimal::rounded(length));
                     let allowed = format!("that too, as {message}: remove it, or correct one of them");
-                    return Err(DefinitionError::value(format_args!("bodies.{name}.length"), Decimal(stated), allowed));
+                    let (key, stated) = (format!("bodies.{name}.length"), Decimal::rounded(stated));
+                    return Err(DefinitionError::value(key, format_args!("{stated} m"), allowed));
                 }
                 Some(_) => {}
                 None => body.length = Some(length),

@@ -102,6 +102,35 @@ impl Mechanism {
         }
     }
 
+    /// The error for a variable that two elements give, which are named.
+    pub fn named_twice(&self, variable: &str) -> DefinitionError {
+        let name = variable.split('.').next().unwrap_or_default();
+        let groups = [
+            ("bodies", self.bodies.get(name).is_some()),
+            ("joints", self.joints.get(name).is_some()),
+            ("actuators", self.actuators.get(name).is_some()),
+            ("forces", self.forces.get(name).is_some()),
+            ("torques", self.torques.get(name).is_some()),
+            ("springs", self.springs.get(name).is_some()),
+            ("markers", self.markers.get(name).is_some()),
+            ("surfaces", self.surfaces.get(name).is_some()),
+            ("stops", self.stops.get(name).is_some()),
+            ("locks", self.locks.get(name).is_some()),
+        ];
+        let owners: Vec<String> =
+            groups.into_iter().filter(|(_, has)| *has).map(|(group, _)| format!("{group}.{name}")).collect();
+        match owners.as_slice() {
+            [first, second, ..] => {
+                let message = format!("{first} and {second} both give the variable {variable}: rename one");
+                DefinitionError::key(second, message)
+            }
+            [one] => {
+                DefinitionError::key(one, format!("another element gives the variable {variable} too: rename one"))
+            }
+            [] => DefinitionError::key(variable, "two elements give a variable of this name: rename one"),
+        }
+    }
+
     /// The drive with a hydraulic circuit, by its index, with its name and the circuit; none if no drive has one.
     pub fn hydraulic_drive(&self) -> Option<(usize, &str, &Circuit)> {
         let mut drives = self.actuators.iter().enumerate();

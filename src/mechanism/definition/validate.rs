@@ -5,6 +5,8 @@ use super::experiment::Solver;
 use super::loads::Surface;
 use super::mechanism::{GROUND, Mechanism};
 use crate::format::{DefinitionError, Faults, Named, Range};
+use crate::variables::{Unit, nearest};
+use std::cmp::Reverse;
 use std::fmt;
 
 type Check = Result<(), DefinitionError>;
@@ -43,10 +45,31 @@ fn entry<'m, T>(
     entries.get(name).ok_or_else(|| {
         let allowed = match entries.names() {
             names if names.is_empty() => format!("there are no {group}: add the key {group}"),
-            names => format!("the {group} are {}", names.join(", ")),
+            names => alternatives(&format!("the {group}"), &names, name),
         };
         DefinitionError::unknown(key, name, allowed)
     })
+}
+
+/// Most names that are all told.
+const FEW: usize = 20;
+/// Most names that are compared letter by letter with a name that there is not.
+const COMPARED: usize = 1000;
+
+/// These names in words: all, or those nearest to a name that is none of them.
+fn alternatives(what: &str, names: &[&str], name: &str) -> String {
+    if names.len() <= FEW {
+        return format!("{what} are {}", names.join(", "));
+    }
+    // Names that begin alike first, so that any number of names is searched in time.
+    let alike = |other: &&str| other.bytes().zip(name.bytes()).take_while(|(a, b)| a == b).count();
+    let mut sorted = names.to_vec();
+    if sorted.len() > COMPARED {
+        sorted.select_nth_unstable_by_key(COMPARED, |other| Reverse(alike(other)));
+        sorted.truncate(COMPARED);
+    }
+    let nearest = nearest(sorted.into_iter(), name).join(", ");
+    format!("{what} are {} in number, and the nearest are {nearest}", names.len())
 }
 
 impl Mechanism {
@@ -64,7 +87,7 @@ impl Mechanism {
         faults.keep(self.check_solver());
         self.parameters(&mut |parameter, value| {
             if !parameter.range.contains(*value) {
-                faults.keep(parameter.range.check(parameter.key.concat(), *value));
+                faults.keep(parameter.range.check_in(parameter.unit, parameter.key.concat(), *value));
             }
         });
         self.check_bodies(&mut faults);
@@ -107,6 +130,13 @@ impl Mechanism {
                 faults.keep(check_name(group, name));
             }
         }
+        // Both would have one name in the guess, and one variable for two speeds.
+        for (name, _) in self.joints.iter().filter(|(_, joint)| joint.kind == JointKind::Prismatic) {
+            if self.bodies.get(name).is_some() {
+                let message = format!("`{name}` names a body and a joint: rename one");
+                faults.keep::<()>(refused(format_args!("joints.{name}"), message));
+            }
+        }
         for (body, b) in self.bodies.iter() {
             for point in b.points.names() {
                 faults.keep(check_name(format_args!("bodies.{body}.points"), point));
@@ -128,7 +158,7 @@ impl Mechanism {
             return unknown("a point is written body.point, such as crank.end".into());
         };
         let Some((index, b)) = self.bodies.find(body) else {
-            return unknown(format!("the bodies are {}", self.bodies.names().join(", ")));
+            return unknown(alternatives("the bodies", &self.bodies.names(), body));
         };
         match (point, b.length, b.points.get(point)) {
             ("origin", ..) => Ok((index, [0.0, 0.0])),
@@ -139,7 +169,7 @@ impl Mechanism {
                 let mut names = vec!["origin"];
                 names.extend(length.map(|_| "end"));
                 names.extend(b.points.names());
-                unknown(format!("the points of {body} are {}", names.join(", ")))
+                unknown(alternatives(&format!("the points of {body}"), &names, point))
             }
         }
     }
@@ -292,8 +322,18 @@ impl Mechanism {
             faults.keep(self.point(format_args!("markers.{name}.at"), &marker.at));
         }
         for (name, &value) in self.guess.iter() {
-            let range = if self.bodies.get(name).is_some() { Range::Turn } else { Range::Coordinate };
-            faults.keep(range.check(format_args!("guess.{name}"), value));
+            let key = format_args!("guess.{name}");
+            let (is_body, is_joint) = (self.bodies.get(name).is_some(), self.joints.get(name).is_some());
+            let (range, unit) = if is_body { (Range::Turn, Unit::Radian) } else { (Range::Coordinate, Unit::Metre) };
+            if is_body || is_joint {
+                faults.keep(range.check_in(unit, key, value));
+            } else {
+                let slides = self.joints.iter().filter(|(_, joint)| joint.kind == JointKind::Prismatic);
+                let moving = self.bodies.names().into_iter().filter(|name| *name != GROUND);
+                let names: Vec<&str> = moving.chain(slides.map(|(name, _)| name)).collect();
+                let allowed = alternatives("the bodies and prismatic joints", &names, name);
+                faults.keep::<()>(refused(key, format!("gives no coordinate, as nothing is called so; {allowed}")));
+            }
         }
     }
 

@@ -33,6 +33,8 @@ impl Mechanism {
         let mut all = Vec::new();
         self.warn_of_friction(&mut all);
         self.warn_of_stops(&mut all);
+        self.warn_of_springs(&mut all);
+        all.extend(self.experiment.coarse().map(|(key, message, remedy)| Finding::warning(key, message, remedy)));
         self.warn_of_bodies(&mut all);
         self.warn_of_angles(&mut all);
         self.warn_of_lengths(&mut all);
@@ -77,6 +79,20 @@ impl Mechanism {
                     "say \"rigid\": false for a bumper",
                 )),
                 _ => {}
+            }
+        }
+    }
+
+    fn warn_of_springs(&self, all: &mut Vec<Finding>) {
+        for (name, spring) in self.springs.iter() {
+            let forces = [Some(spring.stiffness), spring.damping, spring.preload];
+            if forces.into_iter().flatten().all(|value| value == 0.0) {
+                let message = "is a spring with neither stiffness nor damping nor preload, so it never pulls";
+                all.push(Finding::warning(
+                    format_args!("springs.{name}"),
+                    message,
+                    "give it a stiffness, or remove it",
+                ));
             }
         }
     }

@@ -42,8 +42,7 @@ pub fn variables(mechanism: &Mechanism) -> Result<Variables<Quantity>, Definitio
         );
         return Err(DefinitionError::key("mechanism", message));
     }
-    Variables::new(&mechanism.name, list, quantities)
-        .map_err(|twice| DefinitionError::key(twice.0, "two elements give a variable of this name: rename one"))
+    Variables::new(&mechanism.name, list, quantities).map_err(|twice| mechanism.named_twice(&twice.0))
 }
 
 /// For each output of the mechanism the inputs and parameters on which its initial value depends, ascending; for each

@@ -74,18 +74,25 @@ impl fmt::Display for ReductionError {
                 "{what} is not smooth near {position}: almost nothing with mass moves there; give a mass or an inertia to a body that does"
             ),
             Self::Start { name, value, range: (low, high), turned } => {
-                let (low, high) = (Decimal::rounded(*low), Decimal::rounded(*high));
-                write!(f, "{name} = {} cannot be reached: the linkage moves from {low} to {high}", Decimal(*value))?;
+                let [value, low, high] = [*value, *low, *high].map(Decimal::rounded);
+                let unit = unit_of(name);
+                write!(
+                    f,
+                    "{name} = {value}{unit} cannot be reached: the linkage moves from {low}{unit} to {high}{unit}"
+                )?;
                 match turned {
-                    Some(same) => write!(f, ", where {} is the same position: state that", Decimal::rounded(*same)),
+                    Some(same) => {
+                        write!(f, ", where {}{unit} is the same position: state that", Decimal::rounded(*same))
+                    }
                     None => Ok(()),
                 }
             }
             Self::Rigid { name, value, held, moving } => {
+                let unit = unit_of(name);
                 let (owner, held) = (name.split('.').next().unwrap_or_default(), Decimal::rounded(*held));
                 write!(
                     f,
-                    "{name} = {} cannot be reached: {owner} is held at {held} by the joints of its loop, which is rigid, and \
+                    "{name} = {}{unit} cannot be reached: {owner} is held at {held}{unit} by the joints of its loop, which is rigid, and \
                      {} moves freely; remove a joint of that loop or add a body to it, and hold what moves freely",
                     Decimal(*value),
                     moving.join(", ")
@@ -102,6 +109,15 @@ impl fmt::Display for ReductionError {
 }
 
 impl std::error::Error for ReductionError {}
+
+/// Unit of a start value, after a blank, from the name of the variable that states it.
+fn unit_of(name: &str) -> &'static str {
+    match name.rsplit_once(".start_") {
+        Some((_, "angle")) => " rad",
+        Some((_, "position")) => " m",
+        _ => "",
+    }
+}
 
 impl ReductionError {
     /// The error for a start that is stated by another quantity, which differs from the coordinate by a constant and

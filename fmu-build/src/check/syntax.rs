@@ -1,0 +1,307 @@
+//! What in a text is no JSON: each fault with its place and its remedy.
+//!
+//! In: a text. Out: findings; the same text with each fault written over, in which all else keeps its place, so that the
+//! rest can be read. It must not know what the keys mean.
+
+use super::faults::{Located, MOST, at};
+use jsonc_parser::errors::{ParseError, ParseErrorKind};
+use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
+use linkage_fmu::inspection::Finding;
+use linkage_fmu::numerics::decimal::Decimal;
+use std::f64::consts::PI;
+use std::ops::Range;
+
+/// JSON to the letter.
+const STRICT: ParseOptions = ParseOptions {
+    allow_comments: false,
+    allow_loose_object_property_names: false,
+    allow_trailing_commas: false,
+    allow_missing_commas: false,
+    allow_single_quoted_strings: false,
+    allow_hexadecimal_numbers: false,
+    allow_unary_plus_numbers: false,
+    allow_bare_decimal_point_numbers: false,
+    allow_non_finite_numbers: false,
+    allow_extended_string_escapes: false,
+};
+
+/// A fault of the syntax.
+struct Fault {
+    message: String,
+    /// Range of bytes that is underlined.
+    shown: Range<usize>,
+    /// What is written over a range of the same length so that the rest can be read; none if nobody can tell.
+    cure: Option<(Range<usize>, String)>,
+}
+
+impl Fault {
+    fn new(message: impl Into<String>, shown: Range<usize>) -> Self {
+        Self { message: message.into(), shown, cure: None }
+    }
+
+    /// The fault whose place takes this text, padded with blanks.
+    fn written(mut self, text: &str) -> Self {
+        let length = self.shown.len();
+        self.cure = (text.len() <= length).then(|| (self.shown.clone(), format!("{text:<length$}")));
+        self
+    }
+
+    /// The fault that a character in the place of the blank before it mends, if there is a blank.
+    fn preceded(mut self, text: &str, by: char) -> Self {
+        let start = self.shown.start;
+        let is_blank = text[..start].ends_with([' ', '\t', '\n', '\r']);
+        self.cure = is_blank.then(|| (start - 1..start, by.to_string()));
+        self
+    }
+}
+
+/// Ranges of bytes that were written over.
+pub struct Repaired {
+    /// Each place.
+    pub places: Vec<Range<usize>>,
+    /// Whether the text is JSON now.
+    pub is_json: bool,
+}
+
+/// Find what is no JSON, and write over it what is.
+pub fn repair(text: &mut String, located: &mut Vec<Located>) -> Repaired {
+    let mut places = Vec::new();
+    while located.len() < MOST {
+        let Err(error) = parse_to_ast(text, &CollectOptions::default(), &STRICT).map(drop) else {
+            return Repaired { places, is_json: true };
+        };
+        // What has no name here, the engine says in its own words.
+        let Some(Fault { message, shown, cure }) = fault(text, &error) else { break };
+        located.push(at(text, Finding::error("", message), shown.clone()));
+        let Some((range, replacement)) = cure else { break };
+        overwrite(text, range, &replacement);
+        places.push(shown);
+    }
+    Repaired { places, is_json: false }
+}
+
+/// Overwrite a range; line breaks stay, and what is longer than the replacement becomes blank.
+pub fn overwrite(text: &mut String, range: Range<usize>, replacement: &str) {
+    let blank = replacement.trim().is_empty();
+    let written: String = match blank {
+        false => replacement.to_owned(),
+        true => text[range.clone()]
+            .chars()
+            .flat_map(|c| std::iter::repeat_n(if matches!(c, '\n' | '\r') { c } else { ' ' }, c.len_utf8()))
+            .collect(),
+    };
+    text.replace_range(range, &written);
+}
+
+/// The fault at which the parser stopped.
+fn fault(text: &str, error: &ParseError) -> Option<Fault> {
+    let (start, end) = (error.range().start, error.range().end);
+    let rest = &text[start..];
+    if let Some(comma) = decimal_comma(text, start) {
+        let message = "a decimal comma: JSON writes decimals with a point, such as 0.5; put a point in its place";
+        return Some(Fault::new(message, comma..comma + 1).written("."));
+    }
+    if let Some(open) = open_text(text) {
+        let message = "a text without its closing quote: put a quote \" at its end, on the same line";
+        return Some(Fault::new(message, open));
+    }
+    let first = rest.chars().next();
+    let one = start..start + first.map_or(0, char::len_utf8);
+    Some(match error.kind() {
+        ParseErrorKind::CommentsNotAllowed => {
+            let length = match rest.strip_prefix("/*") {
+                Some(inner) => inner.find("*/").map_or(rest.len(), |at| at + 4),
+                None => rest.find('\n').unwrap_or(rest.len()),
+            };
+            let message = "a comment: JSON has none; remove it, or say it in description";
+            Fault::new(message, start..start + length).written("")
+        }
+        ParseErrorKind::TrailingCommasNotAllowed => {
+            Fault::new("a comma before the closing bracket: nothing follows it; remove it", start..end).written("")
+        }
+        ParseErrorKind::UnaryPlusNumbersNotAllowed => {
+            Fault::new("JSON writes positive numbers without a plus; remove it", start..start + 1).written("")
+        }
+        ParseErrorKind::SingleQuotedStringsNotAllowed => {
+            let length = rest[1..].find(['\'', '\n']).map_or(rest.len(), |at| at + 2);
+            let inner = rest[1..length].trim_end_matches(['\'', '\n', '\r']);
+            let text = format!("\"{inner}\"");
+            let is_closed = rest[..length].ends_with('\'') && !inner.contains(['"', '\\']);
+            let fault = Fault::new(
+                format!("JSON writes texts in double quotes: {text}"),
+                start..start + length,
+            );
+            if is_closed { fault.written(&text) } else { fault }
+        }
+        ParseErrorKind::UnterminatedObject | ParseErrorKind::UnterminatedArray => {
+            let (open, bracket) = open_brackets(text).pop()?;
+            let close = if bracket == '{' { '}' } else { ']' };
+            Fault::new(format!("this `{bracket}` is never closed: add the `{close}` that is missing"), open..open + 1)
+        }
+        _ if matches!(first, Some('}' | ']')) => {
+            Fault::new("a closing bracket too many, or of the wrong kind: remove it, or put it right", one).written("")
+        }
+        ParseErrorKind::MultipleRootJsonValues => Fault::new(
+            "the definition ends before this: a file holds one object; remove what follows, or a closing bracket too many \
+             before it",
+            one,
+        )
+        .blanked_to(text.len()),
+        _ if first == Some('=') => {
+            Fault::new("JSON writes a colon between key and value: put : in its place", one).written(":")
+        }
+        _ => return word(text, start).or_else(|| missing(text, error.kind(), start)),
+    })
+}
+
+impl Fault {
+    /// The fault with all that follows blanked out, up to this byte.
+    fn blanked_to(mut self, end: usize) -> Self {
+        self.cure = Some((self.shown.start..end, String::new()));
+        self
+    }
+}
+
+/// A comma or a colon that is missing before what stands next from here on.
+fn missing(text: &str, kind: &ParseErrorKind, start: usize) -> Option<Fault> {
+    let place = token(text, text.len() - text[start..].trim_start().len());
+    match kind {
+        ParseErrorKind::ExpectedComma => {
+            // Of two brackets one may be missing here: a comma would put what follows in the wrong object.
+            match open_brackets(text).is_empty() {
+                true => Some(Fault::new("a comma is missing before this: add it", place).preceded(text, ',')),
+                false => Some(Fault::new("a closing bracket is missing before this: add it, with a comma", place)),
+            }
+        }
+        ParseErrorKind::ExpectedColonAfterObjectKey => {
+            Some(Fault::new("a colon is missing before this: add it", place).preceded(text, ':'))
+        }
+        _ => None,
+    }
+}
+
+/// A text in quotes or a single character that begins here.
+fn token(text: &str, start: usize) -> Range<usize> {
+    let rest = &text[start..];
+    let length = match rest.strip_prefix('"').and_then(|inner| inner.find('"')) {
+        Some(at) => at + 2,
+        None => rest.find(ends_word).filter(|length| *length > 0).unwrap_or(1),
+    };
+    start..start + length
+}
+
+fn ends_word(c: char) -> bool {
+    c.is_whitespace() || ",:{}[]\"'=".contains(c)
+}
+
+/// A word without quotes around this place that is no value of JSON.
+fn word(text: &str, at: usize) -> Option<Fault> {
+    let start = text[..at].char_indices().rev().take_while(|(_, c)| !ends_word(*c)).last().map_or(at, |(k, _)| k);
+    let length = text[start..].find(ends_word).unwrap_or(text.len() - start);
+    let place = start..start + length;
+    let word = &text[place.clone()];
+    if word.is_empty() || serde_json::from_str::<serde_json::Value>(word).is_ok() {
+        return None;
+    }
+    let bare = word.trim_start_matches(['+', '-']).to_ascii_lowercase();
+    if text[place.end..].trim_start().starts_with(':') {
+        let message = format!("JSON writes keys in double quotes: \"{word}\"");
+        let blanks = text[..start].ends_with("  ");
+        let cure = blanks.then(|| (start - 2..place.end, format!("\"{word}\"")));
+        return Some(Fault { message, shown: place, cure });
+    }
+    match bare.as_str() {
+        "nan" | "inf" | "infinity" => {
+            let message = "no number: numbers are finite in JSON; give a number, or leave the key out";
+            return Some(Fault::new(message, place).written("0"));
+        }
+        "true" | "false" | "null" => {
+            let message = "in JSON this word is written in small letters: true, false, null";
+            return Some(Fault::new(message, place).written(&bare));
+        }
+        "none" => {
+            let message = "no word of JSON: leave the key out if it has no value";
+            return Some(Fault::new(message, place).written("0"));
+        }
+        _ => {}
+    }
+    if let Some(value) = formula(word) {
+        let is_number = word.parse::<f64>().is_ok();
+        let what = if is_number { "JSON writes this number" } else { "JSON has no formulas: write the number" };
+        let message = format!("`{word}`: {what} {}", Decimal::rounded(value));
+        let fits = (0..=17).rev().map(|digits| format!("{value:.digits$}")).find(|text| text.len() <= length);
+        return Some(Fault::new(message, place).written(&fits.unwrap_or_else(|| "1".into())));
+    }
+    let digits = word.find(|c: char| !(c.is_ascii_digit() || "+-.".contains(c))).unwrap_or(length);
+    let message = match word[..digits].parse::<f64>() {
+        Ok(value) => format!(
+            "`{word}` is no number: write {} alone; lengths are in m and angles in rad, unless \"units\" says otherwise",
+            Decimal::rounded(value)
+        ),
+        Err(_) => format!("`{word}` is no value of JSON: texts stand in double quotes, numbers are digits"),
+    };
+    Some(Fault::new(message, place).written("1"))
+}
+
+/// The value of a product or quotient of numbers and pi, such as `-3*pi/4`, or of one number.
+fn formula(word: &str) -> Option<f64> {
+    let (mut value, mut rest, mut divides) = (1.0, word, false);
+    loop {
+        let (factor, after) = match rest.find(['*', '/']) {
+            Some(at) => (&rest[..at], Some((at, &rest[at + 1..]))),
+            None => (rest, None),
+        };
+        let (sign, name) = factor.strip_prefix('-').map_or((1.0, factor), |name| (-1.0, name));
+        let name = name.strip_prefix("math.").or_else(|| name.strip_prefix("np.")).unwrap_or(name);
+        let is_digits = name.starts_with(|c: char| c.is_ascii_digit() || c == '.');
+        let number = match name {
+            "pi" | "Pi" | "PI" | "\u{3c0}" => PI,
+            _ if is_digits => name.parse().ok()?,
+            _ => return None,
+        };
+        let number: f64 = sign * number;
+        value = if divides { value / number } else { value * number };
+        let Some((at, next)) = after else { break };
+        (divides, rest) = (rest.as_bytes()[at] == b'/', next);
+    }
+    Some(value).filter(|value| value.is_finite())
+}
+
+/// The first text with no closing quote on its line: from its quote to the end of the line.
+fn open_text(text: &str) -> Option<Range<usize>> {
+    let mut from = None;
+    let mut is_escaped = false;
+    for (at, c) in text.char_indices() {
+        match (from, c) {
+            (None, '"') => from = Some(at),
+            (Some(start), '\n') => return Some(start..at - usize::from(text[..at].ends_with('\r'))),
+            (Some(_), '"') if !is_escaped => from = None,
+            _ => {}
+        }
+        is_escaped = c == '\\' && !is_escaped && from.is_some();
+    }
+    from.map(|start| start..text.len())
+}
+
+/// Brackets outside of texts that are never closed.
+fn open_brackets(text: &str) -> Vec<(usize, char)> {
+    let (mut open, mut is_text, mut is_escaped) = (Vec::new(), false, false);
+    for (at, c) in text.char_indices() {
+        match c {
+            '"' if !is_escaped => is_text = !is_text,
+            '{' | '[' if !is_text => open.push((at, c)),
+            '}' | ']' if !is_text => drop(open.pop()),
+            _ => {}
+        }
+        is_escaped = is_text && c == '\\' && !is_escaped;
+    }
+    open
+}
+
+/// The comma before this place if it stands between two digits, inside a member of an object.
+fn decimal_comma(text: &str, at: usize) -> Option<usize> {
+    let bytes = text.as_bytes();
+    let comma = [at.checked_sub(1)?, at].into_iter().find(|&at| bytes.get(at) == Some(&b','))?;
+    let is_digit = |at: Option<usize>| at.and_then(|at| bytes.get(at)).is_some_and(u8::is_ascii_digit);
+    (is_digit(comma.checked_sub(1)) && is_digit(Some(comma + 1))).then_some(comma)
+}

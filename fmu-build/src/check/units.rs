@@ -1,0 +1,101 @@
+//! Messages in the units of the file.
+//!
+//! In: messages of the engine, which is in SI units. Out: the same with lengths and angles as the file states them.
+
+use linkage_fmu::inspection::Finding;
+use linkage_fmu::mechanism::definition::{AngleUnit, LengthUnit, Units};
+use linkage_fmu::numerics::decimal::Decimal;
+use serde::Deserialize;
+
+/// A unit of the engine, the unit of the file, and how many of the file's make one of the engine's.
+struct Unit {
+    si: &'static str,
+    own: &'static str,
+    factor: f64,
+}
+
+/// The units in which a file states lengths and angles, where these are not SI units.
+pub struct FileUnits(Vec<Unit>);
+
+impl FileUnits {
+    /// The units that the text states.
+    pub fn of(text: &str) -> Self {
+        #[derive(Deserialize)]
+        struct Stated {
+            #[serde(default)]
+            units: Units,
+        }
+        let stated = serde_json::from_str::<Stated>(text).map(|stated| stated.units).unwrap_or_default();
+        let length = (stated.length == Some(LengthUnit::Mm)).then_some(Unit { si: "m", own: "mm", factor: 1e3 });
+        let degree = 180.0 / std::f64::consts::PI;
+        let angle = (stated.angle == Some(AngleUnit::Deg)).then_some(Unit { si: "rad", own: "deg", factor: degree });
+        Self(length.into_iter().chain(angle).collect())
+    }
+
+    /// A finding in the units of the file; a circuit is in SI units in any file.
+    pub fn told(&self, mut finding: Finding) -> Finding {
+        if !finding.path.contains(".hydraulics") {
+            finding.message = self.converted(&finding.message);
+            finding.remedy = self.converted(&finding.remedy);
+        }
+        finding
+    }
+
+    /// Every number that is followed by a converted unit in this unit.
+    fn converted(&self, message: &str) -> String {
+        let mut out = String::with_capacity(message.len());
+        let mut words = message.split(' ').peekable();
+        while let Some(word) = words.next() {
+            let unit = words.peek().and_then(|next| self.of_word(next).map(|unit| (unit, *next)));
+            let digits = word.trim_start_matches('(');
+            match unit.zip(digits.parse::<f64>().ok()) {
+                Some(((unit, next), value)) => {
+                    let rest = &next[unit.si.len()..];
+                    out.push_str(&word[..word.len() - digits.len()]);
+                    out.push_str(&format!("{} {}{rest}", Decimal::rounded(value * unit.factor), unit.own));
+                    words.next();
+                }
+                None => out.push_str(&self.bracketed(word)),
+            }
+            if words.peek().is_some() {
+                out.push(' ');
+            }
+        }
+        out
+    }
+
+    /// The unit that this word is, but for the signs that follow it.
+    fn of_word(&self, word: &str) -> Option<&Unit> {
+        let ends = |unit: &&Unit| {
+            word.strip_prefix(unit.si)
+                .is_some_and(|rest| rest.is_empty() || rest.starts_with([',', ';', ':', ')', ']']) || rest == ".")
+        };
+        self.0.iter().find(ends)
+    }
+
+    /// A unit in brackets, which is asked for.
+    fn bracketed(&self, word: &str) -> String {
+        let unit = word.strip_prefix('[').and_then(|inner| self.of_word(inner).filter(|_| inner.contains(']')));
+        unit.map_or_else(|| word.to_owned(), |unit| word.replacen(unit.si, unit.own, 1))
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_and_angles_are_told_as_the_file_states_them() {
+        let text = r#"{ "units": { "length": "mm", "angle": "deg" } }"#;
+        for (message, told) in [
+            ("a = 0.5 m: from -0.2 m to 0.4 m, 1.5 m/s", "a = 500 mm: from -200 mm to 400 mm, 1.5 m/s"),
+            ("(3.141592653589793 rad; 2 N.m)", "(180 deg; 2 N.m)"),
+            ("give its rough angle [rad]", "give its rough angle [deg]"),
+            ("1e4 N/m and m alone", "1e4 N/m and m alone"),
+        ] {
+            assert_eq!(FileUnits::of(text).converted(message), told);
+            assert_eq!(FileUnits::of("{}").converted(message), message);
+        }
+    }
+}
