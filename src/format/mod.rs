@@ -156,7 +156,8 @@ fn message(error: &serde_json::Error, text: &str, is_top: bool) -> String {
         "; write { \"name\": value } in place of [ value ]"
     } else if message.contains("duplicate field") {
         "; remove one of the two"
-    } else if message.contains("invalid length") {
+    } else if message.contains("invalid length") || (!is_top && message.contains("trailing characters")) {
+        // A list with more numbers than it has places.
         "; decimals are written with a point, such as 0.5"
     } else if message.contains("trailing characters") {
         "; the object ends before this: remove what follows, or a closing bracket too many before it"

@@ -113,9 +113,13 @@ fn names_that_nothing_carries() {
         (r#""on": "crank""#, r#""on": "crnk""#, &["torques.crank.on", r#""crnk""#, "bodies are"]),
         (r#""start": { "body": "crank""#, r#""start": { "body": "crnk""#, &["start.body", r#""crnk""#, "bodies are"]),
         (r#""leg.end""#, r#""wheel.origin""#, &["bodies.wheel.fixed_to", "circle"]),
-        (r#""coupler": 0.46"#, r#""copuler": 0.46"#, &["guess.copuler", "crank, coupler, follower"]),
-        (r#""coupler": 0.46"#, r#""cou\npler": 0.46"#, &[r"guess.cou\npler", "crank, coupler, follower"]),
-        (r#""coupler": 0.46"#, r#""coupler": 1e308"#, &["guess.coupler = 1e308", "from -1e6 to 1e6 rad"]),
+        (
+            r#""coupler": 0.46"#,
+            r#""copuler": 0.46"#,
+            &["guess.copuler", "nothing is called so", "crank, leg, wheel, coupler, follower"],
+        ),
+        (r#""coupler": 0.46"#, r#""cou\npler": 0.46"#, &[r"guess.cou\npler", "crank, leg, wheel, coupler, follower"]),
+        (r#""coupler": 0.46"#, r#""coupler": 1e308"#, &["guess.coupler = 1e308", "from -1e6 rad to 1e6 rad"]),
         (r#", "coupler": 0.46"#, "", &["guess.coupler", "missing", "rough angle [rad]"]),
     ] {
         check(&changed(from, to), fragments);
@@ -301,8 +305,8 @@ fn starts_out_of_reach() {
 #[test]
 fn angles_that_count_too_many_turns() {
     for (path, line) in [
-        ("guess.crank", "guess.crank = 1000000000: must be an angle from -1e6 to 1e6 rad"),
-        ("start.angle", "start.angle = 1000000000: must be an angle from -1e6 to 1e6 rad"),
+        ("guess.crank", "guess.crank = 1000000000 rad: must be an angle from -1e6 rad to 1e6 rad"),
+        ("start.angle", "start.angle = 1000000000 rad: must be an angle from -1e6 rad to 1e6 rad"),
     ] {
         assert_eq!(refusal(&slider_crank(&[(path, 1e9.into())])), line);
     }
@@ -314,7 +318,7 @@ fn huge_and_tiny_numbers_are_written_with_exponents() {
     for (path, value, fragment) in [
         ("solver", json!({ "tolerance": 1e300 }), "solver.tolerance = 1e300: must be"),
         ("solver", json!({ "tolerance": 1e-20 }), "solver.tolerance = 1e-20: must be"),
-        ("bodies.crank.length", 1e200.into(), "bodies.crank.length = 1e200: must be a number > 0 and <= 1e100"),
+        ("bodies.crank.length", 1e200.into(), "bodies.crank.length = 1e200 m: must be a number > 0 and <= 1e100"),
         ("experiment", json!({ "stop_time": -1e250, "step_size": 1 }), "experiment.stop_time = -1e250: must"),
     ] {
         check(&slider_crank(&[(path, value)]), &[fragment]);
@@ -371,7 +375,7 @@ fn a_guess_of_what_gives_no_coordinate_says_why() {
     // Of two joints between the same bodies the first in the file has the position.
     Model::from_json(&text(json!({ "guide": 0.3 }))).unwrap();
     check(&text(json!({ "rail": 0.3, "guide": 0.1 })), &["guess.rail", "follows from those of other prismatic joints"]);
-    check(&text(json!({ "guide": 0.3, "carriage": 0.0 })), &["guess.carriage", "does not turn", "leave it out"]);
+    check(&text(json!({ "guide": 0.3, "carriage": 0.0 })), &["guess.carriage", "does not turn", "remove this key"]);
     let pin = changed("\"guess\": { \"crank\": 0.8", "\"guess\": { \"joint2\": 1, \"crank\": 0.8");
     check(&pin, &["guess.joint2", "is a revolute joint", "angles of bodies"]);
 }
