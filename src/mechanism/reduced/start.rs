@@ -68,6 +68,10 @@ impl Reduced {
         }
         best.ok_or_else(|| {
             let (low, high) = self.range_of(coordinate);
+            if !(low.is_finite() && high.is_finite()) {
+                // Numbers so far apart that no position has a value.
+                return ReductionError::Table { what: name.into(), position: "the guess".into() };
+            }
             if high - low <= RIGID * (1.0 + low.abs()) {
                 let moves = |i: &usize| {
                     let (low, high) = self.range_of(*i);
