@@ -377,8 +377,6 @@ impl Model {
         let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) else {
             return Err(ModelError::NotInitialised);
         };
-        // A parameter of the solver does not end the motion.
-        ParameterValues::settle(&mut self.parameter_values);
         let solver = &self.parameter_values.mechanism().solver;
         let clipped = self.clipped.look((reduced, state), &self.inputs, h);
         let stepped = match state {

@@ -58,6 +58,11 @@ impl ParameterValues {
         self.mechanism.solver.method
     }
 
+    /// Whether the mechanism has the present values.
+    pub fn is_settled(&self) -> bool {
+        !self.is_stale
+    }
+
     /// Whether all parameters are the same to the bit.
     pub fn has_same_bits(&self, other: &Self) -> bool {
         same_bits(&self.parameters, &other.parameters) && self.flags == other.flags && self.method() == other.method()

@@ -196,7 +196,7 @@ impl Model {
         parameter_values.update_mechanism();
         let parameter_values = [&self.parameter_values, &self.original.parameter_values]
             .into_iter()
-            .find(|known| known.has_same_bits(&parameter_values))
+            .find(|known| known.is_settled() && known.has_same_bits(&parameter_values))
             .map_or_else(|| Arc::new(parameter_values.clone()), Arc::clone);
         inputs.record(record)?;
         let mut reduced = self.known_reduced(&parameter_values);

@@ -13,7 +13,7 @@ const CLOSED: f64 = 1e-14;
 /// Largest gap of redundant loops, relative to the linkage's size, that is blamed on their lengths and not on the guess.
 const CONTRADICTION: f64 = 1e-2;
 /// Singular values below this part of the largest count as zero.
-const RANK: f64 = 1e-9;
+pub(super) const RANK: f64 = 1e-9;
 
 /// Dimensionless Jacobian: gaps relative to the linkage's size, coordinates weighted.
 pub(super) fn scaled_jacobian(linkage: &Linkage, p: &Positions, q: &[f64], w: &[f64]) -> DMatrix<f64> {
@@ -24,12 +24,13 @@ pub(super) fn scaled_jacobian(linkage: &Linkage, p: &Positions, q: &[f64], w: &[
     j
 }
 
-pub(super) fn rank(matrix: &DMatrix<f64>) -> usize {
+/// Number of singular values above `least`, a part of the largest.
+pub(super) fn rank(matrix: &DMatrix<f64>, least: f64) -> usize {
     if matrix.is_empty() {
         return 0;
     }
     let values = matrix.singular_values();
-    values.iter().filter(|s| **s > RANK * values.max().max(1e-3)).count()
+    values.iter().filter(|s| **s > least * values.max().max(1e-3)).count()
 }
 
 /// Closed coordinates near a guess, by Newton's method with least-norm corrections.

@@ -12,7 +12,7 @@ pub use factors::{Factors, dot};
 
 use crate::mechanism::linkage::{Linkage, Positions};
 use crate::numerics::twofold::Twofold;
-use assembly::{close, independent_rows, rank, scaled_jacobian};
+use assembly::{RANK, close, independent_rows, rank, scaled_jacobian};
 use std::sync::Arc;
 
 /// Position of a prismatic joint, in sizes of the linkage, up to which its rounding is no more than that of Newton's
@@ -88,7 +88,7 @@ impl Closure {
         }
         let q = close(&linkage, guess, &w)?;
         let j = scaled_jacobian(&linkage, &linkage.positions(&q), &q, &w);
-        let freedom = n - rank(&j);
+        let freedom = n - rank(&j, RANK);
         if freedom != 1 {
             // Branches cross here if there is one degree of freedom a little way off, in an arbitrary fixed direction.
             let off: Vec<f64> = (0..n).map(|i| q[i] + 0.02 * (1.0 + 3.7 * i as f64).sin() / w[i]).collect();
@@ -96,7 +96,7 @@ impl Closure {
                 && let Ok(near) = close(&linkage, &off, &w)
             {
                 let j = scaled_jacobian(&linkage, &linkage.positions(&near), &near, &w);
-                if n - rank(&j) == 1 {
+                if n - rank(&j, RANK) == 1 {
                     return Err(AssemblyError::Crossing);
                 }
             }
@@ -114,13 +114,8 @@ impl Closure {
     /// Whether all loop equations together leave more than one degree of freedom at `q`, which is accurate to 1e-6 of it.
     pub fn loses_rank(&self, q: &[f64]) -> bool {
         const ACCURACY: f64 = 1e-6;
-        let mut values: Vec<f64> = scaled_jacobian(&self.linkage, &self.linkage.positions(q), q, &self.weights)
-            .singular_values()
-            .iter()
-            .copied()
-            .collect();
-        values.sort_by(|a, b| b.total_cmp(a));
-        values.get(self.weights.len() - 2).is_none_or(|value| *value < ACCURACY * values[0])
+        let j = scaled_jacobian(&self.linkage, &self.linkage.positions(q), q, &self.weights);
+        rank(&j, ACCURACY) + 1 < q.len()
     }
 
     /// Indices of the independent loop equations.
