@@ -35,16 +35,6 @@ pub trait Number:
     fn compose(self, [value, first, _]: [f64; 3]) -> Self {
         self.chain(value, first)
     }
-    /// Functions of this number into `out`. `values`, `derivatives` and `second` write the functions' values, first and
-    /// second derivatives at it; the last two are called only by types that carry as many.
-    fn compose_all<const M: usize>(
-        self,
-        out: &mut [Self; M],
-        values: impl FnOnce(&mut [f64; M]),
-        derivatives: impl FnOnce(&mut [f64; M]),
-        second: impl FnOnce(&mut [f64; M]),
-    );
-
     /// Integer power.
     #[inline]
     fn powi(self, n: i32) -> Self {
@@ -86,17 +76,6 @@ impl Number for f64 {
 
     fn chain(self, value: f64, _derivative: f64) -> Self {
         value
-    }
-
-    #[inline]
-    fn compose_all<const M: usize>(
-        self,
-        out: &mut [Self; M],
-        values: impl FnOnce(&mut [f64; M]),
-        _derivatives: impl FnOnce(&mut [f64; M]),
-        _second: impl FnOnce(&mut [f64; M]),
-    ) {
-        values(out);
     }
 }
 
@@ -189,21 +168,6 @@ impl<const N: usize> Number for Dual<N> {
     fn chain(self, value: f64, derivative: f64) -> Self {
         Self { value, slope: self.slope.map(|s| s * derivative) }
     }
-
-    fn compose_all<const M: usize>(
-        self,
-        out: &mut [Self; M],
-        values: impl FnOnce(&mut [f64; M]),
-        derivatives: impl FnOnce(&mut [f64; M]),
-        _second: impl FnOnce(&mut [f64; M]),
-    ) {
-        let (mut of_self, mut slopes) = ([0.0; M], [0.0; M]);
-        values(&mut of_self);
-        derivatives(&mut slopes);
-        for (out, (value, slope)) in out.iter_mut().zip(of_self.into_iter().zip(slopes)) {
-            *out = self.chain(value, slope);
-        }
-    }
 }
 
 /// A value with its derivative along sigma, both with derivatives along a direction of state and inputs.
@@ -286,22 +250,6 @@ impl Number for Nested {
 
     fn compose(self, [value, first, second]: [f64; 3]) -> Self {
         Self { value: self.value.chain(value, first), slope: self.slope * self.value.chain(first, second) }
-    }
-
-    fn compose_all<const M: usize>(
-        self,
-        out: &mut [Self; M],
-        values: impl FnOnce(&mut [f64; M]),
-        derivatives: impl FnOnce(&mut [f64; M]),
-        second: impl FnOnce(&mut [f64; M]),
-    ) {
-        let mut of_self = [[0.0; M]; 3];
-        values(&mut of_self[0]);
-        derivatives(&mut of_self[1]);
-        second(&mut of_self[2]);
-        for (k, out) in out.iter_mut().enumerate() {
-            *out = self.compose(of_self.map(|of_self| of_self[k]));
-        }
     }
 
     fn hypot(self, other: Self) -> Self {

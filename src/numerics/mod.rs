@@ -10,5 +10,6 @@ pub mod gapped;
 pub mod gauss;
 pub mod passage;
 pub mod plane;
+pub mod processor;
 pub mod table;
 pub mod twofold;

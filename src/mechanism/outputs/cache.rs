@@ -6,7 +6,7 @@ use crate::mechanism::dynamics::inputs::Change;
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::motion::contact::Place;
 use crate::mechanism::reduced::{Reduced, StateLoads};
-use crate::numerics::chebyshev::{NODES, Series};
+use crate::numerics::bundle::{ROW, Row};
 use crate::numerics::dual::{Differentiable, Number};
 use crate::numerics::table::{Table, TablePosition};
 
@@ -25,6 +25,10 @@ pub struct OutputCache<N: Differentiable> {
     pub reactions: Vec<Option<[N; 3]>>,
     /// Whether a reaction has been evaluated in this state.
     pub has_reactions: bool,
+    /// What reactions are sums of, once one has been evaluated in this state.
+    pub shares: Shares<N>,
+    /// Values of the polynomials of a reaction.
+    pub values: Vec<[N; ROW]>,
     /// Evaluations since the start.
     pub computed: Computed,
     /// Scratch of the equation of motion.
@@ -64,6 +68,8 @@ impl<N: Differentiable> OutputCache<N> {
             panel: 0,
             reactions: vec![None; reduced.linkage().joints.len()],
             has_reactions: false,
+            shares: Shares { given: Vec::new(), state: Vec::new(), are_known: false },
+            values: Vec::new(),
             computed: Computed::default(),
             scratch: Scratch::new(state_loads),
         }
@@ -77,7 +83,20 @@ impl<N: Differentiable> OutputCache<N> {
             self.reactions.fill(None);
             self.has_reactions = false;
         }
+        self.shares.are_known = false;
     }
+}
+
+/// Sizes of what causes reactions besides the applied loads as they are: a joint's reaction is the sum of these times
+/// its reactions to each of size 1.
+#[derive(Clone, Debug)]
+pub struct Shares<N> {
+    /// sigma_ddot, sigma_dot^2, delivered forces that the state decides, forces of springs.
+    pub given: Vec<N>,
+    /// Loads that the state sizes.
+    pub state: Vec<N>,
+    /// Whether they are those of this state.
+    pub are_known: bool,
 }
 
 /// A direction: state and inputs as functions of one parameter s, at s = 0.
@@ -123,25 +142,36 @@ const NOWHERE: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 pub struct PresentLoads {
     /// Sizes of the loads.
     pub sizes: Vec<f64>,
-    /// Reactions of the joints to the loads of these sizes.
+    /// Reaction of each joint to the loads of these sizes and to all else.
     pub reactions: Vec<PanelReaction>,
 }
 
 impl PresentLoads {
     pub fn new(sizes: Vec<f64>, joints: usize) -> Self {
-        Self { sizes, reactions: vec![PanelReaction::new(); joints] }
+        Self { sizes, reactions: vec![PanelReaction::default(); joints] }
     }
 
     /// The sizes have changed: the polynomials hold nowhere.
     pub fn invalidate(&mut self) {
-        self.reactions.iter_mut().for_each(|reaction| (reaction.low, reaction.high) = NOWHERE);
+        self.reactions.iter_mut().for_each(|reaction| reaction.given.leave());
     }
 }
 
-/// Polynomials of a joint's reaction to all applied loads on one panel of its table: one for each part, as in the
-/// right-hand side.
-#[derive(Clone, Debug)]
+/// Polynomials of a joint's reaction on the panels where sigma was last.
+#[derive(Clone, Debug, Default)]
 pub struct PanelReaction {
+    /// For each part - force x, force y, moment - the reaction to all applied loads as they are, then to what
+    /// [`Shares::given`] multiplies.
+    pub given: PanelRows,
+    /// For each part the reaction to the loads that the state sizes, which [`Shares::state`] multiplies.
+    pub state: PanelRows,
+    /// Whether the loads that the state sizes include those of moving air.
+    pub air: bool,
+}
+
+/// Polynomials side by side on one panel of a table.
+#[derive(Clone, Debug)]
+pub struct PanelRows {
     /// First sigma for which the polynomials hold, and the first for which they no longer do.
     low: f64,
     high: f64,
@@ -149,16 +179,23 @@ pub struct PanelReaction {
     /// 2 / width of the panel.
     inverse: f64,
     /// Panel of the table.
-    pub panel: usize,
-    /// Force x, force y, moment.
-    pub applied: [Series; 3],
+    panel: usize,
+    /// The polynomials.
+    pub rows: Vec<Row>,
 }
 
-impl PanelReaction {
+impl Default for PanelRows {
     /// Holds nowhere.
-    fn new() -> Self {
+    fn default() -> Self {
         let (low, high) = NOWHERE;
-        Self { low, high, center: 0.0, inverse: 0.0, panel: 0, applied: [[0.0; NODES]; 3] }
+        Self { low, high, center: 0.0, inverse: 0.0, panel: 0, rows: Vec::new() }
+    }
+}
+
+impl PanelRows {
+    /// Hold nowhere.
+    pub fn leave(&mut self) {
+        (self.low, self.high) = NOWHERE;
     }
 
     /// Whether the polynomials hold at sigma.
@@ -173,16 +210,10 @@ impl PanelReaction {
         sigma.chain((sigma.value() - self.center) * self.inverse, self.inverse)
     }
 
-    /// Enter the panel at sigma. `sizes` are those of the applied loads; of the `columns` of each part, they belong to
-    /// those from the column 2 on. `is_stretch`: the table is that of one of several stretches of the curve.
+    /// Enter the panel at sigma; `fill` appends the polynomials of a panel. `is_stretch`: the table is that of one of
+    /// several stretches of the curve.
     #[cold]
-    pub fn enter(
-        &mut self,
-        (table, is_stretch): (&Table, bool),
-        sigma: f64,
-        (parts, columns): (usize, usize),
-        sizes: impl Iterator<Item = f64> + Clone,
-    ) {
+    pub fn enter(&mut self, (table, is_stretch): (&Table, bool), sigma: f64, fill: impl FnOnce(usize, &mut Vec<Row>)) {
         self.panel = table.panel_near(sigma, self.panel);
         let (a, b) = table.borders(self.panel);
         (self.low, self.high, self.center, self.inverse) = (a, b, 0.5 * (a + b), 2.0 / (b - a));
@@ -193,12 +224,7 @@ impl PanelReaction {
         if self.panel + 1 == table.panels() && !is_stretch {
             self.high = f64::INFINITY;
         }
-        for (part, sum) in self.applied.iter_mut().enumerate().take(parts) {
-            *sum = [0.0; NODES];
-            for (load, size) in sizes.clone().enumerate().filter(|(_, size)| *size != 0.0) {
-                let series = table.series(self.panel, part * columns + 2 + load);
-                sum.iter_mut().zip(series).for_each(|(sum, c)| *sum += size * c);
-            }
-        }
+        self.rows.clear();
+        fill(self.panel, &mut self.rows);
     }
 }

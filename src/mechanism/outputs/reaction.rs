@@ -3,97 +3,43 @@
 //! In: its reaction to each load of unit size, the sizes of the loads. Out: force x, force y, moment. It must not know
 //! how the sizes are found.
 use crate::mechanism::linkage::Freedom;
-use crate::mechanism::outputs::cache::PresentLoads;
+use crate::mechanism::outputs::cache::{PanelReaction, PanelRows, PresentLoads};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite, spring_force};
 use crate::mechanism::outputs::view::{Reading, View};
 use crate::mechanism::reactions::Reaction;
-use crate::numerics::table::{Table, Unresolved};
+use crate::numerics::bundle::{ROW, side_by_side, side_by_side_at};
+use crate::numerics::chebyshev::NODES;
+use crate::numerics::table::Table;
 
-/// Reaction of one joint to sigma_ddot = 1, sigma_dot^2 = 1, then to each load of unit size.
-struct UnitReactions<'a> {
-    joint: usize,
-    /// Force x and force y; of a joint that is not revolute also the moment.
-    parts: usize,
-    table: Result<&'a Table, &'a Unresolved>,
-    /// From the exact evaluator, where the reaction grows without bound somewhere, so that no table holds it.
-    exact: Vec<Reaction>,
-}
+/// Force x, force y, moment.
+type Parts<N> = [N; 3];
 
-impl<N: Reading> View<'_, N> {
+impl<'a, N: Reading> View<'a, N> {
     /// Force x, force y [N] and moment [N.m] that a joint transmits.
-    pub fn find_reaction(&mut self, joint: usize) -> Result<[N; 3], OutputError> {
-        let forces = self.forces()?;
-        let (reduced, sigma, sigma_dot) = (self.reduced, self.sigma(), self.sigma_dot());
-        let loading = reduced.loading();
-        let sized = reduced.components().sized;
-        let state_loads = self.state_loads();
-        // The state decides the delivered force of a drive with an efficiency or a circuit.
-        let decided = state_loads.map_or(&[][..], |s| &s.drives);
-        let table = reduced.reaction(joint);
-        let exact = match table {
-            // The exact evaluator has no derivative along sigma.
-            Err(at) if !sigma.is_constant() => return Err(at.into()),
-            Err(_) => reduced.exact_reaction(joint, self.state.sigma),
-            Ok(_) => Vec::new(),
-        };
+    pub fn find_reaction(&mut self, joint: usize) -> Result<Parts<N>, OutputError> {
+        self.find_shares()?;
+        let (reduced, sigma) = (self.reduced, self.sigma());
         let parts = if reduced.linkage().joints[joint].freedom == Freedom::Revolute { 2 } else { 3 };
         let mut value = [N::constant(0.0); 3];
-        let square = sigma_dot * sigma_dot;
-        if let Ok(table) = table {
-            let columns = 2 + loading.base();
-            let PresentLoads { sizes, reactions } = &mut *self.loads;
-            let sizes = sizes[..sized].iter().enumerate();
-            let sizes = sizes.map(|(load, size)| if decided.contains(&load) { 0.0 } else { *size });
-            let panel = &mut reactions[joint];
-            if !panel.holds(self.state.sigma) {
-                panel.enter((table, reduced.is_stretch()), self.state.sigma, (parts, columns), sizes);
+        match reduced.reaction(joint) {
+            Ok(table) => {
+                self.add_given(table, joint, &mut value[..parts])?;
+                self.add_sized_by_state(joint, &mut value[..parts])?;
             }
-            let x = panel.x(sigma);
-            for (part, value) in value.iter_mut().enumerate().take(parts) {
-                let unit = |column: usize| Self::polynomial(table.series(panel.panel, part * columns + column), x);
-                let applied = Self::polynomial(&panel.applied[part], x);
-                *value = applied + forces.acceleration * unit(0) + square * unit(1);
-            }
-        }
-        let units = UnitReactions { joint, parts, table, exact };
-        if units.table.is_err() {
-            self.add(&units, 0, forces.acceleration, &mut value)?;
-            self.add(&units, 1, square, &mut value)?;
-        }
-        if N::CARRIES || units.table.is_err() {
-            for load in (0..sized).filter(|load| !decided.contains(load)) {
-                let size = self.size(load);
-                // The polynomials have the values.
-                let size = if units.table.is_ok() { size - N::constant(size.value()) } else { size };
-                self.add(&units, 2 + load, size, &mut value)?;
-            }
-        }
-        for &load in decided {
-            self.add(&units, 2 + load, self.delivered(load), &mut value)?;
-        }
-        for (index, spring) in loading.springs.iter().enumerate() {
-            let force = spring_force(self, loading, index)?;
-            self.add(&units, 2 + spring.load, -force, &mut value)?;
-        }
-        for (k, &load) in state_loads.map_or(&[][..], |s| &s.loads).iter().enumerate() {
-            self.add(&units, 2 + load, self.cache.scratch.evaluator.loads[k], &mut value)?;
-        }
-        if let Some(place) = forces.held {
-            if let Some(end) = self.state.travel.rigid[place.side].filter(|_| forces.by_stop) {
-                let force = self.stop_force(end.stop)?;
-                self.add(&units, 2 + loading.stops[end.stop].load, force, &mut value)?;
-            }
-            let outward = place.outward();
-            for lock in 0..loading.locks.len() {
-                let force = self.lock_force(lock)?;
-                if force.value() != 0.0 || !force.is_constant() {
-                    let unit = reduced.lock_reaction(lock, self.state.sigma, joint);
-                    for (part, sum) in value.iter_mut().enumerate().take(parts) {
-                        *sum = *sum + force * (outward * part_of(&unit, part));
-                    }
+            // The exact evaluator has no derivative along sigma.
+            Err(at) if !sigma.is_constant() => return Err(at.into()),
+            Err(_) => {
+                let units = reduced.exact_reaction(joint, self.state.sigma);
+                let applied = (0..reduced.components().sized).filter(|load| !self.decided().contains(load));
+                let applied = applied.map(|load| (2 + load, self.size(load)));
+                let given = self.given_columns().zip(self.cache.shares.given.iter().copied());
+                let state = self.state_columns().zip(self.cache.shares.state.iter().copied());
+                for (column, size) in applied.chain(given).chain(state) {
+                    add(&units[column], size, &mut value[..parts]);
                 }
             }
         }
+        self.add_held(joint, &mut value[..parts])?;
         let value = value.map(finite);
         self.cache.reactions[joint] = Some(value);
         self.cache.has_reactions = true;
@@ -101,36 +47,182 @@ impl<N: Reading> View<'_, N> {
         Ok(value)
     }
 
-    /// Add the reaction to a column of this size. Loads that the state sizes come last, in a table of their own, which
-    /// is built when one of them acts.
-    fn add(&self, units: &UnitReactions, column: usize, size: N, value: &mut [N; 3]) -> Result<(), OutputError> {
+    /// The loads whose delivered force the state decides: drives with an efficiency or a circuit.
+    fn decided(&self) -> &'a [usize] {
+        self.state_loads().map_or(&[], |s| &s.drives)
+    }
+
+    /// Columns of a joint's reactions for [`Shares::given`](super::cache::Shares::given).
+    fn given_columns(&self) -> impl Iterator<Item = usize> + Clone + use<'a, N> {
+        let springs = self.reduced.loading().springs.iter().map(|spring| spring.load);
+        [0, 1].into_iter().chain(self.decided().iter().copied().chain(springs).map(|load| 2 + load))
+    }
+
+    /// Columns of a joint's reactions for [`Shares::state`](super::cache::Shares::state).
+    fn state_columns(&self) -> impl Iterator<Item = usize> + Clone + use<'a, N> {
+        self.state_loads().map_or(&[][..], |s| &s.loads).iter().map(|load| 2 + load)
+    }
+
+    /// Sizes of what causes reactions, evaluated once for a state.
+    fn find_shares(&mut self) -> Result<(), OutputError> {
+        if self.cache.shares.are_known {
+            return Ok(());
+        }
+        let (forces, sigma_dot) = (self.forces()?, self.sigma_dot());
+        let mut given = std::mem::take(&mut self.cache.shares.given);
+        given.clear();
+        given.extend([forces.acceleration, sigma_dot * sigma_dot]);
+        given.extend(self.decided().iter().map(|&load| self.delivered(load)));
+        let loading = self.reduced.loading();
+        for spring in 0..loading.springs.len() {
+            given.push(-spring_force(self, loading, spring)?);
+        }
+        let shares = &mut self.cache.shares;
+        (shares.given, shares.are_known) = (given, true);
+        shares.state.clear();
+        shares.state.extend_from_slice(&self.cache.scratch.evaluator.loads);
+        Ok(())
+    }
+
+    /// Add the reaction to all but the loads that the state sizes.
+    fn add_given(&mut self, table: &Table, joint: usize, value: &mut [N]) -> Result<(), OutputError> {
+        let (reduced, sigma) = (self.reduced, self.sigma());
+        let (parts, columns) = (value.len(), 2 + reduced.loading().base());
+        let decided = self.decided();
+        if !self.loads.reactions[joint].given.holds(self.state.sigma) {
+            let others = self.given_columns();
+            let PresentLoads { sizes, reactions } = &mut *self.loads;
+            let sized = sizes[..reduced.components().sized].iter().enumerate();
+            let acting = sized.filter(|(load, size)| **size != 0.0 && !decided.contains(load));
+            reactions[joint].given.enter((table, reduced.is_stretch()), self.state.sigma, |panel, rows| {
+                for part in 0..parts {
+                    let series = |column: usize| table.series(panel, part * columns + column);
+                    let mut applied = [0.0; NODES];
+                    for (load, size) in acting.clone() {
+                        applied.iter_mut().zip(series(2 + load)).for_each(|(sum, c)| *sum += size * c);
+                    }
+                    side_by_side([&applied].into_iter().chain(others.clone().map(series)), rows);
+                }
+            });
+        }
+        let panel = &self.loads.reactions[joint].given;
+        let cache = &mut *self.cache;
+        add_rows(panel, sigma, &mut cache.values, value, |values| {
+            let others = values[1..].iter().zip(&cache.shares.given);
+            others.fold(values[0], |sum, (unit, size)| sum + *size * *unit)
+        });
+        if N::CARRIES {
+            // The polynomials have the values of the inputs, without their derivatives.
+            for load in (0..reduced.loading().inputs.len()).filter(|load| !decided.contains(load)) {
+                let change = self.size(load) - N::constant(self.loads.sizes[load]);
+                self.add_column(joint, 2 + load, change, value)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Add the reaction to what belongs to one column, of this size.
+    fn add_column(&self, joint: usize, column: usize, size: N, value: &mut [N]) -> Result<(), OutputError> {
         if size.value() == 0.0 && size.is_constant() {
             return Ok(());
         }
-        let loading = self.reduced.loading();
-        let applied = 2 + loading.base();
-        let (table, own, columns) = match column.checked_sub(applied) {
-            None => (units.table, column, applied),
-            Some(own) => (self.reduced.state_reaction(units.joint), own, loading.loads.len() - loading.base()),
+        let (reduced, given) = (self.reduced, 2 + self.reduced.loading().base());
+        let (table, own, columns) = match column.checked_sub(given) {
+            None => (reduced.reaction(joint), column, given),
+            Some(own) => (reduced.state_reaction(joint), own, 2 + reduced.loading().loads.len() - given),
         };
-        let position = table.map(|table| (table, table.position(self.state.sigma)));
-        for (part, sum) in value.iter_mut().enumerate().take(units.parts) {
-            let unit = match position {
-                Ok((table, position)) => self.component(table, position, part * columns + own),
-                Err(at) if !self.sigma().is_constant() => return Err(at.into()),
-                Err(_) => N::constant(match units.exact.get(column) {
-                    Some(unit) => part_of(unit, part),
-                    // Loads that the state sizes have a table of their own.
-                    None => part_of(&self.reduced.exact_reaction(units.joint, self.state.sigma)[column], part),
-                }),
-            };
-            *sum = *sum + size * unit;
+        match table {
+            Ok(table) => {
+                let position = table.position(self.state.sigma);
+                for (part, sum) in value.iter_mut().enumerate() {
+                    *sum = *sum + size * self.component(table, position, part * columns + own);
+                }
+            }
+            Err(at) if !self.sigma().is_constant() => return Err(at.into()),
+            Err(_) => add(&reduced.exact_reaction(joint, self.state.sigma)[column], size, value),
+        }
+        Ok(())
+    }
+
+    /// Add the reaction to the loads that the state sizes: their table, built when one of them acts, is one of its own.
+    fn add_sized_by_state(&mut self, joint: usize, value: &mut [N]) -> Result<(), OutputError> {
+        let (reduced, sigma, air) = (self.reduced, self.sigma(), self.cache.scratch.air);
+        if self.cache.shares.state.iter().all(|size| size.value() == 0.0 && size.is_constant()) {
+            return Ok(());
+        }
+        let table = match reduced.state_reaction(joint) {
+            Ok(table) => table,
+            Err(at) if !sigma.is_constant() => return Err(at.into()),
+            Err(_) => {
+                let units = reduced.exact_reaction(joint, self.state.sigma);
+                for (column, size) in self.state_columns().zip(&self.cache.shares.state) {
+                    add(&units[column], *size, value);
+                }
+                return Ok(());
+            }
+        };
+        let PanelReaction { state: panel, air: panel_air, .. } = &self.loads.reactions[joint];
+        if *panel_air != air || !panel.holds(self.state.sigma) {
+            let (columns, first) =
+                (reduced.loading().loads.len() - reduced.loading().base(), 2 + reduced.loading().base());
+            let own = self.state_columns();
+            let panel = &mut self.loads.reactions[joint];
+            panel.air = air;
+            panel.state.enter((table, reduced.is_stretch()), self.state.sigma, |panel, rows| {
+                for part in 0..value.len() {
+                    side_by_side(own.clone().map(|column| table.series(panel, part * columns + column - first)), rows);
+                }
+            });
+        }
+        let panel = &self.loads.reactions[joint].state;
+        let cache = &mut *self.cache;
+        add_rows(panel, sigma, &mut cache.values, value, |values| {
+            let all = values.iter().zip(&cache.shares.state);
+            all.fold(N::constant(0.0), |sum, (unit, size)| sum + *size * *unit)
+        });
+        Ok(())
+    }
+
+    /// Add the reaction to what holds the mechanism at rest: a rigid stop, or locks.
+    fn add_held(&mut self, joint: usize, value: &mut [N]) -> Result<(), OutputError> {
+        let (reduced, forces) = (self.reduced, self.forces()?);
+        let Some(place) = forces.held else { return Ok(()) };
+        let loading = reduced.loading();
+        if let Some(end) = self.state.travel.rigid[place.side].filter(|_| forces.by_stop) {
+            let force = self.stop_force(end.stop)?;
+            self.add_column(joint, 2 + loading.stops[end.stop].load, force, value)?;
+        }
+        let outward = place.outward();
+        for lock in 0..loading.locks.len() {
+            let force = self.lock_force(lock)?;
+            if force.value() != 0.0 || !force.is_constant() {
+                add(&reduced.lock_reaction(lock, self.state.sigma, joint), force * N::constant(outward), value);
+            }
         }
         Ok(())
     }
 }
 
-/// Force x, force y or moment.
-fn part_of(reaction: &Reaction, part: usize) -> f64 {
-    [reaction.force.x, reaction.force.y, reaction.moment][part]
+/// Add, for each part, a sum over the values of its polynomials on a panel; as many rows belong to each part.
+#[inline]
+fn add_rows<N: Reading>(
+    panel: &PanelRows,
+    sigma: N,
+    values: &mut Vec<[N; ROW]>,
+    parts: &mut [N],
+    sum: impl Fn(&[N]) -> N,
+) {
+    values.resize(panel.rows.len(), [N::constant(0.0); ROW]);
+    side_by_side_at(&panel.rows, panel.x(sigma), values);
+    let rows = panel.rows.len() / parts.len();
+    for (part, values) in parts.iter_mut().zip(values.chunks_exact(rows)) {
+        *part = *part + sum(values.as_flattened());
+    }
+}
+
+/// Add the reaction to a load of this size.
+fn add<N: Reading>(unit: &Reaction, size: N, parts: &mut [N]) {
+    for (part, unit) in parts.iter_mut().zip([unit.force.x, unit.force.y, unit.moment]) {
+        *part = *part + size * N::constant(unit);
+    }
 }

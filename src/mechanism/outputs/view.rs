@@ -14,9 +14,9 @@ use crate::mechanism::outputs::cache::{Forces, OutputCache, PresentLoads};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite};
 use crate::mechanism::quantity::{Hydraulic, OneElement};
 use crate::mechanism::reduced::{Reduced, StateLoads};
-use crate::numerics::chebyshev::{Series, slopes_of};
+use crate::numerics::chebyshev::slopes_of;
 use crate::numerics::dual::{Differentiable, Dual, Number};
-use crate::numerics::table::{Table, TablePosition, polynomial, polynomial_at};
+use crate::numerics::table::{Table, TablePosition, polynomial_at};
 
 /// The reduced model in one state under the present inputs.
 pub struct View<'a, N: Reading> {
@@ -91,12 +91,6 @@ impl<'a, N: Reading> View<'a, N> {
     #[inline]
     pub fn sigma_dot(&self) -> N {
         self.cache.direction.s.chain(self.state.sigma_dot, self.cache.direction.along[1])
-    }
-
-    /// A polynomial of a panel, at x.
-    #[inline]
-    pub fn polynomial(series: &Series, x: N) -> N {
-        if x.is_constant() { N::constant(polynomial(series, x.value())) } else { polynomial_at(series, x) }
     }
 
     /// A component of a table; its derivative along sigma is that of the polynomial.
