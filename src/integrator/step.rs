@@ -66,13 +66,18 @@ impl<const N: usize> Step<N> {
 
     /// The start of the step.
     pub(super) fn begin(&self) -> Start<N> {
-        let first = on_stages!(self, stages => stages.first(&self.start));
-        Start { t: self.t, y: self.start, first, carry: self.carry }
+        Start { t: self.t, y: self.start, first: self.first(), carry: self.carry }
     }
 
     /// Method that made the step.
     pub fn method(&self) -> Method {
         on_stages!(self, stages => Path::<N>::method(stages))
+    }
+
+    /// Rates at the start.
+    #[inline]
+    pub fn first(&self) -> [f64; N] {
+        on_stages!(self, stages => stages.first(&self.start))
     }
 
     /// Rates at the start and at the end, of an explicit step of a system of first order.
@@ -94,12 +99,12 @@ impl<const N: usize> Step<N> {
         on_stages!(self, stages => Path::<N>::dense_evaluations(stages))
     }
 
-    /// Whether the error of the interpolant is within the tolerance of the step, as for DOP853 and DOPRI5.
+    /// Whether the error of the interpolant is within the tolerance of the step, as for DOP853, RKN8(6) and DOPRI5.
     pub fn interpolates(&self) -> bool {
         on_stages!(self, stages => Path::<N>::interpolates(stages))
     }
 
-    /// Interpolant over this step: of order 7 after DOP853, for three evaluations; of order 6 after RKN8(6); of order 4
+    /// Interpolant over this step: of order 7 after DOP853, for three evaluations, and after RKN8(6), for four; of order 4
     /// after DOPRI5; of order 3 after RK4 (Hermite's cubic) and after Radau (the collocation polynomial).
     pub fn dense<S: System<N>>(&self, system: &mut S) -> Dense<N> {
         on_stages!(self, stages => stages.dense(system, self.t, self.h, [&self.start, &self.end]))

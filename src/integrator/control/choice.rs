@@ -12,6 +12,8 @@ const DOPRI5_BELOW: f64 = 1.5;
 /// Least ratio of the proposed step to a span that a step may go beyond: a step with its interpolant costs about as
 /// many short steps.
 const BEYOND: f64 = 3.0;
+/// Largest ratio: where nothing acts steps grow without bound, and so do the terms of their interpolants.
+const FARTHEST: f64 = 1e9;
 
 impl<const N: usize> Integrator<N> {
     /// Method of the next step, with `span` [s] to go and a step size `wish` [s] that the error control proposes; the
@@ -41,7 +43,7 @@ impl<const N: usize> Integrator<N> {
     /// Whether a step should be let go on beyond the end of a span, as it would be cut much shorter than possible
     /// otherwise; only explicit ones, as the interpolants of others are less exact than they.
     pub fn outlasts(&self, span: f64) -> bool {
-        !self.stiffness.implicit && self.proposal.is_some_and(|h| h > BEYOND * span)
+        !self.stiffness.implicit && self.proposal.is_some_and(|h| h > BEYOND * span && h < FARTHEST * span)
     }
 
     /// Whether a step of a cheap pair over the whole span errs no more than its share; if it does, that shortens the

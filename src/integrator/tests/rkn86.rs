@@ -45,10 +45,43 @@ fn order_conditions_hold() {
 
 #[test]
 fn the_interpolant_is_exact_to_degree_seven() {
-    // A force along a polynomial of degree 5 gives one of degree 7, which the interpolant is: q'' = 42 t^5, q = t^7.
+    // A force along a polynomial of degree 5 gives q of degree 7, q' of degree 6.
     let mut fall = SecondOrder(|t: f64, y: &[f64; 2]| [y[1], 42.0 * t.powi(5)]);
     let dense = attempt(&mut fall, 0.0, &[0.0, 0.0], 1.0).dense(&mut fall);
-    assert!((1..10).all(|i| (dense.at(f64::from(i) / 10.0)[0] - (f64::from(i) / 10.0).powi(7)).abs() < 1e-14));
+    for s in (1..10).map(|i| f64::from(i) / 10.0) {
+        let [q, rate] = dense.at(s);
+        assert!((q - s.powi(7)).abs() < 1e-14 && (rate - 7.0 * s.powi(6)).abs() < 1e-13, "{s}: {q} {rate}");
+    }
+    // One of degree 6 gives q' of degree 7.
+    let mut fall = SecondOrder(|t: f64, y: &[f64; 2]| [y[1], 56.0 * t.powi(6)]);
+    let dense = attempt(&mut fall, 0.0, &[0.0, 0.0], 1.0).dense(&mut fall);
+    for s in (1..10).map(|i| f64::from(i) / 10.0) {
+        assert!((dense.at(s)[1] - 8.0 * s.powi(7)).abs() < 1e-13, "{s}: {}", dense.at(s)[1]);
+    }
+}
+
+/// States within a step are as good as its end is asked to be.
+#[test]
+fn the_interpolant_is_within_the_tolerance() {
+    for exponent in 3..=12 {
+        let tolerance = 10f64.powi(-exponent);
+        let (mut system, mut integrator) = (SecondOrder(oscillator), Integrator::default());
+        let (mut t, mut y) = (0.0, [1.0, 0.0]);
+        let mut worst: f64 = 0.0;
+        while t < 10.0 {
+            let step = integrator.step(&mut system, t, &y, f64::INFINITY, tolerance).unwrap();
+            assert_eq!(step.method(), Method::Rkn86);
+            let dense = step.dense(&mut system);
+            for s in (1..20).map(|i| f64::from(i) / 20.0) {
+                // From the start of the step: its own error, not that of the steps before.
+                let (sin, cos) = (s * step.h).sin_cos();
+                let exact = [y[0] * cos + y[1] * sin, y[1] * cos - y[0] * sin];
+                worst = (0..2).fold(worst, |worst, n| worst.max((dense.at(s)[n] - exact[n]).abs()));
+            }
+            (t, y) = (t + step.h, step.end);
+        }
+        assert!(worst < tolerance + 2e-15, "tolerance {tolerance}: {worst}");
+    }
 }
 
 #[test]

@@ -117,6 +117,17 @@ impl<T: Number> StateLoadEvaluator<T> {
         self.signs_changed(state_loads);
     }
 
+    /// A step begins: what is known of the one before does not count.
+    pub fn begin_step(&mut self) {
+        self.switches.restart();
+        self.friction.prediction.begin();
+    }
+
+    /// No step is being made: evaluations do not depend on those before.
+    pub fn end_step(&mut self) {
+        self.friction.prediction.end();
+    }
+
     /// The held signs of the normal forces are those of the switches.
     fn signs_changed(&mut self, state_loads: &StateLoads) {
         for (k, &joint) in state_loads.prismatic.iter().enumerate() {
@@ -190,7 +201,7 @@ impl<T: Number> StateLoadEvaluator<T> {
         let mut acceleration = self.motion;
         if !state_loads.friction_joints.is_empty() {
             self.reactions_without_friction((reduced, state_loads), panel_force, [t, x, sigma_dot]);
-            self.friction(state_loads, sigma_dot)?;
+            self.friction(state_loads, t.value(), sigma_dot)?;
             let influences = self.effects.as_flattened()[..state_loads.loads.len()].iter();
             for (j, (load, &influence)) in self.loads.iter_mut().zip(influences).skip(state_loads.free()).enumerate() {
                 *load = self.friction.friction(j);
@@ -356,7 +367,7 @@ impl<T: Number> StateLoadEvaluator<T> {
         }
     }
 
-    fn friction(&mut self, state_loads: &StateLoads, sigma_dot: T) -> Result<(), Locked> {
+    fn friction(&mut self, state_loads: &StateLoads, t: f64, sigma_dot: T) -> Result<(), Locked> {
         let effects = self.effects.as_flattened();
         let slips = &effects[state_loads.free()..state_loads.loads.len()];
         for (j, (friction_joint, slip)) in state_loads.friction_joints.iter().zip(slips).enumerate() {
@@ -367,7 +378,7 @@ impl<T: Number> StateLoadEvaluator<T> {
             self.friction.arm[j] = self.arms[j].at(v);
         }
         let reactions = self.reactions.as_flattened();
-        self.friction.solve(&balance(state_loads, [effects, reactions, &effects[state_loads.inertial()]]))?;
+        self.friction.solve_at(t, &balance(state_loads, [effects, reactions, &effects[state_loads.inertial()]]))?;
         for (k, &joint) in state_loads.prismatic.iter().enumerate() {
             self.switches.see(state_loads.efficient + k, self.friction.normal_force(joint));
         }

@@ -2,7 +2,10 @@
 //!
 //! In: arms of the friction, reactions as affine functions of the friction. Out: magnitudes of the reactions and
 //! friction. It must not know bodies, joints or the law of friction. Source: [HF08] section 4, eqs. (26), (27).
+mod prediction;
+
 use crate::numerics::dual::Number;
+use prediction::Prediction;
 use std::fmt;
 
 /// Reactions R_i of n joints as affine functions of their friction M_j:
@@ -55,6 +58,8 @@ pub struct FrictionLoop<T> {
     direction: Vec<[f64; 3]>,
     /// Number of iterations of the last solution.
     pub iterations: u32,
+    /// What friction adds to the unknowns within a step.
+    pub prediction: Prediction,
 }
 
 /// Friction and reactions of some joints have no common solution.
@@ -92,6 +97,7 @@ impl<T: Number> FrictionLoop<T> {
             matrix: vec![0.0; unknowns * unknowns],
             direction: vec![[0.0; 3]; n],
             iterations: 0,
+            prediction: Prediction::default(),
         }
     }
 
@@ -114,12 +120,20 @@ impl<T: Number> FrictionLoop<T> {
     /// # Errors
     /// [`Locked`]: no solution, or none that is connected with the frictionless one.
     pub fn solve(&mut self, balance: &Balance<T>) -> Result<(), Locked> {
+        self.solve_at(0.0, balance)
+    }
+
+    /// [`Self::solve`] at a time t [s] of a step.
+    ///
+    /// # Errors
+    /// [`Locked`].
+    pub fn solve_at(&mut self, t: f64, balance: &Balance<T>) -> Result<(), Locked> {
         let one_group = balance.passed[0].len() == self.arm.len() && !self.has_normal_forces;
         let solved = match self.arm.len() {
-            1 if one_group => self.solve_one::<1>(balance),
-            2 if one_group => self.solve_one::<2>(balance),
-            3 if one_group => self.solve_one::<3>(balance),
-            4 if one_group => self.solve_one::<4>(balance),
+            1 if one_group => self.solve_one::<1>(t, balance),
+            2 if one_group => self.solve_one::<2>(t, balance),
+            3 if one_group => self.solve_one::<3>(t, balance),
+            4 if one_group => self.solve_one::<4>(t, balance),
             _ => false,
         };
         if solved { Ok(()) } else { self.solve_any(balance) }
@@ -128,7 +142,7 @@ impl<T: Number> FrictionLoop<T> {
     /// [`Self::solve`] for one group of N joints. False if it takes too many iterations or a determinant is not
     /// positive.
     #[inline]
-    fn solve_one<const N: usize>(&mut self, balance: &Balance<T>) -> bool {
+    fn solve_one<const N: usize>(&mut self, t: f64, balance: &Balance<T>) -> bool {
         let most = FEW + u32::from(T::CARRIES);
         let [Some(free_x), Some(free_y)] = balance.free.map(<[T]>::first_chunk::<N>) else { return false };
         let [Some(along_x), Some(along_y)] = balance.inertial.map(<[T]>::first_chunk::<N>) else { return false };
@@ -147,7 +161,14 @@ impl<T: Number> FrictionLoop<T> {
         for k in 0..3 {
             z[k] = dot(&effect[k], &sizes);
         }
-        let free = sizes;
+        let (free, without) = (sizes, z);
+        // A solution that is not unique is found from the frictionless one.
+        if contracts && !T::CARRIES {
+            let added = self.prediction.at(t);
+            for k in 0..3 {
+                z[k] = z[k] + T::constant(added[k]);
+            }
+        }
         let mut converged = false;
         for iteration in 1..=most {
             // Derivatives of each |R| with respect to the unknowns.
@@ -194,6 +215,7 @@ impl<T: Number> FrictionLoop<T> {
             // Derivatives carried by T converge one iteration later.
             if converged || (error < CONVERGED && !T::CARRIES) || error == 0.0 {
                 self.iterations = iteration;
+                self.prediction.learn(t, std::array::from_fn(|k| (z[k] - without[k]).value()));
                 for (i, size) in self.size.iter_mut().enumerate() {
                     *size = sizes[i];
                     for k in 0..3 {

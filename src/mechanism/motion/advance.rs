@@ -117,7 +117,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             let kink = self.dynamics.next_kink(t);
             let is_cut = kink < end;
             let end = if is_cut { kink } else { end };
-            self.dynamics.forget_samples();
+            self.dynamics.begin_step();
             let step = self.integrator.step(self.dynamics, t, z, end, self.tolerance);
             let step = match &step {
                 Ok(step) => step,

@@ -30,6 +30,8 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 pub struct Coasting<'a, D, P, L> {
     pub dynamics: &'a mut D,
     pub integrator: &'a mut Integrator<2>,
+    /// The step that goes on beyond the present, if one does.
+    pub lookahead: &'a mut Lookahead<2>,
     pub ends: &'a Ends<'a>,
     pub contact: &'a mut Contact,
     pub witness: &'a mut Witness,
@@ -75,14 +77,13 @@ impl<D: Dynamics<2>, P: Fn(f64) -> bool, L: Fn() -> Path> Coasting<'_, D, P, L> 
     /// Advance from the state and time in `progress`, up to the end of the span or of the work allowed there.
     #[inline(always)]
     fn advance(&mut self, y: &mut [f64; 2], span: f64, mut progress: Progress) -> Result<f64, Stopped> {
-        let Self { dynamics, integrator, ends, contact, witness, tolerance, .. } = self;
+        let Self { dynamics, integrator, lookahead, ends, contact, witness, tolerance, .. } = self;
         let tolerance = *tolerance;
-        if ends.travel.is_empty() {
+        if ends.travel.is_empty() && !lookahead.counts() {
             let most = progress.work.most.saturating_sub(progress.work.extra);
             let reached = integrator.advance_from(*dynamics, &mut progress.t, y, span, tolerance, most);
             return if reached.map_err(Stopped::Integration)? { Ok(0.0) } else { Err(Stopped::Budget(progress)) };
         }
-        let lookahead = &mut Lookahead::default();
         Advance { dynamics: *dynamics, integrator, lookahead, ends, contact, witness, tolerance, progress }.run(y, span)
     }
 

@@ -156,8 +156,8 @@ pub trait Dynamics<const N: usize>: System<N> {
         Ok(())
     }
 
-    /// A step begins: forget the samples of the switching quantities.
-    fn forget_samples(&mut self) {}
+    /// A step begins: forget the samples of the switching quantities, and what was foreseen.
+    fn begin_step(&mut self) {}
 
     /// A sample of a switching quantity, taken by the evaluations of a step, by its index: time since the start of the
     /// span [s], and the value, positive with the held sign.
@@ -388,8 +388,8 @@ where
     }
 
     #[inline]
-    fn forget_samples(&mut self) {
-        self.scratch.evaluator.switches.restart();
+    fn begin_step(&mut self) {
+        self.scratch.evaluator.begin_step();
     }
 
     fn switch_sample(&self, index: usize, switch: usize) -> Option<[f64; 2]> {

@@ -58,8 +58,8 @@ pub struct SavedState {
 #[derive(Clone, Debug)]
 pub enum Memory {
     /// No power is lost: the state is (sigma, sigma_dot).
-    Conservative(Integrator<2>),
-    /// The energy lost is integrated too, and steps may go on beyond the present.
+    Conservative(Integrator<2>, Lookahead<2>),
+    /// The energy lost is integrated too.
     WithDissipation(Integrator<3>, Lookahead<3>),
     /// The hydraulic circuit of a drive is integrated too.
     WithCircuit(Box<CircuitMemory>),
@@ -119,7 +119,7 @@ impl CircuitMemory {
 
 impl Default for Memory {
     fn default() -> Self {
-        Self::Conservative(Integrator::default())
+        Self::Conservative(Integrator::default(), Lookahead::default())
     }
 }
 
@@ -129,10 +129,12 @@ impl Memory {
     #[inline]
     pub fn set_dissipation(&mut self, with_dissipation: bool) {
         match self {
-            Self::Conservative(i) if with_dissipation => {
+            Self::Conservative(i, _) if with_dissipation => {
                 *self = Self::WithDissipation(i.with_components(), Lookahead::default())
             }
-            Self::WithDissipation(i, _) if !with_dissipation => *self = Self::Conservative(i.with_components()),
+            Self::WithDissipation(i, _) if !with_dissipation => {
+                *self = Self::Conservative(i.with_components(), Lookahead::default())
+            }
             _ => {}
         }
     }
@@ -140,7 +142,7 @@ impl Memory {
     /// Counts of the integration's work since the start.
     pub fn statistics(&self) -> Statistics {
         match self {
-            Self::Conservative(i) => i.statistics(),
+            Self::Conservative(i, _) => i.statistics(),
             Self::WithDissipation(i, _) => i.statistics(),
             Self::WithCircuit(memory) => memory.integrator.statistics(),
         }
@@ -150,7 +152,7 @@ impl Memory {
     #[inline]
     pub fn tried(&self) -> [u64; 2] {
         match self {
-            Self::Conservative(i) => i.tried(),
+            Self::Conservative(i, _) => i.tried(),
             Self::WithDissipation(i, _) => i.tried(),
             Self::WithCircuit(memory) => memory.integrator.tried(),
         }
@@ -175,16 +177,19 @@ impl Memory {
     /// The event at the end of a step ahead.
     fn event_ahead(&self) -> Option<Event> {
         match self {
+            Self::Conservative(_, ahead) => ahead.step_ahead.as_ref()?.event,
             Self::WithDissipation(_, ahead) => ahead.step_ahead.as_ref()?.event,
             Self::WithCircuit(memory) => memory.lookahead.step_ahead.as_ref()?.event,
-            Self::Conservative(_) => None,
         }
     }
 
     /// Become the same as another one; copies no more than that one is.
     pub fn copy_from(&mut self, other: &Self) {
         match (self, other) {
-            (Self::Conservative(own), Self::Conservative(other)) => own.copy_from(other),
+            (Self::Conservative(own, own_ahead), Self::Conservative(other, other_ahead)) => {
+                own.copy_from(other);
+                own_ahead.copy_from(other_ahead);
+            }
             (Self::WithDissipation(own, own_ahead), Self::WithDissipation(other, other_ahead)) => {
                 own.copy_from(other);
                 own_ahead.copy_from(other_ahead);
@@ -201,53 +206,51 @@ impl Memory {
     /// Clear all but the statistics.
     pub fn restart(&mut self) {
         match self {
-            Self::Conservative(i) => i.restart(),
-            Self::WithDissipation(i, ahead) => {
-                i.restart();
-                ahead.invalidate();
-            }
-            Self::WithCircuit(memory) => {
-                memory.integrator.restart();
-                memory.lookahead.invalidate();
-            }
+            Self::Conservative(i, ahead) => restart(i, ahead),
+            Self::WithDissipation(i, ahead) => restart(i, ahead),
+            Self::WithCircuit(memory) => restart(&mut memory.integrator, &mut memory.lookahead),
         }
     }
 
     /// sigma is counted from another revolution.
     pub fn recount(&mut self) {
         match self {
-            Self::WithDissipation(i, ahead) => {
-                if ahead.step_ahead.take().is_some() {
-                    i.branch_off();
-                }
-            }
-            Self::WithCircuit(memory) => {
-                if memory.lookahead.step_ahead.take().is_some() {
-                    memory.integrator.branch_off();
-                }
-            }
-            Self::Conservative(_) => {}
+            Self::Conservative(i, ahead) => recount(i, ahead),
+            Self::WithDissipation(i, ahead) => recount(i, ahead),
+            Self::WithCircuit(memory) => recount(&mut memory.integrator, &mut memory.lookahead),
         }
     }
 
     /// The right-hand side has changed.
     pub fn refresh(&mut self) {
         match self {
-            Self::Conservative(i) => i.refresh(),
-            Self::WithDissipation(i, ahead) => {
-                if ahead.invalidate() {
-                    i.branch_off();
-                }
-                i.refresh();
-            }
-            Self::WithCircuit(memory) => {
-                if memory.lookahead.invalidate() {
-                    memory.integrator.branch_off();
-                }
-                memory.integrator.refresh();
-            }
+            Self::Conservative(i, ahead) => refresh(i, ahead),
+            Self::WithDissipation(i, ahead) => refresh(i, ahead),
+            Self::WithCircuit(memory) => refresh(&mut memory.integrator, &mut memory.lookahead),
         }
     }
+}
+
+/// [`Memory::restart`] of one kind.
+fn restart<const N: usize>(integrator: &mut Integrator<N>, lookahead: &mut Lookahead<N>) {
+    integrator.restart();
+    lookahead.invalidate();
+}
+
+/// [`Memory::recount`] of one kind.
+fn recount<const N: usize>(integrator: &mut Integrator<N>, lookahead: &mut Lookahead<N>) {
+    if lookahead.step_ahead.take().is_some() {
+        integrator.branch_off();
+    }
+}
+
+/// [`Memory::refresh`] of one kind.
+#[inline]
+fn refresh<const N: usize>(integrator: &mut Integrator<N>, lookahead: &mut Lookahead<N>) {
+    if lookahead.invalidate() {
+        integrator.branch_off();
+    }
+    integrator.refresh();
 }
 
 impl SavedState {
@@ -312,11 +315,14 @@ impl SavedState {
         self.time.record(record)?;
         record.length("stops", self.impacts.len())?;
         self.impacts.iter_mut().try_for_each(|impacts| impacts.record(record))?;
-        let mut with_dissipation = !matches!(self.memory, Memory::Conservative(_));
+        let mut with_dissipation = !matches!(self.memory, Memory::Conservative(..));
         record.flag("energy lost integrated", &mut with_dissipation)?;
         self.memory.set_dissipation(with_dissipation);
         match &mut self.memory {
-            Memory::Conservative(integrator) => integrator.record(record),
+            Memory::Conservative(integrator, lookahead) => {
+                integrator.record(record)?;
+                lookahead.record(record)
+            }
             Memory::WithDissipation(integrator, lookahead) => {
                 integrator.record(record)?;
                 lookahead.record(record)
@@ -394,7 +400,7 @@ impl SavedState {
             }
         }
         // The energy lost is integrated if there are state loads, and in steps with inputs that change.
-        if state_loads.is_some() && matches!(self.memory, Memory::Conservative(_)) {
+        if state_loads.is_some() && matches!(self.memory, Memory::Conservative(..)) {
             return refuse("the integration is not that of the parameters".into());
         }
         Ok(())

@@ -163,6 +163,7 @@ impl State {
         let SavedState { sigma, sigma_dot, contact, .. } = self.saved;
         let mut arrival = Arrival { y: [sigma, sigma_dot], lost: 0.0, contact, passed: 0.0 };
         let advanced = self.advance((reduced, state_loads), (inputs, locked), h, solver, &mut arrival);
+        self.scratch.evaluator.end_step();
         if ahead {
             self.right_hand_side_changed();
         }
@@ -199,7 +200,7 @@ impl State {
     #[inline(always)]
     fn present_state_loads<'a>(&self, reduced: &'a Reduced) -> Result<Option<&'a StateLoads>, ModelError> {
         match self.memory {
-            Memory::Conservative(_) => Ok(None),
+            Memory::Conservative(..) => Ok(None),
             _ => self.state_loads(reduced),
         }
     }
@@ -236,12 +237,28 @@ impl State {
         };
         let (tolerance, max_steps) = (solver.tolerance, solver.most_steps());
         match &mut saved.memory {
-            Memory::Conservative(integrator) => {
+            Memory::Conservative(integrator, lookahead) => {
+                if lookahead.begin(tolerance, locked) {
+                    integrator.branch_off();
+                }
                 let most = integrator.attempts() + max_steps;
                 let passes = |sigma: f64| whole.reach(sigma).is_err();
                 let path = || Path { length: reduced.period(), does_work: does_work(reduced, sizes) };
-                let mut coasting = Coasting { dynamics, integrator, ends, contact, witness, tolerance, passes, path };
-                *lost = coasting.run(y, h, most, passed)?;
+                let ahead = &mut *lookahead;
+                let mut coasting = Coasting {
+                    dynamics,
+                    integrator,
+                    lookahead: ahead,
+                    ends,
+                    contact,
+                    witness,
+                    tolerance,
+                    passes,
+                    path,
+                };
+                let impacts = coasting.run(y, h, most, passed);
+                lookahead.end();
+                *lost = impacts?;
                 Ok(())
             }
             Memory::WithDissipation(integrator, lookahead) => {

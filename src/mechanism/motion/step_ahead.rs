@@ -136,6 +136,12 @@ impl<const N: usize> Lookahead<N> {
         self.unchanged_steps >= self.required_steps
     }
 
+    /// Whether a step may go on beyond the end of a communication step, or one does.
+    #[inline]
+    pub fn counts(&self) -> bool {
+        self.may_pass() || self.step_ahead.is_some()
+    }
+
     /// A step goes on beyond the present; returns the state at the time `after` from its start.
     pub fn keep(&mut self, step_ahead: StepAhead<N>, after: f64) -> [f64; N] {
         self.required_steps = FEWEST_UNCHANGED;

@@ -8,7 +8,7 @@ pub mod tableau;
 use crate::integrator::dense::{TERMS, hermite};
 use crate::integrator::pair::{BULGE_MARGIN, Outcome, Pair, Path, Start, add_compensated, bulge, extremes};
 use crate::integrator::{Dense, Method, System};
-use tableau::{A, C, E, E_RATE, STAGES, WEIGHTS};
+use tableau::{A, C, E, E_RATE, FROM_SLOPES, PLACES, STAGES, WEIGHTS};
 
 /// Accelerations at the stages and at the end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,6 +21,14 @@ impl<const N: usize> Path<N> for Rkn86 {
         let mut first = *y;
         (first[0], first[1]) = (y[1], self.0[0]);
         first
+    }
+
+    fn dense_evaluations(&self) -> u64 {
+        PLACES.len() as u64
+    }
+
+    fn interpolates(&self) -> bool {
+        true
     }
 
     #[inline]
@@ -38,13 +46,41 @@ impl<const N: usize> Path<N> for Rkn86 {
         bulge(h, [0.0, h * most.max(-least)])
     }
 
-    /// q has the values, rates and accelerations of both ends and the accelerations of the stages at 0.3 h and 0.5 h,
-    /// which are good to h^5 (row sums with c^2 hold there): of degree 7, good to h^7. q' has the values and rates of
-    /// both ends and the same two accelerations: of degree 5. No evaluation.
-    fn dense<S: System<N>>(&self, _system: &mut S, _t: f64, h: f64, [start, end]: [&[f64; N]; 2]) -> Dense<N> {
+    /// Of degree 7, within the tolerance of the step; costs four evaluations. A first q has the values, rates and
+    /// accelerations of both ends and the accelerations of the stages at 0.3 h and 0.5 h, which are good to h^5 (row sums
+    /// with c^2 hold there). Accelerations at four places on it are good to h^9 relative to those of the motion: q' has
+    /// all of them beside the values and rates of both ends, and q those at the outer two places in place of the stages'.
+    fn dense<S: System<N>>(&self, system: &mut S, t: f64, h: f64, ends: [&[f64; N]; 2]) -> Dense<N> {
+        let k = &self.0;
+        let first = self.position(h, ends, [(C[3], k[3]), (C[4], k[4])]);
+        let mut dense = Dense::new(*ends[0], *ends[1], with_component([[0.0; N]; TERMS], 0, first));
+        let ways = PLACES.map(|s| dense.component(0, s) - ends[0][0]);
+        let mut accelerations = [0.0; 4];
+        for ((acceleration, s), way) in accelerations.iter_mut().zip(PLACES).zip(ways) {
+            *acceleration = system.acceleration(t + s * h, ends[0], way);
+        }
+        let outer = [0, 3].map(|i| (PLACES[i], accelerations[i]));
+        let terms = with_component(dense.terms, 0, self.position(h, ends, outer));
+        dense.terms = with_component(terms, 1, self.rate(h, ends, &accelerations));
+        let mut off = [0.0_f64; N];
+        for (s, way) in PLACES.into_iter().zip(ways) {
+            off[0] = off[0].max((dense.component(0, s) - ends[0][0] - way).abs());
+        }
+        dense.off = Some(off);
+        dense
+    }
+}
+
+impl Rkn86 {
+    /// Terms of the interpolant of q, from the ends and from the accelerations at two places.
+    fn position<const N: usize>(
+        &self,
+        h: f64,
+        [start, end]: [&[f64; N]; 2],
+        [(a, k_a), (b, k_b)]: [(f64, f64); 2],
+    ) -> [f64; TERMS] {
         let (k, last) = (&self.0, self.0[STAGES - 1]);
-        let mut terms = [[0.0; N]; TERMS];
-        // q: the terms after Hermite's cubic have the factor w = s^2 (1 - s)^2, w'' = 2 at both ends.
+        // The terms after Hermite's cubic have the factor w = s^2 (1 - s)^2, w'' = 2 at both ends.
         let [t0, t1, t2] = hermite(h, [start[0], end[0]], [start[1], end[1]]);
         let square = h * h;
         let t3 = 0.5 * square * k[0] + t1 - t2;
@@ -58,28 +94,31 @@ impl<const N: usize> Path<N> for Rkn86 {
         };
         let fifth = |s: f64| s * (6.0 + s * (s * (60.0 - 30.0 * s) - 36.0));
         let sixth = |s: f64| s * s * (12.0 + s * (s * (90.0 - 42.0 * s) - 60.0));
-        let (a, b) = (C[3], C[4]);
-        let (at_a, at_b) = (left(k[3], a), left(k[4], b));
+        let (at_a, at_b) = (left(k_a, a), left(k_b, b));
         let determinant = fifth(a) * sixth(b) - fifth(b) * sixth(a);
         let t5 = (at_a * sixth(b) - at_b * sixth(a)) / determinant;
         let t6 = (at_b * fifth(a) - at_a * fifth(b)) / determinant;
-        for (term, t) in terms.iter_mut().zip([t0, t1, t2, t3, t4, t5, t6]) {
-            term[0] = t;
-        }
-        // q': the same with first derivatives.
-        let [t0, t1, t2] = hermite(h, [start[1], end[1]], [k[0], last]);
-        let left = |k: f64, s: f64| h * k - (t0 + t1 * (1.0 - 2.0 * s) + t2 * s * (2.0 - 3.0 * s));
-        let third = |s: f64| s * (2.0 + s * (4.0 * s - 6.0));
-        let fourth = |s: f64| s * s * (3.0 + s * (5.0 * s - 8.0));
-        let (at_a, at_b) = (left(k[3], a), left(k[4], b));
-        let determinant = third(a) * fourth(b) - third(b) * fourth(a);
-        let t3 = (at_a * fourth(b) - at_b * fourth(a)) / determinant;
-        let t4 = (at_b * third(a) - at_a * third(b)) / determinant;
-        for (term, t) in terms.iter_mut().zip([t0, t1, t2, t3, t4]) {
-            term[1] = t;
-        }
-        Dense::new(*start, *end, terms)
+        [t0, t1, t2, t3, t4, t5, t6]
     }
+
+    /// Terms of the interpolant of q', from the ends and from the accelerations at [`PLACES`].
+    fn rate<const N: usize>(&self, h: f64, [start, end]: [&[f64; N]; 2], accelerations: &[f64; 4]) -> [f64; TERMS] {
+        let [t0, t1, t2] = hermite(h, [start[1], end[1]], [self.0[0], self.0[STAGES - 1]]);
+        let left: [f64; 4] = std::array::from_fn(|i| {
+            let s = PLACES[i];
+            h * accelerations[i] - (t0 + t1 * (1.0 - 2.0 * s) + t2 * s * (2.0 - 3.0 * s))
+        });
+        let [t3, t4, t5, t6] = FROM_SLOPES.map(|row| row.iter().zip(&left).map(|(weight, left)| weight * left).sum());
+        [t0, t1, t2, t3, t4, t5, t6]
+    }
+}
+
+/// The terms with those of one component.
+fn with_component<const N: usize>(mut terms: [[f64; N]; TERMS], n: usize, own: [f64; TERMS]) -> [[f64; N]; TERMS] {
+    for (term, own) in terms.iter_mut().zip(own) {
+        term[n] = own;
+    }
+    terms
 }
 
 impl<const N: usize> Pair<N> for Rkn86 {

@@ -84,7 +84,7 @@ proptest! {
         };
         let (mut one, mut any) = (FrictionLoop::new(4, 1), FrictionLoop::new(4, 1));
         (one.arm, any.arm) = (arms.clone(), arms);
-        prop_assert!(one.solve_one::<4>(&balance));
+        prop_assert!(one.solve_one::<4>(0.0, &balance));
         any.solve_any(&balance).unwrap();
         prop_assert!(one.iterations <= 8 && any.iterations <= 8);
         let largest = one.size.iter().fold(0.0, |a: f64, s| a.max(*s));

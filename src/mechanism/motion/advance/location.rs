@@ -10,9 +10,11 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// Whether states may be taken from the interpolant of a step.
     #[inline(always)]
     pub(super) fn is_exact(&mut self, step: &Step<N>, dense: &Dense<N>) -> bool {
-        let Some([first, _]) = step.rates() else { return false };
-        let scale = self.dynamics.scale(&step.start, first);
-        step.interpolates() && dense.is_within(self.tolerance, &scale)
+        if !step.interpolates() {
+            return false;
+        }
+        let scale = self.dynamics.scale(&step.start, &step.first());
+        dense.is_within(self.tolerance, &scale)
     }
 
     /// Locate an event: on the interpolant if that is exact, or by a step that ends there, which is returned; the place of

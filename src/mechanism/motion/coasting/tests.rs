@@ -66,6 +66,7 @@ fn coast(
     let mut coasting = Coasting {
         dynamics: &mut Pendulum,
         integrator: &mut integrator,
+        lookahead: &mut Lookahead::default(),
         ends: &Ends::new(&travel, 0.0, EngagedLocks::default()),
         contact: &mut Contact::default(),
         witness: &mut Witness::default(),
@@ -132,6 +133,7 @@ fn the_bound_ends_a_motion_that_has_no_period() {
     let mut coasting = Coasting {
         dynamics: &mut Pendulum,
         integrator: &mut integrator,
+        lookahead: &mut Lookahead::default(),
         ends: &Ends::new(&travel, 0.0, EngagedLocks::default()),
         contact: &mut Contact::default(),
         witness: &mut Witness::default(),
