@@ -62,19 +62,7 @@ impl<const N: usize> Integrator<N> {
         end: f64,
         tolerance: f64,
     ) -> Result<Step<N>, IntegrationError> {
-        let first = match self.derivative {
-            Some(f) => f,
-            None => {
-                self.statistics.evaluations += 1;
-                system.derivative(t, y)
-            }
-        };
-        let scale = system.scale(y, &first);
-        let mut begin = Begin { start: Start { t, y: *y, first, carry: self.carry }, rest: end - t, scale, wish: 0.0 };
-        begin.wish = match self.proposal {
-            Some(h) => h,
-            None => starting_step(system, &begin, tolerance, &mut self.statistics)?,
-        };
+        let begin = self.begin(system, t, y, end, tolerance)?;
         loop {
             match self.choose::<S>(begin.rest, begin.wish) {
                 Method::Rk4 => {
@@ -94,6 +82,54 @@ impl<const N: usize> Integrator<N> {
                 Method::Radau => return self.implicit_step(system, &begin, end, tolerance),
             }
         }
+    }
+
+    /// [`Self::step`] of order 8, whose interpolant is within the tolerance: for a step that goes on beyond the end of a
+    /// span.
+    ///
+    /// # Errors
+    /// As [`Self::step`].
+    #[inline(never)]
+    pub fn step_beyond<S: System<N>>(
+        &mut self,
+        system: &mut S,
+        t: f64,
+        y: &[f64; N],
+        end: f64,
+        tolerance: f64,
+    ) -> Result<Step<N>, IntegrationError> {
+        let begin = self.begin(system, t, y, end, tolerance)?;
+        if S::SECOND_ORDER {
+            self.explicit_step::<Rkn86, S>(system, &begin, end, tolerance)
+        } else {
+            self.explicit_step::<Dop853<N>, S>(system, &begin, end, tolerance)
+        }
+    }
+
+    /// What the first attempt at a step from (t, y) starts with.
+    #[inline(always)]
+    fn begin<S: System<N>>(
+        &mut self,
+        system: &mut S,
+        t: f64,
+        y: &[f64; N],
+        end: f64,
+        tolerance: f64,
+    ) -> Result<Begin<N>, IntegrationError> {
+        let first = match self.derivative {
+            Some(f) => f,
+            None => {
+                self.statistics.evaluations += 1;
+                system.derivative(t, y)
+            }
+        };
+        let scale = system.scale(y, &first);
+        let mut begin = Begin { start: Start { t, y: *y, first, carry: self.carry }, rest: end - t, scale, wish: 0.0 };
+        begin.wish = match self.proposal {
+            Some(h) => h,
+            None => starting_step(system, &begin, tolerance, &mut self.statistics)?,
+        };
+        Ok(begin)
     }
 
     /// The step of exactly size h [s], 0 < h <= step.h, from the start of `step`, by its method and without error

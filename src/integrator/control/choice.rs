@@ -12,8 +12,9 @@ const DOPRI5_BELOW: f64 = 1.5;
 /// Least ratio of the proposed step to a span that a step may go beyond: a step with its interpolant costs about as
 /// many short steps.
 const BEYOND: f64 = 3.0;
-/// Largest ratio: where nothing acts steps grow without bound, and so do the terms of their interpolants.
-const FARTHEST: f64 = 1e9;
+/// Largest ratio of a step that goes beyond a span to that span: its cost then counts for nothing, and where nothing acts
+/// steps would grow without bound.
+const FARTHEST: f64 = 1e3;
 
 impl<const N: usize> Integrator<N> {
     /// Method of the next step, with `span` [s] to go and a step size `wish` [s] that the error control proposes; the
@@ -43,7 +44,12 @@ impl<const N: usize> Integrator<N> {
     /// Whether a step should be let go on beyond the end of a span, as it would be cut much shorter than possible
     /// otherwise; only explicit ones, as the interpolants of others are less exact than they.
     pub fn outlasts(&self, span: f64) -> bool {
-        !self.stiffness.implicit && self.proposal.is_some_and(|h| h > BEYOND * span && h < FARTHEST * span)
+        !self.stiffness.implicit && self.proposal.is_some_and(|h| h > BEYOND * span)
+    }
+
+    /// Where a step from t that goes on beyond the end of a span ends at the latest.
+    pub fn farthest(t: f64, end: f64) -> f64 {
+        t + FARTHEST * (end - t)
     }
 
     /// Whether a step of a cheap pair over the whole span errs no more than its share; if it does, that shortens the

@@ -113,12 +113,16 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             // Continuous step.
             let t = self.progress.t;
             let beyond = self.progress.may_pass && self.integrator.outlasts(span - t);
-            let end = if beyond { f64::INFINITY } else { span };
+            let end = if beyond { Integrator::<N>::farthest(t, span) } else { span };
             let kink = self.dynamics.next_kink(t);
             let is_cut = kink < end;
             let end = if is_cut { kink } else { end };
             self.dynamics.begin_step();
-            let step = self.integrator.step(self.dynamics, t, z, end, self.tolerance);
+            let step = if beyond {
+                self.integrator.step_beyond(self.dynamics, t, z, end, self.tolerance)
+            } else {
+                self.integrator.step(self.dynamics, t, z, end, self.tolerance)
+            };
             let step = match &step {
                 Ok(step) => step,
                 Err(_) if beyond => {
