@@ -10,19 +10,24 @@ const SPAN: f64 = 0.13;
 
 /// The gear with friction at its start.
 fn gear(values: &[(&str, f64)]) -> Run {
-    Run::gear().with(&[("friction.enabled", true)]).with(values).started()
+    gear_with(true, values)
+}
+
+/// The gear with or without friction at its start.
+fn gear_with(friction: bool, values: &[(&str, f64)]) -> Run {
+    Run::gear().with(&[("friction.enabled", friction)]).with(values).started()
 }
 
 /// Work of `steps` steps over the span; the largest difference of the angle from runs at a tolerance of 1e-13 that make
 /// one step to an instant [rad], and the largest drift of energy [J].
-fn work_and_errors(tolerance: f64, steps: u32) -> (Statistics, f64, f64) {
-    let mut run = gear(&[("solver.tolerance", tolerance)]);
+fn work_and_errors(friction: bool, tolerance: f64, steps: u32) -> (Statistics, f64, f64) {
+    let mut run = gear_with(friction, &[("solver.tolerance", tolerance)]);
     let h = SPAN / f64::from(steps);
     let (mut error, mut drift) = (0.0_f64, 0.0_f64);
     for n in 1..=steps {
         run.step(h);
         if n % (steps / 65).max(1) == 0 {
-            let mut exact = gear(&[("solver.tolerance", 1e-13)]);
+            let mut exact = gear_with(friction, &[("solver.tolerance", 1e-13)]);
             exact.step(h * f64::from(n));
             error = error.max((run.get("crank.angle") - exact.get("crank.angle")).abs());
         }
@@ -34,14 +39,27 @@ fn work_and_errors(tolerance: f64, steps: u32) -> (Statistics, f64, f64) {
 #[test]
 fn many_short_steps_cost_what_one_long_one_costs() {
     for (tolerance, steps) in [(1e-6, 130), (1e-6, 1300), (1e-9, 130), (1e-9, 13_000), (1e-12, 1300)] {
-        let (long, ..) = work_and_errors(tolerance, 1);
-        let (work, error, drift) = work_and_errors(tolerance, steps);
+        let (long, ..) = work_and_errors(true, tolerance, 1);
+        let (work, error, drift) = work_and_errors(true, tolerance, steps);
         // Interpolants of all steps, not only of those with an event, and the first short steps. Near rounding some
         // steps are made again.
         let again = if tolerance < 1e-11 { long.evaluations } else { 0 };
         assert!(work.evaluations <= long.evaluations + 3 * work.accepted + 60 + again, "{work:?}");
         // Energies are some 10 kJ.
         assert!(error < 2.0 * tolerance && drift < 4e4 * tolerance, "{error:e} rad, {drift:e} J");
+    }
+}
+
+/// The same without losses, where the Nystroem pair looks ahead: four evaluations for each interpolant.
+#[test]
+fn a_motion_without_losses_looks_ahead() {
+    for (tolerance, steps) in [(1e-6, 130), (1e-6, 1300), (1e-9, 130), (1e-9, 13_000), (1e-12, 1300)] {
+        let (long, ..) = work_and_errors(false, tolerance, 1);
+        let (work, error, drift) = work_and_errors(false, tolerance, steps);
+        let again = if tolerance < 1e-11 { long.evaluations } else { 0 };
+        assert!(work.evaluations <= long.evaluations + 4 * work.accepted + 60 + again, "{work:?} {long:?}");
+        // Of energies of some 10 kJ: twice the error of the speed, which is up to 4 times the tolerance between steps.
+        assert!(error < 2.0 * tolerance && drift < 1e5 * tolerance, "{error:e} rad, {drift:e} J");
     }
 }
 

@@ -14,7 +14,7 @@ const DOPRI5_BELOW: f64 = 1.5;
 const BEYOND: f64 = 3.0;
 /// Largest ratio of a step that goes beyond a span to that span: its cost then counts for nothing, and where nothing acts
 /// steps would grow without bound.
-const FARTHEST: f64 = 1e3;
+const FARTHEST: f64 = 1e4;
 
 impl<const N: usize> Integrator<N> {
     /// Method of the next step, with `span` [s] to go and a step size `wish` [s] that the error control proposes; the

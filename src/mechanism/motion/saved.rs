@@ -53,8 +53,8 @@ pub struct SavedState {
     pub memory: Memory,
 }
 
-/// Memory of the integration, with or without the energy lost and a circuit as components of the state.
-#[expect(clippy::large_enum_variant, reason = "a step allocates nothing, so there is no box")]
+/// Memory of the integration, with or without the energy lost and a circuit as components of the state. A step allocates
+/// nothing, so there is no box where a step may go from one to another.
 #[derive(Clone, Debug)]
 pub enum Memory {
     /// No power is lost: the state is (sigma, sigma_dot).
