@@ -13,6 +13,7 @@ use linkage_fmu::mechanism::reduced::Reduced;
 use linkage_fmu::numerics::chebyshev::NODES;
 
 const GEAR: &str = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
+const CHAIN: &str = include_str!("../../modelDescription/FourBarChain/resources/mechanism.json");
 const CRANE: &str = include_str!("../../modelDescription/CraneJib/resources/mechanism.json");
 
 /// Result and allocations of a call.
@@ -27,6 +28,15 @@ fn the_curve_closes_few_positions() {
     let curve = Reduced::trace(&Mechanism::from_json(GEAR).unwrap()).unwrap();
     // 14 panels, some of them tried in vain, each with its nodes and its tip.
     assert!(curve.closed <= 14 * (NODES + 1), "{} positions", curve.closed);
+}
+
+/// Two crossings, each with one bridge: the panels that lead there are as long as those elsewhere.
+#[test]
+fn the_curve_over_crossings_closes_few_positions() {
+    let curve = Reduced::trace(&Mechanism::from_json(CHAIN).unwrap()).unwrap();
+    assert_eq!(curve.crossings.len(), 2);
+    // 10 panels beside the bridges, 2 tried in vain; the nodes of 2 bridges, and as many positions on the way there.
+    assert!(curve.closed <= 12 * (NODES + 1) + 2 * 2 * NODES + 50, "{} positions", curve.closed);
 }
 
 #[test]

@@ -38,6 +38,8 @@ pub struct Scratch {
     pub positions: Positions,
     /// Factors of the independent loop equations, linearised at these coordinates.
     pub factors: Factors,
+    /// Number of positions that were to be closed on a plane.
+    pub closed: usize,
     /// Residuals of all loop equations [m].
     gaps: Vec<f64>,
     /// Changes of coordinates: Newton's correction and two probes of the amplification.
@@ -234,6 +236,7 @@ impl Closure {
         /// Corrections below this size change the linearised equations by rounding only.
         const UNMOVED: f64 = 4.0 * f64::EPSILON;
         let (mut first, mut last) = (None, f64::INFINITY);
+        scratch.closed += 1;
         for _ in 0..ITERATIONS {
             if !self.linearise(q, scratch) {
                 return None;
@@ -274,11 +277,14 @@ impl Closure {
 }
 
 impl Closure {
-    /// The closed position on the plane of the position `q`, to which [`Self::on_plane`] has converged and of which
-    /// `scratch` holds the linearised loop equations, in twice the precision. None if corrections do not shrink.
-    pub fn refine(&self, scratch: &mut Scratch, q: &[f64], normal: &[f64]) -> Option<Vec<Twofold>> {
+    /// The closed position on the plane of the position `q`, to which [`Self::on_plane`] has converged with this
+    /// amplification and of which `scratch` holds the linearised loop equations, in twice the precision. None if
+    /// corrections do not shrink.
+    pub fn refine(&self, scratch: &mut Scratch, q: &[f64], normal: &[f64], amplification: f64) -> Option<Vec<Twofold>> {
         const ITERATIONS: usize = 12;
         const FINE: f64 = 1e-19;
+        /// Rounding of the linearised loop equations, generously.
+        const ROUNDING: f64 = 1e-14;
         let mut q: Vec<Twofold> = q.iter().map(|q| Twofold::from(*q)).collect();
         let mut last = f64::INFINITY;
         for _ in 0..ITERATIONS {
@@ -293,7 +299,8 @@ impl Closure {
             for (q, [step, ..]) in q.iter_mut().zip(&scratch.steps) {
                 *q = *q + Twofold::from(*step);
             }
-            if size < FINE {
+            // The next correction: what the rounding and the curvature of the loop equations make of this one.
+            if size < FINE || size * 10.0 * amplification * (ROUNDING + size) < FINE {
                 return Some(q);
             }
             last = size;

@@ -34,13 +34,15 @@ struct Walk<'a> {
     slope: Vec<f64>,
     /// Logarithm of the determinant of the loop equations and the plane's.
     determinant: f64,
+    /// Amplification of rounding in a gap.
+    amplification: f64,
 }
 
 impl<'a> Walk<'a> {
     fn new(closure: &'a Closure, base: &'a Base, scratch: &mut configuration::Scratch) -> Option<Self> {
         let normal = closure.normal(&base.tangent);
-        let mut walk =
-            Self { closure, base, u: 0.0, q: base.q.clone(), slope: base.tangent.clone(), determinant: 0.0, normal };
+        let (q, slope) = (base.q.clone(), base.tangent.clone());
+        let mut walk = Self { closure, base, u: 0.0, q, slope, determinant: 0.0, amplification: 1.0, normal };
         walk.close(scratch, 0.0, f64::INFINITY)?;
         Some(walk)
     }
@@ -49,9 +51,10 @@ impl<'a> Walk<'a> {
     fn close(&mut self, scratch: &mut configuration::Scratch, u: f64, most: f64) -> Option<()> {
         let mut q: Vec<f64> = self.q.iter().zip(&self.slope).map(|(q, slope)| q + (u - self.u) * slope).collect();
         let loops = &mut scratch.loops;
-        self.closure.on_plane(loops, &mut q, &self.base.q, &self.normal, u).filter(|c| c.first <= most)?;
+        let closed = self.closure.on_plane(loops, &mut q, &self.base.q, &self.normal, u).filter(|c| c.first <= most)?;
         loops.factors.tangent(&self.normal, 1.0, &mut self.slope);
-        (self.u, self.q, self.determinant) = (u, q, loops.factors.log_determinant(&self.normal));
+        (self.u, self.q, self.amplification) = (u, q, closed.amplification);
+        self.determinant = loops.factors.log_determinant(&self.normal);
         Some(())
     }
 
@@ -74,7 +77,7 @@ impl<'a> Walk<'a> {
         if !self.closure.linearise(&self.q, loops) {
             return None;
         }
-        let q = self.closure.refine(loops, &self.q, &self.normal)?;
+        let q = self.closure.refine(loops, &self.q, &self.normal, self.amplification)?;
         Some(q.iter().zip(less).map(|(q, less)| (*q - Twofold::from(*less)).rounded()).collect())
     }
 
@@ -148,6 +151,8 @@ pub(super) fn crossing_ahead(
 pub(super) struct Bridge {
     /// Normal of the planes.
     pub normal: Vec<f64>,
+    /// Coordinates at u = 0.
+    first: Vec<f64>,
     /// Largest u of the polynomials.
     width: f64,
     /// First and last u from which on derivatives are taken from the polynomials: towards their ends these amplify
@@ -162,15 +167,15 @@ pub(super) struct Bridge {
 }
 
 impl Bridge {
-    /// The bridge over a crossing at the distance `distance` from `base`, `half` on both sides of it, and u at the base.
-    /// None where positions on both sides are not those of one analytic curve.
+    /// The bridge over a crossing at the distance `distance` from `base`, `half` on both sides of it. None where positions
+    /// on both sides are not those of one analytic curve.
     pub fn new(
         closure: &Closure,
         gapped: &Gapped,
         base: &Base,
         [distance, half]: [f64; 2],
         scratch: &mut configuration::Scratch,
-    ) -> Option<(Self, f64)> {
+    ) -> Option<Self> {
         let mut walk = Walk::new(closure, base, scratch)?;
         walk.go(scratch, distance - half)?;
         closure.normalise(&mut walk.slope);
@@ -200,6 +205,7 @@ impl Bridge {
         }
         let mut bridge = Self {
             normal: walk.normal,
+            first: first.q,
             width: 2.0 * half,
             range: [1.0 - INNER, 1.0 + INNER].map(|part| part * half),
             series,
@@ -217,8 +223,17 @@ impl Bridge {
         let course = Course { closure, normal: &bridge.normal, coordinates: &coordinates };
         let between = [1.0 - GAP, 1.0 + 0.1 * GAP, 1.0 + GAP].map(|part| half * part);
         bridge.crossing = course.least_margin(between, &mut scratch.loops);
-        let u = (0..base.q.len()).map(|i| bridge.normal[i] * (base.q[i] - first.q[i])).sum();
-        Some((bridge, u))
+        Some(bridge)
+    }
+
+    /// Half the width.
+    pub fn half(&self) -> f64 {
+        0.5 * self.width
+    }
+
+    /// u of the plane of a position.
+    pub fn distance(&self, q: &[f64]) -> f64 {
+        (0..q.len()).map(|i| self.normal[i] * (q[i] - self.first[i])).sum()
     }
 
     /// Coordinates with two derivatives in u.

@@ -39,6 +39,13 @@ pub struct Scratch {
     gaps: Vec<f64>,
 }
 
+impl Scratch {
+    /// Number of positions closed so far.
+    pub fn closed(&self) -> usize {
+        self.loops.closed
+    }
+}
+
 impl Configuration {
     /// Factors of the independent loop equations; None where these lose rank to the last bit.
     pub fn factors(&self) -> Option<&Factors> {

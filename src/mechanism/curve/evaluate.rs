@@ -49,7 +49,7 @@ pub struct Curve {
     pub crossings: Vec<f64>,
     /// Positions where branches almost cross, as far as they were looked for.
     pub near: Near,
-    /// Number of positions closed in tracing, those of rejected panels included: the cost.
+    /// Number of positions closed in tracing, those of bridges and rejected panels included: the cost.
     pub closed: usize,
 }
 

@@ -112,14 +112,10 @@ impl Panel {
         let samples = &scratch.samples;
         let amplifications = samples.amplifications;
         let (amplification, least) = (largest(&amplifications).max(1.0), least(&amplifications));
-        if near_crossing(amplification, least) {
-            return Err(Rejection::NearCrossing);
-        }
         let far = closure.rounding_at(&base.q);
         let (coordinates, speed, wider) =
             samples.resolve(transform, &closure.weights, width, [amplification, least, far])?;
         let mut tip: Vec<f64> = coordinates.iter().map(|s| polynomial(s, 1.0)).collect();
-        scratch.closed += 1;
         let loops = &mut scratch.evaluation.loops;
         let converged =
             closure.on_plane(loops, &mut tip, &base.q, &normal, width).ok_or(Rejection::TooWide(DIVERGED))?;

@@ -65,7 +65,7 @@ impl Curve {
             panels = mirrored(panels, 0.0);
         }
         let ends = Ends::Stopped { low: !is_low || left, high: is_low || left };
-        let (transform, closed, guess) = (tracer.transform, tracer.scratch.closed, self.guess.clone());
+        let (transform, closed, guess) = (tracer.transform, tracer.scratch.evaluation.closed(), self.guess.clone());
         let (crossings, near) = (Vec::new(), Near::default());
         let stretch = Self { closure, transform, panels, guess, farthest, range, ends, crossings, near, closed };
         stretch.checked()

@@ -107,7 +107,7 @@ impl Curve {
         if last <= first {
             return Err(CurveError::Outside(closure.describe(q)));
         }
-        let (transform, closed) = (tracer.transform, tracer.scratch.closed);
+        let (transform, closed) = (tracer.transform, tracer.scratch.evaluation.closed());
         let (guess, range) = (q.to_vec(), (first, last));
         let (crossings, near) = (Vec::new(), Near::default());
         Self { closure, transform, panels, guess, farthest, range, ends, crossings, near, closed }.checked()
@@ -158,8 +158,8 @@ pub(super) struct Tracer<'a> {
     closure: &'a Closure,
     pub(super) transform: Transform,
     gapped: Gapped,
-    /// The bridge on which the next panel begins, and its distance there.
-    bridge: Option<(Bridge, f64)>,
+    /// The bridge over the next crossing, from when it is found until it is passed.
+    bridge: Option<Bridge>,
     /// Least amplification of the panels so far.
     least: f64,
     /// Largest half width of the next bridge.
@@ -261,10 +261,11 @@ impl<'a> Tracer<'a> {
             }
             base = Base { sigma: panel.end(), q: panel.tip.clone(), tangent: ahead };
             let distance = self.distance(&base.q);
-            // Width that would just have been resolved, and its ratio from panel to panel.
-            let widest = panel.width * wider.min(self.widening);
+            // Width that would just have been resolved, and its ratio from panel to panel. A panel that a crossing has
+            // shortened does not shorten those beyond.
+            let widest = (panel.width * wider).min(self.widening * width);
             let trend = widest_before.map_or(1.0, |before: f64| (widest / before).clamp(0.5, self.widening));
-            width = (CAUTION * widest * trend).min(self.widening * panel.width).min(self.largest(&base));
+            width = (CAUTION * widest * trend).min(self.widening * width).min(self.largest(&base));
             widest_before = Some(widest);
             panels.push(panel);
             if let Some(sigma) = left {
@@ -280,61 +281,62 @@ impl<'a> Tracer<'a> {
     }
 
     /// The next panel, of the proposed width or the widest below it that is accepted, with the tangent at its tip and
-    /// the factor by which it might have been wider.
+    /// the factor by which it might have been wider. `width` becomes what the curve allows, which a crossing ahead may
+    /// have shortened for this panel only.
     fn next_panel(&mut self, base: &Base, width: &mut f64) -> Result<(Panel, Vec<f64>, f64), CurveError> {
-        let mut massless = false;
-        while *width > SMALLEST {
+        let (mut massless, mut limit) = (false, f64::INFINITY);
+        while width.min(limit) > SMALLEST {
+            let (wide, from) = self.bounded(base, width.min(limit));
             let Self { closure, transform, travel, scratch, bridge, .. } = self;
             let mut visit = |node: usize, positions: &Positions| {
                 if let Some(travel) = &mut *travel {
                     travel.visit(node, positions);
                 }
             };
-            let built = match bridge {
-                Some((on, from)) => {
-                    let rest = on.range[1] - *from;
-                    // No sliver is left at the end.
-                    *width = if *width < rest { width.min(0.9 * rest) } else { rest };
-                    Panel::on_bridge(closure, transform, on, base, (*from, *width), scratch, &mut visit)
+            let built = match (&*bridge, from) {
+                (Some(on), Some(from)) => {
+                    Panel::on_bridge(closure, transform, on, base, (from, wide), scratch, &mut visit)
                 }
-                None => Panel::build(closure, transform, base, *width, scratch, &mut visit),
+                _ => Panel::build(closure, transform, base, wide, scratch, &mut visit),
             };
             match built {
                 Ok((panel, tangent, wider)) => {
-                    let Some((on, from)) = bridge else {
-                        let [first, .., last] = panel.amplifications;
-                        self.least = self.least.min(panel.amplification);
-                        if !near_crossing(last, self.least) {
-                            // What could not be bridged lies behind.
-                            self.half = f64::INFINITY;
-                        } else if last > first
-                            && let Some(wide) = self.bridge_ahead(base, *width)
-                        {
-                            *width = wide;
-                            continue;
+                    if let Some(from) = from {
+                        if bridge.as_ref().is_some_and(|on| from + wide < on.range[1] * (1.0 - 1e-9)) {
+                            return Ok((panel, tangent, wider));
                         }
-                        return Ok((panel, tangent, wider));
-                    };
-                    *from += *width;
-                    if *from < on.range[1] * (1.0 - 1e-9) {
-                        return Ok((panel, tangent, wider));
+                        *bridge = None;
+                        return self.land(panel).map(|(panel, tangent)| (panel, tangent, wider));
                     }
-                    *bridge = None;
-                    return self.land(panel).map(|(panel, tangent)| (panel, tangent, wider));
-                }
-                Err(rejection) => {
-                    if rejection == Rejection::NearCrossing
-                        && let Some(wide) = self.bridge_ahead(base, *width)
+                    let [first, .., last] = panel.amplifications;
+                    self.least = self.least.min(panel.amplification);
+                    if !near_crossing(last, self.least) {
+                        // What could not be bridged lies behind.
+                        self.half = f64::INFINITY;
+                    } else if last > first
+                        && self.bridge.is_none()
+                        && let Some(wide) = self.bridge_ahead(base, wide)
                     {
-                        *width = wide;
+                        limit = wide;
                         continue;
                     }
+                    return Ok((panel, tangent, wider));
+                }
+                Err(rejection) => {
                     massless = rejection == Rejection::Massless;
-                    *width *= match rejection {
-                        Rejection::TooWide(shorter) => shorter,
-                        Rejection::NearCrossing => 0.93,
-                        Rejection::Massless => 0.7,
-                    };
+                    if rejection == Rejection::NearCrossing {
+                        let shorter = if bridge.is_none() { self.bridge_ahead(base, wide) } else { None };
+                        if let Some(shorter) = shorter.or_else(|| self.farther(base, wide)) {
+                            limit = shorter;
+                            continue;
+                        }
+                    }
+                    *width = wide
+                        * match rejection {
+                            Rejection::TooWide(shorter) => shorter,
+                            Rejection::NearCrossing => 0.93,
+                            Rejection::Massless => 0.7,
+                        };
                 }
             }
         }

@@ -2,7 +2,7 @@
 //!
 //! In: a panel's base and width, or a bridge. Out: the sampled panel, or the reason why its width is rejected. It must not
 //! know how the curve is divided into panels.
-use super::{Base, DIVERGED, HARMLESS, Panel, Rejection};
+use super::{Base, DIVERGED, HARMLESS, Panel, Rejection, near_crossing};
 use crate::mechanism::closure::Closure;
 use crate::mechanism::curve::bridge::Bridge;
 use crate::mechanism::curve::configuration::{self, Configuration};
@@ -27,8 +27,6 @@ pub struct Scratch {
     c: Configuration,
     pub(super) samples: Samples,
     extrapolation: Extrapolation,
-    /// Number of positions closed so far.
-    pub closed: usize,
 }
 
 /// Values at the nodes of a panel.
@@ -63,19 +61,22 @@ impl Scratch {
         visit: &mut dyn FnMut(usize, &Positions),
     ) -> Result<(), Rejection> {
         let (n, w) = (base.q.len(), &closure.weights);
-        let Self { evaluation, c, samples, extrapolation, closed } = self;
+        let Self { evaluation, c, samples, extrapolation } = self;
         samples.clear(n);
-        let mut last = 0.0;
+        let (mut last, mut least, mut largest) = (0.0, f64::INFINITY, 1.0_f64);
         extrapolation.start(&base.q, &base.tangent);
         for (j, x) in nodes.iter().enumerate() {
             let u = 0.5 * width * (1.0 + x);
             extrapolation.extrapolate(u, &mut c.q);
-            *closed += 1;
             let converged = closure
                 .on_plane(&mut evaluation.loops, &mut c.q, &base.q, normal, u)
                 .filter(|l| l.first <= 0.2 * (u - last) + 1e-12)
                 .ok_or(Rejection::TooWide(DIVERGED))?;
             samples.amplifications[j] = converged.amplification;
+            (least, largest) = (least.min(converged.amplification), largest.max(converged.amplification));
+            if near_crossing(largest, least) {
+                return Err(Rejection::NearCrossing);
+            }
             closure.update_positions(converged, &c.q, &mut evaluation.loops, &mut c.positions);
             visit(j, &c.positions);
             let speed = c.derive(closure, normal, evaluation);
