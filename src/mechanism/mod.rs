@@ -2,6 +2,7 @@
 pub mod closure;
 pub mod curve;
 pub mod definition;
+mod designs;
 mod dynamics;
 mod error;
 mod fem_motion;

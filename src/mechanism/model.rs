@@ -7,6 +7,7 @@ mod occurrences;
 mod undefined;
 mod warnings;
 
+use super::designs::{Designs, decides_reduced};
 use super::dynamics::inputs::{InputPolynomial, Inputs};
 use super::error::ModelError;
 use super::fem_motion::RigidFemMotion;
@@ -37,8 +38,8 @@ pub struct Model {
     pub(super) inputs: Inputs,
     /// The reduced model for the present parameters; none after one of them has changed.
     pub(super) reduced: Option<Arc<Reduced>>,
-    /// The reduced model built last; the next one keeps its curve and tables where nothing has changed.
-    pub(super) last: Arc<Reduced>,
+    /// What follows from the parameters that were present last; a next set keeps of it what does not change.
+    pub(super) designs: Designs,
     pub(super) state: Option<Formulation>,
     /// Whether [`Self::take_growth`] has told that the curve grows.
     has_told: bool,
@@ -106,7 +107,7 @@ impl Model {
             parameter_values: Arc::clone(&original.parameter_values),
             inputs: original.inputs.clone(),
             reduced: Some(Arc::clone(&original.reduced)),
-            last: Arc::clone(&original.reduced),
+            designs: Designs::new(Arc::clone(&original.parameter_values), Arc::clone(&original.reduced)),
             state: None,
             has_told: false,
             clipped: Clipped::default(),
@@ -124,9 +125,10 @@ impl Model {
     /// The present parameters give no mechanism.
     pub fn reduced(&mut self) -> Result<&Arc<Reduced>, ModelError> {
         if self.reduced.is_none() {
-            ParameterValues::settle(&mut self.parameter_values);
-            self.last = Arc::new(self.last.renewed(self.parameter_values.mechanism())?);
-            self.reduced = Some(Arc::clone(&self.last));
+            self.designs.settle(&mut self.parameter_values);
+            let reduced = self.designs.reduced(&self.parameter_values, &self.original.ranges)?;
+            self.designs.keep(&self.parameter_values, &reduced);
+            self.reduced = Some(reduced);
         }
         self.reduced.as_ref().ok_or(ModelError::NotInitialised)
     }
@@ -205,18 +207,14 @@ impl Model {
                 values.parameters[i] = value;
                 values.changed();
                 self.state = None;
-                if self.decides_reduced(self.original.ranges[i].1) {
+                let is_part = self.reduced.as_ref().is_some_and(|reduced| reduced.is_part());
+                if decides_reduced(self.original.ranges[i].1, is_part) {
                     self.reduced = None;
                 }
             }
             _ => {}
         }
         Ok(())
-    }
-
-    /// Whether parameters with this role decide the reduced model.
-    pub(super) fn decides_reduced(&self, role: Role) -> bool {
-        is_reduced(role) || role == Role::StartPosition && (self.last.is_part() || self.original.reduced.is_part())
     }
 
     /// Present value of a Boolean.
@@ -446,12 +444,13 @@ impl Model {
     fn state(&mut self) -> Result<&mut Formulation, ModelError> {
         if self.state.is_none() {
             let reduced = Arc::clone(self.reduced()?);
-            ParameterValues::settle(&mut self.parameter_values);
+            self.designs.settle(&mut self.parameter_values);
+            let start = &*self.designs.start(&self.parameter_values, &reduced, &self.original.ranges)?;
             let (mechanism, inputs) = (self.parameter_values.mechanism(), &self.inputs);
             self.state = Some(match self.parameter_values.method() {
-                Method::Reduced => Formulation::Reduced(ReducedMotion::at_start(&reduced, mechanism, inputs)?),
+                Method::Reduced => Formulation::Reduced(ReducedMotion::at_start(start, &reduced, mechanism, inputs)?),
                 Method::RigidFem => {
-                    Formulation::RigidFem(Box::new(RigidFemMotion::at_start(&reduced, mechanism, inputs)?))
+                    Formulation::RigidFem(Box::new(RigidFemMotion::at_start(start, &reduced, mechanism, inputs)?))
                 }
             });
         }
@@ -468,11 +467,6 @@ impl Model {
         let own = list.get(reference as usize).map(|variable| (variable.name.clone(), variable.kind.word()));
         ModelError::Reference { reference, own, kind, count: list.len() }
     }
-}
-
-/// Whether the reduced model depends on a parameter of this role.
-fn is_reduced(role: Role) -> bool {
-    matches!(role, Role::Geometry | Role::Inertia | Role::Load | Role::Scale | Role::Circuit)
 }
 
 impl Formulation {

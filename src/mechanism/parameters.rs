@@ -7,14 +7,17 @@ use std::sync::Arc;
 /// A mechanism with the values of its parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParameterValues {
-    /// The definition, with the values below if it is not stale.
-    mechanism: Mechanism,
+    /// The definition, with the values below if it is not stale; sets that differ in their values alone share it until
+    /// they are settled.
+    mechanism: Arc<Mechanism>,
     /// Whether values have changed since they were written into the mechanism.
     is_stale: bool,
     /// Numeric parameters, in the order of [`Mechanism::parameters`].
     pub parameters: Vec<f64>,
     /// Boolean parameters, in the order of [`Mechanism::flags`].
     pub flags: Vec<bool>,
+    /// Formulation of the motion, if the definition has it as a parameter.
+    method: Option<Method>,
 }
 
 impl ParameterValues {
@@ -22,7 +25,8 @@ impl ParameterValues {
         let (mut parameters, mut flags) = (Vec::new(), Vec::new());
         mechanism.parameters(&mut |_, value| parameters.push(*value));
         mechanism.flags(&mut |_, value| flags.push(*value));
-        Self { mechanism, is_stale: false, parameters, flags }
+        let method = mechanism.solver.method;
+        Self { mechanism: Arc::new(mechanism), is_stale: false, parameters, flags, method }
     }
 
     /// The definition with the present values, once they are [settled](Self::settle).
@@ -39,7 +43,8 @@ impl ParameterValues {
 
     /// Choose the formulation of the motion.
     pub fn set_method(&mut self, method: Method) {
-        self.mechanism.solver.method = Some(method);
+        self.method = Some(method);
+        self.changed();
     }
 
     /// Write the values into the mechanism, if one has changed.
@@ -55,7 +60,7 @@ impl ParameterValues {
 
     /// The formulation, if the definition has it as a parameter.
     pub fn stated_method(&self) -> Option<Method> {
-        self.mechanism.solver.method
+        self.method
     }
 
     /// Whether the mechanism has the present values.
@@ -69,10 +74,12 @@ impl ParameterValues {
     }
 
     /// Write the values into the mechanism.
-    pub fn update_mechanism(&mut self) {
+    fn update_mechanism(&mut self) {
         let (mut parameters, mut flags) = (self.parameters.iter(), self.flags.iter());
-        self.mechanism.parameters(&mut |_, value| *value = parameters.next().copied().unwrap_or(*value));
-        self.mechanism.flags(&mut |_, value| *value = flags.next().copied().unwrap_or(*value));
+        let mechanism = Arc::make_mut(&mut self.mechanism);
+        mechanism.parameters(&mut |_, value| *value = parameters.next().copied().unwrap_or(*value));
+        mechanism.flags(&mut |_, value| *value = flags.next().copied().unwrap_or(*value));
+        mechanism.solver.method = self.method;
         self.is_stale = false;
     }
 }

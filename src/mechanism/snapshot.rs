@@ -3,6 +3,7 @@
 //! In: a model. Out: a copy of some hundred bytes, which shares the parameters and the reduced model; a model restored
 //! from a snapshot, which continues to the bit. Caches of outputs, the panel in memory and scratch are left out. It
 //! must not know FMI.
+use super::designs::shares_reduced;
 use super::dynamics::inputs::Inputs;
 use super::error::ModelError;
 use super::model::{Formulation, Model};
@@ -118,7 +119,9 @@ impl Model {
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), ModelError> {
         self.restart_told();
         let inputs = &snapshot.inputs;
-        let same = self.shares_reduced(&self.parameter_values, &snapshot.parameter_values);
+        let (own, theirs) = (&self.parameter_values, &snapshot.parameter_values);
+        let shares = |reduced: &Arc<Reduced>| shares_reduced(own, reduced, theirs, &self.original.ranges);
+        let same = self.reduced.as_ref().is_some_and(shares);
         match (&snapshot.motion, &mut self.state, &self.reduced) {
             (Some(SavedFormulation::Reduced(saved)), Some(Formulation::Reduced(state)), Some(reduced)) if same => {
                 let others = !same_bits(&self.inputs.reals, &inputs.reals);
@@ -147,12 +150,11 @@ impl Model {
         {
             return state.restore(saved, reduced, inputs);
         }
+        let (values, ranges) = (&snapshot.parameter_values, &self.original.ranges);
         let reduced = match (&self.reduced, &snapshot.reduced) {
             (Some(own), _) if same => Some(Arc::clone(own)),
-            (_, Some(theirs)) => Some(Arc::clone(theirs)),
-            (_, None) if snapshot.has_motion() => {
-                Some(Arc::new(self.last.renewed(snapshot.parameter_values.mechanism())?))
-            }
+            (_, Some(theirs)) => Some(Arc::clone(self.designs.find(values, ranges).unwrap_or(theirs))),
+            (_, None) if snapshot.has_motion() => Some(self.designs.reduced(values, ranges)?),
             (_, None) => None,
         };
         self.state = match (&snapshot.motion, &reduced) {
@@ -164,6 +166,9 @@ impl Model {
             }
             _ => None,
         };
+        if let (Some(reduced), true) = (&reduced, values.is_settled()) {
+            self.designs.keep(values, reduced);
+        }
         self.reduced = reduced;
         Ok(())
     }
@@ -193,19 +198,22 @@ impl Model {
                 return Err(ModelError::Value { name, value: *value, allowed: range.text() });
             }
         }
-        parameter_values.update_mechanism();
-        let parameter_values = [&self.parameter_values, &self.original.parameter_values]
-            .into_iter()
-            .find(|known| known.is_settled() && known.has_same_bits(&parameter_values))
-            .map_or_else(|| Arc::new(parameter_values.clone()), Arc::clone);
+        parameter_values.changed();
+        let mut parameter_values = Arc::new(parameter_values);
+        let own = &self.parameter_values;
+        match own.is_settled() && own.has_same_bits(&parameter_values) {
+            true => parameter_values = Arc::clone(own),
+            false => self.designs.settle(&mut parameter_values),
+        }
         inputs.record(record)?;
-        let mut reduced = self.known_reduced(&parameter_values);
+        let ranges = &self.original.ranges;
+        let mut reduced = self.designs.find(&parameter_values, ranges).map(Arc::clone);
         let mut moves = false;
         record.flag("in motion", &mut moves)?;
         let motion = if moves {
             let reduced = match &mut reduced {
                 Some(reduced) => reduced,
-                none => none.insert(Arc::new(self.last.renewed(parameter_values.mechanism())?)),
+                none => none.insert(self.designs.reduced(&parameter_values, ranges)?),
             };
             Some(match method {
                 Method::Reduced => SavedFormulation::Reduced(SavedState::read(record, reduced)?),
@@ -220,28 +228,6 @@ impl Model {
             Record::Read([]) => Ok(Snapshot { parameter_values, inputs, reduced, motion }),
             _ => Err(Damaged("it goes on after its end".to_owned()).into()),
         }
-    }
-
-    /// The reduced model for these parameters, if the model has it.
-    fn known_reduced(&self, parameter_values: &ParameterValues) -> Option<Arc<Reduced>> {
-        let (own, original) = (&self.parameter_values, &self.original);
-        let known = [(own, self.reduced.as_ref()), (&original.parameter_values, Some(&original.reduced))];
-        known
-            .into_iter()
-            .find_map(|(own, reduced)| reduced.filter(|_| self.shares_reduced(own, parameter_values)).cloned())
-    }
-
-    /// Whether both sets of parameters have the same reduced model.
-    #[inline]
-    fn shares_reduced(&self, a: &ParameterValues, b: &ParameterValues) -> bool {
-        std::ptr::eq(a, b) || self.agree_in_reduced(a, b)
-    }
-
-    #[cold]
-    fn agree_in_reduced(&self, a: &ParameterValues, b: &ParameterValues) -> bool {
-        let same = |i: usize| a.parameters[i].to_bits() == b.parameters[i].to_bits();
-        a.flags == b.flags
-            && self.original.ranges.iter().enumerate().all(|(i, (_, role))| !self.decides_reduced(*role) || same(i))
     }
 
     fn parameter_name(&self, index: usize) -> String {

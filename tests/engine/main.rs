@@ -7,6 +7,7 @@ mod bounds;
 mod cavitation;
 mod creep;
 mod derivatives;
+mod designs;
 mod drag;
 mod drawn;
 mod drives;

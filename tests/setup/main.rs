@@ -83,14 +83,15 @@ fn check_renewal(text: &str) {
     let (mut parameters, mut flags) = (Vec::new(), 0);
     stated.clone().parameters(&mut |p, _| parameters.push(p.name.concat()));
     stated.clone().flags(&mut |_, _| flags += 1);
-    let compare = |name: &str, changed: &Mechanism| match (reduced.renewed(changed), Reduced::new(changed)) {
-        (Ok(renewed), Ok(new)) => {
-            assert!(same_tables(&renewed, &new), "{name}");
-            assert_eq!(renewed.loading(), new.loading(), "{name}");
-            assert_eq!(renewed.components(), new.components(), "{name}");
-        }
-        (renewed, new) => assert_eq!(renewed.err(), new.err(), "{name}"),
-    };
+    let compare =
+        |name: &str, changed: &Mechanism| match (Reduced::renewed(&[&reduced], changed), Reduced::new(changed)) {
+            (Ok(renewed), Ok(new)) => {
+                assert!(same_tables(&renewed, &new), "{name}");
+                assert_eq!(renewed.loading(), new.loading(), "{name}");
+                assert_eq!(renewed.components(), new.components(), "{name}");
+            }
+            (renewed, new) => assert_eq!(renewed.err(), new.err(), "{name}"),
+        };
     for name in &parameters {
         let mut changed = stated.clone();
         changed.parameters(&mut |p, value| {
@@ -120,8 +121,36 @@ fn a_law_leaves_curve_and_tables() {
     let mut mechanism = Mechanism::from_json(GEAR).unwrap();
     let reduced = Reduced::new(&mechanism).unwrap();
     mechanism.flags(&mut |flag, value| *value |= flag.name.concat() == "friction.enabled");
-    let (renewed, count) = allocations(|| reduced.renewed(&mechanism).unwrap());
+    let (renewed, count) = allocations(|| Reduced::renewed(&[&reduced], &mechanism).unwrap());
     assert!(std::ptr::eq(reduced.curve(), renewed.curve()));
     assert!(std::ptr::eq(reduced.influence(), renewed.influence()));
     assert!(count <= 100, "{count} allocations");
+}
+
+/// A run by reset computes nothing again that follows from the parameters: no start, no travel, no warnings; nor does one
+/// under parameters that were present before, however many tables they need.
+#[test]
+fn a_reset_allocates_the_state_alone() {
+    let mut gear = Model::from_json(GEAR).unwrap();
+    let [gravity, tolerance, friction] = ["gravity.acceleration", "solver.tolerance", "friction.enabled"]
+        .map(|name| gear.variables().find(name).unwrap());
+    // The vectors of a state and of its outputs' cache, then the values of parameters that are not those as read; with
+    // friction those of the friction loops.
+    let set_ups: [(&dyn Fn(&mut Model), usize); 4] = [
+        (&|_| {}, 36),
+        (&|gear| gear.set_real(gravity, 9.8).unwrap(), 40),
+        (&|gear| gear.set_real(tolerance, 1e-8).unwrap(), 40),
+        (&|gear| gear.set_boolean(friction, true).unwrap(), 96),
+    ];
+    for (which, (set_up, most)) in set_ups.into_iter().enumerate() {
+        let mut count = 0;
+        for _ in 0..2 {
+            (_, count) = allocations(|| {
+                gear.reset();
+                set_up(&mut gear);
+                gear.initialize().unwrap();
+            });
+        }
+        assert!(count <= most, "set-up {which}: {count} allocations");
+    }
 }

@@ -39,6 +39,18 @@ pub fn live(description: &Arc<Description>) -> Result<(), String> {
     Ok(())
 }
 
+/// Set a scene's values, set up, initialise.
+fn prepare(host: &Host, scene: &Scene, tolerance: f64) -> Result<(), String> {
+    for &(name, value) in scene.reals {
+        done(name, host.set(name, value))?;
+    }
+    for &(name, value) in scene.flags {
+        done(name, host.set_boolean(name, value))?;
+    }
+    done("fmi2SetupExperiment", host.set_up(Some(tolerance), 0.0, None))?;
+    done("initialization", host.initialize())
+}
+
 /// An initialised instance of the landing gear, with the state that each run begins with.
 pub struct Gear {
     host: Host,
@@ -56,14 +68,7 @@ impl Gear {
     /// The file cannot be read; a call is refused.
     pub fn new(folder: &Path, scene: &Scene, tolerance: f64) -> Result<Self, String> {
         let host = Description::read(folder)?.instantiate(None, false)?;
-        for &(name, value) in scene.reals {
-            done(name, host.set(name, value))?;
-        }
-        for &(name, value) in scene.flags {
-            done(name, host.set_boolean(name, value))?;
-        }
-        done("fmi2SetupExperiment", host.set_up(Some(tolerance), 0.0, None))?;
-        done("initialization", host.initialize())?;
+        prepare(&host, scene, tolerance)?;
         let mut start = State::NONE;
         done("fmi2GetFMUstate", host.save_into(&mut start))?;
         let (motion, reactions) = (MOTION.map(|name| host.reference(name)), REACTIONS.map(|name| host.reference(name)));
@@ -91,6 +96,42 @@ impl Gear {
             *least = least.min(began.elapsed().as_secs_f64());
         }
         done("fmi2FreeFMUstate", self.host.free(&mut state))
+    }
+
+    /// `fmi2Reset` and everything up to the first doStep, with the values of a scene and its settings.
+    ///
+    /// # Errors
+    /// A call is refused.
+    pub fn restart(&self, scene: &Scene, tolerance: f64) -> Result<(), String> {
+        done("fmi2Reset", self.host.reset())?;
+        prepare(&self.host, scene, tolerance)
+    }
+
+    /// Set a parameter and initialise, after `fmi2Reset`.
+    ///
+    /// # Errors
+    /// A call is refused.
+    pub fn restart_with(&self, name: &str, value: f64) -> Result<(), String> {
+        done("fmi2Reset", self.host.reset())?;
+        done(name, self.host.set(name, value))?;
+        done("fmi2SetupExperiment", self.host.set_up(None, 0.0, None))?;
+        done("initialization", self.host.initialize())
+    }
+
+    /// One doStep from the start.
+    ///
+    /// # Errors
+    /// The call is refused.
+    pub fn step(&self, h: f64) -> Result<(), String> {
+        done("fmi2DoStep", self.host.step(0.0, h))
+    }
+
+    /// Value of an output.
+    ///
+    /// # Errors
+    /// The call is refused.
+    pub fn get(&self, name: &str) -> Result<f64, String> {
+        self.host.get(name).map_err(|status| format!("{name}: {status:?}"))
     }
 
     fn call(&self, what: After, steps: u32, state: &mut State) -> Result<(), String> {

@@ -14,6 +14,8 @@ use std::process::Command;
 pub const REPEAT: &str = "repeat";
 /// Tolerance of all runs.
 const TOLERANCE: f64 = 1e-9;
+/// What is counted in place of a retraction: fmi2Reset and all calls up to the first doStep.
+const RESET: &str = "reset";
 /// Repetitions of the run that is subtracted: tables that are made when first asked for are made in it.
 const FEW: u32 = 1;
 /// doSteps in the further repetitions together, unless one has more; greatest number of these.
@@ -64,6 +66,13 @@ pub fn table() -> Result<Option<Pages>, String> {
         }
         rows.push('\n');
     }
+    rows += "\n## A reset\n\nfmi2Reset, values set, fmi2SetupExperiment, initialisation: what follows from the parameters is kept.\n\n";
+    rows += &heading(&["scene", "instructions"]);
+    for scene in SCENES.iter().filter(|scene| scene.after.is_empty()) {
+        let count = instructions(scene.name, RESET, 1)?;
+        let _ = writeln!(rows, "| {} | {count:.0} |", scene.title);
+        let _ = writeln!(csv, "{},{RESET},0,{count:.0},", scene.name);
+    }
     let words = format!(
         "Counted by callgrind through the C functions, landing gear at tolerance {TOLERANCE:.0e}, without set-up: the \
          difference of two runs that differ by 1 to {MOST} repetitions, the more the fewer their doSteps; the state is put \
@@ -103,6 +112,9 @@ pub fn repeat(folder: &Path, words: [&str; 4]) -> Result<(), String> {
     let after = READS.iter().find(|(word, _)| *word == reads).map_or(scene.after, |(_, after)| after);
     let (steps, repetitions) = (number(steps)?, number(repetitions)?);
     let mut gear = Gear::new(folder, scene, TOLERANCE)?;
+    if reads == RESET {
+        return (0..repetitions).try_for_each(|_| gear.restart(scene, TOLERANCE));
+    }
     for _ in 0..repetitions {
         gear.run(steps, SPAN / f64::from(steps), after, &mut [f64::INFINITY])?;
     }

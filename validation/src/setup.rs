@@ -1,7 +1,8 @@
 //! Set-up: what it costs to read a mechanism, trace its curve and build the tables that a first step needs, what a
 //! changed parameter costs, and a whole life through the C functions.
-use crate::gear::{LAST, live};
+use crate::gear::{Gear, LAST, live};
 use crate::measure::{self, Pages, heading, timed};
+use crate::scene::{DEFAULT, SCENES, SPAN};
 use fmu_build::chain;
 use fmu_build::workspace::{MECHANISM, Workspace};
 use linkage_fmu::fmi2::host::Description;
@@ -15,6 +16,8 @@ use std::path::Path;
 /// Runs of which the fastest counts, and those of the longest mechanism.
 const RUNS: usize = 100;
 const LONG_RUNS: usize = 10;
+/// Tolerance of runs by reset.
+const TOLERANCE: f64 = 1e-9;
 
 /// The tables in Markdown.
 pub fn table(descriptions: &Path) -> Result<Pages, String> {
@@ -38,6 +41,7 @@ pub fn table(descriptions: &Path) -> Result<Pages, String> {
     page += &parts("Chain of 40 four-bars", &chain::text(40), LONG_RUNS).map_err(|e| e.to_string())?;
     let gear = descriptions.join("LandingGearRetraction");
     changes(&mut page, &measure::mechanism(&gear)?).map_err(|e| e.to_string())?;
+    resets(&mut page, &gear)?;
     life(&mut page, &gear)?;
     Ok(Pages { page, csv: String::new() })
 }
@@ -81,6 +85,39 @@ fn changes(out: &mut String, text: &str) -> Result<(), ModelError> {
         }
         let _ = writeln!(out, "| {name} | {again} | {:.0} |", least * 1e6);
         model.reset();
+    }
+    Ok(())
+}
+
+/// The calls from fmi2Reset up to the first doStep of a run with this number.
+type Restart<'a> = &'a dyn Fn(usize) -> Result<(), String>;
+
+/// What a run by fmi2Reset costs before its first doStep.
+fn resets(out: &mut String, folder: &Path) -> Result<(), String> {
+    *out += "\n## A run by reset\n\nOf the landing gear through the FMI functions, in us: fmi2Reset, values set, fmi2SetupExperiment, \
+             initialisation; then scene S1 in one doStep of 0.13 s. Gravity and length come back to the value of two runs before, so \
+             that what follows from them is kept.\n\n";
+    *out += &heading(&["set after the reset", "up to the first step", "with the step"]);
+    let gear = Gear::new(folder, &DEFAULT, TOLERANCE)?;
+    let friction = SCENES.iter().find(|scene| scene.name == "friction").ok_or("no scene with friction")?;
+    let turns = |name: &'static str| {
+        let stated = gear.get(name)?;
+        Ok::<_, String>((name, [stated, stated + 1e-3]))
+    };
+    let [gravity, length] = [turns("gravity.acceleration")?, turns("crank.length")?];
+    let ways: [(&str, Restart); 4] = [
+        ("nothing", &|_| gear.restart(&DEFAULT, TOLERANCE)),
+        ("friction.enabled", &|_| gear.restart(friction, TOLERANCE)),
+        (gravity.0, &|run| gear.restart_with(gravity.0, gravity.1[run % 2])),
+        (length.0, &|run| gear.restart_with(length.0, length.1[run % 2])),
+    ];
+    for (name, restart) in ways {
+        let (mut start, mut whole) = (f64::INFINITY, f64::INFINITY);
+        for run in 0..RUNS {
+            timed(&mut start, || restart(run))?;
+            timed(&mut whole, || restart(run).and_then(|()| gear.step(SPAN)))?;
+        }
+        let _ = writeln!(out, "| {name} | {:.1} | {:.1} |", start * 1e6, whole * 1e6);
     }
     Ok(())
 }

@@ -15,7 +15,7 @@ use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::laws::stop::Stop;
 use crate::mechanism::motion::contact::Contact;
-use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::state::{Start, State};
 use crate::mechanism::outputs::ReducedMotion;
 use crate::mechanism::reactions::Reaction;
 use crate::mechanism::reduced::Reduced;
@@ -65,14 +65,19 @@ struct Kept {
 }
 
 impl RigidFemMotion {
-    /// The state that the definition states, with the stretch that its own forces give.
+    /// The state at a start, with the stretch that its own forces give.
     ///
     /// # Errors
     /// The mechanism has friction, air, a lock or an efficiency; the linkage is not of binary links; a body has no
     /// axial stiffness; as [`ReducedMotion::at_start`].
-    pub fn at_start(reduced: &Reduced, mechanism: &Mechanism, inputs: &Inputs) -> Result<Self, ModelError> {
+    pub fn at_start(
+        start: &Start,
+        reduced: &Reduced,
+        mechanism: &Mechanism,
+        inputs: &Inputs,
+    ) -> Result<Self, ModelError> {
         refuse_losses(reduced, inputs)?;
-        let mut rigid = ReducedMotion::at_start(reduced, mechanism, inputs)?;
+        let mut rigid = ReducedMotion::at_start(start, reduced, mechanism, inputs)?;
         // No stop holds the finite elements.
         rigid.state.contact = Contact::default();
         refuse_locks(reduced, inputs, &rigid.state)?;

@@ -83,7 +83,7 @@ const FEW: u32 = 4;
 impl<T: Number> FrictionLoop<T> {
     /// Solver for n joints in a number of groups.
     pub fn new(n: usize, groups: usize) -> Self {
-        let (zero, unknowns) = (T::constant(0.0), 1 + 2 * groups);
+        let (zero, unknowns) = (T::constant(0.0), if n == 0 { 0 } else { 1 + 2 * groups });
         Self {
             arm: vec![zero; n],
             size: vec![zero; n],
@@ -130,6 +130,7 @@ impl<T: Number> FrictionLoop<T> {
     pub fn solve_at(&mut self, t: f64, balance: &Balance<T>) -> Result<(), Locked> {
         let one_group = balance.passed[0].len() == self.arm.len() && !self.has_normal_forces;
         let solved = match self.arm.len() {
+            0 => true,
             1 if one_group => self.solve_one::<1>(t, balance),
             2 if one_group => self.solve_one::<2>(t, balance),
             3 if one_group => self.solve_one::<3>(t, balance),

@@ -27,6 +27,7 @@ use circuit::{left_circuit, rough_length};
 use inputs::{Before, blows_under, engaged_locks};
 pub use inputs::{airspeed, state_loads_under};
 pub(super) use inputs::{blows, state_loads};
+pub use start::Start;
 use std::ops::{Deref, DerefMut};
 
 /// The state of motion, with the memory of the integration.

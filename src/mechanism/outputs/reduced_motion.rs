@@ -8,7 +8,7 @@ use crate::mechanism::definition::{Mechanism, Solver};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::SavedState;
-use crate::mechanism::motion::state::{State, state_loads_under};
+use crate::mechanism::motion::state::{Start, State, state_loads_under};
 use crate::mechanism::outputs::cache::{Computed, Direction, OutputCache, PresentLoads};
 use crate::mechanism::outputs::evaluator::{OutputError, evaluate};
 use crate::mechanism::outputs::view::View;
@@ -30,12 +30,17 @@ pub struct ReducedMotion {
 }
 
 impl ReducedMotion {
-    /// The state that the definition states.
+    /// The state at a start.
     ///
     /// # Errors
-    /// As [`State::at_start`].
-    pub fn at_start(reduced: &Reduced, mechanism: &Mechanism, inputs: &Inputs) -> Result<Self, ModelError> {
-        Ok(Self::new(State::at_start(reduced, mechanism, inputs)?, reduced, inputs))
+    /// As [`State::from_start`].
+    pub fn at_start(
+        start: &Start,
+        reduced: &Reduced,
+        mechanism: &Mechanism,
+        inputs: &Inputs,
+    ) -> Result<Self, ModelError> {
+        Ok(Self::new(State::from_start(start, reduced, mechanism, inputs)?, reduced, inputs))
     }
 
     /// A state that continues from the saved one, under these inputs.

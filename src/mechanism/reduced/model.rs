@@ -3,7 +3,7 @@
 //! In: a definition. Out: the reduced model, with the tables that every start needs. It must not know states or inputs.
 use super::error::ReductionError;
 use super::meetings::{self, MEET};
-use super::resolved::Resolved;
+use super::resolved::{Resolved, limits};
 use super::snap::trace;
 use super::source::{Components, Source};
 use super::state_loads::StateLoads;
@@ -104,25 +104,38 @@ impl Reduced {
         trace(&Resolved::new(mechanism)?, mechanism)
     }
 
-    /// The reduced model of the same mechanism with other parameters, equal to [`Self::new`] to the bit. The curve and
-    /// the tables are kept unless something on which they depend has changed.
+    /// The reduced model of a mechanism of which others with other parameters are known, equal to [`Self::new`] to the
+    /// bit. The curve and the tables of one of these are kept unless something on which they depend has changed.
     ///
     /// # Errors
     /// [`Self::new`]'s.
-    pub fn renewed(&self, mechanism: &Mechanism) -> Result<Self, ReductionError> {
-        let resolved = Resolved::new(mechanism)?;
-        if self.is_part() || !resolved.moves_as(self.curve().drawn(), self.loading()) {
-            let curve = Arc::new(trace(&resolved, mechanism)?);
-            return Self::on(curve, resolved.loading, resolved.markers, mechanism);
+    pub fn renewed(known: &[&Self], mechanism: &Mechanism) -> Result<Self, ReductionError> {
+        let Resolved { linkage, loading, markers } = Resolved::new(mechanism)?;
+        let moves_so = |known: &&&Self| !known.is_part() && known.moves_as(&linkage, &loading);
+        let has_tables = |known: &&&Self| {
+            let own = known.loading();
+            (&loading.loads, &loading.springs, &markers) == (&own.loads, &own.springs, &known.markers)
+        };
+        let like = || known.iter().filter(moves_so);
+        match (like().find(has_tables), like().next()) {
+            (Some(like), _) => {
+                let source =
+                    Source { curve: Arc::clone(&like.source.curve), loading: Arc::new(loading), ..like.source };
+                let (grid, fine, tables) = (like.grid.clone(), like.fine.clone(), Arc::clone(&like.tables));
+                Ok(Self::assembled(source, markers, [grid, fine], tables, Origin::Guess(&mechanism.solver)))
+            }
+            (None, Some(like)) => Self::on(Arc::clone(&like.source.curve), loading, markers, mechanism),
+            (None, None) => {
+                let resolved = Resolved { linkage, loading, markers };
+                let curve = Arc::new(trace(&resolved, mechanism)?);
+                Self::on(curve, resolved.loading, resolved.markers, mechanism)
+            }
         }
-        let (curve, Resolved { loading, markers, .. }) = (Arc::clone(&self.source.curve), resolved);
-        let own = self.loading();
-        if (&loading.loads, &loading.springs, &markers) != (&own.loads, &own.springs, &self.markers) {
-            return Self::on(curve, loading, markers, mechanism);
-        }
-        let source = Source { curve, loading: Arc::new(loading), ..self.source };
-        let (grid, fine, tables) = (self.grid.clone(), self.fine.clone(), Arc::clone(&self.tables));
-        Ok(Self::assembled(source, markers, [grid, fine], tables, Origin::Guess(&mechanism.solver)))
+    }
+
+    /// Whether this linkage moves along the same curve between the same stops.
+    fn moves_as(&self, linkage: &Linkage, loading: &Loading) -> bool {
+        *linkage == *self.curve().drawn() && limits(loading).eq(limits(self.loading()))
     }
 
     /// The reduced model on a given curve. Where two ends of a load coincide somewhere on it: on the arc between such

@@ -28,15 +28,10 @@ impl Resolved {
         let markers = markers(mechanism, &linkage).map_err(ReductionError::Definition)?;
         Ok(Self { linkage, loading, markers })
     }
-
-    /// Whether the curve equals that of another state of the same mechanism: the same linkage between the same stops.
-    pub(super) fn moves_as(&self, linkage: &Linkage, loading: &Loading) -> bool {
-        self.linkage == *linkage && limits(&self.loading).eq(limits(loading))
-    }
 }
 
 /// Properties of the stops on which the curve depends.
-fn limits(loading: &Loading) -> impl Iterator<Item = (bool, bool, f64, &Load)> {
+pub(super) fn limits(loading: &Loading) -> impl Iterator<Item = (bool, bool, f64, &Load)> {
     // No parameter changes a stop's limit.
     loading.stops.iter().map(|s| (s.enabled, s.rigid, s.value, &loading.loads[s.load]))
 }

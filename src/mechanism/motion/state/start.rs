@@ -11,7 +11,7 @@ use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::laws::stop::Stop;
 use crate::mechanism::loads::unit_load::Load;
-use crate::mechanism::motion::contact::Contact;
+use crate::mechanism::motion::contact::{Contact, Place, Travel};
 use crate::mechanism::motion::impacts::Impacts;
 use crate::mechanism::motion::saved::{CircuitMemory, CircuitState, Memory, SavedState};
 use crate::mechanism::motion::travel::{beyond_stop, can_hold, travel};
@@ -20,9 +20,24 @@ use crate::mechanism::reduced::{Reduced, ReductionError, Stated};
 use crate::numerics::decimal::Decimal;
 use std::sync::Arc;
 
-impl State {
-    /// The state that the definition states.
-    pub fn at_start(reduced: &Reduced, mechanism: &Mechanism, inputs: &Inputs) -> Result<Self, ModelError> {
+/// The start as the parameters alone decide it: where the mechanism is, how fast, and its travel between the stops.
+#[derive(Clone, Debug)]
+pub struct Start {
+    sigma: f64,
+    sigma_dot: f64,
+    revolutions: f64,
+    /// Where it rests, if it starts at rest exactly at a stop.
+    resting: Option<Place>,
+    travel: Arc<Travel>,
+}
+
+impl Start {
+    /// The start that a definition states.
+    ///
+    /// # Errors
+    /// The start is not on the curve, or beyond a stop; its speed is stated at a toggle; a lock holds nothing; the
+    /// drive's cylinder does not have its length.
+    pub fn new(reduced: &Reduced, mechanism: &Mechanism) -> Result<Self, ModelError> {
         let start = &mechanism.start;
         let linkage = reduced.linkage();
         let carrier = start.body.as_ref().and_then(|body| linkage.carrier(mechanism, body));
@@ -64,6 +79,31 @@ impl State {
         }
         can_hold(reduced, &travel)?;
         check_lengths(reduced, &travel, sigma, revolutions)?;
+        Ok(Self { sigma, sigma_dot, revolutions, resting, travel: Arc::new(travel) })
+    }
+}
+
+impl State {
+    /// The state that a definition states.
+    ///
+    /// # Errors
+    /// As [`Start::new`] and [`Self::from_start`].
+    pub fn at_start(reduced: &Reduced, mechanism: &Mechanism, inputs: &Inputs) -> Result<Self, ModelError> {
+        Self::from_start(&Start::new(reduced, mechanism)?, reduced, mechanism, inputs)
+    }
+
+    /// The state at a start under these inputs.
+    ///
+    /// # Errors
+    /// [`ModelError::Table`]: a reaction that causes friction is not smooth; a circuit cannot begin so; the energy
+    /// overflows.
+    pub fn from_start(
+        start: &Start,
+        reduced: &Reduced,
+        mechanism: &Mechanism,
+        inputs: &Inputs,
+    ) -> Result<Self, ModelError> {
+        let Start { sigma, sigma_dot, revolutions, resting, travel } = start.clone();
         let air = blows_under(reduced, inputs);
         let state_loads = state_loads(reduced.at(sigma), air, revolutions)?;
         let applied = reduced.sizes(&inputs.reals);
@@ -77,7 +117,7 @@ impl State {
                 sigma_dot,
                 revolutions,
                 contact: Contact::at_start(resting),
-                travel: Arc::new(travel),
+                travel,
                 applied,
                 airspeed: airspeed(reduced, inputs),
                 air,
