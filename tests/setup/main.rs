@@ -136,7 +136,8 @@ fn a_reset_allocates_the_state_alone() {
         .map(|name| gear.variables().find(name).unwrap());
     // The vectors of a state and of its outputs' cache, then the values of parameters that are not those as read; with
     // friction those of the friction loops.
-    let set_ups: [(&dyn Fn(&mut Model), usize); 4] = [
+    type Change<'a> = &'a dyn Fn(&mut Model);
+    let set_ups: [(Change, usize); 4] = [
         (&|_| {}, 36),
         (&|gear| gear.set_real(gravity, 9.8).unwrap(), 40),
         (&|gear| gear.set_real(tolerance, 1e-8).unwrap(), 40),
