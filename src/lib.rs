@@ -6,7 +6,7 @@
 //!
 //! From low to high, each layer knowing those before it only: [`numerics`], [`codec`], [`variables`], [`format`], [`inspection`],
 //! [`integrator`]; [`mechanism`], the first kind of model; [`component`], any kind of model; [`simulation`], its
-//! variables by name for Rust; [`fmi`], what all versions of the standard share; [`fmi2`], FMI 2.0.
+//! variables by name for Rust; [`fmi`], what all versions of the standard share; [`fmi2`], FMI 2.0; [`fmi3`], FMI 3.0.
 //!
 //! # Notation
 //! SI units; angles in rad, anticlockwise positive; the mechanism frame is fixed to the ground. theta, omega, alpha: an
@@ -20,6 +20,7 @@ pub mod codec;
 pub mod component;
 pub mod fmi;
 pub mod fmi2;
+pub mod fmi3;
 pub mod format;
 pub mod hydraulics;
 pub mod inspection;

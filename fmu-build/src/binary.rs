@@ -1,10 +1,11 @@
 //! Shared libraries that were built elsewhere: `--binary win64=path/to.dll` adds one more platform to an FMU.
 //!
 //! In: a platform's name and a file. Out: the file's bytes, after a look whether it is a library of that platform with
-//! the functions of FMI 2.0 in it.
+//! the functions of FMI in it.
 
 use crate::archive::Entry;
 use crate::files;
+use crate::version::Version;
 use anyhow::{Context, Result, bail};
 use fmu_cli::Library;
 use object::read::NameOrOrdinal;
@@ -14,22 +15,49 @@ use object::{Architecture, BinaryFormat, FileKind, Object, ObjectKind};
 /// A function that every library of an FMU has.
 const FUNCTION: &str = "fmi2Instantiate";
 
-/// A platform of FMI 2.0.5, 2.3.
-#[derive(Debug)]
+/// A platform of FMI 2.0.5, 2.3, with its names in FMI 3.0.2, 2.5.1.4.
+#[derive(Clone, Copy, Debug)]
 struct Platform {
     name: &'static str,
+    /// One name for each architecture.
+    tuples: &'static [&'static str],
     extension: &'static str,
     format: BinaryFormat,
     architectures: &'static [Architecture],
 }
 
 const PLATFORMS: [Platform; 6] = [
-    Platform { name: "win32", extension: "dll", format: BinaryFormat::Pe, architectures: &[Architecture::I386] },
-    Platform { name: "win64", extension: "dll", format: BinaryFormat::Pe, architectures: &[Architecture::X86_64] },
-    Platform { name: "linux32", extension: "so", format: BinaryFormat::Elf, architectures: &[Architecture::I386] },
-    Platform { name: "linux64", extension: "so", format: BinaryFormat::Elf, architectures: &[Architecture::X86_64] },
+    Platform {
+        name: "win32",
+        tuples: &["x86-windows"],
+        extension: "dll",
+        format: BinaryFormat::Pe,
+        architectures: &[Architecture::I386],
+    },
+    Platform {
+        name: "win64",
+        tuples: &["x86_64-windows"],
+        extension: "dll",
+        format: BinaryFormat::Pe,
+        architectures: &[Architecture::X86_64],
+    },
+    Platform {
+        name: "linux32",
+        tuples: &["x86-linux"],
+        extension: "so",
+        format: BinaryFormat::Elf,
+        architectures: &[Architecture::I386],
+    },
+    Platform {
+        name: "linux64",
+        tuples: &["x86_64-linux"],
+        extension: "so",
+        format: BinaryFormat::Elf,
+        architectures: &[Architecture::X86_64],
+    },
     Platform {
         name: "darwin32",
+        tuples: &["x86-darwin"],
         extension: "dylib",
         format: BinaryFormat::MachO,
         architectures: &[Architecture::I386],
@@ -37,6 +65,7 @@ const PLATFORMS: [Platform; 6] = [
     // Importers look here on both kinds of processors.
     Platform {
         name: "darwin64",
+        tuples: &["x86_64-darwin", "aarch64-darwin"],
         extension: "dylib",
         format: BinaryFormat::MachO,
         architectures: &[Architecture::X86_64, Architecture::Aarch64],
@@ -73,27 +102,43 @@ impl Binary {
         self.platform.name
     }
 
-    /// The entry in the FMU of a mechanism with this modelIdentifier.
-    pub fn entry(&self, model_identifier: &str) -> Entry {
-        let name = path(self.platform.name, model_identifier).unwrap_or_default();
-        Entry { name, content: self.content.clone() }
+    /// The entries in the FMU of a model with this modelIdentifier: one, or in FMI 3.0 one for each architecture that the
+    /// file holds.
+    pub fn entries(&self, version: Version, model_identifier: &str) -> Vec<Entry> {
+        let Platform { name, tuples, architectures, .. } = self.platform;
+        let holds = |architecture: &'static Architecture| {
+            let one = Platform { architectures: std::slice::from_ref(architecture), ..*self.platform };
+            check(&one, &self.content).is_ok()
+        };
+        let folders: Vec<&str> = match version {
+            Version::Two => vec![name],
+            Version::Three => {
+                tuples.iter().zip(*architectures).filter(|(_, of)| holds(of)).map(|(tuple, _)| *tuple).collect()
+            }
+        };
+        let paths = folders.into_iter().filter_map(|folder| path(folder, model_identifier));
+        paths.map(|name| Entry { name, content: self.content.clone() }).collect()
     }
 }
 
-/// Path in an FMU of the library for the platform of this name; None if FMI 2.0 has no such platform.
-pub fn path(platform: &str, model_identifier: &str) -> Option<String> {
-    let Platform { name, extension, .. } = PLATFORMS.iter().find(|known| known.name == platform)?;
-    Some(format!("binaries/{name}/{model_identifier}.{extension}"))
+/// The platform of this name in FMI 2.0 or FMI 3.0.
+fn platform(name: &str) -> Option<&'static Platform> {
+    PLATFORMS.iter().find(|known| known.name == name || known.tuples.contains(&name))
+}
+
+/// Path in an FMU of the library for the platform of this name; None if FMI has no such platform.
+pub fn path(name: &str, model_identifier: &str) -> Option<String> {
+    Some(format!("binaries/{name}/{model_identifier}.{}", platform(name)?.extension))
 }
 
 /// Whether this is a library of FMI 2.0 for the platform of this name.
 ///
 /// # Errors
 /// It is none; there is no such platform.
-pub fn check_for(platform: &str, content: &[u8]) -> Result<()> {
-    match PLATFORMS.iter().find(|known| known.name == platform) {
+pub fn check_for(name: &str, content: &[u8]) -> Result<()> {
+    match platform(name) {
         Some(platform) => check(platform, content),
-        None => bail!("FMI 2.0 has no platform {platform}; it knows {}", fmu_cli::PLATFORMS.join(", ")),
+        None => bail!("FMI has no platform {name}; FMI 2.0 knows {}", fmu_cli::PLATFORMS.join(", ")),
     }
 }
 
@@ -143,7 +188,7 @@ fn check_one(platform: &Platform, content: &[u8]) -> Result<()> {
 /// The name of one that is none, or the file is no library.
 pub fn exports_fmi_only(content: &[u8]) -> Result<()> {
     let names = exports(&object::File::parse(content)?)?;
-    match names.iter().find(|name| !name.starts_with("fmi2")) {
+    match names.iter().find(|name| !name.starts_with("fmi2") && !name.starts_with("fmi3")) {
         Some(name) => bail!("it exports {name}, which is no function of FMI"),
         None => Ok(()),
     }

@@ -25,6 +25,7 @@ mod ssp;
 mod start_values;
 pub mod test;
 pub mod validate;
+pub mod version;
 pub mod view;
 pub mod workspace;
 mod xml;

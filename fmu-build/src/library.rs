@@ -2,10 +2,11 @@
 
 use crate::binary;
 use crate::command;
+use crate::version::Version;
 use crate::workspace::Workspace;
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
-use std::env::consts::{DLL_EXTENSION, OS};
+use std::env::consts::{ARCH, DLL_EXTENSION, OS};
 use std::fs;
 use std::path::PathBuf;
 use std::process::Stdio;
@@ -29,12 +30,18 @@ pub fn platform() -> Result<&'static str> {
     })
 }
 
-/// Path of the library in an FMU.
+/// This platform's name, after FMI 3.0.2, 2.5.1.4: architecture and system.
+pub fn tuple() -> String {
+    let system = if OS == "macos" { "darwin" } else { OS };
+    format!("{ARCH}-{system}")
+}
+
+/// Path of the library in an FMU of this version.
 ///
 /// # Errors
-/// As for [`platform`].
-pub fn path(model_identifier: &str) -> Result<String> {
-    Ok(format!("binaries/{}/{model_identifier}.{DLL_EXTENSION}", platform()?))
+/// As for [`Version::platform`].
+pub fn path(version: Version, model_identifier: &str) -> Result<String> {
+    Ok(format!("binaries/{}/{model_identifier}.{DLL_EXTENSION}", version.platform()?))
 }
 
 /// Build the library in release and read it.
@@ -90,7 +97,7 @@ mod tests {
 
     #[test]
     fn the_library_has_no_prefix() {
-        let path = path("Gear").unwrap();
+        let path = path(Version::Two, "Gear").unwrap();
         assert!(path.starts_with("binaries/") && path.ends_with(&format!("/Gear.{DLL_EXTENSION}")), "{path}");
     }
 }

@@ -1,19 +1,20 @@
 //! `cargo fmu package`: a definition becomes an FMU.
 //!
-//! In: a definition file of any kind of model. Out: `<Name>.fmu`, and for a folder of `modelDescription/` its
-//! `modelDescription.xml`.
+//! In: a definition file of any kind of model. Out: `<Name>.fmu`, of FMI 3.0 `<Name>.fmi3.fmu`, and for a folder of
+//! `modelDescription/` its `modelDescription.xml`.
 
 use crate::archive::{self, Entry, MODEL_DESCRIPTION};
 use crate::binary::Binary;
 use crate::check::Checked;
 use crate::documentation::{Extent, RESULTS, Subject};
 use crate::source::{self, Companions, Source};
+use crate::version::Version;
 use crate::workspace::{DEFAULT_FMU, Workspace};
 use crate::xml::{fmi2, terminals};
 use crate::{check, files, library, schema, ssp};
 use anyhow::{Context, Result, bail};
-use fmu_cli::Library;
 pub use fmu_cli::Package as Arguments;
+use fmu_cli::{Fmi, Library};
 use linkage_fmu::component::Component;
 use linkage_fmu::inspection::Severity;
 use std::collections::HashMap;
@@ -29,6 +30,7 @@ struct Prepared {
     component: Component,
     /// Text about the model beside the definition.
     readme: Option<String>,
+    /// The description of FMI 2.0.
     description: String,
     terminals: String,
 }
@@ -40,15 +42,19 @@ struct Common<'a> {
     /// Libraries of other platforms.
     binaries: Vec<Binary>,
     extent: Extent,
+    versions: &'static [Version],
     /// Folder for the FMUs.
     out: PathBuf,
 }
 
-/// Pack the definitions; the paths of the FMUs, in the order of the arguments.
+/// Pack the definitions; the paths of the FMUs, in the order of the arguments, those of FMI 2.0 first.
 ///
 /// # Errors
 /// Definitions that are refused, all of them told before anything is built or written.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>> {
+    if arguments.ssp && arguments.fmi == Fmi::Three {
+        bail!("--ssp with --fmi 3: the system is one of FMUs of FMI 2.0; leave out --fmi, or say --fmi both");
+    }
     let paths = if arguments.all {
         workspace.description_folders()?
     } else if arguments.ssp {
@@ -89,11 +95,19 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
     let interfaces: HashMap<_, _> =
         prepared.iter().map(|fmu| (fmu.name.clone(), fmu.component.interface().clone())).collect();
     let extent = Extent { animation: !arguments.no_animation, results: !arguments.no_results };
-    let common = Common { workspace, library, binaries, extent, out };
-    let mut paths = prepared.into_iter().map(|fmu| pack(&common, fmu)).collect::<Result<Vec<_>>>()?;
+    let versions: &[Version] = match arguments.fmi {
+        Fmi::Two => &[Version::Two],
+        Fmi::Three => &[Version::Three],
+        Fmi::Both => &[Version::Two, Version::Three],
+    };
+    let common = Common { workspace, library, binaries, extent, versions, out };
+    let mut paths = Vec::new();
+    for fmu in prepared {
+        paths.extend(pack(&common, fmu)?);
+    }
     let out = common.out;
     if let ([Some(gear), Some(hydraulics)], true) =
-        (ssp::FMUS.map(|name| interfaces.get(name)), arguments.ssp || arguments.all)
+        (ssp::FMUS.map(|name| interfaces.get(name)), (arguments.ssp || arguments.all) && arguments.fmi != Fmi::Three)
     {
         let [first, second] = ssp::FMUS.map(|name| out.join(name).with_extension("fmu"));
         paths.push(ssp::write(&out, [(&first, gear.list()), (&second, hydraulics.list())])?);
@@ -151,7 +165,8 @@ fn prepare(source: Source) -> Result<Option<Prepared>> {
     Ok(Some(Prepared { name, checked, component, readme, description, terminals, source }))
 }
 
-fn pack(common: &Common, fmu: Prepared) -> Result<PathBuf> {
+/// Write the FMUs of one model; their paths.
+fn pack(common: &Common, fmu: Prepared) -> Result<Vec<PathBuf>> {
     if let Some(folder) = fmu.source.folder.as_deref().filter(|_| fmu.source.keeps_description) {
         write_if_changed(&folder.join(MODEL_DESCRIPTION), &fmu.description)?;
     }
@@ -174,17 +189,28 @@ fn pack(common: &Common, fmu: Prepared) -> Result<PathBuf> {
     let schema = schema::name(file);
     let definition = schema::led_here(&fmu.checked.text, &schema).into_bytes();
     entries.extend([
-        Entry { name: MODEL_DESCRIPTION.to_owned(), content: fmu.description.into_bytes() },
-        Entry { name: library::path(&fmu.name)?, content: common.library.clone() },
         Entry { name: format!("resources/{file}"), content: definition },
         Entry { name: format!("resources/{schema}"), content: schema::text(common.workspace, file)? },
     ]);
-    entries.extend(common.binaries.iter().map(|binary| binary.entry(&fmu.name)));
-    let path = common.out.join(format!("{}.fmu", fmu.name));
-    archive::write(&path, entries)?;
-    let size = fs::metadata(&path)?.len().div_ceil(1024);
-    println!("{} ({size} KiB, {} variables)", path.display(), fmu.component.interface().list().len());
-    Ok(path)
+    let mut paths = Vec::new();
+    for &version in common.versions {
+        let description = match version {
+            Version::Two => fmu.description.clone(),
+            other => other.describe(&fmu.component)?,
+        };
+        let mut entries = entries.clone();
+        entries.extend([
+            Entry { name: MODEL_DESCRIPTION.to_owned(), content: description.into_bytes() },
+            Entry { name: library::path(version, &fmu.name)?, content: common.library.clone() },
+        ]);
+        entries.extend(common.binaries.iter().flat_map(|binary| binary.entries(version, &fmu.name)));
+        let path = common.out.join(format!("{}.{}", fmu.name, version.extension()));
+        archive::write(&path, entries)?;
+        let size = fs::metadata(&path)?.len().div_ceil(1024);
+        println!("{} ({size} KiB, {} variables)", path.display(), fmu.component.interface().list().len());
+        paths.push(path);
+    }
+    Ok(paths)
 }
 
 /// The files that tell of the model. Reference results of the user's own stand alone: one manifest names them.

@@ -6,10 +6,10 @@
 use crate::check;
 use crate::fmu::{self, Fmu};
 use crate::source::Definition;
+use crate::version::Version;
 use crate::workspace::Workspace;
 use crate::xml::description::{Described, Description};
-use crate::xml::fmi2;
-use crate::{binary, info, library, names};
+use crate::{binary, info, names};
 use anyhow::{Context, Result};
 pub use fmu_cli::Validate as Arguments;
 use linkage_fmu::component::Component;
@@ -56,17 +56,18 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
 fn validate(workspace: &Workspace, path: &Path) -> Result<Found> {
     let mut found = Found::default();
     if !fmu::is_fmu(path) {
-        definition(Definition::read(workspace, path)?, &mut found)?;
+        definition(Definition::read(workspace, path)?, Version::Two, &mut found)?;
         return Ok(found);
     }
     let Some(mut fmu) = found.take(Fmu::open(path)) else { return Ok(found) };
     archive(&mut fmu, &mut found);
     let described = found.take(info::description(&mut fmu));
+    let version = Version::of(described.as_ref().map_or("", |described| &described.fmi_version));
     if let Some(described) = &described {
         libraries(&mut fmu, described, &mut found);
     }
     if let Some(packed) = found.take(fmu.definition())
-        && let Some(meant) = definition(packed, &mut found)?
+        && let Some(meant) = definition(packed, version, &mut found)?
         && let Some(described) = described
     {
         compare(&fmu, &described, &meant, &mut found);
@@ -74,8 +75,12 @@ fn validate(workspace: &Workspace, path: &Path) -> Result<Found> {
     Ok(found)
 }
 
-/// Check a definition as `check` does; the description that it gives, if it gives a model.
-fn definition(Definition { shown, kind, text }: Definition, found: &mut Found) -> Result<Option<Description>> {
+/// Check a definition as `check` does; the description of this version that it gives, if it gives a model.
+fn definition(
+    Definition { shown, kind, text }: Definition,
+    version: Version,
+    found: &mut Found,
+) -> Result<Option<Description>> {
     let checked = check::check(shown.clone(), kind, text.clone())?;
     found.errors.extend(check::listed(&checked, Severity::Error));
     found.warnings.extend(check::listed(&checked, Severity::Warning));
@@ -84,7 +89,7 @@ fn definition(Definition { shown, kind, text }: Definition, found: &mut Found) -
     }
     let description = Component::from_definition(kind, &text)
         .map_err(anyhow::Error::from)
-        .and_then(|component| Description::parse(&fmi2::to_xml(&component)?))
+        .and_then(|component| Description::parse(&version.describe(&component)?))
         .context(shown);
     Ok(found.take(description))
 }
@@ -116,7 +121,7 @@ fn libraries(fmu: &mut Fmu, described: &Description, found: &mut Found) {
             let known = fmu_cli::PLATFORMS.join(", ");
             found
                 .warnings
-                .push(format!("{shown}: binaries/{platform} is of no platform of FMI 2.0, which knows {known}"));
+                .push(format!("{shown}: binaries/{platform} is of no platform of FMI; FMI 2.0 knows {known}"));
             continue;
         };
         match fmu.read(&path) {
@@ -128,8 +133,8 @@ fn libraries(fmu: &mut Fmu, described: &Description, found: &mut Found) {
             Err(_) => {}
         }
     }
-    if let Ok(own) = library::platform()
-        && !platforms.iter().any(|platform| platform == own)
+    if let Ok(own) = Version::of(&described.fmi_version).platform()
+        && !platforms.contains(&own)
     {
         found.warnings.push(format!("{shown}: holds no library for this machine ({own})"));
     }

@@ -5,5 +5,7 @@
 pub mod common;
 pub mod description;
 pub mod fmi2;
+pub mod fmi3;
+mod interface;
 pub mod ssd;
 pub mod terminals;

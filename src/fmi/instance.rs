@@ -258,6 +258,33 @@ impl Instance {
         }
     }
 
+    /// For each known the sum over the unknowns of the seed times the partial derivative; NaN, with a warning, where one
+    /// of these has none in this state.
+    pub fn adjoint_derivative(
+        &mut self,
+        unknowns: &[Reference],
+        knowns: &[Reference],
+        seeds: &[f64],
+        values: &mut [MaybeUninit<f64>],
+    ) -> Result<(), Refusal> {
+        let mut undefined = Vec::new();
+        for (known, value) in knowns.iter().zip(values) {
+            let mut sum = 0.0;
+            let mut add = |index: usize, derivative: f64| {
+                sum += seeds[index] * derivative;
+                if derivative.is_nan() && !undefined.contains(&unknowns[index]) {
+                    undefined.push(unknowns[index]);
+                }
+            };
+            self.component.directional_derivative(unknowns, std::slice::from_ref(known), &[1.0], &mut add)?;
+            value.write(sum);
+        }
+        match undefined[..] {
+            [] => Ok(()),
+            _ => self.warn(&undefined, "derivative", Component::undefined_derivative),
+        }
+    }
+
     /// Time derivatives of outputs, each of its order. On an error the array may be filled in part. NaN, with a warning,
     /// where an output has none in this state.
     pub fn output_derivatives(

@@ -9,6 +9,7 @@
 
 pub(crate) mod array;
 pub(crate) mod clock;
+mod exported;
 pub(crate) mod handle;
 pub(crate) mod instance;
 pub mod logger;
@@ -19,4 +20,5 @@ pub(crate) mod saved;
 pub(crate) mod state_handle;
 pub(crate) mod undefined;
 
+pub(crate) use exported::exported;
 pub use resources::LARGEST_DEFINITION;

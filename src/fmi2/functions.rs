@@ -11,7 +11,7 @@ use crate::fmi::phase::{
     ALIVE, FAILED, FATAL, Function, INITIALIZATION, INSTANTIATED, Phase, SETTABLE, STEP, STEPPED, may_get, may_set,
 };
 use crate::fmi::refusal::Refusal;
-use crate::fmi::{handle, resources, state_handle};
+use crate::fmi::{exported, handle, resources, state_handle};
 use crate::variables::Kind;
 use std::ffi::{CStr, c_int, c_void};
 

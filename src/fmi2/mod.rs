@@ -13,27 +13,6 @@
 //! answered with `fmi2Error`, wherever it stands, except as an empty array.
 #![allow(unsafe_code, non_snake_case, clippy::missing_safety_doc)]
 
-/// Exported functions that take a component: name, further arguments, phases in which the call is legal, and the work
-/// on the instance `i`. The work is done in an unsafe block: a comment states what it relies on beyond a valid
-/// component.
-macro_rules! exported {
-    ($($(#[$doc:meta])* fn $name:ident($($argument:ident: $type:ty),*) in $legal:expr => |$i:ident| $work:expr;)*) => {
-        $(
-            $(#[$doc])*
-            #[unsafe(no_mangle)]
-            #[allow(missing_docs)]
-            pub unsafe extern "C" fn $name(c: Component $(, $argument: $type)*) -> Status {
-                const FUNCTION: Function = Function::new(stringify!($name), $legal);
-                // SAFETY: the component is valid (2.1.5); for the other arguments see the function.
-                unsafe { handle::call(c, &FUNCTION, |$i| $work) }.into()
-            }
-        )*
-        /// The functions, for the tests of the phases.
-        #[cfg(test)]
-        pub(super) const FUNCTIONS: &[Function] = &[$(Function::new(stringify!($name), $legal)),*];
-    };
-}
-
 mod functions;
 pub mod host;
 pub mod importer;

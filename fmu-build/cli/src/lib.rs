@@ -2,7 +2,7 @@
 //!
 //! In: words. Out: a task with its arguments, or help. It must not know the engine, so that it is built in seconds: the
 //! first command of a newcomer asks for help.
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
 
@@ -60,12 +60,29 @@ pub struct Package {
     /// One more platform's library, built elsewhere from this same version (win64=path/to.dll); may be given repeatedly
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library)]
     pub binaries: Vec<Library>,
+    /// Versions of FMI: 2 makes <Name>.fmu, 3 makes <Name>.fmi3.fmu
+    #[arg(long, value_enum, default_value_t, value_name = "VERSION")]
+    pub fmi: Fmi,
     /// Leave out documentation/animation.html, which plays the default run
     #[arg(long)]
     pub no_animation: bool,
     /// Leave out the reference results of the default run
     #[arg(long)]
     pub no_results: bool,
+}
+
+/// Versions of FMI that `package` makes FMUs of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Fmi {
+    /// FMI 2.0
+    #[default]
+    #[value(name = "2")]
+    Two,
+    /// FMI 3.0
+    #[value(name = "3")]
+    Three,
+    /// FMI 2.0 and FMI 3.0, a file of each
+    Both,
 }
 
 /// Arguments of `check`.

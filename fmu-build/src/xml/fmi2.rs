@@ -3,20 +3,12 @@
 //! In: the table of variables and the default experiment. Out: the text of the file, the same for the same interface:
 //! it holds no time stamp. It must not know kinds of model.
 
-use super::common::{
-    Attributes, Xml, check_texts, document, element, empty, group, is_c_identifier, number, write_units,
-};
-use anyhow::{Result, bail};
+use super::common::{Attributes, Xml, check_texts, document, element, empty, group, number};
+use super::interface::{Interface, variable_attributes};
+use anyhow::Result;
 use linkage_fmu::component::Component;
-use linkage_fmu::fmi::logger::LOG_CATEGORIES;
-use linkage_fmu::format::Experiment;
-use linkage_fmu::variables::{Causality, Kind, Reference, Unit, Value, Variability, Variable};
+use linkage_fmu::variables::{Kind, Reference, Unit, Value, Variable};
 use std::io;
-
-/// Version of this repository, for `version` and `generationTool`.
-const VERSION: &str = env!("CARGO_PKG_VERSION");
-/// Parameter whose start value is the default experiment's tolerance.
-const TOLERANCE: &str = "solver.tolerance";
 
 /// The text of `modelDescription.xml`.
 ///
@@ -24,136 +16,58 @@ const TOLERANCE: &str = "solver.tolerance";
 /// The name is not a C identifier, a text holds a character that XML cannot, the tolerance is missing, or a parameter
 /// may not change a little.
 pub fn to_xml(component: &Component) -> Result<String> {
-    Interface::of(component)?.to_xml()
+    write(&Interface::of(component)?)
 }
 
-/// All that the description says about one model.
-struct Interface<'a> {
-    name: &'a str,
-    description: &'a str,
-    guid: &'a str,
-    variables: &'a [Variable],
-    /// Of each variable; none where the model is too large to find them. The attribute is then left out, which says that
-    /// each output depends on all that is known (FMI 2.0.5, 2.2.8).
-    initial_dependencies: Option<Vec<Vec<Reference>>>,
-    experiment: Experiment,
-    tolerance: f64,
-    /// Largest orders of the derivatives in time of inputs and outputs.
-    orders: [i32; 2],
+fn write(interface: &Interface) -> Result<String> {
+    check_texts(interface.name, interface.description, interface.variables)?;
+    let header = interface.header("2.0", "guid");
+    document("fmiModelDescription", &header, |xml| write_content(interface, xml))
 }
 
-impl<'a> Interface<'a> {
-    /// The interface of a model as read from its file.
-    fn of(component: &'a Component) -> Result<Self> {
-        let (name, interface) = (component.name(), component.interface());
-        if !is_c_identifier(name) {
-            bail!("name: \"{name}\" is not a C identifier; use letters, digits and _ only, and begin with no digit");
-        }
-        let parameter = interface.list().iter().find(|variable| variable.name == TOLERANCE);
-        let Some(&Value::Real(tolerance)) = parameter.and_then(|parameter| parameter.start.as_ref()) else {
-            bail!("{TOLERANCE}: there is no such parameter; the model must declare it");
-        };
-        Ok(Self {
-            name,
-            description: component.description(),
-            guid: interface.guid(),
-            variables: interface.list(),
-            initial_dependencies: component.initial_dependencies()?,
-            experiment: component.experiment(),
-            tolerance,
-            orders: [component.input_order(), component.output_order()],
-        })
-    }
+fn write_content(interface: &Interface, xml: &mut Xml) -> io::Result<()> {
+    let slave = [
+        ("modelIdentifier", interface.name.to_owned()),
+        ("canHandleVariableCommunicationStepSize", "true".to_owned()),
+        ("canInterpolateInputs", (interface.orders[0] > 0).to_string()),
+        ("maxOutputDerivativeOrder", interface.orders[1].to_string()),
+        ("canNotUseMemoryManagementFunctions", "true".to_owned()),
+        ("providesDirectionalDerivative", "true".to_owned()),
+        ("canGetAndSetFMUstate", "true".to_owned()),
+        ("canSerializeFMUstate", "true".to_owned()),
+    ];
+    empty(xml, "CoSimulation", &slave)?;
+    interface.write_common(xml)?;
+    group(xml, "ModelVariables", |xml| {
+        (0..).zip(interface.variables).try_for_each(|(reference, variable)| write_variable(xml, reference, variable))
+    })?;
+    group(xml, "ModelStructure", |xml| write_structure(interface, xml))
+}
 
-    fn to_xml(&self) -> Result<String> {
-        check_texts(self.name, self.description, self.variables)?;
-        let header = [
-            ("fmiVersion", "2.0".to_owned()),
-            ("modelName", self.name.to_owned()),
-            ("guid", self.guid.to_owned()),
-            ("description", self.description.to_owned()),
-            ("version", VERSION.to_owned()),
-            ("generationTool", format!("linkage-fmu {VERSION}")),
-            ("variableNamingConvention", "structured".to_owned()),
-        ];
-        document("fmiModelDescription", &header, |xml| self.write_content(xml))
+fn write_structure(interface: &Interface, xml: &mut Xml) -> io::Result<()> {
+    if interface.outputs().next().is_none() {
+        return Ok(());
     }
-
-    fn write_content(&self, xml: &mut Xml) -> io::Result<()> {
-        let slave = [
-            ("modelIdentifier", self.name.to_owned()),
-            ("canHandleVariableCommunicationStepSize", "true".to_owned()),
-            ("canInterpolateInputs", (self.orders[0] > 0).to_string()),
-            ("maxOutputDerivativeOrder", self.orders[1].to_string()),
-            ("canNotUseMemoryManagementFunctions", "true".to_owned()),
-            ("providesDirectionalDerivative", "true".to_owned()),
-            ("canGetAndSetFMUstate", "true".to_owned()),
-            ("canSerializeFMUstate", "true".to_owned()),
-        ];
-        empty(xml, "CoSimulation", &slave)?;
-        write_units(xml, self.variables)?;
-        group(xml, "LogCategories", |xml| {
-            LOG_CATEGORIES.iter().try_for_each(|&(name, description)| {
-                let name = name.to_string_lossy().into_owned();
-                empty(xml, "Category", &[("name", name), ("description", description.to_owned())])
-            })
-        })?;
-        let experiment = [
-            ("startTime", number(0.0)),
-            ("stopTime", number(self.experiment.stop_time)),
-            ("tolerance", number(self.tolerance)),
-            ("stepSize", number(self.experiment.step_size)),
-        ];
-        empty(xml, "DefaultExperiment", &experiment)?;
-        group(xml, "ModelVariables", |xml| {
-            (0..).zip(self.variables).try_for_each(|(reference, variable)| write_variable(xml, reference, variable))
-        })?;
-        group(xml, "ModelStructure", |xml| self.write_structure(xml))
-    }
-
-    fn write_structure(&self, xml: &mut Xml) -> io::Result<()> {
-        let outputs = || (0..).zip(self.variables).filter(|(_, variable)| variable.causality == Causality::Output);
-        if outputs().next().is_none() {
-            return Ok(());
-        }
-        group(xml, "Outputs", |xml| {
-            outputs().try_for_each(|(reference, output)| write_unknown(xml, reference, Some(&output.dependencies)))
-        })?;
-        group(xml, "InitialUnknowns", |xml| {
-            outputs().try_for_each(|(reference, _)| {
-                let dependencies = self.initial_dependencies.as_ref().map(|all| &*all[reference as usize]);
-                write_unknown(xml, reference, dependencies)
-            })
-        })
-    }
+    group(xml, "Outputs", |xml| {
+        interface
+            .outputs()
+            .try_for_each(|(reference, output)| write_unknown(xml, reference, Some(&output.dependencies)))
+    })?;
+    group(xml, "InitialUnknowns", |xml| {
+        let mut outputs = interface.outputs();
+        outputs
+            .try_for_each(|(reference, _)| write_unknown(xml, reference, interface.initial_dependencies_of(reference)))
+    })
 }
 
 fn write_variable(xml: &mut Xml, reference: Reference, variable: &Variable) -> io::Result<()> {
-    let mut attributes = vec![
-        ("name", variable.name.clone()),
-        ("valueReference", reference.to_string()),
-        ("description", variable.description.clone()),
-    ];
-    // FMI 2.0.5, 2.2.7: an input carries no `initial`, and only what is exact has a start value here.
-    let (causality, initial) = match variable.causality {
-        Causality::Parameter => ("parameter", Some("exact")),
-        Causality::Input => ("input", None),
-        Causality::Output => ("output", Some("calculated")),
-        Causality::Local => ("local", Some("calculated")),
-    };
-    let variability = match variable.variability {
-        Variability::Fixed => "fixed",
-        Variability::Discrete => "discrete",
-        Variability::Continuous => "continuous",
-    };
-    attributes.extend([("causality", causality.to_owned()), ("variability", variability.to_owned())]);
-    attributes.extend(initial.map(|initial| ("initial", initial.to_owned())));
     let kind = match variable.kind {
         Kind::Real => "Real",
         Kind::Integer => "Integer",
         Kind::Boolean => "Boolean",
         Kind::String => "String",
     };
+    let attributes = variable_attributes(reference, variable);
     element(xml, "ScalarVariable", &attributes, |xml| empty(xml, kind, &kind_attributes(variable)))
 }
 
@@ -185,6 +99,8 @@ fn write_unknown(xml: &mut Xml, reference: Reference, dependencies: Option<&[Ref
 #[cfg(test)]
 mod tests {
     use super::*;
+    use linkage_fmu::format::Experiment;
+    use linkage_fmu::variables::{Causality, Variability};
 
     fn variable(name: &str, causality: Causality, start: Option<f64>) -> Variable {
         Variable {
@@ -206,7 +122,7 @@ mod tests {
         let of = |i: usize| (0..i as Reference).collect();
         let initial_dependencies = Some((0..variables.len()).map(of).collect());
         let orders = [2, 1];
-        Interface { name, description, guid, variables, initial_dependencies, experiment, tolerance, orders }.to_xml()
+        write(&Interface { name, description, guid, variables, initial_dependencies, experiment, tolerance, orders })
     }
 
     #[test]

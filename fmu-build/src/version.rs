@@ -1,0 +1,51 @@
+//! The versions of FMI that an FMU can be of, and what differs between them for the packer.
+use crate::library;
+use crate::xml::{fmi2, fmi3};
+use anyhow::Result;
+use linkage_fmu::component::Component;
+
+/// A version of FMI.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Version {
+    /// FMI 2.0.
+    Two,
+    /// FMI 3.0.
+    Three,
+}
+
+impl Version {
+    /// What follows the name of the model in the name of the file.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Two => "fmu",
+            Self::Three => "fmi3.fmu",
+        }
+    }
+
+    /// The version that a description is of, by its attribute `fmiVersion`.
+    pub fn of(fmi_version: &str) -> Self {
+        if fmi_version.starts_with('3') { Self::Three } else { Self::Two }
+    }
+
+    /// The text of `modelDescription.xml`.
+    ///
+    /// # Errors
+    /// The model has a name or a text that XML cannot hold, or lacks what a description must say.
+    pub fn describe(self, component: &Component) -> Result<String> {
+        match self {
+            Self::Two => fmi2::to_xml(component),
+            Self::Three => fmi3::to_xml(component),
+        }
+    }
+
+    /// The folder in `binaries` for this machine's library.
+    ///
+    /// # Errors
+    /// The version has no name for this operating system.
+    pub fn platform(self) -> Result<String> {
+        match self {
+            Self::Two => library::platform().map(str::to_owned),
+            Self::Three => Ok(library::tuple()),
+        }
+    }
+}

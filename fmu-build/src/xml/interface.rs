@@ -1,0 +1,131 @@
+//! What the descriptions of all versions of FMI say about a model.
+//!
+//! In: the component. Out: its names, variables and default experiment, and the elements that are alike in all versions.
+//! It must not know kinds of model.
+
+use super::common::{Attributes, Xml, empty, group, is_c_identifier, number, write_units};
+use anyhow::{Result, bail};
+use linkage_fmu::component::Component;
+use linkage_fmu::fmi::logger::LOG_CATEGORIES;
+use linkage_fmu::format::Experiment;
+use linkage_fmu::variables::{Causality, Reference, Value, Variability, Variable};
+use std::io;
+
+/// Version of this repository, for `version` and `generationTool`.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+/// Parameter whose start value is the default experiment's tolerance.
+const TOLERANCE: &str = "solver.tolerance";
+
+/// All that the description says about one model.
+pub struct Interface<'a> {
+    /// Name of the model, a C identifier.
+    pub name: &'a str,
+    /// One line about it.
+    pub description: &'a str,
+    /// What tells its interface from others.
+    pub guid: &'a str,
+    /// Its variables; the index of each is its value reference.
+    pub variables: &'a [Variable],
+    /// Of each variable; none where the model is too large to find them. The attribute is then left out, which says that
+    /// each output depends on all that is known (FMI 2.0.5, 2.2.8).
+    pub initial_dependencies: Option<Vec<Vec<Reference>>>,
+    /// Default experiment.
+    pub experiment: Experiment,
+    /// Relative tolerance of the default experiment.
+    pub tolerance: f64,
+    /// Largest orders of the derivatives in time of inputs and outputs.
+    pub orders: [i32; 2],
+}
+
+impl<'a> Interface<'a> {
+    /// The interface of a model as read from its file.
+    ///
+    /// # Errors
+    /// The name is not a C identifier, the tolerance is missing, or a parameter may not change a little.
+    pub fn of(component: &'a Component) -> Result<Self> {
+        let (name, interface) = (component.name(), component.interface());
+        if !is_c_identifier(name) {
+            bail!("name: \"{name}\" is not a C identifier; use letters, digits and _ only, and begin with no digit");
+        }
+        let parameter = interface.list().iter().find(|variable| variable.name == TOLERANCE);
+        let Some(&Value::Real(tolerance)) = parameter.and_then(|parameter| parameter.start.as_ref()) else {
+            bail!("{TOLERANCE}: there is no such parameter; the model must declare it");
+        };
+        Ok(Self {
+            name,
+            description: component.description(),
+            guid: interface.guid(),
+            variables: interface.list(),
+            initial_dependencies: component.initial_dependencies()?,
+            experiment: component.experiment(),
+            tolerance,
+            orders: [component.input_order(), component.output_order()],
+        })
+    }
+
+    /// The outputs, with their value references.
+    pub fn outputs(&self) -> impl Iterator<Item = (Reference, &'a Variable)> {
+        (0..).zip(self.variables).filter(|(_, variable)| variable.causality == Causality::Output)
+    }
+
+    /// What the initial value of an output depends on, if that is known.
+    pub fn initial_dependencies_of(&self, reference: Reference) -> Option<&[Reference]> {
+        self.initial_dependencies.as_ref().map(|all| &*all[reference as usize])
+    }
+
+    /// Attributes of the root element that all versions have, `token` by this name.
+    pub fn header(&self, version: &str, token: &'static str) -> Attributes<'static> {
+        vec![
+            ("fmiVersion", version.to_owned()),
+            ("modelName", self.name.to_owned()),
+            (token, self.guid.to_owned()),
+            ("description", self.description.to_owned()),
+            ("version", VERSION.to_owned()),
+            ("generationTool", format!("linkage-fmu {VERSION}")),
+            ("variableNamingConvention", "structured".to_owned()),
+        ]
+    }
+
+    /// The elements between those of the interface type and the variables, alike in all versions: units, log categories,
+    /// default experiment.
+    pub fn write_common(&self, xml: &mut Xml) -> io::Result<()> {
+        write_units(xml, self.variables)?;
+        group(xml, "LogCategories", |xml| {
+            LOG_CATEGORIES.iter().try_for_each(|&(name, description)| {
+                let name = name.to_string_lossy().into_owned();
+                empty(xml, "Category", &[("name", name), ("description", description.to_owned())])
+            })
+        })?;
+        let experiment = [
+            ("startTime", number(0.0)),
+            ("stopTime", number(self.experiment.stop_time)),
+            ("tolerance", number(self.tolerance)),
+            ("stepSize", number(self.experiment.step_size)),
+        ];
+        empty(xml, "DefaultExperiment", &experiment)
+    }
+}
+
+/// Attributes of a variable that all versions have, in this order.
+pub fn variable_attributes(reference: Reference, variable: &Variable) -> Attributes<'static> {
+    let mut attributes = vec![
+        ("name", variable.name.clone()),
+        ("valueReference", reference.to_string()),
+        ("description", variable.description.clone()),
+    ];
+    // FMI 2.0.5, 2.2.7: an input carries no `initial`, and only what is exact has a start value here.
+    let (causality, initial) = match variable.causality {
+        Causality::Parameter => ("parameter", Some("exact")),
+        Causality::Input => ("input", None),
+        Causality::Output => ("output", Some("calculated")),
+        Causality::Local => ("local", Some("calculated")),
+    };
+    let variability = match variable.variability {
+        Variability::Fixed => "fixed",
+        Variability::Discrete => "discrete",
+        Variability::Continuous => "continuous",
+    };
+    attributes.extend([("causality", causality.to_owned()), ("variability", variability.to_owned())]);
+    attributes.extend(initial.map(|initial| ("initial", initial.to_owned())));
+    attributes
+}

@@ -1,0 +1,198 @@
+//! The exported functions of FMI 3.0.2 that have nothing to serve here: other interface types, event mode, clocks,
+//! configuration mode, types that no variable has. Each is refused with the reason.
+
+use super::functions::{same_length, sink};
+use super::types::{
+    Binary, Boolean, Clock, Enumeration, Environment, FALSE, Instance as Component, LogMessage, Status, Text,
+    ValueReference,
+};
+use crate::fmi::array::{input, output, text};
+use crate::fmi::logger::Logger;
+use crate::fmi::phase::{ALIVE, Function, SETTABLE, may_get, may_set};
+use crate::fmi::refusal::Refusal;
+use crate::fmi::{exported, handle};
+use crate::variables::Kind;
+use std::ffi::c_void;
+
+/// Always NULL, with a message: this FMU is for co-simulation.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3InstantiateModelExchange(
+    name: Text,
+    _token: Text,
+    _resource_path: Text,
+    _visible: Boolean,
+    logging_on: Boolean,
+    environment: Environment,
+    log_message: Option<LogMessage>,
+) -> Component {
+    // SAFETY: strings are the host's, for the duration of the call (2.2.6).
+    unsafe { refuse_instance("fmi3InstantiateModelExchange", name, logging_on, environment, log_message) }
+}
+
+/// Always NULL, with a message: this FMU is for co-simulation.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
+    name: Text,
+    _token: Text,
+    _resource_path: Text,
+    _visible: Boolean,
+    logging_on: Boolean,
+    environment: Environment,
+    log_message: Option<LogMessage>,
+    _clock_update: *const c_void,
+    _lock_preemption: *const c_void,
+    _unlock_preemption: *const c_void,
+) -> Component {
+    // SAFETY: strings are the host's, for the duration of the call (2.2.6).
+    unsafe { refuse_instance("fmi3InstantiateScheduledExecution", name, logging_on, environment, log_message) }
+}
+
+/// NULL, with a message.
+///
+/// # Safety
+/// As for `array::text`.
+unsafe fn refuse_instance(
+    function: &str,
+    name: Text,
+    logging_on: Boolean,
+    environment: Environment,
+    log_message: Option<LogMessage>,
+) -> Component {
+    // SAFETY: the caller's promise.
+    let name = unsafe { text(name) }.unwrap_or_default();
+    let logger = Logger::new(sink(environment, log_message), logging_on != FALSE);
+    handle::instantiate(function, name, logger, || {
+        Err(Refusal::error("this FMU is for co-simulation only; use fmi3InstantiateCoSimulation"))
+    })
+}
+
+/// Getters and setters of types that no variable has: only the empty list can be read or set.
+macro_rules! absent_types {
+    ($($get:ident $set:ident $type:ty;)*) => {
+        exported! {
+            $(
+                /// Read variables of a type that none has: only the empty list.
+                // SAFETY: both arrays have as many elements as said (2.2.6).
+                fn $get(vr: *const ValueReference, count: usize, value: *mut $type, values: usize) in ALIVE => |i| {
+                    output("values", value, values)?;
+                    same_length(count, values)?;
+                    i.permit_none(input("valueReferences", vr, count)?, Kind::Integer, may_get, "read")
+                };
+                /// Set variables of a type that none has: only the empty list.
+                // SAFETY: both arrays have as many elements as said (2.2.6).
+                fn $set(vr: *const ValueReference, count: usize, value: *const $type, values: usize) in SETTABLE => |i| {
+                    input("values", value, values)?;
+                    same_length(count, values)?;
+                    i.permit_none(input("valueReferences", vr, count)?, Kind::Integer, may_set, "set")
+                };
+            )*
+        }
+    };
+}
+
+pub(super) mod types_of_no_variable {
+    use super::*;
+
+    absent_types! {
+        fmi3GetFloat32 fmi3SetFloat32 f32;
+        fmi3GetInt8 fmi3SetInt8 i8;
+        fmi3GetUInt8 fmi3SetUInt8 u8;
+        fmi3GetInt16 fmi3SetInt16 i16;
+        fmi3GetUInt16 fmi3SetUInt16 u16;
+        fmi3GetInt32 fmi3SetInt32 i32;
+        fmi3GetUInt32 fmi3SetUInt32 u32;
+        fmi3GetInt64 fmi3SetInt64 i64;
+        fmi3GetUInt64 fmi3SetUInt64 u64;
+    }
+}
+pub use types_of_no_variable::*;
+
+exported! {
+    // Binary variables and clocks (2.2.6): there are none.
+    fn fmi3GetBinary(
+        _vr: *const ValueReference, count: usize, _sizes: *mut usize, _values: *mut Binary, _value_count: usize
+    ) in ALIVE => |_i| none(count, "binary variable");
+    fn fmi3SetBinary(
+        _vr: *const ValueReference, count: usize, _sizes: *const usize, _values: *const Binary, _value_count: usize
+    ) in SETTABLE => |_i| none(count, "binary variable");
+    fn fmi3GetClock(_vr: *const ValueReference, count: usize, _values: *mut Clock) in ALIVE => |_i| none(count, "clock");
+    fn fmi3SetClock(_vr: *const ValueReference, count: usize, _values: *const Clock) in SETTABLE => |_i|
+        none(count, "clock");
+    fn fmi3GetIntervalDecimal(
+        _vr: *const ValueReference, count: usize, _intervals: *mut f64, _qualifiers: *mut Enumeration
+    ) in ALIVE => |_i| none(count, "clock");
+    fn fmi3GetIntervalFraction(
+        _vr: *const ValueReference, count: usize, _counters: *mut u64, _resolutions: *mut u64,
+        _qualifiers: *mut Enumeration
+    ) in ALIVE => |_i| none(count, "clock");
+    fn fmi3GetShiftDecimal(_vr: *const ValueReference, count: usize, _shifts: *mut f64) in ALIVE => |_i|
+        none(count, "clock");
+    fn fmi3GetShiftFraction(
+        _vr: *const ValueReference, count: usize, _counters: *mut u64, _resolutions: *mut u64
+    ) in ALIVE => |_i| none(count, "clock");
+    fn fmi3SetIntervalDecimal(_vr: *const ValueReference, count: usize, _intervals: *const f64) in ALIVE => |_i|
+        none(count, "clock");
+    fn fmi3SetIntervalFraction(
+        _vr: *const ValueReference, count: usize, _counters: *const u64, _resolutions: *const u64
+    ) in ALIVE => |_i| none(count, "clock");
+    fn fmi3SetShiftDecimal(_vr: *const ValueReference, count: usize, _shifts: *const f64) in ALIVE => |_i|
+        none(count, "clock");
+    fn fmi3SetShiftFraction(
+        _vr: *const ValueReference, count: usize, _counters: *const u64, _resolutions: *const u64
+    ) in ALIVE => |_i| none(count, "clock");
+    fn fmi3ActivateModelPartition(_clock: ValueReference, _time: f64) in ALIVE => |_i| none(1, "clock");
+
+    // Dependencies of elements of arrays (2.2.9), declared absent: those in the XML are the whole truth.
+    fn fmi3GetNumberOfVariableDependencies(_vr: ValueReference, _count: *mut usize) in ALIVE => |_i|
+        Err(Refusal::error("dependencies do not change; modelDescription.xml tells them"));
+    fn fmi3GetVariableDependencies(
+        _dependent: ValueReference, _elements: *mut usize, _independents: *mut ValueReference,
+        _independent_elements: *mut usize, _kinds: *mut Enumeration, _count: usize
+    ) in ALIVE => |_i| Err(Refusal::error("dependencies do not change; modelDescription.xml tells them"));
+
+    // Configuration mode (2.3.3): there are no structural parameters.
+    fn fmi3EnterConfigurationMode() in ALIVE => |_i|
+        Err(Refusal::error("there is no structural parameter, so that there is nothing to configure"));
+    fn fmi3ExitConfigurationMode() in ALIVE => |_i|
+        Err(Refusal::error("there is no structural parameter, so that there is nothing to configure"));
+
+    // Event mode (2.3.5), declared absent.
+    fn fmi3EnterEventMode() in ALIVE => |_i| event_mode();
+    fn fmi3EnterStepMode() in ALIVE => |_i| event_mode();
+    fn fmi3EvaluateDiscreteStates() in ALIVE => |_i| event_mode();
+    fn fmi3UpdateDiscreteStates(
+        _update_needed: *mut Boolean, _terminate: *mut Boolean, _nominals_changed: *mut Boolean,
+        _values_changed: *mut Boolean, _next_event_defined: *mut Boolean, _next_event: *mut f64
+    ) in ALIVE => |_i| event_mode();
+
+    // Model exchange (3.2): exported, as hosts look these functions up, and refused.
+    fn fmi3EnterContinuousTimeMode() in ALIVE => |_i| model_exchange();
+    fn fmi3CompletedIntegratorStep(
+        _no_set_state_prior: Boolean, _enter_event_mode: *mut Boolean, _terminate: *mut Boolean
+    ) in ALIVE => |_i| model_exchange();
+    fn fmi3SetTime(_time: f64) in ALIVE => |_i| model_exchange();
+    fn fmi3SetContinuousStates(_states: *const f64, _count: usize) in ALIVE => |_i| model_exchange();
+    fn fmi3GetContinuousStateDerivatives(_derivatives: *mut f64, _count: usize) in ALIVE => |_i| model_exchange();
+    fn fmi3GetEventIndicators(_indicators: *mut f64, _count: usize) in ALIVE => |_i| model_exchange();
+    fn fmi3GetContinuousStates(_states: *mut f64, _count: usize) in ALIVE => |_i| model_exchange();
+    fn fmi3GetNominalsOfContinuousStates(_nominals: *mut f64, _count: usize) in ALIVE => |_i| model_exchange();
+    fn fmi3GetNumberOfEventIndicators(_count: *mut usize) in ALIVE => |_i| model_exchange();
+    fn fmi3GetNumberOfContinuousStates(_count: *mut usize) in ALIVE => |_i| model_exchange();
+}
+
+/// Refusal of variables that do not exist; the empty list is done.
+fn none(count: usize, what: &str) -> Result<(), Refusal> {
+    if count == 0 { Ok(()) } else { Err(Refusal::error(format!("there is no {what}"))) }
+}
+
+/// Refusal of the functions of event mode.
+fn event_mode() -> Result<(), Refusal> {
+    Err(Refusal::error(
+        "this FMU has no event mode (hasEventMode is false); events within a step are handled by fmi3DoStep",
+    ))
+}
+
+/// Refusal of the functions of model exchange.
+fn model_exchange() -> Result<(), Refusal> {
+    Err(Refusal::error("a function of model exchange; this FMU is for co-simulation, use fmi3DoStep"))
+}

@@ -1,0 +1,300 @@
+//! The exported functions of FMI 3.0.2 that serve co-simulation: life cycle, logging, values, states, derivatives, steps
+//! (2.2, 2.3, 4.2). The contract of the pointers is that of the module `fmi3`.
+
+use super::types::{
+    Boolean, Environment, FALSE, FmuState, Instance as Component, IntermediateUpdate, LogMessage, Status, Text,
+    ValueReference,
+};
+use crate::fmi::array::{input, output, text};
+use crate::fmi::instance::Instance;
+use crate::fmi::logger::{Logger, Sink};
+use crate::fmi::phase::{ALIVE, FAILED, FATAL, Function, INITIALIZATION, INSTANTIATED, Phase, SETTABLE, STEP, STEPPED};
+use crate::fmi::refusal::{Refusal, Verdict};
+use crate::fmi::{exported, handle, resources, state_handle};
+use std::mem::MaybeUninit;
+
+/// Always `"3.0"`.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi3GetVersion() -> Text {
+    c"3.0".as_ptr()
+}
+
+/// New instance for co-simulation, from the definition file in the folder of resources; NULL, with a message, if
+/// anything is amiss.
+///
+/// A NULL or empty path means the folder `resources` of the FMU that this library lies in. Event mode is refused, as the
+/// XML does not declare it; early return, intermediate variables and their callback have no meaning here, nor has
+/// `visible`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
+    name: Text,
+    token: Text,
+    resource_path: Text,
+    _visible: Boolean,
+    logging_on: Boolean,
+    event_mode_used: Boolean,
+    _early_return_allowed: Boolean,
+    _required_intermediate_variables: *const ValueReference,
+    _required_intermediate_variable_count: usize,
+    environment: Environment,
+    log_message: Option<LogMessage>,
+    _intermediate_update: Option<IntermediateUpdate>,
+) -> Component {
+    // SAFETY: strings are the host's, for the duration of the call (2.2.6).
+    unsafe {
+        let (name, token, path) = (text(name).unwrap_or_default(), text(token), text(resource_path));
+        let logger = Logger::new(sink(environment, log_message), logging_on != FALSE);
+        handle::instantiate("fmi3InstantiateCoSimulation", name, logger, || {
+            if event_mode_used != FALSE {
+                return Err(Refusal::error("eventModeUsed is true; this FMU has no event mode, pass false"));
+            }
+            resources::load("instantiationToken", token, path)
+        })
+    }
+}
+
+/// End of an instance; does nothing for NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3FreeInstance(instance: Component) {
+    // SAFETY: the instance is not used again (2.2.1).
+    unsafe { handle::free(instance) }
+}
+
+/// The host's logger.
+pub(super) fn sink(environment: Environment, log_message: Option<LogMessage>) -> Option<Sink> {
+    let callback = log_message?;
+    Some(Box::new(move |verdict, category, message| {
+        // SAFETY: FMI 3.0.2, 2.2.4: the host's logger may be called from within any FMI function, with its own
+        // environment. Both strings outlive the call.
+        unsafe { callback(environment, verdict.into(), category.as_ptr(), message.as_ptr()) }
+    }))
+}
+
+exported! {
+    /// Switch log categories; none given means all. Unknown ones are refused.
+    // SAFETY: `categories` has `count` strings (2.2.4).
+    fn fmi3SetDebugLogging(on: Boolean, count: usize, categories: *const Text) in ALIVE => |i| {
+        let categories = input("categories", categories, count)?;
+        i.logger.set_debug_logging(on != FALSE, categories.iter().map(|&name| text(name)))
+    };
+
+    /// Tolerance, start time and stop time. From here on outputs have values; they are computed when one is read, or when
+    /// the mode ends.
+    fn fmi3EnterInitializationMode(
+        tolerance_defined: Boolean, tolerance: f64, start: f64, stop_defined: Boolean, stop: f64
+    ) in INSTANTIATED => |i| {
+        let tolerance = (tolerance_defined != FALSE).then_some(tolerance);
+        i.setup_experiment(tolerance, start, (stop_defined != FALSE).then_some(stop))?;
+        i.phase = Phase::Initialization;
+        Ok(())
+    };
+
+    /// Close the loops and start; step mode follows. After a refusal, initialization mode goes on.
+    fn fmi3ExitInitializationMode() in INITIALIZATION => |i| i.exit_initialization_mode();
+
+    /// End of the simulation; values can still be read.
+    fn fmi3Terminate() in STEP | FAILED => |i| {
+        i.terminate();
+        Ok(())
+    };
+
+    /// Back to a fresh instance; the log categories stay.
+    fn fmi3Reset() in ALIVE => |i| {
+        i.reset();
+        Ok(())
+    };
+
+    /// Read Float64 variables, and the time. An output that does not exist in this state is NaN, all others are told, and
+    /// the answer is `fmi3Warning`. On an error the array may be filled in part.
+    // SAFETY: both arrays have as many elements as said (2.2.6).
+    fn fmi3GetFloat64(vr: *const ValueReference, count: usize, value: *mut f64, values: usize) in ALIVE => |i| {
+        let (vr, value) = (input("valueReferences", vr, count)?, output("values", value, values)?);
+        same_length(count, values)?;
+        get_float64(i, vr, value)
+    };
+
+    /// Read Booleans, each 0 or 1. On an error the array may be filled in part.
+    // SAFETY: both arrays have as many elements as said (2.2.6).
+    fn fmi3GetBoolean(vr: *const ValueReference, count: usize, value: *mut Boolean, values: usize) in ALIVE => |i| {
+        let (vr, value) = (input("valueReferences", vr, count)?, output("values", value, values)?);
+        same_length(count, values)?;
+        i.get_boolean(vr, value)
+    };
+
+    /// Read Strings; they live until the next call of this function or the end of the instance. On an error the array
+    /// may be filled in part.
+    // SAFETY: both arrays have as many elements as said (2.2.6).
+    fn fmi3GetString(vr: *const ValueReference, count: usize, value: *mut Text, values: usize) in ALIVE => |i| {
+        let (vr, value) = (input("valueReferences", vr, count)?, output("values", value, values)?);
+        same_length(count, values)?;
+        i.get_string(vr, value)
+    };
+
+    /// Set Float64 inputs and parameters, all or none.
+    // SAFETY: both arrays have as many elements as said (2.2.6).
+    fn fmi3SetFloat64(vr: *const ValueReference, count: usize, value: *const f64, values: usize) in SETTABLE => |i| {
+        let (vr, value) = (input("valueReferences", vr, count)?, input("values", value, values)?);
+        same_length(count, values)?;
+        match vr.iter().find(|&&vr| vr == time(i)) {
+            Some(vr) => Err(Refusal::error(format!("'time' (value reference {vr}) is the independent variable; it cannot be set"))),
+            None => i.set_real(vr, value),
+        }
+    };
+
+    /// Set Boolean inputs and parameters, all or none.
+    // SAFETY: both arrays have as many elements as said (2.2.6).
+    fn fmi3SetBoolean(vr: *const ValueReference, count: usize, value: *const Boolean, values: usize) in SETTABLE => |i| {
+        let (vr, value) = (input("valueReferences", vr, count)?, input("values", value, values)?);
+        same_length(count, values)?;
+        i.set_boolean(vr, value.iter().map(|&value| value != FALSE))
+    };
+
+    /// Set String parameters, all or none; the texts are copied.
+    // SAFETY: both arrays have as many elements as said, each value a string or NULL (2.2.6).
+    fn fmi3SetString(vr: *const ValueReference, count: usize, value: *const Text, values: usize) in SETTABLE => |i| {
+        let (vr, value) = (input("valueReferences", vr, count)?, input("values", value, values)?);
+        same_length(count, values)?;
+        let texts: Vec<_> = value.iter().map(|&value| text(value)).collect();
+        i.set_string(vr, &texts)
+    };
+
+    /// Save everything that decides how the instance goes on. A state that `*state` already leads to is overwritten.
+    // SAFETY: `state` leads to a pointer, which is NULL or leads to a state (2.2.10).
+    fn fmi3GetFMUState(state: *mut FmuState) in ALIVE => |i| state_handle::save(i, state);
+
+    /// Go on from a saved state, in the phase in which it was saved.
+    // SAFETY: `state` is NULL or leads to a state (2.2.10).
+    fn fmi3SetFMUState(state: FmuState) in ALIVE => |i| state_handle::restore(i, state);
+
+    /// End of a state; `*state` becomes NULL. Does nothing for NULL and for a pointer to NULL. Legal after a fatal fault,
+    /// as the host must give back what it holds.
+    // SAFETY: `state` is NULL or leads to a pointer, and that is NULL or leads to a state (2.2.10).
+    fn fmi3FreeFMUState(state: *mut FmuState) in ALIVE | FATAL => |i| state_handle::free(i, state);
+
+    /// Number of bytes that [`fmi3SerializeFMUState`] writes.
+    // SAFETY: `state` is NULL or leads to a state, `size` leads to memory for a number (2.2.10).
+    fn fmi3SerializedFMUStateSize(state: FmuState, size: *mut usize) in ALIVE => |i| {
+        let bytes = state_handle::serialize(i, state)?;
+        output("size", size, 1)?[0].write(bytes.len());
+        Ok(())
+    };
+
+    /// Write the state as bytes that any process can read, on any machine. `size` is that of
+    /// [`fmi3SerializedFMUStateSize`].
+    // SAFETY: `state` is NULL or leads to a state, `bytes` leads to memory for `size` bytes (2.2.10).
+    fn fmi3SerializeFMUState(state: FmuState, bytes: *mut u8, size: usize) in ALIVE => |i|
+        state_handle::serialize_to(i, state, bytes, size);
+
+    /// New state from bytes of [`fmi3SerializeFMUState`], in this process or another. The previous value of `*state` is
+    /// not read.
+    // SAFETY: `bytes` has `size` bytes, `state` leads to memory for a pointer (2.2.10).
+    fn fmi3DeserializeFMUState(bytes: *const u8, size: usize, state: *mut FmuState) in ALIVE => |i|
+        state_handle::deserialize(i, input("serializedState", bytes, size)?, state);
+
+    /// For each unknown the sum over the knowns of the partial derivative times the seed, at the present state, exact.
+    ///
+    /// An unknown is a continuous output, a known is a continuous input. What has no derivative in this state is NaN,
+    /// with `fmi3Warning`. Refused with `solver.method` = "rigid_fem". On an error the array may be filled in part.
+    // SAFETY: all arrays have as many elements as said (2.2.11).
+    fn fmi3GetDirectionalDerivative(
+        unknowns: *const ValueReference, unknown_count: usize, knowns: *const ValueReference, known_count: usize,
+        seed: *const f64, seeds: usize, sensitivity: *mut f64, sensitivities: usize
+    ) in INITIALIZATION | STEPPED => |i| {
+        let (unknowns, knowns) = (input("unknowns", unknowns, unknown_count)?, input("knowns", knowns, known_count)?);
+        same_length(known_count, seeds)?;
+        same_length(unknown_count, sensitivities)?;
+        let sensitivity = output("sensitivity", sensitivity, sensitivities)?;
+        i.directional_derivative(unknowns, knowns, input("seed", seed, seeds)?, sensitivity)
+    };
+
+    /// For each known the sum over the unknowns of the seed times the partial derivative, as
+    /// [`fmi3GetDirectionalDerivative`]: one direction for each known.
+    // SAFETY: all arrays have as many elements as said (2.2.11).
+    fn fmi3GetAdjointDerivative(
+        unknowns: *const ValueReference, unknown_count: usize, knowns: *const ValueReference, known_count: usize,
+        seed: *const f64, seeds: usize, sensitivity: *mut f64, sensitivities: usize
+    ) in INITIALIZATION | STEPPED => |i| {
+        let (unknowns, knowns) = (input("unknowns", unknowns, unknown_count)?, input("knowns", knowns, known_count)?);
+        same_length(unknown_count, seeds)?;
+        same_length(known_count, sensitivities)?;
+        let sensitivity = output("sensitivity", sensitivity, sensitivities)?;
+        i.adjoint_derivative(unknowns, knowns, input("seed", seed, seeds)?, sensitivity)
+    };
+
+    /// First time derivatives of continuous outputs at the present communication point, exact.
+    ///
+    /// What has no derivative in this state is NaN, with `fmi3Warning`. Refused with `solver.method` = "rigid_fem". On an
+    /// error the array may be filled in part.
+    // SAFETY: all arrays have as many elements as said (4.2.4).
+    fn fmi3GetOutputDerivatives(
+        vr: *const ValueReference, count: usize, order: *const i32, value: *mut f64, values: usize
+    ) in INITIALIZATION | STEPPED => |i| {
+        let (vr, order) = (input("valueReferences", vr, count)?, input("orders", order, count)?);
+        same_length(count, values)?;
+        i.output_derivatives(vr, order, output("values", value, values)?)
+    };
+
+    /// Advance by exactly `h` [s] from the present communication point `point` [s]. No event is left to be handled, the
+    /// end of the simulation is never asked for, and no step returns early; `*last` is the time reached.
+    ///
+    /// Refused, without any change, for an `h` that is not finite and positive, for another point than the instance's
+    /// own, and for a step past the stop time. The flag `noSetFMUStatePriorToCurrentPoint` has no meaning here: any state
+    /// can be restored.
+    ///
+    /// `fmi3Discard`: the step met `solver.max_steps` after a part of it. The state is that at `*last`, where values can be
+    /// read; to go on, a state saved before is restored or the instance reset.
+    // SAFETY: each pointer leads to memory for one value (4.2.2).
+    fn fmi3DoStep(
+        point: f64, h: f64, _no_set_state_prior: Boolean, event_needed: *mut Boolean, terminate: *mut Boolean,
+        early_return: *mut Boolean, last: *mut f64
+    ) in STEP => |i| {
+        let flags = [
+            output("eventHandlingNeeded", event_needed, 1)?, output("terminateSimulation", terminate, 1)?,
+            output("earlyReturn", early_return, 1)?,
+        ];
+        let last = output("lastSuccessfulTime", last, 1)?;
+        for flag in flags {
+            flag[0].write(FALSE);
+        }
+        let stepped = i.do_step(point, h);
+        last[0].write(i.clock.time);
+        stepped
+    };
+}
+
+/// Value reference of the time, the one variable that is not the model's: it comes after all of these.
+fn time(instance: &Instance) -> ValueReference {
+    instance.component.interface().list().len() as ValueReference
+}
+
+/// Read Float64 variables of the model, and the time.
+fn get_float64(
+    instance: &mut Instance,
+    references: &[ValueReference],
+    values: &mut [MaybeUninit<f64>],
+) -> Result<(), Refusal> {
+    let time = time(instance);
+    if !references.contains(&time) {
+        return instance.get_real(references, values);
+    }
+    let mut warning = Ok(());
+    for (reference, value) in references.iter().zip(values) {
+        if *reference == time {
+            value.write(instance.clock.time);
+            continue;
+        }
+        match instance.get_real(std::slice::from_ref(reference), std::slice::from_mut(value)) {
+            Err(refusal) if refusal.verdict == Verdict::Warning => warning = Err(refusal),
+            answer => answer?,
+        }
+    }
+    warning
+}
+
+/// Every variable is a scalar: as many values as variables.
+pub(super) fn same_length(variables: usize, values: usize) -> Result<(), Refusal> {
+    if variables == values {
+        return Ok(());
+    }
+    Err(Refusal::error(format!("{values} values for {variables} variables; every variable here is a scalar")))
+}

@@ -1,0 +1,112 @@
+"""FMUs of FMI 3.0: the standard's schema, FMPy as host, and the same bits as FMI 2.0."""
+
+from __future__ import annotations
+
+import shutil
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import NAME, REPOSITORY
+from fmpy import extract, read_model_description, simulate_fmu
+from fmpy.fmi3 import FMU3Slave
+from fmpy.validation import validate_fmu
+from test_own_mechanism import package, refused
+
+NAMES = [NAME, "HydraulicActuator", "SliderCrank"]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with FMUs of both versions."""
+    out = tmp_path_factory.mktemp("both versions")
+    paths = [str(REPOSITORY / "modelDescription" / name) for name in NAMES]
+    done = package(Path(), *paths, "--fmi", "both", "--out", str(out), "--no-animation")
+    assert done.returncode == 0, done.stderr
+    return out
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_both_versions_are_valid_and_alike(folder: Path, name: str) -> None:
+    second, third = folder / f"{name}.fmu", folder / f"{name}.fmi3.fmu"
+    assert validate_fmu(str(second)) == []
+    assert validate_fmu(str(third)) == []
+    description = read_model_description(str(third), validate=True, validate_variable_names=True)
+    assert description.fmiVersion == "3.0"
+    assert description.coSimulation.modelIdentifier == name
+    assert description.coSimulation.canSerializeFMUstate
+    with zipfile.ZipFile(third) as archive:
+        assert any(entry.startswith("binaries/x86_64-") for entry in archive.namelist())
+    before = read_model_description(str(second))
+    assert [v.name for v in description.modelVariables] == [v.name for v in before.modelVariables] + ["time"]
+    for one, other in zip(description.modelVariables, before.modelVariables, strict=False):
+        assert (one.valueReference, one.unit, one.causality) == (other.valueReference, other.unit, other.causality)
+        assert one.start == other.start
+
+
+def test_a_retraction_has_the_bits_of_fmi_2(folder: Path) -> None:
+    def run(extension: str) -> np.ndarray:
+        return simulate_fmu(
+            str(folder / f"{NAME}.{extension}"),
+            start_values={"actuator.force": 30_000.0, "load_factor": 3.0, "friction.enabled": True},
+            output=["crank.angle", "joint2.force", "upstop.reached"],
+            stop_time=0.13,
+            output_interval=1e-3,
+            relative_tolerance=1e-9,
+        )
+
+    second, third = run("fmu"), run("fmi3.fmu")
+    assert len(third) == len(second) == 131
+    for name in second.dtype.names:
+        assert np.array_equal(second[name], third[name]), name
+
+
+@pytest.fixture
+def gear(folder: Path) -> Iterator[FMU3Slave]:
+    """An instance of FMI 3.0 in step mode; `references` are those of its variables by name."""
+    unpacked = extract(str(folder / f"{NAME}.fmi3.fmu"))
+    description = read_model_description(unpacked)
+    instance = FMU3Slave(
+        guid=description.instantiationToken,
+        unzipDirectory=unpacked,
+        modelIdentifier=NAME,
+        instanceName="gear",
+    )
+    instance.references = {v.name: v.valueReference for v in description.modelVariables}
+    instance.instantiate()
+    instance.enterInitializationMode(tolerance=1e-9, startTime=0.0)
+    instance.exitInitializationMode()
+    yield instance
+    instance.terminate()
+    instance.freeInstance()
+    shutil.rmtree(unpacked, ignore_errors=True)
+
+
+def test_states_derivatives_and_time(gear: FMU3Slave) -> None:
+    angle, time, acceleration, force = (
+        gear.references[name] for name in ("crank.angle", "time", "crank.acceleration", "actuator.force")
+    )
+    assert gear.doStep(0.0, 0.01) == (False, False, False, 0.01)
+    state = gear.getFMUState()
+    stored = gear.serializeFMUState(state)
+    gear.doStep(0.01, 0.02)
+    there = gear.getFloat64([angle, time])
+    assert there[1] == 0.03
+    for again in (state, gear.deserializeFMUState(stored)):
+        gear.setFMUState(again)
+        gear.doStep(0.01, 0.02)
+        assert gear.getFloat64([angle, time]) == there
+        gear.freeFMUState(again)
+    forward = gear.getDirectionalDerivative([acceleration], [force], [2.0])
+    back = gear.getAdjointDerivative([acceleration], [force], [2.0])
+    assert forward[0] == back[0] != 0.0
+    (before,) = gear.getFloat64([acceleration])
+    gear.setFloat64([force], [gear.getFloat64([force])[0] + 10.0])
+    # The acceleration is linear in the force.
+    assert gear.getFloat64([acceleration])[0] - before == pytest.approx(5.0 * forward[0], rel=1e-9)
+
+
+def test_the_system_is_one_of_fmi_2(tmp_path: Path) -> None:
+    assert "--fmi both" in refused(package(Path(), "--ssp", "--fmi", "3", "--out", str(tmp_path)))
