@@ -64,6 +64,13 @@ pub fn side_by_side<'a>(functions: impl IntoIterator<Item = &'a Series>, out: &m
     }
 }
 
+/// Replace the first function of a row.
+pub fn replace_first(row: &mut Row, series: &Series) {
+    for (power, c) in row.0.iter_mut().zip(series) {
+        power[0] = *c;
+    }
+}
+
 /// Add `size` times the functions in `rows` to `sums`, which is empty or has as many.
 pub fn add_side_by_side(sums: &mut Vec<Row>, size: f64, rows: &[Row]) {
     if sums.is_empty() {

@@ -151,9 +151,9 @@ impl PresentLoads {
         Self { sizes, reactions: vec![PanelReaction::default(); joints] }
     }
 
-    /// The sizes have changed: the polynomials hold nowhere.
+    /// The sizes have changed: the reactions to the applied loads are no longer known.
     pub fn invalidate(&mut self) {
-        self.reactions.iter_mut().for_each(|reaction| reaction.given.leave());
+        self.reactions.iter_mut().for_each(|reaction| reaction.has_applied = false);
     }
 }
 
@@ -163,6 +163,8 @@ pub struct PanelReaction {
     /// For each part - force x, force y, moment - the reaction to all applied loads as they are, then to what
     /// [`Shares::given`] multiplies.
     pub given: PanelRows,
+    /// Whether the first polynomial of each part is that of the present sizes.
+    pub has_applied: bool,
     /// For each part the reaction to the loads that the state sizes, which [`Shares::state`] multiplies.
     pub state: PanelRows,
     /// Whether the loads that the state sizes include those of moving air.
@@ -179,7 +181,7 @@ pub struct PanelRows {
     /// 2 / width of the panel.
     inverse: f64,
     /// Panel of the table.
-    panel: usize,
+    pub panel: usize,
     /// The polynomials.
     pub rows: Vec<Row>,
 }
@@ -193,11 +195,6 @@ impl Default for PanelRows {
 }
 
 impl PanelRows {
-    /// Hold nowhere.
-    pub fn leave(&mut self) {
-        (self.low, self.high) = NOWHERE;
-    }
-
     /// Whether the polynomials hold at sigma.
     #[inline]
     pub fn holds(&self, sigma: f64) -> bool {

@@ -7,7 +7,7 @@ use crate::mechanism::outputs::cache::{PanelReaction, PanelRows, PresentLoads};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite, spring_force};
 use crate::mechanism::outputs::view::{Reading, View};
 use crate::mechanism::reactions::Reaction;
-use crate::numerics::bundle::{ROW, side_by_side, side_by_side_at};
+use crate::numerics::bundle::{ROW, replace_first, side_by_side, side_by_side_at};
 use crate::numerics::chebyshev::NODES;
 use crate::numerics::table::Table;
 
@@ -89,21 +89,31 @@ impl<'a, N: Reading> View<'a, N> {
         let (reduced, sigma) = (self.reduced, self.sigma());
         let (parts, columns) = (value.len(), 2 + reduced.loading().base());
         let decided = self.decided();
-        if !self.loads.reactions[joint].given.holds(self.state.sigma) {
-            let others = self.given_columns();
-            let PresentLoads { sizes, reactions } = &mut *self.loads;
-            let sized = sizes[..reduced.components().sized].iter().enumerate();
-            let acting = sized.filter(|(load, size)| **size != 0.0 && !decided.contains(load));
-            reactions[joint].given.enter((table, reduced.is_stretch()), self.state.sigma, |panel, rows| {
+        let others = self.given_columns();
+        let PresentLoads { sizes, reactions } = &mut *self.loads;
+        let PanelReaction { given: panel, has_applied, .. } = &mut reactions[joint];
+        if !panel.holds(self.state.sigma) {
+            panel.enter((table, reduced.is_stretch()), self.state.sigma, |panel, rows| {
                 for part in 0..parts {
-                    let series = |column: usize| table.series(panel, part * columns + column);
-                    let mut applied = [0.0; NODES];
-                    for (load, size) in acting.clone() {
-                        applied.iter_mut().zip(series(2 + load)).for_each(|(sum, c)| *sum += size * c);
-                    }
-                    side_by_side([&applied].into_iter().chain(others.clone().map(series)), rows);
+                    let others = others.clone().map(|column| table.series(panel, part * columns + column));
+                    side_by_side([&[0.0; NODES]].into_iter().chain(others), rows);
                 }
             });
+            *has_applied = false;
+        }
+        if !*has_applied {
+            let rows = panel.rows.len() / parts;
+            let sized = sizes[..reduced.components().sized].iter().enumerate();
+            let acting = sized.filter(|(load, size)| **size != 0.0 && !decided.contains(load));
+            for part in 0..parts {
+                let mut applied = [0.0; NODES];
+                for (load, size) in acting.clone() {
+                    let series = table.series(panel.panel, part * columns + 2 + load);
+                    applied.iter_mut().zip(series).for_each(|(sum, c)| *sum += size * c);
+                }
+                replace_first(&mut panel.rows[part * rows], &applied);
+            }
+            *has_applied = true;
         }
         let panel = &self.loads.reactions[joint].given;
         let cache = &mut *self.cache;
