@@ -205,7 +205,8 @@ fn stops_at_one_position_hold_whatever_pushes() {
                     gear.step(0.01);
                     let (now, speed_now) = (gear.get("crank.angle"), gear.get("crank.speed"));
                     assert!((now - angle).abs() < 1e-15 && speed_now == 0.0, "{force} {speed}: {now} {speed_now}");
-                    assert_eq!(gear.get("energy.drift"), 0.0);
+                    // Rounding of the work that is booked when a force of 3e4 N over less than 1 m turns round.
+                    assert!(gear.get("energy.drift").abs() <= 3e4 * f64::EPSILON);
                     let [up, down] = ["upstop.torque", "downstop.torque"].map(|name| gear.get(name));
                     assert!((up != 0.0) != (down != 0.0), "one holds: {up} {down}");
                     assert!(up >= 0.0 && down <= 0.0);

@@ -55,8 +55,6 @@ pub struct Convergence {
     pub amplification: f64,
     /// Weighted size of the first correction.
     pub first: f64,
-    /// Whether the last linearisation is at the closed position; else it is a rounding error away.
-    exact: bool,
 }
 
 /// Weights that make coordinates comparable.
@@ -127,8 +125,13 @@ impl Closure {
 
     /// Linearise the independent loop equations at `q`. False where they lose rank to the last bit.
     pub fn linearise(&self, q: &[f64], scratch: &mut Scratch) -> bool {
+        self.linkage.update_positions(q, &mut scratch.positions);
+        self.factorise(q, scratch)
+    }
+
+    /// [`Self::linearise`] with the positions at `q`.
+    fn factorise(&self, q: &[f64], scratch: &mut Scratch) -> bool {
         let linkage = &*self.linkage;
-        linkage.update_positions(q, &mut scratch.positions);
         scratch.factors.clear(q.len());
         let (mut row, mut kept) = (0, self.rows.iter().peekable());
         for (index, &joint) in linkage.cuts.iter().enumerate() {
@@ -211,17 +214,9 @@ impl Closure {
         tangent.iter_mut().for_each(|t| *t /= norm);
     }
 
-    /// Positions of the bodies at the coordinates `q` to which [`Self::on_plane`] has converged.
-    pub fn update_positions(&self, at: Convergence, q: &[f64], scratch: &mut Scratch, positions: &mut Positions) {
-        if at.exact {
-            std::mem::swap(positions, &mut scratch.positions);
-        } else {
-            self.linkage.update_positions(q, positions);
-        }
-    }
-
     /// Newton's method from `q` to the closed position on the plane normal . (q - base) = along, which replaces `q`.
-    /// `scratch` then holds the loop equations linearised at the closed position. None if the method does not converge.
+    /// `scratch` then holds the positions of the bodies and the loop equations linearised there. None if the method does
+    /// not converge.
     pub fn on_plane(
         &self,
         scratch: &mut Scratch,
@@ -235,6 +230,8 @@ impl Closure {
         const COARSE: f64 = 1e-12;
         /// Corrections below this size change the linearised equations by rounding only.
         const UNMOVED: f64 = 4.0 * f64::EPSILON;
+        /// Corrections below this size have squares that are rounding.
+        const SMALL: f64 = 1e-8;
         let (mut first, mut last) = (None, f64::INFINITY);
         scratch.closed += 1;
         for _ in 0..ITERATIONS {
@@ -254,21 +251,28 @@ impl Closure {
                 *x += step;
             }
             let first = *first.get_or_insert(size);
+            let amplification = a.max(b);
+            // The next correction is what the curvature of the loop equations makes of this one.
+            let mut converged = q.len() as f64 * amplification * size * size < f64::EPSILON;
             if size < COARSE || size >= 0.5 * last {
-                let amplification = a.max(b);
                 if !amplification.is_finite() {
                     return None;
                 }
                 let rounding = 1e-15 * (1.0 + amplification);
-                // Converged: the last correction was of the size of rounding, or corrections no longer shrink.
+                // This correction was of the size of rounding, or corrections no longer shrink.
                 let is_rounding = |rounding: f64| size < rounding || (size >= 0.5 * last && size < 1e3 * rounding);
-                if is_rounding(rounding) || is_rounding(rounding * self.rounding_at(q)) {
-                    // Linearise again: the amplification multiplies the effect of a change of position.
-                    if size > UNMOVED && !self.linearise(q, scratch) {
-                        return None;
-                    }
-                    return Some(Convergence { amplification, first, exact: size > UNMOVED });
+                converged |= is_rounding(rounding) || is_rounding(rounding * self.rounding_at(q));
+            }
+            if converged {
+                let Scratch { positions, steps, .. } = scratch;
+                if size < SMALL {
+                    self.linkage.shift_positions(q, |i| steps[i][0], positions);
+                } else {
+                    self.linkage.update_positions(q, positions);
                 }
+                // The amplification multiplies the effect of a change of position.
+                let is_linearised = size <= UNMOVED || self.factorise(q, scratch);
+                return is_linearised.then_some(Convergence { amplification, first });
             }
             last = size;
         }

@@ -37,6 +37,8 @@ pub struct Scratch {
     pub(super) loops: closure::Scratch,
     /// Second derivatives of all loop equations.
     gaps: Vec<f64>,
+    /// Part of the second derivatives of the positions that is linear in those of the coordinates.
+    linear: Rates,
 }
 
 impl Scratch {
@@ -67,6 +69,11 @@ impl Configuration {
     pub(super) fn project_curvature(&mut self, linkage: &Linkage) {
         let derivatives = [&self.q[..], &self.q_sigma, &self.q_second];
         linkage.second_rates_into(&self.positions, &self.rates, derivatives, &mut self.second);
+        self.project(linkage);
+    }
+
+    /// [`Self::project_curvature`] with the second derivatives of the positions for this `q_second`.
+    fn project(&mut self, linkage: &Linkage) {
         let along = kinetic_product(linkage, &self.positions, &self.rates, &self.second);
         for (second, first) in self.q_second.iter_mut().zip(&self.q_sigma) {
             *second -= along * first;
@@ -94,7 +101,10 @@ impl Configuration {
         linkage.gap_second_rates(&self.positions, &self.rates, &self.second, &mut scratch.gaps);
         let rows = closure.rows().iter().map(|&r| [-scratch.gaps[r]]);
         factors.solve(rows, normal, [0.0], self.q_second.as_chunks_mut().0);
-        self.project_curvature(linkage);
+        // The second derivatives of the positions are affine functions of q''.
+        linkage.rates_into(&self.positions, &self.q, &self.q_second, &mut scratch.linear);
+        self.second.add(&scratch.linear);
+        self.project(linkage);
         speed
     }
 }

@@ -136,7 +136,7 @@ impl Curve {
         let mut close = || closure.on_plane(&mut scratch.loops, &mut c.q, &panel.base, &panel.normal, u);
         let converged = if panel.bridged { None } else { close() };
         if let Some(converged) = converged.filter(|l| l.amplification < most) {
-            closure.update_positions(converged, &c.q, &mut scratch.loops, &mut c.positions);
+            std::mem::swap(&mut c.positions, &mut scratch.loops.positions);
             c.derive(closure, &panel.normal, scratch);
             c.amplification = converged.amplification;
             c.regular = true;

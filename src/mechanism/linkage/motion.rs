@@ -71,6 +71,12 @@ impl Positions {
 }
 
 impl Rates {
+    /// Add other derivatives.
+    pub fn add(&mut self, other: &Self) {
+        self.angle.iter_mut().zip(&other.angle).for_each(|(own, other)| *own += other);
+        self.origin.iter_mut().zip(&other.origin).for_each(|(own, other)| *own += other);
+    }
+
     /// Set the rates of the angles from the rates of the coordinates. The rate of the ground's origin stays 0.
     fn set_angles(&mut self, linkage: &Linkage, of_coordinates: &[f64]) {
         self.angle.resize(linkage.bodies.len(), 0.0);
@@ -96,12 +102,29 @@ impl Linkage {
         p.rotation.resize(self.bodies.len(), (1.0, 0.0));
         p.origin.resize(self.bodies.len(), Vec2::zeros());
         p.arms.resize(self.tree.len(), Arms::default());
-        let (rotations, origin) = (&mut p.rotation[..], &mut p.origin[..]);
-        for ((body, angle), rotation) in self.bodies.iter().zip(&mut p.angle).zip(&mut *rotations) {
+        for ((body, angle), rotation) in self.bodies.iter().zip(&mut p.angle).zip(&mut p.rotation) {
             *angle = body.angle_coordinate.map_or(0.0, |t| q[t]) + body.offset;
             // No trigonometry for bodies at angle 0, such as the ground.
             *rotation = if *angle == 0.0 { (1.0, 0.0) } else { (angle.cos(), angle.sin()) };
         }
+        self.place(q, p);
+    }
+
+    /// [`Self::update_positions`] after a change of the coordinates to q by steps whose squares are rounding.
+    pub fn shift_positions(&self, q: &[f64], step: impl Fn(usize) -> f64, p: &mut Positions) {
+        for ((body, angle), rotation) in self.bodies.iter().zip(&mut p.angle).zip(&mut p.rotation) {
+            if let Some(t) = body.angle_coordinate {
+                *angle = q[t] + body.offset;
+                let ((cos, sin), step) = (*rotation, step(t));
+                *rotation = (cos - step * sin, sin + step * cos);
+            }
+        }
+        self.place(q, p);
+    }
+
+    /// Arms and origins from rotations, outward along the tree.
+    fn place(&self, q: &[f64], p: &mut Positions) {
+        let (rotations, origin) = (&p.rotation[..], &mut p.origin[..]);
         for (branch, arms) in self.tree.iter().zip(&mut p.arms) {
             arms.from = rotated(rotations[branch.parent], branch.from);
             arms.to = rotated(rotations[branch.child], branch.to);

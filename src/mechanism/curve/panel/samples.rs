@@ -77,7 +77,7 @@ impl Scratch {
             if near_crossing(largest, least) {
                 return Err(Rejection::NearCrossing);
             }
-            closure.update_positions(converged, &c.q, &mut evaluation.loops, &mut c.positions);
+            std::mem::swap(&mut c.positions, &mut evaluation.loops.positions);
             visit(j, &c.positions);
             let speed = c.derive(closure, normal, evaluation);
             if speed == 0.0 || speed.is_nan() {
