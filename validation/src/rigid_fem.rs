@@ -66,6 +66,8 @@ fn report(model: &mut Model) -> Result<String, ModelError> {
 fn elastic(model: &mut Model, factor: f64, fem_step: f64) -> Result<Point, ModelError> {
     model.reset();
     measure::set(model, "solver.fem_step", fem_step)?;
+    // More substeps in one step than a host would wait for.
+    measure::set(model, "solver.max_steps", 1e9)?;
     for name in ["crank.axial_stiffness", "coupler.axial_stiffness", "follower.axial_stiffness"] {
         let stated = measure::output(model, name)?;
         measure::set(model, name, factor * stated)?;
