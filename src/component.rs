@@ -5,6 +5,9 @@
 //!
 //! A further kind of model takes one variant of [`Component`] and of [`Snapshot`], one row in `KINDS`, and one arm in
 //! each `match` of this file. Its model has methods of the same names, whose errors convert to [`Refused`].
+mod tables;
+
+use crate::codec::sections::Sections;
 use crate::format::Experiment;
 use crate::hydraulics::{self, HydraulicsError};
 use crate::inspection::{Finding, Inspection};
@@ -13,6 +16,8 @@ use crate::mechanism::Line;
 use crate::mechanism::{self, ModelError};
 use crate::variables::{Interface, Reference, Terminal};
 use std::fmt;
+use std::sync::Arc;
+pub use tables::TABLES;
 
 /// Why a model refuses a call; the model is unchanged. The text names the quantity, the value, the limit and the
 /// remedy.
@@ -107,19 +112,20 @@ pub enum Snapshot {
     Hydraulic(Box<hydraulics::Snapshot>),
 }
 
-type Constructor = fn(&str) -> Result<Component, Refused>;
+type Constructor = fn(&str, Option<Arc<Sections>>) -> Result<Component, Refused>;
 type Inspector = fn(&str) -> Inspection;
 
-/// Definition file of each kind of model, how a component is made from its text, and how the text is inspected.
+/// Definition file of each kind of model, how a component is made from its text and what was kept of its tables, and how
+/// the text is inspected.
 const KINDS: [(&str, Constructor, Inspector); 2] = [
     (
         "mechanism.json",
-        |text| Ok(Component::Mechanism(mechanism::Model::from_json(text)?)),
+        |text, tables| Ok(Component::Mechanism(mechanism::Model::with_tables(text, tables)?)),
         mechanism::inspection::inspect,
     ),
     (
         "hydraulics.json",
-        |text| Ok(Component::Hydraulic(Box::new(hydraulics::Model::from_json(text)?))),
+        |text, _| Ok(Component::Hydraulic(Box::new(hydraulics::Model::from_json(text)?))),
         hydraulics::inspection::inspect,
     ),
 ];
@@ -163,8 +169,12 @@ impl Component {
     /// # Errors
     /// No kind of model has such a file; what is wrong with the text.
     pub fn from_definition(file: &str, text: &str) -> Result<Self, Refused> {
+        Self::construct(file, text, None)
+    }
+
+    fn construct(file: &str, text: &str, tables: Option<Arc<Sections>>) -> Result<Self, Refused> {
         match KINDS.iter().find(|(name, ..)| *name == file) {
-            Some((_, construct, _)) => construct(text),
+            Some((_, construct, _)) => construct(text, tables),
             None => Err(no_kind(file)),
         }
     }

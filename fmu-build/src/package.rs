@@ -15,7 +15,7 @@ use crate::{check, files, library, schema, ssp};
 use anyhow::{Context, Result, bail};
 pub use fmu_cli::Package as Arguments;
 use fmu_cli::{Fmi, Library};
-use linkage_fmu::component::Component;
+use linkage_fmu::component::{Component, TABLES};
 use linkage_fmu::inspection::Severity;
 use std::collections::HashMap;
 use std::fs;
@@ -42,6 +42,8 @@ struct Common<'a> {
     /// Libraries of other platforms.
     binaries: Vec<Binary>,
     extent: Extent,
+    /// Whether tables are packed.
+    tables: bool,
     versions: &'static [Version],
     /// Folder for the FMUs.
     out: PathBuf,
@@ -100,7 +102,8 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
         Fmi::Three => &[Version::Three],
         Fmi::Both => &[Version::Two, Version::Three],
     };
-    let common = Common { workspace, library, binaries, extent, versions, out };
+    let tables = !arguments.no_tables;
+    let common = Common { workspace, library, binaries, extent, tables, versions, out };
     let mut paths = Vec::new();
     for fmu in prepared {
         paths.extend(pack(&common, fmu)?);
@@ -188,6 +191,11 @@ fn pack(common: &Common, fmu: Prepared) -> Result<Vec<PathBuf>> {
     let file = fmu.component.definition_file();
     let schema = schema::name(file);
     let definition = schema::led_here(&fmu.checked.text, &schema).into_bytes();
+    // The text in the FMU is the one that tables are of.
+    let packed = String::from_utf8_lossy(&definition);
+    if let Some(tables) = common.tables.then(|| fmu.component.tables(&packed)).flatten() {
+        entries.push(Entry { name: format!("resources/{TABLES}"), content: tables });
+    }
     entries.extend([
         Entry { name: format!("resources/{file}"), content: definition },
         Entry { name: format!("resources/{schema}"), content: schema::text(common.workspace, file)? },

@@ -33,9 +33,40 @@ pub fn fnv1a_128<'a>(texts: impl IntoIterator<Item = &'a str>) -> u128 {
     })
 }
 
+/// Sum of 64 bits of many bytes, some bytes in each clock cycle: FNV-1a over words of 64 bits in eight lanes, then over the
+/// lanes and the number of bytes. A change within one word always changes it.
+pub fn sum64(bytes: &[u8]) -> u64 {
+    const PRIME: u64 = 0x0000_0100_0000_01B3;
+    let add = |sum: u64, word: u64| (sum ^ word).wrapping_mul(PRIME);
+    let (blocks, rest) = bytes.as_chunks::<64>();
+    let mut lanes = [0xCBF2_9CE4_8422_2325_u64; 8];
+    for block in blocks {
+        let (words, _) = block.as_chunks::<8>();
+        for (lane, word) in lanes.iter_mut().zip(words) {
+            *lane = add(*lane, u64::from_le_bytes(*word));
+        }
+    }
+    let rest = rest.chunks(8).map(|part| part.iter().rev().fold(0, |word, byte| word << 8 | u64::from(*byte)));
+    lanes.into_iter().chain(rest).chain([bytes.len() as u64]).fold(PRIME, add)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_sum_of_words_sees_every_changed_byte() {
+        let bytes: Vec<u8> = (0..219_u8).map(|i| i.wrapping_mul(37)).collect();
+        let sum = sum64(&bytes);
+        for i in 0..bytes.len() {
+            let mut other = bytes.clone();
+            other[i] ^= 1;
+            assert_ne!(sum64(&other), sum, "byte {i}");
+            assert_ne!(sum64(&bytes[..i]), sum, "{i} bytes");
+        }
+        assert_eq!(sum64(b""), sum64(&[]));
+        assert_ne!(sum64(&[0]), sum64(&[0, 0]));
+    }
 
     #[test]
     fn sums_are_those_of_their_definitions() {

@@ -97,6 +97,40 @@ impl Record<'_> {
         Damaged::unless(length == known as u64, || format!("{length} {name}: this mechanism has {known}"))
     }
 
+    /// Length of a list of items of at least `each` bytes, which the reader does not know beforehand.
+    pub fn size(&mut self, name: &str, size: &mut usize, each: usize) -> Result<(), Damaged> {
+        let mut word = *size as u64;
+        self.word(&mut word)?;
+        if let Self::Read(rest) = self {
+            let most = (rest.len() / each.max(1)) as u64;
+            Damaged::unless(word <= most, || format!("{word} {name}: the rest of it holds {most} at most"))?;
+        }
+        *size = word as usize;
+        Ok(())
+    }
+
+    /// A list of arrays of finite numbers, with its length.
+    pub fn arrays<const N: usize>(&mut self, name: &str, arrays: &mut Vec<[f64; N]>) -> Result<(), Damaged> {
+        /// All bits of an exponent: of infinities and NaN.
+        const EXPONENT: u64 = 0x7FF0_0000_0000_0000;
+        let mut size = arrays.len();
+        self.size(name, &mut size, size_of::<[f64; N]>())?;
+        match self {
+            Self::Write(out) => out.extend(arrays.as_flattened().iter().flat_map(|value| value.to_le_bytes())),
+            Self::Read(rest) => {
+                let (own, after) = rest.split_at(size * size_of::<[f64; N]>());
+                *rest = after;
+                let (words, _) = own.as_chunks::<8>();
+                let has_end = |word: &[u8; 8]| u64::from_le_bytes(*word) & EXPONENT == EXPONENT;
+                let is_finite = !words.iter().fold(false, |any, word| any | has_end(word));
+                Damaged::unless(is_finite, || format!("{name}: must be finite numbers"))?;
+                let array = |words: &[[u8; 8]]| std::array::from_fn(|i| f64::from_le_bytes(words[i]));
+                *arrays = words.chunks_exact(N).map(array).collect();
+            }
+        }
+        Ok(())
+    }
+
     /// A number for which `allowed` holds; `text` states the condition in a message.
     pub fn number(
         &mut self,
@@ -171,6 +205,27 @@ mod tests {
         assert_eq!((y, m, other), (x, n, some));
         for end in 0..bytes.len() {
             assert!(list(&mut Record::Read(&bytes[..end]), &mut y, &mut m, &mut other).is_err());
+        }
+    }
+
+    #[test]
+    fn lists_of_arrays_come_back_and_are_bounded_by_what_there_is() {
+        let arrays = vec![[1.0, -2.5, 0.0], [f64::MAX, 1e-300, -0.0]];
+        let mut bytes = Vec::new();
+        Record::Write(&mut bytes).arrays("a", &mut arrays.clone()).unwrap();
+        let read = |bytes: &[u8]| {
+            let mut read: Vec<[f64; 3]> = Vec::new();
+            Record::Read(bytes).arrays("a", &mut read).map(|()| read)
+        };
+        assert_eq!(read(&bytes), Ok(arrays));
+        for end in 0..bytes.len() {
+            assert!(read(&bytes[..end]).is_err());
+        }
+        assert!(read(&[255; 64]).unwrap_err().0.contains("holds 2 at most"));
+        for bad in [f64::NAN, f64::INFINITY] {
+            let mut bytes = Vec::new();
+            Record::Write(&mut bytes).arrays("a", &mut vec![[0.0, bad, 0.0]]).unwrap();
+            assert!(read(&bytes).unwrap_err().0.contains("finite"));
         }
     }
 

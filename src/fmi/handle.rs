@@ -9,7 +9,7 @@ use super::instance::Instance;
 use super::logger::Logger;
 use super::phase::{Function, Phase};
 use super::refusal::{Refusal, Verdict};
-use crate::component::Component;
+use super::resources::Loaded;
 use std::any::Any;
 use std::cell::UnsafeCell;
 use std::ffi::{CStr, c_void};
@@ -35,14 +35,15 @@ pub fn instantiate(
     function: &str,
     name: &CStr,
     logger: Logger,
-    load: impl FnOnce() -> Result<Component, Refusal>,
+    load: impl FnOnce() -> Result<Loaded, Refusal>,
 ) -> *mut c_void {
     let load = || match name.is_empty() {
         true => Err(Refusal::error("instanceName is NULL or empty; pass a name")),
         false => load(),
     };
     let refusal = match catch_unwind(AssertUnwindSafe(load)) {
-        Ok(Ok(component)) => {
+        Ok(Ok(Loaded { component, remark })) => {
+            remark.iter().for_each(|remark| logger.remark(remark));
             component.warnings().iter().for_each(|warning| logger.remark(&warning.to_string()));
             component.remarks().iter().for_each(|remark| logger.remark(remark));
             let instance = UnsafeCell::new(Instance::new(logger, component));
@@ -170,6 +171,7 @@ fn fault(payload: &(dyn Any + Send)) -> Refusal {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::component::Component;
     use crate::fmi::phase::{ALIVE, STEP};
     use crate::mechanism::GEAR;
 
@@ -177,7 +179,7 @@ mod tests {
     const ADVANCE: Function = Function::new("advance", STEP);
 
     fn gear() -> *mut c_void {
-        let load = || Ok(Component::from_definition("mechanism.json", GEAR)?);
+        let load = || Ok(Component::from_definition("mechanism.json", GEAR)?.into());
         instantiate("instantiate", c"gear", Logger::new(None, false), load)
     }
 
@@ -199,7 +201,7 @@ mod tests {
 
     #[test]
     fn a_logger_that_throws_changes_no_answer() {
-        let load = || Ok(Component::from_definition("mechanism.json", GEAR)?);
+        let load = || Ok(Component::from_definition("mechanism.json", GEAR)?.into());
         let refused = instantiate("instantiate", c"gear", throwing(), || Err(Refusal::error("on purpose")));
         assert!(refused.is_null());
         let c = instantiate("instantiate", c"gear", throwing(), load);

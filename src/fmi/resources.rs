@@ -16,14 +16,14 @@ use std::path::{Path, PathBuf};
 pub use crate::format::LARGEST_DEFINITION;
 
 /// Component of a new instance. Its definition is read at each instantiation, so that a user may edit the numbers in
-/// it.
+/// it; tables of the definition as it was packed are then made anew.
 ///
 /// The folder is that of `location`; where that is NULL or empty, the folder `resources` of the FMU in which this
 /// library lies. `guid` is the host's, in its argument of the name `guid_argument`.
 ///
 /// # Errors
 /// No or an unreadable definition file, a faulty definition, another interface than that of the GUID.
-pub fn load(guid_argument: &str, guid: Option<&CStr>, location: Option<&CStr>) -> Result<Component, Refusal> {
+pub fn load(guid_argument: &str, guid: Option<&CStr>, location: Option<&CStr>) -> Result<Loaded, Refusal> {
     let guid = guid.filter(|guid| !guid.is_empty()).ok_or_else(|| {
         Refusal::error(format!("{guid_argument} is NULL or empty; pass the one of modelDescription.xml"))
     })?;
@@ -35,7 +35,7 @@ pub fn load(guid_argument: &str, guid: Option<&CStr>, location: Option<&CStr>) -
     let name = names.into_iter().find(|name| folder.join(name).exists()).unwrap_or(names[0]);
     let file = folder.join(name);
     let text = read(&file)?;
-    let component = Component::from_definition(name, &text)
+    let (component, remark) = Component::with_tables(name, &text, &folder)
         .map_err(|refused| Refusal::error(format!("'{}': {}", file.display(), refused.0)))?;
     let own = component.interface().guid();
     if guid.to_bytes() != own.as_bytes() {
@@ -46,7 +46,19 @@ pub fn load(guid_argument: &str, guid: Option<&CStr>, location: Option<&CStr>) -
             file.display(),
         )));
     }
-    Ok(component)
+    Ok(Loaded { component, remark })
+}
+
+/// A component for a new instance, and what was remarked while it was loaded.
+pub struct Loaded {
+    pub component: Component,
+    pub remark: Option<String>,
+}
+
+impl From<Component> for Loaded {
+    fn from(component: Component) -> Self {
+        Self { component, remark: None }
+    }
 }
 
 /// Text of a file. Only a regular file is opened, as reading a pipe could wait for ever; a file that is too large is

@@ -43,7 +43,7 @@ mod tests {
         use crate::component::Component;
         use crate::fmi::{handle, logger::Logger, refusal::Verdict};
         use crate::mechanism::GEAR;
-        let load = || Ok(Component::from_definition("mechanism.json", GEAR)?);
+        let load = || Ok(Component::from_definition("mechanism.json", GEAR)?.into());
         let c = handle::instantiate("instantiate", c"gear", Logger::new(None, false), load);
         // SAFETY: the component is valid until it is freed, and so are the states.
         unsafe {

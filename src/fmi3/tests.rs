@@ -3,7 +3,7 @@
 use super::types::{FmuState, Instance, Status, ValueReference};
 use super::*;
 use crate::component::Component;
-use crate::fmi::{handle, logger::Logger, refusal::Refusal};
+use crate::fmi::{handle, logger::Logger};
 use crate::fmi2::types::Status as Status2;
 use crate::fmi2::{
     fmi2DoStep, fmi2EnterInitializationMode, fmi2ExitInitializationMode, fmi2FreeInstance,
@@ -14,7 +14,7 @@ use std::ptr::{null, null_mut};
 
 /// An instance of the landing gear.
 fn gear() -> Instance {
-    let load = || Ok::<_, Refusal>(Component::from_definition("mechanism.json", GEAR)?);
+    let load = || Ok(Component::from_definition("mechanism.json", GEAR)?.into());
     handle::instantiate("instantiate", c"gear", Logger::new(None, false), load)
 }
 

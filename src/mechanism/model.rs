@@ -17,6 +17,7 @@ use super::outputs::{Computed, ReducedMotion};
 use super::parameters::ParameterValues;
 use super::quantity::{Hydraulic, Output, Quantity};
 use super::warnings::{of_near_misses, warnings};
+use crate::codec::sections::Sections;
 use crate::inspection::Finding;
 use crate::integrator::Statistics;
 use crate::mechanism::definition::{Mechanism, Method, Range, Role};
@@ -27,6 +28,9 @@ pub use occurrences::Line;
 use occurrences::Told;
 use std::sync::{Arc, OnceLock};
 use warnings::Clipped;
+
+/// Section of the kept tables with the GUID of the interface.
+const GUID: &str = "guid";
 
 /// One mechanism with its parameters, inputs and state.
 #[derive(Clone, Debug)]
@@ -77,9 +81,28 @@ impl Model {
     /// # Errors
     /// The definition is wrong, or gives no mechanism.
     pub fn from_json(text: &str) -> Result<Self, ModelError> {
+        Self::with_tables(text, None)
+    }
+
+    /// [`Self::from_json`] with kept tables of this text, if there are any: the same model to the bit, but for the
+    /// descriptions of its variables, which are empty.
+    ///
+    /// # Errors
+    /// As [`Self::from_json`].
+    pub fn with_tables(text: &str, tables: Option<Arc<Sections>>) -> Result<Self, ModelError> {
         let mut mechanism = Mechanism::from_json(text)?;
         let mut found = mechanism.warnings();
-        let variables = interface::variables(&mechanism)?;
+        let stored = tables.and_then(|tables| Some((Reduced::stored(&mechanism, &tables)?, tables.read(GUID)?)));
+        let stored = stored.and_then(|(reduced, guid)| Some((reduced, String::from_utf8(guid).ok()?)));
+        let is_stored = stored.is_some();
+        let (variables, reduced) = match stored {
+            Some((reduced, guid)) => {
+                let resolved = (reduced.linkage(), reduced.loading(), &reduced.markers[..]);
+                (interface::kept_variables(&mechanism, resolved, guid), reduced)
+            }
+            None => (interface::variables(&mechanism)?, Reduced::new(&mechanism)?),
+        };
+        let reduced = Arc::new(reduced);
         let mut ranges = Vec::new();
         mechanism.parameters(&mut |p, _| ranges.push((p.range, p.role)));
         let (mut reals, mut locks) = (Vec::new(), Vec::new());
@@ -93,7 +116,6 @@ impl Model {
             }
         }
         let inputs = Inputs { signal: InputPolynomial::new(reals.len()), reals, locks };
-        let reduced = Arc::new(Reduced::new(&mechanism)?);
         found.extend(warnings(&mechanism, &reduced));
         if !reduced.curve().near.misses.is_empty()
             && let Ok(state) = State::at_start(&reduced, &mechanism, &inputs)
@@ -114,8 +136,11 @@ impl Model {
             told: Told::default(),
             original: Arc::new(original),
         };
-        model.state()?;
-        model.state = None;
+        // Tables are kept of what has a start.
+        if !is_stored {
+            model.state()?;
+            model.state = None;
+        }
         Ok(model)
     }
 

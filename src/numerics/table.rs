@@ -191,6 +191,20 @@ impl Table {
         sets.into_iter().map(|set| set.unresolved.map_or(Ok(set.table), Err)).collect()
     }
 
+    /// Borders, coefficients and gaps, from which [`Self::of_parts`] makes the table again.
+    pub fn parts(&self) -> (&[f64], &[Series], &[usize]) {
+        (&self.borders, &self.coefficients, &self.gaps)
+    }
+
+    /// The table of so many components with these borders, coefficients and gaps; None if they are none of a table.
+    pub fn of_parts(borders: Vec<f64>, components: usize, coefficients: Vec<Series>, gaps: Vec<usize>) -> Option<Self> {
+        let panels = borders.len().checked_sub(1).filter(|panels| *panels > 0)?;
+        let ascending = borders.windows(2).all(|pair| pair[0] < pair[1]);
+        let placed = gaps.windows(2).all(|pair| pair[0] < pair[1]) && gaps.last().is_none_or(|last| *last < panels);
+        let whole = panels.checked_mul(components) == Some(coefficients.len());
+        (ascending && placed && whole).then_some(Self { borders, components, coefficients, gaps })
+    }
+
     /// Number of panels.
     pub fn panels(&self) -> usize {
         self.borders.len() - 1

@@ -206,6 +206,11 @@ impl<Q: Copy> Variables<Q> {
         Ok(Self { interface: Interface { list, guid }, quantities })
     }
 
+    /// The variables of a model of which the GUID is known, so that no two have one name.
+    pub fn with_guid(guid: String, list: Vec<Variable>, quantities: Vec<Q>) -> Self {
+        Self { interface: Interface { list, guid }, quantities }
+    }
+
     /// Quantity of the variable with this reference.
     #[inline]
     pub fn quantity(&self, reference: Reference) -> Option<Q> {

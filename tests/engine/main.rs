@@ -42,5 +42,6 @@ mod start_at_guess;
 mod stops;
 #[path = "../support/mod.rs"]
 mod support;
+mod tables;
 mod travel;
 mod undefined;

@@ -2,6 +2,7 @@
 
 use crate::host::{Arguments, Folder, Gear, RESOURCES, c, interface, mechanism};
 use crate::hostile::standard::{ALWAYS, TABLE};
+use linkage_fmu::component::{Component as Model, TABLES};
 use linkage_fmu::fmi2::host::{Description, Log, callbacks, logger};
 use linkage_fmu::fmi2::types::{CallbackFunctions, Component, Environment, LoggerCallback, Status, Text};
 use linkage_fmu::fmi2::*;
@@ -38,6 +39,41 @@ fn null_callbacks_give_null_and_null_members_are_fine() {
     let silent = Gear::with_logger(None, true);
     assert_eq!(silent.step(0.0, 1e-3), Status::Error);
     assert_eq!(silent.set("actuator.force", 1.0), Status::Ok);
+}
+
+/// Tables of the definition are taken in silence; those of another one are told and made anew, as are damaged ones.
+#[test]
+fn tables_beside_a_definition() {
+    let folder = Folder::new("tables beside");
+    let resources = folder.0.join("resources");
+    std::fs::create_dir_all(&resources).unwrap();
+    let (definition, tables) = (resources.join("mechanism.json"), resources.join(TABLES));
+    std::fs::write(&definition, mechanism()).unwrap();
+    let bytes = Model::from_definition("mechanism.json", &mechanism()).unwrap().tables(&mechanism()).unwrap();
+    let retraction = || {
+        let host = Description::read(&folder.0).unwrap().instantiate(Some(logger()), true).unwrap();
+        assert_eq!((host.set_up(None, 0.0, None), host.initialize()), (Status::Ok, Status::Ok));
+        assert_eq!(host.step(0.0, 0.1), Status::Ok);
+        let warnings = host.log.take().into_iter().filter(|message| message.category == "logStatusWarning");
+        let said: Vec<String> = warnings.map(|message| message.text).collect();
+        (host.get("crank.angle").map(f64::to_bits), host.get("joint3.force").map(f64::to_bits), said)
+    };
+    let without = retraction();
+    assert_eq!(without.2, [""; 0]);
+    std::fs::write(&tables, &bytes).unwrap();
+    assert_eq!(retraction(), without);
+    let damaged = [&bytes[..30], &bytes[..bytes.len() / 2], b"no tables"].map(<[u8]>::to_vec);
+    for (bytes, is_told) in damaged.into_iter().zip([true, false, true]) {
+        std::fs::write(&tables, bytes).unwrap();
+        let (angle, force, said) = retraction();
+        assert_eq!((angle, force, said.len()), (without.0, without.1, usize::from(is_told)), "{said:?}");
+    }
+    std::fs::write(&tables, &bytes).unwrap();
+    std::fs::write(&definition, mechanism() + "\n").unwrap();
+    let (angle, force, said) = retraction();
+    assert_eq!((angle, force), (without.0, without.1));
+    let fragments = ["tables.bin' is of another definition", "made anew", "package the model again"];
+    assert!(said.len() == 1 && fragments.iter().all(|fragment| said[0].contains(fragment)), "{said:?}");
 }
 
 #[test]

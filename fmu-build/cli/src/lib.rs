@@ -66,6 +66,9 @@ pub struct Package {
     /// Leave out documentation/animation.html, which plays the default run
     #[arg(long)]
     pub no_animation: bool,
+    /// Leave out the tables of the mechanism: a smaller FMU, whose instances make them
+    #[arg(long)]
+    pub no_tables: bool,
     /// Leave out the reference results of the default run
     #[arg(long)]
     pub no_results: bool,

@@ -12,6 +12,7 @@ mod crossings;
 mod error;
 mod evaluate;
 mod extrapolation;
+mod fields;
 mod grid;
 mod kinetic;
 mod near;

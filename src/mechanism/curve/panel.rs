@@ -256,4 +256,5 @@ impl Panel {
     }
 }
 
+mod fields;
 mod samples;

@@ -108,7 +108,7 @@ pub(super) fn add_frames(b: &mut Builder) {
         ];
         for (suffix, text, unit, part) in parts {
             let name = [&carried.name, ".frame.", suffix].concat();
-            b.local(name, [text, &carried.name].concat(), unit, Output::Frame { body, part });
+            b.local(name, b.text(|| [text, &carried.name].concat()), unit, Output::Frame { body, part });
         }
     }
 }

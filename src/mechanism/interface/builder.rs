@@ -20,11 +20,19 @@ pub(super) struct Builder<'a> {
     /// Number of dependencies of outputs on inputs, all outputs together. Beyond [`MOST_DEPENDENCIES`] they are counted
     /// and not kept.
     pub dependencies: usize,
+    /// Whether variables get their descriptions.
+    describes: bool,
 }
 
 impl<'a> Builder<'a> {
-    pub fn new(source: &'a Source<'a>, causes: Option<(Reference, Vec<Vec<Cause>>)>) -> Self {
-        Self { source, list: Vec::new(), quantities: Vec::new(), causes, initial: Vec::new(), dependencies: 0 }
+    pub fn new(source: &'a Source<'a>, causes: Option<(Reference, Vec<Vec<Cause>>)>, describes: bool) -> Self {
+        let (list, quantities, initial) = Default::default();
+        Self { source, list, quantities, causes, initial, dependencies: 0, describes }
+    }
+
+    /// A description, made if variables get one.
+    pub fn text(&self, description: impl FnOnce() -> String) -> String {
+        if self.describes { description() } else { String::new() }
     }
 
     /// Input that sizes a load, named by the loading.
@@ -36,7 +44,7 @@ impl<'a> Builder<'a> {
     /// Real input; its index is the value reference.
     pub fn input(&mut self, name: String, text: &[&str], unit: Unit, start: f64) {
         let quantity = Quantity::Input(self.list.len());
-        self.known(name, text.concat(), Causality::Input, (Some(unit), Value::Real(start)), quantity);
+        self.known(name, self.text(|| text.concat()), Causality::Input, (Some(unit), Value::Real(start)), quantity);
     }
 
     /// Input or parameter, which has a start value.
@@ -54,7 +62,7 @@ impl<'a> Builder<'a> {
     /// Real output `owner.suffix`.
     pub fn output(&mut self, owner: &str, suffix: &str, text: &[&str], unit: Unit, output: Output, needs: Needs) {
         let quantity = Quantity::Output(output);
-        self.any_output([owner, ".", suffix].concat(), text.concat(), Some(unit), quantity, needs);
+        self.any_output([owner, ".", suffix].concat(), self.text(|| text.concat()), Some(unit), quantity, needs);
     }
 
     /// Output, Boolean where it has no unit.

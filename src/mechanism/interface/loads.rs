@@ -61,7 +61,7 @@ pub(super) fn add_surfaces(b: &mut Builder) {
 
 pub(super) fn add_engagements(b: &mut Builder) {
     for (i, (name, lock)) in b.source.mechanism.locks.iter().enumerate() {
-        let text = ["Whether ", name, " holds the mechanism when it is at ", &lock.stop].concat();
+        let text = b.text(|| ["Whether ", name, " holds the mechanism when it is at ", &lock.stop].concat());
         let start = (None, Value::Boolean(lock.engage));
         b.known([name, ".engage"].concat(), text, Causality::Input, start, Quantity::Lock(i));
     }
@@ -77,7 +77,7 @@ pub(super) fn add_stops(b: &mut Builder) {
             _ => s.displacement(stop.load),
         };
         let needs = Needs { loads: &[stop.load], ..position };
-        let text = ["Whether the mechanism is at ", n].concat();
+        let text = b.text(|| ["Whether the mechanism is at ", n].concat());
         b.any_output(stated.unwrap_or_else(|| [n, ".reached"].concat()), text, None, Quantity::AtStop(i), needs);
         let (suffix, unit) = if stop.quantity == "angle" { ("torque", NewtonMetre) } else { ("force", Newton) };
         let text = ["Push of ", n, " against the mechanism"];

@@ -13,6 +13,8 @@ mod source;
 mod terminals;
 
 use crate::mechanism::definition::{DefinitionError, Mechanism, Method};
+use crate::mechanism::linkage::{Linkage, Point};
+use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::quantity::Quantity;
 use crate::variables::Causality::Parameter;
 use crate::variables::{Reference, Value, Variables};
@@ -34,7 +36,7 @@ const MOST_COMPARISONS: usize = 10_000_000;
 /// Two variables of one name; a definition that does not resolve; more than [`MOST_DEPENDENCIES`].
 pub fn variables(mechanism: &Mechanism) -> Result<Variables<Quantity>, DefinitionError> {
     let source = Source::new(mechanism)?;
-    let Builder { list, quantities, dependencies, .. } = build(&source, None);
+    let Builder { list, quantities, dependencies, .. } = build(&source, None, true);
     if dependencies > MOST_DEPENDENCIES {
         let message = format!(
             "outputs depend on inputs {dependencies} times, at most {MOST_DEPENDENCIES}: \
@@ -54,18 +56,30 @@ pub fn variables(mechanism: &Mechanism) -> Result<Variables<Quantity>, Definitio
 /// As [`variables`]; a parameter that may not change a little.
 pub fn initial_dependencies(mechanism: &Mechanism) -> Result<Option<Vec<Vec<Reference>>>, DefinitionError> {
     let source = Source::new(mechanism)?;
-    let known = build(&source, None).list;
+    let known = build(&source, None, false).list;
     let first = known.iter().take_while(|v| v.causality != Parameter).count();
     let elements = mechanism.bodies.len() + mechanism.joints.len() + source.loads.len() + source.markers.len();
     if (known.len() - first).saturating_mul(elements.max(first)) > MOST_COMPARISONS {
         return Ok(None);
     }
-    Ok(Some(build(&source, Some((first as Reference, causes(&source)?))).initial))
+    Ok(Some(build(&source, Some((first as Reference, causes(&source)?)), false).initial))
 }
 
-/// All variables in order; with `causes` also the dependencies of initial values.
-fn build<'a>(source: &'a Source<'a>, causes: Option<(Reference, Vec<Vec<Cause>>)>) -> Builder<'a> {
-    let mut b = Builder::new(source, causes);
+/// The variables of a mechanism of which this reduced linkage and the GUID of the interface are kept, without their
+/// descriptions, which no importer asks an instance for: they stand in the FMU's description.
+pub fn kept_variables(
+    mechanism: &Mechanism,
+    resolved: (&Linkage, &Loading, &[Point]),
+    guid: String,
+) -> Variables<Quantity> {
+    let source = Source::of(mechanism, resolved);
+    let Builder { list, quantities, .. } = build(&source, None, false);
+    Variables::with_guid(guid, list, quantities)
+}
+
+/// All variables in order; with `causes` also the dependencies of initial values; `describes`: with descriptions.
+fn build<'a>(source: &'a Source<'a>, causes: Option<(Reference, Vec<Vec<Cause>>)>, describes: bool) -> Builder<'a> {
+    let mut b = Builder::new(source, causes, describes);
     drives::add_inputs(&mut b);
     loads::add_inputs(&mut b);
     drives::add_demands(&mut b);
@@ -94,13 +108,13 @@ fn add_parameters(b: &mut Builder) {
     let mut index = || indices.next().unwrap_or_default();
     stated.parameters(&mut |p, value| {
         let start = (Some(p.unit), Value::Real(*value));
-        b.known(p.name.concat(), p.description.concat(), Parameter, start, Quantity::Parameter(index()));
+        b.known(p.name.concat(), b.text(|| p.description.concat()), Parameter, start, Quantity::Parameter(index()));
     });
     let mut indices = 0..;
     let mut index = || indices.next().unwrap_or_default();
     stated.flags(&mut |flag, value| {
         let start = (None, Value::Boolean(*value));
-        b.known(flag.name.concat(), flag.description.concat(), Parameter, start, Quantity::Flag(index()));
+        b.known(flag.name.concat(), b.text(|| flag.description.concat()), Parameter, start, Quantity::Flag(index()));
     });
     if let Some(method) = stated.solver.method {
         let text = ["Formulation of the motion: ", &Method::ALL.map(Method::word).join(" or ")].concat();

@@ -162,7 +162,7 @@ fn differences(one: &Source, other: &Source) -> Vec<Cause> {
     for (l, (a, b)) in one.loading.drives.iter().zip(&other.loading.drives).enumerate() {
         add(a.efficiency != b.efficiency, Cause::Efficiency(l));
     }
-    for (m, (a, b)) in one.markers.iter().zip(&other.markers).enumerate() {
+    for (m, (a, b)) in one.markers.iter().zip(other.markers.iter()).enumerate() {
         add(a != b, Cause::Marker(m));
     }
     let joints =

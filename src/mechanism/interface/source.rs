@@ -4,14 +4,15 @@ use crate::mechanism::definition::{DefinitionError, Mechanism};
 use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point};
 use crate::mechanism::loads::resolved::{Loading, markers};
 use crate::mechanism::loads::unit_load::Load;
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// A definition with its linkage and loads.
 pub(super) struct Source<'a> {
     pub mechanism: &'a Mechanism,
-    pub linkage: Linkage,
-    pub loading: Loading,
-    pub markers: Vec<Point>,
+    pub linkage: Cow<'a, Linkage>,
+    pub loading: Cow<'a, Loading>,
+    pub markers: Cow<'a, [Point]>,
     /// Inputs that act on the motion, by index.
     pub inputs: Vec<usize>,
     /// All loads, by index.
@@ -26,12 +27,26 @@ impl<'a> Source<'a> {
     pub fn new(mechanism: &'a Mechanism) -> Result<Self, DefinitionError> {
         let linkage = Linkage::new(mechanism)?;
         let (loading, markers) = (Loading::new(mechanism, &linkage)?, markers(mechanism, &linkage)?);
+        Ok(Self::resolved(mechanism, Cow::Owned(linkage), Cow::Owned(loading), Cow::Owned(markers)))
+    }
+
+    /// Of a mechanism with its linkage as drawn, its loads and its markers.
+    pub fn of(mechanism: &'a Mechanism, (linkage, loading, markers): (&'a Linkage, &'a Loading, &'a [Point])) -> Self {
+        Self::resolved(mechanism, Cow::Borrowed(linkage), Cow::Borrowed(loading), Cow::Borrowed(markers))
+    }
+
+    fn resolved(
+        mechanism: &'a Mechanism,
+        linkage: Cow<'a, Linkage>,
+        loading: Cow<'a, Loading>,
+        markers: Cow<'a, [Point]>,
+    ) -> Self {
         let loads = (0..loading.loads.len()).collect();
         let held = held(mechanism, &linkage);
         let mut source = Self { mechanism, linkage, loading, markers, inputs: Vec::new(), loads, held };
         let sizes = (0..source.loading.inputs.len()).filter(|load| source.hydraulic_load() != Some(*load));
         source.inputs = sizes.chain(source.airspeed()).chain(source.locks()).collect();
-        Ok(source)
+        source
     }
 
     /// Index of the airspeed among the inputs: after those that size loads and the demanded accelerations.

@@ -1,10 +1,11 @@
 //! What describes a model before it runs: names, variables, terminals, default experiment.
-use super::Model;
+use super::{GUID, Model};
 use crate::format::Experiment;
 use crate::inspection::Finding;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::interface;
 use crate::mechanism::quantity::Quantity;
+use crate::mechanism::reduced::Reduced;
 use crate::mechanism::warnings::remarks;
 use crate::variables::{Reference, Terminal, Variables};
 
@@ -46,6 +47,23 @@ impl Model {
     /// What was done to the definition so that it gives the mechanism that is meant, for logs.
     pub fn remarks(&self) -> Vec<String> {
         remarks(&self.original.reduced, self.original.parameter_values.mechanism().snap())
+    }
+
+    /// The tables of the definition, as sections for [`Model::with_tables`]; with those that friction needs when it is
+    /// switched. None where the curve cannot be kept.
+    pub fn sections(&self) -> Vec<(String, Vec<u8>)> {
+        let reduced = &self.original.reduced;
+        let mut all = reduced.sections();
+        let mut switched = self.original.parameter_values.mechanism().clone();
+        if let (Some(friction), false) = (&mut switched.friction, all.is_empty()) {
+            friction.enabled = Some(!friction.enabled.unwrap_or(false));
+            let loads = Reduced::renewed(&[reduced], &switched).map(|other| other.state_load_sections());
+            all.extend(loads.unwrap_or_default());
+        }
+        if !all.is_empty() {
+            all.push((GUID.to_owned(), self.variables().guid().as_bytes().to_vec()));
+        }
+        all
     }
 
     /// Default experiment.

@@ -11,6 +11,7 @@ mod snap;
 mod source;
 mod start;
 mod state_loads;
+mod stored;
 mod stretches;
 mod tables;
 

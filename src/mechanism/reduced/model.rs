@@ -7,6 +7,7 @@ use super::resolved::{Resolved, limits};
 use super::snap::trace;
 use super::source::{Components, Source};
 use super::state_loads::StateLoads;
+use super::stored::{START, Stored};
 use super::stretches::Beyond;
 use crate::mechanism::curve::{Configuration, Curve, CurveError, Ends, NEAR_CROSSING, NearMiss};
 use crate::mechanism::definition::{Mechanism, Solver};
@@ -56,6 +57,8 @@ pub(super) struct Tables {
     /// Origins of the bodies.
     pub(super) origins: Lazy,
     pub(super) reactions: Lazy,
+    /// Those of single joints that were kept.
+    pub(super) kept_reactions: Vec<OnceLock<Option<Result<Table, Unresolved>>>>,
     pub(super) state_reactions: Lazy,
 }
 
@@ -78,9 +81,11 @@ pub struct Built {
 
 /// What a reduced model is of.
 #[derive(Clone, Copy)]
-enum Origin<'a> {
+pub(super) enum Origin<'a> {
     /// The curve through the guess.
     Guess(&'a Solver),
+    /// The curve through the guess, with kept tables.
+    Stored(&'a Solver, &'a Stored),
     /// A further stretch of the curve of a reduced model, with its number.
     Whole(&'a Reduced, i32),
 }
@@ -119,8 +124,7 @@ impl Reduced {
         let like = || known.iter().filter(moves_so);
         match (like().find(has_tables), like().next()) {
             (Some(like), _) => {
-                let source =
-                    Source { curve: Arc::clone(&like.source.curve), loading: Arc::new(loading), ..like.source };
+                let source = Source { loading: Arc::new(loading), ..like.source.clone() };
                 let (grid, fine, tables) = (like.grid.clone(), like.fine.clone(), Arc::clone(&like.tables));
                 Ok(Self::assembled(source, markers, [grid, fine], tables, Origin::Guess(&mechanism.solver)))
             }
@@ -186,7 +190,7 @@ impl Reduced {
         of: Origin,
     ) -> Self {
         let (exact, speed_floor, stretch) = match of {
-            Origin::Guess(solver) => (!solver.tables, solver.speed_floor, 0),
+            Origin::Guess(solver) | Origin::Stored(solver, _) => (!solver.tables, solver.speed_floor, 0),
             Origin::Whole(whole, stretch) => (whole.exact, whole.speed_floor, stretch),
         };
         let beyond = if stretch == 0 { Beyond::of(&source.curve) } else { None };
@@ -196,24 +200,25 @@ impl Reduced {
     }
 
     /// The reduced model with the tables that every start needs.
-    fn tabulated(
+    pub(super) fn tabulated(
         curve: Arc<Curve>,
         loading: Arc<Loading>,
         markers: Vec<Point>,
         of: Origin,
     ) -> Result<Self, ReductionError> {
         let noise = NOISE.max(16.0 * f64::EPSILON * curve.farthest);
-        let grid = Grid { borders: curve.grid(ACCURACY), centers: curve.crossings.to_vec(), noise };
-        let length = match of {
-            Origin::Guess(_) => None,
-            Origin::Whole(whole, _) => Some(whole.scale()),
+        let (length, stored) = match of {
+            Origin::Guess(_) => (None, None),
+            Origin::Stored(_, stored) => (None, Some(stored)),
+            Origin::Whole(whole, _) => (Some(whole.scale()), None),
         };
-        let source = Source::new(curve, loading, length);
+        let borders = stored.map_or_else(|| curve.grid(ACCURACY), |stored| stored.borders.to_vec());
+        let grid = Grid { borders, centers: curve.crossings.to_vec(), noise };
+        let source = Source { stored: stored.cloned(), ..Source::new(curve, loading, length) };
         let Source { curve, loading, components, .. } = &source;
         let linkage = curve.linkage();
-        // Every start needs coordinates and displacements of applied loads, springs and stops; all share their
-        // evaluations.
-        let needed: Vec<usize> = (0..loading.base()).chain(loading.stops.iter().map(|s| s.load)).collect();
+        // All share their evaluations.
+        let needed = needed(loading);
         let mut sizes = vec![source.influence_sizes(), source.coordinate_sizes()];
         sizes.extend(needed.iter().map(|&l| source.derivative_sizes(source.displacement_size(l)).to_vec()));
         let mut springs = Vec::new();
@@ -230,7 +235,7 @@ impl Reduced {
                 derivatives.copy_from_slice(&[c.q[i], c.q_sigma[i], c.q_second[i]]);
             }
         };
-        let mut tables = source.tabulate(&grid, &sizes, fill);
+        let mut tables = source.tabulate(Some(START), &grid, &sizes, fill);
         let fine = grid.refined(tables.iter().flatten());
         let [displacements, gapped] =
             [(); 2].map(|()| loading.loads.iter().map(|_| OnceLock::new()).collect::<Vec<_>>());
@@ -250,9 +255,15 @@ impl Reduced {
             markers: OnceLock::new(),
             origins: OnceLock::new(),
             reactions: OnceLock::new(),
+            kept_reactions: linkage.joints.iter().map(|_| OnceLock::new()).collect(),
             state_reactions: OnceLock::new(),
         });
         Ok(Self::assembled(source, markers, [grid, fine], tables, of))
+    }
+
+    /// Loads of which every start needs the displacement.
+    pub(super) fn needed(&self) -> Vec<usize> {
+        needed(self.loading())
     }
 
     /// The linkage.
@@ -318,7 +329,8 @@ impl Reduced {
             displacements: tables.displacements.iter().filter(|t| t.get().is_some()).count(),
             markers: tables.markers.get().is_some(),
             origins: tables.origins.get().is_some(),
-            reactions: tables.reactions.get().is_some(),
+            reactions: tables.reactions.get().is_some()
+                || tables.kept_reactions.iter().any(|kept| matches!(kept.get(), Some(Some(_)))),
             state_reactions: tables.state_reactions.get().is_some(),
             state_loads: [0, 1].map(|air| matches!(self.state_loads[air].get(), Some(Ok(Some(_))))),
         }
@@ -355,6 +367,11 @@ impl Reduced {
         }
         values
     }
+}
+
+/// Loads of which every start needs the displacement: applied loads, springs and stops.
+fn needed(loading: &Loading) -> Vec<usize> {
+    (0..loading.base()).chain(loading.stops.iter().map(|stop| stop.load)).collect()
 }
 
 /// Error for influences that are not smooth: two ends meet, or [`not_smooth`].

@@ -3,6 +3,7 @@
 //! In: a curve, the loads on it. Out: components of the table of influences, tables of functions of the configuration.
 //! The accuracy of a table is relative to the natural sizes if all values are smaller. It must not know states or
 //! inputs.
+use super::stored::Stored;
 use crate::mechanism::curve::{Configuration, Curve, Scratch};
 use crate::mechanism::linkage::Linkage;
 use crate::mechanism::loads::laws::spring::Spring;
@@ -27,13 +28,15 @@ pub struct Components {
 }
 
 /// The curve and the loads from which all tables are built.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Source {
     pub(super) curve: Arc<Curve>,
     pub(super) loading: Arc<Loading>,
     pub(super) components: Components,
     /// Length along the curve for a motion of 1 rad.
     pub(super) length: f64,
+    /// Tables that were kept, if there are any.
+    pub(super) stored: Option<Stored>,
 }
 
 /// Sizes of a spring's load in the components to which it contributes.
@@ -61,7 +64,8 @@ impl Source {
         let damping = next(loading.springs.iter().any(Spring::is_damped));
         let winding = next(loading.springs.iter().any(winds));
         let components = Components { sized, springs, damping, winding, count };
-        Self { length: length.unwrap_or_else(|| curve.scale()), curve, loading, components }
+        let length = length.unwrap_or_else(|| curve.scale());
+        Self { curve, loading, components, length, stored: None }
     }
 
     pub(super) fn linkage(&self) -> &Linkage {
@@ -144,13 +148,18 @@ impl Source {
         })
     }
 
-    /// Tables of sets of functions of the configuration with common evaluations; `sizes`: natural sizes of each set.
+    /// Tables of sets of functions of the configuration with common evaluations; `sizes`: natural sizes of each set;
+    /// `name`: of the section in which they may be kept, if they may.
     pub(super) fn tabulate(
         &self,
+        name: Option<&str>,
         grid: &Grid,
         sizes: &[Vec<f64>],
         exact: &mut dyn FnMut(&Configuration, &mut [f64]),
     ) -> Vec<Result<Table, Unresolved>> {
+        if let Some(tables) = self.stored.as_ref().zip(name).and_then(|(stored, name)| stored.tables(name, sizes)) {
+            return tables;
+        }
         let (mut scratch, mut c) = (Scratch::default(), Configuration::default());
         Table::build_all(grid, sizes, &mut |sigma, values| {
             self.curve.configure(sigma, &mut scratch, &mut c);

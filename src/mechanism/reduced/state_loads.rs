@@ -5,6 +5,7 @@
 //! table. It must not know
 //! states.
 use super::source::{Source, SpringLoad};
+use crate::codec::checksum::fnv1a;
 use crate::mechanism::curve::Configuration;
 use crate::mechanism::linkage::Freedom;
 use crate::mechanism::loads::resolved::{FrictionJoint, Loading};
@@ -205,7 +206,8 @@ impl StateLoads {
         let sizes = state_loads.sizes(source);
         let mut scratch = state_loads.scratch(loading);
         let mut fill = |c: &Configuration, values: &mut [f64]| state_loads.fill(source, c, &mut scratch, values);
-        let smooth = source.tabulate(grid, std::slice::from_ref(&sizes), &mut fill).swap_remove(0);
+        let name = Self::section(source, &state_loads);
+        let smooth = source.tabulate(Some(&name), grid, std::slice::from_ref(&sizes), &mut fill).swap_remove(0);
         // Where branches cross, reactions may be unbounded, and friction with them.
         state_loads.table = smooth.or_else(|_| source.tabulate_with_gaps(grid, sizes, &mut fill))?;
         state_loads.bundle = Bundle::new(&state_loads.table, 0..state_loads.bundled());
@@ -213,6 +215,16 @@ impl StateLoads {
         let of_applied = |k: usize| Bundle::new(&own.table, (1..own.rows()).map(move |row| own.given(row, k)));
         state_loads.caused_by_applied = (0..state_loads.given).map(of_applied).collect();
         Ok(Some(state_loads))
+    }
+
+    /// Name of the section in which their table may be kept: it tells all on which the table depends besides curve, loads
+    /// and springs.
+    pub(super) fn section(source: &Source, own: &Self) -> String {
+        let surfaces = source.loading.air.iter().filter(|_| own.air).flat_map(|air| &air.surfaces);
+        let lines = surfaces.flat_map(|surface| surface.line.map_or([0; 2], |line| [line.x, line.y].map(f64::to_bits)));
+        let joints = own.friction_joints.iter().map(|joint| joint.joint as u64);
+        let bytes: Vec<u8> = lines.chain(joints).flat_map(u64::to_le_bytes).collect();
+        format!("state loads {:?} {:?} {:016x}", own.drives, own.loads, fnv1a(&bytes))
     }
 
     /// Natural sizes of all components.

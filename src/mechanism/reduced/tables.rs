@@ -2,6 +2,7 @@
 //!
 //! In: the reduced model. Out: coordinates, displacements, markers, origins of bodies, reactions. It must not know states or inputs.
 use super::model::Reduced;
+use super::stored;
 use crate::mechanism::curve::Configuration;
 use crate::mechanism::linkage::Point;
 use crate::mechanism::loads::resolved::FrictionJoint;
@@ -24,14 +25,14 @@ impl Reduced {
     ///
     /// # Errors
     /// [`Unresolved`].
-    pub fn displacement(&self, load: usize) -> Result<&Table, &Unresolved> {
+    pub fn displacement(&self, index: usize) -> Result<&Table, &Unresolved> {
         let table = || {
-            let size = self.source.derivative_sizes(self.source.displacement_size(load)).to_vec();
-            let (linkage, load) = (self.linkage(), &self.loading().loads[load]);
+            let size = self.source.derivative_sizes(self.source.displacement_size(index)).to_vec();
+            let (linkage, load) = (self.linkage(), &self.loading().loads[index]);
             let mut fill = |c: &Configuration, v: &mut [f64]| v.copy_from_slice(&load.displacement(linkage, c));
-            self.source.tabulate(&self.grid, &[size], &mut fill).swap_remove(0)
+            self.source.tabulate(Some(&stored::displacement(index)), &self.grid, &[size], &mut fill).swap_remove(0)
         };
-        self.tables.displacements[load].get_or_init(table).as_ref()
+        self.tables.displacements[index].get_or_init(table).as_ref()
     }
 
     /// A table of a load's displacement and its two derivatives, and the position of sigma in it. Where the ends of an
@@ -69,7 +70,7 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn marker(&self, i: usize) -> Result<&Table, &Unresolved> {
-        self.tables.markers.get_or_init(|| self.paths(&self.markers))[i].as_ref()
+        self.tables.markers.get_or_init(|| self.paths(stored::MARKERS, &self.markers))[i].as_ref()
     }
 
     /// x of the origin of a body of the linkage with its two derivatives along sigma, then y.
@@ -79,13 +80,13 @@ impl Reduced {
     pub fn origin(&self, body: usize) -> Result<&Table, &Unresolved> {
         let origin = |body: usize| Point { body, local: Vec2::zeros() };
         let origins = || (0..self.linkage().bodies.len()).map(origin).collect::<Vec<_>>();
-        self.tables.origins.get_or_init(|| self.paths(&origins()))[body].as_ref()
+        self.tables.origins.get_or_init(|| self.paths(stored::ORIGINS, &origins()))[body].as_ref()
     }
 
     /// Tables of the x of these points with its two derivatives along sigma, then y.
-    fn paths(&self, points: &[Point]) -> Vec<Result<Table, Unresolved>> {
+    fn paths(&self, name: &str, points: &[Point]) -> Vec<Result<Table, Unresolved>> {
         let size = self.source.derivative_sizes(self.linkage().size).repeat(2);
-        self.source.tabulate(&self.grid, &vec![size; points.len()], &mut |c, values| {
+        self.source.tabulate(Some(name), &self.grid, &vec![size; points.len()], &mut |c, values| {
             for (&point, v) in points.iter().zip(values.chunks_exact_mut(6)) {
                 let [x, first, second] = c.positions.motion(&c.rates, &c.second, point);
                 v.copy_from_slice(&[x.x, first.x, second.x, x.y, first.y, second.y]);
@@ -99,7 +100,12 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn reaction(&self, joint: usize) -> Result<&Table, &Unresolved> {
-        let tables = || self.reactions(&self.fine, 0..self.loading().base(), 0);
+        let loads = 0..self.loading().base();
+        let kept = || self.source.stored.as_ref()?.reaction(joint, &self.reaction_sizes(&loads, 0));
+        if let Some(kept) = self.tables.kept_reactions[joint].get_or_init(kept) {
+            return kept.as_ref();
+        }
+        let tables = || self.reactions(None, &self.fine, loads, 0);
         self.tables.reactions.get_or_init(tables)[joint].as_ref()
     }
 
@@ -108,22 +114,25 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn state_reaction(&self, joint: usize) -> Result<&Table, &Unresolved> {
-        let tables = || self.reactions(&self.grid, self.loading().base()..self.loading().loads.len(), 2);
+        let loads = self.loading().base()..self.loading().loads.len();
+        let tables = || self.reactions(Some(stored::STATE_REACTIONS), &self.grid, loads, 2);
         self.tables.state_reactions.get_or_init(tables)[joint].as_ref()
     }
 
     /// Tables of the reactions of all joints for these loads, without the first `skipped` columns: for each joint force
     /// x, force y, moment; each for all columns.
-    fn reactions(&self, grid: &Grid, loads: Range<usize>, skipped: usize) -> Vec<Result<Table, Unresolved>> {
-        let (joints, size) = (self.linkage().joints.len(), self.linkage().size);
-        let of_motion = [self.scale() / size, 1.0 / size];
-        let of_loads = loads.clone().map(|load| self.source.displacement_size(load) / size);
-        let forces: Vec<f64> = of_motion.into_iter().skip(skipped).chain(of_loads).collect();
-        let moments: Vec<f64> = forces.iter().map(|f| f * size).collect();
-        let sizes = [&forces[..], &forces, &moments].concat();
-        let (terms, loads) = (forces.len(), &self.loading().loads[loads]);
+    fn reactions(
+        &self,
+        name: Option<&str>,
+        grid: &Grid,
+        loads: Range<usize>,
+        skipped: usize,
+    ) -> Vec<Result<Table, Unresolved>> {
+        let joints = self.linkage().joints.len();
+        let sizes = self.reaction_sizes(&loads, skipped);
+        let (terms, loads) = (sizes.len() / 3, &self.loading().loads[loads]);
         let mut columns = Columns::default();
-        self.source.tabulate(grid, &vec![sizes; joints], &mut |c, values| {
+        self.source.tabulate(name, grid, &vec![sizes; joints], &mut |c, values| {
             let reactions = columns.fill(&self.curve().closure, c, loads, skipped);
             for (joint, v) in values.chunks_exact_mut((3 * terms).max(1)).enumerate() {
                 for k in 0..terms {
@@ -132,6 +141,16 @@ impl Reduced {
                 }
             }
         })
+    }
+
+    /// Natural sizes of the components of a joint's reactions: force x, force y, moment; each for all columns.
+    fn reaction_sizes(&self, loads: &Range<usize>, skipped: usize) -> Vec<f64> {
+        let size = self.linkage().size;
+        let of_motion = [self.scale() / size, 1.0 / size];
+        let of_loads = loads.clone().map(|load| self.source.displacement_size(load) / size);
+        let forces: Vec<f64> = of_motion.into_iter().skip(skipped).chain(of_loads).collect();
+        let moments: Vec<f64> = forces.iter().map(|f| f * size).collect();
+        [&forces[..], &forces, &moments].concat()
     }
 
     /// A joint's reaction at sigma from the exact evaluator, for a reaction that no table resolves because it is

@@ -1,0 +1,189 @@
+//! Kept tables: the curve and the tables of a definition as sections of a file, taken instead of being made again.
+//!
+//! In: a reduced model; or the sections and the same definition. Out: the sections; or curve and tables, to the bit. A
+//! section that is absent, or that is not of the definition's shape, is made anew. It must not know where files are.
+use super::model::{Origin, Reduced};
+use super::resolved::Resolved;
+use super::state_loads::StateLoads;
+use crate::codec::record::{Damaged, Record};
+use crate::codec::sections::Sections;
+use crate::mechanism::closure::{Closure, guessed};
+use crate::mechanism::curve::Curve;
+use crate::mechanism::definition::Mechanism;
+use crate::numerics::table::{Table, Unresolved};
+use std::sync::Arc;
+
+/// Names of sections: the curve with the borders of the grid, the tables that every start needs, those of reactions to
+/// loads sized by a state, of points and of bodies. Those of single displacements and reactions have names with their
+/// indices, those of state loads with what they depend on.
+const CURVE: &str = "curve";
+pub(super) const START: &str = "start";
+pub(super) const STATE_REACTIONS: &str = "state reactions";
+pub(super) const MARKERS: &str = "markers";
+pub(super) const ORIGINS: &str = "origins";
+
+/// Most bytes of all sections together. Sections beyond it are left out.
+const MOST: usize = 16 << 20;
+
+/// Name of the section with the table of a joint's reactions.
+fn reaction(joint: usize) -> String {
+    format!("reaction {joint}")
+}
+
+/// Name of the section with the table of a load's displacement.
+pub(super) fn displacement(load: usize) -> String {
+    format!("displacement {load}")
+}
+
+/// The tables of one definition in a file.
+#[derive(Clone, Debug)]
+pub(super) struct Stored {
+    sections: Arc<Sections>,
+    /// Borders of the grid of the tables that every start needs.
+    pub(super) borders: Arc<[f64]>,
+}
+
+impl Stored {
+    /// Table of a joint's reactions with these natural sizes; None if there is none.
+    pub(super) fn reaction(&self, joint: usize, sizes: &[f64]) -> Option<Result<Table, Unresolved>> {
+        let bytes = self.sections.read(&reaction(joint))?;
+        let mut record = Record::Read(&bytes);
+        record.length("tables", 1).ok()?;
+        table(&mut record, sizes.len()).ok()
+    }
+
+    /// Tables of sets of functions with these natural sizes; None if there are none.
+    pub(super) fn tables(&self, name: &str, sizes: &[Vec<f64>]) -> Option<Vec<Result<Table, Unresolved>>> {
+        let bytes = self.sections.read(name)?;
+        let mut record = Record::Read(&bytes);
+        record.length("tables", sizes.len()).ok()?;
+        sizes.iter().map(|sizes| table(&mut record, sizes.len()).ok()).collect()
+    }
+}
+
+/// Read a table of so many components, or why there is none.
+fn table(record: &mut Record, components: usize) -> Result<Result<Table, Unresolved>, Damaged> {
+    let mut is_resolved = true;
+    record.flag("resolved", &mut is_resolved)?;
+    if !is_resolved {
+        let mut at = Unresolved { sigma: 0.0, component: 0 };
+        unresolved(record, &mut at, components)?;
+        return Ok(Err(at));
+    }
+    let (mut borders, mut coefficients, mut gaps): (Vec<[f64; 1]>, _, Vec<usize>) = Default::default();
+    record.arrays("borders", &mut borders)?;
+    record.arrays("coefficients", &mut coefficients)?;
+    let mut count = 0;
+    record.size("gaps", &mut count, size_of::<u64>())?;
+    gaps.resize(count, 0);
+    gaps.iter_mut().try_for_each(|gap| record.place("gap", gap, borders.len()))?;
+    let table = Table::of_parts(borders.into_flattened(), components, coefficients, gaps);
+    table.map(Ok).ok_or_else(|| Damaged(format!("no table of {components} components")))
+}
+
+fn unresolved(record: &mut Record, at: &mut Unresolved, components: usize) -> Result<(), Damaged> {
+    record.finite("sigma", &mut at.sigma)?;
+    record.place("component", &mut at.component, components)
+}
+
+/// The bytes of a section with these tables.
+fn section<'a>(tables: impl ExactSizeIterator<Item = Result<&'a Table, &'a Unresolved>>) -> Result<Vec<u8>, Damaged> {
+    let mut bytes = Vec::new();
+    let mut record = Record::Write(&mut bytes);
+    record.length("tables", tables.len())?;
+    for table in tables {
+        record.flag("resolved", &mut table.is_ok())?;
+        match table {
+            Ok(table) => {
+                let (borders, coefficients, gaps) = table.parts();
+                record.arrays("borders", &mut borders.iter().map(|border| [*border]).collect())?;
+                record.arrays("coefficients", &mut coefficients.to_vec())?;
+                record.size("gaps", &mut gaps.len(), 1)?;
+                gaps.iter().try_for_each(|gap| record.place("gap", &mut gap.clone(), borders.len()))?;
+            }
+            Err(at) => unresolved(&mut record, &mut at.clone(), usize::MAX)?,
+        }
+    }
+    Ok(bytes)
+}
+
+impl Reduced {
+    /// The reduced model with the curve and the tables in these sections, which were written for this definition: equal to
+    /// [`Self::new`] to the bit. None if the sections have no such curve.
+    pub fn stored(mechanism: &Mechanism, sections: &Arc<Sections>) -> Option<Self> {
+        let Resolved { linkage, loading, markers } = Resolved::new(mechanism).ok()?;
+        let guess = guessed(&linkage, &mechanism.guess).ok()?;
+        let bytes = sections.read(CURVE)?;
+        let mut record = Record::Read(&bytes);
+        let mut borders: Vec<[f64; 1]> = Vec::new();
+        record.arrays("borders", &mut borders).ok()?;
+        if borders.len() < 2 || borders.windows(2).any(|pair| pair[0] >= pair[1]) {
+            return None;
+        }
+        let (closure, _) = Closure::assemble(Arc::new(linkage), &guess).ok()?;
+        let curve = Arc::new(Curve::read(closure, &mut record).ok()?);
+        let stored = Stored { sections: Arc::clone(sections), borders: borders.into_flattened().into() };
+        let of = Origin::Stored(&mechanism.solver, &stored);
+        Self::tabulated(curve, Arc::new(loading), markers, of).ok()
+    }
+
+    /// Sections for [`Self::stored`], with every table, made if need be. None for a model of which the curve has no record,
+    /// or only a part of the curve counts.
+    pub fn sections(&self) -> Vec<(String, Vec<u8>)> {
+        let mut all = Sink::default();
+        let mut curve = Vec::new();
+        let borders = self.curve().grid(crate::numerics::table::ACCURACY);
+        let borders = Record::Write(&mut curve).arrays("borders", &mut borders.into_iter().map(|b| [b]).collect());
+        if self.is_part() || self.stretch != 0 || borders.and(self.curve().write(&mut curve)).is_err() {
+            return Vec::new();
+        }
+        all.add(CURVE, Ok(curve));
+        let own = &self.tables;
+        let needed = self.needed();
+        let displacements = needed.iter().map(|&load| self.displacement(load));
+        let first = [Ok(&own.influence), own.coordinates.as_ref()];
+        all.add(START, section(first.into_iter().chain(displacements).collect::<Vec<_>>().into_iter()));
+        self.add_state_loads(&mut all);
+        let joints = 0..self.linkage().joints.len();
+        joints.clone().for_each(|joint| all.add(&reaction(joint), section([self.reaction(joint)].into_iter())));
+        let others = (0..self.loading().loads.len()).filter(|load| !needed.contains(load));
+        others.for_each(|load| all.add(&displacement(load), section([self.displacement(load)].into_iter())));
+        all.add(MARKERS, section((0..self.markers.len()).map(|marker| self.marker(marker))));
+        all.add(STATE_REACTIONS, section(joints.map(|joint| self.state_reaction(joint))));
+        all.add(ORIGINS, section((0..self.linkage().bodies.len()).map(|body| self.origin(body))));
+        all.sections
+    }
+
+    /// Sections of the state loads alone, for a model with the tables of another one.
+    pub fn state_load_sections(&self) -> Vec<(String, Vec<u8>)> {
+        let mut all = Sink::default();
+        self.add_state_loads(&mut all);
+        all.sections
+    }
+
+    fn add_state_loads(&self, all: &mut Sink) {
+        for air in [false, true] {
+            if let Ok(Some(loads)) = self.state_loads(air) {
+                all.add(&StateLoads::section(&self.source, loads), section([Ok(&loads.table)].into_iter()));
+            }
+        }
+    }
+}
+
+/// Sections within [`MOST`] bytes.
+#[derive(Default)]
+struct Sink {
+    sections: Vec<(String, Vec<u8>)>,
+    size: usize,
+}
+
+impl Sink {
+    /// Keep a section, unless it has no record, or is there or too large.
+    fn add(&mut self, name: &str, bytes: Result<Vec<u8>, Damaged>) {
+        let Ok(bytes) = bytes else { return };
+        if self.size + bytes.len() <= MOST && self.sections.iter().all(|(other, _)| other != name) {
+            self.size += bytes.len();
+            self.sections.push((name.to_owned(), bytes));
+        }
+    }
+}
