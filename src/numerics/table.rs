@@ -191,6 +191,22 @@ impl Table {
         sets.into_iter().map(|set| set.unresolved.map_or(Ok(set.table), Err)).collect()
     }
 
+    /// Make a component the sum of two others, each times a factor.
+    pub fn set_sum(&mut self, component: usize, of: [usize; 2], factors: [f64; 2]) {
+        for panel in self.coefficients.chunks_exact_mut(self.components) {
+            panel[component] = sum([&panel[of[0]], &panel[of[1]]], factors);
+        }
+    }
+
+    /// The sums of the first `count` components and the `count` after them, each times a factor.
+    pub fn sums(&self, count: usize, factors: [f64; 2]) -> Self {
+        let panels = self.coefficients.chunks_exact(self.components);
+        let of =
+            |panel: &[Series]| (0..count).map(|k| sum([&panel[k], &panel[count + k]], factors)).collect::<Vec<_>>();
+        let (borders, gaps) = (self.borders.clone(), self.gaps.clone());
+        Self { borders, components: count, coefficients: panels.flat_map(of).collect(), gaps }
+    }
+
     /// Borders, coefficients and gaps, from which [`Self::of_parts`] makes the table again.
     pub fn parts(&self) -> (&[f64], &[Series], &[usize]) {
         (&self.borders, &self.coefficients, &self.gaps)
@@ -277,6 +293,11 @@ impl Table {
         let (a, b) = self.borders(at.panel);
         [value, slope * (2.0 / (b - a))]
     }
+}
+
+/// Sum of two series, each times a factor.
+fn sum([a, b]: [&Series; 2], factors: [f64; 2]) -> Series {
+    std::array::from_fn(|k| factors[0] * a[k] + factors[1] * b[k])
 }
 
 /// Functions that become one table.

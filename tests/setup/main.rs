@@ -127,6 +127,18 @@ fn a_law_leaves_curve_and_tables() {
     assert!(count <= 100, "{count} allocations");
 }
 
+/// Another gravity is another sum of tables that there are.
+#[test]
+fn gravity_leaves_curve_and_most_tables() {
+    let mut mechanism = Mechanism::from_json(GEAR).unwrap();
+    let reduced = Reduced::new(&mechanism).unwrap();
+    mechanism.gravity.as_mut().unwrap().acceleration *= 0.5;
+    let (renewed, count) = allocations(|| Reduced::renewed(&[&reduced], &mechanism).unwrap());
+    assert!(std::ptr::eq(reduced.curve(), renewed.curve()));
+    assert_ne!(reduced.influence(), renewed.influence());
+    assert!(count <= 130, "{count} allocations");
+}
+
 /// A run by reset computes nothing again that follows from the parameters: no start, no travel, no warnings; nor does one
 /// under parameters that were present before, however many tables they need.
 #[test]

@@ -14,6 +14,7 @@ use crate::mechanism::definition::{Mechanism, Solver};
 use crate::mechanism::linkage::{Linkage, Point};
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::loads::unit_load::Load;
+use crate::numerics::plane::Vec2;
 use crate::numerics::table::{ACCURACY, Grid, NOISE, Table, Unresolved};
 use std::sync::{Arc, OnceLock};
 
@@ -51,6 +52,9 @@ pub(super) struct Tables {
     pub(super) influence: Table,
     pub(super) coordinates: Result<Table, Unresolved>,
     pub(super) displacements: Vec<OnceLock<Result<Table, Unresolved>>>,
+    /// Displacements under gravity of 1 m/s2 along x, then along y, if there is gravity: that under any other gravity is
+    /// their sum. The influences of both are the last two components of `influence`.
+    pub(super) weights: Option<Result<Table, Unresolved>>,
     /// Those that no table resolves everywhere, with gaps.
     pub(super) gapped: Vec<OnceLock<Result<Table, Unresolved>>>,
     pub(super) markers: Lazy,
@@ -117,19 +121,30 @@ impl Reduced {
     pub fn renewed(known: &[&Self], mechanism: &Mechanism) -> Result<Self, ReductionError> {
         let Resolved { linkage, loading, markers } = Resolved::new(mechanism)?;
         let moves_so = |known: &&&Self| !known.is_part() && known.moves_as(&linkage, &loading);
-        let has_tables = |known: &&&Self| {
+        let has_tables = |known: &&&Self, gravity: Option<usize>| {
             let own = known.loading();
-            (&loading.loads, &loading.springs, &markers) == (&own.loads, &own.springs, &known.markers)
+            let mut loads = loading.loads.iter().zip(&own.loads).enumerate();
+            loading.loads.len() == own.loads.len()
+                && loads.all(|(load, (one, other))| one == other || gravity == Some(load))
+                && (&loading.springs, &markers) == (&own.springs, &known.markers)
         };
         let like = || known.iter().filter(moves_so);
-        match (like().find(has_tables), like().next()) {
-            (Some(like), _) => {
+        let weighed = || like().find(|known| has_tables(known, loading.gravity));
+        match (like().find(|known| has_tables(known, None)), weighed(), like().next()) {
+            (None, Some(like), _) => {
+                let mut tables = like.tables.without_gravity();
+                tables.weigh(&loading, like.source.components.count);
+                let source = Source { loading: Arc::new(loading), stored: None, ..like.source.clone() };
+                let (grid, fine, of) = (like.grid.clone(), like.fine.clone(), Origin::Guess(&mechanism.solver));
+                Ok(Self::assembled(source, markers, [grid, fine], Arc::new(tables), of))
+            }
+            (Some(like), ..) => {
                 let source = Source { loading: Arc::new(loading), ..like.source.clone() };
                 let (grid, fine, tables) = (like.grid.clone(), like.fine.clone(), Arc::clone(&like.tables));
                 Ok(Self::assembled(source, markers, [grid, fine], tables, Origin::Guess(&mechanism.solver)))
             }
-            (None, Some(like)) => Self::on(Arc::clone(&like.source.curve), loading, markers, mechanism),
-            (None, None) => {
+            (None, None, Some(like)) => Self::on(Arc::clone(&like.source.curve), loading, markers, mechanism),
+            (None, None, None) => {
                 let resolved = Resolved { linkage, loading, markers };
                 let curve = Arc::new(trace(&resolved, mechanism)?);
                 Self::on(curve, resolved.loading, resolved.markers, mechanism)
@@ -219,18 +234,39 @@ impl Reduced {
         let linkage = curve.linkage();
         // All share their evaluations.
         let needed = needed(loading);
+        let weight = loading.gravity.map(|load| Weight::new(load, components.count));
         let mut sizes = vec![source.influence_sizes(), source.coordinate_sizes()];
         sizes.extend(needed.iter().map(|&l| source.derivative_sizes(source.displacement_size(l)).to_vec()));
+        if let Some(weight) = &weight {
+            let unit = source.derivative_sizes(source.size_of(&weight.units[0]));
+            sizes[0][weight.load] = 0.0;
+            sizes[0].extend([unit[1]; 2]);
+            sizes.push(unit.repeat(2));
+        }
         let mut springs = Vec::new();
         let fill = &mut |c: &Configuration, values: &mut [f64]| {
-            let (influences, rest) = values.split_at_mut(components.count);
-            let (coordinates, displacements) = rest.split_at_mut(3 * c.q.len());
+            let (influences, rest) = values.split_at_mut(components.count + 2 * usize::from(weight.is_some()));
+            let (coordinates, rest) = rest.split_at_mut(3 * c.q.len());
+            let (displacements, units) = rest.split_at_mut(3 * needed.len());
             for (&load, v) in needed.iter().zip(displacements.chunks_exact_mut(3)) {
                 v.copy_from_slice(&loading.loads[load].displacement(linkage, c));
             }
-            // The needed loads begin with all loads that have an influence.
+            let (influences, of_units) = influences.split_at_mut(components.count);
+            if let Some(weight) = &weight {
+                for (k, unit) in weight.units.iter().enumerate() {
+                    let displacement = unit.displacement(linkage, c);
+                    of_units[k] = displacement[1];
+                    units[3 * k..3 * k + 3].copy_from_slice(&displacement);
+                }
+            }
+            // The needed loads begin with all loads that have an influence, but for gravity, whose influence is a sum.
             source.spring_loads(c, &mut springs);
-            components.fill(&springs, |load| displacements[3 * load + 1], influences);
+            let slope = |load: usize| match loading.gravity {
+                Some(gravity) if load == gravity => 0.0,
+                Some(gravity) if load > gravity => displacements[3 * load - 2],
+                _ => displacements[3 * load + 1],
+            };
+            components.fill(&springs, slope, influences);
             for (i, derivatives) in coordinates.chunks_exact_mut(3).enumerate() {
                 derivatives.copy_from_slice(&[c.q[i], c.q_sigma[i], c.q_second[i]]);
             }
@@ -239,6 +275,7 @@ impl Reduced {
         let fine = grid.refined(tables.iter().flatten());
         let [displacements, gapped] =
             [(); 2].map(|()| loading.loads.iter().map(|_| OnceLock::new()).collect::<Vec<_>>());
+        let weights = weight.map(|weight| (weight, tables.pop()));
         for (load, table) in needed.into_iter().zip(tables.drain(2..)) {
             // Two stops of one load have the same table.
             let _ = displacements[load].set(table);
@@ -247,18 +284,20 @@ impl Reduced {
         // Other displacements need the panels that the coordinates' second derivatives need.
         let grid = grid.refined(&coordinates);
         let influence = tables.swap_remove(0).map_err(|e| unresolved_influence(loading, curve, &e))?;
-        let tables = Arc::new(Tables {
+        let mut tables = Tables {
             influence,
             coordinates,
             displacements,
+            weights: weights.and_then(|(_, table)| table),
             gapped,
             markers: OnceLock::new(),
             origins: OnceLock::new(),
             reactions: OnceLock::new(),
             kept_reactions: linkage.joints.iter().map(|_| OnceLock::new()).collect(),
             state_reactions: OnceLock::new(),
-        });
-        Ok(Self::assembled(source, markers, [grid, fine], tables, of))
+        };
+        tables.weigh(loading, components.count);
+        Ok(Self::assembled(source, markers, [grid, fine], Arc::new(tables), of))
     }
 
     /// Loads of which every start needs the displacement.
@@ -369,9 +408,56 @@ impl Reduced {
     }
 }
 
-/// Loads of which every start needs the displacement: applied loads, springs and stops.
+/// Loads of which every start needs the displacement: applied loads but gravity, springs and stops.
 fn needed(loading: &Loading) -> Vec<usize> {
-    (0..loading.base()).chain(loading.stops.iter().map(|stop| stop.load)).collect()
+    let applied = (0..loading.base()).filter(|load| loading.gravity != Some(*load));
+    applied.chain(loading.stops.iter().map(|stop| stop.load)).collect()
+}
+
+/// Gravity as the sum of its two components, each a load of its own.
+struct Weight {
+    /// Index of gravity among the loads.
+    load: usize,
+    /// Gravity of 1 m/s2 along x and along y.
+    units: [Load; 2],
+    /// Their components in the table of influences.
+    components: [usize; 2],
+}
+
+impl Weight {
+    /// `count`: number of components of the influences.
+    fn new(load: usize, count: usize) -> Self {
+        Self { load, units: [Vec2::x(), Vec2::y()].map(Load::Gravity), components: [count, count + 1] }
+    }
+}
+
+impl Tables {
+    /// Set the influence and the displacement of gravity. `count`: number of components of the influences.
+    fn weigh(&mut self, loading: &Loading, count: usize) {
+        let (Some(load), Some(weights)) = (loading.gravity, &self.weights) else { return };
+        let Load::Gravity(acceleration) = loading.loads[load] else { return };
+        let factors = [acceleration.x, acceleration.y];
+        self.influence.set_sum(load, Weight::new(load, count).components, factors);
+        let sum = weights.as_ref().map(|weights| weights.sums(3, factors));
+        let at = |at: &Unresolved| Unresolved { component: at.component % 3, ..*at };
+        self.displacements[load] = OnceLock::from(sum.map_err(at));
+    }
+
+    /// These tables but for those of reactions, which hold the reactions to gravity.
+    fn without_gravity(&self) -> Self {
+        Self {
+            influence: self.influence.clone(),
+            coordinates: self.coordinates.clone(),
+            displacements: self.displacements.clone(),
+            weights: self.weights.clone(),
+            gapped: self.gapped.clone(),
+            markers: self.markers.clone(),
+            origins: self.origins.clone(),
+            reactions: OnceLock::new(),
+            kept_reactions: self.kept_reactions.iter().map(|_| OnceLock::new()).collect(),
+            state_reactions: self.state_reactions.clone(),
+        }
+    }
 }
 
 /// Error for influences that are not smooth: two ends meet, or [`not_smooth`].

@@ -86,8 +86,13 @@ impl Source {
 
     /// Natural size of a load's displacement: for a motion of 1 rad.
     pub(super) fn displacement_size(&self, load: usize) -> f64 {
+        self.size_of(&self.loading.loads[load])
+    }
+
+    /// [`Self::displacement_size`] of a load that the mechanism need not have.
+    pub(super) fn size_of(&self, load: &Load) -> f64 {
         let linkage = self.linkage();
-        match &self.loading.loads[load] {
+        match load {
             Load::Torque { .. } | Load::Couple { .. } => 1.0,
             Load::Force { .. } | Load::Pair { .. } | Load::Slide { .. } => linkage.size,
             Load::Gravity(acceleration) => {

@@ -142,11 +142,13 @@ impl Reduced {
         let needed = self.needed();
         let displacements = needed.iter().map(|&load| self.displacement(load));
         let first = [Ok(&own.influence), own.coordinates.as_ref()];
-        all.add(START, section(first.into_iter().chain(displacements).collect::<Vec<_>>().into_iter()));
+        let weights = own.weights.iter().map(Result::as_ref);
+        all.add(START, section(first.into_iter().chain(displacements).chain(weights).collect::<Vec<_>>().into_iter()));
         self.add_state_loads(&mut all);
         let joints = 0..self.linkage().joints.len();
         joints.clone().for_each(|joint| all.add(&reaction(joint), section([self.reaction(joint)].into_iter())));
-        let others = (0..self.loading().loads.len()).filter(|load| !needed.contains(load));
+        let is_other = |load: &usize| !needed.contains(load) && self.loading().gravity != Some(*load);
+        let others = (0..self.loading().loads.len()).filter(is_other);
         others.for_each(|load| all.add(&displacement(load), section([self.displacement(load)].into_iter())));
         all.add(MARKERS, section((0..self.markers.len()).map(|marker| self.marker(marker))));
         all.add(STATE_REACTIONS, section(joints.map(|joint| self.state_reaction(joint))));
