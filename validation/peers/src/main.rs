@@ -1,4 +1,4 @@
-//! Scene S1 with this project and with other Rust solvers, and Andrews' squeezer with this project: run time against
+//! Scene S1 with this project, by hand and with other Rust solvers, and Andrews' squeezer with this project: run time against
 //! error, one line a setting.
 //!
 //! usage: peers modelDescription OUT.csv
@@ -7,6 +7,8 @@ mod four_bar;
 mod measure;
 mod multistep;
 mod project;
+mod quadrature;
+mod rk4;
 
 use std::error::Error;
 use std::path::Path;
@@ -47,6 +49,9 @@ fn run() -> Result<(), Box<dyn Error>> {
     };
     let mut points = project::landing_gear(&gear)?;
     points.extend(project::squeezer(&squeezer)?);
+    points.extend(project::first_reaction(&gear)?);
+    points.extend(rk4::points());
+    points.extend(quadrature::points());
     points.extend(explicit::points());
     points.extend(multistep::points()?);
     let lines: String = points.iter().map(measure::Point::line).collect();
