@@ -1,4 +1,4 @@
-"""The figure: run time against error, log-log, one colour a tool (Okabe and Ito's), one marker a method."""
+"""The figure: run time against error, log-log, one colour a tool (Okabe and Ito's, and Tol's), one marker a method."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ COLOURS = {
     "differential-equations": "#0072B2",
     "diffsol": "#56B4E9",
     "by hand": "#999999",
-    "GSL": "#009E73",
-    "CVODE": "#CC79A7",
+    "GSL": "#882255",
+    "CVODE": "#999933",
     "energy quadrature": "#D55E00",
     "SciPy": "#D55E00",
     "EXUDYN": "#009E73",
     "MuJoCo": "#CC79A7",
-    "heyoka": "#0072B2",
+    "heyoka": "#332288",
 }
 COMPILED = ("numba", "#E69F00")
 """Methods with this word have a colour of their own."""

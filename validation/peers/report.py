@@ -141,11 +141,17 @@ def counted(point: Point | None) -> str:
     return f"{point.evaluations}, {duration(point.run)}" if point else "-"
 
 
+def fewest(point: Point) -> int:
+    """Evaluations of the closed form."""
+    return point.evaluations or 0
+
+
 def limit(gear: list[Curve], quadratures: list[Curve]) -> list[str]:
     """The energy quadrature beside this project: evaluations and time at each decade of the error."""
     rows = []
     for error in DECADES:
-        ours, others = own(gear).best(error), [curve.best(error) for curve in quadratures]
+        ours = own(gear).best(error)
+        others = [min((p for p in c.points if p.error <= error), key=fewest, default=None) for c in quadratures]
         ratios = [f"{ours.run / p.run:.2f}" if ours and p else "-" for p in others]
         cells = [f"{counted(p)}, {ratio}" for p, ratio in zip(others, ratios, strict=True)]
         rows.append([level_name(error), duration(ours.run) if ours else "-", *cells])

@@ -9,7 +9,9 @@ use std::time::Instant;
 /// Numbers of steps: about a quarter more from one to the next.
 const STEPS: [u32; 10] = [10, 13, 16, 20, 25, 32, 40, 50, 63, 80];
 /// Powers of ten that they are multiplied by.
-const DECADES: [u32; 4] = [1, 10, 100, 1000];
+const DECADES: [u32; 3] = [1, 10, 100];
+/// Before these.
+const FEW: [u32; 4] = [4, 5, 6, 8];
 
 /// theta2 at the end of the span.
 fn march(gear: &FourBar, steps: u32) -> f64 {
@@ -33,7 +35,7 @@ fn march(gear: &FourBar, steps: u32) -> f64 {
 /// The curve.
 pub fn points() -> Vec<Point> {
     let mut points = Vec::new();
-    for steps in DECADES.iter().flat_map(|decade| STEPS.map(|steps| steps * decade)) {
+    for steps in FEW.into_iter().chain(DECADES.iter().flat_map(|decade| STEPS.map(|steps| steps * decade))) {
         let began = Instant::now();
         let gear = FourBar::new();
         let set_up = began.elapsed().as_secs_f64();
