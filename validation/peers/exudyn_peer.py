@@ -19,8 +19,8 @@ TOOL = "EXUDYN"
 NEWTON = ((1e-12, False), (1e-9, True), (1e-6, False), (1e-6, True))
 """Tolerances of Newton's iterations, relative and absolute, and whether they keep their Jacobian. At small steps a
 loose one bends the curve, so that only the first is tried there."""
-STEPS = tuple(n * ten for ten in (1, 10) for n in (10, 13, 16, 20, 25, 32, 40, 50, 63, 80))
-SMALL_STEPS = (1000, 1300, 2000, 5000, 10_000, 20_000, 50_000)
+STEPS = (*(n * ten for ten in (1, 10) for n in (10, 13, 16, 20, 25, 32, 40, 50, 63, 80)), 1000, 1300, 2000)
+SMALL_STEPS = (5000, 10_000, 20_000, 50_000)
 """Numbers of equal steps."""
 
 

@@ -53,7 +53,7 @@ NOTES = """\
   The call from Python is part of a run. The runs of a batch go side by side in one vector of the processor, and the
   time is divided by their number: how many runs get done, not how soon one is.
 - **EXUDYN** has rigid bodies in the plane and revolute joints. Its explicit integrators take no joints, so a closed
-  loop is left to the implicit ones, of second order. Up to 800 steps four settings of Newton's iterations were swept,
+  loop is left to the implicit ones, of second order. Up to 2000 steps four settings of Newton's iterations were swept,
   exact and modified, to 1e-6, 1e-9 and 1e-12; above only exact ones to 1e-12.
 - **MuJoCo** has a tree of hinges; its loops are closed by `connect`, whose time constant was swept as a multiple of the
   step, with `solimp` at its limit 0.9999 and Newton's solver at 1e-15. The constraint is soft: its violation, not the
