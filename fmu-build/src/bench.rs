@@ -72,7 +72,8 @@ fn importers(workspace: &Workspace) -> Result<()> {
     command::run(&mut script, "importers.py")
 }
 
-/// Measure the Rust solvers, then the tools with Python, and write results and figure.
+/// Measure the Rust solvers, then the tools with Python and the libraries in C, as far as they are installed, and write
+/// results and figure.
 fn peers(workspace: &Workspace) -> Result<()> {
     let (mut script, folder, work) = comparison(workspace, "peers")?;
     let rust = work.join("rust.csv");

@@ -12,6 +12,8 @@ from measure import Point
 
 LEVELS = (1e-3, 1e-6, 1e-9, 1e-12)
 """Errors at which the tools are compared [rad]."""
+DECADES = tuple(10.0**-k for k in range(3, 13))
+"""Errors in the tables of each method [rad]."""
 TOOL, METHOD = "linkage-fmu", "tables"
 """This project as it comes."""
 HEADER = ("scene", "tool", "method", "setting", "error_rad", "run_s", "setup_s", "evaluations")

@@ -1,4 +1,4 @@
-"""The figure: run time against error, log-log, one colour a tool (Okabe and Ito's), one marker a method."""
+"""The figure: run time against error, log-log, one colour a tool (Okabe and Ito's, and Tol's), one marker a method."""
 
 from __future__ import annotations
 
@@ -15,9 +15,14 @@ COLOURS = {
     "linkage-fmu": "#000000",
     "differential-equations": "#0072B2",
     "diffsol": "#56B4E9",
+    "by hand": "#999999",
+    "GSL": "#882255",
+    "CVODE": "#999933",
+    "energy quadrature": "#D55E00",
     "SciPy": "#D55E00",
     "EXUDYN": "#009E73",
     "MuJoCo": "#CC79A7",
+    "heyoka": "#332288",
 }
 COMPILED = ("numba", "#E69F00")
 """Methods with this word have a colour of their own."""
@@ -64,17 +69,21 @@ def save(points: list[Point], folder: Path) -> None:
     mpl.rcParams.update({"font.size": 9, "svg.hashsalt": "peers", "svg.fonttype": "path", "axes.axisbelow": True})
     gear, squeezer = curves(points, "S1"), curves(points, "Andrews")
     rust = {"linkage-fmu", "differential-equations", "diffsol"}
-    python = {"SciPy", "EXUDYN", "MuJoCo"}
+    plain = {"by hand", "GSL", "CVODE"}
+    python = {"SciPy", "heyoka", "EXUDYN", "MuJoCo"}
     main = [curve for curve in gear if (curve.tool, curve.method) == (TOOL, METHOD)]
     called = [curve for curve in gear if "Python" in curve.method]
     native = [curve for curve in gear if curve.tool in rust and curve not in called]
     others = [*main, *called, *(curve for curve in gear if curve.tool in python)]
-    figure, panels = plt.subplots(2, 2, figsize=(12, 13.4))
+    by_hand = [*main, *curves(points, "S1 limit"), *(curve for curve in gear if curve.tool in plain)]
+    figure, panels = plt.subplots(3, 2, figsize=(12, 20.1))
     draw(panels[0, 0], "Landing gear: solvers in Rust", native)
-    draw(panels[0, 1], "Landing gear: tools with Python", others)
-    draw(panels[1, 0], "Landing gear: a single run, set-up included", [*main, *shortest(gear)], setup=True)
-    draw(panels[1, 1], "Andrews' squeezer", squeezer)
-    figure.subplots_adjust(left=0.07, right=0.98, top=0.975, bottom=0.1, wspace=0.2, hspace=0.53)
+    draw(panels[0, 1], "Landing gear: by hand, libraries in C, and the limit", by_hand)
+    draw(panels[1, 0], "Landing gear: tools with Python", others)
+    draw(panels[1, 1], "Landing gear: a single run, set-up included", [*main, *shortest(gear)], setup=True)
+    draw(panels[2, 0], "Andrews' squeezer", squeezer)
+    panels[2, 1].axis("off")
+    figure.subplots_adjust(left=0.07, right=0.98, top=0.98, bottom=0.07, wspace=0.2, hspace=0.53)
     for suffix, metadata in ((".png", {}), (".svg", {"Date": None})):
         figure.savefig(folder / f"peers{suffix}", dpi=100, metadata=metadata)
     plt.close(figure)

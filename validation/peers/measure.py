@@ -25,6 +25,10 @@ class Point:
     evaluations: int | None = None
 
 
+class LeftOutError(Exception):
+    """A tool that this machine does not have, with the package that gives it."""
+
+
 SLICE = 1e-3
 """Runs longer than this are timed by the processor's clock, as other programs may interrupt them [s]."""
 

@@ -33,8 +33,28 @@ const ON_FOLLOWER: Vector = [0.020, 0.120];
 pub const START: Vector = [0.8, 0.0];
 /// End of the run [s].
 pub const SPAN: f64 = 0.13;
-/// theta2 at the end [rad], from a 34-digit energy quadrature.
+/// theta2 at the end [rad], from a 34-digit energy quadrature, and its rate there [rad/s].
 pub const THETA2: f64 = -1.237_711_726_689_136_7;
+pub const OMEGA: f64 = -30.118_354_649_349_844;
+
+/// Positions and kinetics of the rods at one crank angle.
+struct Pose {
+    cos: f64,
+    sin: f64,
+    /// Crank, coupler and follower from joint to joint, C to the left of the diagonal from B to D [m].
+    e2: Vector,
+    e3: Vector,
+    e4: Vector,
+    /// 1 / (e3 x e4), e2 x e3, e2 . e3.
+    c34: f64,
+    c23: f64,
+    d23: f64,
+    /// d(theta3)/d(theta2) and d(theta4)/d(theta2).
+    k3: f64,
+    k4: f64,
+    /// Inertia reduced to the crank [kg m2].
+    inertia: f64,
+}
 
 /// The equation of motion with all that does not change worked out.
 pub struct FourBar {
@@ -63,6 +83,12 @@ fn turned(v: Vector, along: f64, across: f64) -> Vector {
     [along * v[0] - across * v[1], along * v[1] + across * v[0]]
 }
 
+/// Crank angle at which coupler and follower are in line and the crank turns back [rad].
+pub fn toggle() -> f64 {
+    const REACH: f64 = COUPLER + FOLLOWER;
+    -((GROUND * GROUND + CRANK * CRANK - REACH * REACH) / (2.0 * GROUND * CRANK)).acos()
+}
+
 impl FourBar {
     /// Scene S1.
     pub fn new() -> Self {
@@ -83,12 +109,10 @@ impl FourBar {
         }
     }
 
-    /// theta2'' and its derivative by omega, for the crank angle and its rate omega.
-    #[inline]
-    pub fn acceleration(&self, theta2: f64, omega: f64) -> (f64, f64) {
+    #[inline(always)]
+    fn pose(&self, theta2: f64) -> Pose {
         let (sin, cos) = theta2.sin_cos();
         let e2 = [CRANK * cos, CRANK * sin];
-        // C to the left of the diagonal from B to D.
         let diagonal = [GROUND - e2[0], -e2[1]];
         let inverse = 1.0 / dot(diagonal, diagonal);
         let along = 0.5 + 0.5 * (COUPLER * COUPLER - FOLLOWER * FOLLOWER) * inverse;
@@ -96,22 +120,36 @@ impl FourBar {
         let e3 = turned(diagonal, along, across);
         let e4 = [e3[0] - diagonal[0], e3[1] - diagonal[1]];
 
-        let (c34, c23, d34, d23) = (1.0 / cross(e3, e4), cross(e2, e3), dot(e3, e4), dot(e2, e3));
+        let (c34, c23, d23) = (1.0 / cross(e3, e4), cross(e2, e3), dot(e2, e3));
         let k3 = -cross(e2, e4) * c34;
         let k4 = -c23 * c34;
-        let k3_slope = (dot(e2, e4) + k3 * k3 * d34 - k4 * k4 * (FOLLOWER * FOLLOWER)) * c34;
-        let k4_slope = (d23 + k3 * k3 * (COUPLER * COUPLER) - k4 * k4 * d34) * c34;
-
         let inertia = self.fixed_inertia
             + self.follower_inertia * k4 * k4
             + k3 * (self.coupler_inertia * k3 + COUPLER_MASS * d23);
+        Pose { cos, sin, e2, e3, e4, c34, c23, d23, k3, k4, inertia }
+    }
+
+    /// The actuator's end on the crank, that on the follower from D, and the way from the first to the second [m].
+    #[inline(always)]
+    fn actuator(&self, pose: &Pose) -> (Vector, Vector, Vector) {
+        let p = turned([pose.cos, pose.sin], ON_CRANK[0], ON_CRANK[1]);
+        let q = turned(pose.e4, self.on_follower[0], self.on_follower[1]);
+        (p, q, [GROUND + q[0] - p[0], q[1] - p[1]])
+    }
+
+    /// theta2'' and its derivative by omega, for the crank angle and its rate omega.
+    #[inline]
+    pub fn acceleration(&self, theta2: f64, omega: f64) -> (f64, f64) {
+        let pose = self.pose(theta2);
+        let Pose { cos, sin, e2, e3, e4, c34, c23, d23, k3, k4, inertia } = pose;
+        let d34 = dot(e3, e4);
+        let k3_slope = (dot(e2, e4) + k3 * k3 * d34 - k4 * k4 * (FOLLOWER * FOLLOWER)) * c34;
+        let k4_slope = (d23 + k3 * k3 * (COUPLER * COUPLER) - k4 * k4 * d34) * c34;
         let half_slope = self.follower_inertia * k4 * k4_slope
             + self.coupler_inertia * k3 * k3_slope
             + 0.5 * COUPLER_MASS * (k3_slope * d23 + k3 * (1.0 - k3) * c23);
 
-        let p = turned([cos, sin], ON_CRANK[0], ON_CRANK[1]);
-        let q = turned(e4, self.on_follower[0], self.on_follower[1]);
-        let stroke = [GROUND + q[0] - p[0], q[1] - p[1]];
+        let (p, q, stroke) = self.actuator(&pose);
         let push = FORCE * (k4 * cross(q, stroke) - cross(p, stroke)) / dot(stroke, stroke).sqrt();
         let weight = self.crank_work[0] * cos
             + self.crank_work[1] * sin
@@ -119,5 +157,15 @@ impl FourBar {
 
         let per_inertia = 1.0 / inertia;
         ((push + weight - half_slope * omega * omega) * per_inertia, -2.0 * half_slope * omega * per_inertia)
+    }
+
+    /// Work of the actuator and of gravity up to this crank angle, but for a constant [J]; and the reduced inertia.
+    #[inline]
+    pub fn work_and_inertia(&self, theta2: f64) -> (f64, f64) {
+        let pose = self.pose(theta2);
+        let (_, _, stroke) = self.actuator(&pose);
+        let work = FORCE * dot(stroke, stroke).sqrt() + self.crank_work[0] * pose.sin - self.crank_work[1] * pose.cos
+            + 0.5 * (COUPLER_MASS * dot(pose.e3, self.gravity) + FOLLOWER_MASS * dot(pose.e4, self.gravity));
+        (work, pose.inertia)
     }
 }

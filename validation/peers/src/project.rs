@@ -104,6 +104,70 @@ impl Curve {
     }
 }
 
+/// The cost of the first reaction beside that of the run: the table that is built when a joint's force is first read.
+/// Each time is the least over models made anew, those of the run and of later readings also over further runs; the
+/// forces are read where the run ends.
+pub fn first_reaction(scene: &Scene) -> Result<Vec<Point>, ModelError> {
+    const MODELS: u32 = 40;
+    const AGAIN: u32 = 50;
+    const TIMED: [&str; 4] = ["run", "joint1.force; first", "the other three forces; first", "all four forces; later"];
+    let mut points = Vec::new();
+    for exponent in [3, 6, 9, 12] {
+        let tolerance = 10f64.powi(-exponent);
+        let (mut best, mut set_up, mut error) = ([f64::INFINITY; TIMED.len()], f64::INFINITY, 0.0);
+        for _ in 0..MODELS {
+            let began = Instant::now();
+            let mut model = Model::from_json(&scene.text)?;
+            model.set_tolerance(tolerance)?;
+            model.initialize()?;
+            set_up = began.elapsed().as_secs_f64().min(set_up);
+            let angle = model.variables().find(scene.output).unwrap_or_default();
+            let joints = JOINTS.map(|name| model.variables().find(name).unwrap_or_default());
+            let start = model.snapshot();
+            let run = |model: &mut Model| {
+                seconds(|| {
+                    model.restore(&start)?;
+                    model.step(scene.span)
+                })
+            };
+            let read = |model: &mut Model, references: &[_]| {
+                seconds(|| {
+                    for &reference in references {
+                        std::hint::black_box(model.real(reference)?);
+                    }
+                    Ok(())
+                })
+            };
+            let mut times =
+                [run(&mut model)?, read(&mut model, &joints[..1])?, read(&mut model, &joints[1..])?, f64::MAX];
+            for _ in 0..AGAIN {
+                times[0] = run(&mut model)?.min(times[0]);
+                times[3] = read(&mut model, &joints)?.min(times[3]);
+            }
+            error = (model.real(angle)? - scene.exact).abs();
+            best = std::array::from_fn(|k| best[k].min(times[k]));
+        }
+        points.extend(TIMED.iter().zip(best).map(|(&method, run)| Point {
+            scene: "S1 first reaction",
+            tool: TOOL,
+            method: method.into(),
+            setting: format!("tolerance {tolerance:.1e}"),
+            error,
+            run,
+            set_up,
+            evaluations: None,
+        }));
+    }
+    Ok(points)
+}
+
+/// Time that some work takes [s].
+fn seconds<T>(work: impl FnOnce() -> Result<T, ModelError>) -> Result<f64, ModelError> {
+    let began = Instant::now();
+    work()?;
+    Ok(began.elapsed().as_secs_f64())
+}
+
 /// The second formulation: Newmark's method over rigid-link finite elements, whose own limit differs by the rods'
 /// stretch.
 fn rigid_fem(scene: &Scene) -> Result<Vec<Point>, ModelError> {
