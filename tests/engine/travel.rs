@@ -1,6 +1,8 @@
 //! Travel without limits: an open curve goes on where the motion goes, and a limit on one side leaves the other one free.
 
-use crate::support::{FOUR_BAR, Run, SLIDER_CRANK, assert_says, changed};
+use crate::support::{FOUR_BAR, GEAR, Run, SLIDER_CRANK, assert_says, changed};
+use linkage_fmu::mechanism::definition::Mechanism;
+use linkage_fmu::mechanism::reduced::Reduced;
 use serde_json::json;
 
 const G: f64 = 9.81;
@@ -409,5 +411,39 @@ fn far_out_the_tables_agree_with_the_exact_evaluator() {
         assert!((rate / speed - 1.0).abs() < 1e-11);
         let (rate, acceleration) = (with.derivative("arm.speed"), with.get("arm.acceleration"));
         assert!((rate - acceleration).abs() < 1e-12 + 1e-9 * acceleration.abs());
+    }
+}
+
+/// A guess beyond a stop names the branch. The motion is that from a guess within the travel, and so is the length of the curve
+/// that is traced; from a guess far beyond, the whole curve is.
+#[test]
+fn a_guess_beyond_a_stop_names_the_branch() {
+    let stated = r#""guess": { "crank": 0.8, "#;
+    let within = Reduced::new(&Mechanism::from_json(GEAR).unwrap()).unwrap();
+    let mut reference = Run::gear();
+    reference.set("actuator.force", 28_000.0);
+    reference.initialize();
+    reference.step(0.11);
+    for (guess, is_near) in [(0.85, true), (1.2, true), (-1.5, true), (2.6, false)] {
+        let text = GEAR.replace(stated, &format!(r#""guess": {{ "crank": {guess}, "#));
+        assert_ne!(text, GEAR);
+        let reduced = Reduced::new(&Mechanism::from_json(&text).unwrap()).unwrap();
+        let (panels, of_travel) = (reduced.influence().panels(), within.influence().panels());
+        assert_eq!(panels < of_travel + 4, is_near, "guess {guess}: {panels} panels, within the travel {of_travel}");
+        if !is_near {
+            // It is closed on another branch.
+            continue;
+        }
+        let mut run = Run::new(&text);
+        run.set("actuator.force", 28_000.0);
+        run.initialize();
+        run.step(0.11);
+        for name in ["crank.angle", "crank.speed", "joint3.force", "actuator.length", "energy.potential"] {
+            let (own, expected) = (run.get(name), reference.get(name));
+            assert!(
+                (own - expected).abs() < 1e-9 * expected.abs().max(1.0),
+                "guess {guess}: {name} = {own}, not {expected}"
+            );
+        }
     }
 }

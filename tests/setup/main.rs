@@ -136,7 +136,7 @@ fn gravity_leaves_curve_and_most_tables() {
     let (renewed, count) = allocations(|| Reduced::renewed(&[&reduced], &mechanism).unwrap());
     assert!(std::ptr::eq(reduced.curve(), renewed.curve()));
     assert_ne!(reduced.influence(), renewed.influence());
-    assert!(count <= 130, "{count} allocations");
+    assert!(count <= 150, "{count} allocations");
 }
 
 /// A run by reset computes nothing again that follows from the parameters: no start, no travel, no warnings; nor does one

@@ -3,6 +3,7 @@ pub mod attack;
 mod benchmarks;
 mod bodies;
 pub mod cosim;
+mod designs;
 mod gear;
 mod hydraulics;
 mod instructions;
@@ -30,9 +31,11 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let (results, descriptions) = (root.join("results"), root.join("../modelDescription"));
     match arguments {
-        [] => tables(&descriptions, &results),
+        [] => tables(TABLES.iter(), &descriptions, &results),
+        names if names.iter().all(|name| TABLES.iter().any(|(own, _)| own == name)) => {
+            tables(TABLES.iter().filter(|(own, _)| names.contains(own)), &descriptions, &results)
+        }
         ["instructions"] => count(&results),
-        ["hydraulics"] => publish(&results, "hydraulics", &hydraulics::table(&descriptions)?),
         ["attack", words @ ..] => attack::run(&results, words),
         ["cosim", "foreign", file] => foreign(Path::new(file)),
         ["cosim", words @ ..] => couple(&results, words),
@@ -41,8 +44,8 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
             instructions::repeat(&descriptions.join("LandingGearRetraction"), [scene, reads, steps, repetitions])
         }
         _ => Err(
-            "arguments: none for the tables of run times, `instructions`, `cosim`, `stress` with names of groups, or \
-                 `attack` with its options"
+            "arguments: none for the tables of run times or names of some, `instructions`, `cosim`, `stress` with names of \
+                 groups, or `attack` with its options"
                 .into(),
         ),
     }
@@ -51,19 +54,22 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
 /// Name of a page, and what measures it, given the folder of the mechanisms.
 type Table = (&'static str, fn(&Path) -> Result<Pages, String>);
 
-fn tables(descriptions: &Path, results: &Path) -> Result<(), String> {
-    let tables: [Table; 9] = [
-        ("setup", setup::table),
-        ("steps", steps::table),
-        ("scenes", scenes::table),
-        ("bodies", |_| bodies::table()),
-        ("untabled", untabled::table),
-        ("retraction", benchmarks::retraction),
-        ("rigid_fem", rigid_fem::table),
-        ("benchmarks", benchmarks::table),
-        ("hydraulics", hydraulics::table),
-    ];
-    tables.into_iter().try_for_each(|(name, table)| publish(results, name, &table(descriptions)?))
+/// The tables of run times.
+const TABLES: [Table; 10] = [
+    ("setup", setup::table),
+    ("designs", designs::table),
+    ("steps", steps::table),
+    ("scenes", scenes::table),
+    ("bodies", |_| bodies::table()),
+    ("untabled", untabled::table),
+    ("retraction", benchmarks::retraction),
+    ("rigid_fem", rigid_fem::table),
+    ("benchmarks", benchmarks::table),
+    ("hydraulics", hydraulics::table),
+];
+
+fn tables<'a>(mut tables: impl Iterator<Item = &'a Table>, descriptions: &Path, results: &Path) -> Result<(), String> {
+    tables.try_for_each(|(name, table)| publish(results, name, &table(descriptions)?))
 }
 
 fn count(results: &Path) -> Result<(), String> {

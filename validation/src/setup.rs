@@ -145,7 +145,7 @@ fn life(out: &mut String, folder: &Path) -> Result<(), String> {
     let _ = write!(
         out,
         "\n## A whole life\n\nOf the landing gear through the FMI functions, in us: instantiate with the files read from the \
-         disk's cache, set up and initialise, scene S1 in one doStep of 0.13 s, read {} outputs, among them a reaction, free. With \
+         disk's cache, set up and initialise, scene S1 in one doStep of 0.13 s, read {} outputs, free. With \
          the tables of the FMU ({} kB) and without.\n\n",
         LAST.len(),
         bytes.len() / 1000

@@ -13,11 +13,11 @@ use crate::numerics::chebyshev::Transform;
 const KINDS: usize = 5;
 
 impl Curve {
-    /// Write the curve, if a record can hold it: not one of which the points were moved, or with near misses, which are told
-    /// in words.
+    /// Write the curve, if a record can hold it: not one of which the points were moved, or the start decides the range, or
+    /// with near misses, which are told in words.
     pub fn write(&self, out: &mut Vec<u8>) -> Result<(), Damaged> {
-        if self.near != Near::default() {
-            return Err(Damaged("branches almost cross on the curve".to_owned()));
+        if self.near != Near::default() || self.by_start {
+            return Err(Damaged("branches almost cross on the curve, or its guess is beyond a stop".to_owned()));
         }
         self.clone().fields(&mut Record::Write(out))
     }
@@ -37,6 +37,7 @@ impl Curve {
             ends: Ends::Open,
             crossings: Vec::new(),
             near: Near::default(),
+            by_start: false,
             closed: 0,
         };
         curve.fields(record)?;

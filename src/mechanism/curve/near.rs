@@ -108,6 +108,11 @@ impl Curve {
         self.near.drawn.as_deref().unwrap_or(&self.closure.linkage)
     }
 
+    /// This curve, of which the start decides how much is traced.
+    pub fn decided_by_start(self) -> Self {
+        Self { by_start: true, ..self }
+    }
+
     /// This curve with its near misses.
     pub fn with_near(self, near: Near) -> Self {
         Self { near, ..self }

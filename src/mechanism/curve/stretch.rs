@@ -67,7 +67,9 @@ impl Curve {
         let ends = Ends::Stopped { low: !is_low || left, high: is_low || left };
         let (transform, closed, guess) = (tracer.transform, tracer.scratch.evaluation.closed(), self.guess.clone());
         let (crossings, near) = (Vec::new(), Near::default());
-        let stretch = Self { closure, transform, panels, guess, farthest, range, ends, crossings, near, closed };
+        let by_start = self.by_start;
+        let stretch =
+            Self { closure, transform, panels, guess, farthest, range, ends, crossings, near, by_start, closed };
         stretch.checked()
     }
 }

@@ -110,7 +110,29 @@ impl Curve {
         let (transform, closed) = (tracer.transform, tracer.scratch.evaluation.closed());
         let (guess, range) = (q.to_vec(), (first, last));
         let (crossings, near) = (Vec::new(), Near::default());
-        Self { closure, transform, panels, guess, farthest, range, ends, crossings, near, closed }.checked()
+        let by_start = false;
+        Self { closure, transform, panels, guess, farthest, range, ends, crossings, near, by_start, closed }.checked()
+    }
+
+    /// The nearest position on the curve through the closed position `q` at which `outside`, a continuous function of the
+    /// positions that is > 0 at `q`, becomes 0; none within a few panels.
+    pub fn entry(closure: &Closure, q: &[f64], outside: &mut dyn FnMut(&Positions) -> f64) -> Option<Vec<f64>> {
+        /// Most panels that are followed in each direction: about 1 rad.
+        const NEAREST: usize = 3;
+        let ahead = closure.tangent(q);
+        let back: Vec<f64> = ahead.iter().map(|t| -t).collect();
+        let mut nearest: Option<(f64, Vec<f64>)> = None;
+        for tangent in [ahead, back] {
+            let travel = Some(Travel::new(&closure.linkage, &mut *outside));
+            let mut tracer = Tracer { travel, most: NEAREST, ..Tracer::new(closure, q, FARTHEST) };
+            let mut panels = Vec::new();
+            let start = Base { sigma: 0.0, q: q.to_vec(), tangent };
+            let Ok(Stop::Left(sigma)) = tracer.follow(start, false, &mut panels) else { continue };
+            if let (Some(panel), true) = (panels.last(), nearest.as_ref().is_none_or(|(other, _)| sigma < *other)) {
+                nearest = Some((sigma, panel.coordinates_at(panel.x_at(sigma))));
+            }
+        }
+        nearest.map(|(_, q)| q)
     }
 
     /// This curve with its crossings.
@@ -176,6 +198,8 @@ pub(super) struct Tracer<'a> {
     pub(super) widening: f64,
     /// Largest width of a panel relative to its distance from the guess.
     pub(super) part: f64,
+    /// Largest number of panels.
+    most: usize,
 }
 
 impl<'a> Tracer<'a> {
@@ -196,6 +220,7 @@ impl<'a> Tracer<'a> {
             first: FIRST,
             widening: 2.0,
             part: LARGEST_PART,
+            most: PANELS,
         }
     }
 
@@ -274,8 +299,8 @@ impl<'a> Tracer<'a> {
             if distance > self.farthest {
                 return Ok(Stop::Far);
             }
-            if panels.len() >= PANELS {
-                return Err(CurveError::TooLong { panels: PANELS });
+            if panels.len() >= self.most {
+                return Err(CurveError::TooLong { panels: self.most });
             }
         }
     }

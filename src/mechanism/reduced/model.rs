@@ -100,9 +100,23 @@ impl Reduced {
     /// # Errors
     /// [`ReductionError`].
     pub fn new(mechanism: &Mechanism) -> Result<Self, ReductionError> {
-        let resolved = Resolved::new(mechanism)?;
-        let curve = Arc::new(trace(&resolved, mechanism)?);
-        Self::on(curve, resolved.loading, resolved.markers, mechanism)
+        Self::traced(Resolved::new(mechanism)?, mechanism)
+    }
+
+    /// On the curve that is traced: between the stops, or the whole curve if the guess is beyond a stop and the start is not
+    /// on the part of the travel that is nearest to it.
+    fn traced(resolved: Resolved, mechanism: &Mechanism) -> Result<Self, ReductionError> {
+        let curve = trace(&resolved, mechanism, false)?;
+        if curve.by_start {
+            let (loading, markers) = (resolved.loading.clone(), resolved.markers.clone());
+            match Self::on(Arc::new(curve), loading, markers, mechanism) {
+                Ok(reduced) if reduced.has_start(mechanism) => return Ok(reduced),
+                _ => {}
+            }
+            let curve = trace(&resolved, mechanism, true)?.decided_by_start();
+            return Self::on(Arc::new(curve), resolved.loading, resolved.markers, mechanism);
+        }
+        Self::on(Arc::new(curve), resolved.loading, resolved.markers, mechanism)
     }
 
     /// The curve alone.
@@ -110,7 +124,7 @@ impl Reduced {
     /// # Errors
     /// [`Self::new`]'s.
     pub fn trace(mechanism: &Mechanism) -> Result<Curve, ReductionError> {
-        trace(&Resolved::new(mechanism)?, mechanism)
+        trace(&Resolved::new(mechanism)?, mechanism, false)
     }
 
     /// The reduced model of a mechanism of which others with other parameters are known, equal to [`Self::new`] to the
@@ -144,11 +158,7 @@ impl Reduced {
                 Ok(Self::assembled(source, markers, [grid, fine], tables, Origin::Guess(&mechanism.solver)))
             }
             (None, None, Some(like)) => Self::on(Arc::clone(&like.source.curve), loading, markers, mechanism),
-            (None, None, None) => {
-                let resolved = Resolved { linkage, loading, markers };
-                let curve = Arc::new(trace(&resolved, mechanism)?);
-                Self::on(curve, resolved.loading, resolved.markers, mechanism)
-            }
+            (None, None, None) => Self::traced(Resolved { linkage, loading, markers }, mechanism),
         }
     }
 

@@ -37,12 +37,21 @@ pub(super) fn limits(loading: &Loading) -> impl Iterator<Item = (bool, bool, f64
 }
 
 /// The curve: between the stops if all are rigid, else as a whole. Beyond a rigid stop only trial steps before an
-/// impact evaluate the curve. A guess beyond a stop still identifies a branch, which is then traced as a whole.
-pub(super) fn trace(closure: Closure, q: &[f64], loading: &Loading) -> Result<Curve, CurveError> {
+/// impact evaluate the curve. A guess beyond a stop still identifies a branch: unless the `whole` curve is asked for, the curve
+/// begins where this branch gets to the travel, if that is near. The start need not be on such a curve, which is
+/// [`Curve::by_start`].
+pub(super) fn trace(closure: Closure, q: &[f64], loading: &Loading, whole: bool) -> Result<Curve, CurveError> {
     let linkage = Arc::clone(&closure.linkage);
-    match margin(&linkage, loading) {
-        Some(margin) if margin(&linkage.positions(q)) > 0.0 => Curve::trace(closure, q, Some(&mut |p| margin(p))),
-        _ => Curve::trace(closure, q, None),
+    let Some(margin) = margin(&linkage, loading) else { return Curve::trace(closure, q, None) };
+    if margin(&linkage.positions(q)) > 0.0 {
+        return Curve::trace(closure, q, Some(&mut |p| margin(p)));
+    }
+    let entry = if whole { None } else { Curve::entry(&closure, q, &mut |p| BEYOND - margin(p)) };
+    let entered = entry.and_then(|q| Closure::assemble(Arc::clone(&linkage), &q).ok());
+    let between = entered.and_then(|(closure, q)| Curve::trace(closure, &q, Some(&mut |p| margin(p))).ok());
+    match between {
+        Some(curve) => Ok(curve.decided_by_start()),
+        None => Curve::trace(closure, q, None),
     }
 }
 

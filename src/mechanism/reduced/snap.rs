@@ -13,17 +13,17 @@ use std::sync::Arc;
 /// Most times that the curve is traced again: each time it comes to a place that it has not met before.
 const ROUNDS: usize = 12;
 
-/// Assemble the linkage and trace its curve.
+/// Assemble the linkage and trace its curve, the `whole` one if the guess is beyond a stop.
 ///
 /// # Errors
 /// [`ReductionError::Assembly`], [`ReductionError::Curve`].
-pub(super) fn trace(resolved: &Resolved, mechanism: &Mechanism) -> Result<Curve, ReductionError> {
+pub(super) fn trace(resolved: &Resolved, mechanism: &Mechanism, whole: bool) -> Result<Curve, ReductionError> {
     let guess = guessed(&resolved.linkage, &mechanism.guess).map_err(ReductionError::Assembly)?;
     let drawn = Arc::new(resolved.linkage.clone());
     let assemble = |linkage: &Arc<Linkage>| Closure::assemble(Arc::clone(linkage), &guess);
     let trace = |linkage: &Arc<Linkage>| {
         let (closure, q) = assemble(linkage).map_err(ReductionError::Assembly)?;
-        Ok(resolved::trace(closure, &q, &resolved.loading))
+        Ok(resolved::trace(closure, &q, &resolved.loading, whole))
     };
     let mut linkage = Arc::clone(&drawn);
     let mut traced = trace(&linkage)?;

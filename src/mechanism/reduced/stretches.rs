@@ -154,9 +154,10 @@ impl Reduced {
         slots.filter_map(|slot| slot.get()?.as_deref().ok())
     }
 
-    /// Whether the curve ends where two ends of a load coincide, so that the start decides which part of it this is.
+    /// Whether the start decides which part of the curve this is: the curve ends where two ends of a load coincide, or the
+    /// guess is beyond a stop.
     pub fn is_part(&self) -> bool {
-        self.ends_meet.iter().any(Option::is_some)
+        self.curve().by_start || self.ends_meet.iter().any(Option::is_some)
     }
 
     /// sigma at the low and at the high end of the stretch with the guess, where two ends of a load coincide there.
