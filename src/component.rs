@@ -234,6 +234,15 @@ impl Component {
         each!(self, model => model.terminals())
     }
 
+    /// Of a Boolean output that tells whether the mechanism is at a stop: the outputs that tell the number of impacts on
+    /// this stop and the time of the last one [s]. None for any other variable.
+    pub fn impacts_of(&self, flag: Reference) -> Option<[Reference; 2]> {
+        match self {
+            Self::Mechanism(model) => model.impacts_of(flag),
+            Self::Hydraulic(_) => None,
+        }
+    }
+
     /// Largest order of the derivatives in time that are taken of inputs; 0: none.
     pub fn input_order(&self) -> i32 {
         match self {

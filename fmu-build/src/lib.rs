@@ -23,6 +23,7 @@ pub mod simulate;
 pub mod source;
 mod ssp;
 mod start_values;
+pub mod sweep;
 pub mod test;
 pub mod validate;
 pub mod version;

@@ -3,7 +3,7 @@
 
 use clap::Parser;
 use fmu_build::workspace::Workspace;
-use fmu_build::{bench, chain, check, gallery, info, package, report, simulate, test, validate, view};
+use fmu_build::{bench, chain, check, gallery, info, package, report, simulate, sweep, test, validate, view};
 use fmu_cli::{Cli, Task};
 use std::process::ExitCode;
 
@@ -31,6 +31,11 @@ fn main() -> ExitCode {
             Err(error) => Err(error),
         },
         Task::Simulate(arguments) => match simulate::run(&workspace, &arguments) {
+            Ok(simulate::Outcome::Complete) => Ok(()),
+            Ok(simulate::Outcome::Interrupted) => return ExitCode::from(INTERRUPTED),
+            Err(error) => Err(error),
+        },
+        Task::Sweep(arguments) => match sweep::run(&workspace, &arguments) {
             Ok(simulate::Outcome::Complete) => Ok(()),
             Ok(simulate::Outcome::Interrupted) => return ExitCode::from(INTERRUPTED),
             Err(error) => Err(error),

@@ -30,6 +30,8 @@ pub enum Task {
     View(View),
     /// Run a mechanism or an FMU by the engine itself: CSV, Parquet, plot, film
     Simulate(Simulate),
+    /// Make the many runs of a study: design of experiments, tolerances, load cases
+    Sweep(Sweep),
     /// Run the retraction through FMPy: figures, table, plot
     Demo(Demo),
     /// Write the mechanism of a chain of N four-bars
@@ -183,6 +185,26 @@ pub struct Simulate {
     /// Film of the mechanism in motion: a .gif file
     #[arg(long, value_name = "FILE")]
     pub gif: Option<PathBuf>,
+}
+
+/// Arguments of `sweep`.
+#[derive(Args, Default)]
+pub struct Sweep {
+    /// The study: a JSON file with mechanism, factors, scenario and responses
+    #[arg(value_name = "STUDY")]
+    pub study: PathBuf,
+    /// Folder for the results, runs.parquet [default: target/sweep/<name of the study> in the repository]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Write the results as runs.csv too
+    #[arg(long)]
+    pub csv: bool,
+    /// Go on with a study that was ended
+    #[arg(long)]
+    pub resume: bool,
+    /// Threads [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
 }
 
 /// Arguments of `demo`.

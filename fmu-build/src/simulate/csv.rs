@@ -54,7 +54,7 @@ impl Csv {
 }
 
 /// The fewest digits that give a number back; words that readers of CSV know where it is none.
-fn decimal(digits: &mut zmij::Buffer, value: f64) -> &[u8] {
+pub fn decimal(digits: &mut zmij::Buffer, value: f64) -> &[u8] {
     if value.is_finite() {
         digits.format_finite(value).as_bytes()
     } else if value.is_nan() {

@@ -3,14 +3,14 @@
 //! In: a definition or an FMU, start values, input signals, an interval. Out: a table of the outputs over time as CSV or
 //! Parquet, a plot, a film. The run makes the steps that FMPy makes, so that both have the same bits.
 
-mod csv;
+pub(crate) mod csv;
 mod file;
 mod film;
 mod parquet;
 mod picture;
 mod plot;
-mod run;
-mod signals;
+pub(crate) mod run;
+pub(crate) mod signals;
 mod table;
 mod thinned;
 
@@ -58,7 +58,9 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     start_values::apply(&mut model, &arguments.start_values)?;
     let span = span(&model, arguments)?;
     let signals = match &arguments.input_file {
-        Some(path) => Signals::read(path, model.interface(), arguments.set_input_derivatives)?,
+        Some(path) => {
+            Signals::read(path, model.interface(), arguments.set_input_derivatives).context("--input-file")?
+        }
         None => Signals::none(),
     };
     if arguments.set_input_derivatives && model.input_order() == 0 {

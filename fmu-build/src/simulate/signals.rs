@@ -22,6 +22,31 @@ struct Signal {
     values: Vec<f64>,
 }
 
+/// What an input is set to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Setting {
+    /// Value of a Real.
+    Real(f64),
+    /// First derivative of a Real in time, for the next step.
+    Slope(f64),
+    /// Value of a Boolean.
+    Boolean(bool),
+}
+
+impl Setting {
+    /// Set the input.
+    ///
+    /// # Errors
+    /// The model refuses the value.
+    pub fn apply(self, model: &mut Component, reference: Reference) -> Result<(), Refused> {
+        match self {
+            Self::Real(value) => model.set_real(reference, value),
+            Self::Slope(slope) => model.set_input_derivative(reference, 1, slope),
+            Self::Boolean(value) => model.set_boolean(reference, value),
+        }
+    }
+}
+
 /// Signals of some inputs.
 pub struct Signals {
     times: Vec<f64>,
@@ -51,7 +76,7 @@ impl Signals {
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .from_path(path)
-            .with_context(|| format!("--input-file: {shown} cannot be read"))?;
+            .with_context(|| format!("{shown}: cannot be read"))?;
         let header = reader.headers().with_context(|| format!("{shown}"))?.clone();
         let mut names = header.iter().map(|name| name.trim_start_matches('\u{feff}').trim_matches('"'));
         match names.next() {
@@ -128,32 +153,63 @@ impl Signals {
         self.events[after..].iter().copied().find(|event| !is_close(*event, time)).unwrap_or(f64::INFINITY)
     }
 
+    /// One input whose value runs from point to point, each a time [s] and a value; a time that stands twice is a jump.
+    /// A Boolean, 1 for true, is held until the next point. The times ascend.
+    pub fn of_points(reference: Reference, kind: Kind, points: &[[f64; 2]]) -> Self {
+        let signal = Signal { reference, values: points.iter().map(|[_, value]| *value).collect() };
+        let mut signals = Self { with_slopes: true, ..Self::none() };
+        signals.times = points.iter().map(|[time, _]| *time).collect();
+        if kind == Kind::Boolean {
+            signals.discrete.push(signal)
+        } else {
+            signals.continuous.push(signal)
+        }
+        signals.events = signals.find_events();
+        signals
+    }
+
+    /// The times of the values, ascending [s].
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// The inputs that have a signal.
+    pub fn references(&self) -> impl Iterator<Item = Reference> {
+        self.all().map(|signal| signal.reference)
+    }
+
     /// Set the inputs to their values at `time`: at a jump those after it, or those before it.
     ///
     /// # Errors
     /// The model refuses a value.
     pub fn apply(&self, model: &mut Component, time: f64, after_event: bool) -> Result<(), Refused> {
-        if self.times.is_empty() {
-            return Ok(());
-        }
-        let place = self.place(time, after_event);
-        for signal in &self.continuous {
+        self.settings(time, after_event).try_for_each(|(reference, setting)| setting.apply(model, reference))
+    }
+
+    /// What the inputs are set to at `time`, in order: at a jump the values after it, or those before it. The slope is that
+    /// which FMPy sets, at a corner the one before it, and none at the first time.
+    pub fn settings(&self, time: f64, after_event: bool) -> impl Iterator<Item = (Reference, Setting)> {
+        self.settings_at(self.place(time, after_event), self.row(time, after_event), time)
+    }
+
+    /// What the inputs are set to for a step from `time` on to the next corner at most: the slope is that of the step.
+    pub fn settings_from(&self, time: f64) -> impl Iterator<Item = (Reference, Setting)> {
+        self.settings_at(self.place_from(time), self.row(time, true), time)
+    }
+
+    fn settings_at(&self, place: Place, row: usize, time: f64) -> impl Iterator<Item = (Reference, Setting)> {
+        let continuous = self.continuous.iter().flat_map(move |signal| {
             let [value, slope] = place.interpolate(&self.times, &signal.values, time);
-            model.set_real(signal.reference, value)?;
-            if self.with_slopes {
-                model.set_input_derivative(signal.reference, 1, slope)?;
-            }
-        }
-        let row = self.row(time, after_event);
-        for signal in &self.discrete {
-            model.set_boolean(signal.reference, signal.values[row] != 0.0)?;
-        }
-        Ok(())
+            let slope = self.with_slopes.then_some((signal.reference, Setting::Slope(slope)));
+            std::iter::once((signal.reference, Setting::Real(value))).chain(slope)
+        });
+        let discrete = self.discrete.iter().map(move |s| (s.reference, Setting::Boolean(s.values[row] != 0.0)));
+        continuous.chain(discrete)
     }
 
     /// Row of the Booleans that hold at `time`.
     fn row(&self, time: f64, after_event: bool) -> usize {
-        let (times, last) = (&self.times, self.times.len() - 1);
+        let (times, last) = (&self.times, self.times.len().saturating_sub(1));
         let mut row = match times.partition_point(|t| *t < time) {
             0 => return 0,
             next if next > last => return last,
@@ -167,7 +223,7 @@ impl Signals {
 
     /// Where the continuous inputs are at `time`.
     fn place(&self, time: f64, after_event: bool) -> Place {
-        let (times, last) = (&self.times, self.times.len() - 1);
+        let (times, last) = (&self.times, self.times.len().saturating_sub(1));
         let mut row = times.partition_point(|t| *t < time);
         if last == 0 || row == 0 || row > last {
             return Place::At { row: row.min(last), slope: None };
@@ -184,9 +240,21 @@ impl Signals {
         }
         Place::At { row, slope: (row < last).then_some(row) }
     }
+
+    /// Where the continuous inputs are at the beginning of a step from `time` on.
+    fn place_from(&self, time: f64) -> Place {
+        let reached = self.times.iter().rposition(|t| *t <= time || is_close(*t, time));
+        match reached {
+            None => Place::At { row: 0, slope: None },
+            Some(row) if row + 1 == self.times.len() => Place::At { row, slope: None },
+            Some(row) if is_close(self.times[row], time) => Place::At { row, slope: Some(row) },
+            Some(row) => Place::Between(row),
+        }
+    }
 }
 
 /// Place of a time among those of the signals.
+#[derive(Clone, Copy)]
 enum Place {
     /// At a row; the slope is that from the row `slope` to the next, or 0.
     At { row: usize, slope: Option<usize> },
@@ -251,6 +319,22 @@ mod tests {
         assert_eq!(at(&signals, 2.0, true), ([12.0, 2.0], 1.0));
         assert_eq!(at(&signals, 9.0, true), ([14.0, 0.0], 1.0));
         assert_eq!([0.0, 0.5, 1.0].map(|time| signals.next_event(time)), [1.0, 1.0, f64::INFINITY]);
+    }
+
+    #[test]
+    fn a_step_from_a_corner_has_the_slope_after_it() {
+        let signals = signals(&[0.0, 1.0, 1.0, 3.0, 4.0], &[0.0, 2.0, 10.0, 14.0, 14.5], &[0.0; 5]);
+        let at = |time: f64| signals.place_from(time).interpolate(&signals.times, &signals.continuous[0].values, time);
+        for (time, expected) in [
+            (-1.0, [0.0, 0.0]),
+            (0.0, [0.0, 2.0]),
+            (0.5, [1.0, 2.0]),
+            (1.0, [10.0, 2.0]),
+            (3.0, [14.0, 0.5]),
+            (4.0, [14.5, 0.0]),
+        ] {
+            assert_eq!(at(time), expected, "{time}");
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@ use crate::format::Experiment;
 use crate::inspection::Finding;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::interface;
-use crate::mechanism::quantity::Quantity;
+use crate::mechanism::quantity::{ImpactPart, Output, Quantity};
 use crate::mechanism::reduced::Reduced;
 use crate::mechanism::warnings::remarks;
 use crate::variables::{Reference, Terminal, Variables};
@@ -37,6 +37,20 @@ impl Model {
     /// The variables of each drive, as one connection.
     pub fn terminals(&self) -> Vec<Terminal> {
         interface::terminals(self.variables())
+    }
+
+    /// Of a Boolean output that tells whether the mechanism is at a stop: the outputs that tell the number of impacts on
+    /// this stop and the time of the last one. None for any other variable.
+    pub fn impacts_of(&self, flag: Reference) -> Option<[Reference; 2]> {
+        let variables = self.variables();
+        let Some(Quantity::AtStop(stop)) = variables.quantity(flag) else { return None };
+        let of = |part| {
+            let is = |reference: &Reference| {
+                variables.quantity(*reference) == Some(Quantity::Output(Output::Impact { stop, part }))
+            };
+            (0..variables.list().len() as Reference).find(is)
+        };
+        Some([of(ImpactPart::Count)?, of(ImpactPart::Time)?])
     }
 
     /// What the definition gives reason to warn of, for logs.

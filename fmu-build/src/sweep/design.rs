@@ -1,0 +1,299 @@
+//! The design of a study: which values the factors have in each run.
+//!
+//! In: factors, samples, points of a file. Out: the values of any run, the same whichever was asked for before. Every point
+//! of the file is combined with every point of the grid, and these with every sample; runs are in this order, and of the
+//! grid the factor stated last changes first. It must not know how a run is made.
+
+use super::definition::{self, Definition, Normal, Setting};
+use super::unit_cube::{MOST_DIMENSIONS, UnitCube};
+use crate::start_values::{find, truth};
+use anyhow::{Context, Result, bail};
+use linkage_fmu::component::{Component, Refused};
+use linkage_fmu::format::DefinitionError;
+use linkage_fmu::variables::{Causality, Interface, Kind, Reference};
+use statrs::distribution::ContinuousCDF;
+use std::path::Path;
+
+/// Most runs of a study: their numbers are exact as doubles.
+const MOST_RUNS: u64 = 1 << 53;
+
+/// Where the values of a factor come from.
+#[derive(Clone, Debug)]
+enum Source {
+    /// A list.
+    List(Vec<f64>),
+    /// Equally spaced values: first, last, number.
+    Range(f64, f64, u64),
+    /// A uniform distribution between two ends, sampled along this dimension.
+    Uniform([f64; 2], usize),
+    /// A normal distribution, sampled along this dimension.
+    Normal(statrs::distribution::Normal, usize),
+    /// A column of the file of points.
+    Column(Vec<f64>),
+}
+
+/// A variable that differs from run to run.
+#[derive(Clone, Debug)]
+pub struct Factor {
+    /// Its name.
+    pub name: String,
+    /// Its reference.
+    pub reference: Reference,
+    /// Its kind: Real, Boolean or String.
+    pub kind: Kind,
+    /// The texts of a String, which stand for their indices.
+    pub texts: Vec<String>,
+    source: Source,
+}
+
+impl Factor {
+    /// Set the variable; a Boolean is 1 for true, a text is told by its index.
+    ///
+    /// # Errors
+    /// The model refuses the value.
+    pub fn apply(&self, model: &mut Component, value: f64) -> Result<(), Refused> {
+        match self.kind {
+            Kind::Boolean => model.set_boolean(self.reference, value != 0.0),
+            Kind::Real => model.set_real(self.reference, value),
+            Kind::String | Kind::Integer => model.set_text(self.reference, &self.texts[value as usize]),
+        }
+    }
+}
+
+/// The values of the factors in all runs.
+#[derive(Clone, Debug)]
+pub struct Design {
+    factors: Vec<Factor>,
+    cube: Option<UnitCube>,
+    /// Number of points of the file, of points of the grid, of samples.
+    counts: [u64; 3],
+}
+
+impl Design {
+    /// The design that a study in `folder` states for a model with this interface.
+    ///
+    /// # Errors
+    /// A name that no parameter or input has; what is wrong with a factor, the samples, or the file of points.
+    pub fn new(study: &Definition, folder: &Path, interface: &Interface) -> Result<Self> {
+        let (mut factors, mut dimensions) = (Vec::new(), 0);
+        let mut counts = [1, 1, study.sampling.map_or(1, |sampling| sampling.count)];
+        if let Some(points) = &study.points {
+            let columns = points_of(&folder.join(points), interface).context("points")?;
+            counts[0] = columns.first().map_or(1, |(_, values)| values.len() as u64);
+            factors.extend(
+                columns.into_iter().map(|(factor, values)| Factor { source: Source::Column(values), ..factor }),
+            );
+        }
+        for (name, stated) in study.factors.iter() {
+            let key = format!("factors.{name}");
+            let factor = factor(&key, name, stated, interface, &mut dimensions)?;
+            if factors.iter().any(|other: &Factor| other.reference == factor.reference) {
+                bail!("{key}: is a column of points too; remove one of the two");
+            }
+            if let Source::List(values) = &factor.source {
+                counts[1] = times(counts[1], values.len() as u64)?;
+            } else if let Source::Range(_, _, count) = factor.source {
+                counts[1] = times(counts[1], count)?;
+            }
+            factors.push(factor);
+        }
+        let cube = match (study.sampling, dimensions) {
+            (Some(_), 0) => bail!("sampling: no factor has a distribution; give one, or leave the key out"),
+            (None, 1..) => bail!("sampling: is missing; say how the factors with a distribution are sampled"),
+            (Some(sampling), _) if sampling.count == 0 => bail!("sampling.count = 0: must be at least 1"),
+            (Some(sampling), _) if sampling.method == definition::Method::Sobol && dimensions > MOST_DIMENSIONS => {
+                bail!(
+                    "sampling.method = \"sobol\": {dimensions} factors have a distribution, at most {MOST_DIMENSIONS}"
+                )
+            }
+            (sampling, _) => sampling.map(|sampling| UnitCube::new(sampling, dimensions)),
+        };
+        times(times(counts[0], counts[1])?, counts[2])?;
+        Ok(Self { factors, cube, counts })
+    }
+
+    /// The factors, in the order of their values.
+    pub fn factors(&self) -> &[Factor] {
+        &self.factors
+    }
+
+    /// Number of runs.
+    pub fn runs(&self) -> u64 {
+        self.counts.iter().product()
+    }
+
+    /// The values of the factors in a run.
+    pub fn point(&mut self, run: u64, values: &mut Vec<f64>) {
+        values.clear();
+        let [_, grid, samples] = self.counts;
+        let (sample, rest) = (run % samples, run / samples);
+        let (mut of_grid, of_file) = (rest % grid, (rest / grid) as usize);
+        values.resize(self.factors.len(), 0.0);
+        // Of the grid the last factor changes first.
+        for (factor, value) in self.factors.iter().zip(values.iter_mut()).rev() {
+            let mut index_of = |count: u64| {
+                let index = of_grid % count;
+                of_grid /= count;
+                index
+            };
+            let mut unit = |dimension| self.cube.as_mut().map_or(0.5, |cube| cube.coordinate(sample, dimension));
+            *value = match &factor.source {
+                Source::List(list) => list[index_of(list.len() as u64) as usize],
+                Source::Range(first, last, count) => match index_of(*count) {
+                    index if index + 1 == *count && *count > 1 => *last,
+                    index => first + (last - first) * (index as f64 / (count - 1).max(1) as f64),
+                },
+                Source::Uniform([first, last], dimension) => first + (last - first) * unit(*dimension),
+                Source::Normal(normal, dimension) => normal.inverse_cdf(unit(*dimension)),
+                Source::Column(column) => column[of_file],
+            };
+        }
+    }
+}
+
+/// A product of numbers of runs.
+fn times(a: u64, b: u64) -> Result<u64> {
+    let product = a.checked_mul(b).filter(|product| *product <= MOST_RUNS);
+    product.with_context(|| format!("factors: {a} x {b} runs, at most {MOST_RUNS}; take fewer values"))
+}
+
+/// The factor that a study states under this key.
+fn factor(
+    key: &str,
+    name: &str,
+    stated: &definition::Factor,
+    interface: &Interface,
+    dimensions: &mut usize,
+) -> Result<Factor> {
+    let mut factor = variable(key, name, interface)?;
+    let real = |what: &str| match factor.kind {
+        Kind::Real => Ok(()),
+        _ => bail!("{key}.{what}: {name} is no number; list its values"),
+    };
+    let ends = |what: &str, [first, last]: [f64; 2]| {
+        if !(last - first).is_finite() {
+            bail!("{key}.{what} = [{first:?}, {last:?}]: the difference must be finite");
+        }
+        Ok([first, last])
+    };
+    let definition::Factor { values, range, steps, uniform, normal } = stated;
+    if steps.is_some() && range.is_none() {
+        bail!("{key}.steps: belongs to a range; state range, or leave steps out");
+    }
+    factor.source = match (values, range, uniform, normal) {
+        (Some(values), None, None, None) => {
+            if values.is_empty() {
+                bail!("{key}.values: is empty; list at least one value");
+            }
+            let mut list = Vec::new();
+            for (index, value) in values.iter().enumerate() {
+                list.push(coded(value, &mut factor).with_context(|| format!("{key}.values[{index}]"))?);
+            }
+            Source::List(list)
+        }
+        (None, Some(range), None, None) => {
+            real("range")?;
+            let [first, last] = ends("range", *range)?;
+            match steps {
+                Some(count) if *count >= 1 => Source::Range(first, last, *count),
+                Some(count) => bail!("{key}.steps = {count}: must be at least 1"),
+                None => bail!("{key}.steps: is missing; state the number of values of the range"),
+            }
+        }
+        (None, None, Some(uniform), None) => {
+            real("uniform")?;
+            let [first, last] = ends("uniform", *uniform)?;
+            *dimensions += 1;
+            Source::Uniform([first, last], *dimensions - 1)
+        }
+        (None, None, None, Some(Normal { mean, standard_deviation })) => {
+            real("normal")?;
+            let normal = statrs::distribution::Normal::new(*mean, *standard_deviation);
+            let Some(normal) = normal.ok().filter(|_| standard_deviation.is_finite() && mean.is_finite()) else {
+                let [value, mean] = [standard_deviation, mean];
+                bail!(DefinitionError::value(
+                    format!("{key}.normal.standard_deviation"),
+                    value,
+                    format!("finite and > 0, and the mean, {mean}, finite")
+                ));
+            };
+            *dimensions += 1;
+            Source::Normal(normal, *dimensions - 1)
+        }
+        _ => bail!("{key}: state exactly one of values, range, uniform and normal"),
+    };
+    Ok(factor)
+}
+
+/// A factor without values yet.
+fn variable(key: &str, name: &str, interface: &Interface) -> Result<Factor> {
+    let reference = find(interface, name).with_context(|| key.to_owned())?;
+    let variable = &interface.list()[reference as usize];
+    if !matches!(variable.causality, Causality::Parameter | Causality::Input) {
+        let causality = variable.causality.word().to_lowercase();
+        bail!("{key}: {name} is of causality {causality}; a factor is a parameter or an input");
+    }
+    let source = Source::List(Vec::new());
+    Ok(Factor { name: name.to_owned(), reference, kind: variable.kind, texts: Vec::new(), source })
+}
+
+/// A value as a number.
+fn coded(value: &Setting, factor: &mut Factor) -> Result<f64> {
+    match (factor.kind, value) {
+        (Kind::Real, Setting::Real(value)) => Ok(*value),
+        (Kind::Boolean, Setting::Boolean(value)) => Ok(f64::from(u8::from(*value))),
+        (Kind::String | Kind::Integer, Setting::Text(text)) => {
+            let known = factor.texts.iter().position(|known| known == text);
+            Ok(known.unwrap_or_else(|| {
+                factor.texts.push(text.clone());
+                factor.texts.len() - 1
+            }) as f64)
+        }
+        (kind, value) => bail!("{} is a {}; {} is none", factor.name, kind.word(), shown(value)),
+    }
+}
+
+/// A value as JSON has it.
+pub fn shown(value: &Setting) -> String {
+    match value {
+        Setting::Real(value) => value.to_string(),
+        Setting::Boolean(value) => value.to_string(),
+        Setting::Text(text) => format!("\"{}\"", text.escape_debug()),
+    }
+}
+
+/// The columns of a CSV file of points.
+fn points_of(path: &Path, interface: &Interface) -> Result<Vec<(Factor, Vec<f64>)>> {
+    let shown = path.display();
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .from_path(path)
+        .with_context(|| format!("{shown}: cannot be read"))?;
+    let header = reader.headers().with_context(|| format!("{shown}"))?.clone();
+    let mut columns: Vec<(Factor, Vec<f64>)> = Vec::new();
+    for name in header.iter().map(|name| name.trim_start_matches('\u{feff}')) {
+        let factor = variable(&format!("{shown}"), name, interface)?;
+        if columns.iter().any(|(other, _)| other.reference == factor.reference) {
+            bail!("{shown}: {name} stands twice");
+        }
+        columns.push((factor, Vec::new()));
+    }
+    for (record, line) in reader.records().zip(2..) {
+        let record = record.with_context(|| format!("{shown}"))?;
+        for (text, (factor, values)) in record.iter().zip(&mut columns) {
+            let at = || format!("{shown}, line {line}, {}", factor.name);
+            let setting = match factor.kind {
+                Kind::Real => Setting::Real(text.parse().ok().with_context(|| {
+                    format!("{}: \"{}\" is no number; decimals have a point", at(), text.escape_debug())
+                })?),
+                Kind::Boolean => Setting::Boolean(truth(text).with_context(at)?),
+                Kind::String | Kind::Integer => Setting::Text(text.to_owned()),
+            };
+            values.push(coded(&setting, factor)?);
+        }
+    }
+    if columns.iter().any(|(_, values)| values.is_empty()) {
+        bail!("{shown}: holds no line of values");
+    }
+    Ok(columns)
+}

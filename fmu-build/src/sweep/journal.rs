@@ -1,0 +1,197 @@
+//! The journal of a study: the chunks that are done, in the order in which they were.
+//!
+//! In: chunks with their bytes. Out: which chunks are done, and their bytes again. A record has a check sum; what was being
+//! written when a run was ended is cut off, so that a chunk is there whole or not at all. It must not know what a chunk holds.
+
+use anyhow::{Context, Result, bail};
+use linkage_fmu::codec::checksum::fnv1a;
+use std::collections::BTreeMap;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{BufReader, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+/// First bytes of a journal: its name and the version of its form.
+const MAGIC: &[u8; 8] = b"LFSWEEP1";
+/// Bytes before the first record.
+const HEAD: u64 = 8 + 16;
+/// Bytes before those of a chunk: its number, their number, their check sum.
+const RECORD: u64 = 24;
+
+/// The journal of one study.
+#[derive(Debug)]
+pub struct Journal {
+    file: File,
+    path: PathBuf,
+    /// Place and number of bytes of each chunk that is done.
+    done: BTreeMap<u64, (u64, u64)>,
+    end: u64,
+}
+
+impl Journal {
+    /// Open the journal of the study with this identity: a new one, or with `resumes` the one that stands there, if there is
+    /// one.
+    ///
+    /// # Errors
+    /// The file cannot be made or read; one stands there and is not to be resumed, is of another study, or is in use.
+    pub fn open(path: &Path, identity: u128, resumes: bool) -> Result<Self> {
+        let shown = path.display();
+        let stands = path.exists();
+        if stands && !resumes {
+            bail!(
+                "{shown}: holds the chunks of a run that was ended; --resume goes on with it, removing it begins anew"
+            );
+        }
+        let mut file = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(path)
+            .with_context(|| format!("{shown}: cannot be opened"))?;
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            bail!("{shown}: another run is writing it; wait for its end, or name another folder with --out");
+        }
+        let journal = |file: &mut File| -> std::io::Result<Option<(BTreeMap<u64, (u64, u64)>, u64)>> {
+            if file.metadata()?.len() < HEAD {
+                file.set_len(0)?;
+                file.write_all(MAGIC)?;
+                file.write_all(&identity.to_le_bytes())?;
+                return Ok(Some((BTreeMap::new(), HEAD)));
+            }
+            read(file, identity)
+        };
+        let known = journal(&mut file).with_context(|| format!("{shown}: cannot be read"))?;
+        let Some((done, end)) = known else {
+            bail!(
+                "{shown}: is of another study, or the study or its mechanism has changed since; name another folder with --out"
+            );
+        };
+        file.set_len(end).with_context(|| format!("{shown}: cannot be written"))?;
+        Ok(Self { file, path: path.to_path_buf(), done, end })
+    }
+
+    /// Whether a chunk is done.
+    pub fn has(&self, chunk: u64) -> bool {
+        self.done.contains_key(&chunk)
+    }
+
+    /// Number of chunks that are done.
+    pub fn len(&self) -> u64 {
+        self.done.len() as u64
+    }
+
+    /// Add a chunk that is done. One that is there already is left as it is.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn add(&mut self, chunk: u64, bytes: &[u8]) -> Result<()> {
+        if self.has(chunk) {
+            return Ok(());
+        }
+        let mut record = Vec::with_capacity(RECORD as usize + bytes.len());
+        for number in [chunk, bytes.len() as u64, fnv1a(bytes)] {
+            record.extend(number.to_le_bytes());
+        }
+        record.extend(bytes);
+        let remedy = "free space there; --resume goes on then";
+        let placed = self.file.seek(SeekFrom::Start(self.end));
+        placed
+            .and_then(|_| self.file.write_all(&record))
+            .with_context(|| format!("{}: cannot be written; {remedy}", self.path.display()))?;
+        self.done.insert(chunk, (self.end + RECORD, bytes.len() as u64));
+        self.end += record.len() as u64;
+        Ok(())
+    }
+
+    /// The bytes of all chunks that are done, in the order of their numbers.
+    ///
+    /// # Errors
+    /// The file cannot be read; an error of `take`.
+    pub fn replay(&mut self, mut take: impl FnMut(u64, &[u8]) -> Result<()>) -> Result<()> {
+        let mut bytes = Vec::new();
+        for (chunk, (place, length)) in &self.done {
+            bytes.resize(*length as usize, 0);
+            let read = self.file.seek(SeekFrom::Start(*place)).and_then(|_| self.file.read_exact(&mut bytes));
+            read.with_context(|| format!("{}: cannot be read", self.path.display()))?;
+            take(*chunk, &bytes)?;
+        }
+        Ok(())
+    }
+
+    /// Remove the journal, whose chunks are in the results.
+    ///
+    /// # Errors
+    /// The file cannot be removed.
+    pub fn remove(self) -> Result<()> {
+        fs::remove_file(&self.path).with_context(|| format!("{}: cannot be removed", self.path.display()))
+    }
+}
+
+/// The whole records of a journal, and where they end; none if it is another one's.
+fn read(file: &mut File, identity: u128) -> std::io::Result<Option<(BTreeMap<u64, (u64, u64)>, u64)>> {
+    let length = file.metadata()?.len();
+    file.seek(SeekFrom::Start(0))?;
+    let mut file = BufReader::new(file);
+    let mut head = [0; HEAD as usize];
+    file.read_exact(&mut head)?;
+    if head[..8] != *MAGIC || head[8..] != identity.to_le_bytes() {
+        return Ok(None);
+    }
+    let (mut done, mut end, mut bytes) = (BTreeMap::new(), HEAD, Vec::new());
+    while length - end >= RECORD {
+        let mut numbers = [[0; 8]; 3];
+        for number in &mut numbers {
+            file.read_exact(number)?;
+        }
+        let [chunk, count, sum] = numbers.map(u64::from_le_bytes);
+        if count > length - end - RECORD {
+            break;
+        }
+        bytes.resize(count as usize, 0);
+        file.read_exact(&mut bytes)?;
+        if fnv1a(&bytes) != sum {
+            break;
+        }
+        done.entry(chunk).or_insert((end + RECORD, count));
+        end += RECORD + count;
+    }
+    Ok(Some((done, end)))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_record_that_was_cut_off_is_forgotten_and_the_others_stay() {
+        let path = std::env::temp_dir().join(format!("fmu-build-journal-{}", std::process::id()));
+        let _ = fs::remove_file(&path);
+        let mut journal = Journal::open(&path, 7, false).unwrap();
+        journal.add(4, b"four").unwrap();
+        journal.add(1, b"one").unwrap();
+        journal.add(4, b"again").unwrap();
+        assert!(Journal::open(&path, 7, true).unwrap_err().to_string().contains("another run is writing it"));
+        drop(journal);
+        let whole = fs::read(&path).unwrap();
+        assert!(Journal::open(&path, 7, false).unwrap_err().to_string().contains("--resume goes on"));
+        assert!(Journal::open(&path, 8, true).unwrap_err().to_string().contains("of another study"));
+        for cut in HEAD as usize..=whole.len() {
+            fs::write(&path, &whole[..cut]).unwrap();
+            let mut journal = Journal::open(&path, 7, true).unwrap();
+            let first = cut >= (HEAD + RECORD) as usize + 4;
+            assert_eq!([journal.has(4), journal.has(1), journal.has(0)], [first, cut == whole.len(), false], "{cut}");
+            journal.add(1, b"one").unwrap();
+            let mut chunks = Vec::new();
+            journal.replay(|chunk, bytes| Ok(chunks.push((chunk, bytes.to_vec())))).unwrap();
+            let expected = [(1, b"one".to_vec()), (4, b"four".to_vec())];
+            assert_eq!(chunks, expected[..1 + usize::from(first)]);
+        }
+        // A bit that has flipped.
+        let mut wrong = whole.clone();
+        wrong[(HEAD + RECORD) as usize] ^= 1;
+        fs::write(&path, &wrong).unwrap();
+        assert_eq!(Journal::open(&path, 7, true).unwrap().len(), 0);
+        fs::remove_file(&path).unwrap();
+    }
+}

@@ -1,0 +1,169 @@
+//! `cargo fmu sweep`: many runs of a mechanism, as a study states them.
+//!
+//! In: a study: factors, a scenario, responses. Out: a table with a row for each run, in the order of the design, whatever
+//! the threads and however often the study was ended and resumed. A run that fails is a row with its reason.
+
+mod bar;
+mod chunk;
+mod csv;
+mod definition;
+mod design;
+mod journal;
+mod parquet;
+mod pool;
+mod responses;
+mod results;
+mod run;
+mod scenario;
+mod unit_cube;
+
+use crate::files;
+use crate::simulate::Outcome;
+use crate::simulate::run::stop_wish;
+use crate::source;
+use crate::workspace::Workspace;
+use anyhow::{Context, Result, bail};
+use bar::Bar;
+use chunk::Cut;
+use definition::Definition;
+use design::Design;
+pub use fmu_cli::Sweep as Arguments;
+use journal::Journal;
+use linkage_fmu::codec::checksum::fnv1a_128;
+use linkage_fmu::component::Component;
+use responses::Responses;
+use run::{Runner, Task};
+use scenario::Scenario;
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// The results, in the folder of the output.
+const PARQUET: &str = "runs.parquet";
+const CSV: &str = "runs.csv";
+/// The chunks that are done, while not all are.
+const JOURNAL: &str = "runs.journal";
+/// What was done, once all is.
+const SUMMARY: &str = "study.json";
+
+/// What is told of a study that is complete.
+#[derive(Debug, Deserialize, Serialize)]
+struct Summary {
+    /// What the study and all that it refers to say.
+    identity: String,
+    runs: u64,
+    failed: u64,
+}
+
+/// A study with all that it refers to.
+struct Study {
+    task: Task,
+    design: Design,
+    cut: Cut,
+    model: source::Definition,
+    identity: u128,
+}
+
+/// Make the runs of a study and write their results.
+///
+/// # Errors
+/// What is wrong with the study; the mechanism gives no model; a file that cannot be written. A run that fails is no error.
+pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
+    let study = Study::read(workspace, &arguments.study)?;
+    let columns = results::columns(&study.task)?;
+    let out = arguments
+        .out
+        .clone()
+        .unwrap_or_else(|| workspace.target("sweep").join(arguments.study.file_stem().unwrap_or_default()));
+    fs::create_dir_all(&out)
+        .with_context(|| format!("{}: the folder cannot be made; name another with --out", out.display()))?;
+    let identity = format!("{:032x}", study.identity);
+    if arguments.resume && is_complete(&out, &identity, arguments.csv) {
+        eprintln!("{}: all {} runs are there already", out.join(PARQUET).display(), study.design.runs());
+        return Ok(Outcome::Complete);
+    }
+    let mut journal = Journal::open(&out.join(JOURNAL), study.identity, arguments.resume)?;
+    let (started, before) = (Instant::now(), journal.len());
+    make(&study, arguments, &mut journal)?;
+    let (chunks, seconds) = (journal.len(), started.elapsed().as_secs_f64());
+    let runs_of = |chunks: u64| (chunks * study.cut.runs_of(0).end).min(study.design.runs());
+    if chunks < study.cut.chunks() {
+        eprintln!("stopped after about {} of {} runs; --resume goes on", runs_of(chunks), study.design.runs());
+        return Ok(Outcome::Interrupted);
+    }
+    let csv = arguments.csv.then(|| out.join(CSV));
+    let failed = results::write(&mut journal, &study.cut, &columns, &out.join(PARQUET), csv.as_deref())?;
+    let summary = Summary { identity, runs: study.design.runs(), failed };
+    files::replace(&out.join(SUMMARY), serde_json::to_string_pretty(&summary)?.as_bytes())?;
+    journal.remove()?;
+    let made = runs_of(chunks) - runs_of(before);
+    eprintln!("{made} runs in {seconds:.3} s, {failed} of {} failed", study.design.runs());
+    eprintln!("{}", out.join(PARQUET).display());
+    csv.iter().for_each(|path| eprintln!("{}", path.display()));
+    Ok(Outcome::Complete)
+}
+
+/// Make the chunks that are not done.
+fn make(study: &Study, arguments: &Arguments, journal: &mut Journal) -> Result<()> {
+    let Study { task, design, cut, model, .. } = study;
+    let runs_of = |chunk: u64| cut.runs_of(chunk).end - cut.runs_of(chunk).start;
+    let missing: Vec<u64> = (0..cut.chunks()).filter(|chunk| !journal.has(*chunk)).collect();
+    let done = design.runs() - missing.iter().map(|chunk| runs_of(*chunk)).sum::<u64>();
+    let bar = Bar::new(design.runs(), done, std::io::stderr().is_terminal());
+    let threads = match arguments.threads {
+        Some(threads) => threads as usize,
+        None => std::thread::available_parallelism().map_or(1, usize::from),
+    };
+    let make_model = || Ok(Component::from_definition(model.kind, &model.text)?);
+    let keep = |chunk: u64, bytes: Vec<u8>| {
+        journal.add(chunk, &bytes)?;
+        bar.add(runs_of(chunk));
+        Ok(())
+    };
+    pool::run(threads, (task, design, cut), &make_model, missing.into_iter(), stop_wish(), keep)
+}
+
+/// Whether the folder has the results of this study.
+fn is_complete(out: &Path, identity: &str, with_csv: bool) -> bool {
+    let summary = fs::read(out.join(SUMMARY)).ok().and_then(|text| serde_json::from_slice::<Summary>(&text).ok());
+    let has_files =
+        out.join(PARQUET).is_file() && (!with_csv || out.join(CSV).is_file()) && !out.join(JOURNAL).exists();
+    has_files && summary.is_some_and(|summary| summary.identity == identity)
+}
+
+impl Study {
+    fn read(workspace: &Workspace, path: &Path) -> Result<Self> {
+        let (definition, text) = Definition::read(path)?;
+        let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
+        let shown = path.display();
+        let model = source::Definition::read(workspace, &folder.join(&definition.mechanism))
+            .with_context(|| format!("{shown}: mechanism"))?;
+        let component = Component::from_definition(model.kind, &model.text)
+            .with_context(|| format!("{shown}: mechanism: {}; `cargo fmu check` tells more", model.shown))?;
+        for finding in component.warnings() {
+            eprintln!("warning: {}", finding.message);
+        }
+        let task = |design: &Design| {
+            let scenario = Scenario::new(&definition, &folder, &component, &responses::instants(&definition)?)?;
+            if let Some(factor) = design.factors().iter().find(|factor| scenario.sets(factor.reference)) {
+                bail!("factors.{}: is set by start_values or the scenario too; remove one of the two", factor.name);
+            }
+            let responses = Responses::new(&definition, &scenario, &component)?;
+            Ok(Task { factors: design.factors().to_vec(), scenario, responses })
+        };
+        let design = Design::new(&definition, &folder, component.interface()).with_context(|| format!("{shown}"))?;
+        let task = task(&design).with_context(|| format!("{shown}"))?;
+        // Values that all runs share are refused before the first run.
+        Runner::new(&task, component).with_context(|| format!("{shown}"))?;
+        let cut = Cut::new(design.runs());
+        let mut all = format!("{text}\0{}\0{}\0", model.kind, model.text);
+        for file in [&definition.points, &definition.scenario.input_file].into_iter().flatten() {
+            let bytes = files::read(&folder.join(file), u64::MAX)?;
+            all.push_str(&format!("{:032x}\0", fnv1a_128([&*String::from_utf8_lossy(&bytes)])));
+        }
+        let identity = fnv1a_128([all.as_str(), env!("CARGO_PKG_VERSION")]);
+        Ok(Self { task, design, cut, model, identity })
+    }
+}

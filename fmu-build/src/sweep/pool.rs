@@ -1,0 +1,66 @@
+//! The threads that make the chunks of a study on this machine.
+//!
+//! In: the chunks to be made. Out: their bytes, in the order in which they are done. Each thread has a model of its own, so
+//! that threads share nothing that is written.
+
+use super::chunk::{self, Cut};
+use super::design::Design;
+use super::run::{Runner, Task};
+use anyhow::{Context, Result};
+use linkage_fmu::component::Component;
+use rayon::ThreadPoolBuilder;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::sync_channel;
+
+/// Chunks of each thread that may wait to be kept.
+const WAITING: usize = 4;
+
+/// Make these chunks on so many threads; `keep` is called here with each that is done. With `stop_wish`, chunks that are
+/// being made are left.
+///
+/// # Errors
+/// The threads cannot be made; a model cannot be made; an error of `keep`.
+pub fn run(
+    threads: usize,
+    (task, design, cut): (&Task, &Design, &Cut),
+    make_model: &(impl Fn() -> Result<Component> + Sync),
+    chunks: impl Iterator<Item = u64> + Send,
+    stop_wish: &AtomicBool,
+    mut keep: impl FnMut(u64, Vec<u8>) -> Result<()>,
+) -> Result<()> {
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build().context("--threads")?;
+    let (sender, done) = sync_channel(WAITING * threads);
+    let chunks = Mutex::new(chunks);
+    // Set when no more chunks can be kept.
+    let has_failed = AtomicBool::new(false);
+    let columns = task.responses.columns.len();
+    let (chunks, has_failed) = (&chunks, &has_failed);
+    pool.in_place_scope(|scope| {
+        scope.spawn_broadcast(move |_, _| {
+            let work = || -> Result<()> {
+                let mut runner = Runner::new(task, make_model()?)?;
+                let mut design = design.clone();
+                while !has_failed.load(Ordering::Relaxed) {
+                    let next = chunks.lock().ok().and_then(|mut chunks| chunks.next());
+                    let Some(chunk) = next else { break };
+                    let made = chunk::make(cut, chunk, &mut design, &mut runner, columns, stop_wish);
+                    let Some(bytes) = made else { break };
+                    if sender.send(Ok((chunk, bytes))).is_err() {
+                        break;
+                    }
+                }
+                Ok(())
+            };
+            if let Err(error) = work() {
+                // The other side may have gone.
+                let _ = sender.send(Err(error));
+            }
+        });
+        let result = done.iter().try_for_each(|made| made.and_then(|(chunk, bytes)| keep(chunk, bytes)));
+        has_failed.store(result.is_err(), Ordering::Relaxed);
+        // Threads that wait to hand over a chunk go on.
+        drop(done);
+        result
+    })
+}

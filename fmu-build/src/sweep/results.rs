@@ -1,0 +1,134 @@
+//! The results of a study: a row for each run, in order, as Parquet and CSV.
+//!
+//! In: the chunks that are done. Out: files that are there whole or not at all. Memory stays constant.
+
+use super::chunk::{self, Cut, Remark};
+use super::csv::Csv;
+use super::journal::Journal;
+use super::parquet::Parquet;
+use super::run::Task;
+use anyhow::{Context, Result, bail};
+use linkage_fmu::variables::Kind;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+
+/// What a column holds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Content {
+    /// Numbers.
+    Number,
+    /// Truth values, 1 for true.
+    Truth,
+    /// Texts, each told by its index.
+    Text(Vec<String>),
+}
+
+/// A column of numbers, truth values or texts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// Its name.
+    pub name: String,
+    /// What it holds.
+    pub content: Content,
+}
+
+/// A format of tables. A row has the number of the run, the values of the columns, whether it failed, and a remark.
+pub trait Format: Sized {
+    /// Begin the file.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    fn begin(file: File, columns: &[Column]) -> Result<Self>;
+    /// Add a row.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    fn add(&mut self, run: u64, values: &[f64], remark: Remark) -> Result<()>;
+    /// End the file.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    fn end(self) -> Result<()>;
+}
+
+/// Names of the columns that every table has: number of the run, whether it failed, remark.
+pub const OWN: [&str; 3] = ["run", "failed", "message"];
+
+/// The columns between the number of the run and whether it failed: factors and responses.
+///
+/// # Errors
+/// Two columns have one name.
+pub fn columns(task: &Task) -> Result<Vec<Column>> {
+    let factors = task.factors.iter().map(|factor| {
+        let content = match factor.kind {
+            Kind::Real => Content::Number,
+            Kind::Boolean => Content::Truth,
+            Kind::String | Kind::Integer => Content::Text(factor.texts.clone()),
+        };
+        Column { name: factor.name.clone(), content }
+    });
+    let responses = task.responses.columns.iter();
+    let responses = responses.map(|name| Column { name: name.clone(), content: Content::Number });
+    let all: Vec<Column> = factors.chain(responses).collect();
+    for (index, column) in all.iter().enumerate() {
+        if all[..index].iter().any(|other| other.name == column.name) || OWN.contains(&&*column.name) {
+            bail!(
+                "responses: two columns of the results are called \"{}\"; give the response another name",
+                column.name
+            );
+        }
+    }
+    Ok(all)
+}
+
+/// Write the results of all chunks; the number of runs that failed.
+///
+/// # Errors
+/// A chunk is missing or damaged; a file cannot be written, and what stood there still stands.
+pub fn write(journal: &mut Journal, cut: &Cut, columns: &[Column], parquet: &Path, csv: Option<&Path>) -> Result<u64> {
+    let mut parquet = Partial::<Parquet>::begin(parquet, columns)?;
+    let mut csv = csv.map(|path| Partial::<Csv>::begin(path, columns)).transpose()?;
+    let (mut next, mut failed) = (0, 0);
+    journal.replay(|chunk, bytes| {
+        let runs = cut.runs_of(chunk);
+        if runs.start != next {
+            bail!("run {next} is missing among the chunks; remove the journal to begin anew");
+        }
+        next = runs.end;
+        chunk::read(bytes, runs.end - runs.start, columns.len(), |index, values, remark| {
+            failed += u64::from(remark.is_failure);
+            parquet.format.add(runs.start + index, values, remark)?;
+            csv.as_mut().map_or(Ok(()), |csv| csv.format.add(runs.start + index, values, remark))
+        })
+    })?;
+    if next != cut.runs_of(cut.chunks() - 1).end {
+        bail!("run {next} is missing among the chunks; remove the journal to begin anew");
+    }
+    parquet.end()?;
+    csv.map_or(Ok(()), Partial::end)?;
+    Ok(failed)
+}
+
+/// A file that gets its name when it is whole.
+struct Partial<F> {
+    format: F,
+    path: PathBuf,
+    partial: PathBuf,
+}
+
+impl<F: Format> Partial<F> {
+    fn begin(path: &Path, columns: &[Column]) -> Result<Self> {
+        let mut partial = path.as_os_str().to_owned();
+        partial.push(".partial");
+        let partial = PathBuf::from(partial);
+        let file = File::create(&partial).with_context(|| format!("{}: cannot be made", partial.display()))?;
+        let format = F::begin(file, columns).with_context(|| format!("{}: cannot be written", partial.display()))?;
+        Ok(Self { format, path: path.to_path_buf(), partial })
+    }
+
+    fn end(self) -> Result<()> {
+        let shown = || format!("{}: cannot be written", self.path.display());
+        self.format.end().with_context(shown)?;
+        fs::rename(&self.partial, &self.path).with_context(shown)
+    }
+}

@@ -1,0 +1,172 @@
+//! Samples in the unit cube: independent ones, a Latin hypercube, Sobol's sequence.
+//!
+//! In: a method, the number of samples and of dimensions, a seed. Out: any coordinate of any sample, the same whichever was
+//! asked for before. It must not know what a coordinate stands for.
+
+use super::definition::{Method, Sampling};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use sobol::Sobol;
+use sobol::params::JoeKuoD6;
+
+/// Most dimensions of Sobol's sequence here.
+pub const MOST_DIMENSIONS: usize = 100;
+/// Bits of a coordinate.
+const BITS: u32 = 53;
+/// Rounds of the permutation of a Latin hypercube.
+const ROUNDS: u64 = 6;
+
+/// Samples in the unit cube.
+#[derive(Clone, Debug)]
+pub struct UnitCube {
+    sampling: Sampling,
+    random: ChaCha8Rng,
+    /// Of each dimension: direction numbers of Sobol's sequence, and its shift.
+    sobol: Vec<(Vec<u64>, u64)>,
+}
+
+impl UnitCube {
+    /// Samples with at most [`MOST_DIMENSIONS`] coordinates if they are Sobol's.
+    pub fn new(sampling: Sampling, dimensions: usize) -> Self {
+        let random = ChaCha8Rng::seed_from_u64(sampling.seed);
+        let mut cube = Self { sampling, random, sobol: Vec::new() };
+        if sampling.method == Method::Sobol {
+            let parameters = JoeKuoD6::minimal();
+            let directions = Sobol::<u64>::init_direction_vals::<u32>(dimensions, BITS as usize, &parameters);
+            cube.sobol = directions.into_iter().zip(0..).map(|(d, of)| (d, cube.draw(0, of))).collect();
+        }
+        cube
+    }
+
+    /// Coordinate of a sample, in (0, 1).
+    pub fn coordinate(&mut self, sample: u64, dimension: usize) -> f64 {
+        match self.sampling.method {
+            Method::Random => open(self.draw(sample, dimension)),
+            Method::LatinHypercube => {
+                let part = self.permuted(sample, dimension);
+                let within = open(self.draw(sample, dimension));
+                ((part as f64 + within) / self.sampling.count as f64).clamp(f64::EPSILON, 1.0 - f64::EPSILON)
+            }
+            Method::Sobol => {
+                let (directions, shift) = &self.sobol[dimension];
+                let mut gray = sample ^ (sample >> 1);
+                let mut bits = *shift;
+                while gray != 0 {
+                    bits ^= directions[gray.trailing_zeros() as usize];
+                    gray &= gray - 1;
+                }
+                open(bits)
+            }
+        }
+    }
+
+    /// 64 random bits that belong to a sample and a dimension: a place in the stream of the dimension.
+    fn draw(&mut self, sample: u64, dimension: usize) -> u64 {
+        self.random.set_stream(dimension as u64);
+        self.random.set_word_pos(2 * u128::from(sample));
+        self.random.next_u64()
+    }
+
+    /// The part of a factor's range that a sample of the Latin hypercube is in: a permutation of the samples. A network of
+    /// Feistel permutes the numbers of an even number of bits, and is repeated until the result is one of the samples.
+    fn permuted(&self, sample: u64, dimension: usize) -> u64 {
+        let count = self.sampling.count;
+        let half = (64 - (count - 1).leading_zeros()).div_ceil(2).max(1);
+        let mask = (1_u64 << half) - 1;
+        let mut at = sample;
+        loop {
+            let (mut left, mut right) = (at >> half, at & mask);
+            for round in 0..ROUNDS {
+                let key = mixed(self.sampling.seed ^ mixed((dimension as u64) << 8 | round));
+                (left, right) = (right, left ^ (mixed(right ^ key) & mask));
+            }
+            at = left << half | right;
+            if at < count {
+                return at;
+            }
+        }
+    }
+}
+
+/// The middle of the interval of numbers that begin with these 53 bits; never 0 or 1.
+fn open(bits: u64) -> f64 {
+    let middle = ((bits >> (64 - BITS)) as f64 + 0.5) * (0.5_f64).powi(BITS as i32);
+    // Of the last interval the middle is rounded to 1.
+    middle.min(1.0 - f64::EPSILON / 2.0)
+}
+
+/// SplitMix64, a bijection of the numbers of 64 bits: Steele, Lea and Flood (2014).
+fn mixed(seed: u64) -> u64 {
+    let mut z = seed.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    z ^ (z >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cube(method: Method, count: u64, seed: u64) -> UnitCube {
+        UnitCube::new(Sampling { method, count, seed }, 3)
+    }
+
+    #[test]
+    fn a_latin_hypercube_has_one_sample_in_each_part() {
+        for count in [1, 2, 3, 16, 17, 1000] {
+            let mut cube = cube(Method::LatinHypercube, count, 5);
+            for dimension in 0..3 {
+                let mut seen = vec![false; count as usize];
+                for sample in 0..count {
+                    let part = (cube.coordinate(sample, dimension) * count as f64) as usize;
+                    assert!(!std::mem::replace(&mut seen[part], true), "{count} {dimension} {sample}");
+                }
+                assert!(seen.iter().all(|seen| *seen));
+            }
+        }
+    }
+
+    #[test]
+    fn sobols_sequence_fills_every_elementary_interval_once() {
+        // A (0, 6, 2)-net in base 2: the first two dimensions, each way to cut the square into 64 boxes of equal shape.
+        let mut cube = cube(Method::Sobol, 64, 7);
+        for bits in 0..=6 {
+            let (across, up) = (1_u64 << bits, 1_u64 << (6 - bits));
+            let mut seen = vec![false; 64];
+            for sample in 0..64 {
+                let x = (cube.coordinate(sample, 0) * across as f64) as u64;
+                let y = (cube.coordinate(sample, 1) * up as f64) as u64;
+                assert!(!std::mem::replace(&mut seen[(x * up + y) as usize], true), "{bits}: {sample}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_coordinate_does_not_depend_on_those_before() {
+        for method in [Method::Random, Method::LatinHypercube, Method::Sobol] {
+            let mut forward = cube(method, 50, 1);
+            let all: Vec<f64> =
+                (0..50).flat_map(|s| [0, 1, 2].map(|d| (s, d))).map(|(s, d)| forward.coordinate(s, d)).collect();
+            let (mut backward, mut other) = (cube(method, 50, 1), cube(method, 50, 2));
+            let mut differ = 0;
+            for sample in (0..50).rev() {
+                for dimension in 0..3 {
+                    let known = all[sample as usize * 3 + dimension];
+                    assert_eq!(backward.coordinate(sample, dimension).to_bits(), known.to_bits());
+                    assert!(known > 0.0 && known < 1.0);
+                    differ += u32::from(other.coordinate(sample, dimension) != known);
+                }
+            }
+            assert!(differ > 100, "{method:?}: another seed gives other samples");
+        }
+    }
+
+    #[test]
+    fn random_samples_are_uniform() {
+        let mut cube = cube(Method::Random, 100_000, 3);
+        let mean = (0..100_000).map(|sample| cube.coordinate(sample, 2)).sum::<f64>() / 1e5;
+        // Standard deviation of the mean: 0.00091.
+        assert!((mean - 0.5).abs() < 4e-3, "{mean}");
+        assert_eq!([open(0), open(u64::MAX)].map(|x| x > 0.0 && x < 1.0), [true; 2]);
+    }
+}
