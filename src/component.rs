@@ -13,7 +13,7 @@ use crate::hydraulics::{self, HydraulicsError};
 use crate::inspection::{Finding, Inspection};
 use crate::integrator::Method;
 use crate::mechanism::Line;
-use crate::mechanism::{self, ModelError};
+use crate::mechanism::{self, ModelError, Reached};
 use crate::variables::{Interface, Reference, Terminal};
 use std::fmt;
 use std::sync::Arc;
@@ -51,6 +51,8 @@ impl From<HydraulicsError> for Refused {
 pub enum Stepped {
     /// To its end.
     Whole,
+    /// To an event, so long after its beginning [s], that [`Component::handle_event`] handles.
+    Event(f64),
     /// To a state before its end, in which the model is now.
     Part(Interrupted),
     /// Nowhere: the step could not be computed, and the model is in the state before it.
@@ -341,6 +343,42 @@ impl Component {
         match self {
             Self::Mechanism(model) => model.step_from(point, h).map_or_else(stepped, |()| Ok(Stepped::Whole)),
             Self::Hydraulic(model) => model.step(h).map_or_else(stepped_hydraulic, |()| Ok(Stepped::Whole)),
+        }
+    }
+
+    /// Whether a step may come to an event: a stop is met or lets go.
+    pub fn has_events(&self) -> bool {
+        match self {
+            Self::Mechanism(model) => model.has_events(),
+            Self::Hydraulic(_) => false,
+        }
+    }
+
+    /// [`Self::step_from`], but only to the first event. The state is then that before the event.
+    ///
+    /// # Errors
+    /// As [`Self::step_from`].
+    pub fn step_to_event(&mut self, point: f64, h: f64) -> Result<Stepped, Refused> {
+        match self {
+            Self::Mechanism(model) => model.step_to_event(Some(point), h).map_or_else(stepped, |reached| {
+                Ok(match reached {
+                    Reached::End => Stepped::Whole,
+                    Reached::Event(time) => Stepped::Event(time),
+                })
+            }),
+            Self::Hydraulic(_) => self.step_from(Some(point), h),
+        }
+    }
+
+    /// Handle the event to which a step has led, at the time `point` [s] of the host: the state is then that after it.
+    /// Returns whether the state has jumped. Without an event nothing changes.
+    ///
+    /// # Errors
+    /// The state after the event cannot be computed; nothing has changed.
+    pub fn handle_event(&mut self, point: f64) -> Result<bool, Refused> {
+        match self {
+            Self::Mechanism(model) => Ok(model.handle_event(Some(point))?),
+            Self::Hydraulic(_) => Ok(false),
         }
     }
 

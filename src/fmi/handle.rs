@@ -5,6 +5,7 @@
 //! logger. It must not know which function of which version is called, but for its name and legal phases.
 #![allow(unsafe_code)]
 
+use super::event_mode::Usage;
 use super::instance::Instance;
 use super::logger::Logger;
 use super::phase::{Function, Phase};
@@ -30,11 +31,12 @@ struct Handle {
 }
 
 /// Make an instance of what `load` gives; NULL, with a message, if that fails. `function` is the name of the exported
-/// function, `name` that of the instance.
+/// function, `name` that of the instance, `usage` what the host makes use of.
 pub fn instantiate(
     function: &str,
     name: &CStr,
     logger: Logger,
+    usage: Usage,
     load: impl FnOnce() -> Result<Loaded, Refusal>,
 ) -> *mut c_void {
     let load = || match name.is_empty() {
@@ -46,7 +48,7 @@ pub fn instantiate(
             remark.iter().for_each(|remark| logger.remark(remark));
             component.warnings().iter().for_each(|warning| logger.remark(&warning.to_string()));
             component.remarks().iter().for_each(|remark| logger.remark(remark));
-            let instance = UnsafeCell::new(Instance::new(logger, component));
+            let instance = UnsafeCell::new(Instance::new(logger, component, usage));
             return Box::into_raw(Box::new(Handle { word: AtomicU64::new(IDLE), instance })).cast();
         }
         Ok(Err(refusal)) => refusal,
@@ -180,7 +182,7 @@ mod tests {
 
     fn gear() -> *mut c_void {
         let load = || Ok(Component::from_definition("mechanism.json", GEAR)?.into());
-        instantiate("instantiate", c"gear", Logger::new(None, false), load)
+        instantiate("instantiate", c"gear", Logger::new(None, false), Usage::default(), load)
     }
 
     #[test]
@@ -202,9 +204,10 @@ mod tests {
     #[test]
     fn a_logger_that_throws_changes_no_answer() {
         let load = || Ok(Component::from_definition("mechanism.json", GEAR)?.into());
-        let refused = instantiate("instantiate", c"gear", throwing(), || Err(Refusal::error("on purpose")));
+        let refused =
+            instantiate("instantiate", c"gear", throwing(), Usage::default(), || Err(Refusal::error("on purpose")));
         assert!(refused.is_null());
-        let c = instantiate("instantiate", c"gear", throwing(), load);
+        let c = instantiate("instantiate", c"gear", throwing(), Usage::default(), load);
         // SAFETY: the pointer is valid until `free`.
         unsafe {
             assert_eq!(call(c, &READ, |_| Err(Refusal::error("on purpose"))), Verdict::Error);
@@ -222,7 +225,10 @@ mod tests {
 
     #[test]
     fn a_panic_in_instantiate_gives_null() {
-        assert!(instantiate("instantiate", c"gear", Logger::new(None, false), || panic!("on purpose")).is_null());
+        assert!(
+            instantiate("instantiate", c"gear", Logger::new(None, false), Usage::default(), || panic!("on purpose"))
+                .is_null()
+        );
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! pointers to instances, nor the names and C types of a version.
 
 use super::clock::Clock;
+use super::event_mode::{Usage, no_such_phase};
 use super::logger::Logger;
 use super::phase::{Phase, may_get, may_set};
 use super::refusal::Refusal;
@@ -22,6 +23,10 @@ pub struct Instance {
     pub phase: Phase,
     /// Where messages go.
     pub logger: Logger,
+    /// What the host makes use of.
+    pub usage: Usage,
+    /// Whether the last step has led to an event that the host has not had handled yet.
+    pub awaits_event: bool,
     /// Whether the experiment was set up.
     pub set_up: bool,
     /// Tolerance of the experiment, if it has one. It takes precedence over solver.tolerance.
@@ -34,10 +39,12 @@ pub struct Instance {
 
 impl Instance {
     /// New instance of a component.
-    pub fn new(logger: Logger, component: Component) -> Self {
+    pub fn new(logger: Logger, component: Component, usage: Usage) -> Self {
         Instance {
             phase: Phase::Instantiated,
             logger,
+            usage,
+            awaits_event: false,
             set_up: false,
             tolerance: None,
             clock: Clock::default(),
@@ -68,7 +75,7 @@ impl Instance {
             self.component.set_tolerance(tolerance)?;
         }
         self.component.initialize()?;
-        self.phase = Phase::Step;
+        self.phase = if self.usage.event_mode { Phase::Event } else { Phase::Step };
         if let Some(warning) = self.component.start_warning() {
             self.logger.remark(&warning);
         }
@@ -86,28 +93,31 @@ impl Instance {
     pub fn reset(&mut self) {
         self.component.reset();
         self.clock = Clock::default();
-        self.set_up = false;
+        (self.set_up, self.awaits_event) = (false, false);
         self.tolerance = None;
         self.phase = Phase::Instantiated;
     }
 
     /// All that decides how the instance goes on; the log categories are no part of it.
     pub fn save(&self) -> Saved {
-        let Self { phase, set_up, tolerance, clock, .. } = *self;
-        Saved { phase, set_up, tolerance, clock, component: self.component.snapshot() }
+        let Self { phase, awaits_event, set_up, tolerance, clock, .. } = *self;
+        Saved { phase, awaits_event, set_up, tolerance, clock, component: self.component.snapshot() }
     }
 
     /// [`Self::save`] into an existing state of this identity, without allocation if both are of the same kind.
     pub fn save_into(&self, saved: &mut Saved) {
-        (saved.phase, saved.set_up) = (self.phase, self.set_up);
+        (saved.phase, saved.awaits_event, saved.set_up) = (self.phase, self.awaits_event, self.set_up);
         (saved.tolerance, saved.clock) = (self.tolerance, self.clock);
         self.component.snapshot_into(&mut saved.component);
     }
 
     /// Go on as the instance that was saved, in its phase.
     pub fn restore(&mut self, saved: &Saved) -> Result<(), Refusal> {
+        if !self.usage.has(saved.phase) || saved.awaits_event && !self.usage.event_mode {
+            return Err(no_such_phase(saved));
+        }
         self.component.restore(&saved.component)?;
-        (self.phase, self.set_up) = (saved.phase, saved.set_up);
+        (self.phase, self.awaits_event, self.set_up) = (saved.phase, saved.awaits_event, saved.set_up);
         (self.tolerance, self.clock) = (saved.tolerance, saved.clock);
         Ok(())
     }
@@ -320,7 +330,7 @@ impl Instance {
 
     /// Log what happened in a step that began at the time `point` [s].
     #[cold]
-    fn tell(&mut self, point: f64) {
+    pub(super) fn tell(&mut self, point: f64) {
         for line in self.component.take_occurrences(point) {
             if line.is_detail { self.logger.detail(&line.text) } else { self.logger.event(|| line.text) }
         }
@@ -336,7 +346,14 @@ impl Instance {
         let end = self.clock.end_of_step(point, h)?;
         let (events, details) = (self.logger.has_events(), self.logger.has_details());
         self.component.listen(events, details);
-        let stepped = self.component.step_from(Some(point), h)?;
+        let Usage { event_mode, early_return } = self.usage;
+        if self.awaits_event {
+            return Err(self.event_first("a step"));
+        }
+        let stepped = match event_mode && early_return {
+            true => self.component.step_to_event(point, h)?,
+            false => self.component.step_from(Some(point), h)?,
+        };
         if events || details {
             self.tell(point);
         }
@@ -346,6 +363,11 @@ impl Instance {
                 if events && let Some(growth) = self.component.take_growth() {
                     self.logger.event(|| format!("at t = {end} s {growth}"));
                 }
+                self.component.take_warning().map_or(Ok(()), |warning| Err(Refusal::warning(warning)))
+            }
+            Stepped::Event(time) => {
+                self.clock.time = if time < h { point + time } else { end };
+                self.awaits_event = true;
                 self.component.take_warning().map_or(Ok(()), |warning| Err(Refusal::warning(warning)))
             }
             Stepped::Part(interrupted) => {

@@ -27,6 +27,8 @@ pub type Enumeration = c_int;
 
 /// `fmi3False`.
 pub const FALSE: Boolean = 0;
+/// `fmi3True`.
+pub const TRUE: Boolean = 1;
 
 /// `fmi3Status`: the answer to a call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -24,6 +24,7 @@ mod warnings;
 pub use crate::integrator::Statistics;
 pub use error::ModelError;
 pub use model::{INPUT_ORDER, Line, Model, OUTPUT_ORDER};
+pub use motion::state::Reached;
 pub use outputs::Computed;
 pub use snapshot::Snapshot;
 

@@ -3,6 +3,7 @@
 //! In: a definition's text, values set by the host, steps. Out: values by reference. It must not know FMI's life cycle.
 mod derivatives;
 mod description;
+mod events;
 mod occurrences;
 mod undefined;
 mod warnings;
@@ -12,7 +13,7 @@ use super::dynamics::inputs::{InputPolynomial, Inputs};
 use super::error::ModelError;
 use super::fem_motion::RigidFemMotion;
 use super::interface;
-use super::motion::state::State;
+use super::motion::state::{Reached, State};
 use super::outputs::{Computed, ReducedMotion};
 use super::parameters::ParameterValues;
 use super::quantity::{Hydraulic, Output, Quantity};
@@ -391,6 +392,11 @@ impl Model {
     /// # Errors
     /// As [`Self::step`].
     pub fn step_from(&mut self, point: Option<f64>, h: f64) -> Result<(), ModelError> {
+        self.advance(point, h, false).map(drop)
+    }
+
+    /// [`Self::step_from`], which ends at the first event if it `pauses`.
+    fn advance(&mut self, point: Option<f64>, h: f64, pauses: bool) -> Result<Reached, ModelError> {
         if !(h.is_finite() && h > 0.0) {
             return Err(ModelError::StepSize { h });
         }
@@ -405,18 +411,20 @@ impl Model {
         let stepped = match state {
             Formulation::Reduced(motion) => {
                 motion.state.witness.listens = self.told.listens;
+                motion.state.witness.pauses = pauses;
                 motion.step_from(point, reduced, &self.inputs, h, solver)
             }
-            Formulation::RigidFem(motion) => motion.step(reduced, &self.inputs, h, solver),
+            Formulation::RigidFem(motion) => motion.step(reduced, &self.inputs, h, solver).map(|()| Reached::End),
         };
         if self.inputs.signal.ahead {
             match stepped {
-                Ok(()) => self.leave_inputs_at(h),
+                Ok(Reached::End) => self.leave_inputs_at(h),
+                Ok(Reached::Event(time)) => self.leave_inputs_at(time),
                 Err(ModelError::Interrupted { time, .. }) => self.leave_inputs_at(time),
                 Err(_) => {}
             }
         }
-        if let (Some(command), Ok(())) = (clipped, &stepped) {
+        if let (Some(command), Ok(_)) = (clipped, &stepped) {
             self.clipped.raise(command);
         }
         stepped

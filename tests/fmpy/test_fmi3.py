@@ -110,3 +110,41 @@ def test_states_derivatives_and_time(gear: FMU3Slave) -> None:
 
 def test_the_system_is_one_of_fmi_2(tmp_path: Path) -> None:
     assert "--fmi both" in refused(package(Path(), "--ssp", "--fmi", "3", "--out", str(tmp_path)))
+
+
+RETRACTED = 0.1320598527442597
+"""Time at which the crank reaches its up stop, from a quadrature in 34 digits [s]."""
+
+
+def test_steps_return_early_at_the_stop(folder: Path) -> None:
+    description = read_model_description(str(folder / f"{NAME}.fmi3.fmu"))
+    assert description.coSimulation.hasEventMode
+    assert description.coSimulation.mightReturnEarlyFromDoStep
+    assert not read_model_description(str(folder / "HydraulicActuator.fmi3.fmu")).coSimulation.hasEventMode
+
+    def run(**arguments: bool) -> np.ndarray:
+        return simulate_fmu(
+            str(folder / f"{NAME}.fmi3.fmu"),
+            start_values={"upstop.restitution": 0.125},
+            output=["crank.angle", "crank.speed", "upstop.impact_count", "upstop.impact_time"],
+            stop_time=0.4,
+            output_interval=0.05,
+            relative_tolerance=1e-13,
+            **arguments,
+        )
+
+    whole, early = run(), run(use_event_mode=True, early_return_allowed=True)
+    at_stop = early[np.abs(early["time"] - RETRACTED) < 1e-12]
+    # Before the impact, and after it.
+    assert list(at_stop["upstop.impact_count"]) == [0, 1]
+    assert at_stop["crank.speed"][1] == -0.125 * at_stop["crank.speed"][0]
+    assert at_stop["upstop.impact_time"][1] == at_stop["time"][1]
+    # Whether the last of a series is a bounce or comes to rest is a matter of rounding.
+    assert early["upstop.impact_count"][-1] == pytest.approx(whole["upstop.impact_count"][-1], abs=1)
+    assert early["upstop.impact_count"][-1] > 5
+    assert early["upstop.impact_time"][-1] == pytest.approx(whole["upstop.impact_time"][-1], abs=1e-10)
+    assert early["crank.angle"][-1] == pytest.approx(whole["crank.angle"][-1], abs=1e-11)
+    # Event mode changes nothing where steps do not return early.
+    quiet = run(use_event_mode=True)
+    for name in whole.dtype.names:
+        assert np.array_equal(whole[name], quiet[name]), name

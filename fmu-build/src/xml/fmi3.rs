@@ -25,7 +25,7 @@ pub fn to_xml(component: &Component) -> Result<String> {
 }
 
 fn write_content(interface: &Interface, xml: &mut Xml) -> io::Result<()> {
-    let co_simulation = [
+    let mut co_simulation = vec![
         ("modelIdentifier", interface.name.to_owned()),
         ("canGetAndSetFMUState", "true".to_owned()),
         ("canSerializeFMUState", "true".to_owned()),
@@ -34,6 +34,10 @@ fn write_content(interface: &Interface, xml: &mut Xml) -> io::Result<()> {
         ("canHandleVariableCommunicationStepSize", "true".to_owned()),
         ("maxOutputDerivativeOrder", interface.orders[1].to_string()),
     ];
+    if interface.has_events {
+        let provided = ["mightReturnEarlyFromDoStep", "hasEventMode", "providesEvaluateDiscreteStates"];
+        co_simulation.extend(provided.map(|name| (name, "true".to_owned())));
+    }
     empty(xml, "CoSimulation", &co_simulation)?;
     interface.write_common(xml)?;
     group(xml, "ModelVariables", |xml| {

@@ -29,6 +29,8 @@ pub enum Stopped {
     Stuck(IntegrationError, String),
     /// The length of the actuator with a circuit is not smooth along the motion.
     Length,
+    /// A stop is met, as the contact tells, or lets go: the advance pauses there, and can go on.
+    Event(Progress),
     /// The work allowed was done; the state is that at the time reached, and the advance can go on from it.
     Budget(Progress),
 }
@@ -94,6 +96,9 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// Advance z = (sigma, sigma_dot, energy lost if N > 2, ...) by exactly `span` [s]; returns the energy lost in impacts
     /// [J].
     pub fn run(mut self, z: &mut [f64; N], span: f64) -> Result<f64, Stopped> {
+        if let Some(place) = self.contact.take_arrival() {
+            self.meet(place, z)?;
+        }
         if self.resume(z, span)? {
             return Ok(0.0);
         }
@@ -309,12 +314,34 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                     self.touched(bumper);
                 }
             }
+            Event::Stop(place) if self.pauses() && self.ends.travel.stop(place).is_some() => {
+                z[0] = self.ends.position(place).unwrap_or(z[0]);
+                self.contact.arrives(place);
+                return Err(Stopped::Event(self.progress));
+            }
             Event::Stop(place) => {
                 self.jumped();
                 self.impact(place, z)?;
             }
         }
         Ok(())
+    }
+
+    /// Whether the advance pauses at an event now. At its very start it does not, so that each makes way.
+    #[inline(always)]
+    fn pauses(&self) -> bool {
+        self.witness.pauses && self.progress.t > 0.0
+    }
+
+    /// What follows at the start of an advance where the one before has paused: the impact at this place.
+    #[cold]
+    #[inline(never)]
+    fn meet(&mut self, place: Place, z: &mut [f64; N]) -> Result<(), Stopped> {
+        self.dynamics.set_time(0.0);
+        self.dynamics.set_state(z);
+        self.dynamics.set_touching(self.contact.touching());
+        self.jumped();
+        self.impact(place, z)
     }
 
     /// Something happens now.

@@ -52,6 +52,8 @@ pub struct Listens {
 pub struct Witness {
     /// What is kept.
     pub listens: Listens,
+    /// Whether an advance pauses where a stop is met or lets go.
+    pub pauses: bool,
     occurrences: Vec<Occurrence>,
     /// Number of occurrences beyond [`MOST`].
     pub left_out: u64,
