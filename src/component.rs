@@ -13,6 +13,7 @@ use crate::hydraulics::{self, HydraulicsError};
 use crate::inspection::{Finding, Inspection};
 use crate::integrator::Method;
 use crate::mechanism::Line;
+pub use crate::mechanism::Pauses;
 use crate::mechanism::{self, ModelError, Reached};
 use crate::variables::{Interface, Reference, Terminal};
 use std::fmt;
@@ -51,12 +52,21 @@ impl From<HydraulicsError> for Refused {
 pub enum Stepped {
     /// To its end.
     Whole,
-    /// To an event, so long after its beginning [s], that [`Component::handle_event`] handles.
-    Event(f64),
     /// To a state before its end, in which the model is now.
     Part(Interrupted),
     /// Nowhere: the step could not be computed, and the model is in the state before it.
     Failed(Refused),
+}
+
+/// Where a step has ended that may pause.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Paused {
+    /// Nowhere before its end.
+    Not(Stepped),
+    /// At an event, so long after its beginning [s], that [`Component::handle_event`] handles.
+    AtEvent(f64),
+    /// At the end of an internal step, so long after its beginning [s].
+    AtStep(f64),
 }
 
 /// A step that met `solver.max_steps`.
@@ -354,19 +364,24 @@ impl Component {
         }
     }
 
-    /// [`Self::step_from`], but only to the first event. The state is then that before the event.
+    /// Whether a step tells its internal steps.
+    pub fn has_internal_steps(&self) -> bool {
+        matches!(self, Self::Mechanism(_))
+    }
+
+    /// [`Self::step_from`], but only to where it pauses first. At an event the state is that before the event.
     ///
     /// # Errors
     /// As [`Self::step_from`].
-    pub fn step_to_event(&mut self, point: f64, h: f64) -> Result<Stepped, Refused> {
+    pub fn step_to_pause(&mut self, point: f64, h: f64, pauses: Pauses) -> Result<Paused, Refused> {
         match self {
-            Self::Mechanism(model) => model.step_to_event(Some(point), h).map_or_else(stepped, |reached| {
-                Ok(match reached {
-                    Reached::End => Stepped::Whole,
-                    Reached::Event(time) => Stepped::Event(time),
-                })
-            }),
-            Self::Hydraulic(_) => self.step_from(Some(point), h),
+            Self::Mechanism(model) => match model.step_to_pause(Some(point), h, pauses) {
+                Ok(Reached::End) => Ok(Paused::Not(Stepped::Whole)),
+                Ok(Reached::Event(time)) => Ok(Paused::AtEvent(time)),
+                Ok(Reached::Pause(time)) => Ok(Paused::AtStep(time)),
+                Err(error) => stepped(error).map(Paused::Not),
+            },
+            Self::Hydraulic(_) => self.step_from(Some(point), h).map(Paused::Not),
         }
     }
 

@@ -13,8 +13,10 @@ use super::saved::Saved;
 pub struct Usage {
     /// Event mode between steps.
     pub event_mode: bool,
-    /// Steps that end at an event.
+    /// Steps that end at an event, or where the host asks for it.
     pub early_return: bool,
+    /// A callback after each internal step.
+    pub intermediate_update: bool,
 }
 
 impl Usage {

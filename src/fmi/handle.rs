@@ -21,6 +21,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 const IDLE: u64 = u64::from_be_bytes(*b"linkage\0");
 /// First word of an instance while a function works on it: its logger must not call back into it.
 const BUSY: u64 = !IDLE;
+/// First word of an instance whose host is called back within a step: it can be read, and not be freed.
+const CALLING: u64 = IDLE.rotate_left(8);
 /// First word of an instance that was freed.
 const FREED: u64 = 0;
 
@@ -74,15 +76,31 @@ pub unsafe fn call(
     // SAFETY: the caller's promise.
     let Some(handle) = (unsafe { handle(pointer) }) else { return Verdict::Error };
     // A load and a store, as the standard forbids the race that an exchange would decide.
-    if handle.word.load(Ordering::Relaxed) != IDLE {
+    let word = handle.word.load(Ordering::Relaxed);
+    if word != IDLE && word != CALLING {
         return Verdict::Error;
     }
     handle.word.store(BUSY, Ordering::Relaxed);
-    // SAFETY: the word was IDLE, so that no call is at work on the instance further up this stack; the caller promises
+    // SAFETY: the word was neither BUSY nor FREED, so that no call is at work on the instance further up this stack; the caller promises
     // that none is on another thread.
     let verdict = guarded(unsafe { &mut *handle.instance.get() }, function, work);
-    handle.word.store(IDLE, Ordering::Relaxed);
+    handle.word.store(word, Ordering::Relaxed);
     verdict
+}
+
+/// Call the host back between two calls of one step, so that it can read the instance. What the callback throws is handed
+/// over as a panic.
+///
+/// # Safety
+/// As for [`call`]; no call is at work on the instance.
+pub unsafe fn call_back<T>(pointer: *mut c_void, callback: impl FnOnce() -> T) -> std::thread::Result<T> {
+    // SAFETY: the caller's promise.
+    let handle = unsafe { handle(pointer) };
+    let set = |word| handle.inspect(|handle| handle.word.store(word, Ordering::Relaxed));
+    set(CALLING);
+    let answer = catch_unwind(AssertUnwindSafe(callback));
+    set(IDLE);
+    answer
 }
 
 /// End of an instance. NULL, and an instance whose logger is being called right now, are left alone.

@@ -10,12 +10,17 @@ use super::phase::{Phase, may_get, may_set};
 use super::refusal::Refusal;
 use super::saved::Saved;
 use super::undefined::Undefined;
-use crate::component::{Component, Refused, Stepped};
+use crate::component::{Component, Paused, Pauses, Refused, Stepped};
 use crate::numerics::decimal::Decimal;
 use crate::variables::{Interface, Kind, Reference};
 use std::borrow::Cow;
 use std::ffi::{CStr, CString, c_char};
 use std::mem::MaybeUninit;
+use std::rc::Rc;
+
+/// What is called with the time reached [s] after an internal step; returns the time at which the host wants the step to
+/// end, if it asks for that [s].
+pub type IntermediateUpdate = dyn Fn(f64) -> Option<f64>;
 
 /// One instance of the FMU.
 pub struct Instance {
@@ -33,6 +38,8 @@ pub struct Instance {
     tolerance: Option<f64>,
     pub clock: Clock,
     pub component: Component,
+    /// The host's callback after internal steps, if the host makes use of it.
+    pub update: Option<Rc<IntermediateUpdate>>,
     /// Texts of the last [`Self::get_string`], whose pointers lead here.
     texts: Vec<CString>,
 }
@@ -49,6 +56,7 @@ impl Instance {
             tolerance: None,
             clock: Clock::default(),
             component,
+            update: None,
             texts: Vec::new(),
         }
     }
@@ -342,39 +350,51 @@ impl Instance {
     /// as its error. A step that is refused before it begins changes nothing. After a step that cannot be computed, the
     /// state is that of the last communication point; after one that met the bound on its work, that at the time
     /// reached. A warning comes after a step that is done.
-    pub fn do_step(&mut self, point: f64, h: f64) -> Result<(), Refusal> {
+    ///
+    /// With [`Usage::intermediate_update`], `pauses_left` counts the internal steps after which the step pauses, with its
+    /// phase `Intermediate`: it goes on when this is called again with the rest of the step.
+    pub fn do_step(&mut self, point: f64, h: f64, pauses_left: &mut u64) -> Result<(), Refusal> {
         let end = self.clock.end_of_step(point, h)?;
         let (events, details) = (self.logger.has_events(), self.logger.has_details());
         self.component.listen(events, details);
-        let Usage { event_mode, early_return } = self.usage;
+        let Usage { event_mode, early_return, intermediate_update } = self.usage;
+        let pauses =
+            Pauses { at_events: event_mode && early_return, at_steps: intermediate_update && *pauses_left > 0 };
         if self.awaits_event {
             return Err(self.event_first("a step"));
         }
-        let stepped = match event_mode && early_return {
-            true => self.component.step_to_event(point, h)?,
-            false => self.component.step_from(Some(point), h)?,
+        let stepped = match pauses == Pauses::default() {
+            true => Paused::Not(self.component.step_from(Some(point), h)?),
+            false => self.component.step_to_pause(point, h, pauses)?,
         };
+        self.phase = Phase::Step;
         if events || details {
             self.tell(point);
         }
         match stepped {
-            Stepped::Whole => {
+            Paused::Not(Stepped::Whole) => {
                 self.clock.time = end;
                 if events && let Some(growth) = self.component.take_growth() {
                     self.logger.event(|| format!("at t = {end} s {growth}"));
                 }
                 self.component.take_warning().map_or(Ok(()), |warning| Err(Refusal::warning(warning)))
             }
-            Stepped::Event(time) => {
+            Paused::AtEvent(time) => {
                 self.clock.time = if time < h { point + time } else { end };
                 self.awaits_event = true;
                 self.component.take_warning().map_or(Ok(()), |warning| Err(Refusal::warning(warning)))
             }
-            Stepped::Part(interrupted) => {
+            Paused::AtStep(time) => {
+                self.clock.time = if time < h { point + time } else { end };
+                self.phase = Phase::Intermediate;
+                *pauses_left -= 1;
+                Ok(())
+            }
+            Paused::Not(Stepped::Part(interrupted)) => {
                 (self.clock.time, self.phase) = (point + interrupted.time, Phase::Interrupted);
                 Err(Refusal::discard(interrupted.why))
             }
-            Stepped::Failed(refused) => {
+            Paused::Not(Stepped::Failed(refused)) => {
                 self.phase = Phase::Failed;
                 Err(refused.into())
             }

@@ -28,17 +28,20 @@ pub enum Phase {
     Interrupted = 64,
     /// Co-simulation with event mode, between two steps: an event is being handled, or inputs jump.
     Event = 128,
+    /// Co-simulation within a step, while the host's callback reads values.
+    Intermediate = 256,
 }
 
 pub const INSTANTIATED: u16 = Phase::Instantiated as u16;
 pub const INITIALIZATION: u16 = Phase::Initialization as u16;
 pub const STEP: u16 = Phase::Step as u16;
 pub const EVENT: u16 = Phase::Event as u16;
+pub const INTERMEDIATE: u16 = Phase::Intermediate as u16;
 pub const TERMINATED: u16 = Phase::Terminated as u16;
 /// Phases after a step that did not come to its end.
 pub const FAILED: u16 = Phase::Failed as u16 | Phase::Interrupted as u16;
 pub const FATAL: u16 = Phase::Fatal as u16;
-/// All phases but [`Phase::Fatal`].
+/// All phases but [`Phase::Fatal`] and [`Phase::Intermediate`].
 pub const ALIVE: u16 = INSTANTIATED | INITIALIZATION | STEP | EVENT | TERMINATED | FAILED;
 /// Phases in which values can be set.
 pub const SETTABLE: u16 = INSTANTIATED | INITIALIZATION | STEP | EVENT;
@@ -46,7 +49,7 @@ pub const SETTABLE: u16 = INSTANTIATED | INITIALIZATION | STEP | EVENT;
 pub const STEPPED: u16 = STEP | TERMINATED | FAILED;
 
 /// Each phase with its name in messages, in the order of the bits.
-const PHASES: [(Phase, &str); 8] = [
+const PHASES: [(Phase, &str); 9] = [
     (Phase::Instantiated, "instantiated"),
     (Phase::Initialization, "initialization mode"),
     (Phase::Step, "step mode"),
@@ -55,6 +58,7 @@ const PHASES: [(Phase, &str); 8] = [
     (Phase::Fatal, "fatal"),
     (Phase::Interrupted, "step interrupted"),
     (Phase::Event, "event mode"),
+    (Phase::Intermediate, "intermediate update mode"),
 ];
 
 impl Phase {
@@ -65,7 +69,8 @@ impl Phase {
 
     /// The phase with the bit at this place, if there is one that a state can be saved in.
     pub fn at(place: u8) -> Option<Self> {
-        PHASES.get(usize::from(place)).map(|(phase, _)| *phase).filter(|phase| *phase != Phase::Fatal)
+        let can_be_saved = |phase: &Phase| !matches!(phase, Phase::Fatal | Phase::Intermediate);
+        PHASES.get(usize::from(place)).map(|(phase, _)| *phase).filter(can_be_saved)
     }
 
     /// Name in messages.

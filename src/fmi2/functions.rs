@@ -255,7 +255,7 @@ exported! {
     /// `fmi2Discard`: the step met `solver.max_steps` after a part of it (4.2.2). The state is that at the time of
     /// `fmi2LastSuccessfulTime`, where values can be read; to go on, a state saved before is restored or the instance
     /// reset.
-    fn fmi2DoStep(point: Real, h: Real, _no_set_state_prior: Boolean) in STEP => |i| i.do_step(point, h);
+    fn fmi2DoStep(point: Real, h: Real, _no_set_state_prior: Boolean) in STEP => |i| i.do_step(point, h, &mut 0);
 
     /// Always an error: no step is asynchronous, so that there is none to cancel.
     fn fmi2CancelStep() in ALIVE => |_i|

@@ -1,8 +1,9 @@
 //! The exported functions of FMI 3.0.2 that serve co-simulation: life cycle, logging, values, states, derivatives, steps
 //! (2.2, 2.3, 4.2). The contract of the pointers is that of the module `fmi3`.
 
+use super::step::{intermediate_update, set_update};
 use super::types::{
-    Boolean, Environment, FALSE, FmuState, Instance as Component, IntermediateUpdate, LogMessage, Status, TRUE, Text,
+    Boolean, Environment, FALSE, FmuState, Instance as Component, IntermediateUpdateCallback, LogMessage, Status, Text,
     ValueReference,
 };
 use crate::fmi::array::{input, output, text};
@@ -10,7 +11,7 @@ use crate::fmi::event_mode::Usage;
 use crate::fmi::instance::Instance;
 use crate::fmi::logger::{Logger, Sink};
 use crate::fmi::phase::{
-    ALIVE, EVENT, FAILED, FATAL, Function, INITIALIZATION, INSTANTIATED, Phase, SETTABLE, STEP, STEPPED,
+    ALIVE, EVENT, FAILED, FATAL, Function, INITIALIZATION, INSTANTIATED, INTERMEDIATE, Phase, SETTABLE, STEP, STEPPED,
 };
 use crate::fmi::refusal::{Refusal, Verdict};
 use crate::fmi::{exported, handle, resources, state_handle};
@@ -27,7 +28,8 @@ pub extern "C" fn fmi3GetVersion() -> Text {
 ///
 /// A NULL or empty path means the folder `resources` of the FMU that this library lies in. With event mode and early
 /// return a step ends where a stop is met or lets go. Event mode is refused where the XML does not declare it, as no
-/// stop does. Intermediate variables and their callback have no meaning here, nor has `visible`.
+/// stop does. After each internal step the callback is called if there is one; it may read any variable, so that the list
+/// of those required has no meaning here, nor has `visible`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     name: Text,
@@ -41,14 +43,18 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     _required_intermediate_variable_count: usize,
     environment: Environment,
     log_message: Option<LogMessage>,
-    _intermediate_update: Option<IntermediateUpdate>,
+    update: Option<IntermediateUpdateCallback>,
 ) -> Component {
     // SAFETY: strings are the host's, for the duration of the call (2.2.6).
     unsafe {
         let (name, token, path) = (text(name).unwrap_or_default(), text(token), text(resource_path));
         let logger = Logger::new(sink(environment, log_message), logging_on != FALSE);
-        let usage = Usage { event_mode: event_mode_used != FALSE, early_return: early_return_allowed != FALSE };
-        handle::instantiate("fmi3InstantiateCoSimulation", name, logger, usage, || {
+        let usage = Usage {
+            event_mode: event_mode_used != FALSE,
+            early_return: early_return_allowed != FALSE,
+            intermediate_update: update.is_some(),
+        };
+        let c = handle::instantiate("fmi3InstantiateCoSimulation", name, logger, usage, || {
             let loaded = resources::load("instantiationToken", token, path)?;
             if usage.event_mode && !loaded.component.has_events() {
                 return Err(Refusal::error(
@@ -56,7 +62,11 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
                 ));
             }
             Ok(loaded)
-        })
+        });
+        if let (false, Some(callback)) = (c.is_null(), update) {
+            set_update(c, intermediate_update(callback, environment, usage.early_return));
+        }
+        c
     }
 }
 
@@ -114,7 +124,7 @@ exported! {
     /// Read Float64 variables, and the time. An output that does not exist in this state is NaN, all others are told, and
     /// the answer is `fmi3Warning`. On an error the array may be filled in part.
     // SAFETY: both arrays have as many elements as said (2.2.6).
-    fn fmi3GetFloat64(vr: *const ValueReference, count: usize, value: *mut f64, values: usize) in ALIVE => |i| {
+    fn fmi3GetFloat64(vr: *const ValueReference, count: usize, value: *mut f64, values: usize) in ALIVE | INTERMEDIATE => |i| {
         let (vr, value) = (input("valueReferences", vr, count)?, output("values", value, values)?);
         same_length(count, values)?;
         get_float64(i, vr, value)
@@ -122,7 +132,7 @@ exported! {
 
     /// Read Booleans, each 0 or 1. On an error the array may be filled in part.
     // SAFETY: both arrays have as many elements as said (2.2.6).
-    fn fmi3GetBoolean(vr: *const ValueReference, count: usize, value: *mut Boolean, values: usize) in ALIVE => |i| {
+    fn fmi3GetBoolean(vr: *const ValueReference, count: usize, value: *mut Boolean, values: usize) in ALIVE | INTERMEDIATE => |i| {
         let (vr, value) = (input("valueReferences", vr, count)?, output("values", value, values)?);
         same_length(count, values)?;
         i.get_boolean(vr, value)
@@ -131,7 +141,7 @@ exported! {
     /// Read Strings; they live until the next call of this function or the end of the instance. On an error the array
     /// may be filled in part.
     // SAFETY: both arrays have as many elements as said (2.2.6).
-    fn fmi3GetString(vr: *const ValueReference, count: usize, value: *mut Text, values: usize) in ALIVE => |i| {
+    fn fmi3GetString(vr: *const ValueReference, count: usize, value: *mut Text, values: usize) in ALIVE | INTERMEDIATE => |i| {
         let (vr, value) = (input("valueReferences", vr, count)?, output("values", value, values)?);
         same_length(count, values)?;
         i.get_string(vr, value)
@@ -206,7 +216,7 @@ exported! {
     fn fmi3GetDirectionalDerivative(
         unknowns: *const ValueReference, unknown_count: usize, knowns: *const ValueReference, known_count: usize,
         seed: *const f64, seeds: usize, sensitivity: *mut f64, sensitivities: usize
-    ) in INITIALIZATION | EVENT | STEPPED => |i| {
+    ) in INITIALIZATION | EVENT | INTERMEDIATE | STEPPED => |i| {
         let (unknowns, knowns) = (input("unknowns", unknowns, unknown_count)?, input("knowns", knowns, known_count)?);
         same_length(known_count, seeds)?;
         same_length(unknown_count, sensitivities)?;
@@ -220,7 +230,7 @@ exported! {
     fn fmi3GetAdjointDerivative(
         unknowns: *const ValueReference, unknown_count: usize, knowns: *const ValueReference, known_count: usize,
         seed: *const f64, seeds: usize, sensitivity: *mut f64, sensitivities: usize
-    ) in INITIALIZATION | EVENT | STEPPED => |i| {
+    ) in INITIALIZATION | EVENT | INTERMEDIATE | STEPPED => |i| {
         let (unknowns, knowns) = (input("unknowns", unknowns, unknown_count)?, input("knowns", knowns, known_count)?);
         same_length(unknown_count, seeds)?;
         same_length(known_count, sensitivities)?;
@@ -235,43 +245,10 @@ exported! {
     // SAFETY: all arrays have as many elements as said (4.2.4).
     fn fmi3GetOutputDerivatives(
         vr: *const ValueReference, count: usize, order: *const i32, value: *mut f64, values: usize
-    ) in INITIALIZATION | STEPPED => |i| {
+    ) in INITIALIZATION | INTERMEDIATE | STEPPED => |i| {
         let (vr, order) = (input("valueReferences", vr, count)?, input("orders", order, count)?);
         same_length(count, values)?;
         i.output_derivatives(vr, order, output("values", value, values)?)
-    };
-
-    /// Advance by exactly `h` [s] from the present communication point `point` [s]. `*last` is the time reached; the end
-    /// of the simulation is never asked for.
-    ///
-    /// With event mode and early return the step ends where a stop is met or lets go, if that comes first: then
-    /// `*event_needed` is true, the state is that before the impact, and the next call is [`fmi3EnterEventMode`].
-    ///
-    /// Refused, without any change, for an `h` that is not finite and positive, for another point than the instance's
-    /// own, and for a step past the stop time. The flag `noSetFMUStatePriorToCurrentPoint` has no meaning here: any state
-    /// can be restored.
-    ///
-    /// `fmi3Discard`: the step met `solver.max_steps` after a part of it. The state is that at `*last`, where values can be
-    /// read; to go on, a state saved before is restored or the instance reset.
-    // SAFETY: each pointer leads to memory for one value (4.2.2).
-    fn fmi3DoStep(
-        point: f64, h: f64, _no_set_state_prior: Boolean, event_needed: *mut Boolean, terminate: *mut Boolean,
-        early_return: *mut Boolean, last: *mut f64
-    ) in STEP => |i| {
-        let event_needed = output("eventHandlingNeeded", event_needed, 1)?;
-        let terminate = output("terminateSimulation", terminate, 1)?;
-        let early_return = output("earlyReturn", early_return, 1)?;
-        let last = output("lastSuccessfulTime", last, 1)?;
-        for flag in [&mut *event_needed, terminate, &mut *early_return] {
-            flag[0].write(FALSE);
-        }
-        let stepped = i.do_step(point, h);
-        last[0].write(i.clock.time);
-        if i.awaits_event && !matches!(&stepped, Err(refusal) if refusal.verdict == Verdict::Error) {
-            event_needed[0].write(TRUE);
-            early_return[0].write((i.clock.time < point + h).into());
-        }
-        stepped
     };
 
     /// From step mode to event mode: an event is handled, or inputs jump.

@@ -14,6 +14,7 @@ use super::error::ModelError;
 use super::fem_motion::RigidFemMotion;
 use super::interface;
 use super::motion::state::{Reached, State};
+use super::motion::witness::Pauses;
 use super::outputs::{Computed, ReducedMotion};
 use super::parameters::ParameterValues;
 use super::quantity::{Hydraulic, Output, Quantity};
@@ -392,11 +393,15 @@ impl Model {
     /// # Errors
     /// As [`Self::step`].
     pub fn step_from(&mut self, point: Option<f64>, h: f64) -> Result<(), ModelError> {
-        self.advance(point, h, false).map(drop)
+        self.step_to_pause(point, h, Pauses::default()).map(drop)
     }
 
-    /// [`Self::step_from`], which ends at the first event if it `pauses`.
-    fn advance(&mut self, point: Option<f64>, h: f64, pauses: bool) -> Result<Reached, ModelError> {
+    /// [`Self::step_from`], but only to where it pauses, if that comes first. At an event the state is that before the
+    /// impact, which follows with [`Self::handle_event`] or the next step. With "rigid_fem" a step does not pause.
+    ///
+    /// # Errors
+    /// As [`Self::step`].
+    pub fn step_to_pause(&mut self, point: Option<f64>, h: f64, pauses: Pauses) -> Result<Reached, ModelError> {
         if !(h.is_finite() && h > 0.0) {
             return Err(ModelError::StepSize { h });
         }
@@ -418,8 +423,7 @@ impl Model {
         };
         if self.inputs.signal.ahead {
             match stepped {
-                Ok(Reached::End) => self.leave_inputs_at(h),
-                Ok(Reached::Event(time)) => self.leave_inputs_at(time),
+                Ok(reached) => self.leave_inputs_at(reached.time(h)),
                 Err(ModelError::Interrupted { time, .. }) => self.leave_inputs_at(time),
                 Err(_) => {}
             }

@@ -148,3 +148,50 @@ def test_steps_return_early_at_the_stop(folder: Path) -> None:
     quiet = run(use_event_mode=True)
     for name in whole.dtype.names:
         assert np.array_equal(whole[name], quiet[name]), name
+
+
+def test_the_callback_reads_values_within_a_step_and_ends_it(folder: Path) -> None:
+    unpacked = extract(str(folder / f"{NAME}.fmi3.fmu"))
+    description = read_model_description(unpacked)
+    assert description.coSimulation.providesIntermediateUpdate
+    assert description.coSimulation.canReturnEarlyAfterIntermediateUpdate
+    references = {v.name: v.valueReference for v in description.modelVariables}
+    angle = references["crank.angle"]
+    instance = FMU3Slave(
+        guid=description.instantiationToken,
+        unzipDirectory=unpacked,
+        modelIdentifier=NAME,
+        instanceName="gear",
+    )
+    told: list[tuple[float, float]] = []
+
+    flags: set[tuple] = set()
+
+    # Exceptions would be lost here.
+    def update(_environment: object, time: float, *arguments: object) -> None:
+        *told_flags, requested, stop = arguments
+        flags.add(tuple(told_flags))
+        told.append((time, instance.getFloat64([angle])[0]))
+        if len(told) == 3:
+            requested[0], stop[0] = True, 0.09
+
+    instance.instantiate(
+        earlyReturnAllowed=True,
+        intermediateUpdate=update,
+        requiredIntermediateVariables=[angle],
+    )
+    instance.enterInitializationMode(tolerance=1e-12, startTime=0.0)
+    instance.exitInitializationMode()
+    assert instance.doStep(0.0, 0.13) == (False, False, True, 0.09)
+    assert len(told) >= 3
+    # Set requested, get allowed, step finished, can return early.
+    assert flags == {(False, True, True, True)}
+    assert all(0.0 < time < 0.09 for time, _ in told)
+    (at_end,) = instance.getFloat64([angle])
+    assert all(at_end < value < 0.8 for _, value in told)
+    told += [(0.0, 0.0)] * 3
+    assert instance.doStep(0.09, 0.04) == (False, False, False, 0.13)
+    assert instance.getFloat64([angle])[0] == pytest.approx(-1.2377117266891367, abs=1e-10)
+    instance.terminate()
+    instance.freeInstance()
+    shutil.rmtree(unpacked, ignore_errors=True)

@@ -122,7 +122,7 @@ mod tests {
         let of = |i: usize| (0..i as Reference).collect();
         let initial_dependencies = Some((0..variables.len()).map(of).collect());
         let orders = [2, 1];
-        let has_events = false;
+        let (has_events, has_internal_steps) = (false, false);
         write(&Interface {
             name,
             description,
@@ -133,6 +133,7 @@ mod tests {
             tolerance,
             orders,
             has_events,
+            has_internal_steps,
         })
     }
 

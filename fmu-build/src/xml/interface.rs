@@ -37,6 +37,8 @@ pub struct Interface<'a> {
     pub orders: [i32; 2],
     /// Whether a step may come to an event.
     pub has_events: bool,
+    /// Whether a step tells its internal steps.
+    pub has_internal_steps: bool,
 }
 
 impl<'a> Interface<'a> {
@@ -63,6 +65,7 @@ impl<'a> Interface<'a> {
             tolerance,
             orders: [component.input_order(), component.output_order()],
             has_events: component.has_events(),
+            has_internal_steps: component.has_internal_steps(),
         })
     }
 

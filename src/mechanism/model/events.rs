@@ -1,20 +1,11 @@
-//! Steps that end at an event, and the event itself, for hosts that handle events.
+//! The event at which a step has ended, for hosts that handle events.
 //!
-//! In: a step, a request to handle the event at its end. Out: the states before and after the event. It must not know how a
+//! In: the state before an event. Out: the state after it. It must not know how a
 //! step is made.
-use super::{Formulation, Model, ModelError, Reached};
+use super::{Formulation, Model, ModelError, Pauses};
 
 impl Model {
-    /// [`Self::step_from`], but only to where a stop is met or lets go, if that comes first. The state is then that
-    /// before the impact, which follows with [`Self::handle_event`] or the next step.
-    ///
-    /// # Errors
-    /// As [`Self::step`].
-    pub fn step_to_event(&mut self, point: Option<f64>, h: f64) -> Result<Reached, ModelError> {
-        self.advance(point, h, true)
-    }
-
-    /// The impact at the stop to which [`Self::step_to_event`] has led, at the time `point` [s] of the host; returns
+    /// The impact at the stop to which [`Self::step_to_pause`] has led, at the time `point` [s] of the host; returns
     /// whether the state has jumped.
     ///
     /// # Errors
@@ -26,7 +17,7 @@ impl Model {
         match state {
             Formulation::Reduced(motion) if motion.state.contact.arrival().is_some() => {
                 motion.state.witness.listens = self.told.listens;
-                motion.state.witness.pauses = false;
+                motion.state.witness.pauses = Pauses::default();
                 let solver = &self.parameter_values.mechanism().solver;
                 motion.step_from(point, reduced, &self.inputs, 0.0, solver).map(|_| true)
             }

@@ -31,6 +31,8 @@ pub enum Stopped {
     Length,
     /// A stop is met, as the contact tells, or lets go: the advance pauses there, and can go on.
     Event(Progress),
+    /// An internal step is done: the advance pauses there, and can go on.
+    Pause(Progress),
     /// The work allowed was done; the state is that at the time reached, and the advance can go on from it.
     Budget(Progress),
 }
@@ -173,6 +175,10 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                 Some(Found { event, part, .. }) => self.apply_event(event, part <= REGIME_TOLERANCE, z)?,
                 None if step.reached && !is_cut => break,
                 None => {}
+            }
+            // A change of law that is kept for the next step must not be forgotten.
+            if self.witness.pauses.at_steps && self.progress.held.is_none() {
+                return Err(Stopped::Pause(self.progress));
             }
         }
         Ok(self.progress.lost)
@@ -330,7 +336,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// Whether the advance pauses at an event now. At its very start it does not, so that each makes way.
     #[inline(always)]
     fn pauses(&self) -> bool {
-        self.witness.pauses && self.progress.t > 0.0
+        self.witness.pauses.at_events && self.progress.t > 0.0
     }
 
     /// What follows at the start of an advance where the one before has paused: the impact at this place.

@@ -71,6 +71,18 @@ pub enum Reached {
     End,
     /// At an event, which is to be handled, so long after its beginning [s].
     Event(f64),
+    /// After an internal step, so long after its beginning [s].
+    Pause(f64),
+}
+
+impl Reached {
+    /// Time from the beginning of a step of `h` [s] to where it has ended [s].
+    pub fn time(self, h: f64) -> f64 {
+        match self {
+            Self::End => h,
+            Self::Event(time) | Self::Pause(time) => time,
+        }
+    }
 }
 
 /// How far a step has come.
@@ -182,10 +194,12 @@ impl State {
                 Ok(()) => return Ok(Reached::End),
                 Err(error) => error,
             },
-            Err(Stopped::Event(progress)) => {
+            Err(stopped @ (Stopped::Event(progress) | Stopped::Pause(progress))) => {
                 arrival.lost += progress.lost;
+                let is_event = matches!(stopped, Stopped::Event(_));
                 match self.arrive(reduced, &arrival) {
-                    Ok(()) => return Ok(Reached::Event(progress.t)),
+                    Ok(()) if is_event => return Ok(Reached::Event(progress.t)),
+                    Ok(()) => return Ok(Reached::Pause(progress.t)),
                     Err(error) => error,
                 }
             }

@@ -78,7 +78,7 @@ impl ReducedMotion {
         let revolutions = self.state.revolutions;
         match self.state.step(reduced, inputs, h, solver) {
             Ok(reached) => {
-                self.state.pass(point, if let Reached::Event(time) = reached { time } else { h });
+                self.state.pass(point, reached.time(h));
                 self.invalidate(revolutions);
                 Ok(reached)
             }
