@@ -13,7 +13,8 @@ use crate::hydraulics::{self, HydraulicsError};
 use crate::inspection::{Finding, Inspection};
 use crate::integrator::Method;
 use crate::mechanism::Line;
-use crate::mechanism::{self, ModelError};
+pub use crate::mechanism::Pauses;
+use crate::mechanism::{self, ModelError, Reached};
 use crate::variables::{Interface, Reference, Terminal};
 use std::fmt;
 use std::sync::Arc;
@@ -55,6 +56,17 @@ pub enum Stepped {
     Part(Interrupted),
     /// Nowhere: the step could not be computed, and the model is in the state before it.
     Failed(Refused),
+}
+
+/// Where a step has ended that may pause.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Paused {
+    /// Nowhere before its end.
+    Not(Stepped),
+    /// At an event, so long after its beginning [s], that [`Component::handle_event`] handles.
+    AtEvent(f64),
+    /// At the end of an internal step, so long after its beginning [s].
+    AtStep(f64),
 }
 
 /// A step that met `solver.max_steps`.
@@ -341,6 +353,47 @@ impl Component {
         match self {
             Self::Mechanism(model) => model.step_from(point, h).map_or_else(stepped, |()| Ok(Stepped::Whole)),
             Self::Hydraulic(model) => model.step(h).map_or_else(stepped_hydraulic, |()| Ok(Stepped::Whole)),
+        }
+    }
+
+    /// Whether a step may come to an event: a stop is met or lets go.
+    pub fn has_events(&self) -> bool {
+        match self {
+            Self::Mechanism(model) => model.has_events(),
+            Self::Hydraulic(_) => false,
+        }
+    }
+
+    /// Whether a step tells its internal steps.
+    pub fn has_internal_steps(&self) -> bool {
+        matches!(self, Self::Mechanism(_))
+    }
+
+    /// [`Self::step_from`], but only to where it pauses first. At an event the state is that before the event.
+    ///
+    /// # Errors
+    /// As [`Self::step_from`].
+    pub fn step_to_pause(&mut self, point: f64, h: f64, pauses: Pauses) -> Result<Paused, Refused> {
+        match self {
+            Self::Mechanism(model) => match model.step_to_pause(Some(point), h, pauses) {
+                Ok(Reached::End) => Ok(Paused::Not(Stepped::Whole)),
+                Ok(Reached::Event(time)) => Ok(Paused::AtEvent(time)),
+                Ok(Reached::Pause(time)) => Ok(Paused::AtStep(time)),
+                Err(error) => stepped(error).map(Paused::Not),
+            },
+            Self::Hydraulic(_) => self.step_from(Some(point), h).map(Paused::Not),
+        }
+    }
+
+    /// Handle the event to which a step has led, at the time `point` [s] of the host: the state is then that after it.
+    /// Returns whether the state has jumped. Without an event nothing changes.
+    ///
+    /// # Errors
+    /// The state after the event cannot be computed; nothing has changed.
+    pub fn handle_event(&mut self, point: f64) -> Result<bool, Refused> {
+        match self {
+            Self::Mechanism(model) => Ok(model.handle_event(Some(point))?),
+            Self::Hydraulic(_) => Ok(false),
         }
     }
 

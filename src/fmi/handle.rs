@@ -5,6 +5,7 @@
 //! logger. It must not know which function of which version is called, but for its name and legal phases.
 #![allow(unsafe_code)]
 
+use super::event_mode::Usage;
 use super::instance::Instance;
 use super::logger::Logger;
 use super::phase::{Function, Phase};
@@ -20,6 +21,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 const IDLE: u64 = u64::from_be_bytes(*b"linkage\0");
 /// First word of an instance while a function works on it: its logger must not call back into it.
 const BUSY: u64 = !IDLE;
+/// First word of an instance whose host is called back within a step: it can be read, and not be freed.
+const CALLING: u64 = IDLE.rotate_left(8);
 /// First word of an instance that was freed.
 const FREED: u64 = 0;
 
@@ -30,11 +33,12 @@ struct Handle {
 }
 
 /// Make an instance of what `load` gives; NULL, with a message, if that fails. `function` is the name of the exported
-/// function, `name` that of the instance.
+/// function, `name` that of the instance, `usage` what the host makes use of.
 pub fn instantiate(
     function: &str,
     name: &CStr,
     logger: Logger,
+    usage: Usage,
     load: impl FnOnce() -> Result<Loaded, Refusal>,
 ) -> *mut c_void {
     let load = || match name.is_empty() {
@@ -46,7 +50,7 @@ pub fn instantiate(
             remark.iter().for_each(|remark| logger.remark(remark));
             component.warnings().iter().for_each(|warning| logger.remark(&warning.to_string()));
             component.remarks().iter().for_each(|remark| logger.remark(remark));
-            let instance = UnsafeCell::new(Instance::new(logger, component));
+            let instance = UnsafeCell::new(Instance::new(logger, component, usage));
             return Box::into_raw(Box::new(Handle { word: AtomicU64::new(IDLE), instance })).cast();
         }
         Ok(Err(refusal)) => refusal,
@@ -72,15 +76,31 @@ pub unsafe fn call(
     // SAFETY: the caller's promise.
     let Some(handle) = (unsafe { handle(pointer) }) else { return Verdict::Error };
     // A load and a store, as the standard forbids the race that an exchange would decide.
-    if handle.word.load(Ordering::Relaxed) != IDLE {
+    let word = handle.word.load(Ordering::Relaxed);
+    if word != IDLE && word != CALLING {
         return Verdict::Error;
     }
     handle.word.store(BUSY, Ordering::Relaxed);
-    // SAFETY: the word was IDLE, so that no call is at work on the instance further up this stack; the caller promises
+    // SAFETY: the word was neither BUSY nor FREED, so that no call is at work on the instance further up this stack; the caller promises
     // that none is on another thread.
     let verdict = guarded(unsafe { &mut *handle.instance.get() }, function, work);
-    handle.word.store(IDLE, Ordering::Relaxed);
+    handle.word.store(word, Ordering::Relaxed);
     verdict
+}
+
+/// Call the host back between two calls of one step, so that it can read the instance. What the callback throws is handed
+/// over as a panic.
+///
+/// # Safety
+/// As for [`call`]; no call is at work on the instance.
+pub unsafe fn call_back<T>(pointer: *mut c_void, callback: impl FnOnce() -> T) -> std::thread::Result<T> {
+    // SAFETY: the caller's promise.
+    let handle = unsafe { handle(pointer) };
+    let set = |word| handle.inspect(|handle| handle.word.store(word, Ordering::Relaxed));
+    set(CALLING);
+    let answer = catch_unwind(AssertUnwindSafe(callback));
+    set(IDLE);
+    answer
 }
 
 /// End of an instance. NULL, and an instance whose logger is being called right now, are left alone.
@@ -180,7 +200,7 @@ mod tests {
 
     fn gear() -> *mut c_void {
         let load = || Ok(Component::from_definition("mechanism.json", GEAR)?.into());
-        instantiate("instantiate", c"gear", Logger::new(None, false), load)
+        instantiate("instantiate", c"gear", Logger::new(None, false), Usage::default(), load)
     }
 
     #[test]
@@ -202,9 +222,10 @@ mod tests {
     #[test]
     fn a_logger_that_throws_changes_no_answer() {
         let load = || Ok(Component::from_definition("mechanism.json", GEAR)?.into());
-        let refused = instantiate("instantiate", c"gear", throwing(), || Err(Refusal::error("on purpose")));
+        let refused =
+            instantiate("instantiate", c"gear", throwing(), Usage::default(), || Err(Refusal::error("on purpose")));
         assert!(refused.is_null());
-        let c = instantiate("instantiate", c"gear", throwing(), load);
+        let c = instantiate("instantiate", c"gear", throwing(), Usage::default(), load);
         // SAFETY: the pointer is valid until `free`.
         unsafe {
             assert_eq!(call(c, &READ, |_| Err(Refusal::error("on purpose"))), Verdict::Error);
@@ -222,7 +243,10 @@ mod tests {
 
     #[test]
     fn a_panic_in_instantiate_gives_null() {
-        assert!(instantiate("instantiate", c"gear", Logger::new(None, false), || panic!("on purpose")).is_null());
+        assert!(
+            instantiate("instantiate", c"gear", Logger::new(None, false), Usage::default(), || panic!("on purpose"))
+                .is_null()
+        );
     }
 
     #[test]

@@ -4,17 +4,23 @@
 //! pointers to instances, nor the names and C types of a version.
 
 use super::clock::Clock;
+use super::event_mode::{Usage, no_such_phase};
 use super::logger::Logger;
 use super::phase::{Phase, may_get, may_set};
 use super::refusal::Refusal;
 use super::saved::Saved;
 use super::undefined::Undefined;
-use crate::component::{Component, Refused, Stepped};
+use crate::component::{Component, Paused, Pauses, Refused, Stepped};
 use crate::numerics::decimal::Decimal;
 use crate::variables::{Interface, Kind, Reference};
 use std::borrow::Cow;
 use std::ffi::{CStr, CString, c_char};
 use std::mem::MaybeUninit;
+use std::rc::Rc;
+
+/// What is called with the time reached [s] after an internal step; returns the time at which the host wants the step to
+/// end, if it asks for that [s].
+pub type IntermediateUpdate = dyn Fn(f64) -> Option<f64>;
 
 /// One instance of the FMU.
 pub struct Instance {
@@ -22,26 +28,35 @@ pub struct Instance {
     pub phase: Phase,
     /// Where messages go.
     pub logger: Logger,
+    /// What the host makes use of.
+    pub usage: Usage,
+    /// Whether the last step has led to an event that the host has not had handled yet.
+    pub awaits_event: bool,
     /// Whether the experiment was set up.
     pub set_up: bool,
     /// Tolerance of the experiment, if it has one. It takes precedence over solver.tolerance.
     tolerance: Option<f64>,
     pub clock: Clock,
     pub component: Component,
+    /// The host's callback after internal steps, if the host makes use of it.
+    pub update: Option<Rc<IntermediateUpdate>>,
     /// Texts of the last [`Self::get_string`], whose pointers lead here.
     texts: Vec<CString>,
 }
 
 impl Instance {
     /// New instance of a component.
-    pub fn new(logger: Logger, component: Component) -> Self {
+    pub fn new(logger: Logger, component: Component, usage: Usage) -> Self {
         Instance {
             phase: Phase::Instantiated,
             logger,
+            usage,
+            awaits_event: false,
             set_up: false,
             tolerance: None,
             clock: Clock::default(),
             component,
+            update: None,
             texts: Vec::new(),
         }
     }
@@ -68,7 +83,7 @@ impl Instance {
             self.component.set_tolerance(tolerance)?;
         }
         self.component.initialize()?;
-        self.phase = Phase::Step;
+        self.phase = if self.usage.event_mode { Phase::Event } else { Phase::Step };
         if let Some(warning) = self.component.start_warning() {
             self.logger.remark(&warning);
         }
@@ -86,28 +101,31 @@ impl Instance {
     pub fn reset(&mut self) {
         self.component.reset();
         self.clock = Clock::default();
-        self.set_up = false;
+        (self.set_up, self.awaits_event) = (false, false);
         self.tolerance = None;
         self.phase = Phase::Instantiated;
     }
 
     /// All that decides how the instance goes on; the log categories are no part of it.
     pub fn save(&self) -> Saved {
-        let Self { phase, set_up, tolerance, clock, .. } = *self;
-        Saved { phase, set_up, tolerance, clock, component: self.component.snapshot() }
+        let Self { phase, awaits_event, set_up, tolerance, clock, .. } = *self;
+        Saved { phase, awaits_event, set_up, tolerance, clock, component: self.component.snapshot() }
     }
 
     /// [`Self::save`] into an existing state of this identity, without allocation if both are of the same kind.
     pub fn save_into(&self, saved: &mut Saved) {
-        (saved.phase, saved.set_up) = (self.phase, self.set_up);
+        (saved.phase, saved.awaits_event, saved.set_up) = (self.phase, self.awaits_event, self.set_up);
         (saved.tolerance, saved.clock) = (self.tolerance, self.clock);
         self.component.snapshot_into(&mut saved.component);
     }
 
     /// Go on as the instance that was saved, in its phase.
     pub fn restore(&mut self, saved: &Saved) -> Result<(), Refusal> {
+        if !self.usage.has(saved.phase) || saved.awaits_event && !self.usage.event_mode {
+            return Err(no_such_phase(saved));
+        }
         self.component.restore(&saved.component)?;
-        (self.phase, self.set_up) = (saved.phase, saved.set_up);
+        (self.phase, self.awaits_event, self.set_up) = (saved.phase, saved.awaits_event, saved.set_up);
         (self.tolerance, self.clock) = (saved.tolerance, saved.clock);
         Ok(())
     }
@@ -320,7 +338,7 @@ impl Instance {
 
     /// Log what happened in a step that began at the time `point` [s].
     #[cold]
-    fn tell(&mut self, point: f64) {
+    pub(super) fn tell(&mut self, point: f64) {
         for line in self.component.take_occurrences(point) {
             if line.is_detail { self.logger.detail(&line.text) } else { self.logger.event(|| line.text) }
         }
@@ -332,27 +350,51 @@ impl Instance {
     /// as its error. A step that is refused before it begins changes nothing. After a step that cannot be computed, the
     /// state is that of the last communication point; after one that met the bound on its work, that at the time
     /// reached. A warning comes after a step that is done.
-    pub fn do_step(&mut self, point: f64, h: f64) -> Result<(), Refusal> {
+    ///
+    /// With [`Usage::intermediate_update`], `pauses_left` counts the internal steps after which the step pauses, with its
+    /// phase `Intermediate`: it goes on when this is called again with the rest of the step.
+    pub fn do_step(&mut self, point: f64, h: f64, pauses_left: &mut u64) -> Result<(), Refusal> {
         let end = self.clock.end_of_step(point, h)?;
         let (events, details) = (self.logger.has_events(), self.logger.has_details());
         self.component.listen(events, details);
-        let stepped = self.component.step_from(Some(point), h)?;
+        let Usage { event_mode, early_return, intermediate_update } = self.usage;
+        let pauses =
+            Pauses { at_events: event_mode && early_return, at_steps: intermediate_update && *pauses_left > 0 };
+        if self.awaits_event {
+            return Err(self.event_first("a step"));
+        }
+        let stepped = match pauses == Pauses::default() {
+            true => Paused::Not(self.component.step_from(Some(point), h)?),
+            false => self.component.step_to_pause(point, h, pauses)?,
+        };
+        self.phase = Phase::Step;
         if events || details {
             self.tell(point);
         }
         match stepped {
-            Stepped::Whole => {
+            Paused::Not(Stepped::Whole) => {
                 self.clock.time = end;
                 if events && let Some(growth) = self.component.take_growth() {
                     self.logger.event(|| format!("at t = {end} s {growth}"));
                 }
                 self.component.take_warning().map_or(Ok(()), |warning| Err(Refusal::warning(warning)))
             }
-            Stepped::Part(interrupted) => {
+            Paused::AtEvent(time) => {
+                self.clock.time = if time < h { point + time } else { end };
+                self.awaits_event = true;
+                self.component.take_warning().map_or(Ok(()), |warning| Err(Refusal::warning(warning)))
+            }
+            Paused::AtStep(time) => {
+                self.clock.time = if time < h { point + time } else { end };
+                self.phase = Phase::Intermediate;
+                *pauses_left -= 1;
+                Ok(())
+            }
+            Paused::Not(Stepped::Part(interrupted)) => {
                 (self.clock.time, self.phase) = (point + interrupted.time, Phase::Interrupted);
                 Err(Refusal::discard(interrupted.why))
             }
-            Stepped::Failed(refused) => {
+            Paused::Not(Stepped::Failed(refused)) => {
                 self.phase = Phase::Failed;
                 Err(refused.into())
             }

@@ -9,6 +9,7 @@
 
 pub(crate) mod array;
 pub(crate) mod clock;
+pub(crate) mod event_mode;
 mod exported;
 pub(crate) mod handle;
 pub(crate) mod instance;

@@ -7,9 +7,10 @@
 use super::refusal::Refusal;
 use crate::variables::{Causality, Interface, Kind, Reference, Variable};
 
-/// Phase of an instance; each is one bit, so that a set of phases is a number. The numbers stand in serialised states.
+/// Phase of an instance; each is one bit, so that a set of phases is a number. The places of
+/// the bits stand in serialised states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
+#[repr(u16)]
 pub enum Phase {
     /// After instantiation or a reset.
     Instantiated = 1,
@@ -25,24 +26,30 @@ pub enum Phase {
     Fatal = 32,
     /// A step met the bound on its work; the state is that at the time reached.
     Interrupted = 64,
+    /// Co-simulation with event mode, between two steps: an event is being handled, or inputs jump.
+    Event = 128,
+    /// Co-simulation within a step, while the host's callback reads values.
+    Intermediate = 256,
 }
 
-pub const INSTANTIATED: u8 = Phase::Instantiated as u8;
-pub const INITIALIZATION: u8 = Phase::Initialization as u8;
-pub const STEP: u8 = Phase::Step as u8;
-pub const TERMINATED: u8 = Phase::Terminated as u8;
+pub const INSTANTIATED: u16 = Phase::Instantiated as u16;
+pub const INITIALIZATION: u16 = Phase::Initialization as u16;
+pub const STEP: u16 = Phase::Step as u16;
+pub const EVENT: u16 = Phase::Event as u16;
+pub const INTERMEDIATE: u16 = Phase::Intermediate as u16;
+pub const TERMINATED: u16 = Phase::Terminated as u16;
 /// Phases after a step that did not come to its end.
-pub const FAILED: u8 = Phase::Failed as u8 | Phase::Interrupted as u8;
-pub const FATAL: u8 = Phase::Fatal as u8;
-/// All phases but [`Phase::Fatal`].
-pub const ALIVE: u8 = INSTANTIATED | INITIALIZATION | STEP | TERMINATED | FAILED;
+pub const FAILED: u16 = Phase::Failed as u16 | Phase::Interrupted as u16;
+pub const FATAL: u16 = Phase::Fatal as u16;
+/// All phases but [`Phase::Fatal`] and [`Phase::Intermediate`].
+pub const ALIVE: u16 = INSTANTIATED | INITIALIZATION | STEP | EVENT | TERMINATED | FAILED;
 /// Phases in which values can be set.
-pub const SETTABLE: u8 = INSTANTIATED | INITIALIZATION | STEP;
-/// All phases after initialization.
-pub const STEPPED: u8 = STEP | TERMINATED | FAILED;
+pub const SETTABLE: u16 = INSTANTIATED | INITIALIZATION | STEP | EVENT;
+/// All phases after initialization but event mode.
+pub const STEPPED: u16 = STEP | TERMINATED | FAILED;
 
 /// Each phase with its name in messages, in the order of the bits.
-const PHASES: [(Phase, &str); 7] = [
+const PHASES: [(Phase, &str); 9] = [
     (Phase::Instantiated, "instantiated"),
     (Phase::Initialization, "initialization mode"),
     (Phase::Step, "step mode"),
@@ -50,17 +57,25 @@ const PHASES: [(Phase, &str); 7] = [
     (Phase::Failed, "step failed"),
     (Phase::Fatal, "fatal"),
     (Phase::Interrupted, "step interrupted"),
+    (Phase::Event, "event mode"),
+    (Phase::Intermediate, "intermediate update mode"),
 ];
 
 impl Phase {
-    /// The phase of this number, if there is one that a state can be saved in.
-    pub fn of_bit(bit: u8) -> Option<Self> {
-        PHASES.map(|(phase, _)| phase).into_iter().find(|phase| *phase as u8 == bit && *phase != Phase::Fatal)
+    /// Place of the bit, for serialised states.
+    pub fn place(self) -> u8 {
+        (self as u16).trailing_zeros() as u8
+    }
+
+    /// The phase with the bit at this place, if there is one that a state can be saved in.
+    pub fn at(place: u8) -> Option<Self> {
+        let can_be_saved = |phase: &Phase| !matches!(phase, Phase::Fatal | Phase::Intermediate);
+        PHASES.get(usize::from(place)).map(|(phase, _)| *phase).filter(can_be_saved)
     }
 
     /// Name in messages.
     pub fn name(self) -> &'static str {
-        PHASES[(self as u8).trailing_zeros() as usize].1
+        PHASES[usize::from(self.place())].1
     }
 }
 
@@ -69,19 +84,19 @@ impl Phase {
 pub struct Function {
     /// Name as exported.
     pub name: &'static str,
-    legal: u8,
+    legal: u16,
 }
 
 impl Function {
     /// Function of this name, legal in this set of phases.
-    pub const fn new(name: &'static str, legal: u8) -> Self {
+    pub const fn new(name: &'static str, legal: u16) -> Self {
         Function { name, legal }
     }
 
     /// Whether the function may be called in this phase.
     #[inline]
     pub fn is_legal_in(&self, phase: Phase) -> bool {
-        self.legal & phase as u8 != 0
+        self.legal & phase as u16 != 0
     }
 
     /// The legal phases, for messages.
@@ -175,6 +190,6 @@ mod tests {
 
     #[test]
     fn each_phase_is_the_bit_of_its_index() {
-        assert!(PHASES.iter().enumerate().all(|(i, (phase, _))| *phase as u8 == 1 << i));
+        assert!(PHASES.iter().enumerate().all(|(i, (phase, _))| *phase as u16 == 1 << i));
     }
 }

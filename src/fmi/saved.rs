@@ -10,7 +10,7 @@
 //! | 8 | number of all bytes |
 //! | 8 | hash of the GUID |
 //! | 8 | hash of what no parameter, input or text of the definition changes |
-//! | 1, 1 | phase, whether the experiment was set up |
+//! | 1, 1, 1 | phase, whether an event is to be handled, whether the experiment was set up |
 //! | 1 or 9 | whether the experiment has a tolerance, the tolerance |
 //! | 17 or 25 | start time, time, whether there is a stop time, stop time |
 //! | n | the component: parameters, inputs, the state with the memory of its integration |
@@ -25,7 +25,7 @@ use crate::component::{Component, Snapshot};
 
 const MAGIC: [u8; 8] = *b"linkFMUs";
 /// Version of the form. It changes with every change of the bytes or of what is hashed.
-const VERSION: u32 = 8;
+const VERSION: u32 = 9;
 /// Bytes of magic, version, length and the two hashes.
 const HEADER: usize = 36;
 /// Bytes of the check sum.
@@ -35,6 +35,7 @@ const CHECK: usize = 4;
 #[derive(Clone, Debug)]
 pub struct Saved {
     pub phase: Phase,
+    pub awaits_event: bool,
     pub set_up: bool,
     pub tolerance: Option<f64>,
     pub clock: Clock,
@@ -48,7 +49,7 @@ impl Saved {
     /// A count of work done is near overflow.
     pub fn to_bytes(&self, identity: [u64; 2]) -> Result<Vec<u8>, Refusal> {
         let [guid, structure] = identity.map(u64::to_le_bytes);
-        let phases = [self.phase as u8, u8::from(self.set_up)];
+        let phases = [self.phase.place(), u8::from(self.awaits_event), u8::from(self.set_up)];
         let mut bytes = [&MAGIC[..], &VERSION.to_le_bytes(), &[0; 8], &guid, &structure, &phases].concat();
         let mut record = Record::Write(&mut bytes);
         record_tolerance(&mut self.tolerance.clone(), &mut record).map_err(damaged)?;
@@ -101,11 +102,13 @@ impl Saved {
             ));
         }
         let mut record = Record::Read(&all[HEADER..]);
-        let (mut phase, mut set_up, mut tolerance, mut clock) = (0, false, None, Clock::default());
+        let (mut phase, mut awaits_event, mut set_up) = (0, false, false);
+        let (mut tolerance, mut clock) = (None, Clock::default());
         record.choice("phase", &mut phase, 256).map_err(damaged)?;
-        let Some(phase) = Phase::of_bit(phase) else {
+        let Some(phase) = Phase::at(phase) else {
             return refuse(format!("phase = {phase}: there is no such phase"));
         };
+        record.flag("event to be handled", &mut awaits_event).map_err(damaged)?;
         record.flag("set up", &mut set_up).map_err(damaged)?;
         record_tolerance(&mut tolerance, &mut record).map_err(damaged)?;
         clock.record(&mut record).map_err(damaged)?;
@@ -116,7 +119,7 @@ impl Saved {
         if !component.is_initialized() && !matches!(phase, Phase::Instantiated | Phase::Initialization) {
             return refuse(format!("phase = '{}', but the state is not initialised", phase.name()));
         }
-        Ok(Saved { phase, set_up, tolerance, clock, component })
+        Ok(Saved { phase, awaits_event, set_up, tolerance, clock, component })
     }
 }
 

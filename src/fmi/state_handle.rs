@@ -205,7 +205,7 @@ mod tests {
     #[test]
     fn a_state_of_another_version_is_refused_by_every_function() {
         let component = Component::from_definition("mechanism.json", GEAR).unwrap();
-        let mut instance = Instance::new(Logger::new(None, false), component);
+        let mut instance = Instance::new(Logger::new(None, false), component, crate::fmi::event_mode::Usage::default());
         let mut other = [word("0.0.0-other", &LAYOUT), 1, 2, 3];
         let state: State = other.as_mut_ptr().cast();
         // SAFETY: the memory is readable, and belongs to this test; the last call frees a state of `save`.

@@ -6,6 +6,7 @@ use super::types::{
     LAST_SUCCESSFUL_TIME, MODEL_EXCHANGE, PENDING_STATUS, Real, Status, TERMINATED, Text, ValueReference,
 };
 use crate::fmi::array::{input, output, text};
+use crate::fmi::event_mode::Usage;
 use crate::fmi::logger::{Logger, Sink};
 use crate::fmi::phase::{
     ALIVE, FAILED, FATAL, Function, INITIALIZATION, INSTANTIATED, Phase, SETTABLE, STEP, STEPPED, may_get, may_set,
@@ -48,7 +49,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
         }
         let (name, guid, location) = (text(name).unwrap_or_default(), text(guid), text(location));
         let logger = Logger::new(sink(&functions.read(), name), logging_on != FALSE);
-        handle::instantiate("fmi2Instantiate", name, logger, || match fmu_type {
+        handle::instantiate("fmi2Instantiate", name, logger, Usage::default(), || match fmu_type {
             CO_SIMULATION => resources::load("fmuGUID", guid, location),
             MODEL_EXCHANGE => Err(Refusal::error("fmuType is fmi2ModelExchange; this FMU is for co-simulation only")),
             other => Err(Refusal::error(format!("fmuType is {other}; it must be 1 (fmi2CoSimulation)"))),
@@ -254,7 +255,7 @@ exported! {
     /// `fmi2Discard`: the step met `solver.max_steps` after a part of it (4.2.2). The state is that at the time of
     /// `fmi2LastSuccessfulTime`, where values can be read; to go on, a state saved before is restored or the instance
     /// reset.
-    fn fmi2DoStep(point: Real, h: Real, _no_set_state_prior: Boolean) in STEP => |i| i.do_step(point, h);
+    fn fmi2DoStep(point: Real, h: Real, _no_set_state_prior: Boolean) in STEP => |i| i.do_step(point, h, &mut 0);
 
     /// Always an error: no step is asynchronous, so that there is none to cancel.
     fn fmi2CancelStep() in ALIVE => |_i|

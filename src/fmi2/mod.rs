@@ -41,10 +41,10 @@ mod tests {
     fn a_lost_instance_frees_its_states() {
         use super::types::Status;
         use crate::component::Component;
-        use crate::fmi::{handle, logger::Logger, refusal::Verdict};
+        use crate::fmi::{event_mode::Usage, handle, logger::Logger, refusal::Verdict};
         use crate::mechanism::GEAR;
         let load = || Ok(Component::from_definition("mechanism.json", GEAR)?.into());
-        let c = handle::instantiate("instantiate", c"gear", Logger::new(None, false), load);
+        let c = handle::instantiate("instantiate", c"gear", Logger::new(None, false), Usage::default(), load);
         // SAFETY: the component is valid until it is freed, and so are the states.
         unsafe {
             let (mut one, mut other) = (std::ptr::null_mut(), std::ptr::null_mut());

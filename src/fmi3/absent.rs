@@ -1,5 +1,5 @@
-//! The exported functions of FMI 3.0.2 that have nothing to serve here: other interface types, event mode, clocks,
-//! configuration mode, types that no variable has. Each is refused with the reason.
+//! The exported functions of FMI 3.0.2 that have nothing to serve here: other interface types, clocks, configuration
+//! mode, types that no variable has. Each is refused with the reason.
 
 use super::functions::{same_length, sink};
 use super::types::{
@@ -7,6 +7,7 @@ use super::types::{
     ValueReference,
 };
 use crate::fmi::array::{input, output, text};
+use crate::fmi::event_mode::Usage;
 use crate::fmi::logger::Logger;
 use crate::fmi::phase::{ALIVE, Function, SETTABLE, may_get, may_set};
 use crate::fmi::refusal::Refusal;
@@ -61,7 +62,7 @@ unsafe fn refuse_instance(
     // SAFETY: the caller's promise.
     let name = unsafe { text(name) }.unwrap_or_default();
     let logger = Logger::new(sink(environment, log_message), logging_on != FALSE);
-    handle::instantiate(function, name, logger, || {
+    handle::instantiate(function, name, logger, Usage::default(), || {
         Err(Refusal::error("this FMU is for co-simulation only; use fmi3InstantiateCoSimulation"))
     })
 }
@@ -156,15 +157,6 @@ exported! {
     fn fmi3ExitConfigurationMode() in ALIVE => |_i|
         Err(Refusal::error("there is no structural parameter, so that there is nothing to configure"));
 
-    // Event mode (2.3.5), declared absent.
-    fn fmi3EnterEventMode() in ALIVE => |_i| event_mode();
-    fn fmi3EnterStepMode() in ALIVE => |_i| event_mode();
-    fn fmi3EvaluateDiscreteStates() in ALIVE => |_i| event_mode();
-    fn fmi3UpdateDiscreteStates(
-        _update_needed: *mut Boolean, _terminate: *mut Boolean, _nominals_changed: *mut Boolean,
-        _values_changed: *mut Boolean, _next_event_defined: *mut Boolean, _next_event: *mut f64
-    ) in ALIVE => |_i| event_mode();
-
     // Model exchange (3.2): exported, as hosts look these functions up, and refused.
     fn fmi3EnterContinuousTimeMode() in ALIVE => |_i| model_exchange();
     fn fmi3CompletedIntegratorStep(
@@ -183,13 +175,6 @@ exported! {
 /// Refusal of variables that do not exist; the empty list is done.
 fn none(count: usize, what: &str) -> Result<(), Refusal> {
     if count == 0 { Ok(()) } else { Err(Refusal::error(format!("there is no {what}"))) }
-}
-
-/// Refusal of the functions of event mode.
-fn event_mode() -> Result<(), Refusal> {
-    Err(Refusal::error(
-        "this FMU has no event mode (hasEventMode is false); events within a step are handled by fmi3DoStep",
-    ))
 }
 
 /// Refusal of the functions of model exchange.

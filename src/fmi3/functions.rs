@@ -1,14 +1,18 @@
 //! The exported functions of FMI 3.0.2 that serve co-simulation: life cycle, logging, values, states, derivatives, steps
 //! (2.2, 2.3, 4.2). The contract of the pointers is that of the module `fmi3`.
 
+use super::step::{intermediate_update, set_update};
 use super::types::{
-    Boolean, Environment, FALSE, FmuState, Instance as Component, IntermediateUpdate, LogMessage, Status, Text,
+    Boolean, Environment, FALSE, FmuState, Instance as Component, IntermediateUpdateCallback, LogMessage, Status, Text,
     ValueReference,
 };
 use crate::fmi::array::{input, output, text};
+use crate::fmi::event_mode::Usage;
 use crate::fmi::instance::Instance;
 use crate::fmi::logger::{Logger, Sink};
-use crate::fmi::phase::{ALIVE, FAILED, FATAL, Function, INITIALIZATION, INSTANTIATED, Phase, SETTABLE, STEP, STEPPED};
+use crate::fmi::phase::{
+    ALIVE, EVENT, FAILED, FATAL, Function, INITIALIZATION, INSTANTIATED, INTERMEDIATE, Phase, SETTABLE, STEP, STEPPED,
+};
 use crate::fmi::refusal::{Refusal, Verdict};
 use crate::fmi::{exported, handle, resources, state_handle};
 use std::mem::MaybeUninit;
@@ -22,9 +26,10 @@ pub extern "C" fn fmi3GetVersion() -> Text {
 /// New instance for co-simulation, from the definition file in the folder of resources; NULL, with a message, if
 /// anything is amiss.
 ///
-/// A NULL or empty path means the folder `resources` of the FMU that this library lies in. Event mode is refused, as the
-/// XML does not declare it; early return, intermediate variables and their callback have no meaning here, nor has
-/// `visible`.
+/// A NULL or empty path means the folder `resources` of the FMU that this library lies in. With event mode and early
+/// return a step ends where a stop is met or lets go. Event mode is refused where the XML does not declare it, as no
+/// stop does. After each internal step the callback is called if there is one; it may read any variable, so that the list
+/// of those required has no meaning here, nor has `visible`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     name: Text,
@@ -33,23 +38,35 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     _visible: Boolean,
     logging_on: Boolean,
     event_mode_used: Boolean,
-    _early_return_allowed: Boolean,
+    early_return_allowed: Boolean,
     _required_intermediate_variables: *const ValueReference,
     _required_intermediate_variable_count: usize,
     environment: Environment,
     log_message: Option<LogMessage>,
-    _intermediate_update: Option<IntermediateUpdate>,
+    update: Option<IntermediateUpdateCallback>,
 ) -> Component {
     // SAFETY: strings are the host's, for the duration of the call (2.2.6).
     unsafe {
         let (name, token, path) = (text(name).unwrap_or_default(), text(token), text(resource_path));
         let logger = Logger::new(sink(environment, log_message), logging_on != FALSE);
-        handle::instantiate("fmi3InstantiateCoSimulation", name, logger, || {
-            if event_mode_used != FALSE {
-                return Err(Refusal::error("eventModeUsed is true; this FMU has no event mode, pass false"));
+        let usage = Usage {
+            event_mode: event_mode_used != FALSE,
+            early_return: early_return_allowed != FALSE,
+            intermediate_update: update.is_some(),
+        };
+        let c = handle::instantiate("fmi3InstantiateCoSimulation", name, logger, usage, || {
+            let loaded = resources::load("instantiationToken", token, path)?;
+            if usage.event_mode && !loaded.component.has_events() {
+                return Err(Refusal::error(
+                    "eventModeUsed is true; this FMU has no stop and thus no event mode (hasEventMode is false), pass false",
+                ));
             }
-            resources::load("instantiationToken", token, path)
-        })
+            Ok(loaded)
+        });
+        if let (false, Some(callback)) = (c.is_null(), update) {
+            set_update(c, intermediate_update(callback, environment, usage.early_return));
+        }
+        c
     }
 }
 
@@ -89,11 +106,11 @@ exported! {
         Ok(())
     };
 
-    /// Close the loops and start; step mode follows. After a refusal, initialization mode goes on.
+    /// Close the loops and start; step mode follows, or event mode if the host makes use of it. After a refusal, initialization mode goes on.
     fn fmi3ExitInitializationMode() in INITIALIZATION => |i| i.exit_initialization_mode();
 
     /// End of the simulation; values can still be read.
-    fn fmi3Terminate() in STEP | FAILED => |i| {
+    fn fmi3Terminate() in STEP | EVENT | FAILED => |i| {
         i.terminate();
         Ok(())
     };
@@ -107,7 +124,7 @@ exported! {
     /// Read Float64 variables, and the time. An output that does not exist in this state is NaN, all others are told, and
     /// the answer is `fmi3Warning`. On an error the array may be filled in part.
     // SAFETY: both arrays have as many elements as said (2.2.6).
-    fn fmi3GetFloat64(vr: *const ValueReference, count: usize, value: *mut f64, values: usize) in ALIVE => |i| {
+    fn fmi3GetFloat64(vr: *const ValueReference, count: usize, value: *mut f64, values: usize) in ALIVE | INTERMEDIATE => |i| {
         let (vr, value) = (input("valueReferences", vr, count)?, output("values", value, values)?);
         same_length(count, values)?;
         get_float64(i, vr, value)
@@ -115,7 +132,7 @@ exported! {
 
     /// Read Booleans, each 0 or 1. On an error the array may be filled in part.
     // SAFETY: both arrays have as many elements as said (2.2.6).
-    fn fmi3GetBoolean(vr: *const ValueReference, count: usize, value: *mut Boolean, values: usize) in ALIVE => |i| {
+    fn fmi3GetBoolean(vr: *const ValueReference, count: usize, value: *mut Boolean, values: usize) in ALIVE | INTERMEDIATE => |i| {
         let (vr, value) = (input("valueReferences", vr, count)?, output("values", value, values)?);
         same_length(count, values)?;
         i.get_boolean(vr, value)
@@ -124,7 +141,7 @@ exported! {
     /// Read Strings; they live until the next call of this function or the end of the instance. On an error the array
     /// may be filled in part.
     // SAFETY: both arrays have as many elements as said (2.2.6).
-    fn fmi3GetString(vr: *const ValueReference, count: usize, value: *mut Text, values: usize) in ALIVE => |i| {
+    fn fmi3GetString(vr: *const ValueReference, count: usize, value: *mut Text, values: usize) in ALIVE | INTERMEDIATE => |i| {
         let (vr, value) = (input("valueReferences", vr, count)?, output("values", value, values)?);
         same_length(count, values)?;
         i.get_string(vr, value)
@@ -199,7 +216,7 @@ exported! {
     fn fmi3GetDirectionalDerivative(
         unknowns: *const ValueReference, unknown_count: usize, knowns: *const ValueReference, known_count: usize,
         seed: *const f64, seeds: usize, sensitivity: *mut f64, sensitivities: usize
-    ) in INITIALIZATION | STEPPED => |i| {
+    ) in INITIALIZATION | EVENT | INTERMEDIATE | STEPPED => |i| {
         let (unknowns, knowns) = (input("unknowns", unknowns, unknown_count)?, input("knowns", knowns, known_count)?);
         same_length(known_count, seeds)?;
         same_length(unknown_count, sensitivities)?;
@@ -213,7 +230,7 @@ exported! {
     fn fmi3GetAdjointDerivative(
         unknowns: *const ValueReference, unknown_count: usize, knowns: *const ValueReference, known_count: usize,
         seed: *const f64, seeds: usize, sensitivity: *mut f64, sensitivities: usize
-    ) in INITIALIZATION | STEPPED => |i| {
+    ) in INITIALIZATION | EVENT | INTERMEDIATE | STEPPED => |i| {
         let (unknowns, knowns) = (input("unknowns", unknowns, unknown_count)?, input("knowns", knowns, known_count)?);
         same_length(unknown_count, seeds)?;
         same_length(known_count, sensitivities)?;
@@ -228,37 +245,42 @@ exported! {
     // SAFETY: all arrays have as many elements as said (4.2.4).
     fn fmi3GetOutputDerivatives(
         vr: *const ValueReference, count: usize, order: *const i32, value: *mut f64, values: usize
-    ) in INITIALIZATION | STEPPED => |i| {
+    ) in INITIALIZATION | INTERMEDIATE | STEPPED => |i| {
         let (vr, order) = (input("valueReferences", vr, count)?, input("orders", order, count)?);
         same_length(count, values)?;
         i.output_derivatives(vr, order, output("values", value, values)?)
     };
 
-    /// Advance by exactly `h` [s] from the present communication point `point` [s]. No event is left to be handled, the
-    /// end of the simulation is never asked for, and no step returns early; `*last` is the time reached.
-    ///
-    /// Refused, without any change, for an `h` that is not finite and positive, for another point than the instance's
-    /// own, and for a step past the stop time. The flag `noSetFMUStatePriorToCurrentPoint` has no meaning here: any state
-    /// can be restored.
-    ///
-    /// `fmi3Discard`: the step met `solver.max_steps` after a part of it. The state is that at `*last`, where values can be
-    /// read; to go on, a state saved before is restored or the instance reset.
-    // SAFETY: each pointer leads to memory for one value (4.2.2).
-    fn fmi3DoStep(
-        point: f64, h: f64, _no_set_state_prior: Boolean, event_needed: *mut Boolean, terminate: *mut Boolean,
-        early_return: *mut Boolean, last: *mut f64
-    ) in STEP => |i| {
+    /// From step mode to event mode: an event is handled, or inputs jump.
+    fn fmi3EnterEventMode() in STEP => |i| i.enter_event_mode();
+
+    /// From event mode to step mode. Refused before [`fmi3UpdateDiscreteStates`] if a step has led to an event.
+    fn fmi3EnterStepMode() in EVENT => |i| i.enter_step_mode();
+
+    /// Nothing to do: outputs are those under the present inputs whenever they are read, and no variable is a discrete
+    /// state.
+    fn fmi3EvaluateDiscreteStates() in INITIALIZATION | EVENT => |_i| Ok(());
+
+    /// Handle the event to which a step has led: the impact takes place, and a lock catches. `*values_changed`: whether
+    /// the state has jumped. One call is enough; there is no next event that is known before, so that `*next_event` is
+    /// not written.
+    // SAFETY: each pointer leads to memory for one value (2.3.5).
+    fn fmi3UpdateDiscreteStates(
+        update_needed: *mut Boolean, terminate: *mut Boolean, nominals_changed: *mut Boolean,
+        values_changed: *mut Boolean, next_event_defined: *mut Boolean, next_event: *mut f64
+    ) in EVENT => |i| {
         let flags = [
-            output("eventHandlingNeeded", event_needed, 1)?, output("terminateSimulation", terminate, 1)?,
-            output("earlyReturn", early_return, 1)?,
+            output("discreteStatesNeedUpdate", update_needed, 1)?, output("terminateSimulation", terminate, 1)?,
+            output("nominalsOfContinuousStatesChanged", nominals_changed, 1)?,
+            output("nextEventTimeDefined", next_event_defined, 1)?,
         ];
-        let last = output("lastSuccessfulTime", last, 1)?;
+        let values_changed = output("valuesOfContinuousStatesChanged", values_changed, 1)?;
+        output("nextEventTime", next_event, 1)?;
+        values_changed[0].write(i.update_discrete_states()?.into());
         for flag in flags {
             flag[0].write(FALSE);
         }
-        let stepped = i.do_step(point, h);
-        last[0].write(i.clock.time);
-        stepped
+        Ok(())
     };
 }
 

@@ -3,7 +3,7 @@
 //! In: the host's calls. Out: statuses and values. Each function states the phases in which it is legal: the state
 //! machine of FMI 3.0.2, 4.2.1. `types` has the C types. It must not know any kind of model.
 //!
-//! Co-simulation without event mode, intermediate update and clocks, which the XML does not declare. Functions of model
+//! Co-simulation with event mode, early return and intermediate update, without clocks, which the XML does not declare. Functions of model
 //! exchange and of scheduled execution, of clocks and of types that no variable has are exported because hosts look them
 //! up; they log why they cannot serve, and return `fmi3Error`.
 //!
@@ -16,10 +16,12 @@
 
 mod absent;
 mod functions;
+mod step;
 pub mod types;
 
 pub use absent::*;
 pub use functions::*;
+pub use step::fmi3DoStep;
 
 #[cfg(test)]
 mod tests;

@@ -1,9 +1,12 @@
 //! The functions of FMI 3.0 as a host calls them, against the same calls of FMI 2.0.
 #![allow(clippy::unwrap_used)]
+mod events;
+mod updates;
+
 use super::types::{FmuState, Instance, Status, ValueReference};
 use super::*;
 use crate::component::Component;
-use crate::fmi::{handle, logger::Logger};
+use crate::fmi::{event_mode::Usage, handle, logger::Logger};
 use crate::fmi2::types::Status as Status2;
 use crate::fmi2::{
     fmi2DoStep, fmi2EnterInitializationMode, fmi2ExitInitializationMode, fmi2FreeInstance,
@@ -12,10 +15,15 @@ use crate::fmi2::{
 use crate::mechanism::GEAR;
 use std::ptr::{null, null_mut};
 
-/// An instance of the landing gear.
+/// An instance of the landing gear, without event mode.
 fn gear() -> Instance {
+    gear_for(Usage::default())
+}
+
+/// An instance of the landing gear for a host of this usage.
+fn gear_for(usage: Usage) -> Instance {
     let load = || Ok(Component::from_definition("mechanism.json", GEAR)?.into());
-    handle::instantiate("instantiate", c"gear", Logger::new(None, false), load)
+    handle::instantiate("instantiate", c"gear", Logger::new(None, false), usage, load)
 }
 
 /// Value references of variables of the landing gear; the time's is the number of variables.
@@ -174,7 +182,7 @@ fn what_is_wrong_is_refused_and_changes_nothing() {
 fn all_functions_of_the_standard_are_exported() {
     let tables = [super::functions::FUNCTIONS, absent::FUNCTIONS, absent::types_of_no_variable::FUNCTIONS];
     let names: std::collections::BTreeSet<_> = tables.into_iter().flatten().map(|function| function.name).collect();
-    // Besides: the version, three ways to instantiate, the end of an instance.
-    assert_eq!(names.len() + 5, 75);
+    // Besides: the version, three ways to instantiate, the end of an instance, the step.
+    assert_eq!(names.len() + 6, 75);
     assert!(names.iter().all(|name| name.starts_with("fmi3")));
 }

@@ -27,6 +27,8 @@ pub type Enumeration = c_int;
 
 /// `fmi3False`.
 pub const FALSE: Boolean = 0;
+/// `fmi3True`.
+pub const TRUE: Boolean = 1;
 
 /// `fmi3Status`: the answer to a call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,8 +63,8 @@ impl From<Verdict> for Status {
 pub type LogMessage =
     unsafe extern "C-unwind" fn(environment: Environment, status: Status, category: Text, message: Text);
 
-/// `fmi3IntermediateUpdateCallback`; never called, as no intermediate update is provided.
-pub type IntermediateUpdate = unsafe extern "C-unwind" fn(
+/// `fmi3IntermediateUpdateCallback`. One that is written in C++ may throw.
+pub type IntermediateUpdateCallback = unsafe extern "C-unwind" fn(
     environment: Environment,
     time: f64,
     set_requested: Boolean,

@@ -3,6 +3,7 @@
 //! In: a definition's text, values set by the host, steps. Out: values by reference. It must not know FMI's life cycle.
 mod derivatives;
 mod description;
+mod events;
 mod occurrences;
 mod undefined;
 mod warnings;
@@ -12,7 +13,8 @@ use super::dynamics::inputs::{InputPolynomial, Inputs};
 use super::error::ModelError;
 use super::fem_motion::RigidFemMotion;
 use super::interface;
-use super::motion::state::State;
+use super::motion::state::{Reached, State};
+use super::motion::witness::Pauses;
 use super::outputs::{Computed, ReducedMotion};
 use super::parameters::ParameterValues;
 use super::quantity::{Hydraulic, Output, Quantity};
@@ -391,6 +393,15 @@ impl Model {
     /// # Errors
     /// As [`Self::step`].
     pub fn step_from(&mut self, point: Option<f64>, h: f64) -> Result<(), ModelError> {
+        self.step_to_pause(point, h, Pauses::default()).map(drop)
+    }
+
+    /// [`Self::step_from`], but only to where it pauses, if that comes first. At an event the state is that before the
+    /// impact, which follows with [`Self::handle_event`] or the next step. With "rigid_fem" a step does not pause.
+    ///
+    /// # Errors
+    /// As [`Self::step`].
+    pub fn step_to_pause(&mut self, point: Option<f64>, h: f64, pauses: Pauses) -> Result<Reached, ModelError> {
         if !(h.is_finite() && h > 0.0) {
             return Err(ModelError::StepSize { h });
         }
@@ -405,18 +416,19 @@ impl Model {
         let stepped = match state {
             Formulation::Reduced(motion) => {
                 motion.state.witness.listens = self.told.listens;
+                motion.state.witness.pauses = pauses;
                 motion.step_from(point, reduced, &self.inputs, h, solver)
             }
-            Formulation::RigidFem(motion) => motion.step(reduced, &self.inputs, h, solver),
+            Formulation::RigidFem(motion) => motion.step(reduced, &self.inputs, h, solver).map(|()| Reached::End),
         };
         if self.inputs.signal.ahead {
             match stepped {
-                Ok(()) => self.leave_inputs_at(h),
+                Ok(reached) => self.leave_inputs_at(reached.time(h)),
                 Err(ModelError::Interrupted { time, .. }) => self.leave_inputs_at(time),
                 Err(_) => {}
             }
         }
-        if let (Some(command), Ok(())) = (clipped, &stepped) {
+        if let (Some(command), Ok(_)) = (clipped, &stepped) {
             self.clipped.raise(command);
         }
         stepped

@@ -110,3 +110,88 @@ def test_states_derivatives_and_time(gear: FMU3Slave) -> None:
 
 def test_the_system_is_one_of_fmi_2(tmp_path: Path) -> None:
     assert "--fmi both" in refused(package(Path(), "--ssp", "--fmi", "3", "--out", str(tmp_path)))
+
+
+RETRACTED = 0.1320598527442597
+"""Time at which the crank reaches its up stop, from a quadrature in 34 digits [s]."""
+
+
+def test_steps_return_early_at_the_stop(folder: Path) -> None:
+    description = read_model_description(str(folder / f"{NAME}.fmi3.fmu"))
+    assert description.coSimulation.hasEventMode
+    assert description.coSimulation.mightReturnEarlyFromDoStep
+    assert not read_model_description(str(folder / "HydraulicActuator.fmi3.fmu")).coSimulation.hasEventMode
+
+    def run(**arguments: bool) -> np.ndarray:
+        return simulate_fmu(
+            str(folder / f"{NAME}.fmi3.fmu"),
+            start_values={"upstop.restitution": 0.125},
+            output=["crank.angle", "crank.speed", "upstop.impact_count", "upstop.impact_time"],
+            stop_time=0.4,
+            output_interval=0.05,
+            relative_tolerance=1e-13,
+            **arguments,
+        )
+
+    whole, early = run(), run(use_event_mode=True, early_return_allowed=True)
+    at_stop = early[np.abs(early["time"] - RETRACTED) < 1e-12]
+    # Before the impact, and after it.
+    assert list(at_stop["upstop.impact_count"]) == [0, 1]
+    assert at_stop["crank.speed"][1] == -0.125 * at_stop["crank.speed"][0]
+    assert at_stop["upstop.impact_time"][1] == at_stop["time"][1]
+    # Whether the last of a series is a bounce or comes to rest is a matter of rounding.
+    assert early["upstop.impact_count"][-1] == pytest.approx(whole["upstop.impact_count"][-1], abs=1)
+    assert early["upstop.impact_count"][-1] > 5
+    assert early["upstop.impact_time"][-1] == pytest.approx(whole["upstop.impact_time"][-1], abs=1e-10)
+    assert early["crank.angle"][-1] == pytest.approx(whole["crank.angle"][-1], abs=1e-11)
+    # Event mode changes nothing where steps do not return early.
+    quiet = run(use_event_mode=True)
+    for name in whole.dtype.names:
+        assert np.array_equal(whole[name], quiet[name]), name
+
+
+def test_the_callback_reads_values_within_a_step_and_ends_it(folder: Path) -> None:
+    unpacked = extract(str(folder / f"{NAME}.fmi3.fmu"))
+    description = read_model_description(unpacked)
+    assert description.coSimulation.providesIntermediateUpdate
+    assert description.coSimulation.canReturnEarlyAfterIntermediateUpdate
+    references = {v.name: v.valueReference for v in description.modelVariables}
+    angle = references["crank.angle"]
+    instance = FMU3Slave(
+        guid=description.instantiationToken,
+        unzipDirectory=unpacked,
+        modelIdentifier=NAME,
+        instanceName="gear",
+    )
+    told: list[tuple[float, float]] = []
+
+    flags: set[tuple] = set()
+
+    # Exceptions would be lost here.
+    def update(_environment: object, time: float, *arguments: object) -> None:
+        *told_flags, requested, stop = arguments
+        flags.add(tuple(told_flags))
+        told.append((time, instance.getFloat64([angle])[0]))
+        if len(told) == 3:
+            requested[0], stop[0] = True, 0.09
+
+    instance.instantiate(
+        earlyReturnAllowed=True,
+        intermediateUpdate=update,
+        requiredIntermediateVariables=[angle],
+    )
+    instance.enterInitializationMode(tolerance=1e-12, startTime=0.0)
+    instance.exitInitializationMode()
+    assert instance.doStep(0.0, 0.13) == (False, False, True, 0.09)
+    assert len(told) >= 3
+    # Set requested, get allowed, step finished, can return early.
+    assert flags == {(False, True, True, True)}
+    assert all(0.0 < time < 0.09 for time, _ in told)
+    (at_end,) = instance.getFloat64([angle])
+    assert all(at_end < value < 0.8 for _, value in told)
+    told += [(0.0, 0.0)] * 3
+    assert instance.doStep(0.09, 0.04) == (False, False, False, 0.13)
+    assert instance.getFloat64([angle])[0] == pytest.approx(-1.2377117266891367, abs=1e-10)
+    instance.terminate()
+    instance.freeInstance()
+    shutil.rmtree(unpacked, ignore_errors=True)

@@ -122,7 +122,19 @@ mod tests {
         let of = |i: usize| (0..i as Reference).collect();
         let initial_dependencies = Some((0..variables.len()).map(of).collect());
         let orders = [2, 1];
-        write(&Interface { name, description, guid, variables, initial_dependencies, experiment, tolerance, orders })
+        let (has_events, has_internal_steps) = (false, false);
+        write(&Interface {
+            name,
+            description,
+            guid,
+            variables,
+            initial_dependencies,
+            experiment,
+            tolerance,
+            orders,
+            has_events,
+            has_internal_steps,
+        })
     }
 
     #[test]

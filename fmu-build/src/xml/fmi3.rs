@@ -9,7 +9,7 @@ use super::fmi2::kind_attributes;
 use super::interface::{Interface, variable_attributes};
 use anyhow::Result;
 use linkage_fmu::component::Component;
-use linkage_fmu::variables::{Kind, Reference, Value, Variable};
+use linkage_fmu::variables::{Causality, Kind, Reference, Value, Variable};
 use std::io;
 
 /// The text of `modelDescription.xml`.
@@ -25,7 +25,7 @@ pub fn to_xml(component: &Component) -> Result<String> {
 }
 
 fn write_content(interface: &Interface, xml: &mut Xml) -> io::Result<()> {
-    let co_simulation = [
+    let mut co_simulation = vec![
         ("modelIdentifier", interface.name.to_owned()),
         ("canGetAndSetFMUState", "true".to_owned()),
         ("canSerializeFMUState", "true".to_owned()),
@@ -34,11 +34,19 @@ fn write_content(interface: &Interface, xml: &mut Xml) -> io::Result<()> {
         ("canHandleVariableCommunicationStepSize", "true".to_owned()),
         ("maxOutputDerivativeOrder", interface.orders[1].to_string()),
     ];
+    if interface.has_events {
+        let provided = ["mightReturnEarlyFromDoStep", "hasEventMode", "providesEvaluateDiscreteStates"];
+        co_simulation.extend(provided.map(|name| (name, "true".to_owned())));
+    }
+    if interface.has_internal_steps {
+        let provided = ["providesIntermediateUpdate", "canReturnEarlyAfterIntermediateUpdate"];
+        co_simulation.extend(provided.map(|name| (name, "true".to_owned())));
+    }
     empty(xml, "CoSimulation", &co_simulation)?;
     interface.write_common(xml)?;
     group(xml, "ModelVariables", |xml| {
         let mut variables = (0..).zip(interface.variables);
-        variables.try_for_each(|(reference, variable)| write_variable(xml, reference, variable))?;
+        variables.try_for_each(|(reference, variable)| write_variable(xml, interface, reference, variable))?;
         let time = [
             ("name", "time".to_owned()),
             ("valueReference", interface.variables.len().to_string()),
@@ -59,7 +67,7 @@ fn write_content(interface: &Interface, xml: &mut Xml) -> io::Result<()> {
     })
 }
 
-fn write_variable(xml: &mut Xml, reference: Reference, variable: &Variable) -> io::Result<()> {
+fn write_variable(xml: &mut Xml, interface: &Interface, reference: Reference, variable: &Variable) -> io::Result<()> {
     let kind = match variable.kind {
         Kind::Real => "Float64",
         Kind::Integer => "Int32",
@@ -67,6 +75,9 @@ fn write_variable(xml: &mut Xml, reference: Reference, variable: &Variable) -> i
         Kind::String => "String",
     };
     let mut attributes = variable_attributes(reference, variable);
+    if interface.has_internal_steps && variable.causality == Causality::Output {
+        attributes.push(("intermediateUpdate", "true".to_owned()));
+    }
     if let Some(Value::String(text)) = &variable.start {
         return element(xml, kind, &attributes, |xml| empty(xml, "Start", &[("value", text.clone())]));
     }

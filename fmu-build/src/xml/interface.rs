@@ -35,6 +35,10 @@ pub struct Interface<'a> {
     pub tolerance: f64,
     /// Largest orders of the derivatives in time of inputs and outputs.
     pub orders: [i32; 2],
+    /// Whether a step may come to an event.
+    pub has_events: bool,
+    /// Whether a step tells its internal steps.
+    pub has_internal_steps: bool,
 }
 
 impl<'a> Interface<'a> {
@@ -60,6 +64,8 @@ impl<'a> Interface<'a> {
             experiment: component.experiment(),
             tolerance,
             orders: [component.input_order(), component.output_order()],
+            has_events: component.has_events(),
+            has_internal_steps: component.has_internal_steps(),
         })
     }
 

@@ -29,6 +29,10 @@ pub enum Stopped {
     Stuck(IntegrationError, String),
     /// The length of the actuator with a circuit is not smooth along the motion.
     Length,
+    /// A stop is met, as the contact tells, or lets go: the advance pauses there, and can go on.
+    Event(Progress),
+    /// An internal step is done: the advance pauses there, and can go on.
+    Pause(Progress),
     /// The work allowed was done; the state is that at the time reached, and the advance can go on from it.
     Budget(Progress),
 }
@@ -94,6 +98,9 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// Advance z = (sigma, sigma_dot, energy lost if N > 2, ...) by exactly `span` [s]; returns the energy lost in impacts
     /// [J].
     pub fn run(mut self, z: &mut [f64; N], span: f64) -> Result<f64, Stopped> {
+        if let Some(place) = self.contact.take_arrival() {
+            self.meet(place, z)?;
+        }
         if self.resume(z, span)? {
             return Ok(0.0);
         }
@@ -168,6 +175,10 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                 Some(Found { event, part, .. }) => self.apply_event(event, part <= REGIME_TOLERANCE, z)?,
                 None if step.reached && !is_cut => break,
                 None => {}
+            }
+            // A change of law that is kept for the next step must not be forgotten.
+            if self.witness.pauses.at_steps && self.progress.held.is_none() {
+                return Err(Stopped::Pause(self.progress));
             }
         }
         Ok(self.progress.lost)
@@ -309,12 +320,34 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                     self.touched(bumper);
                 }
             }
+            Event::Stop(place) if self.pauses() && self.ends.travel.stop(place).is_some() => {
+                z[0] = self.ends.position(place).unwrap_or(z[0]);
+                self.contact.arrives(place);
+                return Err(Stopped::Event(self.progress));
+            }
             Event::Stop(place) => {
                 self.jumped();
                 self.impact(place, z)?;
             }
         }
         Ok(())
+    }
+
+    /// Whether the advance pauses at an event now. At its very start it does not, so that each makes way.
+    #[inline(always)]
+    fn pauses(&self) -> bool {
+        self.witness.pauses.at_events && self.progress.t > 0.0
+    }
+
+    /// What follows at the start of an advance where the one before has paused: the impact at this place.
+    #[cold]
+    #[inline(never)]
+    fn meet(&mut self, place: Place, z: &mut [f64; N]) -> Result<(), Stopped> {
+        self.dynamics.set_time(0.0);
+        self.dynamics.set_state(z);
+        self.dynamics.set_touching(self.contact.touching());
+        self.jumped();
+        self.impact(place, z)
     }
 
     /// Something happens now.

@@ -79,7 +79,7 @@ impl<D: Dynamics<2>, P: Fn(f64) -> bool, L: Fn() -> Path> Coasting<'_, D, P, L> 
     fn advance(&mut self, y: &mut [f64; 2], span: f64, mut progress: Progress) -> Result<f64, Stopped> {
         let Self { dynamics, integrator, lookahead, ends, contact, witness, tolerance, .. } = self;
         let tolerance = *tolerance;
-        if ends.travel.is_empty() && !lookahead.counts() {
+        if ends.travel.is_empty() && !lookahead.counts() && !witness.pauses.at_steps {
             let most = progress.work.most.saturating_sub(progress.work.extra);
             let reached = integrator.advance_from(*dynamics, &mut progress.t, y, span, tolerance, most);
             return if reached.map_err(Stopped::Integration)? { Ok(0.0) } else { Err(Stopped::Budget(progress)) };

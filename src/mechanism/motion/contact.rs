@@ -12,6 +12,8 @@
 //! | Latched | Resting | [`Contact::locks_set`]: the last lock is disengaged |
 //! | Resting | Free | [`Contact::released`]: nothing holds the mechanism, or the loads draw it off a rigid stop |
 //! | Free | Resting, Latched | [`Contact::rests`]: of two stops at one place the other holds what the first let go |
+//! | Free | Arrived | [`Contact::arrives`]: an advance that pauses at events has come to a stop; what the stop does is to follow |
+//! | Arrived | Free | [`Contact::take_arrival`]: it follows, as of a mechanism that is free |
 //!
 //! Each bumper for itself, whether the mechanism rests or not:
 //!
@@ -273,6 +275,8 @@ struct Rest {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contact {
     rest: Option<Rest>,
+    /// Place of a stop that the motion has come to, where the impact is still to take place.
+    arrival: Option<Place>,
     touching: BumperSet,
 }
 
@@ -313,6 +317,23 @@ impl Contact {
         self.rest = Some(Rest { place, latched: locked });
     }
 
+    /// The motion has come to a place, where what the stop does is still to follow.
+    pub fn arrives(&mut self, place: Place) {
+        self.arrival = Some(place);
+    }
+
+    /// Place that the motion has come to, where what the stop does is still to follow.
+    #[inline]
+    pub fn arrival(&self) -> Option<Place> {
+        self.arrival
+    }
+
+    /// [`Self::arrival`], which follows now.
+    #[inline]
+    pub fn take_arrival(&mut self) -> Option<Place> {
+        self.arrival.take()
+    }
+
     /// Nothing holds the mechanism any longer.
     pub fn released(&mut self) {
         self.rest = None;
@@ -351,6 +372,7 @@ impl Contact {
             rest.place.record(record)?;
             record.flag("latched", &mut rest.latched)
         })?;
+        record.option("arrival at a stop", &mut self.arrival, Place::default, |record, place| place.record(record))?;
         self.touching.record(record)
     }
 }

@@ -360,6 +360,9 @@ impl SavedState {
         if self.contact.at_rest().is_some_and(|place| !is_place(place)) {
             return refuse("resting where no stop is met".into());
         }
+        if self.contact.arrival().is_some_and(|place| self.travel.stop(place).is_none() || !is_place(place)) {
+            return refuse("arrival where no stop is met".into());
+        }
         let state_loads = self.state_loads(reduced)?;
         let (bumpers, touching) = (state_loads.map_or(0, |s| s.bumpers.len()), self.contact.touching());
         if !touching.is_below(bumpers) {

@@ -64,6 +64,27 @@ struct Begin {
     tried: [u64; 2],
 }
 
+/// Where a step has ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reached {
+    /// At its end.
+    End,
+    /// At an event, which is to be handled, so long after its beginning [s].
+    Event(f64),
+    /// After an internal step, so long after its beginning [s].
+    Pause(f64),
+}
+
+impl Reached {
+    /// Time from the beginning of a step of `h` [s] to where it has ended [s].
+    pub fn time(self, h: f64) -> f64 {
+        match self {
+            Self::End => h,
+            Self::Event(time) | Self::Pause(time) => time,
+        }
+    }
+}
+
 /// How far a step has come.
 struct Arrival {
     /// (sigma, sigma_dot), with sigma perhaps beyond the ends of a closed curve.
@@ -146,13 +167,13 @@ impl State {
         is_other
     }
 
-    /// Advance by exactly `h` [s] under these inputs. On an error the state is what it was, but for
-    /// [`ModelError::Interrupted`], on which it is that at the time reached.
+    /// Advance by exactly `h` [s] under these inputs, or to the first event if the witness pauses there. On an error the
+    /// state is what it was, but for [`ModelError::Interrupted`], on which it is that at the time reached.
     ///
     /// # Errors
     /// The loads overflow, the integration stopped, friction locks, the travel of an open curve without stops ended, or
     /// the work of the step met its bound.
-    pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64, solver: &Solver) -> Result<(), ModelError> {
+    pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64, solver: &Solver) -> Result<Reached, ModelError> {
         let ahead = inputs.signal.ahead;
         let in_force = self.in_force.filter(|_| !ahead);
         let locked = match in_force {
@@ -170,9 +191,18 @@ impl State {
         }
         let error = match advanced {
             Ok(()) => match self.arrive(reduced, &arrival) {
-                Ok(()) => return Ok(()),
+                Ok(()) => return Ok(Reached::End),
                 Err(error) => error,
             },
+            Err(stopped @ (Stopped::Event(progress) | Stopped::Pause(progress))) => {
+                arrival.lost += progress.lost;
+                let is_event = matches!(stopped, Stopped::Event(_));
+                match self.arrive(reduced, &arrival) {
+                    Ok(()) if is_event => return Ok(Reached::Event(progress.t)),
+                    Ok(()) => return Ok(Reached::Pause(progress.t)),
+                    Err(error) => error,
+                }
+            }
             Err(Stopped::Budget(progress)) => {
                 arrival.lost += progress.lost;
                 match self.arrive(reduced, &arrival) {

@@ -47,11 +47,22 @@ pub struct Listens {
     pub details: bool,
 }
 
+/// Where an advance pauses, so that somebody can read the state there.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Pauses {
+    /// Where a stop is met or lets go.
+    pub at_events: bool,
+    /// After each internal step.
+    pub at_steps: bool,
+}
+
 /// What has happened within the present step.
 #[derive(Clone, Debug, Default)]
 pub struct Witness {
     /// What is kept.
     pub listens: Listens,
+    /// Where an advance pauses.
+    pub pauses: Pauses,
     occurrences: Vec<Occurrence>,
     /// Number of occurrences beyond [`MOST`].
     pub left_out: u64,

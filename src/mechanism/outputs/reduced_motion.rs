@@ -8,7 +8,7 @@ use crate::mechanism::definition::{Mechanism, Solver};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::SavedState;
-use crate::mechanism::motion::state::{Start, State, state_loads_under};
+use crate::mechanism::motion::state::{Reached, Start, State, state_loads_under};
 use crate::mechanism::outputs::cache::{Computed, Direction, OutputCache, PresentLoads};
 use crate::mechanism::outputs::evaluator::{OutputError, evaluate};
 use crate::mechanism::outputs::view::View;
@@ -74,13 +74,13 @@ impl ReducedMotion {
         inputs: &Inputs,
         h: f64,
         solver: &Solver,
-    ) -> Result<(), ModelError> {
+    ) -> Result<Reached, ModelError> {
         let revolutions = self.state.revolutions;
         match self.state.step(reduced, inputs, h, solver) {
-            Ok(()) => {
-                self.state.pass(point, h);
+            Ok(reached) => {
+                self.state.pass(point, reached.time(h));
                 self.invalidate(revolutions);
-                Ok(())
+                Ok(reached)
             }
             Err(error) => {
                 if let ModelError::Interrupted { time, .. } = error {

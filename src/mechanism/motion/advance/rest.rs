@@ -26,6 +26,9 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             if !self.wait_until(z, span, [inward; 2])? {
                 return Ok(Instant::Held);
             }
+            if self.pauses() {
+                return Err(Stopped::Event(self.progress));
+            }
         }
         self.contact.released();
         self.jumped();

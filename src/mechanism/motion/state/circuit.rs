@@ -60,7 +60,7 @@ impl Driven<'_, '_> {
         let mut advanced = advance.run(&mut z, h);
         lookahead.end();
         let reached = match &advanced {
-            Err(Stopped::Budget(progress)) => progress.t,
+            Err(Stopped::Budget(progress) | Stopped::Event(progress) | Stopped::Pause(progress)) => progress.t,
             _ => h,
         };
         circuit.values.copy_from_slice(&z[MOTION..]);

@@ -1,0 +1,80 @@
+//! Event mode of an instance: what the host makes use of, and the way from step mode to event mode and back.
+//!
+//! In: calls in their phases. Out: an event handled, or a refusal that leaves the instance unchanged. It must not know what
+//! an event is.
+
+use super::instance::Instance;
+use super::phase::Phase;
+use super::refusal::Refusal;
+use super::saved::Saved;
+
+/// What a host makes use of, as it says when it makes an instance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Usage {
+    /// Event mode between steps.
+    pub event_mode: bool,
+    /// Steps that end at an event, or where the host asks for it.
+    pub early_return: bool,
+    /// A callback after each internal step.
+    pub intermediate_update: bool,
+}
+
+impl Usage {
+    /// Whether an instance of this usage can be in a phase.
+    pub(super) fn has(self, phase: Phase) -> bool {
+        phase != Phase::Event || self.event_mode
+    }
+}
+
+impl Instance {
+    /// Enter event mode from step mode.
+    pub fn enter_event_mode(&mut self) -> Result<(), Refusal> {
+        if !self.usage.event_mode {
+            return Err(Refusal::error(
+                "the instance was made without event mode; events within a step are handled by the step",
+            ));
+        }
+        self.phase = Phase::Event;
+        Ok(())
+    }
+
+    /// Handle the event to which a step has led, if one has. Returns whether the state has jumped.
+    pub fn update_discrete_states(&mut self) -> Result<bool, Refusal> {
+        let (events, details) = (self.logger.has_events(), self.logger.has_details());
+        self.component.listen(events, details);
+        let has_jumped = self.component.handle_event(self.clock.time)?;
+        self.awaits_event = false;
+        if events || details {
+            self.tell(self.clock.time);
+        }
+        Ok(has_jumped)
+    }
+
+    /// Leave event mode for step mode.
+    pub fn enter_step_mode(&mut self) -> Result<(), Refusal> {
+        if self.awaits_event {
+            return Err(self.event_first("step mode"));
+        }
+        self.phase = Phase::Step;
+        Ok(())
+    }
+
+    /// The refusal of what an event comes before.
+    #[cold]
+    pub(super) fn event_first(&self, what: &str) -> Refusal {
+        Refusal::error(format!(
+            "an event at t = {} s comes before {what}: let it be handled in event mode by an update of discrete states",
+            self.clock.time
+        ))
+    }
+}
+
+/// The refusal of a state from a phase that this instance does not have.
+#[cold]
+pub(super) fn no_such_phase(saved: &Saved) -> Refusal {
+    Refusal::error(format!(
+        "the state was saved in the phase '{}'{}, and this instance was made without event mode; restore it into one with it",
+        saved.phase.name(),
+        if saved.awaits_event { " with an event to be handled" } else { "" }
+    ))
+}

@@ -1,0 +1,32 @@
+//! The event at which a step has ended, for hosts that handle events.
+//!
+//! In: the state before an event. Out: the state after it. It must not know how a
+//! step is made.
+use super::{Formulation, Model, ModelError, Pauses};
+
+impl Model {
+    /// The impact at the stop to which [`Self::step_to_pause`] has led, at the time `point` [s] of the host; returns
+    /// whether the state has jumped.
+    ///
+    /// # Errors
+    /// Not initialised, or friction locks; the state is what it was.
+    pub fn handle_event(&mut self, point: Option<f64>) -> Result<bool, ModelError> {
+        let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) else {
+            return Err(ModelError::NotInitialised);
+        };
+        match state {
+            Formulation::Reduced(motion) if motion.state.contact.arrival().is_some() => {
+                motion.state.witness.listens = self.told.listens;
+                motion.state.witness.pauses = Pauses::default();
+                let solver = &self.parameter_values.mechanism().solver;
+                motion.step_from(point, reduced, &self.inputs, 0.0, solver).map(|_| true)
+            }
+            _ => Ok(false),
+        }
+    }
+
+    /// Whether a stop is declared, so that a step may come to an event.
+    pub fn has_events(&self) -> bool {
+        !self.original.parameter_values.mechanism().stops.is_empty()
+    }
+}
