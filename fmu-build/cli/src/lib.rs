@@ -39,7 +39,7 @@ pub enum Task {
     /// Recompute the papers' figures through FMPy: validation/report.md, report.html and figures
     Report(Report),
     /// Run every test: Rust, packaging, Python style, FMPy, pages in a browser
-    Test,
+    Test(Test),
     /// Run the benchmarks of the validation package
     Bench(Bench),
 }
@@ -65,6 +65,19 @@ pub struct Package {
     /// Versions of FMI: 2 makes <Name>.fmu, 3 makes <Name>.fmi3.fmu
     #[arg(long, value_enum, default_value_t, value_name = "VERSION")]
     pub fmi: Fmi,
+    /// Platforms whose libraries are built and packed [default: this machine's own]
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "PLATFORMS")]
+    pub platforms: Vec<Platform>,
+    /// Pack what can be built here of --platforms, and tell what is left out; without it a missing platform is an error
+    #[arg(long, requires = "platforms")]
+    pub available: bool,
+    /// Put the library for ARM where importers look that do not know aarch64-linux in FMI 2.0: in binaries/linux64
+    #[arg(long, requires = "platforms")]
+    pub compatible: bool,
+    /// Oldest glibc on which the libraries for Linux are to load, 2.17 or later: zig links them, installed from PyPI when it
+    /// is first needed
+    #[arg(long, value_name = "VERSION", value_parser = glibc)]
+    pub glibc: Option<String>,
     /// Leave out documentation/animation.html, which plays the default run
     #[arg(long)]
     pub no_animation: bool,
@@ -74,6 +87,20 @@ pub struct Package {
     /// Leave out the reference results of the default run
     #[arg(long)]
     pub no_results: bool,
+}
+
+/// Platforms that libraries are built for, by the names of FMI 3.0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Platform {
+    /// Linux on Intel and AMD, in FMI 2.0 linux64
+    #[value(name = "x86_64-linux", alias = "linux64")]
+    X86Linux,
+    /// Windows on Intel and AMD, in FMI 2.0 win64
+    #[value(name = "x86_64-windows", alias = "win64")]
+    X86Windows,
+    /// Linux on ARM with 64 bits, in FMI 2.0 aarch64-linux
+    #[value(name = "aarch64-linux")]
+    ArmLinux,
 }
 
 /// Versions of FMI that `package` makes FMUs of.
@@ -235,6 +262,23 @@ pub struct Chain {
     pub out: Option<PathBuf>,
 }
 
+/// Arguments of `test`.
+#[derive(Args, Default)]
+pub struct Test {
+    /// Instead: run the libraries for other platforms by Wine and QEMU, and compare their results with this machine's
+    #[arg(long)]
+    pub platforms: bool,
+    /// A platform's library that is tested with --platforms, built elsewhere (win64=path/to.dll); may be given repeatedly
+    #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library, requires = "platforms")]
+    pub binaries: Vec<Library>,
+    /// Write what --platforms finds to validation/results/platforms.md
+    #[arg(long, requires = "platforms")]
+    pub write: bool,
+    /// Instead: build the library in two folders and compare the bytes
+    #[arg(long, conflicts_with = "platforms")]
+    pub reproducible: bool,
+}
+
 /// Arguments of `report`.
 #[derive(Args)]
 pub struct Report {
@@ -256,8 +300,22 @@ pub struct Bench {
     pub rest: Vec<OsString>,
 }
 
-/// Platforms of FMI 2.0.5, 2.3.
-pub const PLATFORMS: [&str; 6] = ["win32", "win64", "linux32", "linux64", "darwin32", "darwin64"];
+/// Oldest glibc that Rust's standard library knows.
+const OLDEST_GLIBC: u32 = 17;
+
+/// A version of glibc, such as 2.17.
+///
+/// # Errors
+/// Another form, or one that is older than Rust's standard library asks for.
+pub fn glibc(text: &str) -> Result<String, String> {
+    match text.strip_prefix("2.").and_then(|minor| minor.parse::<u32>().ok()) {
+        Some(minor) if minor >= OLDEST_GLIBC => Ok(format!("2.{minor}")),
+        _ => Err(format!("write a version of glibc from 2.{OLDEST_GLIBC} on, such as 2.{OLDEST_GLIBC} or 2.28")),
+    }
+}
+
+/// Platforms of FMI 2.0.5, 2.3: of those that have no name of their own there, the one for Linux on ARM.
+pub const PLATFORMS: [&str; 7] = ["win32", "win64", "linux32", "linux64", "aarch64-linux", "darwin32", "darwin64"];
 
 /// A platform and the library for it.
 #[derive(Clone, Debug)]
