@@ -23,7 +23,7 @@ pub struct Journal {
     file: File,
     path: PathBuf,
     /// Place and number of bytes of each chunk that is done.
-    done: BTreeMap<u64, (u64, u64)>,
+    done: Records,
     end: u64,
 }
 
@@ -51,7 +51,7 @@ impl Journal {
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             bail!("{shown}: another run is writing it; wait for its end, or name another folder with --out");
         }
-        let journal = |file: &mut File| -> std::io::Result<Option<(BTreeMap<u64, (u64, u64)>, u64)>> {
+        let journal = |file: &mut File| -> std::io::Result<Option<(Records, u64)>> {
             if file.metadata()?.len() < HEAD {
                 file.set_len(0)?;
                 file.write_all(MAGIC)?;
@@ -127,8 +127,11 @@ impl Journal {
     }
 }
 
+/// Where the record of each chunk begins, and how long it is.
+type Records = BTreeMap<u64, (u64, u64)>;
+
 /// The whole records of a journal, and where they end; none if it is another one's.
-fn read(file: &mut File, identity: u128) -> std::io::Result<Option<(BTreeMap<u64, (u64, u64)>, u64)>> {
+fn read(file: &mut File, identity: u128) -> std::io::Result<Option<(Records, u64)>> {
     let length = file.metadata()?.len();
     file.seek(SeekFrom::Start(0))?;
     let mut file = BufReader::new(file);
@@ -183,7 +186,11 @@ mod tests {
             assert_eq!([journal.has(4), journal.has(1), journal.has(0)], [first, cut == whole.len(), false], "{cut}");
             journal.add(1, b"one").unwrap();
             let mut chunks = Vec::new();
-            journal.replay(|chunk, bytes| Ok(chunks.push((chunk, bytes.to_vec())))).unwrap();
+            let mut take = |chunk: u64, bytes: &[u8]| {
+                chunks.push((chunk, bytes.to_vec()));
+                Ok(())
+            };
+            journal.replay(&mut take).unwrap();
             let expected = [(1, b"one".to_vec()), (4, b"four".to_vec())];
             assert_eq!(chunks, expected[..1 + usize::from(first)]);
         }

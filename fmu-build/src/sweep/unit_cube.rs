@@ -132,7 +132,7 @@ mod tests {
         let mut cube = cube(Method::Sobol, 64, 7);
         for bits in 0..=6 {
             let (across, up) = (1_u64 << bits, 1_u64 << (6 - bits));
-            let mut seen = vec![false; 64];
+            let mut seen = [false; 64];
             for sample in 0..64 {
                 let x = (cube.coordinate(sample, 0) * across as f64) as u64;
                 let y = (cube.coordinate(sample, 1) * up as f64) as u64;
