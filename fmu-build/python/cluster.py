@@ -2,8 +2,9 @@
 
 usage: cluster.py FMU PLAN (--workers N | --scheduler ADDRESS)
 
-The plan is what `cargo fmu sweep` makes of a study. Chunks come on the standard input: number, number of runs, values of the
-factors of each run. What is made goes to the standard output: number, number of bytes, bytes, as the journal of the study has them.
+The plan is what `cargo fmu sweep` makes of a study. Chunks come on the standard input: number, number of runs, values
+of the factors of each run. What is made goes to the standard output: number, number of bytes, bytes, as the journal of
+the study has them.
 """
 
 from __future__ import annotations
@@ -23,18 +24,11 @@ from ctypes import byref
 from pathlib import Path
 from typing import Any, BinaryIO
 
+import fmpy
 from dask import config
 from dask.distributed import Client, Future, LocalCluster, WorkerPlugin, get_worker
-from fmpy import calloc, extract, free, read_model_description
+from fmpy import extract, fmi2, logging, read_model_description
 from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import (
-    FMU2Slave,
-    fmi2CallbackAllocateMemoryTYPE,
-    fmi2CallbackFreeMemoryTYPE,
-    fmi2CallbackFunctions,
-    fmi2CallbackLoggerTYPE,
-)
-from fmpy.logging import addLoggerProxy
 
 WAITING = 4
 """Chunks of each worker that are under way."""
@@ -66,17 +60,17 @@ class Runner:
         self.plan = plan
         self.log: list[str] = []
         description = read_model_description(folder)
-        self.fmu = FMU2Slave(
+        self.fmu = fmi2.FMU2Slave(
             guid=description.guid,
             unzipDirectory=str(folder),
             modelIdentifier=description.coSimulation.modelIdentifier,
             instanceName="study",
         )
-        self.callbacks = fmi2CallbackFunctions()
-        self.callbacks.logger = fmi2CallbackLoggerTYPE(lambda *message: self.log.append(message[-1].decode()))
-        self.callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
-        self.callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
-        addLoggerProxy(byref(self.callbacks))
+        self.callbacks = fmi2.fmi2CallbackFunctions()
+        self.callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(lambda *message: self.log.append(message[-1].decode()))
+        self.callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
+        self.callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
+        logging.addLoggerProxy(byref(self.callbacks))
         self.fmu.instantiate(callbacks=self.callbacks)
 
     def why(self) -> str:
@@ -303,7 +297,9 @@ def read(file: BinaryIO, count: int) -> bytes | None:
     return data if len(data) == count else None
 
 
-def submit(client: Client, plugin: Study, room: threading.Semaphore, done: queue.Queue[tuple[int, Future] | None]) -> None:
+def submit(
+    client: Client, plugin: Study, room: threading.Semaphore, done: queue.Queue[tuple[int, Future] | None]
+) -> None:
     """Hand all chunks of the standard input to the cluster; `done` has each that is made, and None at the end."""
     under_way = 0
     finished = threading.Semaphore(0)

@@ -50,7 +50,8 @@ impl Drop for Folder {
 
 fn sweep(study: &Path, out: &Path, threads: u16) -> anyhow::Result<simulate::Outcome> {
     let (study, out) = (study.to_path_buf(), Some(out.to_path_buf()));
-    sweep::run(&Workspace::locate(), &Arguments { study, out, csv: true, resume: false, threads: Some(threads) })
+    let arguments = Arguments { study, out, csv: true, threads: Some(threads), ..Default::default() };
+    sweep::run(&Workspace::locate(), &arguments)
 }
 
 /// The message of a study that is refused.

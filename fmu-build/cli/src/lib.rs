@@ -232,6 +232,12 @@ pub struct Sweep {
     /// Threads [default: one for each core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+    /// Make the runs by the packed FMU on a cluster of so many processes on this machine, by Dask
+    #[arg(long, value_name = "N", conflicts_with = "threads", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub workers: Option<u16>,
+    /// Make the runs by the packed FMU on the workers of this scheduler of Dask, such as tcp://10.0.0.1:8786
+    #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["threads", "workers"])]
+    pub scheduler: Option<String>,
 }
 
 /// Arguments of `demo`.

@@ -5,11 +5,13 @@
 
 mod bar;
 mod chunk;
+mod cluster;
 mod csv;
 mod definition;
 mod design;
 mod journal;
 mod parquet;
+mod plan;
 mod pool;
 mod responses;
 mod results;
@@ -25,6 +27,7 @@ use crate::workspace::Workspace;
 use anyhow::{Context, Result, bail};
 use bar::Bar;
 use chunk::Cut;
+use cluster::Workers;
 use definition::Definition;
 use design::Design;
 pub use fmu_cli::Sweep as Arguments;
@@ -63,6 +66,8 @@ struct Study {
     design: Design,
     cut: Cut,
     model: source::Definition,
+    /// Where the mechanism is.
+    path: PathBuf,
     identity: u128,
 }
 
@@ -86,7 +91,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     }
     let mut journal = Journal::open(&out.join(JOURNAL), study.identity, arguments.resume)?;
     let (started, before) = (Instant::now(), journal.len());
-    make(&study, arguments, &mut journal)?;
+    make(workspace, &study, arguments, (&mut journal, &out))?;
     let (chunks, seconds) = (journal.len(), started.elapsed().as_secs_f64());
     let runs_of = |chunks: u64| (chunks * study.cut.runs_of(0).end).min(study.design.runs());
     if chunks < study.cut.chunks() {
@@ -106,21 +111,36 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
 }
 
 /// Make the chunks that are not done.
-fn make(study: &Study, arguments: &Arguments, journal: &mut Journal) -> Result<()> {
-    let Study { task, design, cut, model, .. } = study;
+fn make(
+    workspace: &Workspace,
+    study: &Study,
+    arguments: &Arguments,
+    (journal, out): (&mut Journal, &Path),
+) -> Result<()> {
+    let Study { task, design, cut, model, path, .. } = study;
     let runs_of = |chunk: u64| cut.runs_of(chunk).end - cut.runs_of(chunk).start;
     let missing: Vec<u64> = (0..cut.chunks()).filter(|chunk| !journal.has(*chunk)).collect();
+    let make_model = || Ok(Component::from_definition(model.kind, &model.text)?);
+    let workers = match (&arguments.scheduler, arguments.workers) {
+        (Some(address), _) => Some(Workers::Of(address.clone())),
+        (None, count) => count.map(Workers::Local),
+    };
+    let fmu = workers.is_some().then(|| cluster::packed(workspace, path, out)).transpose()?;
     let done = design.runs() - missing.iter().map(|chunk| runs_of(*chunk)).sum::<u64>();
     let bar = Bar::new(design.runs(), done, std::io::stderr().is_terminal());
-    let threads = match arguments.threads {
-        Some(threads) => threads as usize,
-        None => std::thread::available_parallelism().map_or(1, usize::from),
-    };
-    let make_model = || Ok(Component::from_definition(model.kind, &model.text)?);
     let keep = |chunk: u64, bytes: Vec<u8>| {
         journal.add(chunk, &bytes)?;
         bar.add(runs_of(chunk));
         Ok(())
+    };
+    if let (Some(workers), Some(fmu)) = (&workers, &fmu) {
+        let model = make_model()?;
+        let work = cluster::Work { task, design, cut };
+        return cluster::run(workspace, workers, (&work, model.interface()), (fmu, out), &missing, stop_wish(), keep);
+    }
+    let threads = match arguments.threads {
+        Some(threads) => threads as usize,
+        None => std::thread::available_parallelism().map_or(1, usize::from),
     };
     pool::run(threads, (task, design, cut), &make_model, missing.into_iter(), stop_wish(), keep)
 }
@@ -138,8 +158,8 @@ impl Study {
         let (definition, text) = Definition::read(path)?;
         let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
         let shown = path.display();
-        let model = source::Definition::read(workspace, &folder.join(&definition.mechanism))
-            .with_context(|| format!("{shown}: mechanism"))?;
+        let mechanism = folder.join(&definition.mechanism);
+        let model = source::Definition::read(workspace, &mechanism).with_context(|| format!("{shown}: mechanism"))?;
         let component = Component::from_definition(model.kind, &model.text)
             .with_context(|| format!("{shown}: mechanism: {}; `cargo fmu check` tells more", model.shown))?;
         for finding in component.warnings() {
@@ -164,6 +184,6 @@ impl Study {
             all.push_str(&format!("{:032x}\0", fnv1a_128([&*String::from_utf8_lossy(&bytes)])));
         }
         let identity = fnv1a_128([all.as_str(), env!("CARGO_PKG_VERSION")]);
-        Ok(Self { task, design, cut, model, identity })
+        Ok(Self { task, design, cut, model, path: mechanism, identity })
     }
 }
