@@ -15,6 +15,11 @@ use object::{Architecture, BinaryFormat, FileKind, Object, ObjectKind};
 /// A function that every library of an FMU has.
 const FUNCTION: &str = "fmi2Instantiate";
 
+/// Linux on ARM. FMI 2.0 has no name of its own for it: since 2.0.4 the one of FMI 3.0 stands.
+pub const ARM_LINUX: &str = "aarch64-linux";
+/// The folder in which importers of FMI 2.0 look on every 64-bit Linux if they know no processor but x86_64.
+pub const COMPATIBLE: &str = "linux64";
+
 /// A platform of FMI 2.0.5, 2.3, with its names in FMI 3.0.2, 2.5.1.4.
 #[derive(Clone, Copy, Debug)]
 struct Platform {
@@ -26,7 +31,7 @@ struct Platform {
     architectures: &'static [Architecture],
 }
 
-const PLATFORMS: [Platform; 6] = [
+const PLATFORMS: [Platform; 7] = [
     Platform {
         name: "win32",
         tuples: &["x86-windows"],
@@ -56,6 +61,13 @@ const PLATFORMS: [Platform; 6] = [
         architectures: &[Architecture::X86_64],
     },
     Platform {
+        name: ARM_LINUX,
+        tuples: &[ARM_LINUX],
+        extension: "so",
+        format: BinaryFormat::Elf,
+        architectures: &[Architecture::Aarch64],
+    },
+    Platform {
         name: "darwin32",
         tuples: &["x86-darwin"],
         extension: "dylib",
@@ -76,6 +88,8 @@ const PLATFORMS: [Platform; 6] = [
 #[derive(Debug)]
 pub struct Binary {
     platform: &'static Platform,
+    /// Folder in an FMU of FMI 2.0.
+    folder: &'static str,
     content: Vec<u8>,
 }
 
@@ -86,32 +100,44 @@ impl Binary {
     /// There is no such file, or it is no library of the platform.
     pub fn read(named: &Library) -> Result<Self> {
         let file = named.file.display();
-        let Some(platform) = PLATFORMS.iter().find(|platform| platform.name == named.platform) else {
-            bail!("there is no platform {} in FMI 2.0", named.platform);
-        };
         if !named.file.is_file() {
-            bail!("{file}: there is no such file; name the library for {}", platform.name);
+            bail!("{file}: there is no such file; name the library for {}", named.platform);
         }
-        let content = files::read(&named.file, u64::MAX)?;
-        check(platform, &content).with_context(|| format!("{file}: is no FMU's library for {}", platform.name))?;
-        Ok(Self { platform, content })
+        Self::new(named.platform, files::read(&named.file, u64::MAX)?, &file.to_string())
     }
 
-    /// Name of its platform.
+    /// Look at a library for the platform of this name in FMI 2.0; `shown` names it in messages.
+    ///
+    /// # Errors
+    /// It is no library of the platform, or there is no such platform.
+    pub fn new(name: &str, content: Vec<u8>, shown: &str) -> Result<Self> {
+        let Some(platform) = PLATFORMS.iter().find(|platform| platform.name == name) else {
+            bail!("there is no platform {name} in FMI 2.0");
+        };
+        check(platform, &content).with_context(|| format!("{shown}: is no FMU's library for {name}"))?;
+        Ok(Self { platform, folder: platform.name, content })
+    }
+
+    /// The same library in the folder [`COMPATIBLE`] of an FMU of FMI 2.0.
+    pub fn compatible(self) -> Self {
+        Self { folder: COMPATIBLE, ..self }
+    }
+
+    /// Name of its platform, or of the one in whose folder it lies.
     pub fn platform(&self) -> &'static str {
-        self.platform.name
+        self.folder
     }
 
     /// The entries in the FMU of a model with this modelIdentifier: one, or in FMI 3.0 one for each architecture that the
     /// file holds.
     pub fn entries(&self, version: Version, model_identifier: &str) -> Vec<Entry> {
-        let Platform { name, tuples, architectures, .. } = self.platform;
+        let Platform { tuples, architectures, .. } = self.platform;
         let holds = |architecture: &'static Architecture| {
             let one = Platform { architectures: std::slice::from_ref(architecture), ..*self.platform };
             check(&one, &self.content).is_ok()
         };
         let folders: Vec<&str> = match version {
-            Version::Two => vec![name],
+            Version::Two => vec![self.folder],
             Version::Three => {
                 tuples.iter().zip(*architectures).filter(|(_, of)| holds(of)).map(|(tuple, _)| *tuple).collect()
             }

@@ -17,6 +17,7 @@ pub mod info;
 mod library;
 mod names;
 pub mod package;
+mod platform;
 pub mod report;
 mod schema;
 pub mod simulate;

@@ -2,7 +2,6 @@
 
 use crate::binary;
 use crate::command;
-use crate::version::Version;
 use crate::workspace::Workspace;
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
@@ -17,12 +16,26 @@ const PACKAGE: &str = "linkage-fmu";
 /// runs; built for itself it would be compiled anew each time, because Cargo gives both the same file.
 const BUILT: &str = env!("CARGO_PKG_NAME");
 
+/// How the library is built for another machine.
+#[derive(Debug)]
+pub struct Target {
+    /// Rust's name for the machine.
+    pub triple: &'static str,
+    /// Extension of its shared libraries.
+    pub extension: &'static str,
+    /// Further arguments for Cargo.
+    pub arguments: Vec<&'static str>,
+    /// Environment variables for Cargo.
+    pub variables: Vec<(String, String)>,
+}
+
 /// This platform's name, after FMI 2.0.5, 2.3.
 ///
 /// # Errors
 /// FMI 2.0 has no name for this operating system.
 pub fn platform() -> Result<&'static str> {
     Ok(match OS {
+        "linux" if ARCH == "aarch64" => binary::ARM_LINUX,
         "linux" => "linux64",
         "windows" => "win64",
         "macos" => "darwin64",
@@ -36,43 +49,46 @@ pub fn tuple() -> String {
     format!("{ARCH}-{system}")
 }
 
-/// Path of the library in an FMU of this version.
-///
-/// # Errors
-/// As for [`Version::platform`].
-pub fn path(version: Version, model_identifier: &str) -> Result<String> {
-    Ok(format!("binaries/{}/{model_identifier}.{DLL_EXTENSION}", version.platform()?))
-}
-
-/// Build the library in release and read it.
+/// Build the library in release and read it: with `target`, a triple of Rust, for another machine, for which Cargo gets
+/// the further arguments and variables; `extension` is that of its shared libraries.
 ///
 /// # Errors
 /// The build fails, or it names no shared library.
-pub fn build(workspace: &Workspace) -> Result<Vec<u8>> {
+pub fn build(workspace: &Workspace, target: Option<&Target>) -> Result<Vec<u8>> {
     let mut cargo = command::cargo(workspace);
-    cargo
-        .args(["build", "--release", "--package", BUILT, "--message-format=json-render-diagnostics"])
-        .stderr(Stdio::inherit());
+    cargo.args(["build", "--release", "--message-format=json-render-diagnostics"]).stderr(Stdio::inherit());
+    let extension = match target {
+        None => {
+            cargo.args(["--package", BUILT]);
+            DLL_EXTENSION
+        }
+        Some(target) => {
+            cargo.args(["--package", PACKAGE, "--lib", "--target", target.triple]);
+            cargo.args(&target.arguments).envs(target.variables.iter().cloned());
+            target.extension
+        }
+    };
     let output = cargo.output().with_context(|| command::cannot_start(&cargo, "cargo build"))?;
+    let what = target.map_or_else(|| PACKAGE.to_owned(), |target| format!("{PACKAGE} for {}", target.triple));
     if !output.status.success() {
-        bail!("cargo build of {PACKAGE} failed ({}); its own messages stand above", output.status);
+        bail!("cargo build of {what} failed ({}); its own messages stand above", output.status);
     }
-    let path = artifact(&String::from_utf8_lossy(&output.stdout))
-        .with_context(|| format!("cargo build of {PACKAGE} made no .{DLL_EXTENSION}; has [lib] crate-type cdylib?"))?;
+    let path = artifact(&String::from_utf8_lossy(&output.stdout), extension)
+        .with_context(|| format!("cargo build of {what} made no .{extension}; has [lib] crate-type cdylib?"))?;
     let content = fs::read(&path).with_context(|| format!("{}: cannot be read", path.display()))?;
     binary::exports_fmi_only(&content).with_context(|| format!("{}: cannot be packed", path.display()))?;
     Ok(content)
 }
 
 /// The shared library among Cargo's messages, one JSON object a line.
-fn artifact(messages: &str) -> Option<PathBuf> {
+fn artifact(messages: &str, extension: &str) -> Option<PathBuf> {
     messages
         .lines()
         .filter_map(|line| serde_json::from_str::<Value>(line).ok())
         .filter(|message| message["reason"] == "compiler-artifact" && message["target"]["name"] == "linkage_fmu")
         .flat_map(|message| message["filenames"].as_array().cloned().unwrap_or_default())
         .filter_map(|name| name.as_str().map(PathBuf::from))
-        .find(|path| path.extension().is_some_and(|extension| extension == DLL_EXTENSION))
+        .find(|path| path.extension().is_some_and(|other| other == extension))
 }
 
 #[cfg(test)]
@@ -81,23 +97,15 @@ mod tests {
 
     #[test]
     fn the_library_is_found_among_cargos_messages() {
-        let messages = format!(
-            concat!(
-                "{{\"reason\":\"compiler-artifact\",\"target\":{{\"name\":\"libc\"}},\"filenames\":[\"/t/libc.{0}\"]}}\n",
-                "not JSON\n",
-                "{{\"reason\":\"compiler-artifact\",\"target\":{{\"name\":\"linkage_fmu\"}},",
-                "\"filenames\":[\"/t/x.rlib\",\"/t/x.{0}\"]}}\n",
-                "{{\"reason\":\"build-finished\",\"success\":true}}\n"
-            ),
-            DLL_EXTENSION
+        let messages = concat!(
+            "{\"reason\":\"compiler-artifact\",\"target\":{\"name\":\"libc\"},\"filenames\":[\"/t/libc.dll\"]}\n",
+            "not JSON\n",
+            "{\"reason\":\"compiler-artifact\",\"target\":{\"name\":\"linkage_fmu\"},",
+            "\"filenames\":[\"/t/x.rlib\",\"/t/x.dll.a\",\"/t/x.dll\"]}\n",
+            "{\"reason\":\"build-finished\",\"success\":true}\n"
         );
-        assert_eq!(artifact(&messages), Some(PathBuf::from(format!("/t/x.{DLL_EXTENSION}"))));
-        assert_eq!(artifact("{\"reason\":\"build-finished\"}"), None);
-    }
-
-    #[test]
-    fn the_library_has_no_prefix() {
-        let path = path(Version::Two, "Gear").unwrap();
-        assert!(path.starts_with("binaries/") && path.ends_with(&format!("/Gear.{DLL_EXTENSION}")), "{path}");
+        assert_eq!(artifact(messages, "dll"), Some(PathBuf::from("/t/x.dll")));
+        assert_eq!(artifact(messages, "so"), None);
+        assert_eq!(artifact("{\"reason\":\"build-finished\"}", "dll"), None);
     }
 }

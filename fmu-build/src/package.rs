@@ -11,10 +11,10 @@ use crate::source::{self, Companions, Source};
 use crate::version::Version;
 use crate::workspace::{DEFAULT_FMU, Workspace};
 use crate::xml::{fmi2, terminals};
-use crate::{check, files, library, schema, ssp};
+use crate::{check, files, platform, schema, ssp};
 use anyhow::{Context, Result, bail};
+use fmu_cli::Fmi;
 pub use fmu_cli::Package as Arguments;
-use fmu_cli::{Fmi, Library};
 use linkage_fmu::component::{Component, TABLES};
 use linkage_fmu::inspection::Severity;
 use std::collections::HashMap;
@@ -38,8 +38,7 @@ struct Prepared {
 /// What all FMUs of one call have in common.
 struct Common<'a> {
     workspace: &'a Workspace,
-    library: Vec<u8>,
-    /// Libraries of other platforms.
+    /// The libraries, one for each platform.
     binaries: Vec<Binary>,
     extent: Extent,
     /// Whether tables are packed.
@@ -91,8 +90,8 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
     if !refused.is_empty() {
         bail!("nothing was packed: {}", refused.join("\n"));
     }
-    let binaries = further(&arguments.binaries)?;
-    let library = library::build(workspace)?;
+    let mut binaries = further(arguments)?;
+    binaries.extend(platform::build(workspace, arguments)?);
     let out = arguments.out.clone().unwrap_or_else(|| workspace.fmu_folder());
     let interfaces: HashMap<_, _> =
         prepared.iter().map(|fmu| (fmu.name.clone(), fmu.component.interface().clone())).collect();
@@ -103,7 +102,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
         Fmi::Both => &[Version::Two, Version::Three],
     };
     let tables = !arguments.no_tables;
-    let common = Common { workspace, library, binaries, extent, tables, versions, out };
+    let common = Common { workspace, binaries, extent, tables, versions, out };
     let mut paths = Vec::new();
     for fmu in prepared {
         paths.extend(pack(&common, fmu)?);
@@ -126,13 +125,14 @@ pub fn default(workspace: &Workspace) -> Result<PathBuf> {
     run(workspace, &Arguments::default())?.pop().context("no FMU was packed")
 }
 
-/// The libraries of other platforms.
-fn further(named: &[Library]) -> Result<Vec<Binary>> {
+/// The libraries that were built elsewhere.
+fn further(arguments: &Arguments) -> Result<Vec<Binary>> {
+    let built = platform::folders(arguments)?;
     let mut binaries: Vec<Binary> = Vec::new();
-    for named in named {
+    for named in &arguments.binaries {
         let binary = Binary::read(named)?;
         let platform = binary.platform();
-        if library::platform()? == platform {
+        if built.contains(&platform) {
             bail!("--binary {platform}: that library is built here; leave it out");
         }
         if binaries.iter().any(|other| other.platform() == platform) {
@@ -207,10 +207,7 @@ fn pack(common: &Common, fmu: Prepared) -> Result<Vec<PathBuf>> {
             other => other.describe(&fmu.component)?,
         };
         let mut entries = entries.clone();
-        entries.extend([
-            Entry { name: MODEL_DESCRIPTION.to_owned(), content: description.into_bytes() },
-            Entry { name: library::path(version, &fmu.name)?, content: common.library.clone() },
-        ]);
+        entries.extend([Entry { name: MODEL_DESCRIPTION.to_owned(), content: description.into_bytes() }]);
         entries.extend(common.binaries.iter().flat_map(|binary| binary.entries(version, &fmu.name)));
         let path = common.out.join(format!("{}.{}", fmu.name, version.extension()));
         archive::write(&path, entries)?;

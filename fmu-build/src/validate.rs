@@ -3,6 +3,7 @@
 //! In: an FMU of this program, or a definition. Out: errors and warnings, one a line: of a definition those of `check`; of
 //! an FMU also whether its archive is whole, its description is that of its definition, and its libraries are ones.
 
+use crate::binary::{ARM_LINUX, COMPATIBLE};
 use crate::check;
 use crate::fmu::{self, Fmu};
 use crate::source::Definition;
@@ -125,6 +126,9 @@ fn libraries(fmu: &mut Fmu, described: &Description, found: &mut Found) {
             continue;
         };
         match fmu.read(&path) {
+            Ok(Some(content)) if platform == COMPATIBLE && binary::check_for(ARM_LINUX, &content).is_ok() => found
+                .warnings
+                .push(format!("{shown}/{path}: is for ARM ({ARM_LINUX}); hosts on x86_64 cannot load this FMU")),
             Ok(Some(content)) => {
                 found.take(binary::check_for(platform, &content).with_context(|| format!("{shown}/{path}")));
             }

@@ -1,4 +1,5 @@
-"""`cargo fmu package --binary`: libraries of further platforms. FMPy ships some that are built elsewhere."""
+"""`cargo fmu package --binary` and `--platforms`: libraries of further platforms. FMPy ships some that are built
+elsewhere."""
 
 from __future__ import annotations
 
@@ -44,6 +45,7 @@ def test_binaries_lie_in_their_folders(tmp_path: Path) -> None:
 
 REFUSED = {
     "another platform's library": (f"win32={LIBRARIES['win64']}", ["container_fmu.dll", "win32", "X86_64", "I386"]),
+    "a processor's": (f"aarch64-linux={CONTAINER / 'x86_64-linux' / 'container_fmu.so'}", ["X86_64", "Aarch64"]),
     "another system's library": (f"darwin64={LIBRARIES['win64']}", ["darwin64", "Pe for X86_64", "MachO"]),
     "no library": (f"win64={Path(__file__)}", ["test_platforms.py", "no library"]),
     "no FMU's library": (f"win64={SHIPPED / 'logging' / 'win64' / 'logging.dll'}", ["does not export fmi2Instantiate"]),
@@ -72,3 +74,51 @@ def test_an_unknown_platform_is_a_wrong_usage(tmp_path: Path) -> None:
     assert done.returncode == 2
     assert "win16" in done.stderr
     assert "darwin64" in done.stderr
+
+
+@pytest.fixture
+def without_arm(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A machine that cannot link for ARM."""
+    monkeypatch.setenv("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER", "/nowhere/no-such-linker")
+
+
+@pytest.mark.usefixtures("without_arm")
+def test_a_platform_that_cannot_be_built_is_an_error_with_the_remedy(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    line = refused(package_in(Path(), "--out", str(out), "--platforms", "x86_64-linux,aarch64-linux"))
+    assert "aarch64-linux: cannot be built here" in line
+    assert "rustup target add aarch64-unknown-linux-gnu" in line or "apt-get install gcc-aarch64-linux-gnu" in line
+    assert "--available" in line
+    assert not out.exists()
+
+
+@pytest.mark.usefixtures("without_arm")
+def test_available_packs_the_rest_and_tells_what_is_left_out(tmp_path: Path) -> None:
+    done = package_in(Path(), "--out", str(tmp_path), "--platforms", "linux64,aarch64-linux", "--available")
+    assert done.returncode == 0, done.stderr
+    assert "left out: aarch64-linux: cannot be built here" in done.stdout
+    assert fmpy.supported_platforms(str(tmp_path / f"{NAME}.fmu")) == ["linux64"]
+    refused(package_in(Path(), "--out", str(tmp_path), "--platforms", "aarch64-linux", "--available"))
+
+
+WRONG_PLATFORMS = {
+    "an unknown one": (["--platforms", "x86_64-linux,vax-vms"], 2, ["vax-vms", "aarch64-linux"]),
+    "one built twice": (["--platforms", "linux64", "--binary", "linux64=x.so"], 1, ["x.so", "no such file"]),
+    "one folder, two processors": (
+        ["--platforms", "aarch64-linux,x86_64-linux", "--compatible"],
+        1,
+        ["binaries/linux64", "make two FMUs"],
+    ),
+    "no processor to be compatible": (["--platforms", "linux64", "--compatible"], 1, ["add aarch64-linux"]),
+    "available what": (["--available"], 2, ["--platforms"]),
+}
+
+
+@pytest.mark.parametrize("name", WRONG_PLATFORMS)
+def test_wrong_platforms_are_refused(tmp_path: Path, name: str) -> None:
+    options, code, fragments = WRONG_PLATFORMS[name]
+    done = package_in(Path(), "--out", str(tmp_path / "out"), *options)
+    assert done.returncode == code, done.stdout + done.stderr
+    for fragment in fragments:
+        assert fragment in done.stderr
+    assert not (tmp_path / "out").exists()

@@ -65,6 +65,15 @@ pub struct Package {
     /// Versions of FMI: 2 makes <Name>.fmu, 3 makes <Name>.fmi3.fmu
     #[arg(long, value_enum, default_value_t, value_name = "VERSION")]
     pub fmi: Fmi,
+    /// Platforms whose libraries are built and packed [default: this machine's own]
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "PLATFORMS")]
+    pub platforms: Vec<Platform>,
+    /// Pack what can be built here of --platforms, and tell what is left out; without it a missing platform is an error
+    #[arg(long, requires = "platforms")]
+    pub available: bool,
+    /// Put the library for ARM where importers look that do not know aarch64-linux in FMI 2.0: in binaries/linux64
+    #[arg(long, requires = "platforms")]
+    pub compatible: bool,
     /// Leave out documentation/animation.html, which plays the default run
     #[arg(long)]
     pub no_animation: bool,
@@ -74,6 +83,20 @@ pub struct Package {
     /// Leave out the reference results of the default run
     #[arg(long)]
     pub no_results: bool,
+}
+
+/// Platforms that libraries are built for, by the names of FMI 3.0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Platform {
+    /// Linux on Intel and AMD, in FMI 2.0 linux64
+    #[value(name = "x86_64-linux", alias = "linux64")]
+    X86Linux,
+    /// Windows on Intel and AMD, in FMI 2.0 win64
+    #[value(name = "x86_64-windows", alias = "win64")]
+    X86Windows,
+    /// Linux on ARM with 64 bits, in FMI 2.0 aarch64-linux
+    #[value(name = "aarch64-linux")]
+    ArmLinux,
 }
 
 /// Versions of FMI that `package` makes FMUs of.
@@ -256,8 +279,8 @@ pub struct Bench {
     pub rest: Vec<OsString>,
 }
 
-/// Platforms of FMI 2.0.5, 2.3.
-pub const PLATFORMS: [&str; 6] = ["win32", "win64", "linux32", "linux64", "darwin32", "darwin64"];
+/// Platforms of FMI 2.0.5, 2.3: of those that have no name of their own there, the one for Linux on ARM.
+pub const PLATFORMS: [&str; 7] = ["win32", "win64", "linux32", "linux64", "aarch64-linux", "darwin32", "darwin64"];
 
 /// A platform and the library for it.
 #[derive(Clone, Debug)]

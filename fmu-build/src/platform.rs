@@ -1,0 +1,249 @@
+//! The platforms whose libraries are built here, and what is missing on this machine for the others.
+//!
+//! In: the platforms asked for. Out: a library for each, or one line for each that cannot be built, with the remedy.
+
+use crate::binary::{ARM_LINUX, Binary, COMPATIBLE};
+use crate::library::{self, Target};
+use crate::package::Arguments;
+use crate::workspace::Workspace;
+use anyhow::{Context, Result, bail};
+use fmu_cli::Platform;
+use std::env;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// How Rust and a linker make libraries for a platform.
+struct Toolchain {
+    /// Name in FMI 3.0.
+    tuple: &'static str,
+    /// Folder in FMI 2.0.
+    folder: &'static str,
+    triple: &'static str,
+    extension: &'static str,
+    linker: &'static str,
+    /// Package of Debian that has the linker.
+    linker_package: &'static str,
+    /// How Debian gives Rust's standard library to its own Rust, where it does.
+    debian: &'static str,
+}
+
+const X86_LINUX: Toolchain = Toolchain {
+    tuple: "x86_64-linux",
+    folder: "linux64",
+    triple: "x86_64-unknown-linux-gnu",
+    extension: "so",
+    linker: "x86_64-linux-gnu-gcc",
+    linker_package: "gcc-x86-64-linux-gnu",
+    debian: " (with Debian's own Rust: apt-get install libstd-rust-dev:amd64)",
+};
+
+const X86_WINDOWS: Toolchain = Toolchain {
+    tuple: "x86_64-windows",
+    folder: "win64",
+    triple: "x86_64-pc-windows-gnu",
+    extension: "dll",
+    linker: "x86_64-w64-mingw32-gcc",
+    linker_package: "gcc-mingw-w64-x86-64",
+    debian: " (with Debian's own Rust: apt-get install rust-src, and RUSTC_BOOTSTRAP=1)",
+};
+
+const ARM: Toolchain = Toolchain {
+    tuple: ARM_LINUX,
+    folder: ARM_LINUX,
+    triple: "aarch64-unknown-linux-gnu",
+    extension: "so",
+    linker: "aarch64-linux-gnu-gcc",
+    linker_package: "gcc-aarch64-linux-gnu",
+    debian: " (with Debian's own Rust: dpkg --add-architecture arm64, apt-get install libstd-rust-dev:arm64)",
+};
+
+fn toolchain(platform: Platform) -> &'static Toolchain {
+    match platform {
+        Platform::X86Linux => &X86_LINUX,
+        Platform::X86Windows => &X86_WINDOWS,
+        Platform::ArmLinux => &ARM,
+    }
+}
+
+/// The platforms asked for, each once; none for this machine's own alone.
+fn wanted(arguments: &Arguments) -> Vec<&'static Toolchain> {
+    let mut wanted: Vec<&Toolchain> = Vec::new();
+    for toolchain in arguments.platforms.iter().map(|platform| toolchain(*platform)) {
+        if !wanted.iter().any(|other| other.tuple == toolchain.tuple) {
+            wanted.push(toolchain);
+        }
+    }
+    wanted
+}
+
+/// Folders in FMUs of FMI 2.0 of the libraries that are built here.
+///
+/// # Errors
+/// Two libraries for one folder; `--compatible` without a library for ARM; FMI 2.0 has no name for this system.
+pub fn folders(arguments: &Arguments) -> Result<Vec<&'static str>> {
+    let wanted = wanted(arguments);
+    if wanted.is_empty() {
+        return Ok(vec![library::platform()?]);
+    }
+    let mut folders: Vec<_> = wanted.iter().map(|toolchain| toolchain.folder).collect();
+    if arguments.compatible {
+        let Some(arm) = folders.iter_mut().find(|folder| **folder == ARM_LINUX) else {
+            bail!("--compatible: is for the library for ARM; add {ARM_LINUX} to --platforms, or leave it out");
+        };
+        *arm = COMPATIBLE;
+        if wanted.iter().any(|toolchain| toolchain.folder == COMPATIBLE) {
+            bail!(
+                "--compatible: binaries/{COMPATIBLE} has room for one library, and x86_64-linux has it; make two FMUs, \
+                 one with --platforms {ARM_LINUX} --compatible alone"
+            );
+        }
+    }
+    Ok(folders)
+}
+
+/// Build a library for each platform asked for; with `--available` for those that can be built here.
+///
+/// # Errors
+/// A platform cannot be built here, told for all of them before anything is built; a build fails.
+pub fn build(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<Binary>> {
+    let mut wanted = wanted(arguments);
+    if wanted.is_empty() {
+        return Ok(vec![own(workspace)?]);
+    }
+    let mut missing = Vec::new();
+    let mut targets = Vec::new();
+    for toolchain in wanted.drain(..) {
+        match target(toolchain) {
+            Ok(target) => targets.push((toolchain, target)),
+            Err(reason) => missing.push(format!("{}: cannot be built here: {reason:#}", toolchain.tuple)),
+        }
+    }
+    if !missing.is_empty() && (!arguments.available || targets.is_empty()) {
+        let more = if arguments.available { "" } else { "; or say --available to pack the others" };
+        bail!("nothing was packed: {}{more}", missing.join("\n"));
+    }
+    missing.iter().for_each(|line| println!("left out: {line}"));
+    let build = |(toolchain, target): (&Toolchain, Option<Target>)| {
+        let Some(target) = target else { return own(workspace) };
+        let content = library::build(workspace, Some(&target))?;
+        let binary = Binary::new(toolchain.folder, content, toolchain.triple)?;
+        Ok(if arguments.compatible && toolchain.folder == ARM_LINUX { binary.compatible() } else { binary })
+    };
+    targets.into_iter().map(build).collect()
+}
+
+/// This machine's own library.
+fn own(workspace: &Workspace) -> Result<Binary> {
+    Binary::new(library::platform()?, library::build(workspace, None)?, "this machine's library")
+}
+
+/// How the library for a platform is built; None for this machine's own.
+///
+/// # Errors
+/// What is missing, with the command that gives it.
+fn target(toolchain: &Toolchain) -> Result<Option<Target>> {
+    if toolchain.tuple == library::tuple() {
+        return Ok(None);
+    }
+    let &Toolchain { triple, extension, .. } = toolchain;
+    let arguments = standard_library(toolchain)?;
+    Ok(Some(Target { triple, extension, arguments, variables: vec![linker(toolchain)?] }))
+}
+
+/// Arguments for Cargo with which it has the standard library: none where it is installed; a Rust that takes unstable
+/// options compiles it, if its source is there.
+fn standard_library(toolchain: &Toolchain) -> Result<Vec<&'static str>> {
+    let &Toolchain { triple, debian, .. } = toolchain;
+    // A toolchain that does not know the machine at all has no folder for it either.
+    if asked(&["--print", "target-libdir", "--target", triple]).is_ok_and(|folder| holds_standard_library(&folder)) {
+        return Ok(Vec::new());
+    }
+    let takes_unstable = env::var_os("RUSTC_BOOTSTRAP").is_some_and(|value| value == "1")
+        || asked(&["--version"])?.to_string_lossy().contains("nightly");
+    let source = asked(&["--print", "sysroot"])?.join("lib/rustlib/src/rust/library/std/Cargo.toml");
+    if takes_unstable && source.is_file() {
+        return Ok(vec!["-Zbuild-std=std,panic_abort"]);
+    }
+    bail!("Rust has no standard library for {triple}; say: rustup target add {triple}{debian}")
+}
+
+/// What rustc answers, as a path.
+fn asked(arguments: &[&str]) -> Result<PathBuf> {
+    let mut rustc = Command::new(env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
+    let output = rustc.args(arguments).stderr(Stdio::null()).output().context("rustc cannot be started")?;
+    if !output.status.success() {
+        bail!("rustc {} failed ({})", arguments.join(" "), output.status);
+    }
+    Ok(PathBuf::from(String::from_utf8_lossy(&output.stdout).trim()))
+}
+
+fn holds_standard_library(folder: &Path) -> bool {
+    let names = folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.file_name());
+    names.into_iter().any(|name| name.to_string_lossy().starts_with("libstd-"))
+}
+
+/// Cargo's variable for the linker, with the linker that is there.
+fn linker(toolchain: &Toolchain) -> Result<(String, String)> {
+    let &Toolchain { triple, linker, linker_package, .. } = toolchain;
+    let variable = format!("CARGO_TARGET_{}_LINKER", triple.to_uppercase().replace('-', "_"));
+    let named = env::var(&variable).ok().filter(|name| !name.is_empty());
+    let program = named.unwrap_or_else(|| linker.to_owned());
+    let started = Command::new(&program).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
+    if started.is_err() {
+        bail!(
+            "the linker {program} cannot be started; install it (Debian: apt-get install {linker_package}), or name \
+             another in {variable}"
+        );
+    }
+    Ok((variable, program))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn asking(platforms: &[Platform], compatible: bool) -> Arguments {
+        Arguments { platforms: platforms.to_vec(), compatible, ..Default::default() }
+    }
+
+    #[test]
+    fn each_platform_has_its_folder_once() {
+        use Platform::{ArmLinux, X86Linux, X86Windows};
+        assert_eq!(folders(&asking(&[], false)).unwrap(), [library::platform().unwrap()]);
+        let all = asking(&[ArmLinux, X86Windows, X86Linux, X86Windows], false);
+        assert_eq!(folders(&all).unwrap(), ["aarch64-linux", "win64", "linux64"]);
+        assert_eq!(folders(&asking(&[X86Windows, ArmLinux], true)).unwrap(), ["win64", "linux64"]);
+    }
+
+    /// The folder `linux64` cannot hold the libraries of two processors.
+    #[test]
+    fn two_libraries_in_one_folder_are_refused() {
+        let refused = |platforms: &[Platform]| folders(&asking(platforms, true)).unwrap_err().to_string();
+        assert!(refused(&[Platform::ArmLinux, Platform::X86Linux]).contains("make two FMUs"));
+        assert!(refused(&[Platform::X86Windows]).contains("add aarch64-linux to --platforms"));
+    }
+
+    #[test]
+    fn a_toolchain_makes_libraries_of_its_platform() {
+        for toolchain in [&X86_LINUX, &X86_WINDOWS, &ARM] {
+            let path = crate::binary::path(toolchain.folder, "A").unwrap();
+            assert_eq!(path, format!("binaries/{}/A.{}", toolchain.folder, toolchain.extension));
+            assert_eq!(
+                crate::binary::path(toolchain.tuple, "A").unwrap().split_once('.').unwrap().1,
+                toolchain.extension
+            );
+        }
+    }
+
+    #[test]
+    fn what_is_missing_is_named_with_the_remedy() {
+        let toolchain = Toolchain { triple: "no-such-machine", linker: "no-such-linker", ..ARM };
+        let message = linker(&toolchain).unwrap_err().to_string();
+        assert!(message.contains("apt-get install gcc-aarch64-linux-gnu"), "{message}");
+        assert!(message.contains("CARGO_TARGET_NO_SUCH_MACHINE_LINKER"), "{message}");
+        if env::var_os("RUSTC_BOOTSTRAP").is_none() {
+            let message = standard_library(&toolchain).unwrap_err().to_string();
+            assert!(message.contains("rustup target add no-such-machine"), "{message}");
+        }
+    }
+}
