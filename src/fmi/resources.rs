@@ -87,26 +87,71 @@ fn read(file: &Path) -> Result<String, Refusal> {
 
 /// Folder that the host names by a URI or a plain path.
 ///
-/// A URI is percent-decoded; an invalid escape (`%zz`) is kept as it is. So is a plain path.
-///
 /// # Errors
 /// A scheme other than `file`, another machine, or a path that this platform cannot express.
 fn from_uri(uri: &[u8]) -> Result<PathBuf, Refusal> {
-    let refused = |why: String| Err(Refusal::error(format!("the resource location '{}' {why}", uri.escape_ascii())));
+    local_path(uri, if cfg!(windows) { System::Windows } else { System::Unix })
+        .map_err(|why| Refusal::error(format!("the resource location '{}' {why}", uri.escape_ascii())))
+        .and_then(path)
+}
+
+/// Operating systems, by what their paths look like.
+#[derive(Clone, Copy, PartialEq)]
+enum System {
+    Unix,
+    Windows,
+}
+
+/// Path that a URI or a plain path names.
+///
+/// A URI is percent-decoded; an invalid escape (`%zz`) is kept as it is. So is a plain path. On Windows a path begins with
+/// a drive (`file:///C:/p`, also `file://C:/p` and `file:///C|/p`) or names another machine's share, which Windows opens
+/// by its UNC path: `file://server/share/p` and `file:////server/share/p` are `//server/share/p`.
+///
+/// # Errors
+/// Why the path cannot be read: a scheme other than `file`, or, on Unix, another machine.
+fn local_path(uri: &[u8], system: System) -> Result<Vec<u8>, String> {
     let Some(rest) = strip_prefix_ignoring_case(uri, b"file:") else {
-        let Some(scheme) = scheme(uri) else { return path(uri.to_vec()) };
+        let Some(scheme) = scheme(uri) else { return Ok(uri.to_vec()) };
         let scheme = scheme.escape_ascii();
-        return refused(format!("has the scheme '{scheme}'; only 'file:' URIs and plain paths can be read"));
+        return Err(format!("has the scheme '{scheme}'; only 'file:' URIs and plain paths can be read"));
     };
-    let local = match rest.strip_prefix(b"//") {
-        None => rest,
-        Some(after) if after.starts_with(b"/") => after,
-        Some(after) => match strip_prefix_ignoring_case(after, b"localhost") {
-            Some(path) if path.starts_with(b"/") => path,
-            _ => return refused("names another machine; write 'file:///' and an absolute path".to_owned()),
-        },
-    };
-    path(without_slash_before_drive(percent_decoded(local)))
+    let decoded = percent_decoded(rest);
+    let Some(after) = decoded.strip_prefix(b"//") else { return Ok(without_slash_before_drive(&decoded, system)) };
+    if after.starts_with(b"/") {
+        return Ok(without_slash_before_drive(after, system));
+    }
+    match strip_prefix_ignoring_case(after, b"localhost") {
+        Some(path) if path.starts_with(b"/") => Ok(without_slash_before_drive(path, system)),
+        _ if system == System::Windows && drive(after).is_some() => Ok(without_slash_before_drive(after, system)),
+        _ if system == System::Windows && after.contains(&b'/') => Ok(decoded),
+        _ => Err("names another machine; write 'file:///' and an absolute path".to_owned()),
+    }
+}
+
+/// Letter of the drive with which a path of Windows begins, with `:` or `|` after it.
+fn drive(path: &[u8]) -> Option<u8> {
+    match *path {
+        [letter, b':' | b'|'] | [letter, b':' | b'|', b'/' | b'\\', ..] if letter.is_ascii_alphabetic() => Some(letter),
+        _ => None,
+    }
+}
+
+/// The path of a URI on this system. On Windows `/C:/p` and `/C|/p` are `C:/p`, and of the slashes before the name of a
+/// server two stay.
+fn without_slash_before_drive(path: &[u8], system: System) -> Vec<u8> {
+    if system == System::Unix {
+        return path.to_vec();
+    }
+    let bare = &path[path.iter().take_while(|&&byte| byte == b'/').count()..];
+    if let Some(letter) = drive(bare) {
+        return [&[letter, b':'], &bare[2..]].concat();
+    }
+    if bare.starts_with(b"\\\\") {
+        return bare.to_vec();
+    }
+    let slashes = (path.len() - bare.len()).min(2);
+    [&b"//"[..slashes], bare].concat()
 }
 
 /// Folder `resources` of the FMU from which this library was loaded: `binaries/<platform>/../../resources`.
@@ -119,8 +164,20 @@ fn beside_library() -> Result<PathBuf, Refusal> {
             "the resource location is empty and the library's own place is unknown; pass the resources folder",
         )
     })?;
+    Ok(resources_beside(&library))
+}
+
+/// On Unix the library's path may be relative and too short to go up in it.
+#[cfg(unix)]
+fn resources_beside(library: &Path) -> PathBuf {
     let folder = library.parent().map(PathBuf::from).unwrap_or_default();
-    Ok(folder.join("..").join("..").join("resources"))
+    folder.join("..").join("..").join("resources")
+}
+
+/// On Windows the library's path is absolute, and `..` would stand for a name in one that begins with `\\?\`.
+#[cfg(not(unix))]
+fn resources_beside(library: &Path) -> PathBuf {
+    library.ancestors().nth(3).unwrap_or(Path::new("")).join("resources")
 }
 
 #[cfg(unix)]
@@ -140,7 +197,37 @@ fn library_path() -> Option<PathBuf> {
     }
 }
 
-#[cfg(not(unix))]
+#[cfg(windows)]
+fn library_path() -> Option<PathBuf> {
+    use std::ffi::{OsString, c_void};
+    use std::os::windows::ffi::OsStringExt;
+
+    /// The address is one within the module, whose count of users stays as it is.
+    const OF_ADDRESS: u32 = 4 | 2;
+    /// Most characters of a path of Windows.
+    const LONGEST: usize = 32_768;
+
+    #[link(name = "kernel32")]
+    unsafe extern "system" {
+        fn GetModuleHandleExW(flags: u32, address: *const c_void, module: *mut *mut c_void) -> i32;
+        fn GetModuleFileNameW(module: *mut c_void, name: *mut u16, size: u32) -> u32;
+    }
+
+    let mut module = std::ptr::null_mut();
+    let mut name = vec![0_u16; LONGEST];
+    // SAFETY: with these flags any address may be asked for; `module` is set if the call answers with non-zero, and stays
+    // loaded during this call, as its code runs; at most `LONGEST` characters are written to `name`.
+    let length = unsafe {
+        if GetModuleHandleExW(OF_ADDRESS, library_path as *const c_void, &raw mut module) == 0 {
+            return None;
+        }
+        GetModuleFileNameW(module, name.as_mut_ptr(), LONGEST as u32) as usize
+    };
+    // 0: failed; all characters: the path was cut off.
+    (0 < length && length < LONGEST).then(|| PathBuf::from(OsString::from_wide(&name[..length])))
+}
+
+#[cfg(not(any(unix, windows)))]
 fn library_path() -> Option<PathBuf> {
     None
 }
@@ -187,14 +274,6 @@ fn percent_decoded(text: &[u8]) -> Vec<u8> {
     decoded
 }
 
-/// `/C:/p` of `file:///C:/p` is `C:/p` on Windows.
-fn without_slash_before_drive(mut path: Vec<u8>) -> Vec<u8> {
-    if cfg!(windows) && path.first() == Some(&b'/') && path.get(2) == Some(&b':') {
-        path.remove(0);
-    }
-    path
-}
-
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;
@@ -222,6 +301,45 @@ mod tests {
         accepts("file:///tmp/a b/räder", "/tmp/a b/räder");
         accepts("file:///tmp/100%25/%zz/%4", "/tmp/100%/%zz/%4");
         accepts("/tmp/a%20b", "/tmp/a%20b");
+    }
+
+    #[test]
+    fn the_forms_that_hosts_pass_on_windows() {
+        for (uri, expected) in [
+            ("file:///C:/fmu/resources", "C:/fmu/resources"),
+            ("file:/C:/fmu/resources", "C:/fmu/resources"),
+            ("file:C:/fmu/resources", "C:/fmu/resources"),
+            ("file://C:/fmu/resources", "C:/fmu/resources"),
+            ("file://localhost/c:/fmu/resources", "c:/fmu/resources"),
+            ("file:////C:/fmu/resources", "C:/fmu/resources"),
+            ("file:///C%3A/fmu/resources", "C:/fmu/resources"),
+            ("file:///C|/fmu/resources", "C:/fmu/resources"),
+            ("file:///C:\\fmu\\resources", "C:\\fmu\\resources"),
+            ("file:///C:", "C:"),
+            ("file:///C:/Program%20Files/R%C3%A4der/", "C:/Program Files/Räder/"),
+            ("file://server/share/fmu%20a", "//server/share/fmu a"),
+            ("file:////server/share/fmu", "//server/share/fmu"),
+            ("file://///server/share/fmu", "//server/share/fmu"),
+            ("file:///\\\\server\\share", "\\\\server\\share"),
+            ("C:\\a b\\100%25", "C:\\a b\\100%25"),
+            ("C:/fmu/resources", "C:/fmu/resources"),
+            ("\\\\server\\share\\Räder", "\\\\server\\share\\Räder"),
+            ("\\\\?\\C:\\fmu", "\\\\?\\C:\\fmu"),
+            ("fmu/resources", "fmu/resources"),
+        ] {
+            assert_eq!(local_path(uri.as_bytes(), System::Windows).as_deref(), Ok(expected.as_bytes()), "{uri}");
+        }
+        for uri in ["http://host/p", "file://", "file://server", "zip:/p"] {
+            assert!(local_path(uri.as_bytes(), System::Windows).is_err(), "{uri}");
+        }
+    }
+
+    /// A drive's letter means nothing on Unix.
+    #[test]
+    fn drives_on_unix_are_names() {
+        accepts("file:///C:/fmu", "/C:/fmu");
+        accepts("file:////server/share", "/server/share");
+        assert!(from_uri(b"file://C:/fmu").is_err());
     }
 
     #[test]
