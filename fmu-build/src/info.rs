@@ -4,7 +4,9 @@
 //! that packing would write, in words or as JSON.
 
 use crate::archive::MODEL_DESCRIPTION;
+use crate::binary;
 use crate::fmu::{self, Fmu};
+use crate::needs::Needs;
 use crate::source::Definition;
 use crate::workspace::Workspace;
 use crate::xml::description::{Described, Description};
@@ -13,6 +15,7 @@ use anyhow::{Context, Result};
 pub use fmu_cli::Info as Arguments;
 use linkage_fmu::component::Component;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// Causalities in the order in which variables are listed, with the headings.
@@ -32,6 +35,8 @@ struct Told {
     definition: Option<String>,
     /// Platforms of the libraries in an FMU.
     platforms: Vec<String>,
+    /// What the libraries need of the machine that loads them.
+    needs: BTreeMap<String, Needs>,
     #[serde(flatten)]
     description: Description,
 }
@@ -48,7 +53,13 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
         let component = Component::from_definition(kind, &text)
             .with_context(|| format!("{shown}; `cargo fmu check` tells more"))?;
         let description = Description::parse(&fmi2::to_xml(&component).with_context(|| shown.clone())?)?;
-        Told { file: shown, definition: Some(kind.to_owned()), platforms: Vec::new(), description }
+        Told {
+            file: shown,
+            definition: Some(kind.to_owned()),
+            platforms: Vec::new(),
+            needs: BTreeMap::new(),
+            description,
+        }
     };
     match arguments.json {
         true => println!("{}", serde_json::to_string_pretty(&told)?),
@@ -62,7 +73,21 @@ fn of_fmu(mut fmu: Fmu) -> Result<Told> {
     let definition =
         Component::definition_files().into_iter().find(|file| fmu.names().iter().any(|n| n.ends_with(file)));
     let (file, definition) = (fmu.shown().to_owned(), definition.map(str::to_owned));
-    Ok(Told { file, definition, platforms: platforms(&fmu), description })
+    let platforms = platforms(&fmu);
+    let mut needs = BTreeMap::new();
+    for platform in &platforms {
+        if let Some(found) = library_needs(&mut fmu, platform, &description) {
+            needs.insert(platform.clone(), found);
+        }
+    }
+    Ok(Told { file, definition, platforms, needs, description })
+}
+
+/// What the library of a platform needs; none if it needs nothing, or is none: `validate` tells that.
+fn library_needs(fmu: &mut Fmu, platform: &str, description: &Description) -> Option<Needs> {
+    let path = binary::path(platform, description.interfaces.values().next()?)?;
+    let needs = Needs::of(&fmu.read(&path).ok()??).ok()?;
+    (needs != Needs::default()).then_some(needs)
 }
 
 /// The description in an FMU.
@@ -105,7 +130,11 @@ fn words(told: &Told) -> String {
     line("interfaces", description.interfaces.keys().cloned().collect::<Vec<_>>().join(", "));
     line("GUID", description.guid.clone());
     line("written by", description.generation_tool.clone());
-    line("platforms", told.platforms.join(", "));
+    let platforms = told.platforms.iter().map(|platform| match told.needs.get(platform) {
+        Some(needs) => format!("{platform} ({})", needs.words()),
+        None => platform.clone(),
+    });
+    line("platforms", platforms.collect::<Vec<_>>().join(", "));
     line("experiment", experiment(description));
     let of = |causality: &str| -> Vec<&Described> {
         let is_known = |variable: &Described| CAUSALITIES.iter().any(|(known, _)| *known == variable.causality);

@@ -16,6 +16,7 @@ pub mod gallery;
 pub mod info;
 mod library;
 mod names;
+mod needs;
 pub mod package;
 mod platform;
 pub mod report;

@@ -6,6 +6,7 @@ use crate::workspace::Workspace;
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
 use std::env::consts::{ARCH, DLL_EXTENSION, OS};
+use std::ffi::OsString;
 use std::fs;
 use std::path::PathBuf;
 use std::process::Stdio;
@@ -19,23 +20,24 @@ const BUILT: &str = env!("CARGO_PKG_NAME");
 /// How the library is built for another machine.
 #[derive(Debug)]
 pub struct Target {
-    /// Rust's name for the machine.
-    pub triple: &'static str,
+    /// Cargo's subcommand: `build`, or one that links in another way.
+    pub subcommand: &'static str,
+    /// Rust's name for the machine, as this subcommand takes it.
+    pub triple: String,
     /// Extension of its shared libraries.
     pub extension: &'static str,
     /// Further arguments for Cargo.
     pub arguments: Vec<&'static str>,
     /// Environment variables for Cargo.
-    pub variables: Vec<(String, String)>,
+    pub variables: Vec<(String, OsString)>,
 }
 
-/// This platform's name, after FMI 2.0.5, 2.3.
+/// This platform's name, after FMI 2.0.5, 2.3; on ARM too it is the one that importers there look for.
 ///
 /// # Errors
 /// FMI 2.0 has no name for this operating system.
 pub fn platform() -> Result<&'static str> {
     Ok(match OS {
-        "linux" if ARCH == "aarch64" => binary::ARM_LINUX,
         "linux" => "linux64",
         "windows" => "win64",
         "macos" => "darwin64",
@@ -56,14 +58,15 @@ pub fn tuple() -> String {
 /// The build fails, or it names no shared library.
 pub fn build(workspace: &Workspace, target: Option<&Target>) -> Result<Vec<u8>> {
     let mut cargo = command::cargo(workspace);
-    cargo.args(["build", "--release", "--message-format=json-render-diagnostics"]).stderr(Stdio::inherit());
+    cargo.arg(target.map_or("build", |target| target.subcommand));
+    cargo.args(["--release", "--message-format=json-render-diagnostics"]).stderr(Stdio::inherit());
     let extension = match target {
         None => {
             cargo.args(["--package", BUILT]);
             DLL_EXTENSION
         }
         Some(target) => {
-            cargo.args(["--package", PACKAGE, "--lib", "--target", target.triple]);
+            cargo.args(["--package", PACKAGE, "--lib", "--target", &target.triple]);
             cargo.args(&target.arguments).envs(target.variables.iter().cloned());
             target.extension
         }

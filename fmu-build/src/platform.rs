@@ -3,12 +3,15 @@
 //! In: the platforms asked for. Out: a library for each, or one line for each that cannot be built, with the remedy.
 
 use crate::binary::{ARM_LINUX, Binary, COMPATIBLE};
+use crate::command;
 use crate::library::{self, Target};
+use crate::needs::{self, Needs};
 use crate::package::Arguments;
 use crate::workspace::Workspace;
 use anyhow::{Context, Result, bail};
 use fmu_cli::Platform;
 use std::env;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -57,12 +60,23 @@ const ARM: Toolchain = Toolchain {
     debian: " (with Debian's own Rust: dpkg --add-architecture arm64, apt-get install libstd-rust-dev:arm64)",
 };
 
+impl Toolchain {
+    fn is_linux(&self) -> bool {
+        self.extension == "so"
+    }
+}
+
 fn toolchain(platform: Platform) -> &'static Toolchain {
     match platform {
         Platform::X86Linux => &X86_LINUX,
         Platform::X86Windows => &X86_WINDOWS,
         Platform::ArmLinux => &ARM,
     }
+}
+
+/// Folder of a platform's library in FMUs of FMI 2.0.
+pub fn folder(platform: Platform) -> &'static str {
+    toolchain(platform).folder
 }
 
 /// The platforms asked for, each once; none for this machine's own alone.
@@ -108,12 +122,19 @@ pub fn folders(arguments: &Arguments) -> Result<Vec<&'static str>> {
 pub fn build(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<Binary>> {
     let mut wanted = wanted(arguments);
     if wanted.is_empty() {
-        return Ok(vec![own(workspace)?]);
+        match (arguments.glibc.as_deref(), [&X86_LINUX, &ARM].into_iter().find(|own| own.tuple == library::tuple())) {
+            (None, _) => return Ok(vec![own(workspace)?]),
+            (Some(_), Some(own)) => wanted.push(own),
+            (Some(_), None) => {}
+        }
+    }
+    if let Some(version) = arguments.glibc.as_deref().filter(|_| !wanted.iter().any(|toolchain| toolchain.is_linux())) {
+        bail!("--glibc {version}: is for libraries for Linux, and none is built; say --platforms x86_64-linux");
     }
     let mut missing = Vec::new();
     let mut targets = Vec::new();
     for toolchain in wanted.drain(..) {
-        match target(toolchain) {
+        match target(workspace, toolchain, arguments.glibc.as_deref()) {
             Ok(target) => targets.push((toolchain, target)),
             Err(reason) => missing.push(format!("{}: cannot be built here: {reason:#}", toolchain.tuple)),
         }
@@ -124,30 +145,73 @@ pub fn build(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<Binary>
     }
     missing.iter().for_each(|line| println!("left out: {line}"));
     let build = |(toolchain, target): (&Toolchain, Option<Target>)| {
-        let Some(target) = target else { return own(workspace) };
-        let content = library::build(workspace, Some(&target))?;
+        let content = library::build(workspace, target.as_ref())?;
+        // A library for this machine alone may need what is on it.
+        if target.is_some() {
+            loads_widely(&content, arguments.glibc.as_deref())
+                .with_context(|| format!("the library for {}", toolchain.tuple))?;
+        }
         let binary = Binary::new(toolchain.folder, content, toolchain.triple)?;
         Ok(if arguments.compatible && toolchain.folder == ARM_LINUX { binary.compatible() } else { binary })
     };
     targets.into_iter().map(build).collect()
 }
 
-/// This machine's own library.
+/// This machine's own library, in the folder where importers on it look.
 fn own(workspace: &Workspace) -> Result<Binary> {
-    Binary::new(library::platform()?, library::build(workspace, None)?, "this machine's library")
+    let content = library::build(workspace, None)?;
+    if library::tuple() == ARM.tuple {
+        return Ok(Binary::new(ARM.folder, content, ARM.triple)?.compatible());
+    }
+    Binary::new(library::platform()?, content, "this machine's library")
 }
 
 /// How the library for a platform is built; None for this machine's own.
 ///
 /// # Errors
 /// What is missing, with the command that gives it.
-fn target(toolchain: &Toolchain) -> Result<Option<Target>> {
-    if toolchain.tuple == library::tuple() {
-        return Ok(None);
-    }
+fn target(workspace: &Workspace, toolchain: &Toolchain, glibc: Option<&str>) -> Result<Option<Target>> {
     let &Toolchain { triple, extension, .. } = toolchain;
+    let glibc = glibc.filter(|_| toolchain.is_linux());
+    let Some(glibc) = glibc else {
+        if toolchain.tuple == library::tuple() {
+            return Ok(None);
+        }
+        let (arguments, variables) = (standard_library(toolchain)?, vec![linker(toolchain)?]);
+        return Ok(Some(Target { subcommand: "build", triple: triple.to_owned(), extension, arguments, variables }));
+    };
     let arguments = standard_library(toolchain)?;
-    Ok(Some(Target { triple, extension, arguments, variables: vec![linker(toolchain)?] }))
+    let requirements = workspace.python_scripts().join("zig").join("requirements.txt");
+    let python = command::environment(&workspace.target("venv-zig"), &requirements).context("zig")?;
+    // Cargo finds its subcommand, and that finds zig, on the path.
+    let folder = python.parent().map(Path::to_path_buf).into_iter();
+    let path = env::join_paths(folder.chain(env::split_paths(&env::var_os("PATH").unwrap_or_default())))?;
+    let triple = format!("{triple}.{glibc}");
+    Ok(Some(Target {
+        subcommand: "zigbuild",
+        triple,
+        extension,
+        arguments,
+        variables: vec![("PATH".to_owned(), path)],
+    }))
+}
+
+/// Whether a library that was built for other machines will find there what it needs.
+fn loads_widely(content: &[u8], glibc: Option<&str>) -> Result<()> {
+    suffices(&Needs::of(content)?, glibc)
+}
+
+fn suffices(needs: &Needs, glibc: Option<&str>) -> Result<()> {
+    if let (Some(needed), Some(asked)) = (&needs.glibc, glibc)
+        && needs::parts(asked) < needs::parts(needed)
+    {
+        let functions = needs.functions.join(", ");
+        bail!("it needs glibc {needed} (for {functions}), and {asked} was asked for; ask for {needed}");
+    }
+    if let [first, ..] = &needs.libraries[..] {
+        bail!("it needs {first}, which Windows lacks; link it statically (rustflags -C target-feature=+crt-static)");
+    }
+    Ok(())
 }
 
 /// Arguments for Cargo with which it has the standard library: none where it is installed; a Rust that takes unstable
@@ -183,7 +247,7 @@ fn holds_standard_library(folder: &Path) -> bool {
 }
 
 /// Cargo's variable for the linker, with the linker that is there.
-fn linker(toolchain: &Toolchain) -> Result<(String, String)> {
+fn linker(toolchain: &Toolchain) -> Result<(String, OsString)> {
     let &Toolchain { triple, linker, linker_package, .. } = toolchain;
     let variable = format!("CARGO_TARGET_{}_LINKER", triple.to_uppercase().replace('-', "_"));
     let named = env::var(&variable).ok().filter(|name| !name.is_empty());
@@ -195,7 +259,7 @@ fn linker(toolchain: &Toolchain) -> Result<(String, String)> {
              another in {variable}"
         );
     }
-    Ok((variable, program))
+    Ok((variable, program.into()))
 }
 
 #[cfg(test)]
@@ -213,6 +277,23 @@ mod tests {
         let all = asking(&[ArmLinux, X86Windows, X86Linux, X86Windows], false);
         assert_eq!(folders(&all).unwrap(), ["aarch64-linux", "win64", "linux64"]);
         assert_eq!(folders(&asking(&[X86Windows, ArmLinux], true)).unwrap(), ["win64", "linux64"]);
+    }
+
+    #[test]
+    fn a_library_that_needs_more_than_was_asked_for_is_refused() {
+        let needs = Needs { glibc: Some("2.35".into()), functions: vec!["hypot".into()], ..Needs::default() };
+        let message = suffices(&needs, Some("2.17")).unwrap_err().to_string();
+        assert!(message.contains("glibc 2.35 (for hypot), and 2.17 was asked for"), "{message}");
+        assert!(suffices(&needs, Some("2.100")).is_ok() && suffices(&needs, None).is_ok());
+        let needs = Needs { libraries: vec!["libgcc_s_seh-1.dll".into()], ..Needs::default() };
+        assert!(suffices(&needs, None).unwrap_err().to_string().contains("libgcc_s_seh-1.dll, which Windows lacks"));
+    }
+
+    #[test]
+    fn an_old_glibc_for_windows_alone_is_refused() {
+        let arguments = Arguments { glibc: Some("2.17".into()), ..asking(&[Platform::X86Windows], false) };
+        let message = build(&Workspace::locate(), &arguments).unwrap_err().to_string();
+        assert!(message.contains("--glibc 2.17: is for libraries for Linux"), "{message}");
     }
 
     /// The folder `linux64` cannot hold the libraries of two processors.

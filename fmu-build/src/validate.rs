@@ -6,6 +6,7 @@
 use crate::binary::{ARM_LINUX, COMPATIBLE};
 use crate::check;
 use crate::fmu::{self, Fmu};
+use crate::needs::Needs;
 use crate::source::Definition;
 use crate::version::Version;
 use crate::workspace::Workspace;
@@ -26,6 +27,8 @@ const INTERFACE: &str = "CoSimulation";
 struct Found {
     errors: Vec<String>,
     warnings: Vec<String>,
+    /// What a host's machine must have.
+    notes: Vec<String>,
 }
 
 impl Found {
@@ -42,9 +45,10 @@ impl Found {
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
     let mut is_valid = true;
     for path in &arguments.paths {
-        let Found { errors, warnings } = validate(workspace, path)?;
+        let Found { errors, warnings, notes } = validate(workspace, path)?;
         errors.iter().for_each(|error| println!("error: {error}"));
         warnings.iter().for_each(|warning| println!("warning: {warning}"));
+        notes.iter().for_each(|note| println!("note: {note}"));
         let counted = |count: usize, word: &str| format!("{count} {word}{}", if count == 1 { "" } else { "s" });
         let verdict = if errors.is_empty() { "valid" } else { "not valid" };
         let counts = [counted(errors.len(), "error"), counted(warnings.len(), "warning")].join(", ");
@@ -131,6 +135,7 @@ fn libraries(fmu: &mut Fmu, described: &Description, found: &mut Found) {
                 .push(format!("{shown}/{path}: is for ARM ({ARM_LINUX}); hosts on x86_64 cannot load this FMU")),
             Ok(Some(content)) => {
                 found.take(binary::check_for(platform, &content).with_context(|| format!("{shown}/{path}")));
+                needs(&format!("{shown}/{path}"), &content, found);
             }
             Ok(None) => found.errors.push(format!("{shown}: holds no {path}, which hosts on {platform} load")),
             // The archive's check has told it.
@@ -141,6 +146,19 @@ fn libraries(fmu: &mut Fmu, described: &Description, found: &mut Found) {
         && !platforms.contains(&own)
     {
         found.warnings.push(format!("{shown}: holds no library for this machine ({own})"));
+    }
+}
+
+/// What the machine that loads a library must have.
+fn needs(shown: &str, content: &[u8], found: &mut Found) {
+    // A file that is no library has been told.
+    let Ok(needs) = Needs::of(content) else { return };
+    if let Some(version) = &needs.glibc {
+        let functions = needs.functions.join(", ");
+        found.notes.push(format!("{shown}: needs glibc {version} or later (for {functions})"));
+    }
+    for library in &needs.libraries {
+        found.warnings.push(format!("{shown}: needs {library}, which Windows lacks; hosts must have it on their path"));
     }
 }
 

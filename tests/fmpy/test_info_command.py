@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
+import sys
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -26,6 +28,21 @@ def command(tmp_path: Path) -> Command:
         return subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, encoding="utf-8", timeout=900.0)
 
     return run
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="glibc is Linux's")
+def test_the_needed_glibc_is_told(command: Command, extracted: Path) -> None:
+    library = extracted / "binaries" / "linux64" / f"{NAME}.so"
+    asked = {version.decode() for version in re.findall(rb"GLIBC_(2\.\d+(?:\.\d+)?)\0", library.read_bytes())}
+    newest = max(asked, key=lambda version: [int(part) for part in version.split(".")])
+    fmu = FMU_FOLDER / f"{NAME}.fmu"
+    needs = json.loads(command("info", fmu, "--json").stdout)["needs"]["linux64"]
+    assert needs["glibc"] == newest
+    assert needs["functions"]
+    assert f"linux64 (needs glibc {newest})" in command("info", fmu).stdout
+    done = command("validate", fmu)
+    assert f"needs glibc {newest} or later (for {', '.join(needs['functions'])})" in done.stdout
+    assert "0 errors, 0 warnings" in done.stdout
 
 
 @pytest.mark.parametrize("name", [NAME, "HydraulicActuator"])

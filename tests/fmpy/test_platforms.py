@@ -110,6 +110,8 @@ WRONG_PLATFORMS = {
         ["binaries/linux64", "make two FMUs"],
     ),
     "no processor to be compatible": (["--platforms", "linux64", "--compatible"], 1, ["add aarch64-linux"]),
+    "a glibc that Rust does not know": (["--glibc", "2.12"], 2, ["2.17"]),
+    "a glibc for Windows": (["--platforms", "win64", "--glibc", "2.17"], 1, ["for Linux"]),
     "available what": (["--available"], 2, ["--platforms"]),
 }
 

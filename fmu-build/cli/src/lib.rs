@@ -74,6 +74,10 @@ pub struct Package {
     /// Put the library for ARM where importers look that do not know aarch64-linux in FMI 2.0: in binaries/linux64
     #[arg(long, requires = "platforms")]
     pub compatible: bool,
+    /// Oldest glibc on which the libraries for Linux are to load, 2.17 or later: zig links them, installed from PyPI when it
+    /// is first needed
+    #[arg(long, value_name = "VERSION", value_parser = glibc)]
+    pub glibc: Option<String>,
     /// Leave out documentation/animation.html, which plays the default run
     #[arg(long)]
     pub no_animation: bool,
@@ -277,6 +281,20 @@ pub struct Bench {
     /// scenes, with `--minutes N`, `--seed S`, `--only PART`, `--count N`, `--threads N`, `--verbose`, `--write`
     #[arg(value_name = "ARGS", trailing_var_arg = true, allow_hyphen_values = true)]
     pub rest: Vec<OsString>,
+}
+
+/// Oldest glibc that Rust's standard library knows.
+const OLDEST_GLIBC: u32 = 17;
+
+/// A version of glibc, such as 2.17.
+///
+/// # Errors
+/// Another form, or one that is older than Rust's standard library asks for.
+pub fn glibc(text: &str) -> Result<String, String> {
+    match text.strip_prefix("2.").and_then(|minor| minor.parse::<u32>().ok()) {
+        Some(minor) if minor >= OLDEST_GLIBC => Ok(format!("2.{minor}")),
+        _ => Err(format!("write a version of glibc from 2.{OLDEST_GLIBC} on, such as 2.{OLDEST_GLIBC} or 2.28")),
+    }
 }
 
 /// Platforms of FMI 2.0.5, 2.3: of those that have no name of their own there, the one for Linux on ARM.
