@@ -44,7 +44,7 @@ fn main() -> ExitCode {
         Task::Demo(arguments) => report::demo(&workspace, &arguments),
         Task::Chain(arguments) => chain::run(&arguments),
         Task::Report(arguments) => report::report(&workspace, &arguments),
-        Task::Test => test::run(&workspace),
+        Task::Test(arguments) => test::run(&workspace, &arguments),
         Task::Bench(arguments) => bench::run(&workspace, &arguments),
     };
     match result {

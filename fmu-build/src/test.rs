@@ -1,8 +1,12 @@
 //! `cargo fmu test`: every test there is, stopping at the first stage that fails.
 
+mod platforms;
+mod reproducible;
+
 use crate::workspace::Workspace;
-use crate::{command, package};
+use crate::{command, files, package};
 use anyhow::{Context, Result};
+pub use fmu_cli::Test as Arguments;
 use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
@@ -14,12 +18,21 @@ const VIEW: &str = "LINKAGE_VIEW";
 /// Environment variable with the seed of proptest's random cases.
 const SEED: &str = "PROPTEST_RNG_SEED";
 
-/// Run all stages.
+/// Begin of the page about the platforms.
+const PAGE: &str = include_str!("test/platforms.md");
+
+/// Run all stages, or the one asked for.
 ///
 /// # Errors
 /// The first stage that fails, by name.
-pub fn run(workspace: &Workspace) -> Result<()> {
+pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let start = Instant::now();
+    if arguments.platforms {
+        return stage("libraries for other platforms", || platforms(workspace, arguments));
+    }
+    if arguments.reproducible {
+        return stage("the library from two folders", || reproducible::run(workspace));
+    }
     stage("Rust tests", || {
         // The dev profile is optimised too, and builds faster than release does.
         let mut cargo = command::cargo(workspace);
@@ -53,6 +66,17 @@ pub fn run(workspace: &Workspace) -> Result<()> {
         command::run(&mut pytest, "pytest")
     })?;
     println!("all tests passed: Rust, packaging, Python style, FMPy, browser ({:.0} s)", start.elapsed().as_secs_f64());
+    Ok(())
+}
+
+/// Run the libraries for other platforms; with `write` write the page.
+fn platforms(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
+    let table = platforms::run(workspace, &arguments.binaries)?;
+    let page = format!("{PAGE}{table}");
+    println!("{page}");
+    if arguments.write {
+        files::replace(&workspace.results().join("platforms.md"), page.as_bytes())?;
+    }
     Ok(())
 }
 

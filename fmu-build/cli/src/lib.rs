@@ -39,7 +39,7 @@ pub enum Task {
     /// Recompute the papers' figures through FMPy: validation/report.md, report.html and figures
     Report(Report),
     /// Run every test: Rust, packaging, Python style, FMPy, pages in a browser
-    Test,
+    Test(Test),
     /// Run the benchmarks of the validation package
     Bench(Bench),
 }
@@ -260,6 +260,23 @@ pub struct Chain {
     /// A file that ends in .json, or a folder, written as resources/mechanism.json in it [default: standard output]
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
+}
+
+/// Arguments of `test`.
+#[derive(Args, Default)]
+pub struct Test {
+    /// Instead: run the libraries for other platforms by Wine and QEMU, and compare their results with this machine's
+    #[arg(long)]
+    pub platforms: bool,
+    /// A platform's library that is tested with --platforms, built elsewhere (win64=path/to.dll); may be given repeatedly
+    #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library, requires = "platforms")]
+    pub binaries: Vec<Library>,
+    /// Write what --platforms finds to validation/results/platforms.md
+    #[arg(long, requires = "platforms")]
+    pub write: bool,
+    /// Instead: build the library in two folders and compare the bytes
+    #[arg(long, conflicts_with = "platforms")]
+    pub reproducible: bool,
 }
 
 /// Arguments of `report`.

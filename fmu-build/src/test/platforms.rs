@@ -1,0 +1,282 @@
+//! `cargo fmu test --platforms`: the libraries for other machines run, by Wine and QEMU, and give the results of this one.
+//!
+//! In: the FMUs of modelDescription/ with the libraries that can be built here. Out: a table of how the results differ; an
+//! error if they do by more than round-off, or a call is refused.
+
+use crate::fmu::Fmu;
+use crate::needs::Needs;
+use crate::workspace::Workspace;
+use crate::xml::description::Description;
+use crate::{binary, command, files, info, library, package, platform};
+use anyhow::{Context, Result, bail};
+use fmu_cli::{Library, Platform};
+use std::ffi::OsString;
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Folder of the FMUs, with what a path may have in it.
+const FOLDER: &str = "a b é 100% ü";
+/// Communication steps of a run.
+const STEPS: usize = 200;
+/// Largest difference between platforms, as a part of an output's largest value. Reactions and accelerations of stiff
+/// models repeat the round-off of the state enlarged; 100 times the tolerance of the integration would be a fault.
+const LARGEST: f64 = 1e-7;
+
+/// How a program for a platform is compiled and run here.
+#[derive(Clone, Copy)]
+struct Machine {
+    /// Folder of FMI 2.0.
+    platform: &'static str,
+    compiler: &'static str,
+    options: &'static [&'static str],
+    /// Program with arguments that runs programs for this platform; empty for this machine.
+    launcher: &'static [&'static str],
+    /// Packages of Debian with compiler and launcher.
+    packages: &'static str,
+}
+
+const MACHINES: [Machine; 3] = [
+    Machine { platform: "linux64", compiler: "x86_64-linux-gnu-gcc", options: &[], launcher: &[], packages: "gcc" },
+    Machine {
+        platform: "win64",
+        compiler: "x86_64-w64-mingw32-gcc",
+        options: &["-municode"],
+        launcher: &["wine"],
+        packages: "gcc-mingw-w64-x86-64 wine64 wine",
+    },
+    Machine {
+        platform: binary::ARM_LINUX,
+        compiler: "aarch64-linux-gnu-gcc",
+        options: &[],
+        launcher: &["qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"],
+        packages: "gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user",
+    },
+];
+
+/// An FMU on disk, unpacked.
+struct Unpacked {
+    folder: PathBuf,
+    description: Description,
+    identifier: String,
+    /// Names of the real outputs.
+    outputs: Vec<String>,
+    /// Their value references.
+    references: Vec<String>,
+}
+
+/// How the results of a platform differ from this machine's.
+struct Difference {
+    numbers: usize,
+    /// Numbers with other bits.
+    others: usize,
+    /// The output that differs most, and by how much, as a part of its largest value.
+    largest: (String, f64),
+}
+
+/// Pack all FMUs, run their libraries, compare; the table.
+///
+/// # Errors
+/// A library cannot be built or run though its toolchain is there, or its results are others.
+pub fn run(workspace: &Workspace, binaries: &[Library]) -> Result<String> {
+    let out = workspace.target("platforms").join(FOLDER);
+    let given = |name: &str| binaries.iter().any(|binary| binary.platform == name);
+    let all = [Platform::X86Linux, Platform::X86Windows, Platform::ArmLinux];
+    let platforms = all.into_iter().filter(|platform| !given(platform::folder(*platform))).collect();
+    let arguments = package::Arguments {
+        all: true,
+        platforms,
+        binaries: binaries.to_vec(),
+        available: true,
+        out: Some(out.clone()),
+        no_animation: true,
+        no_results: true,
+        ..Default::default()
+    };
+    let packed = package::run(workspace, &arguments)?;
+    let fmus: Vec<PathBuf> = packed.into_iter().filter(|path| path.extension().is_some_and(|e| e == "fmu")).collect();
+    let mut unpacked = fmus.iter().map(|path| Unpacked::new(path, &out)).collect::<Result<Vec<_>>>()?;
+    unpacked.sort_by(|a, b| a.identifier.cmp(&b.identifier));
+    let own = library::platform()?;
+    let own = MACHINES.iter().find(|m| m.platform == own).context("the platforms are tested on Linux")?;
+    let own = &Machine { compiler: "cc", launcher: &[], ..*own };
+    let host = own.host(workspace)?;
+    let references = unpacked.iter().map(|fmu| fmu.run(own, &host)).collect::<Result<Vec<_>>>()?;
+    let mut text = String::new();
+    for machine in MACHINES.iter().filter(|machine| machine.platform != own.platform) {
+        let shown = machine.platform;
+        if !unpacked.iter().all(|fmu| fmu.library(machine).is_file()) {
+            println!("{shown}: not tested: its library cannot be built here");
+            continue;
+        }
+        if let Some(missing) = machine.missing() {
+            println!("{shown}: not tested: {missing} is missing (Debian: apt-get install {})", machine.packages);
+            continue;
+        }
+        let host = machine.host(workspace)?;
+        if let Some(first) = unpacked.first() {
+            let needs = Needs::of(&fs::read(first.library(machine))?)?.words();
+            let needs = if needs.is_empty() { "needs nothing beyond the system".to_owned() } else { needs };
+            let _ = writeln!(text, "\n## {shown}\nRun by `{}`; the library {needs}.\n", machine.launcher.join(" "));
+        }
+        text.push_str(
+            "| FMU | numbers | with other bits | largest difference | in |\n| --- | --- | --- | --- | --- |\n",
+        );
+        for (fmu, reference) in unpacked.iter().zip(&references) {
+            let Difference { numbers, others, largest: (name, size) } =
+                fmu.compare(reference, &fmu.run(machine, &host)?);
+            let place = if others == 0 { String::new() } else { format!("`{name}`") };
+            let _ = writeln!(text, "| {} | {numbers} | {others} | {size:.0e} | {place} |", fmu.identifier);
+            if size > LARGEST {
+                bail!(
+                    "{shown}: {name} of {} differs by {size:.1e} of its largest value, at most {LARGEST:e} is allowed",
+                    fmu.identifier
+                );
+            }
+        }
+    }
+    if text.is_empty() {
+        bail!("no other platform was tested; what is missing stands above");
+    }
+    Ok(text)
+}
+
+impl Machine {
+    /// The first program that cannot be started here.
+    fn missing(&self) -> Option<&'static str> {
+        let mut programs = [self.compiler].into_iter().chain(self.launcher.first().copied());
+        programs.find(|program| {
+            Command::new(program).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_err()
+        })
+    }
+
+    /// Compile the host.
+    fn host(&self, workspace: &Workspace) -> Result<PathBuf> {
+        let host = workspace.target("platforms").join(format!("host-{}.exe", self.platform));
+        let mut compiler = Command::new(self.compiler);
+        compiler.args(["-O1", "-Wall", "-Wextra", "-Werror"]).args(self.options).arg("-o").arg(&host);
+        compiler.arg(workspace.validation().join("platforms").join("host.c")).args(["-lm"]);
+        if self.platform != "win64" {
+            compiler.arg("-ldl");
+        }
+        command::run(&mut compiler, self.compiler)?;
+        Ok(host)
+    }
+
+    /// A path as programs for this platform see it: Wine's drive Z is the root.
+    fn path(&self, path: &Path) -> OsString {
+        if self.platform != "win64" {
+            return path.into();
+        }
+        format!("Z:{}", path.display()).replace('/', "\\").into()
+    }
+
+    /// The URI of a folder.
+    fn uri(&self, folder: &Path) -> String {
+        let mut uri = String::from(if self.platform == "win64" { "file:///Z:" } else { "file://" });
+        for byte in folder.to_string_lossy().bytes() {
+            match byte {
+                b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'/' | b'-' | b'.' | b'_' => uri.push(byte.into()),
+                _ => {
+                    let _ = write!(uri, "%{byte:02X}");
+                }
+            }
+        }
+        uri
+    }
+}
+
+impl Unpacked {
+    fn new(path: &Path, out: &Path) -> Result<Self> {
+        let mut fmu = Fmu::open(path)?;
+        let description = info::description(&mut fmu)?;
+        let identifier = description.interfaces.values().next().context("the FMU has no interface")?.clone();
+        let folder = out.join(&identifier);
+        if folder.is_dir() {
+            fs::remove_dir_all(&folder).with_context(|| format!("{}: cannot be removed", folder.display()))?;
+        }
+        for name in fmu.names().to_vec() {
+            files::replace(&folder.join(&name), &fmu.read(&name)?.unwrap_or_default())?;
+        }
+        let is_output = |v: &&crate::xml::description::Described| v.causality == "output" && v.kind == "Real";
+        let outputs = description.variables.iter().filter(is_output).map(|v| v.name.clone()).collect();
+        let references = description.variables.iter().filter(is_output).map(|v| v.reference.clone()).collect();
+        Ok(Self { folder: folder.canonicalize()?, description, identifier, outputs, references })
+    }
+
+    fn library(&self, machine: &Machine) -> PathBuf {
+        self.folder.join(binary::path(machine.platform, &self.identifier).unwrap_or_default())
+    }
+
+    /// The outputs at each communication point, by the resource location as a URI, as a plain path and as NULL, which must
+    /// be the same.
+    fn run(&self, machine: &Machine, host: &Path) -> Result<Vec<u64>> {
+        let resources = self.folder.join("resources");
+        let locations = [machine.uri(&resources).into(), machine.path(&resources), "-".into()];
+        let stop = self.description.experiment.stop_time.unwrap_or(1.0);
+        let mut first: Option<Vec<u64>> = None;
+        for location in locations {
+            let shown = location.to_string_lossy().into_owned();
+            let program: Vec<OsString> = machine.launcher.iter().map(OsString::from).chain([host.into()]).collect();
+            let mut command = Command::new(&program[0]);
+            command
+                .args(&program[1..])
+                .arg(machine.path(&self.library(machine)))
+                .arg(&self.description.guid)
+                .arg(location);
+            command.arg(format!("{:?}", stop / STEPS as f64)).arg(STEPS.to_string()).args(&self.references);
+            command.env("WINEDEBUG", "-all").stderr(Stdio::inherit());
+            let output = command.output().with_context(|| command::cannot_start(&command, machine.platform))?;
+            if !output.status.success() {
+                let name = &self.identifier;
+                bail!(
+                    "{}: {name} failed with the resources at {shown}; its own message stands above",
+                    machine.platform
+                );
+            }
+            let bits = String::from_utf8_lossy(&output.stdout)
+                .split_whitespace()
+                .map(|word| u64::from_str_radix(word, 16).context("the host printed no bits"))
+                .collect::<Result<Vec<_>>>()?;
+            if bits.len() != (STEPS + 1) * self.references.len() {
+                bail!("{}: {} gave {} numbers", machine.platform, self.identifier, bits.len());
+            }
+            match &first {
+                Some(first) if *first != bits => {
+                    bail!("{}: other results with the resources at {shown}", machine.platform)
+                }
+                Some(_) => {}
+                None => first = Some(bits),
+            }
+        }
+        first.context("no run was made")
+    }
+
+    fn compare(&self, expected: &[u64], found: &[u64]) -> Difference {
+        let width = self.references.len();
+        let mut largest = (String::new(), 0.0);
+        for (column, name) in self.outputs.iter().enumerate() {
+            let values = |bits: &[u64]| -> Vec<f64> {
+                bits.iter().skip(column).step_by(width).map(|bits| f64::from_bits(*bits)).collect()
+            };
+            let (expected, found) = (values(expected), values(found));
+            let scale =
+                expected.iter().filter(|value| value.is_finite()).fold(0.0_f64, |most, value| most.max(value.abs()));
+            for (a, b) in expected.iter().zip(&found) {
+                // Both may be undefined; one alone is a fault.
+                let difference = match (a.is_nan(), b.is_nan()) {
+                    (true, true) => 0.0,
+                    (false, false) if a == b => 0.0,
+                    (false, false) => (a - b).abs() / scale,
+                    _ => f64::INFINITY,
+                };
+                if difference > largest.1 {
+                    largest = (name.clone(), difference);
+                }
+            }
+        }
+        let others = expected.iter().zip(found).filter(|(a, b)| a != b).count();
+        Difference { numbers: expected.len(), others, largest }
+    }
+}

@@ -1,0 +1,87 @@
+//! The same source gives the same library, wherever it lies.
+//!
+//! In: the repository. Out: a line; an error if a copy of the repository in another folder gives other bytes.
+
+use crate::binary;
+use crate::command;
+use crate::workspace::Workspace;
+use anyhow::{Context, Result, bail};
+use std::env::consts::DLL_EXTENSION;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// What of the repository takes part in a build; of the other packages Cargo reads the description.
+const PARTS: [&str; 6] = ["Cargo.toml", "Cargo.lock", "src", "fmu-build", "validation", "modelDescription"];
+/// Folder of the copy. Its name is of another length than the repository's.
+const COPY: &str = "a copy of the repository, somewhere else";
+
+/// Build the library here and in a copy of the repository, each with a target folder of its own, and compare.
+///
+/// # Errors
+/// A build fails; the bytes differ, told with the first place.
+pub fn run(workspace: &Workspace) -> Result<()> {
+    let folder = workspace.target("platforms").join("reproducible");
+    let copy = folder.join(COPY);
+    if copy.is_dir() {
+        fs::remove_dir_all(&copy).with_context(|| format!("{}: cannot be removed", copy.display()))?;
+    }
+    for part in PARTS {
+        copy_all(&workspace.root().join(part), &copy.join(part))?;
+    }
+    let here = build(workspace, workspace.root(), &folder.join("target-here"))?;
+    let there = build(workspace, &copy, &folder.join("target-in-the-copy"))?;
+    binary::exports_fmi_only(&here)?;
+    if let Some(place) = first_difference(&here, &there) {
+        bail!(
+            "the library differs between two folders of the same source from byte {place} on; find what holds a path"
+        );
+    }
+    println!("the library built in two folders from copies of one source has the same {} bytes", here.len());
+    Ok(())
+}
+
+/// The library that is built from the repository in `root`.
+fn build(workspace: &Workspace, root: &Path, target: &Path) -> Result<Vec<u8>> {
+    let mut cargo = command::cargo(workspace);
+    // Of the program that runs now, Cargo tells its children where it lies.
+    cargo.current_dir(root).env_remove("CARGO_MANIFEST_DIR").env("CARGO_TARGET_DIR", target);
+    cargo.args(["build", "--release", "--quiet", "--package", "linkage-fmu", "--lib"]);
+    command::run(&mut cargo, "cargo build")?;
+    let prefix = if cfg!(windows) { "" } else { "lib" };
+    let path: PathBuf = target.join("release").join(format!("{prefix}linkage_fmu.{DLL_EXTENSION}"));
+    fs::read(&path).with_context(|| format!("{}: cannot be read", path.display()))
+}
+
+/// Place of the first byte in which two files differ; the length of the shorter one if it begins the longer one.
+fn first_difference(a: &[u8], b: &[u8]) -> Option<usize> {
+    let first = a.iter().zip(b).position(|(a, b)| a != b);
+    first.or_else(|| (a.len() != b.len()).then(|| a.len().min(b.len())))
+}
+
+fn copy_all(from: &Path, to: &Path) -> Result<()> {
+    let shown = from.display().to_string();
+    if !from.is_dir() {
+        fs::create_dir_all(to.parent().unwrap_or(Path::new("."))).with_context(|| shown.clone())?;
+        return fs::copy(from, to).map(drop).with_context(|| format!("{shown}: cannot be copied"));
+    }
+    for entry in fs::read_dir(from).with_context(|| format!("{shown}: cannot be listed"))? {
+        let name = entry?.file_name();
+        // What other builds made is no source.
+        if name != "target" {
+            copy_all(&from.join(&name), &to.join(&name))?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_difference_is_found() {
+        assert_eq!(first_difference(b"abc", b"abc"), None);
+        assert_eq!(first_difference(b"abc", b"abd"), Some(2));
+        assert_eq!(first_difference(b"abc", b"ab"), Some(2));
+    }
+}
