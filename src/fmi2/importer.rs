@@ -10,7 +10,7 @@ use super::types::{
     Boolean, CO_SIMULATION, CallbackFunctions, Component, FALSE, FmuState, LoggerCallback, Real, Status, Text,
     ValueReference,
 };
-use std::ffi::{CStr, CString, OsStr, c_int, c_void};
+use std::ffi::{CString, OsStr, c_int, c_void};
 use std::ptr::null_mut;
 use std::sync::Arc;
 
@@ -76,7 +76,8 @@ functions! {
 /// Shared libraries of the operating system.
 #[cfg(unix)]
 mod shared {
-    use super::{CStr, CString, OsStr, c_void};
+    use super::{CString, OsStr, c_void};
+    use std::ffi::CStr;
     use std::os::unix::ffi::OsStrExt;
 
     /// An open shared library; it stays open, as code of it may run until the process ends.
