@@ -78,7 +78,7 @@ fn changes(out: &mut String, text: &str) -> Result<(), ModelError> {
         ("solver.tolerance", "nothing"),
         ("downstop.restitution", "nothing but the names and laws of the loads"),
         ("friction.kinetic_coefficient", "nothing but the names and laws of the loads"),
-        ("joint1.pin_radius", "tables"),
+        ("joint1.pin_radius", "names and laws; tables of friction when it acts"),
         ("crank.actuator_x", "tables"),
         ("gravity.acceleration", "two tables, as sums"),
         ("gravity.up_angle", "two tables, as sums"),
