@@ -14,6 +14,7 @@ mod state_loads;
 mod stored;
 mod stretches;
 mod tables;
+mod weight;
 
 pub use error::ReductionError;
 pub use model::{Built, Reduced};

@@ -9,12 +9,12 @@ use super::source::{Components, Source};
 use super::state_loads::StateLoads;
 use super::stored::{START, Stored};
 use super::stretches::Beyond;
+use super::weight::Weight;
 use crate::mechanism::curve::{Configuration, Curve, CurveError, Ends, NEAR_CROSSING, NearMiss};
 use crate::mechanism::definition::{Mechanism, Solver};
 use crate::mechanism::linkage::{Linkage, Point};
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::loads::unit_load::Load;
-use crate::numerics::plane::Vec2;
 use crate::numerics::table::{ACCURACY, Grid, NOISE, Table, Unresolved};
 use std::sync::{Arc, OnceLock};
 
@@ -422,52 +422,6 @@ impl Reduced {
 fn needed(loading: &Loading) -> Vec<usize> {
     let applied = (0..loading.base()).filter(|load| loading.gravity != Some(*load));
     applied.chain(loading.stops.iter().map(|stop| stop.load)).collect()
-}
-
-/// Gravity as the sum of its two components, each a load of its own.
-struct Weight {
-    /// Index of gravity among the loads.
-    load: usize,
-    /// Gravity of 1 m/s2 along x and along y.
-    units: [Load; 2],
-    /// Their components in the table of influences.
-    components: [usize; 2],
-}
-
-impl Weight {
-    /// `count`: number of components of the influences.
-    fn new(load: usize, count: usize) -> Self {
-        Self { load, units: [Vec2::x(), Vec2::y()].map(Load::Gravity), components: [count, count + 1] }
-    }
-}
-
-impl Tables {
-    /// Set the influence and the displacement of gravity. `count`: number of components of the influences.
-    fn weigh(&mut self, loading: &Loading, count: usize) {
-        let (Some(load), Some(weights)) = (loading.gravity, &self.weights) else { return };
-        let Load::Gravity(acceleration) = loading.loads[load] else { return };
-        let factors = [acceleration.x, acceleration.y];
-        self.influence.set_sum(load, Weight::new(load, count).components, factors);
-        let sum = weights.as_ref().map(|weights| weights.sums(3, factors));
-        let at = |at: &Unresolved| Unresolved { component: at.component % 3, ..*at };
-        self.displacements[load] = OnceLock::from(sum.map_err(at));
-    }
-
-    /// These tables but for those of reactions, which hold the reactions to gravity.
-    fn without_gravity(&self) -> Self {
-        Self {
-            influence: self.influence.clone(),
-            coordinates: self.coordinates.clone(),
-            displacements: self.displacements.clone(),
-            weights: self.weights.clone(),
-            gapped: self.gapped.clone(),
-            markers: self.markers.clone(),
-            origins: self.origins.clone(),
-            reactions: OnceLock::new(),
-            kept_reactions: self.kept_reactions.iter().map(|_| OnceLock::new()).collect(),
-            state_reactions: self.state_reactions.clone(),
-        }
-    }
 }
 
 /// Error for influences that are not smooth: two ends meet, or [`not_smooth`].
