@@ -8,6 +8,7 @@ mod binary;
 pub mod chain;
 pub mod check;
 mod command;
+mod definition_values;
 pub mod documentation;
 pub mod drawing;
 mod files;

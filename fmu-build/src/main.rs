@@ -40,6 +40,11 @@ fn main() -> ExitCode {
             Ok(simulate::Outcome::Interrupted) => return ExitCode::from(INTERRUPTED),
             Err(error) => Err(error),
         },
+        Task::Optimise(arguments) => match sweep::optimise::run(&workspace, &arguments) {
+            Ok(simulate::Outcome::Complete) => Ok(()),
+            Ok(simulate::Outcome::Interrupted) => return ExitCode::from(INTERRUPTED),
+            Err(error) => Err(error),
+        },
         Task::Demo(arguments) if arguments.gallery => gallery::run(&workspace, arguments.out.as_deref()),
         Task::Demo(arguments) => report::demo(&workspace, &arguments),
         Task::Chain(arguments) => chain::run(&arguments),

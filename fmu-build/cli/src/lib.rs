@@ -32,6 +32,8 @@ pub enum Task {
     Simulate(Simulate),
     /// Make the many runs of a study: design of experiments, tolerances, load cases
     Sweep(Sweep),
+    /// Find the best design of a mechanism: a response made small under limits of others
+    Optimise(Optimise),
     /// Run the retraction through FMPy: figures, table, plot
     Demo(Demo),
     /// Write the mechanism of a chain of N four-bars
@@ -238,6 +240,24 @@ pub struct Sweep {
     /// Make the runs by the packed FMU on the workers of this scheduler of Dask, such as tcp://10.0.0.1:8786
     #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["threads", "workers"])]
     pub scheduler: Option<String>,
+}
+
+/// Arguments of `optimise`.
+#[derive(Args, Default)]
+pub struct Optimise {
+    /// The study: a JSON file with mechanism, factors with bounds, scenario, responses and an objective
+    #[arg(value_name = "STUDY")]
+    pub study: PathBuf,
+    /// Folder for the results: the best design, its picture, evaluations.parquet [default: target/optimise/<name of the
+    /// study> in the repository]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Write all evaluations as evaluations.csv too
+    #[arg(long)]
+    pub csv: bool,
+    /// Threads [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
 }
 
 /// Arguments of `demo`.

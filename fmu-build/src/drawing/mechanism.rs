@@ -41,7 +41,26 @@ struct Draft<'a> {
 
 /// The drawing of a mechanism of this name.
 pub fn mechanism(name: &str, scene: &Scene, poses: &[Pose], format: Format) -> Drawing {
-    let [left, low, right, high] = extents(scene, poses);
+    within(name, scene, poses, format, extents(scene, poses))
+}
+
+/// The drawings of two designs of a mechanism on the same scale, one beside the other, each under its title.
+pub fn designs(name: &str, all: [(&str, &Scene, &[Pose]); 2], format: Format) -> Drawing {
+    let [a, b] = all.map(|(_, scene, poses)| extents(scene, poses));
+    let both = [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])];
+    let [left, right] = all.map(|(title, scene, poses)| {
+        let mut drawing = within(name, scene, poses, format, both);
+        let middle = [0.5 * drawing.size[0], 22.0];
+        let (text, weight, ink) = (title.to_owned(), Weight::Strong, Ink::Line);
+        drawing.labels.push(super::Label { middle, text, weight, ink });
+        drawing.title = format!("{name}, {title}");
+        drawing
+    });
+    left.beside(right)
+}
+
+/// The drawing in which least and greatest x and y are these [m].
+fn within(name: &str, scene: &Scene, poses: &[Pose], format: Format, [left, low, right, high]: [f64; 4]) -> Drawing {
     let least = 0.1 * scene.size;
     let (wide, tall) = ((right - left).max(least), (high - low).max(least));
     let (size, margin) = match format {

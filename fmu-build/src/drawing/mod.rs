@@ -12,7 +12,7 @@ mod svg;
 
 pub use cylinder::{Cylinder, cylinder};
 pub use geometry::hull;
-pub use mechanism::{mechanism, sides};
+pub use mechanism::{designs, mechanism, sides};
 pub use paint::to_png;
 pub use svg::{Colours, to_svg};
 
@@ -126,6 +126,25 @@ pub struct Drawing {
     pub shapes: Vec<Shape>,
     /// Texts, before all shapes.
     pub labels: Vec<Label>,
+}
+
+impl Drawing {
+    /// This drawing with another one to its right.
+    fn beside(mut self, mut other: Self) -> Self {
+        let shift = |point: &mut Point| point[0] += self.size[0];
+        for shape in &mut other.shapes {
+            match &mut shape.form {
+                Form::Lines { points, .. } => points.iter_mut().for_each(shift),
+                Form::Circle { center, .. } => shift(center),
+            }
+        }
+        other.labels.iter_mut().for_each(|label| shift(&mut label.middle));
+        self.size = [self.size[0] + other.size[0], self.size[1].max(other.size[1])];
+        self.title = format!("{}; {}", self.title, other.title);
+        self.shapes.append(&mut other.shapes);
+        self.labels.append(&mut other.labels);
+        self
+    }
 }
 
 /// How large a drawing is, and how much it tells.

@@ -11,13 +11,19 @@ impl Bar {
         if !is_shown {
             return Self(ProgressBar::hidden());
         }
-        let style = ProgressStyle::with_template("{bar:40} {human_pos} of {human_len} runs, {per_sec}, {eta} left");
+        let style =
+            ProgressStyle::with_template("{bar:40} {human_pos} of {human_len} runs, {per_sec}, {eta} left{msg}");
         let bar = ProgressBar::new(runs);
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         bar.set_position(done);
         // The rate counts from here.
         bar.reset_eta();
         Self(bar)
+    }
+
+    /// Show this behind the bar.
+    pub fn tell(&self, text: String) {
+        self.0.set_message(text);
     }
 
     /// So many more runs are done.

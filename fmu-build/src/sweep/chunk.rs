@@ -91,19 +91,23 @@ pub fn make(
             return None;
         }
         design.point(run, &mut point);
-        let made = catch_unwind(AssertUnwindSafe(|| runner.run(&point, &mut values)));
-        let (is_failure, text) = match made {
-            Ok(Ok(remark)) => (false, remark),
-            Ok(Err(error)) => (true, format!("{error:#}")),
-            Err(_) => {
-                runner.renew();
-                values.fill(f64::NAN);
-                (true, "a fault in the engine stopped the run; please report it".to_owned())
-            }
-        };
+        let (is_failure, text) = run_one(runner, &point, &mut values);
         writer.add(index, [&point, &values], Remark { is_failure, text: &text });
     }
     Some(writer.finish())
+}
+
+/// Make one run, whatever comes: whether it failed, and a remark or why.
+pub fn run_one(runner: &mut Runner, point: &[f64], values: &mut [f64]) -> (bool, String) {
+    match catch_unwind(AssertUnwindSafe(|| runner.run(point, values))) {
+        Ok(Ok(remark)) => (false, remark),
+        Ok(Err(error)) => (true, format!("{error:#}")),
+        Err(_) => {
+            runner.renew();
+            values.fill(f64::NAN);
+            (true, "a fault in the engine stopped the run; please report it".to_owned())
+        }
+    }
 }
 
 /// Read the bytes of a chunk: `take` is called for each run with its index, its values, and its remark.

@@ -38,6 +38,44 @@ pub struct Definition {
     pub scenario: Scenario,
     /// What is told of each run, by the name of its column.
     pub responses: Named<Response>,
+    /// What an optimisation makes small or large.
+    pub objective: Option<Objective>,
+    /// Limits of responses, by the name of the column, in an optimisation.
+    #[serde(default)]
+    pub constraints: Named<Limits>,
+    /// How an optimisation searches.
+    pub search: Option<Search>,
+}
+
+/// What an optimisation makes small or large: exactly one of its keys names a column of the responses.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Objective {
+    /// Column whose value is to be small.
+    pub minimise: Option<String>,
+    /// Column whose value is to be large.
+    pub maximise: Option<String>,
+}
+
+/// Limits of a response; at least one.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Least value that is allowed.
+    pub at_least: Option<f64>,
+    /// Largest value that is allowed.
+    pub at_most: Option<f64>,
+}
+
+/// How an optimisation searches.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Search {
+    /// Most runs.
+    pub evaluations: u64,
+    /// Another seed takes another way.
+    #[serde(default)]
+    pub seed: u64,
 }
 
 /// Value of a variable.
@@ -62,7 +100,7 @@ impl<'de> Deserialize<'de> for Setting {
     }
 }
 
-/// A factor: a list, a range, or a distribution.
+/// A factor: a list, a range, a distribution, or the bounds of an optimisation.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Factor {
@@ -76,6 +114,8 @@ pub struct Factor {
     pub uniform: Option<[f64; 2]>,
     /// Normal distribution.
     pub normal: Option<Normal>,
+    /// Least and largest value in an optimisation.
+    pub bounds: Option<[f64; 2]>,
 }
 
 /// Normal distribution.

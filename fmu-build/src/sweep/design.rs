@@ -176,7 +176,10 @@ fn factor(
         }
         Ok([first, last])
     };
-    let definition::Factor { values, range, steps, uniform, normal } = stated;
+    let definition::Factor { values, range, steps, uniform, normal, bounds } = stated;
+    if bounds.is_some() {
+        bail!("{key}.bounds: are searched by `cargo fmu optimise`; a sweep takes values, range, uniform or normal");
+    }
     if steps.is_some() && range.is_none() {
         bail!("{key}.steps: belongs to a range; state range, or leave steps out");
     }
@@ -223,6 +226,37 @@ fn factor(
         _ => bail!("{key}: state exactly one of values, range, uniform and normal"),
     };
     Ok(factor)
+}
+
+/// The factors that an optimisation varies, each with its bounds.
+///
+/// # Errors
+/// There is none; a name that no number has; bounds that are missing or not in order; other values beside them.
+pub fn bounded(study: &Definition, interface: &Interface) -> Result<Vec<(Factor, [f64; 2])>> {
+    if study.points.is_some() || study.sampling.is_some() {
+        bail!("points and sampling: belong to `cargo fmu sweep`; an optimisation takes factors with bounds");
+    }
+    let mut all: Vec<(Factor, [f64; 2])> = Vec::new();
+    for (name, stated) in study.factors.iter() {
+        let key = format!("factors.{name}");
+        let factor = variable(&key, name, interface)?;
+        let definition::Factor { values, range, steps, uniform, normal, bounds } = stated;
+        let is_other = values.is_some() || range.is_some() || steps.is_some() || uniform.is_some() || normal.is_some();
+        let Some([least, largest]) = bounds.filter(|_| !is_other) else {
+            bail!("{key}: an optimisation varies a factor between its bounds; state bounds = [least, largest] alone");
+        };
+        if factor.kind != Kind::Real {
+            bail!("{key}.bounds: {name} is no number; give it a value in start_values");
+        }
+        if !(largest > least && (largest - least).is_finite()) {
+            bail!("{key}.bounds = [{least:?}, {largest:?}]: the second must be larger, the difference finite");
+        }
+        all.push((factor, [least, largest]));
+    }
+    if all.is_empty() {
+        bail!("factors: an optimisation varies at least one; state its bounds");
+    }
+    Ok(all)
 }
 
 /// A factor without values yet.

@@ -10,6 +10,7 @@ mod csv;
 mod definition;
 mod design;
 mod journal;
+pub mod optimise;
 mod parquet;
 mod plan;
 mod pool;
@@ -29,7 +30,7 @@ use bar::Bar;
 use chunk::Cut;
 use cluster::Workers;
 use definition::Definition;
-use design::Design;
+use design::{Design, Factor};
 pub use fmu_cli::Sweep as Arguments;
 use journal::Journal;
 use linkage_fmu::codec::checksum::fnv1a_128;
@@ -155,26 +156,13 @@ fn is_complete(out: &Path, identity: &str, with_csv: bool) -> bool {
 
 impl Study {
     fn read(workspace: &Workspace, path: &Path) -> Result<Self> {
-        let (definition, text) = Definition::read(path)?;
-        let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
+        let Stated { definition, text, folder, mechanism, model, component } = Stated::read(workspace, path)?;
         let shown = path.display();
-        let mechanism = folder.join(&definition.mechanism);
-        let model = source::Definition::read(workspace, &mechanism).with_context(|| format!("{shown}: mechanism"))?;
-        let component = Component::from_definition(model.kind, &model.text)
-            .with_context(|| format!("{shown}: mechanism: {}; `cargo fmu check` tells more", model.shown))?;
-        for finding in component.warnings() {
-            eprintln!("warning: {}", finding.message);
+        if definition.objective.is_some() || !definition.constraints.is_empty() || definition.search.is_some() {
+            bail!("{shown}: objective, constraints and search: belong to `cargo fmu optimise`; leave them out");
         }
-        let task = |design: &Design| {
-            let scenario = Scenario::new(&definition, &folder, &component, &responses::instants(&definition)?)?;
-            if let Some(factor) = design.factors().iter().find(|factor| scenario.sets(factor.reference)) {
-                bail!("factors.{}: is set by start_values or the scenario too; remove one of the two", factor.name);
-            }
-            let responses = Responses::new(&definition, &scenario, &component)?;
-            Ok(Task { factors: design.factors().to_vec(), scenario, responses })
-        };
         let design = Design::new(&definition, &folder, component.interface()).with_context(|| format!("{shown}"))?;
-        let task = task(&design).with_context(|| format!("{shown}"))?;
+        let task = task(&definition, &folder, &component, design.factors()).with_context(|| format!("{shown}"))?;
         // Values that all runs share are refused before the first run.
         Runner::new(&task, component).with_context(|| format!("{shown}"))?;
         let cut = Cut::new(design.runs());
@@ -186,4 +174,41 @@ impl Study {
         let identity = fnv1a_128([all.as_str(), env!("CARGO_PKG_VERSION")]);
         Ok(Self { task, design, cut, model, path: mechanism, identity })
     }
+}
+
+/// A study as its file states it, with the model of its mechanism.
+struct Stated {
+    definition: Definition,
+    text: String,
+    folder: PathBuf,
+    /// Where the mechanism is.
+    mechanism: PathBuf,
+    model: source::Definition,
+    component: Component,
+}
+
+impl Stated {
+    fn read(workspace: &Workspace, path: &Path) -> Result<Self> {
+        let (definition, text) = Definition::read(path)?;
+        let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
+        let shown = path.display();
+        let mechanism = folder.join(&definition.mechanism);
+        let model = source::Definition::read(workspace, &mechanism).with_context(|| format!("{shown}: mechanism"))?;
+        let component = Component::from_definition(model.kind, &model.text)
+            .with_context(|| format!("{shown}: mechanism: {}; `cargo fmu check` tells more", model.shown))?;
+        for finding in component.warnings() {
+            eprintln!("warning: {}", finding.message);
+        }
+        Ok(Self { definition, text, folder, mechanism, model, component })
+    }
+}
+
+/// What all runs of a study share.
+fn task(definition: &Definition, folder: &Path, component: &Component, factors: &[Factor]) -> Result<Task> {
+    let scenario = Scenario::new(definition, folder, component, &responses::instants(definition)?)?;
+    if let Some(factor) = factors.iter().find(|factor| scenario.sets(factor.reference)) {
+        bail!("factors.{}: is set by start_values or the scenario too; remove one of the two", factor.name);
+    }
+    let responses = Responses::new(definition, &scenario, component)?;
+    Ok(Task { factors: factors.to_vec(), scenario, responses })
 }

@@ -110,14 +110,19 @@ pub fn write(journal: &mut Journal, cut: &Cut, columns: &[Column], parquet: &Pat
 }
 
 /// A file that gets its name when it is whole.
-struct Partial<F> {
-    format: F,
+pub struct Partial<F> {
+    /// Takes the rows.
+    pub format: F,
     path: PathBuf,
     partial: PathBuf,
 }
 
 impl<F: Format> Partial<F> {
-    fn begin(path: &Path, columns: &[Column]) -> Result<Self> {
+    /// Begin the file that will have this path.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn begin(path: &Path, columns: &[Column]) -> Result<Self> {
         let mut partial = path.as_os_str().to_owned();
         partial.push(".partial");
         let partial = PathBuf::from(partial);
@@ -126,7 +131,11 @@ impl<F: Format> Partial<F> {
         Ok(Self { format, path: path.to_path_buf(), partial })
     }
 
-    fn end(self) -> Result<()> {
+    /// Give the file its name.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn end(self) -> Result<()> {
         let shown = || format!("{}: cannot be written", self.path.display());
         self.format.end().with_context(shown)?;
         fs::rename(&self.partial, &self.path).with_context(shown)

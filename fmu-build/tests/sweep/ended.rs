@@ -1,0 +1,119 @@
+//! Threads, ends and memory change nothing in the rows.
+
+use crate::support::{Folder, Rows, sweep};
+use serde_json::json;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::Duration;
+
+/// A study of so many runs of the gear.
+fn many(folder: &Folder, name: &str, runs: u32) -> PathBuf {
+    folder.study(
+        name,
+        json!({
+            "factors": { "actuator.force": { "uniform": [28e3, 40e3] }, "load_factor": { "uniform": [1, 3] } },
+            "sampling": { "method": "sobol", "count": runs },
+            "scenario": { "stop_time": 0.3, "stop_at": "retracted" },
+            "responses": { "met": { "event": "retracted" } },
+        }),
+    )
+}
+
+fn start(study: &Path, out: &Path, options: &[&str]) -> Child {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_fmu-build"));
+    command.arg("sweep").arg(study).arg("--out").arg(out).args(options);
+    command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
+}
+
+#[test]
+fn rows_do_not_depend_on_the_threads() {
+    let folder = Folder::new("threads");
+    let study = many(&folder, "study.json", 3000);
+    let all = [1, 2, 7].map(|threads| {
+        let out = folder.0.join(threads.to_string());
+        sweep(&study, &out, threads).unwrap();
+        ["runs.csv", "runs.parquet"].map(|name| fs::read(out.join(name)).unwrap())
+    });
+    assert!(all[0] == all[1] && all[0] == all[2]);
+    assert!(!folder.0.join("1/runs.journal").exists());
+    // What is complete is left as it is.
+    assert!(start(&study, &folder.0.join("1"), &["--resume"]).wait().unwrap().success());
+}
+
+/// Ended in the middle, by the user and by force, as often as the study allows: what results is the same to the byte.
+#[cfg(unix)]
+#[test]
+fn a_study_that_was_ended_is_resumed() {
+    let folder = Folder::new("resume");
+    let study = many(&folder, "study.json", 60_000);
+    let (whole, parts) = (folder.0.join("whole"), folder.0.join("parts"));
+    assert!(start(&study, &whole, &["--csv"]).wait().unwrap().success());
+    let size = || fs::metadata(parts.join("runs.journal")).map_or(0, |file| file.len());
+    let (mut ended, mut options) = (0, vec!["--csv"]);
+    for signal in ["-INT", "-KILL", "-INT", "-KILL"] {
+        let before = size();
+        let mut child = start(&study, &parts, &options);
+        options = vec!["--csv", "--resume"];
+        // Until some chunks more are done.
+        while size() < before + 100_000 && child.try_wait().unwrap().is_none() {
+            thread::sleep(Duration::from_millis(1));
+        }
+        if child.try_wait().unwrap().is_some() {
+            break;
+        }
+        Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
+        let status = child.wait().unwrap();
+        if status.success() {
+            break;
+        }
+        if signal == "-INT" {
+            assert_eq!(status.code(), Some(130));
+        }
+        ended += 1;
+        assert!(!parts.join("runs.parquet").exists());
+        assert!(
+            !start(&study, &parts, &[]).wait().unwrap().success(),
+            "an unfinished study is not begun anew in silence"
+        );
+    }
+    assert!(ended >= 2, "the study was ended {ended} times only");
+    assert!(start(&study, &parts, &options).wait().unwrap().success());
+    for name in ["runs.csv", "runs.parquet", "study.json"] {
+        assert!(fs::read(whole.join(name)).unwrap() == fs::read(parts.join(name)).unwrap(), "{name}");
+    }
+    assert_eq!(Rows::read(&parts.join("runs.csv")).rows.len(), 60_000);
+}
+
+/// Largest memory of a study [kB].
+#[cfg(target_os = "linux")]
+fn memory(study: &Path, out: &Path) -> u64 {
+    let mut child = start(study, out, &["--csv", "--threads", "2"]);
+    let mut most = 0;
+    let status = loop {
+        let told = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
+        let peak = told.lines().find_map(|line| line.strip_prefix("VmHWM:")?.split_whitespace().next());
+        most = most.max(peak.map_or(0, |peak| peak.parse().unwrap()));
+        if let Some(status) = child.try_wait().unwrap() {
+            break status;
+        }
+        thread::sleep(Duration::from_millis(1));
+    };
+    assert!(status.success());
+    most
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "makes 1e6 runs: cargo test --release -p fmu-build --test sweep -- --ignored --nocapture"]
+fn memory_does_not_grow_with_the_runs() {
+    let folder = Folder::new("memory");
+    let [few, lots] = [100_000, 1_000_000].map(|runs| {
+        let study = many(&folder, "study.json", runs);
+        memory(&study, &folder.0.join(runs.to_string()))
+    });
+    println!("{few} kB for 1e5 runs, {lots} kB for 1e6");
+    // Rows of 1e6 runs take 40 MB. Chunks that wait to be kept may be a few more or fewer.
+    assert!(lots < few + 4_000, "{few} kB for 1e5 runs, {lots} kB for 1e6");
+}

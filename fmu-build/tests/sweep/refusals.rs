@@ -1,0 +1,77 @@
+//! What is wrong with a study is said in one line.
+
+use crate::support::{Folder, sweep};
+use serde_json::{Value, json};
+use std::fs;
+
+/// The message of a study that is refused.
+fn refusal(folder: &Folder, study: Value) -> String {
+    println!("{study}");
+    let study = folder.study("wrong.json", study);
+    let message = format!("{:#}", sweep(&study, &folder.0.join("refused"), 1).unwrap_err());
+    assert!(!message.contains('\n'), "{message}");
+    message
+}
+
+#[test]
+fn what_is_wrong_is_said_in_one_line() {
+    let folder = Folder::new("refusals");
+    fs::write(folder.0.join("points.csv"), "crank.mass,crank.mass\n1,2\n").unwrap();
+    fs::write(folder.0.join("words.csv"), "crank.mass\n1,5\n").unwrap();
+    let final_angle = json!({ "r": { "final": "crank.angle" } });
+    let with = |key: &str, value: Value| json!({ key: value, "responses": final_angle.clone() });
+    let response = |value: Value| json!({ "responses": { "r": value } });
+    for (study, said) in [
+        (with("mechanism", json!("no/such")), "mechanism: "),
+        (with("factors", json!({ "crank.mas": { "values": [1] } })), "factors.crank.mas: no variable is called"),
+        (with("factors", json!({ "crank.angle": { "values": [1] } })), "a factor is a parameter or an input"),
+        (with("factors", json!({ "crank.mass": {} })), "state exactly one of values, range, uniform and normal"),
+        (with("factors", json!({ "crank.mass": { "range": [1, 2] } })), "factors.crank.mass.steps: is missing"),
+        (with("factors", json!({ "crank.mass": { "values": [] } })), "factors.crank.mass.values: is empty"),
+        (
+            with("factors", json!({ "crank.mass": { "values": [true] } })),
+            "values[0]: crank.mass is a Real; true is none",
+        ),
+        (with("factors", json!({ "crank.mass": { "uniform": [1, 2] } })), "sampling: is missing"),
+        (
+            with("factors", json!({ "crank.mass": { "normal": { "mean": 1, "standard_deviation": 0 } } })),
+            "standard_deviation = 0: must be",
+        ),
+        (with("sampling", json!({ "method": "sobol", "count": 4 })), "sampling: no factor has a distribution"),
+        (with("points", json!("none.csv")), "points: "),
+        (with("points", json!("points.csv")), "crank.mass stands twice"),
+        (with("points", json!("words.csv")), "line: 2"),
+        (with("scenario", json!({ "stop_time": 0 })), "scenario.stop_time = 0.0: must be finite and > 0 s"),
+        (with("scenario", json!({ "output_interval": 1e-12 })), "scenario.output_interval = 1e-12: must be"),
+        (with("scenario", json!({ "stop_at": "upstop.enabled" })), "those of this mechanism are retracted, extended"),
+        (
+            with("scenario", json!({ "inputs": { "actuator.force": [[1, 0], [0, 1]] } })),
+            "the time goes back from 1 to 0 s",
+        ),
+        (with("scenario", json!({ "inputs": { "crank.mass": [[0, 1]] } })), "scenario.inputs.crank.mass: is no input"),
+        (with("start_values", json!({ "crank.mass": -1 })), "start value of crank.mass"),
+        (
+            with("start_values", json!({ "friction.enabled": 1 })),
+            "start_values.friction.enabled = 1: must be a Boolean",
+        ),
+        (response(json!({ "maximum": "joint1.force" })), "state their distance, scenario.output_interval"),
+        (response(json!({ "event": "crank.angle" })), "an event is told by the flag of a stop"),
+        (response(json!({ "final": "crank.angle", "minimum": "crank.angle" })), "state exactly one of"),
+        (response(json!({ "course": "crank.angle" })), "a course has times"),
+        (response(json!({ "course": "crank.angle", "times": [9] })), "the instant 9 s is after the end of the run"),
+        (response(json!({ "final": "solver.method" })), "solver.method is a text"),
+        (with("factors", json!({ "crank.mass": { "bounds": [1, 2] } })), "searched by `cargo fmu optimise`"),
+        (with("objective", json!({ "minimise": "r" })), "belong to `cargo fmu optimise`"),
+        (
+            json!({ "responses": { "run": { "final": "crank.angle" } } }),
+            "two columns of the results are called \"run\"",
+        ),
+    ] {
+        let message = refusal(&folder, study);
+        assert!(message.contains(said), "{said}\n{message}");
+    }
+    let twice = json!({
+        "factors": { "crank.mass": { "values": [1] } }, "start_values": { "crank.mass": 2 }, "responses": final_angle
+    });
+    assert!(refusal(&folder, twice).contains("factors.crank.mass: is set by start_values"));
+}

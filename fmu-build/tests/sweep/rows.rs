@@ -1,0 +1,153 @@
+//! What a row says: the bits of `cargo fmu simulate`, times of events, failures.
+
+use crate::support::{Folder, simulated};
+use serde_json::json;
+use std::fs;
+
+/// Inputs and parameters that change from run to run, without order, so that each run follows a different one.
+#[test]
+fn rows_are_those_of_simulate_to_the_bit() {
+    let folder = Folder::new("bits");
+    let names = ["actuator.force", "load_factor", "crank.mass", "crank.start_angle", "friction.enabled"];
+    let points = [
+        (30e3, 3.0, 13.689, 0.8, false),
+        (29e3, 1.0, 13.689, 0.8, true),
+        (29e3, 1.0, 20.0, 0.7, false),
+        (31e3, 2.0, 20.0, 0.7, true),
+        (30e3, 3.0, 13.689, 0.8, false),
+    ];
+    let lines =
+        points.map(|(force, load, mass, angle, friction)| format!("{force},{load},{mass},{angle},{friction}\n"));
+    fs::write(folder.0.join("points.csv"), names.join(",") + "\n" + &lines.concat()).unwrap();
+    // FMPy sets the slope after a corner if its time stands twice, and not at the first time.
+    fs::write(folder.0.join("air.csv"), "time,airspeed\n-1,0\n0,0\n0,0\n0.05,80\n0.05,80\n0.14,60\n").unwrap();
+    let rows = folder.rows(json!({
+        "points": "points.csv",
+        "start_values": { "uplock.engage": true },
+        "scenario": { "stop_time": 0.14, "output_interval": 0.01, "input_file": "air.csv" },
+        "responses": {
+            "angle": { "final": "crank.angle" }, "drift": { "final": "energy.drift" }, "up": { "final": "retracted" },
+            "peak": { "maximum": "joint1.force" }, "least": { "minimum": "joint2.force_x" },
+            "work": { "integral": "actuator.required_force" }, "rms": { "root_mean_square": "joint3.force" },
+            "course": { "course": "wheel.y", "times": [0, 0.05, 0.14] }, "met": { "event": "retracted" },
+        },
+    }));
+    assert_eq!(rows.rows.len(), points.len());
+    for (row, (force, load, mass, angle, friction)) in points.iter().enumerate() {
+        let values = [
+            format!("actuator.force={force}"),
+            format!("load_factor={load}"),
+            format!("crank.mass={mass}"),
+            format!("crank.start_angle={angle}"),
+            format!("friction.enabled={friction}"),
+            "uplock.engage=true".to_owned(),
+        ];
+        let run = simulated(&folder, &values, 0.14, 0.01, Some(folder.0.join("air.csv")));
+        let (last, times) = (run.rows.len() - 1, run.column("time"));
+        let same = |name: &str, expected: f64| {
+            let own = rows.number(row, name);
+            assert!(own.to_bits() == expected.to_bits(), "run {row}, {name}: {own:?}, simulated {expected:?}");
+        };
+        assert_eq!(rows.number(row, "actuator.force"), *force);
+        assert_eq!((rows.text(row, "failed"), rows.text(row, "message")), ("0", ""));
+        same("angle", run.number(last, "crank.angle"));
+        same("drift", run.number(last, "energy.drift"));
+        same("up", run.number(last, "retracted"));
+        let force = run.column("joint1.force");
+        let peak = (0..=last).rev().max_by(|a, b| force[*a].total_cmp(&force[*b])).unwrap();
+        same("peak", force[peak]);
+        same("peak.time", times[peak]);
+        same("least", run.column("joint2.force_x").into_iter().fold(f64::INFINITY, f64::min));
+        let trapezoids =
+            |y: &[f64]| (0..last).fold(0.0, |sum, k| sum + 0.5 * (y[k] + y[k + 1]) * (times[k + 1] - times[k]));
+        same("work", trapezoids(&run.column("actuator.required_force")));
+        let squares: Vec<f64> = run.column("joint3.force").iter().map(|force| force * force).collect();
+        same("rms", (trapezoids(&squares) / times[last]).sqrt());
+        for (name, k) in [("course@0", 0), ("course@0.05", 5), ("course@0.14", last)] {
+            same(name, run.number(k, "wheel.y"));
+        }
+        let met = run.number(last, "upstop.impact_time");
+        same("met", if met < 0.0 { f64::NAN } else { met });
+    }
+    assert!(rows.column("met").iter().any(|time| !time.is_nan()));
+}
+
+#[test]
+fn a_run_ends_at_its_event() {
+    let folder = Folder::new("event");
+    let rows = folder.rows(json!({
+        "factors": { "upstop.restitution": { "values": [0, 0.5, 0.9] }, "actuator.force": { "values": [-20000, 30000, 34000] } },
+        "scenario": { "stop_time": 0.5, "stop_at": "retracted" },
+        "responses": {
+            "met": { "event": "retracted" }, "down": { "event": "extended" }, "count": { "final": "upstop.impact_count" },
+            "angle": { "final": "crank.angle" }, "up": { "final": "retracted" }, "blow": { "final": "upstop.impact_impulse" },
+        },
+    }));
+    for row in 0..9 {
+        let force = rows.number(row, "actuator.force");
+        if force < 25e3 {
+            // The actuator is too weak.
+            assert_eq!(rows.text(row, "message"), "retracted did not come true within 0.5 s");
+            assert!(rows.number(row, "met").is_nan() && rows.number(row, "up") == 0.0);
+            continue;
+        }
+        // The first impact, found by steps that have one impact at most.
+        let values = [
+            format!("actuator.force={force}"),
+            format!("upstop.restitution={}", rows.number(row, "upstop.restitution")),
+        ];
+        let run = simulated(&folder, &values, 0.5, 1e-4, None);
+        let first = run.column("upstop.impact_count").iter().position(|count| *count > 0.0).unwrap();
+        let expected = run.number(first, "upstop.impact_time");
+        let met = rows.number(row, "met");
+        assert!((met - expected).abs() < 1e-9, "{row}: {met} {expected}");
+        assert_eq!(rows.number(row, "count"), 1.0);
+        // A stop that gives speed back is left at once: within rounding of the impact either value is right.
+        assert!(rows.number(row, "upstop.restitution") > 0.0 || rows.number(row, "up") == 1.0);
+        assert!((rows.number(row, "angle") + 1.3).abs() < 1e-12 && rows.number(row, "blow") > 0.0);
+        assert!(rows.number(row, "down").is_nan());
+        assert_eq!((rows.text(row, "failed"), rows.text(row, "message")), ("0", ""));
+    }
+}
+
+/// With ramps the slopes are set: the result does not depend on the communication instants.
+#[test]
+fn a_ramp_is_followed_within_a_step() {
+    let folder = Folder::new("ramp");
+    let study = |interval: Option<f64>| {
+        let mut scenario = json!({
+            "stop_time": 0.5, "stop_at": "retracted", "inputs": { "actuator.force": [[0, 0], [0.05, 30000]], "load_factor": 1 }
+        });
+        if let Some(interval) = interval {
+            scenario["output_interval"] = json!(interval);
+        }
+        json!({ "scenario": scenario, "responses": { "met": { "event": "retracted" } } })
+    };
+    let [few, many] = [None, Some(1e-3)].map(|interval| folder.rows(study(interval)).number(0, "met"));
+    assert!((few - many).abs() < 1e-8 && few > 0.05, "{few} {many}");
+}
+
+#[test]
+fn a_failed_run_is_a_row() {
+    let folder = Folder::new("failures");
+    let rows = folder.rows(json!({
+        "factors": {
+            "crank.length": { "values": [0.1755, -1, 0.9, 0.1755] }, "solver.max_steps": { "values": [100_000, 3] },
+            "solver.method": { "values": ["reduced", "rigid"] },
+        },
+        "scenario": { "stop_time": 0.1 },
+        "responses": { "angle": { "final": "crank.angle" }, "met": { "event": "retracted" } },
+    }));
+    let expected = ["", "solver.method = \"rigid\"", "step at 0 s: ", "solver.method = \"rigid\""];
+    let unreachable = ["initialisation at 0 s", expected[1], "initialisation at 0 s", expected[1]];
+    let expected = expected.into_iter().chain(["crank.length"; 4]).chain(unreachable).chain(expected);
+    for (row, said) in expected.enumerate() {
+        let (message, failed) = (rows.text(row, "message"), rows.text(row, "failed"));
+        println!("{message}");
+        let is_whole = failed == "0" && message.is_empty() && rows.number(row, "angle") < 0.8;
+        let is_failed = failed == "1" && message.contains(said) && rows.number(row, "angle").is_nan();
+        assert!(if said.is_empty() { is_whole } else { is_failed }, "{row}: {failed} {message}");
+    }
+    // A run after failures is what it is alone.
+    assert_eq!(rows.text(0, "angle"), rows.text(12, "angle"));
+}
