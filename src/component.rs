@@ -15,7 +15,7 @@ use crate::integrator::Method;
 use crate::mechanism::Line;
 pub use crate::mechanism::Pauses;
 use crate::mechanism::{self, ModelError, Reached};
-use crate::variables::{Interface, Reference, Terminal};
+use crate::variables::{Interface, Reference, Terminal, Vector};
 use std::fmt;
 use std::sync::Arc;
 pub use tables::TABLES;
@@ -244,6 +244,14 @@ impl Component {
     /// Variables that a user connects together.
     pub fn terminals(&self) -> Vec<Terminal> {
         each!(self, model => model.terminals())
+    }
+
+    /// Outputs along x and y that make up vectors.
+    pub fn vectors(&self) -> Vec<Vector> {
+        match self {
+            Self::Mechanism(model) => model.vectors(),
+            Self::Hydraulic(_) => Vec::new(),
+        }
     }
 
     /// Of a Boolean output that tells whether the mechanism is at a stop: the outputs that tell the number of impacts on

@@ -14,6 +14,8 @@ use object::{Architecture, BinaryFormat, FileKind, Object, ObjectKind};
 
 /// A function that every library of an FMU has.
 const FUNCTION: &str = "fmi2Instantiate";
+/// A function that a library has which also serves FMI 3.0.
+const FUNCTION_3: &str = "fmi3InstantiateCoSimulation";
 
 /// Linux on ARM. FMI 2.0 has no name of its own for it: since 2.0.4 the one of FMI 3.0 stands.
 pub const ARM_LINUX: &str = "aarch64-linux";
@@ -114,7 +116,7 @@ impl Binary {
         let Some(platform) = PLATFORMS.iter().find(|platform| platform.name == name) else {
             bail!("there is no platform {name} in FMI 2.0");
         };
-        check(platform, &content).with_context(|| format!("{shown}: is no FMU's library for {name}"))?;
+        check(platform, &content, FUNCTION).with_context(|| format!("{shown}: is no FMU's library for {name}"))?;
         Ok(Self { platform, folder: platform.name, content })
     }
 
@@ -129,12 +131,12 @@ impl Binary {
     }
 
     /// The entries in the FMU of a model with this modelIdentifier: one, or in FMI 3.0 one for each architecture that the
-    /// file holds.
+    /// file holds; none of FMI 3.0 if the library has not its functions.
     pub fn entries(&self, version: Version, model_identifier: &str) -> Vec<Entry> {
         let Platform { tuples, architectures, .. } = self.platform;
         let holds = |architecture: &'static Architecture| {
             let one = Platform { architectures: std::slice::from_ref(architecture), ..*self.platform };
-            check(&one, &self.content).is_ok()
+            check(&one, &self.content, FUNCTION_3).is_ok()
         };
         let folders: Vec<&str> = match version {
             Version::Two => vec![self.folder],
@@ -163,24 +165,24 @@ pub fn path(name: &str, model_identifier: &str) -> Option<String> {
 /// It is none; there is no such platform.
 pub fn check_for(name: &str, content: &[u8]) -> Result<()> {
     match platform(name) {
-        Some(platform) => check(platform, content),
+        Some(platform) => check(platform, content, FUNCTION),
         None => bail!("FMI has no platform {name}; FMI 2.0 knows {}", fmu_cli::PLATFORMS.join(", ")),
     }
 }
 
-/// Whether one library in the file, which may hold several, is the platform's.
-fn check(platform: &Platform, content: &[u8]) -> Result<()> {
+/// Whether one library in the file, which may hold several, is the platform's and exports this function.
+fn check(platform: &Platform, content: &[u8], function: &str) -> Result<()> {
     match FileKind::parse(content).map_err(|_| anyhow::anyhow!("the file is no library at all"))? {
-        FileKind::MachOFat32 => check_each(platform, content, MachOFatFile32::parse(content)?.arches()),
-        FileKind::MachOFat64 => check_each(platform, content, MachOFatFile64::parse(content)?.arches()),
-        _ => check_one(platform, content),
+        FileKind::MachOFat32 => check_each(platform, content, MachOFatFile32::parse(content)?.arches(), function),
+        FileKind::MachOFat64 => check_each(platform, content, MachOFatFile64::parse(content)?.arches(), function),
+        _ => check_one(platform, content, function),
     }
 }
 
-fn check_each<A: FatArch>(platform: &Platform, content: &[u8], parts: &[A]) -> Result<()> {
+fn check_each<A: FatArch>(platform: &Platform, content: &[u8], parts: &[A], function: &str) -> Result<()> {
     let mut result = Err(anyhow::anyhow!("the file holds no library"));
     for part in parts {
-        result = check_one(platform, part.data(content)?);
+        result = check_one(platform, part.data(content)?, function);
         if result.is_ok() {
             break;
         }
@@ -188,7 +190,7 @@ fn check_each<A: FatArch>(platform: &Platform, content: &[u8], parts: &[A]) -> R
     result
 }
 
-fn check_one(platform: &Platform, content: &[u8]) -> Result<()> {
+fn check_one(platform: &Platform, content: &[u8], function: &str) -> Result<()> {
     let library = object::File::parse(content)?;
     let (format, architecture) = (library.format(), library.architecture());
     if format != platform.format || !platform.architectures.contains(&architecture) {
@@ -202,8 +204,8 @@ fn check_one(platform: &Platform, content: &[u8]) -> Result<()> {
     if library.kind() != ObjectKind::Dynamic && format != BinaryFormat::MachO {
         bail!("it is no shared library");
     }
-    if !exports(&library)?.iter().any(|name| name == FUNCTION) {
-        bail!("it does not export {FUNCTION}");
+    if !exports(&library)?.iter().any(|name| name == function) {
+        bail!("it does not export {function}");
     }
     Ok(())
 }
@@ -260,7 +262,7 @@ mod tests {
             [&b""[..], b"MZ", b"#!/bin/sh\n", &[0x7f, b'E', b'L', b'F'], &[0xca, 0xfe, 0xba, 0xbe, 0, 0, 0, 9]]
         {
             for platform in &PLATFORMS {
-                assert!(check(platform, content).is_err(), "{content:?}");
+                assert!(check(platform, content, FUNCTION).is_err(), "{content:?}");
             }
         }
         let missing = library("win64=no/such.dll").unwrap();
@@ -271,10 +273,10 @@ mod tests {
     #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
     fn a_program_is_no_library() {
         let program = std::fs::read(std::env::current_exe().unwrap()).unwrap();
-        let message = check(platform("win64"), &program).unwrap_err().to_string();
+        let message = check(platform("win64"), &program, FUNCTION).unwrap_err().to_string();
         assert!(message.contains("Elf for X86_64") && message.contains("Pe for X86_64"), "{message}");
         assert!(exports_fmi_only(b"no library").is_err());
-        let message = check(platform("linux64"), &program).unwrap_err().to_string();
+        let message = check(platform("linux64"), &program, FUNCTION).unwrap_err().to_string();
         assert!(message.contains("does not export") || message.contains("no shared library"), "{message}");
     }
 }

@@ -54,7 +54,7 @@ struct Common<'a> {
 /// Definitions that are refused, all of them told before anything is built or written.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>> {
     if arguments.ssp && arguments.fmi == Fmi::Three {
-        bail!("--ssp with --fmi 3: the system is one of FMUs of FMI 2.0; leave out --fmi, or say --fmi both");
+        bail!("--ssp with --fmi 3: the system is one of FMUs of FMI 2.0; leave out --fmi, or say --fmi 2");
     }
     let paths = if arguments.all {
         workspace.description_folders()?
@@ -117,12 +117,12 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
     Ok(paths)
 }
 
-/// Pack the default FMU; its path.
+/// Pack the default FMU, of FMI 2.0; its path.
 ///
 /// # Errors
 /// As for [`run`].
 pub fn default(workspace: &Workspace) -> Result<PathBuf> {
-    run(workspace, &Arguments::default())?.pop().context("no FMU was packed")
+    run(workspace, &Arguments::of_fmi_2())?.pop().context("no FMU was packed")
 }
 
 /// The libraries that were built elsewhere.
@@ -208,8 +208,15 @@ fn pack(common: &Common, fmu: Prepared) -> Result<Vec<PathBuf>> {
         };
         let mut entries = entries.clone();
         entries.extend([Entry { name: MODEL_DESCRIPTION.to_owned(), content: description.into_bytes() }]);
-        entries.extend(common.binaries.iter().flat_map(|binary| binary.entries(version, &fmu.name)));
         let path = common.out.join(format!("{}.{}", fmu.name, version.extension()));
+        for binary in &common.binaries {
+            let libraries = binary.entries(version, &fmu.name);
+            if libraries.is_empty() {
+                let (file, platform) = (path.display(), binary.platform());
+                println!("{file}: left out: the library for {platform}, which has no functions of FMI 3.0");
+            }
+            entries.extend(libraries);
+        }
         archive::write(&path, entries)?;
         let size = fs::metadata(&path)?.len().div_ceil(1024);
         println!("{} ({size} KiB, {} variables)", path.display(), fmu.component.interface().list().len());

@@ -27,7 +27,7 @@ pub fn demo(workspace: &Workspace, arguments: &Demo) -> Result<()> {
         ("demo.py", vec![DEFAULT_FMU])
     };
     let paths = names.iter().map(|name| workspace.descriptions().join(name)).collect();
-    let fmus = package::run(workspace, &package::Arguments { paths, ..Default::default() })?;
+    let fmus = package::run(workspace, &package::Arguments { paths, ..package::Arguments::of_fmi_2() })?;
     let out = arguments.out.clone().unwrap_or_else(|| workspace.target("demo"));
     let mut demo = Command::new(command::python(workspace)?);
     demo.arg(workspace.python_scripts().join(script)).args(fmus).arg("--out").arg(out);
@@ -40,7 +40,7 @@ pub fn demo(workspace: &Workspace, arguments: &Demo) -> Result<()> {
 /// Packing, Python's environment or a run fails.
 pub fn report(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let paths = FMUS.iter().map(|name| workspace.descriptions().join(name)).collect();
-    package::run(workspace, &package::Arguments { paths, ..Default::default() })?;
+    package::run(workspace, &package::Arguments { paths, ..package::Arguments::of_fmi_2() })?;
     let out = arguments.out.clone().unwrap_or_else(|| workspace.validation());
     let out = path::absolute(&out).with_context(|| out.display().to_string())?;
     let motion = workspace.target("view").join(DEFAULT_FMU).with_extension("html");

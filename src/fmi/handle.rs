@@ -11,6 +11,7 @@ use super::logger::Logger;
 use super::phase::{Function, Phase};
 use super::refusal::{Refusal, Verdict};
 use super::resources::Loaded;
+use super::version::Version;
 use std::any::Any;
 use std::cell::UnsafeCell;
 use std::ffi::{CStr, c_void};
@@ -32,9 +33,10 @@ struct Handle {
     instance: UnsafeCell<Instance>,
 }
 
-/// Make an instance of what `load` gives; NULL, with a message, if that fails. `function` is the name of the exported
-/// function, `name` that of the instance, `usage` what the host makes use of.
+/// Make an instance of what `load` gives; NULL, with a message, if that fails. `version` is that of the exported function
+/// of the name `function`, `name` that of the instance, `usage` what the host makes use of.
 pub fn instantiate(
+    version: Version,
     function: &str,
     name: &CStr,
     logger: Logger,
@@ -50,7 +52,7 @@ pub fn instantiate(
             remark.iter().for_each(|remark| logger.remark(remark));
             component.warnings().iter().for_each(|warning| logger.remark(&warning.to_string()));
             component.remarks().iter().for_each(|remark| logger.remark(remark));
-            let instance = UnsafeCell::new(Instance::new(logger, component, usage));
+            let instance = UnsafeCell::new(Instance::new(version, logger, component, usage));
             return Box::into_raw(Box::new(Handle { word: AtomicU64::new(IDLE), instance })).cast();
         }
         Ok(Err(refusal)) => refusal,
@@ -194,13 +196,15 @@ mod tests {
     use crate::component::Component;
     use crate::fmi::phase::{ALIVE, STEP};
     use crate::mechanism::GEAR;
+    use crate::variables::Kind;
 
+    const VERSION: Version = Version::of_scalars(Kind::word);
     const READ: Function = Function::new("read", ALIVE);
     const ADVANCE: Function = Function::new("advance", STEP);
 
     fn gear() -> *mut c_void {
         let load = || Ok(Component::from_definition("mechanism.json", GEAR)?.into());
-        instantiate("instantiate", c"gear", Logger::new(None, false), Usage::default(), load)
+        instantiate(VERSION, "instantiate", c"gear", Logger::new(None, false), Usage::default(), load)
     }
 
     #[test]
@@ -222,10 +226,11 @@ mod tests {
     #[test]
     fn a_logger_that_throws_changes_no_answer() {
         let load = || Ok(Component::from_definition("mechanism.json", GEAR)?.into());
-        let refused =
-            instantiate("instantiate", c"gear", throwing(), Usage::default(), || Err(Refusal::error("on purpose")));
+        let refused = instantiate(VERSION, "instantiate", c"gear", throwing(), Usage::default(), || {
+            Err(Refusal::error("on purpose"))
+        });
         assert!(refused.is_null());
-        let c = instantiate("instantiate", c"gear", throwing(), Usage::default(), load);
+        let c = instantiate(VERSION, "instantiate", c"gear", throwing(), Usage::default(), load);
         // SAFETY: the pointer is valid until `free`.
         unsafe {
             assert_eq!(call(c, &READ, |_| Err(Refusal::error("on purpose"))), Verdict::Error);
@@ -244,8 +249,10 @@ mod tests {
     #[test]
     fn a_panic_in_instantiate_gives_null() {
         assert!(
-            instantiate("instantiate", c"gear", Logger::new(None, false), Usage::default(), || panic!("on purpose"))
-                .is_null()
+            instantiate(VERSION, "instantiate", c"gear", Logger::new(None, false), Usage::default(), || panic!(
+                "on purpose"
+            ))
+            .is_null()
         );
     }
 

@@ -6,13 +6,15 @@
 use super::clock::Clock;
 use super::event_mode::{Usage, no_such_phase};
 use super::logger::Logger;
-use super::phase::{Phase, may_get, may_set};
+use super::phase::{Phase, may_get, may_set, of_kind};
 use super::refusal::Refusal;
 use super::saved::Saved;
 use super::undefined::Undefined;
+use super::vectors;
+use super::version::Version;
 use crate::component::{Component, Paused, Pauses, Refused, Stepped};
 use crate::numerics::decimal::Decimal;
-use crate::variables::{Interface, Kind, Reference};
+use crate::variables::{Kind, Reference, Vector};
 use std::borrow::Cow;
 use std::ffi::{CStr, CString, c_char};
 use std::mem::MaybeUninit;
@@ -26,6 +28,8 @@ pub type IntermediateUpdate = dyn Fn(f64) -> Option<f64>;
 pub struct Instance {
     /// Present phase; `handle` checks it before each call.
     pub phase: Phase,
+    /// The version of FMI that the host speaks.
+    pub version: Version,
     /// Where messages go.
     pub logger: Logger,
     /// What the host makes use of.
@@ -40,23 +44,34 @@ pub struct Instance {
     pub component: Component,
     /// The host's callback after internal steps, if the host makes use of it.
     pub update: Option<Rc<IntermediateUpdate>>,
+    /// Vectors that the version has beside the component's variables.
+    pub(super) vectors: Vec<Vector>,
+    /// Memory for the scalars of a call.
+    pub(super) scalars: Vec<Reference>,
+    /// For each variable of the component the knowns on which its initial value depends, once they were asked for; None
+    /// inside of a model too large to find them.
+    pub(super) initial_dependencies: Option<Option<Vec<Vec<Reference>>>>,
     /// Texts of the last [`Self::get_string`], whose pointers lead here.
     texts: Vec<CString>,
 }
 
 impl Instance {
     /// New instance of a component.
-    pub fn new(logger: Logger, component: Component, usage: Usage) -> Self {
+    pub fn new(version: Version, logger: Logger, component: Component, usage: Usage) -> Self {
         Instance {
             phase: Phase::Instantiated,
+            version,
             logger,
             usage,
             awaits_event: false,
             set_up: false,
             tolerance: None,
             clock: Clock::default(),
+            vectors: vectors::of(&component, version.has_vectors()),
             component,
             update: None,
+            scalars: Vec::new(),
+            initial_dependencies: None,
             texts: Vec::new(),
         }
     }
@@ -133,9 +148,19 @@ impl Instance {
     /// Read Reals. On an error the array may be filled in part. An output that has no value in this state is NaN; all
     /// others are told, and a warning says why.
     pub fn get_real(&mut self, references: &[Reference], values: &mut [MaybeUninit<f64>]) -> Result<(), Refusal> {
+        self.get_each_real(references, references.iter().zip(values))
+    }
+
+    /// [`Self::get_real`] of some of the references of a call.
+    #[inline]
+    pub(super) fn get_each_real<'a>(
+        &mut self,
+        references: &[Reference],
+        values: impl Iterator<Item = (&'a Reference, &'a mut MaybeUninit<f64>)>,
+    ) -> Result<(), Refusal> {
         let mut undefined = false;
-        for (&reference, value) in references.iter().zip(values) {
-            may_get(self.component.interface(), self.phase, reference, Kind::Real)?;
+        for (&reference, value) in values {
+            may_get(self, reference, Kind::Real)?;
             let number = self.component.real(reference)?;
             undefined |= number.is_nan();
             value.write(number);
@@ -168,7 +193,7 @@ impl Instance {
         values: &mut [MaybeUninit<B>],
     ) -> Result<(), Refusal> {
         for (&reference, value) in references.iter().zip(values) {
-            may_get(self.component.interface(), self.phase, reference, Kind::Boolean)?;
+            may_get(self, reference, Kind::Boolean)?;
             value.write(self.component.boolean(reference)?.into());
         }
         Ok(())
@@ -182,7 +207,7 @@ impl Instance {
     ) -> Result<(), Refusal> {
         self.texts.clear();
         for (&reference, value) in references.iter().zip(values) {
-            may_get(self.component.interface(), self.phase, reference, Kind::String)?;
+            may_get(self, reference, Kind::String)?;
             let text = CString::new(self.component.text(reference)?)
                 .map_err(|_| Refusal::error(format!("value reference {reference}: the text holds a zero byte")))?;
             value.write(text.as_ptr());
@@ -218,21 +243,6 @@ impl Instance {
         self.set(references, texts.iter().map(Option::as_deref), Kind::String, check, set)
     }
 
-    /// Read or set variables of a kind that no component has: only the empty list is permitted. `action`: `read` or
-    /// `set`, for the message; `may`: the permission for it.
-    pub fn permit_none(
-        &self,
-        references: &[Reference],
-        kind: Kind,
-        may: impl Fn(&Interface, Phase, Reference, Kind) -> Result<(), Refusal>,
-        action: &str,
-    ) -> Result<(), Refusal> {
-        references.iter().try_for_each(|&reference| {
-            may(self.component.interface(), self.phase, reference, kind)?;
-            Err(Refusal::error(format!("value reference {reference} is a {}, which cannot be {action}", kind.word())))
-        })
-    }
-
     /// Check all values, then set all.
     #[inline]
     fn set<V>(
@@ -244,13 +254,21 @@ impl Instance {
         set: impl Fn(&mut Component, Reference, V) -> Result<(), Refused>,
     ) -> Result<(), Refusal> {
         for (&reference, value) in references.iter().zip(values.clone()) {
-            may_set(self.component.interface(), self.phase, reference, kind)?;
+            may_set(self, reference, kind)?;
             check(&self.component, reference, value)?;
         }
         for (&reference, value) in references.iter().zip(values) {
             set(&mut self.component, reference, value)?;
         }
         Ok(())
+    }
+
+    /// Refuse references that lead to no variable, in the words of the version; of a variable that has no derivatives the
+    /// component tells why.
+    fn must_exist<'a>(&self, mut references: impl Iterator<Item = &'a Reference>) -> Result<(), Refusal> {
+        let interface = self.component.interface();
+        let missing = references.find(|&&reference| interface.get(reference).is_none());
+        missing.map_or(Ok(()), |&reference| of_kind(self, reference, Kind::Real).map(drop))
     }
 
     /// For each unknown the sum over the knowns of the partial derivative times the seed; NaN, with a warning, where it
@@ -262,6 +280,7 @@ impl Instance {
         seeds: &[f64],
         values: &mut [MaybeUninit<f64>],
     ) -> Result<(), Refusal> {
+        self.must_exist(unknowns.iter().chain(knowns))?;
         let mut undefined = Vec::new();
         let mut report = |index: usize, value: f64| {
             values[index].write(value);
@@ -285,6 +304,7 @@ impl Instance {
         seeds: &[f64],
         values: &mut [MaybeUninit<f64>],
     ) -> Result<(), Refusal> {
+        self.must_exist(unknowns.iter().chain(knowns))?;
         let mut undefined = Vec::new();
         for (known, value) in knowns.iter().zip(values) {
             let mut sum = 0.0;
@@ -311,6 +331,7 @@ impl Instance {
         orders: &[i32],
         values: &mut [MaybeUninit<f64>],
     ) -> Result<(), Refusal> {
+        self.must_exist(references.iter())?;
         let mut undefined = false;
         for ((&reference, &order), value) in references.iter().zip(orders).zip(values) {
             let rate = self.component.output_derivative(reference, order)?;
@@ -327,6 +348,7 @@ impl Instance {
         orders: &[i32],
         values: &[f64],
     ) -> Result<(), Refusal> {
+        self.must_exist(references.iter())?;
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
             self.component.check_input_derivative(reference, order, value)?;
         }

@@ -20,6 +20,8 @@ pub(crate) mod resources;
 pub(crate) mod saved;
 pub(crate) mod state_handle;
 pub(crate) mod undefined;
+pub(crate) mod vectors;
+pub(crate) mod version;
 
 pub(crate) use exported::exported;
 pub use resources::LARGEST_DEFINITION;

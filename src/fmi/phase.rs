@@ -1,11 +1,11 @@
 //! The phases of an instance: which function may be called, and which variable may be read or set, in which phase
 //! (FMI 2.0.5, 4.2.4, with the causalities of 2.2.7).
 //!
-//! In: the table of variables, the phase, a value reference and the kind that the called function handles. Out:
-//! permission, or a refusal that names the variable. Each version has a table of its functions. This file must not know
-//! how a value is found.
+//! In: the instance, a value reference and the kind that the called function handles. Out: permission, or a refusal that
+//! names the variable. Each version has a table of its functions. This file must not know how a value is found.
+use super::instance::Instance;
 use super::refusal::Refusal;
-use crate::variables::{Causality, Interface, Kind, Reference, Variable};
+use crate::variables::{Causality, Kind, Reference, Variable};
 
 /// Phase of an instance; each is one bit, so that a set of phases is a number. The places of
 /// the bits stand in serialised states.
@@ -73,6 +73,11 @@ impl Phase {
         PHASES.get(usize::from(place)).map(|(phase, _)| *phase).filter(can_be_saved)
     }
 
+    /// Whether initialization mode has not ended yet.
+    pub fn precedes_steps(self) -> bool {
+        matches!(self, Self::Instantiated | Self::Initialization)
+    }
+
     /// Name in messages.
     pub fn name(self) -> &'static str {
         PHASES[usize::from(self.place())].1
@@ -112,24 +117,24 @@ impl Function {
 /// # Errors
 /// An unknown reference, another type, or what is computed before initialization mode.
 #[inline]
-pub fn may_get(interface: &Interface, phase: Phase, reference: Reference, kind: Kind) -> Result<(), Refusal> {
-    let early = phase == Phase::Instantiated;
-    match interface.get(reference) {
+pub fn may_get(instance: &Instance, reference: Reference, kind: Kind) -> Result<(), Refusal> {
+    let early = instance.phase == Phase::Instantiated;
+    match instance.component.interface().get(reference) {
         Some(v) if v.kind == kind && !(early && is_computed(v)) => Ok(()),
-        _ => Err(no_get(interface, reference, kind)),
+        _ => Err(no_get(instance, reference, kind)),
     }
 }
 
 /// Whether a variable has no value before initialization mode.
 #[inline]
 fn is_computed(variable: &Variable) -> bool {
-    matches!(variable.causality, Causality::Output | Causality::Local)
+    variable.is_output() || variable.causality == Causality::Local
 }
 
 /// Reason why a variable may not be read.
 #[cold]
-fn no_get(interface: &Interface, reference: Reference, kind: Kind) -> Refusal {
-    match of_kind(interface, reference, kind) {
+fn no_get(instance: &Instance, reference: Reference, kind: Kind) -> Refusal {
+    match of_kind(instance, reference, kind) {
         Ok(variable) => Refusal::error(format!(
             "'{}' (value reference {reference}) is {}; it has a value from initialization mode on",
             variable.name,
@@ -143,9 +148,9 @@ fn no_get(interface: &Interface, reference: Reference, kind: Kind) -> Refusal {
 ///
 /// # Errors
 /// An unknown reference, another type, or a variable that is not the host's to set now.
-pub fn may_set(interface: &Interface, phase: Phase, reference: Reference, kind: Kind) -> Result<(), Refusal> {
-    let variable = of_kind(interface, reference, kind)?;
-    let reason = match (variable.causality, phase) {
+pub fn may_set(instance: &Instance, reference: Reference, kind: Kind) -> Result<(), Refusal> {
+    let variable = of_kind(instance, reference, kind)?;
+    let reason = match (variable.causality, instance.phase) {
         (Causality::Input, _) => return Ok(()),
         (Causality::Parameter, Phase::Instantiated | Phase::Initialization) => return Ok(()),
         (Causality::Parameter, _) => "a parameter; it can be set until initialization mode ends, or after a reset",
@@ -156,31 +161,51 @@ pub fn may_set(interface: &Interface, phase: Phase, reference: Reference, kind: 
 }
 
 /// The variable with this reference, if it is of this kind.
-fn of_kind(interface: &Interface, reference: Reference, kind: Kind) -> Result<&Variable, Refusal> {
-    let word = kind.word();
-    match interface.get(reference) {
+///
+/// # Errors
+/// An unknown reference, or a variable of another kind.
+pub fn of_kind(instance: &Instance, reference: Reference, kind: Kind) -> Result<&Variable, Refusal> {
+    match instance.component.interface().get(reference) {
         Some(variable) if variable.kind == kind => Ok(variable),
-        Some(variable) => Err(Refusal::error(format!(
-            "'{}' (value reference {reference}) is a {}, not a {word}; value references of {word} variables: {}",
-            variable.name,
-            variable.kind.word(),
-            range(interface, kind)
-        ))),
-        None => Err(Refusal::error(format!(
-            "value reference {reference} does not exist; value references of {word} variables: {}",
-            range(interface, kind)
-        ))),
+        _ => Err(not_of_type(instance, reference, instance.version.type_of(kind), &range(instance, kind))),
     }
 }
 
+/// Refuse every variable of a type that none has; the empty list is done. `type_name` is the version's.
+pub fn none_of_type(instance: &Instance, references: &[Reference], type_name: &str) -> Result<(), Refusal> {
+    let refusal = |&reference: &Reference| not_of_type(instance, reference, type_name, NONE);
+    references.first().map_or(Ok(()), |reference| Err(refusal(reference)))
+}
+
+/// Value references of a type that no variable has, for messages.
+const NONE: &str = "there are none";
+
+/// The refusal of a reference that is not of this type; `range` says which are.
+#[cold]
+fn not_of_type(instance: &Instance, reference: Reference, type_name: &str, range: &str) -> Refusal {
+    let what = match instance.described(reference) {
+        Some((name, kind)) => {
+            let own = instance.version.type_of(kind);
+            format!("'{name}' (value reference {reference}) is a {own}, not a {type_name}")
+        }
+        None => format!("value reference {reference} does not exist"),
+    };
+    Refusal::error(format!("{what}; value references of {type_name} variables: {range}"))
+}
+
 /// Value references of the variables of a kind, for messages.
-fn range(interface: &Interface, kind: Kind) -> String {
+fn range(instance: &Instance, kind: Kind) -> String {
     let is_of_kind = |variable: &Variable| variable.kind == kind;
-    let list = interface.list();
+    let list = instance.component.interface().list();
+    let further = if kind == Kind::Real && instance.version.has_vectors() {
+        format!(", {} to {}", list.len(), list.len() + instance.vectors.len())
+    } else {
+        String::new()
+    };
     match (list.iter().position(is_of_kind), list.iter().rposition(is_of_kind)) {
-        (Some(first), Some(last)) if first < last => format!("{first} to {last}"),
-        (Some(only), _) => format!("{only}"),
-        (None, _) => "there are none".to_owned(),
+        (Some(first), Some(last)) if first < last => format!("{first} to {last}{further}"),
+        (Some(only), _) => format!("{only}{further}"),
+        (None, _) => NONE.to_owned(),
     }
 }
 

@@ -108,7 +108,7 @@ unsafe fn kept<'a>(state: State, instance: &Instance) -> Result<&'a mut Kept, Re
 #[inline(always)]
 unsafe fn pointer<'a>(state: *mut State) -> Result<&'a mut State, Refusal> {
     // SAFETY: the caller's promise.
-    let pointer = unsafe { output("FMUstate", state, 1) }?;
+    let pointer = unsafe { output("pointer to a state", state, 1) }?;
     // SAFETY: the host has written the pointer, as it is the standard's "in and out" (2.1.8).
     Ok(unsafe { pointer[0].assume_init_mut() })
 }
@@ -177,7 +177,7 @@ pub unsafe fn serialize_to(instance: &Instance, state: State, bytes: *mut u8, si
 /// New state of bytes that [`serialize`] gave. The previous value of `*state` is not read.
 pub unsafe fn deserialize(instance: &Instance, bytes: &[u8], state: *mut State) -> Result<(), Refusal> {
     // SAFETY: the caller's promise.
-    let state = unsafe { output("FMUstate", state, 1) }?;
+    let state = unsafe { output("pointer to a state", state, 1) }?;
     state[0].write(keep(Saved::from_bytes(bytes, &instance.component)?, instance));
     Ok(())
 }
@@ -205,7 +205,9 @@ mod tests {
     #[test]
     fn a_state_of_another_version_is_refused_by_every_function() {
         let component = Component::from_definition("mechanism.json", GEAR).unwrap();
-        let mut instance = Instance::new(Logger::new(None, false), component, crate::fmi::event_mode::Usage::default());
+        let usage = crate::fmi::event_mode::Usage::default();
+        let version = crate::fmi::version::Version::of_scalars(crate::variables::Kind::word);
+        let mut instance = Instance::new(version, Logger::new(None, false), component, usage);
         let mut other = [word("0.0.0-other", &LAYOUT), 1, 2, 3];
         let state: State = other.as_mut_ptr().cast();
         // SAFETY: the memory is readable, and belongs to this test; the last call frees a state of `save`.

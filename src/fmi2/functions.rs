@@ -1,6 +1,7 @@
 //! The exported functions of FMI 2.0.5: life cycle, logging, values, states, derivatives (2.1), co-simulation (4.2),
 //! and those of model exchange (3.2), which are refused. The contract of the pointers is that of the module `fmi2`.
 
+use super::VERSION;
 use super::types::{
     Boolean, Byte, CO_SIMULATION, CallbackFunctions, Component, DO_STEP_STATUS, FALSE, FmuState, Integer,
     LAST_SUCCESSFUL_TIME, MODEL_EXCHANGE, PENDING_STATUS, Real, Status, TERMINATED, Text, ValueReference,
@@ -9,7 +10,7 @@ use crate::fmi::array::{input, output, text};
 use crate::fmi::event_mode::Usage;
 use crate::fmi::logger::{Logger, Sink};
 use crate::fmi::phase::{
-    ALIVE, FAILED, FATAL, Function, INITIALIZATION, INSTANTIATED, Phase, SETTABLE, STEP, STEPPED, may_get, may_set,
+    ALIVE, FAILED, FATAL, Function, INITIALIZATION, INSTANTIATED, Phase, SETTABLE, STEP, STEPPED, none_of_type,
 };
 use crate::fmi::refusal::Refusal;
 use crate::fmi::{exported, handle, resources, state_handle};
@@ -49,7 +50,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
         }
         let (name, guid, location) = (text(name).unwrap_or_default(), text(guid), text(location));
         let logger = Logger::new(sink(&functions.read(), name), logging_on != FALSE);
-        handle::instantiate("fmi2Instantiate", name, logger, Usage::default(), || match fmu_type {
+        handle::instantiate(VERSION, "fmi2Instantiate", name, logger, Usage::default(), || match fmu_type {
             CO_SIMULATION => resources::load("fmuGUID", guid, location),
             MODEL_EXCHANGE => Err(Refusal::error("fmuType is fmi2ModelExchange; this FMU is for co-simulation only")),
             other => Err(Refusal::error(format!("fmuType is {other}; it must be 1 (fmi2CoSimulation)"))),
@@ -129,7 +130,7 @@ exported! {
     // SAFETY: both arrays have `count` elements (2.1.7).
     fn fmi2GetInteger(vr: *const ValueReference, count: usize, value: *mut Integer) in ALIVE => |i| {
         output("value", value, count)?;
-        i.permit_none(input("vr", vr, count)?, Kind::Integer, may_get, "read")
+        none_of_type(i, input("vr", vr, count)?, Kind::Integer.word())
     };
 
     /// Read Booleans, each 0 or 1. On an error the array may be filled in part.
@@ -152,7 +153,7 @@ exported! {
     // SAFETY: both arrays have `count` elements (2.1.7).
     fn fmi2SetInteger(vr: *const ValueReference, count: usize, value: *const Integer) in SETTABLE => |i| {
         input("value", value, count)?;
-        i.permit_none(input("vr", vr, count)?, Kind::Integer, may_set, "set")
+        none_of_type(i, input("vr", vr, count)?, Kind::Integer.word())
     };
 
     /// Set Boolean inputs and parameters, all or none; any number but 0 is true.

@@ -18,7 +18,12 @@ pub mod host;
 pub mod importer;
 pub mod types;
 
+use crate::fmi::version::Version;
+use crate::variables::Kind;
 pub use functions::*;
+
+/// What an instance must know of FMI 2.0.
+pub(crate) const VERSION: Version = Version::of_scalars(Kind::word);
 
 #[cfg(test)]
 mod tests {
@@ -44,7 +49,14 @@ mod tests {
         use crate::fmi::{event_mode::Usage, handle, logger::Logger, refusal::Verdict};
         use crate::mechanism::GEAR;
         let load = || Ok(Component::from_definition("mechanism.json", GEAR)?.into());
-        let c = handle::instantiate("instantiate", c"gear", Logger::new(None, false), Usage::default(), load);
+        let c = handle::instantiate(
+            super::VERSION,
+            "instantiate",
+            c"gear",
+            Logger::new(None, false),
+            Usage::default(),
+            load,
+        );
         // SAFETY: the component is valid until it is freed, and so are the states.
         unsafe {
             let (mut one, mut other) = (std::ptr::null_mut(), std::ptr::null_mut());

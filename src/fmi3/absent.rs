@@ -1,6 +1,7 @@
 //! The exported functions of FMI 3.0.2 that have nothing to serve here: other interface types, clocks, configuration
 //! mode, types that no variable has. Each is refused with the reason.
 
+use super::VERSION;
 use super::functions::{same_length, sink};
 use super::types::{
     Binary, Boolean, Clock, Enumeration, Environment, FALSE, Instance as Component, LogMessage, Status, Text,
@@ -9,10 +10,9 @@ use super::types::{
 use crate::fmi::array::{input, output, text};
 use crate::fmi::event_mode::Usage;
 use crate::fmi::logger::Logger;
-use crate::fmi::phase::{ALIVE, Function, SETTABLE, may_get, may_set};
+use crate::fmi::phase::{ALIVE, Function, SETTABLE, none_of_type};
 use crate::fmi::refusal::Refusal;
 use crate::fmi::{exported, handle};
-use crate::variables::Kind;
 use std::ffi::c_void;
 
 /// Always NULL, with a message: this FMU is for co-simulation.
@@ -62,14 +62,14 @@ unsafe fn refuse_instance(
     // SAFETY: the caller's promise.
     let name = unsafe { text(name) }.unwrap_or_default();
     let logger = Logger::new(sink(environment, log_message), logging_on != FALSE);
-    handle::instantiate(function, name, logger, Usage::default(), || {
+    handle::instantiate(VERSION, function, name, logger, Usage::default(), || {
         Err(Refusal::error("this FMU is for co-simulation only; use fmi3InstantiateCoSimulation"))
     })
 }
 
 /// Getters and setters of types that no variable has: only the empty list can be read or set.
 macro_rules! absent_types {
-    ($($get:ident $set:ident $type:ty;)*) => {
+    ($($name:literal $get:ident $set:ident $type:ty;)*) => {
         exported! {
             $(
                 /// Read variables of a type that none has: only the empty list.
@@ -77,14 +77,14 @@ macro_rules! absent_types {
                 fn $get(vr: *const ValueReference, count: usize, value: *mut $type, values: usize) in ALIVE => |i| {
                     output("values", value, values)?;
                     same_length(count, values)?;
-                    i.permit_none(input("valueReferences", vr, count)?, Kind::Integer, may_get, "read")
+                    none_of_type(i, input("valueReferences", vr, count)?, $name)
                 };
                 /// Set variables of a type that none has: only the empty list.
                 // SAFETY: both arrays have as many elements as said (2.2.6).
                 fn $set(vr: *const ValueReference, count: usize, value: *const $type, values: usize) in SETTABLE => |i| {
                     input("values", value, values)?;
                     same_length(count, values)?;
-                    i.permit_none(input("valueReferences", vr, count)?, Kind::Integer, may_set, "set")
+                    none_of_type(i, input("valueReferences", vr, count)?, $name)
                 };
             )*
         }
@@ -95,15 +95,15 @@ pub(super) mod types_of_no_variable {
     use super::*;
 
     absent_types! {
-        fmi3GetFloat32 fmi3SetFloat32 f32;
-        fmi3GetInt8 fmi3SetInt8 i8;
-        fmi3GetUInt8 fmi3SetUInt8 u8;
-        fmi3GetInt16 fmi3SetInt16 i16;
-        fmi3GetUInt16 fmi3SetUInt16 u16;
-        fmi3GetInt32 fmi3SetInt32 i32;
-        fmi3GetUInt32 fmi3SetUInt32 u32;
-        fmi3GetInt64 fmi3SetInt64 i64;
-        fmi3GetUInt64 fmi3SetUInt64 u64;
+        "Float32" fmi3GetFloat32 fmi3SetFloat32 f32;
+        "Int8" fmi3GetInt8 fmi3SetInt8 i8;
+        "UInt8" fmi3GetUInt8 fmi3SetUInt8 u8;
+        "Int16" fmi3GetInt16 fmi3SetInt16 i16;
+        "UInt16" fmi3GetUInt16 fmi3SetUInt16 u16;
+        "Int32" fmi3GetInt32 fmi3SetInt32 i32;
+        "UInt32" fmi3GetUInt32 fmi3SetUInt32 u32;
+        "Int64" fmi3GetInt64 fmi3SetInt64 i64;
+        "UInt64" fmi3GetUInt64 fmi3SetUInt64 u64;
     }
 }
 pub use types_of_no_variable::*;
@@ -142,14 +142,6 @@ exported! {
         _vr: *const ValueReference, count: usize, _counters: *const u64, _resolutions: *const u64
     ) in ALIVE => |_i| none(count, "clock");
     fn fmi3ActivateModelPartition(_clock: ValueReference, _time: f64) in ALIVE => |_i| none(1, "clock");
-
-    // Dependencies of elements of arrays (2.2.9), declared absent: those in the XML are the whole truth.
-    fn fmi3GetNumberOfVariableDependencies(_vr: ValueReference, _count: *mut usize) in ALIVE => |_i|
-        Err(Refusal::error("dependencies do not change; modelDescription.xml tells them"));
-    fn fmi3GetVariableDependencies(
-        _dependent: ValueReference, _elements: *mut usize, _independents: *mut ValueReference,
-        _independent_elements: *mut usize, _kinds: *mut Enumeration, _count: usize
-    ) in ALIVE => |_i| Err(Refusal::error("dependencies do not change; modelDescription.xml tells them"));
 
     // Configuration mode (2.3.3): there are no structural parameters.
     fn fmi3EnterConfigurationMode() in ALIVE => |_i|

@@ -1,10 +1,11 @@
 //! The exported functions of FMI 3.0.2 that serve co-simulation: life cycle, logging, values, states, derivatives, steps
 //! (2.2, 2.3, 4.2). The contract of the pointers is that of the module `fmi3`.
 
+use super::VERSION;
 use super::step::{intermediate_update, set_update};
 use super::types::{
-    Boolean, Environment, FALSE, FmuState, Instance as Component, IntermediateUpdateCallback, LogMessage, Status, Text,
-    ValueReference,
+    Boolean, DEPENDENT, Enumeration, Environment, FALSE, FmuState, Instance as Component, IntermediateUpdateCallback,
+    LogMessage, Status, Text, ValueReference,
 };
 use crate::fmi::array::{input, output, text};
 use crate::fmi::event_mode::Usage;
@@ -13,9 +14,9 @@ use crate::fmi::logger::{Logger, Sink};
 use crate::fmi::phase::{
     ALIVE, EVENT, FAILED, FATAL, Function, INITIALIZATION, INSTANTIATED, INTERMEDIATE, Phase, SETTABLE, STEP, STEPPED,
 };
-use crate::fmi::refusal::{Refusal, Verdict};
+use crate::fmi::refusal::Refusal;
+use crate::fmi::vectors::wrong_number;
 use crate::fmi::{exported, handle, resources, state_handle};
-use std::mem::MaybeUninit;
 
 /// Always `"3.0"`.
 #[unsafe(no_mangle)]
@@ -54,7 +55,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
             early_return: early_return_allowed != FALSE,
             intermediate_update: update.is_some(),
         };
-        let c = handle::instantiate("fmi3InstantiateCoSimulation", name, logger, usage, || {
+        let c = handle::instantiate(VERSION, "fmi3InstantiateCoSimulation", name, logger, usage, || {
             let loaded = resources::load("instantiationToken", token, path)?;
             if usage.event_mode && !loaded.component.has_events() {
                 return Err(Refusal::error(
@@ -121,13 +122,12 @@ exported! {
         Ok(())
     };
 
-    /// Read Float64 variables, and the time. An output that does not exist in this state is NaN, all others are told, and
+    /// Read Float64 variables, the time, and vectors, element after element. An output that does not exist in this state is NaN, all others are told, and
     /// the answer is `fmi3Warning`. On an error the array may be filled in part.
     // SAFETY: both arrays have as many elements as said (2.2.6).
     fn fmi3GetFloat64(vr: *const ValueReference, count: usize, value: *mut f64, values: usize) in ALIVE | INTERMEDIATE => |i| {
         let (vr, value) = (input("valueReferences", vr, count)?, output("values", value, values)?);
-        same_length(count, values)?;
-        get_float64(i, vr, value)
+        i.serialised(vr, values, |i, vr| i.get_real_or_time(vr, value))
     };
 
     /// Read Booleans, each 0 or 1. On an error the array may be filled in part.
@@ -151,11 +151,8 @@ exported! {
     // SAFETY: both arrays have as many elements as said (2.2.6).
     fn fmi3SetFloat64(vr: *const ValueReference, count: usize, value: *const f64, values: usize) in SETTABLE => |i| {
         let (vr, value) = (input("valueReferences", vr, count)?, input("values", value, values)?);
-        same_length(count, values)?;
-        match vr.iter().find(|&&vr| vr == time(i)) {
-            Some(vr) => Err(Refusal::error(format!("'time' (value reference {vr}) is the independent variable; it cannot be set"))),
-            None => i.set_real(vr, value),
-        }
+        i.without_time(vr, "it cannot be set")?;
+        i.serialised(vr, values, |i, vr| i.set_real(vr, value))
     };
 
     /// Set Boolean inputs and parameters, all or none.
@@ -218,10 +215,12 @@ exported! {
         seed: *const f64, seeds: usize, sensitivity: *mut f64, sensitivities: usize
     ) in INITIALIZATION | EVENT | INTERMEDIATE | STEPPED => |i| {
         let (unknowns, knowns) = (input("unknowns", unknowns, unknown_count)?, input("knowns", knowns, known_count)?);
+        let (seed, sensitivity) = (input("seed", seed, seeds)?, output("sensitivity", sensitivity, sensitivities)?);
+        scalar_knowns(i, unknowns, knowns)?;
         same_length(known_count, seeds)?;
-        same_length(unknown_count, sensitivities)?;
-        let sensitivity = output("sensitivity", sensitivity, sensitivities)?;
-        i.directional_derivative(unknowns, knowns, input("seed", seed, seeds)?, sensitivity)
+        i.serialised(unknowns, sensitivities, |i, unknowns| {
+            i.directional_derivative(unknowns, knowns, seed, sensitivity)
+        })
     };
 
     /// For each known the sum over the unknowns of the seed times the partial derivative, as
@@ -232,10 +231,10 @@ exported! {
         seed: *const f64, seeds: usize, sensitivity: *mut f64, sensitivities: usize
     ) in INITIALIZATION | EVENT | INTERMEDIATE | STEPPED => |i| {
         let (unknowns, knowns) = (input("unknowns", unknowns, unknown_count)?, input("knowns", knowns, known_count)?);
-        same_length(unknown_count, seeds)?;
+        let (seed, sensitivity) = (input("seed", seed, seeds)?, output("sensitivity", sensitivity, sensitivities)?);
+        scalar_knowns(i, unknowns, knowns)?;
         same_length(known_count, sensitivities)?;
-        let sensitivity = output("sensitivity", sensitivity, sensitivities)?;
-        i.adjoint_derivative(unknowns, knowns, input("seed", seed, seeds)?, sensitivity)
+        i.serialised(unknowns, seeds, |i, unknowns| i.adjoint_derivative(unknowns, knowns, seed, sensitivity))
     };
 
     /// First time derivatives of continuous outputs at the present communication point, exact.
@@ -247,8 +246,42 @@ exported! {
         vr: *const ValueReference, count: usize, order: *const i32, value: *mut f64, values: usize
     ) in INITIALIZATION | INTERMEDIATE | STEPPED => |i| {
         let (vr, order) = (input("valueReferences", vr, count)?, input("orders", order, count)?);
-        same_length(count, values)?;
-        i.output_derivatives(vr, order, output("values", value, values)?)
+        let value = output("values", value, values)?;
+        i.without_time(vr, NO_DERIVATIVES)?;
+        i.serialised_orders(vr, order, values, |i, vr, order| i.output_derivatives(vr, order, value))
+    };
+
+    /// Number of dependencies of an output that [`fmi3GetVariableDependencies`] tells.
+    // SAFETY: `count` leads to memory for a number (2.2.9).
+    fn fmi3GetNumberOfVariableDependencies(vr: ValueReference, count: *mut usize) in ALIVE => |i| {
+        let count = output("nDependencies", count, 1)?;
+        count[0].write(i.dependencies(vr)?.len());
+        Ok(())
+    };
+
+    /// The knowns on which an output depends, for each element of a vector; before the end of initialization mode those
+    /// of its initial value. The element of a scalar is 0, which means all of it. Each kind is `fmi3Dependent`.
+    // SAFETY: each array has `count` elements (2.2.9).
+    fn fmi3GetVariableDependencies(
+        dependent: ValueReference, elements: *mut usize, independents: *mut ValueReference,
+        independent_elements: *mut usize, kinds: *mut Enumeration, count: usize
+    ) in ALIVE => |i| {
+        let elements = output("elementIndicesOfDependent", elements, count)?;
+        let independents = output("independents", independents, count)?;
+        let independent_elements = output("elementIndicesOfIndependents", independent_elements, count)?;
+        let kinds = output("dependencyKinds", kinds, count)?;
+        let dependencies = i.dependencies(dependent)?;
+        if dependencies.len() != count {
+            let needed = dependencies.len();
+            return Err(Refusal::error(format!("nDependencies is {count}; the variable has {needed}, pass memory for these")));
+        }
+        for (index, (element, known)) in dependencies.into_iter().enumerate() {
+            elements[index].write(element);
+            independents[index].write(known);
+            independent_elements[index].write(0);
+            kinds[index].write(DEPENDENT);
+        }
+        Ok(())
     };
 
     /// From step mode to event mode: an event is handled, or inputs jump.
@@ -284,39 +317,17 @@ exported! {
     };
 }
 
-/// Value reference of the time, the one variable that is not the model's: it comes after all of these.
-fn time(instance: &Instance) -> ValueReference {
-    instance.component.interface().list().len() as ValueReference
+/// What is said of the time in a call about derivatives.
+const NO_DERIVATIVES: &str = "it is neither an input nor an output";
+
+/// Refuse the time among the unknowns and knowns of a derivative, and vectors among the knowns: they are outputs.
+fn scalar_knowns(i: &Instance, unknowns: &[ValueReference], knowns: &[ValueReference]) -> Result<(), Refusal> {
+    i.without_time(unknowns, NO_DERIVATIVES)?;
+    i.without_time(knowns, NO_DERIVATIVES)?;
+    i.without_vectors(knowns, "it is an output, and knowns are inputs")
 }
 
-/// Read Float64 variables of the model, and the time.
-fn get_float64(
-    instance: &mut Instance,
-    references: &[ValueReference],
-    values: &mut [MaybeUninit<f64>],
-) -> Result<(), Refusal> {
-    let time = time(instance);
-    if !references.contains(&time) {
-        return instance.get_real(references, values);
-    }
-    let mut warning = Ok(());
-    for (reference, value) in references.iter().zip(values) {
-        if *reference == time {
-            value.write(instance.clock.time);
-            continue;
-        }
-        match instance.get_real(std::slice::from_ref(reference), std::slice::from_mut(value)) {
-            Err(refusal) if refusal.verdict == Verdict::Warning => warning = Err(refusal),
-            answer => answer?,
-        }
-    }
-    warning
-}
-
-/// Every variable is a scalar: as many values as variables.
+/// Every variable of the call is a scalar: as many values as variables.
 pub(super) fn same_length(variables: usize, values: usize) -> Result<(), Refusal> {
-    if variables == values {
-        return Ok(());
-    }
-    Err(Refusal::error(format!("{values} values for {variables} variables; every variable here is a scalar")))
+    if variables == values { Ok(()) } else { Err(wrong_number(variables, variables, values)) }
 }

@@ -19,9 +19,14 @@ mod functions;
 mod step;
 pub mod types;
 
+use crate::fmi::version::Version;
+use crate::variables::Kind;
 pub use absent::*;
 pub use functions::*;
 pub use step::fmi3DoStep;
+
+/// What an instance must know of FMI 3.0.
+pub(crate) const VERSION: Version = Version::with_vectors(Kind::word_of_fmi_3);
 
 #[cfg(test)]
 mod tests;

@@ -25,6 +25,9 @@ pub type Clock = u8;
 /// `fmi3IntervalQualifier` and `fmi3DependencyKind`, as plain integers.
 pub type Enumeration = c_int;
 
+/// `fmi3Dependent`: the kind of a dependency of which nothing more is told.
+pub const DEPENDENT: Enumeration = 5;
+
 /// `fmi3False`.
 pub const FALSE: Boolean = 0;
 /// `fmi3True`.

@@ -6,6 +6,7 @@
 
 mod terminal;
 mod unit;
+mod vector;
 
 use crate::codec::checksum::fnv1a_128;
 use std::collections::HashSet;
@@ -13,6 +14,7 @@ use std::ops::Deref;
 
 pub use terminal::Terminal;
 pub use unit::Unit;
+pub use vector::Vector;
 
 /// Names suggested for one that no variable has.
 const SUGGESTIONS: usize = 3;
@@ -34,13 +36,22 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Word in the GUID and in messages.
+    /// Word in the GUID; the type of FMI 2.0.
     pub fn word(self) -> &'static str {
         match self {
             Self::Real => "Real",
             Self::Integer => "Integer",
             Self::Boolean => "Boolean",
             Self::String => "String",
+        }
+    }
+
+    /// The type of FMI 3.0.
+    pub fn word_of_fmi_3(self) -> &'static str {
+        match self {
+            Self::Real => "Float64",
+            Self::Integer => "Int32",
+            other => other.word(),
         }
     }
 }
@@ -122,6 +133,13 @@ pub struct Variable {
     pub start: Option<Value>,
     /// Of an output: the inputs on which its present value depends, ascending. Else empty.
     pub dependencies: Vec<Reference>,
+}
+
+impl Variable {
+    /// Whether the variable is computed and can be connected.
+    pub fn is_output(&self) -> bool {
+        self.causality == Causality::Output
+    }
 }
 
 /// The variables of a model: what a host can read and set.

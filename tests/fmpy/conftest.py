@@ -110,6 +110,9 @@ Start = Callable[..., Instance]
 
 #: Where the packed FMUs are.
 FMU_FOLDER = Path(os.environ.get("LINKAGE_FMU_DIR", REPOSITORY / "target" / "fmu"))
+#: The packed FMUs of both versions of FMI, and those of FMI 2.0 alone.
+BOTH_VERSIONS = sorted(FMU_FOLDER.glob("*.fmu"))
+FMUS = [path for path in BOTH_VERSIONS if not path.name.endswith(".fmi3.fmu")]
 
 
 @pytest.fixture(scope="session")

@@ -11,12 +11,11 @@ from pathlib import Path
 import nbformat
 import numpy as np
 import pytest
-from conftest import CARGO, FMU_FOLDER, REPOSITORY
+from conftest import CARGO, FMUS, REPOSITORY
 from fmpy import read_csv, read_model_description, simulate_fmu
 from fmpy.util import create_jupyter_notebook
 from lxml import etree
 
-FMUS = sorted(FMU_FOLDER.glob("*.fmu"))
 RESULTS = "extra/org.fmi-standard.fmi-ls-ref"
 LAYERED = "{http://fmi-standard.org/fmi-ls-manifest}"
 #: Roles of the layered standard.

@@ -23,7 +23,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with FMUs of both versions."""
     out = tmp_path_factory.mktemp("both versions")
     paths = [str(REPOSITORY / "modelDescription" / name) for name in NAMES]
-    done = package(Path(), *paths, "--fmi", "both", "--out", str(out), "--no-animation")
+    done = package(Path(), *paths, "--out", str(out), "--no-animation")
     assert done.returncode == 0, done.stderr
     return out
 
@@ -40,7 +40,12 @@ def test_both_versions_are_valid_and_alike(folder: Path, name: str) -> None:
     with zipfile.ZipFile(third) as archive:
         assert any(entry.startswith("binaries/x86_64-") for entry in archive.namelist())
     before = read_model_description(str(second))
-    assert [v.name for v in description.modelVariables] == [v.name for v in before.modelVariables] + ["time"]
+    names = [v.name for v in description.modelVariables]
+    scalars = [v.name for v in before.modelVariables] + ["time"]
+    assert names[: len(scalars)] == scalars
+    vectors = description.modelVariables[len(scalars) :]
+    assert [v.valueReference for v in vectors] == list(range(len(scalars), len(names)))
+    assert all(v.shape == (2,) and v.causality == "output" for v in vectors)
     for one, other in zip(description.modelVariables, before.modelVariables, strict=False):
         assert (one.valueReference, one.unit, one.causality) == (other.valueReference, other.unit, other.causality)
         assert one.start == other.start
@@ -61,6 +66,39 @@ def test_a_retraction_has_the_bits_of_fmi_2(folder: Path) -> None:
     assert len(third) == len(second) == 131
     for name in second.dtype.names:
         assert np.array_equal(second[name], third[name]), name
+
+
+VECTORS = {
+    "joint1.reaction": ["joint1.force_x", "joint1.force_y"],
+    "wheel.position": ["wheel.x", "wheel.y"],
+    "wheel.velocity": ["wheel.velocity_x", "wheel.velocity_y"],
+    "wheel.acceleration": ["wheel.acceleration_x", "wheel.acceleration_y"],
+}
+
+
+def test_vectors_are_their_elements(folder: Path) -> None:
+    fmu = str(folder / f"{NAME}.fmi3.fmu")
+    description = read_model_description(fmu)
+    named = {v.name: v for v in description.modelVariables}
+    found = [v.name for v in description.modelVariables if v.shape is not None]
+    assert found == [f"joint{n}.reaction" for n in range(1, 5)] + list(VECTORS)[1:]
+    assert named["joint1.reaction"].unit == "N"
+    outputs = {unknown.variable.name: unknown for unknown in description.outputs}
+    initial = {unknown.variable.name: unknown for unknown in description.initialUnknowns}
+    for vector, elements in VECTORS.items():
+        for unknowns in (outputs, initial):
+            knowns = {known.name for known in unknowns[vector].dependencies}
+            assert knowns == {known.name for name in elements for known in unknowns[name].dependencies}
+    output = [name for vector, elements in VECTORS.items() for name in (vector, *elements)]
+    result = simulate_fmu(fmu, output=output, stop_time=0.13, output_interval=1e-3)
+    for vector, elements in VECTORS.items():
+        assert result[vector].shape == (131, 2)
+        for axis, name in enumerate(elements):
+            assert np.array_equal(result[vector][:, axis], result[name])
+        assert np.any(result[vector] != 0.0)
+    # Without a list of outputs FMPy records all of them.
+    every = simulate_fmu(fmu, stop_time=0.05, output_interval=1e-2)
+    assert every["joint4.reaction"].shape == (6, 2)
 
 
 @pytest.fixture
@@ -108,8 +146,17 @@ def test_states_derivatives_and_time(gear: FMU3Slave) -> None:
     assert gear.getFloat64([acceleration])[0] - before == pytest.approx(5.0 * forward[0], rel=1e-9)
 
 
+@pytest.mark.parametrize(("version", "extension"), [("2", "fmu"), ("3", "fmi3.fmu")])
+def test_one_version_alone_can_be_asked_for(tmp_path: Path, version: str, extension: str) -> None:
+    path = REPOSITORY / "modelDescription" / "SliderCrank"
+    done = package(Path(), str(path), "--fmi", version, "--out", str(tmp_path), "--no-animation", "--no-results")
+    assert done.returncode == 0, done.stderr
+    assert [made.name for made in tmp_path.iterdir()] == [f"SliderCrank.{extension}"]
+    assert f"SliderCrank.{extension} (" in done.stdout
+
+
 def test_the_system_is_one_of_fmi_2(tmp_path: Path) -> None:
-    assert "--fmi both" in refused(package(Path(), "--ssp", "--fmi", "3", "--out", str(tmp_path)))
+    assert "--fmi 2" in refused(package(Path(), "--ssp", "--fmi", "3", "--out", str(tmp_path)))
 
 
 RETRACTED = 0.1320598527442597

@@ -40,6 +40,12 @@ def test_binaries_lie_in_their_folders(tmp_path: Path) -> None:
             assert archive.read(f"binaries/{platform}/{NAME}{path.suffix}") == path.read_bytes()
     assert f"binaries/linux64/{NAME}.so" in names
     assert validate_fmu(str(fmu)) == []
+    third = tmp_path / f"{NAME}.fmi3.fmu"
+    with zipfile.ZipFile(third) as archive:
+        folders = {name.split("/")[1] for name in archive.namelist() if name.startswith("binaries/")}
+    # The library for win32 has the functions of FMI 2.0 alone.
+    assert folders == {"x86_64-linux", "x86_64-windows", "aarch64-darwin"}
+    assert f"{third}: left out: the library for win32" in done.stdout
     assert {*LIBRARIES, "linux64"} <= set(fmpy.supported_platforms(str(fmu)))
 
 

@@ -12,11 +12,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import FMU_FOLDER, REPOSITORY
+from conftest import FMU_FOLDER, FMUS, REPOSITORY
 from fmpy import read_csv, read_model_description, simulate_fmu
 from lxml import etree
 
-FMUS = sorted(FMU_FOLDER.glob("*.fmu"))
 DRAWN = [fmu for fmu in FMUS if fmu.stem != "HydraulicActuator"]
 SOLIDS = {"box", "cylinder", "sphere"}
 #: Entries of a shape in their order, with the number of values that a viewer reads from each.

@@ -99,7 +99,7 @@ fn couple(results: &Path, words: &[&str]) -> Result<(), String> {
     let workspace = Workspace::locate();
     let open = |name: &str| -> Result<_, String> {
         let paths = vec![workspace.descriptions().join(name)];
-        let arguments = package::Arguments { paths, ..package::Arguments::default() };
+        let arguments = package::Arguments { paths, ..package::Arguments::of_fmi_2() };
         let files = package::run(&workspace, &arguments).map_err(|e| format!("{e:#}"))?;
         let file = files.first().ok_or("nothing was packed")?;
         cosim::unpacked::Fmu::open(file, &workspace.target("cosim").join(name))

@@ -91,6 +91,13 @@ pub struct Package {
     pub no_results: bool,
 }
 
+impl Package {
+    /// No argument but the version of FMI, which is 2.0: for those who run the FMU as one.
+    pub fn of_fmi_2() -> Self {
+        Self { fmi: Fmi::Two, ..Self::default() }
+    }
+}
+
 /// Platforms that libraries are built for, by the names of FMI 3.0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Platform {
@@ -109,13 +116,13 @@ pub enum Platform {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Fmi {
     /// FMI 2.0
-    #[default]
     #[value(name = "2")]
     Two,
     /// FMI 3.0
     #[value(name = "3")]
     Three,
     /// FMI 2.0 and FMI 3.0, a file of each
+    #[default]
     Both,
 }
 

@@ -60,7 +60,7 @@ pub fn packed(workspace: &Workspace, mechanism: &Path, folder: &Path) -> Result<
         out: Some(folder.to_path_buf()),
         no_animation: true,
         no_results: true,
-        ..Default::default()
+        ..package::Arguments::of_fmi_2()
     };
     package::run(workspace, &arguments)?.into_iter().next().context("no FMU was packed")
 }

@@ -92,7 +92,7 @@ pub fn run(workspace: &Workspace, binaries: &[Library]) -> Result<String> {
         out: Some(out.clone()),
         no_animation: true,
         no_results: true,
-        ..Default::default()
+        ..package::Arguments::of_fmi_2()
     };
     let packed = package::run(workspace, &arguments)?;
     let fmus: Vec<PathBuf> = packed.into_iter().filter(|path| path.extension().is_some_and(|e| e == "fmu")).collect();

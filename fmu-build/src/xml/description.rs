@@ -53,7 +53,7 @@ pub struct Described {
     pub name: String,
     /// Value reference.
     pub reference: String,
-    /// Type, such as Real.
+    /// Type, such as Real, of an array with its dimensions, such as Float64[2].
     pub kind: String,
     /// Causality.
     pub causality: String,
@@ -156,6 +156,11 @@ impl Description {
                 unit: attributes.take("unit"),
                 start: attributes.0.remove("start"),
             }),
+            ["fmiModelDescription", "ModelVariables", _] if name == "Dimension" => {
+                if let Some(variable) = self.variables.last_mut() {
+                    variable.kind += &format!("[{}]", attributes.take("start"));
+                }
+            }
             ["fmiModelDescription", "ModelVariables", "ScalarVariable"] if name != "Annotations" => {
                 if let Some(variable) = self.variables.last_mut() {
                     (variable.kind, variable.unit) = (name, attributes.take("unit"));
@@ -186,9 +191,11 @@ mod tests {
         assert_eq!((&*variable.name, &*variable.reference, &*variable.kind), ("x", "7", "Real"));
         assert_eq!((&*variable.unit, variable.start.as_deref()), ("N", Some("3")));
         let third = "<fmiModelDescription fmiVersion=\"3.0\" instantiationToken=\"{2}\"><ModelVariables>\
-            <Float64 name=\"x\" unit=\"N\" start=\"3\"/></ModelVariables></fmiModelDescription>";
+            <Float64 name=\"x\" unit=\"N\" start=\"3\"/><Float64 name=\"y\"><Dimension start=\"2\"/></Float64></ModelVariables>\
+            </fmiModelDescription>";
         let read = Description::parse(third).unwrap();
         assert_eq!((&*read.guid, &*read.variables[0].kind, &*read.variables[0].unit), ("{2}", "Float64", "N"));
+        assert_eq!(read.variables[1].kind, "Float64[2]");
     }
 
     #[test]

@@ -7,7 +7,7 @@ use super::common::{Attributes, Xml, check_texts, document, element, empty, grou
 use super::interface::{Interface, variable_attributes};
 use anyhow::Result;
 use linkage_fmu::component::Component;
-use linkage_fmu::variables::{Kind, Reference, Unit, Value, Variable};
+use linkage_fmu::variables::{Reference, Unit, Value, Variable};
 use std::io;
 
 /// The text of `modelDescription.xml`.
@@ -61,14 +61,8 @@ fn write_structure(interface: &Interface, xml: &mut Xml) -> io::Result<()> {
 }
 
 fn write_variable(xml: &mut Xml, reference: Reference, variable: &Variable) -> io::Result<()> {
-    let kind = match variable.kind {
-        Kind::Real => "Real",
-        Kind::Integer => "Integer",
-        Kind::Boolean => "Boolean",
-        Kind::String => "String",
-    };
     let attributes = variable_attributes(reference, variable);
-    element(xml, "ScalarVariable", &attributes, |xml| empty(xml, kind, &kind_attributes(variable)))
+    element(xml, "ScalarVariable", &attributes, |xml| empty(xml, variable.kind.word(), &kind_attributes(variable)))
 }
 
 /// Attributes of the element that tells the kind of a variable: unit, start value and the like.
@@ -100,7 +94,7 @@ fn write_unknown(xml: &mut Xml, reference: Reference, dependencies: Option<&[Ref
 mod tests {
     use super::*;
     use linkage_fmu::format::Experiment;
-    use linkage_fmu::variables::{Causality, Variability};
+    use linkage_fmu::variables::{Causality, Kind, Variability};
 
     fn variable(name: &str, causality: Causality, start: Option<f64>) -> Variable {
         Variable {
@@ -128,6 +122,7 @@ mod tests {
             description,
             guid,
             variables,
+            vectors: Vec::new(),
             initial_dependencies,
             experiment,
             tolerance,

@@ -1,15 +1,15 @@
 //! The writer of `modelDescription.xml` of FMI 3.0 (FMI 3.0.2, 2.4).
 //!
 //! In: the table of variables and the default experiment. Out: the text of the file, the same for the same interface.
-//! Value references are those of FMI 2.0; the time, which FMI 3.0 has as a variable, comes after all others. It must not
-//! know kinds of model.
+//! Value references are those of FMI 2.0; the time and the vectors, which FMI 3.0 has as variables, come after all others.
+//! It must not know kinds of model.
 
-use super::common::{Xml, check_texts, document, element, empty, group};
+use super::common::{Attributes, Xml, check_texts, document, element, empty, group};
 use super::fmi2::kind_attributes;
 use super::interface::{Interface, variable_attributes};
 use anyhow::Result;
 use linkage_fmu::component::Component;
-use linkage_fmu::variables::{Causality, Kind, Reference, Value, Variable};
+use linkage_fmu::variables::{Reference, Value, Variable, Vector};
 use std::io;
 
 /// The text of `modelDescription.xml`.
@@ -31,6 +31,7 @@ fn write_content(interface: &Interface, xml: &mut Xml) -> io::Result<()> {
         ("canSerializeFMUState", "true".to_owned()),
         ("providesDirectionalDerivatives", "true".to_owned()),
         ("providesAdjointDerivatives", "true".to_owned()),
+        ("providesPerElementDependencies", "true".to_owned()),
         ("canHandleVariableCommunicationStepSize", "true".to_owned()),
         ("maxOutputDerivativeOrder", interface.orders[1].to_string()),
     ];
@@ -54,35 +55,55 @@ fn write_content(interface: &Interface, xml: &mut Xml) -> io::Result<()> {
             ("causality", "independent".to_owned()),
             ("variability", "continuous".to_owned()),
         ];
-        empty(xml, "Float64", &time)
+        empty(xml, "Float64", &time)?;
+        interface.numbered_vectors().try_for_each(|(reference, vector)| write_vector(xml, interface, reference, vector))
     })?;
     group(xml, "ModelStructure", |xml| {
         for (reference, output) in interface.outputs() {
             write_unknown(xml, "Output", reference, Some(&output.dependencies))?;
         }
+        for (reference, vector) in interface.numbered_vectors() {
+            write_unknown(xml, "Output", reference, interface.dependencies_of_vector(vector, false).as_deref())?;
+        }
         for (reference, _) in interface.outputs() {
             write_unknown(xml, "InitialUnknown", reference, interface.initial_dependencies_of(reference))?;
         }
-        Ok(())
+        interface.numbered_vectors().try_for_each(|(reference, vector)| {
+            let dependencies = interface.dependencies_of_vector(vector, true);
+            write_unknown(xml, "InitialUnknown", reference, dependencies.as_deref())
+        })
     })
 }
 
 fn write_variable(xml: &mut Xml, interface: &Interface, reference: Reference, variable: &Variable) -> io::Result<()> {
-    let kind = match variable.kind {
-        Kind::Real => "Float64",
-        Kind::Integer => "Int32",
-        Kind::Boolean => "Boolean",
-        Kind::String => "String",
-    };
-    let mut attributes = variable_attributes(reference, variable);
-    if interface.has_internal_steps && variable.causality == Causality::Output {
-        attributes.push(("intermediateUpdate", "true".to_owned()));
-    }
+    let kind = variable.kind.word_of_fmi_3();
+    let mut attributes = attributes_of(interface, reference, variable);
     if let Some(Value::String(text)) = &variable.start {
         return element(xml, kind, &attributes, |xml| empty(xml, "Start", &[("value", text.clone())]));
     }
     attributes.extend(kind_attributes(variable));
     empty(xml, kind, &attributes)
+}
+
+/// A vector: its first element under another name and reference, with a dimension.
+fn write_vector(xml: &mut Xml, interface: &Interface, reference: Reference, vector: &Vector) -> io::Result<()> {
+    let first = &interface.variables[vector.elements[0] as usize];
+    let (name, description) = (vector.name.clone(), vector.description.clone());
+    let whole = Variable { name, description, ..first.clone() };
+    let mut attributes = attributes_of(interface, reference, &whole);
+    attributes.extend(kind_attributes(&whole));
+    element(xml, whole.kind.word_of_fmi_3(), &attributes, |xml| {
+        empty(xml, "Dimension", &[("start", vector.elements.len().to_string())])
+    })
+}
+
+/// Attributes that all variables have.
+fn attributes_of(interface: &Interface, reference: Reference, variable: &Variable) -> Attributes<'static> {
+    let mut attributes = variable_attributes(reference, variable);
+    if interface.has_internal_steps && variable.is_output() {
+        attributes.push(("intermediateUpdate", "true".to_owned()));
+    }
+    attributes
 }
 
 /// An element of ModelStructure.

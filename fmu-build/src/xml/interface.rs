@@ -8,7 +8,8 @@ use anyhow::{Result, bail};
 use linkage_fmu::component::Component;
 use linkage_fmu::fmi::logger::LOG_CATEGORIES;
 use linkage_fmu::format::Experiment;
-use linkage_fmu::variables::{Causality, Reference, Value, Variability, Variable};
+use linkage_fmu::variables::{Causality, Reference, Value, Variability, Variable, Vector};
+use std::collections::BTreeSet;
 use std::io;
 
 /// Version of this repository, for `version` and `generationTool`.
@@ -22,6 +23,8 @@ pub struct Interface<'a> {
     pub name: &'a str,
     /// One line about it.
     pub description: &'a str,
+    /// Its outputs along x and y as vectors.
+    pub vectors: Vec<Vector>,
     /// What tells its interface from others.
     pub guid: &'a str,
     /// Its variables; the index of each is its value reference.
@@ -60,6 +63,7 @@ impl<'a> Interface<'a> {
             description: component.description(),
             guid: interface.guid(),
             variables: interface.list(),
+            vectors: component.vectors(),
             initial_dependencies: component.initial_dependencies()?,
             experiment: component.experiment(),
             tolerance,
@@ -77,6 +81,21 @@ impl<'a> Interface<'a> {
     /// What the initial value of an output depends on, if that is known.
     pub fn initial_dependencies_of(&self, reference: Reference) -> Option<&[Reference]> {
         self.initial_dependencies.as_ref().map(|all| &*all[reference as usize])
+    }
+
+    /// The vectors, each with its value reference: after that of the time, which comes after the variables.
+    pub fn numbered_vectors(&self) -> impl Iterator<Item = (Reference, &Vector)> {
+        (self.variables.len() as Reference + 1..).zip(&self.vectors)
+    }
+
+    /// What one of the elements of a vector depends on, or its initial value, if that is known.
+    pub fn dependencies_of_vector(&self, vector: &Vector, is_initial: bool) -> Option<Vec<Reference>> {
+        let of = |element: Reference| match is_initial {
+            true => self.initial_dependencies_of(element),
+            false => Some(&*self.variables[element as usize].dependencies),
+        };
+        let [first, second] = vector.elements.map(of);
+        Some(first?.iter().chain(second?).copied().collect::<BTreeSet<_>>().into_iter().collect())
     }
 
     /// Attributes of the root element that all versions have, `token` by this name.

@@ -11,6 +11,7 @@ mod loads;
 mod needs;
 mod source;
 mod terminals;
+mod vectors;
 
 use crate::mechanism::definition::{DefinitionError, Mechanism, Method};
 use crate::mechanism::linkage::{Linkage, Point};
@@ -22,6 +23,7 @@ use builder::Builder;
 use needs::{Cause, causes};
 use source::Source;
 pub use terminals::terminals;
+pub use vectors::vectors;
 
 /// Most dependencies of outputs on inputs that a table of variables holds, all outputs together: 200 MB. Each
 /// acceleration depends on each force, so that n drives have about 4 n^2 dependencies.

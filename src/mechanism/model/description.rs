@@ -7,7 +7,7 @@ use crate::mechanism::interface;
 use crate::mechanism::quantity::{ImpactPart, Output, Quantity};
 use crate::mechanism::reduced::Reduced;
 use crate::mechanism::warnings::remarks;
-use crate::variables::{Reference, Terminal, Variables};
+use crate::variables::{Reference, Terminal, Variables, Vector};
 
 impl Model {
     /// Name of the mechanism, the FMU's modelName and modelIdentifier.
@@ -37,6 +37,11 @@ impl Model {
     /// The variables of each drive, as one connection.
     pub fn terminals(&self) -> Vec<Terminal> {
         interface::terminals(self.variables())
+    }
+
+    /// Reactions, and positions, velocities and accelerations of markers, as vectors.
+    pub fn vectors(&self) -> Vec<Vector> {
+        interface::vectors(self.variables())
     }
 
     /// Of a Boolean output that tells whether the mechanism is at a stop: the outputs that tell the number of impacts on

@@ -1,0 +1,179 @@
+//! The variables that a version has beyond those of the component: the time, then the vectors, whose elements are
+//! outputs of the component.
+//!
+//! In: value references. Out: the scalars that they lead to, in the order in which values are serialised. It must not
+//! know how a value is found.
+use super::instance::Instance;
+use super::refusal::Refusal;
+use crate::component::Component;
+use crate::variables::{Kind, Reference, Vector};
+use std::mem::{MaybeUninit, take};
+
+/// Dependencies of an unknown: the element of it that depends on a known, from 1, or 0 of a scalar; the known's reference.
+pub type Dependencies = Vec<(usize, Reference)>;
+
+impl Instance {
+    /// Reference of the time: after those of the component.
+    pub fn time_reference(&self) -> Reference {
+        self.component.interface().list().len() as Reference
+    }
+
+    /// The vector with this reference, if there is one: after that of the time.
+    fn vector(&self, reference: Reference) -> Option<&Vector> {
+        let index = reference.checked_sub(self.time_reference())?.checked_sub(1)?;
+        self.vectors.get(index as usize)
+    }
+
+    /// Name and kind of the variable with this reference, for messages.
+    pub fn described(&self, reference: Reference) -> Option<(&str, Kind)> {
+        if let Some(variable) = self.component.interface().get(reference) {
+            return Some((&variable.name, variable.kind));
+        }
+        let is_time = self.version.has_vectors() && reference == self.time_reference();
+        let name = if is_time { Some("time") } else { self.vector(reference).map(|vector| &*vector.name) };
+        name.map(|name| (name, Kind::Real))
+    }
+
+    /// Do `work` with the scalars that these references lead to, one for each value; the time is one of them. `values` is
+    /// the number of values that the host has passed.
+    ///
+    /// # Errors
+    /// Another number of values than of scalars; those of the work.
+    pub fn serialised(
+        &mut self,
+        references: &[Reference],
+        values: usize,
+        work: impl FnOnce(&mut Self, &[Reference]) -> Result<(), Refusal>,
+    ) -> Result<(), Refusal> {
+        let time = self.time_reference();
+        if references.len() == values && references.iter().all(|&reference| reference <= time) {
+            return work(self, references);
+        }
+        let mut scalars = take(&mut self.scalars);
+        scalars.clear();
+        for reference in references {
+            let elements = self.vector(*reference).map_or(std::slice::from_ref(reference), |vector| &vector.elements);
+            scalars.extend_from_slice(elements);
+        }
+        let answer = match scalars.len() == values {
+            true => work(self, &scalars),
+            false => Err(wrong_number(references.len(), scalars.len(), values)),
+        };
+        self.scalars = scalars;
+        answer
+    }
+
+    /// Read Reals and the time, as [`Instance::get_real`].
+    pub fn get_real_or_time(
+        &mut self,
+        references: &[Reference],
+        values: &mut [MaybeUninit<f64>],
+    ) -> Result<(), Refusal> {
+        let time = self.time_reference();
+        if !references.contains(&time) {
+            return self.get_real(references, values);
+        }
+        let now = self.clock.time;
+        references.iter().zip(&mut *values).filter(|(reference, _)| **reference == time).for_each(|(_, value)| {
+            value.write(now);
+        });
+        self.get_each_real(references, references.iter().zip(values).filter(|(reference, _)| **reference != time))
+    }
+
+    /// Refuse the time where the call is about variables of the component alone.
+    ///
+    /// # Errors
+    /// One of these references is that of the time. `what` says what cannot be done with it.
+    pub fn without_time(&self, references: &[Reference], what: &str) -> Result<(), Refusal> {
+        match references.iter().find(|&&reference| reference == self.time_reference()) {
+            Some(vr) => {
+                Err(Refusal::error(format!("'time' (value reference {vr}) is the independent variable; {what}")))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Refuse vectors.
+    ///
+    /// # Errors
+    /// One of these references is that of a vector. `what` says why it cannot be.
+    pub fn without_vectors(&self, references: &[Reference], what: &str) -> Result<(), Refusal> {
+        match references.iter().find_map(|&reference| Some((reference, self.vector(reference)?))) {
+            Some((vr, vector)) => Err(Refusal::error(format!("'{}' (value reference {vr}): {what}", vector.name))),
+            None => Ok(()),
+        }
+    }
+
+    /// [`Self::serialised`], with an order of derivatives for each variable, which is that of all its elements.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn serialised_orders(
+        &mut self,
+        references: &[Reference],
+        orders: &[i32],
+        values: usize,
+        work: impl FnOnce(&mut Self, &[Reference], &[i32]) -> Result<(), Refusal>,
+    ) -> Result<(), Refusal> {
+        if references.iter().all(|&reference| self.vector(reference).is_none()) {
+            return self.serialised(references, values, |i, scalars| work(i, scalars, orders));
+        }
+        let of = |(reference, &order): (&Reference, &i32)| {
+            std::iter::repeat_n(order, self.vector(*reference).map_or(1, |vector| vector.elements.len()))
+        };
+        let all: Vec<i32> = references.iter().zip(orders).flat_map(of).collect();
+        self.serialised(references, values, |i, scalars| work(i, scalars, &all))
+    }
+
+    /// The knowns that an output depends on, element by element; before the end of initialization mode those of its
+    /// initial value.
+    ///
+    /// # Errors
+    /// The variable is no output; the parameters give no model.
+    pub fn dependencies(&mut self, reference: Reference) -> Result<Dependencies, Refusal> {
+        let elements = self.vector(reference).map_or([Some(reference), None], |vector| vector.elements.map(Some));
+        let is_vector = elements[1].is_some();
+        let is_initial = self.phase.precedes_steps();
+        if is_initial && self.initial_dependencies.is_none() {
+            self.initial_dependencies = Some(self.component.initial_dependencies()?);
+        }
+        let list = self.component.interface().list();
+        let mut all = Dependencies::new();
+        for (element, scalar) in (1..).zip(elements.into_iter().flatten()) {
+            let Some(output) = list.get(scalar as usize).filter(|variable| variable.is_output()) else {
+                return Err(no_output(self, reference));
+            };
+            let initial = self.initial_dependencies.as_ref().filter(|_| is_initial);
+            let knowns: Vec<Reference> = match initial {
+                Some(Some(initial)) => initial[scalar as usize].clone(),
+                // The model is too large to find them: all that is known.
+                Some(None) => (0..).zip(list).filter(|(_, v)| v.start.is_some()).map(|(known, _)| known).collect(),
+                None => output.dependencies.clone(),
+            };
+            all.extend(knowns.into_iter().map(|known| (if is_vector { element } else { 0 }, known)));
+        }
+        Ok(all)
+    }
+}
+
+/// The vectors of a component, in a version that has them.
+pub fn of(component: &Component, has_vectors: bool) -> Vec<Vector> {
+    if has_vectors { component.vectors() } else { Vec::new() }
+}
+
+/// The refusal of arrays that do not fit the variables.
+#[cold]
+pub fn wrong_number(variables: usize, scalars: usize, values: usize) -> Refusal {
+    let plural = if variables == 1 { "" } else { "s" };
+    Refusal::error(format!("{values} values for {variables} variable{plural} with {scalars} in all; pass {scalars}"))
+}
+
+/// The refusal of a variable of which no dependencies are told.
+#[cold]
+fn no_output(instance: &Instance, reference: Reference) -> Refusal {
+    let what = match instance.described(reference) {
+        Some((name, _)) => format!("'{name}' (value reference {reference}) is no output"),
+        None => format!("value reference {reference} does not exist"),
+    };
+    Refusal::error(format!("{what}; dependencies are told of outputs"))
+}
