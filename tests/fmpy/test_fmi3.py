@@ -80,7 +80,7 @@ def test_vectors_are_their_elements(folder: Path) -> None:
     fmu = str(folder / f"{NAME}.fmi3.fmu")
     description = read_model_description(fmu)
     named = {v.name: v for v in description.modelVariables}
-    found = [v.name for v in description.modelVariables if v.shape is not None]
+    found = [v.name for v in description.modelVariables if v.shape]
     assert found == [f"joint{n}.reaction" for n in range(1, 5)] + list(VECTORS)[1:]
     assert named["joint1.reaction"].unit == "N"
     outputs = {unknown.variable.name: unknown for unknown in description.outputs}
