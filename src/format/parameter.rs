@@ -26,6 +26,8 @@ pub enum Range {
     Fraction,
     /// From 0 to 1.
     Unit,
+    /// A polytropic exponent: from an isothermal change of state to one steeper than any adiabatic one.
+    Polytropic,
     /// A relative tolerance: below, rounding takes over; above, the error estimate means nothing.
     Tolerance,
     /// A whole number >= 1 that counts without rounding.
@@ -47,6 +49,7 @@ impl Range {
             Self::Turn => (value.abs() <= 1e6, "an angle from -1e6 rad to 1e6 rad"),
             Self::Fraction => (value > 0.0 && value <= 1.0, "a number > 0 and <= 1"),
             Self::Unit => ((0.0..=1.0).contains(&value), "a number from 0 to 1"),
+            Self::Polytropic => ((1.0..=2.0).contains(&value), "a number from 1 to 2"),
             Self::Tolerance => ((1e-14..=1e-1).contains(&value), "a number from 1e-14 to 1e-1"),
             Self::Count => ((1.0..=1e15).contains(&value) && value.fract() == 0.0, "a whole number from 1 to 1e15"),
             Self::Substep => (value >= 1e-9, "a finite number >= 1e-9"),

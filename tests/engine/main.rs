@@ -5,6 +5,7 @@ mod bad_input;
 mod benchmarks;
 mod bounds;
 mod cavitation;
+mod characteristics;
 mod creep;
 mod derivatives;
 mod designs;

@@ -67,7 +67,10 @@ fn compare(one: &mut Run, other: &mut Run, seen: &mut Vec<(String, f64, f64)>) {
 fn every_output_tends_to_that_of_rigid_links() {
     let text = changed(GEAR, |m| {
         let hinge = json!({ "joint": "joint3", "stiffness": 90, "damping": 3 });
-        m["springs"] = json!({ "strut": strut(), "hinge": hinge });
+        let gas = json!({ "pressure": 2e6, "area": 1e-4, "volume": 7e-5, "exponent": 1.4 });
+        let gas = json!({ "first": "ground.origin", "second": "leg.end", "free_length": 0.8, "gas": gas });
+        let detent = json!({ "joint": "joint1", "points": [[-3, -60], [-1, -40], [0.2, -20], [0.4, 70], [0.9, 70]] });
+        m["springs"] = json!({ "strut": strut(), "hinge": hinge, "gas": gas, "detent": detent });
         m["stops"]["downstop"]["enabled"] = json!(false);
         m["solver"]["tolerance"] = json!(1e-12);
     });

@@ -77,7 +77,8 @@ pub struct Torque {
 /// A spring and damper. Between two points the force preload + stiffness (length - free_length) + damping d(length)/dt
 /// pulls the points together; in a prismatic joint it pulls the second body back, with the joint's position as length.
 /// In a revolute joint the torque preload + stiffness (angle - free_angle) + damping d(angle)/dt turns the second body
-/// clockwise, where angle is the angle of the second body less the angle of the first.
+/// clockwise, where angle is the angle of the second body less the angle of the first. A characteristic, by points or of
+/// a gas, is added.
 #[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Spring {
@@ -98,6 +99,33 @@ pub struct Spring {
     pub free_angle: Option<f64>,
     /// Force or torque at the free length or angle [N or N.m]; 0 where absent.
     pub preload: Option<f64>,
+    /// Points of a further force as a function of length, position or angle: pairs [m or rad, N or N.m], ascending.
+    pub points: Option<Vec<[f64; 2]>>,
+    /// Gas that the spring compresses; between two points, or along a prismatic joint.
+    pub gas: Option<Gas>,
+}
+
+/// The gas of a gas spring: with the volume V = volume + area (length - free_length) its pressure is
+/// pressure (volume / V)^exponent, and (ambient - pressure) area is added to the spring's force.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Gas {
+    /// Absolute pressure at the free length [Pa], > 0.
+    pub pressure: f64,
+    /// Area on which the gas acts [m2], > 0: the rod's cross section if gas is on both sides of the piston.
+    pub area: f64,
+    /// Volume at the free length [m3], > 0.
+    pub volume: f64,
+    /// Polytropic exponent [1], from 1 (slow, isothermal) to 2; 1.4 for fast changes of nitrogen.
+    pub exponent: f64,
+    /// Absolute pressure around the spring [Pa], >= 0; the standard atmosphere where absent.
+    #[serde(default = "atmosphere")]
+    pub ambient: f64,
+}
+
+/// Standard atmosphere [Pa].
+fn atmosphere() -> f64 {
+    101_325.0
 }
 
 /// Air in uniform flow, with the input `airspeed`.
@@ -190,6 +218,19 @@ impl Spring {
         list.add("free_length", "Free length", Unit::Metre, length, &mut self.free_length);
         list.add("free_angle", "Free angle", Unit::Radian, Range::Finite, &mut self.free_angle);
         list.add("preload", "Preload", force, Range::Finite, &mut self.preload);
+        if let Some(gas) = &mut self.gas {
+            list.add(
+                "gas.pressure",
+                "Absolute gas pressure at the free length",
+                Unit::Pascal,
+                Range::Positive,
+                &mut gas.pressure,
+            );
+            list.add("gas.area", "Area on which the gas acts", Unit::SquareMetre, Range::Positive, &mut gas.area);
+            list.add("gas.volume", "Gas volume at the free length", Unit::CubicMetre, Range::Positive, &mut gas.volume);
+            list.add("gas.exponent", "Polytropic exponent of the gas", Unit::One, Range::Polytropic, &mut gas.exponent);
+            list.add("gas.ambient", "Absolute ambient pressure", Unit::Pascal, Range::NonNegative, &mut gas.ambient);
+        }
     }
 }
 

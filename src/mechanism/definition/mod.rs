@@ -17,7 +17,7 @@ pub use bodies::{Body, Friction, Joint, JointKind, Marker, Shape};
 pub use contact::{Limit, Lock, Stop};
 pub use drawing::{AngleUnit, Drawn, LengthUnit, Units};
 pub use experiment::{Method, Solver, Start};
-pub use loads::{Actuator, Air, Force, Gravity, Spring, Surface, Torque};
+pub use loads::{Actuator, Air, Force, Gas, Gravity, Spring, Surface, Torque};
 pub use mechanism::{GROUND, Mechanism};
 
 use crate::format::{Faults, Parameter, read};

@@ -2,9 +2,10 @@
 use super::bodies::{Body, JointKind};
 use super::contact::Stop;
 use super::experiment::Solver;
-use super::loads::Surface;
+use super::loads::{Spring, Surface};
 use super::mechanism::{GROUND, Mechanism};
 use crate::format::{DefinitionError, Faults, Named, Range};
+use crate::numerics::monotone::Monotone;
 use crate::variables::{Unit, nearest};
 use std::cmp::Reverse;
 use std::fmt;
@@ -70,6 +71,39 @@ fn alternatives(what: &str, names: &[&str], name: &str) -> String {
     }
     let nearest = nearest(sorted.into_iter(), name).join(", ");
     format!("{what} are {} in number, and the nearest are {nearest}", names.len())
+}
+
+/// A spring's points are those of a function, and its gas has a length to refer to.
+fn check_characteristic(key: &str, spring: &Spring, is_rotary: bool) -> Check {
+    if spring.gas.is_some() {
+        if is_rotary {
+            return refused(format_args!("{key}.gas"), "a gas acts along a line: name two points or a prismatic joint");
+        }
+        if spring.points.is_some() {
+            return refused(format_args!("{key}.gas"), "a spring has points or a gas: make two springs of them");
+        }
+        if spring.free_length.is_none() {
+            return refused(key, "a gas has its volume at the free length: add free_length");
+        }
+    }
+    let Some(points) = &spring.points else { return Ok(()) };
+    let key = format!("{key}.points");
+    for (i, value) in points.iter().enumerate().flat_map(|(i, point)| point.iter().map(move |value| (i, *value))) {
+        Range::Coordinate.check(format_args!("{key}[{i}]"), value)?;
+    }
+    if points.len() < 2 {
+        return refused(key, format_args!("has {} of the 2 or more points [S, force] that make a curve", points.len()));
+    }
+    match points.windows(2).position(|pair| pair[0][0] >= pair[1][0]) {
+        Some(i) => refused(
+            format_args!("{key}[{}]", i + 1),
+            format_args!("S = {} does not follow S = {}: sort the points by S", points[i + 1][0], points[i][0]),
+        ),
+        None if Monotone::new(points).is_none() => {
+            refused(key, "two points are so near to each other that the slope between them is infinite: remove one")
+        }
+        None => Ok(()),
+    }
 }
 
 impl Mechanism {
@@ -305,8 +339,9 @@ impl Mechanism {
             let wrong = if is_rotary { spring.free_length } else { spring.free_angle };
             if wrong.is_some() {
                 let message = "a spring in a revolute joint has a free_angle, any other a free_length";
-                faults.keep::<()>(refused(key, message));
+                faults.keep::<()>(refused(&key, message));
             }
+            faults.keep(check_characteristic(&key, spring, is_rotary));
         }
         for (name, force) in self.forces.iter() {
             faults.keep(self.point(format_args!("forces.{name}.at"), &force.at));

@@ -86,7 +86,8 @@ impl Mechanism {
     fn warn_of_springs(&self, all: &mut Vec<Finding>) {
         for (name, spring) in self.springs.iter() {
             let forces = [Some(spring.stiffness), spring.damping, spring.preload];
-            if forces.into_iter().flatten().all(|value| value == 0.0) {
+            let is_linear = spring.points.is_none() && spring.gas.is_none();
+            if is_linear && forces.into_iter().flatten().all(|value| value == 0.0) {
                 let message = "is a spring with neither stiffness nor damping nor preload, so it never pulls";
                 all.push(Finding::warning(
                     format_args!("springs.{name}"),

@@ -4,14 +4,16 @@
 //! springs, those sized by a state: stops, surfaces, friction - with their laws. It must not know the state.
 use super::laws::drag::Drag;
 use super::laws::friction::{Cubic, Law, Regime};
-use super::laws::spring::Spring;
+use super::laws::gas::Gas;
+use super::laws::spring::{Characteristic, Spring};
 use super::laws::stop::Stop;
 use super::unit_load::Load;
 use crate::hydraulics::circuit::Equations;
 use crate::hydraulics::definition::Command;
-use crate::mechanism::definition::{DefinitionError, Friction, Mechanism};
+use crate::mechanism::definition::{self, DefinitionError, Friction, Mechanism};
 use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point};
 use crate::numerics::decimal::Decimal;
+use crate::numerics::monotone::Monotone;
 use crate::numerics::plane::{Vec2, turned};
 use std::collections::HashMap;
 use std::fmt;
@@ -207,6 +209,14 @@ fn joint_load(linkage: &Linkage, joint: usize) -> Load {
     }
 }
 
+/// Nonlinear part of a spring's law, if the definition, which is checked, states one.
+fn characteristic(spring: &definition::Spring) -> Option<Characteristic> {
+    let gas = spring.gas.map(|definition::Gas { pressure, area, volume, exponent, ambient }| {
+        Characteristic::Gas(Gas { pressure, area, volume, exponent, ambient })
+    });
+    gas.or_else(|| Monotone::new(spring.points.as_ref()?).map(Characteristic::Points))
+}
+
 impl Loading {
     /// Resolve the loads of a definition.
     ///
@@ -272,6 +282,7 @@ impl Loading {
                 damping: s.damping.unwrap_or(0.0),
                 free: s.free_length.or(s.free_angle).unwrap_or(0.0),
                 preload: s.preload.unwrap_or(0.0),
+                characteristic: characteristic(s),
             });
             loads.push(load);
         }

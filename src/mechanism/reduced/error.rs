@@ -21,6 +21,15 @@ pub enum ReductionError {
         /// Coordinates by name.
         position: String,
     },
+    /// The gas of a gas spring has no volume somewhere, so that its force is infinite.
+    NoVolume {
+        /// Name of the spring.
+        name: String,
+        /// Length or position at which the volume is 0 [m].
+        least: f64,
+        /// Coordinates by name.
+        position: String,
+    },
     /// A function along the curve is not smooth.
     Table {
         /// Name of the function.
@@ -68,6 +77,12 @@ impl fmt::Display for ReductionError {
             Self::EndsMeet { name, position } => write!(
                 f,
                 "{name}: its two ends coincide near {position}, where its force has no direction; move one of its attachments, or let stops end the travel before"
+            ),
+            Self::NoVolume { name, least, position } => write!(
+                f,
+                "{name}: near {position} it is no longer than {} m, where its gas has no volume left; give it more volume, or \
+                 let stops end the travel before",
+                Decimal::rounded(*least)
             ),
             Self::Table { what, position } => write!(
                 f,

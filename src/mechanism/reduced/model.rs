@@ -1,6 +1,7 @@
 //! The reduced model: curve, loads and tables.
 //!
 //! In: a definition. Out: the reduced model, with the tables that every start needs. It must not know states or inputs.
+use super::characteristics;
 use super::error::ReductionError;
 use super::meetings::{self, MEET};
 use super::resolved::{Resolved, limits};
@@ -15,7 +16,7 @@ use crate::mechanism::definition::{Mechanism, Solver};
 use crate::mechanism::linkage::{Linkage, Point};
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::loads::unit_load::Load;
-use crate::numerics::table::{ACCURACY, Grid, NOISE, Table, Unresolved};
+use crate::numerics::table::{Grid, NOISE, Table, Unresolved};
 use std::sync::{Arc, OnceLock};
 
 /// Tables that share their evaluations, built at the first use of one of them.
@@ -237,7 +238,10 @@ impl Reduced {
             Origin::Stored(_, stored) => (None, Some(stored)),
             Origin::Whole(whole, _) => (Some(whole.scale()), None),
         };
-        let borders = stored.map_or_else(|| curve.grid(ACCURACY), |stored| stored.borders.to_vec());
+        let borders = match stored {
+            Some(stored) => stored.borders.to_vec(),
+            None => characteristics::grid(&curve, &loading)?,
+        };
         let grid = Grid { borders, centers: curve.crossings.to_vec(), noise };
         let source = Source { stored: stored.cloned(), ..Source::new(curve, loading, length) };
         let Source { curve, loading, components, .. } = &source;
@@ -290,6 +294,7 @@ impl Reduced {
             // Two stops of one load have the same table.
             let _ = displacements[load].set(table);
         }
+        characteristics::check_volumes(curve, loading, |load| displacements[load].get()?.as_ref().ok())?;
         let coordinates = tables.swap_remove(1);
         // Other displacements need the panels that the coordinates' second derivatives need.
         let grid = grid.refined(&coordinates);

@@ -112,7 +112,7 @@ impl Source {
             for (component, size) in [
                 (components.springs, spring.force_scale(s) * s / length),
                 (components.damping, spring.lost_power(s / length)),
-                (components.winding, spring.force_change(s, 0.0) * s / length),
+                (components.winding, spring.winding_force(s) * s / length),
             ] {
                 if let Some(k) = component {
                     out[k] += size;
@@ -133,7 +133,7 @@ impl Source {
                 load: spring.load,
                 at_rest: -spring.force(s),
                 damping: spring.damping_force(s_sigma),
-                winding: components.winding.map_or(0.0, |_| -spring.force_change(load.growth(curve), 0.0)),
+                winding: components.winding.map_or(0.0, |_| -spring.winding_force(load.growth(curve))),
             }
         }));
     }

@@ -1,5 +1,6 @@
 //! Laws of loads: force, slope, potential, limits of smoothness. They must not know the linkage.
 pub mod drag;
 pub mod friction;
+pub mod gas;
 pub mod spring;
 pub mod stop;

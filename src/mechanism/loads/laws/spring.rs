@@ -2,9 +2,11 @@
 //!
 //! In: displacement S of its load, S_dot. Out: the force that resists S, its slopes, energy. It must not know the
 //! linkage.
+use super::gas::Gas;
 use crate::numerics::dual::Number;
+use crate::numerics::monotone::Monotone;
 
-/// Law of a spring with a damper: F = preload + stiffness (S - free) + damping S_dot.
+/// Law of a spring with a damper: F = preload + stiffness (S - free) + characteristic(S) + damping S_dot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
     /// Name.
@@ -19,12 +21,53 @@ pub struct Spring {
     pub free: f64,
     /// Preload [N or N.m].
     pub preload: f64,
+    /// Further force as a function of S.
+    pub characteristic: Option<Characteristic>,
+}
+
+/// Force of a spring as a nonlinear function of S.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Characteristic {
+    /// Through points of S [m or rad] and force [N or N.m].
+    Points(Monotone),
+    /// Of a gas that S expands from the free length on.
+    Gas(Gas),
+}
+
+impl Characteristic {
+    /// Force [N or N.m], its slope and its curvature at S; `free`: S at which a gas has the volume that is stated.
+    fn force(&self, s: f64, free: f64) -> [f64; 3] {
+        match self {
+            Self::Points(points) => points.at(s),
+            Self::Gas(gas) => gas.force(s - free),
+        }
+    }
+
+    /// Energy stored, less that at S = free [J].
+    fn energy(&self, s: f64, free: f64) -> f64 {
+        match self {
+            Self::Points(points) => points.integral(s) - points.integral(free),
+            Self::Gas(gas) => gas.energy(s - free),
+        }
+    }
 }
 
 impl Spring {
+    /// Force at rest [N or N.m], its slope and its curvature.
+    fn force_and_slopes(&self, s: f64) -> [f64; 3] {
+        let linear = [self.preload + self.stiffness * (s - self.free), self.stiffness, 0.0];
+        match &self.characteristic {
+            None => linear,
+            Some(characteristic) => {
+                let further = characteristic.force(s, self.free);
+                [0, 1, 2].map(|order| linear[order] + further[order])
+            }
+        }
+    }
+
     /// Force at rest [N or N.m].
     pub fn force<T: Number>(&self, s: T) -> T {
-        s.chain(self.preload + self.stiffness * (s.value() - self.free), self.stiffness)
+        s.compose(self.force_and_slopes(s.value()))
     }
 
     /// Force of the damper at the rate S_dot [N or N.m].
@@ -35,11 +78,10 @@ impl Spring {
     /// Energy stored, less the energy at S = free [J].
     pub fn energy<T: Number>(&self, s: T) -> T {
         let extension = s.value() - self.free;
-        s.compose([
-            extension * (self.preload + 0.5 * self.stiffness * extension),
-            self.force(s.value()),
-            self.stiffness,
-        ])
+        let linear = extension * (self.preload + 0.5 * self.stiffness * extension);
+        let further = self.characteristic.as_ref().map_or(0.0, |c| c.energy(s.value(), self.free));
+        let [force, slope, _] = self.force_and_slopes(s.value());
+        s.compose([linear + further, force, slope])
     }
 
     /// Power lost in the damper at the rate S_dot [W].
@@ -49,16 +91,35 @@ impl Spring {
 
     /// Natural size of the force for displacements of size `s` [N or N.m].
     pub fn force_scale(&self, s: f64) -> f64 {
-        self.preload.abs() + self.stiffness * s
+        let further = match &self.characteristic {
+            None => 0.0,
+            Some(Characteristic::Points(points)) => points.largest(),
+            Some(Characteristic::Gas(gas)) => gas.pressure * gas.area,
+        };
+        self.preload.abs() + self.stiffness * s + further
     }
 
-    /// Change of the force for changes of S and of S_dot [N or N.m].
-    pub fn force_change(&self, s: f64, rate: f64) -> f64 {
-        self.stiffness * s + self.damping * rate
+    /// Change of the force over a revolution in which S grows by `growth` [N or N.m]. A characteristic does not repeat
+    /// itself over a revolution.
+    pub fn winding_force(&self, growth: f64) -> f64 {
+        self.stiffness * growth
+    }
+
+    /// Change of the force at S for small changes of S and of S_dot [N or N.m].
+    pub fn force_change(&self, s: f64, [change, rate]: [f64; 2]) -> f64 {
+        self.force_and_slopes(s)[1] * change + self.damping * rate
     }
 
     /// Whether the damper acts.
     pub fn is_damped(&self) -> bool {
         self.damping != 0.0
+    }
+
+    /// Values of S at which the law changes its polynomial.
+    pub fn knots(&self) -> &[f64] {
+        match &self.characteristic {
+            Some(Characteristic::Points(points)) => points.knots(),
+            _ => &[],
+        }
     }
 }

@@ -1,0 +1,110 @@
+//! Where nonlinear springs bind a reduced model: borders of panels at the points of their curves, and what they refuse.
+//!
+//! In: a curve, the laws of the springs. Out: the grid of the tables, or why a spring has no force somewhere. It must not
+//! know states or inputs.
+use super::error::ReductionError;
+use crate::mechanism::curve::{Configuration, Curve, Scratch};
+use crate::mechanism::definition::DefinitionError;
+use crate::mechanism::loads::laws::spring::{Characteristic, Spring};
+use crate::mechanism::loads::resolved::Loading;
+use crate::numerics::bracket::false_position;
+use crate::numerics::enclosure::{Interval, polynomial_bounds};
+use crate::numerics::table::{ACCURACY, Table};
+
+/// Parts of a panel of the grid in which a displacement is searched for the points of a spring's curve.
+const PARTS: usize = 4;
+/// Distance to which the position of such a point is found, and least width of a panel beside it, in panels of the grid.
+const CLOSE: f64 = 1e-12;
+const NARROW: f64 = 0.05;
+
+/// Borders of the panels of tables: the curve's, and the places where a spring passes a point of its curve, where its
+/// third derivative jumps. A place that is missed costs narrower panels and no accuracy.
+///
+/// # Errors
+/// A spring winds up over a revolution of the mechanism, and its characteristic does not repeat itself.
+pub(super) fn grid(curve: &Curve, loading: &Loading) -> Result<Vec<f64>, ReductionError> {
+    let mut borders = curve.grid(ACCURACY);
+    let mut passed = Vec::new();
+    for spring in &loading.springs {
+        if spring.characteristic.is_some() && loading.loads[spring.load].growth(curve) != 0.0 {
+            return Err(ReductionError::Definition(DefinitionError::key(
+                format_args!("springs.{}.points", spring.name),
+                "the joint turns round and round, where a curve of torque has no end: give stops to the joint, or a stiffness \
+                 in place of the points",
+            )));
+        }
+        if !spring.knots().is_empty() {
+            passages(curve, loading, spring, &borders, &mut passed);
+        }
+    }
+    for at in passed {
+        let next = borders.partition_point(|border| *border < at);
+        if next == 0 || next == borders.len() {
+            continue;
+        }
+        let (low, high) = (borders[next - 1], borders[next]);
+        // A crossing stays the middle of its panel.
+        if curve.crossings.iter().any(|crossing| low < *crossing && *crossing < high) {
+            continue;
+        }
+        let margin = NARROW * (high - low);
+        if at - low >= margin && high - at >= margin {
+            borders.insert(next, at);
+        } else if next - 1 > 0 && at - low < margin && at != low {
+            borders[next - 1] = at;
+        } else if next + 1 < borders.len() && high - at < margin {
+            borders[next] = at;
+        }
+    }
+    Ok(borders)
+}
+
+/// Values of sigma at which the displacement of a spring passes a point of its curve.
+fn passages(curve: &Curve, loading: &Loading, spring: &Spring, borders: &[f64], out: &mut Vec<f64>) {
+    let (mut scratch, mut c) = (Scratch::default(), Configuration::default());
+    let load = &loading.loads[spring.load];
+    let mut displacement = |sigma: f64| {
+        curve.configure(sigma, &mut scratch, &mut c);
+        load.displacement(curve.linkage(), &c)[0]
+    };
+    let mut before = (borders[0], displacement(borders[0]));
+    for panel in borders.windows(2) {
+        let width = panel[1] - panel[0];
+        for part in 1..=PARTS {
+            let sigma = panel[0] + width * part as f64 / PARTS as f64;
+            let after = (sigma, displacement(sigma));
+            let [low, high] = [before.1.min(after.1), before.1.max(after.1)];
+            for knot in spring.knots().iter().filter(|knot| low < **knot && **knot < high) {
+                let sign = (after.1 - before.1).signum();
+                let from_knot = |s: f64| sign * (s - knot);
+                let ends = [before, after].map(|(sigma, s)| (sigma, from_knot(s)));
+                let found = false_position(|sigma| from_knot(displacement(sigma)), ends[0], ends[1], CLOSE * width);
+                out.push(found);
+            }
+            before = after;
+        }
+    }
+}
+
+/// Refuse a gas spring that has no volume somewhere on the curve; `displacement`: the table of the displacement of a load.
+///
+/// # Errors
+/// A gas has no volume, so that its force is infinite.
+pub(super) fn check_volumes<'t>(
+    curve: &Curve,
+    loading: &Loading,
+    displacement: impl Fn(usize) -> Option<&'t Table>,
+) -> Result<(), ReductionError> {
+    for spring in &loading.springs {
+        let Some(Characteristic::Gas(gas)) = &spring.characteristic else { continue };
+        let (Some(table), least) = (displacement(spring.load), spring.free - gas.volume / gas.area) else { continue };
+        let whole = Interval { low: -1.0, high: 1.0 };
+        let is_empty = |panel: &usize| polynomial_bounds(table.series(*panel, 0), whole)[0].low <= least;
+        if let Some(panel) = (0..table.panels()).find(is_empty) {
+            let (a, b) = table.borders(panel);
+            let position = curve.describe(0.5 * (a + b), 0.0);
+            return Err(ReductionError::NoVolume { name: spring.name.clone(), least, position });
+        }
+    }
+    Ok(())
+}

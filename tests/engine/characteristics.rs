@@ -1,0 +1,201 @@
+//! Springs whose force is a curve through points or that of a gas, against Runge-Kutta's method and the energy.
+
+use crate::support::{self, Run, assert_says, changed};
+use linkage_fmu::mechanism::Model;
+use serde_json::{Value, json};
+
+/// Mass of the carriage [kg].
+const MASS: f64 = 3.0;
+
+/// A carriage on a level rail, at `start` [m], between a spring and the ground.
+fn carriage(spring: Value, start: f64) -> String {
+    json!({
+        "name": "Carriage",
+        "bodies": { "ground": {}, "carriage": { "mass": MASS } },
+        "joints": { "rail": { "type": "prismatic", "first": "ground.origin", "second": "carriage.origin", "axis_angle": 0 } },
+        "springs": { "strut": spring },
+        "start": { "joint": "rail", "position": start },
+        "guess": { "rail": start },
+        "solver": { "tolerance": 1e-12 },
+        "experiment": { "stop_time": 1, "step_size": 0.01 },
+    })
+    .to_string()
+}
+
+fn gas() -> Value {
+    json!({ "joint": "rail", "free_length": 0.5,
+            "gas": { "pressure": 8e5, "area": 3e-4, "volume": 9e-5, "exponent": 1.3, "ambient": 1e5 } })
+}
+
+/// Position and speed after a time by the classical Runge-Kutta method, in so many steps.
+fn runge_kutta(force: impl Fn(f64) -> f64, start: f64, span: f64, steps: u32) -> [f64; 2] {
+    let rate = |[x, v]: [f64; 2]| [v, -force(x) / MASS];
+    let (mut y, h) = ([start, 0.0], span / f64::from(steps));
+    for _ in 0..steps {
+        let add = |k: [f64; 2], part: f64| [y[0] + part * h * k[0], y[1] + part * h * k[1]];
+        let k1 = rate(y);
+        let k2 = rate(add(k1, 0.5));
+        let k3 = rate(add(k2, 0.5));
+        let k4 = rate(add(k3, 1.0));
+        y = [0, 1].map(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
+    }
+    y
+}
+
+#[test]
+fn a_carriage_on_a_gas_moves_as_its_law_says() {
+    let law = |s: f64| {
+        let volume = 9e-5 + 3e-4 * (s - 0.5);
+        (1e5 - 8e5 * (9e-5_f64 / volume).powf(1.3)) * 3e-4
+    };
+    // A second spring balances the gas, so that the motion goes to and fro.
+    let both = |s: f64| law(s) + 900.0 * (s - 0.35);
+    let text = changed(&carriage(gas(), 0.4), |m| {
+        m["springs"]["coil"] = json!({ "joint": "rail", "stiffness": 900, "free_length": 0.35 });
+        m["stops"] = json!({ "near": { "joint": "rail", "limit": "lower", "position": 0.25 } });
+    });
+    let mut run = Run::new(&text).started();
+    let mut least = f64::INFINITY;
+    for k in 1..=50 {
+        run.step(0.02);
+        let [x, v] = runge_kutta(both, 0.4, 0.02 * f64::from(k), 400 * k);
+        let (position, speed) = (run.get("rail.position"), run.get("rail.speed"));
+        least = position.min(least);
+        assert!((position - x).abs() < 1e-10 && (speed - v).abs() < 1e-9, "{k}: {position} {x}, {speed} {v}");
+        assert!((run.get("strut.force") - law(x)).abs() < 1e-6);
+        assert!(run.get("energy.drift").abs() < 1e-9, "{:e}", run.get("energy.drift"));
+    }
+    assert!(least > 0.26, "the carriage does not meet the stop: {least}");
+}
+
+#[test]
+fn a_gas_variable_changes_the_gas() {
+    let text = changed(&carriage(gas(), 0.5), |m| {
+        m["stops"] = json!({ "near": { "joint": "rail", "limit": "lower", "position": 0.3 } });
+    });
+    let mut run = Run::new(&text);
+    for (name, value, force) in [
+        ("strut.gas.ambient", 8e5, 0.0),
+        ("strut.gas.pressure", 1e6, -60.0),
+        ("strut.gas.area", 1e-4, -20.0),
+        ("strut.gas.exponent", 1.0, -20.0),
+    ] {
+        run.set(name, value);
+        run.initialize();
+        assert!((run.get("strut.force") - force).abs() < 1e-9, "{name}: {}", run.get("strut.force"));
+    }
+    run.set("rail.start_position", 0.4);
+    run.initialize();
+    // Boyle: 90 cm3 become 80.
+    assert!((run.get("strut.force") - (8e5 - 1e6 * 9.0 / 8.0) * 1e-4).abs() < 1e-9, "{}", run.get("strut.force"));
+}
+
+#[test]
+fn points_on_a_line_are_a_stiffness() {
+    let line = json!({ "joint": "rail", "points": [[-1, -50], [0.2, 10], [0.3, 15], [2, 100]] });
+    let mut curve = Run::new(&carriage(line, 0.7)).started();
+    let mut coil = Run::new(&carriage(json!({ "joint": "rail", "stiffness": 50 }), 0.7)).started();
+    for _ in 0..100 {
+        curve.step(0.05);
+        coil.step(0.05);
+        assert!((curve.get("rail.position") - coil.get("rail.position")).abs() < 1e-10);
+        assert!((curve.get("energy.potential") - coil.get("energy.potential")).abs() < 1e-9);
+    }
+}
+
+/// A curve with a plateau, a step, and slopes that it goes on with beyond its ends.
+const POINTS: [[f64; 2]; 6] = [[-0.3, -40.0], [-0.1, -3.0], [0.0, 0.0], [0.1, 2.0], [0.25, 2.0], [0.3, 30.0]];
+
+#[test]
+fn a_curve_through_points_keeps_the_energy_and_repeats_its_period() {
+    let mut run = Run::new(&carriage(json!({ "joint": "rail", "points": POINTS }), 0.5)).started();
+    for [s, force] in POINTS {
+        let mut at = Run::new(&carriage(json!({ "joint": "rail", "points": POINTS }), s)).started();
+        assert!((at.get("strut.force") - force).abs() < 1e-11, "{s}: {} {force}", at.get("strut.force"));
+    }
+    // One step finds the period: speed passes 0 at the other end and back.
+    let mut turns = Vec::new();
+    let (mut last, mut worst) = (0.0, 0.0_f64);
+    for k in 1..=40_000 {
+        run.step(1e-3);
+        let speed = run.get("rail.speed");
+        if last < 0.0 && speed >= 0.0 || last > 0.0 && speed <= 0.0 {
+            turns.push(1e-3 * (f64::from(k) - speed / (speed - last)));
+        }
+        last = speed;
+        worst = run.get("energy.drift").abs().max(worst);
+    }
+    // 21 J, and some 600 passages of points, where the third derivative jumps.
+    assert!(worst < 1e-7, "{worst:e} J");
+    let periods: Vec<f64> = turns.windows(3).map(|t| t[2] - t[0]).collect();
+    assert!(periods.len() > 10);
+    assert!(periods.iter().all(|p| (p - periods[0]).abs() < 1e-5), "{periods:?}");
+}
+
+#[test]
+fn slopes_of_the_force_are_exact() {
+    for spring in [gas(), json!({ "joint": "rail", "points": POINTS })] {
+        let text = changed(&carriage(spring, 0.28), |m| {
+            m["start"]["speed"] = json!(0.7);
+            m["stops"] = json!({ "near": { "joint": "rail", "limit": "lower", "position": 0.25 } });
+        });
+        let mut run = Run::new(&text).started();
+        let rate = run.derivative("strut.force");
+        let h = 1e-6;
+        let [before, after] = [-h, h].map(|change| {
+            let mut run = run.clone();
+            run.place(("rail.start_position", 0.28 + change), ("rail.start_speed", 0.7));
+            run.get("strut.force")
+        });
+        let expected = 0.7 * (after - before) / (2.0 * h);
+        assert!((rate - expected).abs() < 1e-6 * expected.abs(), "{rate} {expected}");
+    }
+}
+
+#[test]
+fn what_is_no_curve_and_no_gas_is_refused() {
+    for (spring, pieces) in [
+        (json!({ "joint": "rail", "points": [[0, 1]] }), &["springs.strut.points", "1 of the 2"][..]),
+        (json!({ "joint": "rail", "points": [[0, 1], [0, 2]] }), &["points[1]", "S = 0 does not follow S = 0", "sort"]),
+        (json!({ "joint": "rail", "points": [[0, 1], [2, 1e101]] }), &["springs.strut.points[1]", "1e101"]),
+        (json!({ "joint": "rail", "points": [[0, 1], [5e-324, 2]] }), &["springs.strut.points", "near to each other"]),
+        (json!({ "joint": "rail", "points": [[0, 1, 2]] }), &["springs.strut.points[0]"]),
+        (changed_gas(|g| g["points"] = json!([[0, 1], [1, 2]])), &["springs.strut.gas", "two springs"]),
+        (changed_gas(|g| g["free_length"] = Value::Null), &["springs.strut", "add free_length"]),
+        (changed_gas(|g| g["gas"]["volume"] = json!(0)), &["springs.strut.gas.volume = 0", "> 0"]),
+        (changed_gas(|g| g["gas"]["exponent"] = json!(0.5)), &["springs.strut.gas.exponent", "from 1 to 2"]),
+    ] {
+        assert_says(refusal(&carriage(spring, 0.5)), pieces);
+    }
+}
+
+/// Why there is no model of this text.
+fn refusal(text: &str) -> String {
+    Model::from_json(text).map_or_else(|error| error.to_string(), |_| panic!("accepted: {text}"))
+}
+
+fn changed_gas(change: impl FnOnce(&mut Value)) -> Value {
+    let mut gas = gas();
+    change(&mut gas);
+    if gas["free_length"].is_null() {
+        gas.as_object_mut().unwrap().remove("free_length");
+    }
+    gas
+}
+
+#[test]
+fn a_gas_without_volume_and_a_curve_round_and_round_are_refused() {
+    let text = changed(support::FOUR_BAR, |m| {
+        m["springs"] = json!({ "detent": { "joint": "S", "points": [[0, 1], [1, 2]] } });
+    });
+    assert_says(refusal(&text), &["springs.detent.points", "round and round", "stops"]);
+    // Shorter than 0.2 m, the gas has no volume: between a stop at 0.25 m and one at 1 m it has some.
+    let stops = |least: f64| {
+        changed(&carriage(gas(), 0.4), |m| {
+            m["stops"] = json!({ "near": { "joint": "rail", "limit": "lower", "position": least },
+                                 "far": { "joint": "rail", "limit": "upper", "position": 1 } });
+        })
+    };
+    assert_says(refusal(&stops(0.15)), &["strut", "no longer than 0.2 m", "more volume", "stops"]);
+    assert!(Run::new(&stops(0.25)).started().get("strut.force") < 0.0);
+}
