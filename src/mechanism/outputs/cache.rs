@@ -75,6 +75,13 @@ impl<N: Differentiable> OutputCache<N> {
         }
     }
 
+    /// The state is at the start.
+    pub fn begin(&mut self) {
+        self.computed = Computed::default();
+        self.scratch.panel_force.invalidate();
+        self.invalidate();
+    }
+
     /// The state, an input or the direction has changed.
     #[inline]
     pub fn invalidate(&mut self) {

@@ -337,8 +337,18 @@ impl Reduced {
 
     /// Sizes of the applied loads under these inputs. Inputs that size no load come after those that do.
     pub fn sizes(&self, inputs: &[f64]) -> Vec<f64> {
-        let loads = self.loading().inputs.len();
-        inputs[..loads].iter().chain(&self.loading().constants).copied().collect()
+        let mut sizes = Vec::new();
+        self.sizes_into(inputs, &mut sizes);
+        sizes
+    }
+
+    /// [`Self::sizes`] into a list.
+    pub fn sizes_into(&self, inputs: &[f64], sizes: &mut Vec<f64>) {
+        let (loads, constants) = (self.loading().inputs.len(), &self.loading().constants);
+        sizes.clear();
+        sizes.reserve_exact(loads + constants.len());
+        sizes.extend_from_slice(&inputs[..loads]);
+        sizes.extend_from_slice(constants);
     }
 
     /// Components of [`Self::influence`].
