@@ -118,7 +118,7 @@ impl Designs {
         values: &Arc<ParameterValues>,
         reduced: &Arc<Reduced>,
         ranges: &Ranges,
-    ) -> Result<Arc<Start>, ModelError> {
+    ) -> Result<&Start, ModelError> {
         self.keep(values, reduced);
         let design = match self.recent.first_mut() {
             Some(design) if !Arc::ptr_eq(values, &self.original.values) => design,
@@ -130,10 +130,9 @@ impl Designs {
             Some(start) => start,
             None => Arc::new(Start::new(reduced, values.mechanism())?),
         };
-        design.start = Some(Arc::clone(&start));
         if !Arc::ptr_eq(values, &design.values) {
             design.values = Arc::clone(values);
         }
-        Ok(start)
+        Ok(design.start.insert(start))
     }
 }

@@ -370,10 +370,20 @@ impl Model {
     /// # Errors
     /// The present parameters give no mechanism, or the start cannot be reached.
     pub fn initialize(&mut self) -> Result<(), ModelError> {
-        self.state = None;
         self.clipped = Clipped::default();
         self.told.restart();
-        self.state().map(|_| ())
+        let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) else {
+            self.state = None;
+            return self.state().map(|_| ());
+        };
+        // The parameters are those of this state, as one that changes takes the state away.
+        let start = self.designs.start(&self.parameter_values, reduced, &self.original.ranges);
+        let mechanism = self.parameter_values.mechanism();
+        let placed = start.and_then(|start| motion.put_at_start(start, reduced, mechanism, &self.inputs));
+        if placed.is_err() {
+            self.state = None;
+        }
+        placed
     }
 
     /// Advance by exactly `h` [s], > 0, under the present inputs with the derivatives of
@@ -482,7 +492,7 @@ impl Model {
         if self.state.is_none() {
             let reduced = Arc::clone(self.reduced()?);
             self.designs.settle(&mut self.parameter_values);
-            let start = &*self.designs.start(&self.parameter_values, &reduced, &self.original.ranges)?;
+            let start = self.designs.start(&self.parameter_values, &reduced, &self.original.ranges)?;
             let (mechanism, inputs) = (self.parameter_values.mechanism(), &self.inputs);
             self.state = Some(match self.parameter_values.method() {
                 Method::Reduced => Formulation::Reduced(ReducedMotion::at_start(start, &reduced, mechanism, inputs)?),

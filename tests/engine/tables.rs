@@ -67,7 +67,7 @@ fn an_instance_with_tables_takes_them() {
     // A table that is not the gear's own: were it made anew, nobody would see the difference.
     let reactions = all.iter().position(|(name, _)| name == "reaction 2").unwrap();
     // The lowest byte of a coefficient of the first table, behind the number of tables and a flag.
-    all[reactions].1[8 * 1000 + 1] ^= 1;
+    all[reactions].1[8 * 100 + 1] ^= 1;
     let bytes = sections::encode(0, &all);
     let sections = Sections::of_bytes(bytes.into(), 0).unwrap();
     let taken = Model::with_tables(GEAR, Some(Arc::new(sections))).unwrap();

@@ -159,6 +159,12 @@ impl<const N: usize> Integrator<N> {
         *self = Self { statistics: self.statistics, method: self.method, ..Self::default() };
     }
 
+    /// Forget everything, the statistics too, as before the first step.
+    pub fn begin_anew(&mut self) {
+        (self.statistics, self.method) = Default::default();
+        self.restart();
+    }
+
     /// The same memory for a system with another number of components: step sizes and statistics are kept.
     pub fn with_components<const M: usize>(&self) -> Integrator<M> {
         Integrator {

@@ -124,6 +124,27 @@ impl Default for Memory {
 }
 
 impl Memory {
+    /// Become that before the first step, without a circuit.
+    pub fn begin(&mut self, with_dissipation: bool) {
+        match self {
+            Self::Conservative(i, ahead) if !with_dissipation => begin(i, ahead),
+            Self::WithDissipation(i, ahead) if with_dissipation => begin(i, ahead),
+            _ => {
+                *self = Self::default();
+                self.set_dissipation(with_dissipation);
+            }
+        }
+    }
+
+    /// Become that before the first step, with a circuit in this state.
+    pub fn begin_with_circuit(&mut self, circuit: CircuitState) {
+        let begun = CircuitMemory::new(circuit);
+        match self {
+            Self::WithCircuit(memory) => **memory = begun,
+            _ => *self = Self::WithCircuit(Box::new(begun)),
+        }
+    }
+
     /// Integrate the energy lost or not: it counts in steps with loads that the state decides or with inputs that
     /// change.
     #[inline]
@@ -229,6 +250,12 @@ impl Memory {
             Self::WithCircuit(memory) => refresh(&mut memory.integrator, &mut memory.lookahead),
         }
     }
+}
+
+/// [`Memory::begin`] of one kind.
+fn begin<const N: usize>(integrator: &mut Integrator<N>, lookahead: &mut Lookahead<N>) {
+    integrator.begin_anew();
+    lookahead.begin_anew();
 }
 
 /// [`Memory::restart`] of one kind.

@@ -113,6 +113,11 @@ impl<const N: usize> Default for Lookahead<N> {
 }
 
 impl<const N: usize> Lookahead<N> {
+    /// Forget everything, as before the first step.
+    pub fn begin_anew(&mut self) {
+        *self = Self::default();
+    }
+
     /// A communication step begins. Returns whether the present state was read from a step ahead that no longer holds.
     pub fn begin(&mut self, tolerance: f64, locked: EngagedLocks) -> bool {
         let is_other = (tolerance, locked) != (self.tolerance, self.locked);

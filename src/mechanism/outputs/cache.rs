@@ -5,10 +5,10 @@ use crate::mechanism::dynamics::equation::Scratch;
 use crate::mechanism::dynamics::inputs::Change;
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::motion::contact::Place;
-use crate::mechanism::reduced::{Reduced, StateLoads};
+use crate::mechanism::reduced::{PanelTable, Reduced, StateLoads};
 use crate::numerics::bundle::{ROW, Row};
 use crate::numerics::dual::{Differentiable, Number};
-use crate::numerics::table::{Table, TablePosition};
+use crate::numerics::table::TablePosition;
 
 /// Intermediate results of outputs in the present state under the present inputs, in numbers N.
 #[derive(Clone, Debug)]
@@ -73,6 +73,13 @@ impl<N: Differentiable> OutputCache<N> {
             computed: Computed::default(),
             scratch: Scratch::new(state_loads),
         }
+    }
+
+    /// The state is at the start.
+    pub fn begin(&mut self) {
+        self.computed = Computed::default();
+        self.scratch.panel_force.invalidate();
+        self.invalidate();
     }
 
     /// The state, an input or the direction has changed.
@@ -207,18 +214,17 @@ impl PanelRows {
         sigma.chain((sigma.value() - self.center) * self.inverse, self.inverse)
     }
 
-    /// Enter the panel at sigma; `fill` appends the polynomials of a panel. `is_stretch`: the table is that of one of
-    /// several stretches of the curve.
+    /// Enter the panel at sigma; `fill` appends the polynomials of a panel.
     #[cold]
-    pub fn enter(&mut self, (table, is_stretch): (&Table, bool), sigma: f64, fill: impl FnOnce(usize, &mut Vec<Row>)) {
+    pub fn enter(&mut self, piece: PanelTable, sigma: f64, fill: impl FnOnce(usize, &mut Vec<Row>)) {
+        let PanelTable { table, continues } = piece;
         self.panel = table.panel_near(sigma, self.panel);
         let (a, b) = table.borders(self.panel);
         (self.low, self.high, self.center, self.inverse) = (a, b, 0.5 * (a + b), 2.0 / (b - a));
-        // Outside the table its first and its last panel continue, unless another stretch of the curve does.
-        if self.panel == 0 && !is_stretch {
+        if self.panel == 0 && continues[0] {
             self.low = f64::NEG_INFINITY;
         }
-        if self.panel + 1 == table.panels() && !is_stretch {
+        if self.panel + 1 == table.panels() && continues[1] {
             self.high = f64::INFINITY;
         }
         self.rows.clear();

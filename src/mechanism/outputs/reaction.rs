@@ -7,9 +7,9 @@ use crate::mechanism::outputs::cache::{PanelReaction, PanelRows, PresentLoads};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite, spring_force};
 use crate::mechanism::outputs::view::{Reading, View};
 use crate::mechanism::reactions::Reaction;
+use crate::mechanism::reduced::PanelTable;
 use crate::numerics::bundle::{ROW, replace_first, side_by_side, side_by_side_at};
 use crate::numerics::chebyshev::NODES;
-use crate::numerics::table::Table;
 
 /// Force x, force y, moment.
 type Parts<N> = [N; 3];
@@ -21,9 +21,11 @@ impl<'a, N: Reading> View<'a, N> {
         let (reduced, sigma) = (self.reduced, self.sigma());
         let parts = if reduced.linkage().joints[joint].freedom == Freedom::Revolute { 2 } else { 3 };
         let mut value = [N::constant(0.0); 3];
-        match reduced.reaction(joint) {
-            Ok(table) => {
-                self.add_given(table, joint, &mut value[..parts])?;
+        let PanelReaction { given, has_applied, .. } = &self.loads.reactions[joint];
+        let is_ready = *has_applied && given.holds(self.state.sigma);
+        match if is_ready { Ok(None) } else { reduced.reaction(joint, self.state.sigma).map(Some) } {
+            Ok(piece) => {
+                self.add_given(piece, joint, &mut value[..parts])?;
                 self.add_sized_by_state(joint, &mut value[..parts])?;
             }
             // The exact evaluator has no derivative along sigma.
@@ -84,24 +86,24 @@ impl<'a, N: Reading> View<'a, N> {
         Ok(())
     }
 
-    /// Add the reaction to all but the loads that the state sizes.
-    fn add_given(&mut self, table: &Table, joint: usize, value: &mut [N]) -> Result<(), OutputError> {
+    /// Add the reaction to all but the loads that the state sizes. `piece`: its table at sigma; none if the polynomials in
+    /// the cache are those of this panel and of the present sizes.
+    fn add_given(&mut self, piece: Option<PanelTable>, joint: usize, value: &mut [N]) -> Result<(), OutputError> {
         let (reduced, sigma) = (self.reduced, self.sigma());
-        let (parts, columns) = (value.len(), 2 + reduced.loading().base());
         let decided = self.decided();
-        let others = self.given_columns();
-        let PresentLoads { sizes, reactions } = &mut *self.loads;
-        let PanelReaction { given: panel, has_applied, .. } = &mut reactions[joint];
-        if !panel.holds(self.state.sigma) {
-            panel.enter((table, reduced.is_stretch()), self.state.sigma, |panel, rows| {
-                for part in 0..parts {
-                    let others = others.clone().map(|column| table.series(panel, part * columns + column));
-                    side_by_side([&[0.0; NODES]].into_iter().chain(others), rows);
-                }
-            });
-            *has_applied = false;
-        }
-        if !*has_applied {
+        if let Some(piece) = piece {
+            let (parts, columns, table) = (value.len(), 2 + reduced.loading().base(), piece.table);
+            let others = self.given_columns();
+            let PresentLoads { sizes, reactions } = &mut *self.loads;
+            let PanelReaction { given: panel, has_applied, .. } = &mut reactions[joint];
+            if !panel.holds(self.state.sigma) {
+                panel.enter(piece, self.state.sigma, |panel, rows| {
+                    for part in 0..parts {
+                        let others = others.clone().map(|column| table.series(panel, part * columns + column));
+                        side_by_side([&[0.0; NODES]].into_iter().chain(others), rows);
+                    }
+                });
+            }
             let rows = panel.rows.len() / parts;
             let sized = sizes[..reduced.components().sized].iter().enumerate();
             let acting = sized.filter(|(load, size)| **size != 0.0 && !decided.contains(load));
@@ -137,12 +139,13 @@ impl<'a, N: Reading> View<'a, N> {
             return Ok(());
         }
         let (reduced, given) = (self.reduced, 2 + self.reduced.loading().base());
-        let (table, own, columns) = match column.checked_sub(given) {
-            None => (reduced.reaction(joint), column, given),
-            Some(own) => (reduced.state_reaction(joint), own, 2 + reduced.loading().loads.len() - given),
+        let at = self.state.sigma;
+        let (piece, own, columns) = match column.checked_sub(given) {
+            None => (reduced.reaction(joint, at), column, given),
+            Some(own) => (reduced.state_reaction(joint, at), own, 2 + reduced.loading().loads.len() - given),
         };
-        match table {
-            Ok(table) => {
+        match piece {
+            Ok(PanelTable { table, .. }) => {
                 let position = table.position(self.state.sigma);
                 for (part, sum) in value.iter_mut().enumerate() {
                     *sum = *sum + size * self.component(table, position, part * columns + own);
@@ -160,27 +163,28 @@ impl<'a, N: Reading> View<'a, N> {
         if self.cache.shares.state.iter().all(|size| size.value() == 0.0 && size.is_constant()) {
             return Ok(());
         }
-        let table = match reduced.state_reaction(joint) {
-            Ok(table) => table,
-            Err(at) if !sigma.is_constant() => return Err(at.into()),
-            Err(_) => {
-                let units = reduced.exact_reaction(joint, self.state.sigma);
-                for (column, size) in self.state_columns().zip(&self.cache.shares.state) {
-                    add(&units[column], *size, value);
-                }
-                return Ok(());
-            }
-        };
         let PanelReaction { state: panel, air: panel_air, .. } = &self.loads.reactions[joint];
         if *panel_air != air || !panel.holds(self.state.sigma) {
+            let piece = match reduced.state_reaction(joint, self.state.sigma) {
+                Ok(piece) => piece,
+                Err(at) if !sigma.is_constant() => return Err(at.into()),
+                Err(_) => {
+                    let units = reduced.exact_reaction(joint, self.state.sigma);
+                    for (column, size) in self.state_columns().zip(&self.cache.shares.state) {
+                        add(&units[column], *size, value);
+                    }
+                    return Ok(());
+                }
+            };
             let (columns, first) =
                 (reduced.loading().loads.len() - reduced.loading().base(), 2 + reduced.loading().base());
             let own = self.state_columns();
             let panel = &mut self.loads.reactions[joint];
             panel.air = air;
-            panel.state.enter((table, reduced.is_stretch()), self.state.sigma, |panel, rows| {
+            panel.state.enter(piece, self.state.sigma, |panel, rows| {
                 for part in 0..value.len() {
-                    side_by_side(own.clone().map(|column| table.series(panel, part * columns + column - first)), rows);
+                    let series = |column: usize| piece.table.series(panel, part * columns + column - first);
+                    side_by_side(own.clone().map(series), rows);
                 }
             });
         }

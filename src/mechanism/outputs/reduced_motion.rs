@@ -14,7 +14,7 @@ use crate::mechanism::outputs::evaluator::{OutputError, evaluate};
 use crate::mechanism::outputs::view::View;
 use crate::mechanism::quantity::Output;
 use crate::mechanism::reduced::Reduced;
-use crate::numerics::bits::same_bits;
+use crate::numerics::bits::become_same;
 use crate::numerics::dual::Dual;
 
 /// The state of motion along the curve, and what its outputs share.
@@ -41,6 +41,24 @@ impl ReducedMotion {
         inputs: &Inputs,
     ) -> Result<Self, ModelError> {
         Ok(Self::new(State::from_start(start, reduced, mechanism, inputs)?, reduced, inputs))
+    }
+
+    /// [`Self::at_start`] in place, from a state of the same reduced model; without allocation unless air has begun or
+    /// ceased to act. On an error the state is of no use.
+    ///
+    /// # Errors
+    /// As [`State::put_at_start`].
+    pub fn put_at_start(
+        &mut self,
+        start: &Start,
+        reduced: &Reduced,
+        mechanism: &Mechanism,
+        inputs: &Inputs,
+    ) -> Result<(), ModelError> {
+        self.state.put_at_start(start, reduced, mechanism, inputs)?;
+        self.set_sizes(&inputs.reals[..reduced.loading().inputs.len()]);
+        self.cache.begin();
+        Ok(())
     }
 
     /// A state that continues from the saved one, under these inputs.
@@ -101,14 +119,18 @@ impl ReducedMotion {
         let revolutions = self.state.revolutions;
         self.state.restore(saved, reduced)?;
         if let Some(inputs) = inputs {
-            let sizes = &inputs[..reduced.loading().inputs.len()];
-            if !same_bits(sizes, &self.loads.sizes[..sizes.len()]) {
-                self.loads.sizes[..sizes.len()].copy_from_slice(sizes);
-                self.invalidate_sizes();
-            }
+            self.set_sizes(&inputs[..reduced.loading().inputs.len()]);
         }
         self.invalidate(revolutions);
         Ok(())
+    }
+
+    /// The loads that inputs size have these sizes.
+    #[inline]
+    fn set_sizes(&mut self, sizes: &[f64]) {
+        if become_same(&mut self.loads.sizes[..sizes.len()], sizes) {
+            self.invalidate_sizes();
+        }
     }
 
     /// Put the mechanism at another place on the curve.

@@ -7,6 +7,7 @@ mod characteristics;
 mod error;
 mod meetings;
 mod model;
+mod reactions;
 mod resolved;
 mod snap;
 mod source;
@@ -19,6 +20,7 @@ mod weight;
 
 pub use error::ReductionError;
 pub use model::{Built, Reduced};
+pub use reactions::PanelTable;
 pub use source::Components;
 pub use start::Stated;
 pub use state_loads::StateLoads;

@@ -4,6 +4,7 @@
 use super::characteristics;
 use super::error::ReductionError;
 use super::meetings::{self, MEET};
+use super::reactions::ReactionTables;
 use super::resolved::{Resolved, limits};
 use super::snap::trace;
 use super::source::{Components, Source};
@@ -61,10 +62,10 @@ pub(super) struct Tables {
     pub(super) markers: Lazy,
     /// Origins of the bodies.
     pub(super) origins: Lazy,
-    pub(super) reactions: Lazy,
-    /// Those of single joints that were kept.
-    pub(super) kept_reactions: Vec<OnceLock<Option<Result<Table, Unresolved>>>>,
-    pub(super) state_reactions: Lazy,
+    /// Reactions to applied loads and springs.
+    pub(super) reactions: ReactionTables,
+    /// Reactions to loads sized by a state.
+    pub(super) state_reactions: ReactionTables,
 }
 
 /// Tables built so far.
@@ -307,9 +308,8 @@ impl Reduced {
             gapped,
             markers: OnceLock::new(),
             origins: OnceLock::new(),
-            reactions: OnceLock::new(),
-            kept_reactions: linkage.joints.iter().map(|_| OnceLock::new()).collect(),
-            state_reactions: OnceLock::new(),
+            reactions: ReactionTables::new(linkage.joints.len(), &fine),
+            state_reactions: ReactionTables::new(linkage.joints.len(), &grid),
         };
         tables.weigh(loading, components.count);
         Ok(Self::assembled(source, markers, [grid, fine], Arc::new(tables), of))
@@ -337,8 +337,18 @@ impl Reduced {
 
     /// Sizes of the applied loads under these inputs. Inputs that size no load come after those that do.
     pub fn sizes(&self, inputs: &[f64]) -> Vec<f64> {
-        let loads = self.loading().inputs.len();
-        inputs[..loads].iter().chain(&self.loading().constants).copied().collect()
+        let mut sizes = Vec::new();
+        self.sizes_into(inputs, &mut sizes);
+        sizes
+    }
+
+    /// [`Self::sizes`] into a list.
+    pub fn sizes_into(&self, inputs: &[f64], sizes: &mut Vec<f64>) {
+        let (loads, constants) = (self.loading().inputs.len(), &self.loading().constants);
+        sizes.clear();
+        sizes.reserve_exact(loads + constants.len());
+        sizes.extend_from_slice(&inputs[..loads]);
+        sizes.extend_from_slice(constants);
     }
 
     /// Components of [`Self::influence`].
@@ -383,9 +393,8 @@ impl Reduced {
             displacements: tables.displacements.iter().filter(|t| t.get().is_some()).count(),
             markers: tables.markers.get().is_some(),
             origins: tables.origins.get().is_some(),
-            reactions: tables.reactions.get().is_some()
-                || tables.kept_reactions.iter().any(|kept| matches!(kept.get(), Some(Some(_)))),
-            state_reactions: tables.state_reactions.get().is_some(),
+            reactions: tables.reactions.any(),
+            state_reactions: tables.state_reactions.any(),
             state_loads: [0, 1].map(|air| matches!(self.state_loads[air].get(), Some(Ok(Some(_))))),
         }
     }

@@ -13,21 +13,28 @@ use crate::mechanism::definition::Mechanism;
 use crate::numerics::table::{Table, Unresolved};
 use std::sync::Arc;
 
-/// Names of sections: the curve with the borders of the grid, the tables that every start needs, those of reactions to
-/// loads sized by a state, of points and of bodies. Those of single displacements and reactions have names with their
-/// indices, those of state loads with what they depend on.
+/// Names of sections: the curve with the borders of the grid, the tables that every start needs, those of points and of
+/// bodies. Those of single displacements and of the reactions of a joint have names with their indices, those of state loads
+/// with what they depend on.
 const CURVE: &str = "curve";
 pub(super) const START: &str = "start";
-pub(super) const STATE_REACTIONS: &str = "state reactions";
 pub(super) const MARKERS: &str = "markers";
 pub(super) const ORIGINS: &str = "origins";
 
 /// Most bytes of all sections together. Sections beyond it are left out.
 const MOST: usize = 16 << 20;
 
-/// Name of the section with the table of a joint's reactions.
-fn reaction(joint: usize) -> String {
+/// A table, or why there is none.
+pub(super) type Tabulated = Result<Table, Unresolved>;
+
+/// Name of the section with the tables of a joint's reactions to applied loads.
+pub(super) fn reaction(joint: usize) -> String {
     format!("reaction {joint}")
+}
+
+/// Name of the section with the tables of a joint's reactions to loads sized by a state.
+pub(super) fn state_reaction(joint: usize) -> String {
+    format!("state reaction {joint}")
 }
 
 /// Name of the section with the table of a load's displacement.
@@ -44,16 +51,8 @@ pub(super) struct Stored {
 }
 
 impl Stored {
-    /// Table of a joint's reactions with these natural sizes; None if there is none.
-    pub(super) fn reaction(&self, joint: usize, sizes: &[f64]) -> Option<Result<Table, Unresolved>> {
-        let bytes = self.sections.read(&reaction(joint))?;
-        let mut record = Record::Read(&bytes);
-        record.length("tables", 1).ok()?;
-        table(&mut record, sizes.len()).ok()
-    }
-
     /// Tables of sets of functions with these natural sizes; None if there are none.
-    pub(super) fn tables(&self, name: &str, sizes: &[Vec<f64>]) -> Option<Vec<Result<Table, Unresolved>>> {
+    pub(super) fn tables(&self, name: &str, sizes: &[Vec<f64>]) -> Option<Vec<Tabulated>> {
         let bytes = self.sections.read(name)?;
         let mut record = Record::Read(&bytes);
         record.length("tables", sizes.len()).ok()?;
@@ -62,7 +61,7 @@ impl Stored {
 }
 
 /// Read a table of so many components, or why there is none.
-fn table(record: &mut Record, components: usize) -> Result<Result<Table, Unresolved>, Damaged> {
+fn table(record: &mut Record, components: usize) -> Result<Tabulated, Damaged> {
     let mut is_resolved = true;
     record.flag("resolved", &mut is_resolved)?;
     if !is_resolved {
@@ -146,12 +145,16 @@ impl Reduced {
         all.add(START, section(first.into_iter().chain(displacements).chain(weights).collect::<Vec<_>>().into_iter()));
         self.add_state_loads(&mut all);
         let joints = 0..self.linkage().joints.len();
-        joints.clone().for_each(|joint| all.add(&reaction(joint), section([self.reaction(joint)].into_iter())));
+        for joint in joints.clone() {
+            all.add(&reaction(joint), section(self.reaction_tables(joint).into_iter()));
+        }
         let is_other = |load: &usize| !needed.contains(load) && self.loading().gravity != Some(*load);
         let others = (0..self.loading().loads.len()).filter(is_other);
         others.for_each(|load| all.add(&displacement(load), section([self.displacement(load)].into_iter())));
         all.add(MARKERS, section((0..self.markers.len()).map(|marker| self.marker(marker))));
-        all.add(STATE_REACTIONS, section(joints.map(|joint| self.state_reaction(joint))));
+        for joint in joints {
+            all.add(&state_reaction(joint), section(self.state_reaction_tables(joint).into_iter()));
+        }
         all.add(ORIGINS, section((0..self.linkage().bodies.len()).map(|body| self.origin(body))));
         all.sections
     }

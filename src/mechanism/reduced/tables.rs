@@ -1,16 +1,15 @@
 //! Tables of the reduced model that are built at their first use, and exact values where no table resolves a function.
 //!
-//! In: the reduced model. Out: coordinates, displacements, markers, origins of bodies, reactions. It must not know states or inputs.
+//! In: the reduced model. Out: coordinates, displacements, markers, origins of bodies. It must not know states or inputs.
 use super::model::Reduced;
 use super::stored;
 use crate::mechanism::curve::Configuration;
 use crate::mechanism::linkage::Point;
 use crate::mechanism::loads::resolved::FrictionJoint;
 use crate::mechanism::loads::unit_load::Load;
-use crate::mechanism::reactions::{Columns, Reaction, columns};
+use crate::mechanism::reactions::{Reaction, columns};
 use crate::numerics::plane::Vec2;
-use crate::numerics::table::{Grid, Table, TablePosition, Unresolved};
-use std::ops::Range;
+use crate::numerics::table::{Table, TablePosition, Unresolved};
 
 impl Reduced {
     /// Every coordinate with its two derivatives along sigma: three components each.
@@ -92,65 +91,6 @@ impl Reduced {
                 v.copy_from_slice(&[x.x, first.x, second.x, x.y, first.y, second.y]);
             }
         })
-    }
-
-    /// A joint's reaction: force x, force y, moment; each for sigma_ddot, sigma_dot^2, each applied load, each spring =
-    /// 1.
-    ///
-    /// # Errors
-    /// [`Unresolved`].
-    pub fn reaction(&self, joint: usize) -> Result<&Table, &Unresolved> {
-        let loads = 0..self.loading().base();
-        let kept = || self.source.stored.as_ref()?.reaction(joint, &self.reaction_sizes(&loads, 0));
-        if let Some(kept) = self.tables.kept_reactions[joint].get_or_init(kept) {
-            return kept.as_ref();
-        }
-        let tables = || self.reactions(None, &self.fine, loads, 0);
-        self.tables.reactions.get_or_init(tables)[joint].as_ref()
-    }
-
-    /// A joint's reaction to the loads sized by a state: force x, force y, moment; each for each of these loads = 1.
-    ///
-    /// # Errors
-    /// [`Unresolved`].
-    pub fn state_reaction(&self, joint: usize) -> Result<&Table, &Unresolved> {
-        let loads = self.loading().base()..self.loading().loads.len();
-        let tables = || self.reactions(Some(stored::STATE_REACTIONS), &self.grid, loads, 2);
-        self.tables.state_reactions.get_or_init(tables)[joint].as_ref()
-    }
-
-    /// Tables of the reactions of all joints for these loads, without the first `skipped` columns: for each joint force
-    /// x, force y, moment; each for all columns.
-    fn reactions(
-        &self,
-        name: Option<&str>,
-        grid: &Grid,
-        loads: Range<usize>,
-        skipped: usize,
-    ) -> Vec<Result<Table, Unresolved>> {
-        let joints = self.linkage().joints.len();
-        let sizes = self.reaction_sizes(&loads, skipped);
-        let (terms, loads) = (sizes.len() / 3, &self.loading().loads[loads]);
-        let mut columns = Columns::default();
-        self.source.tabulate(name, grid, &vec![sizes; joints], &mut |c, values| {
-            let reactions = columns.fill(&self.curve().closure, c, loads, skipped);
-            for (joint, v) in values.chunks_exact_mut((3 * terms).max(1)).enumerate() {
-                for k in 0..terms {
-                    let Reaction { force, moment } = reactions[k * joints + joint];
-                    (v[k], v[terms + k], v[2 * terms + k]) = (force.x, force.y, moment);
-                }
-            }
-        })
-    }
-
-    /// Natural sizes of the components of a joint's reactions: force x, force y, moment; each for all columns.
-    fn reaction_sizes(&self, loads: &Range<usize>, skipped: usize) -> Vec<f64> {
-        let size = self.linkage().size;
-        let of_motion = [self.scale() / size, 1.0 / size];
-        let of_loads = loads.clone().map(|load| self.source.displacement_size(load) / size);
-        let forces: Vec<f64> = of_motion.into_iter().skip(skipped).chain(of_loads).collect();
-        let moments: Vec<f64> = forces.iter().map(|f| f * size).collect();
-        [&forces[..], &forces, &moments].concat()
     }
 
     /// A joint's reaction at sigma from the exact evaluator, for a reaction that no table resolves because it is

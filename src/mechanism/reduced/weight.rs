@@ -48,8 +48,7 @@ impl Tables {
             gapped: self.gapped.clone(),
             markers: self.markers.clone(),
             origins: self.origins.clone(),
-            reactions: OnceLock::new(),
-            kept_reactions: self.kept_reactions.iter().map(|_| OnceLock::new()).collect(),
+            reactions: self.reactions.unmade(),
             state_reactions: self.state_reactions.clone(),
         }
     }

@@ -32,6 +32,11 @@ impl Before {
     pub fn new(sizes: &[f64]) -> Self {
         Self { sizes: sizes.to_vec(), ..Self::default() }
     }
+
+    /// As many sizes as this.
+    pub fn resize(&mut self, sizes: usize) {
+        self.sizes.resize(sizes, 0.0);
+    }
 }
 
 /// Whether air of this speed [m/s] acts on the surfaces.

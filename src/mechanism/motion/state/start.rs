@@ -12,8 +12,9 @@ use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::laws::stop::Stop;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::motion::contact::{Contact, Place, Travel};
+use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::impacts::Impacts;
-use crate::mechanism::motion::saved::{CircuitMemory, CircuitState, Memory, SavedState};
+use crate::mechanism::motion::saved::{CircuitState, SavedState};
 use crate::mechanism::motion::travel::{beyond_stop, can_hold, travel};
 use crate::mechanism::motion::witness::Witness;
 use crate::mechanism::reduced::{Reduced, ReductionError, Stated};
@@ -95,51 +96,67 @@ impl State {
     /// The state at a start under these inputs.
     ///
     /// # Errors
-    /// [`ModelError::Table`]: a reaction that causes friction is not smooth; a circuit cannot begin so; the energy
-    /// overflows.
+    /// As [`Self::put_at_start`].
     pub fn from_start(
         start: &Start,
         reduced: &Reduced,
         mechanism: &Mechanism,
         inputs: &Inputs,
     ) -> Result<Self, ModelError> {
-        let Start { sigma, sigma_dot, revolutions, resting, travel } = start.clone();
+        let state_loads = state_loads(reduced.at(start.sigma), blows_under(reduced, inputs), start.revolutions)?;
+        let witness = Witness::new(reduced.loading().stops.len());
+        let (saved, before, scratch) = (SavedState::default(), Before::default(), Scratch::new(state_loads));
+        let mut state = Self { saved, before, scratch, witness };
+        state.put_at_start(start, reduced, mechanism, inputs)?;
+        Ok(state)
+    }
+
+    /// [`Self::from_start`] in place, from a state of the same reduced model; without allocation unless air has begun or
+    /// ceased to act. On an error the state is of no use.
+    ///
+    /// # Errors
+    /// [`ModelError::Table`]: a reaction that causes friction is not smooth; a circuit cannot begin so; the energy
+    /// overflows.
+    pub fn put_at_start(
+        &mut self,
+        start: &Start,
+        reduced: &Reduced,
+        mechanism: &Mechanism,
+        inputs: &Inputs,
+    ) -> Result<(), ModelError> {
         let air = blows_under(reduced, inputs);
-        let state_loads = state_loads(reduced.at(sigma), air, revolutions)?;
-        let applied = reduced.sizes(&inputs.reals);
+        let state_loads = state_loads(reduced.at(start.sigma), air, start.revolutions)?;
+        self.renew_scratch(state_loads);
+        self.scratch.panel_force.invalidate();
+        self.witness.forget();
         // Nothing is to be applied with the first step, unless it is to be refused then.
         let is_applied = check_ports(reduced, inputs, 0.0).is_ok();
-        let in_force = is_applied.then(|| engaged_locks(&travel, reduced, &inputs.locks));
-        let mut state = Self {
-            before: Before::new(&applied),
-            saved: SavedState {
-                sigma,
-                sigma_dot,
-                revolutions,
-                contact: Contact::at_start(resting),
-                travel,
-                applied,
-                airspeed: airspeed(reduced, inputs),
-                air,
-                in_force,
-                impacts: vec![Impacts::default(); reduced.loading().stops.len()],
-                ..SavedState::default()
-            },
-            scratch: Scratch::new(state_loads),
-            witness: Witness::new(reduced.loading().stops.len()),
-        };
-        if let (Some((_, _, circuit)), Some(drive)) = (mechanism.hydraulic_drive(), &reduced.loading().hydraulics) {
-            // Its start is no part of the reduced model, which is checked when it is made.
-            circuit.check()?;
-            let values = drive.laws.start(circuit, inputs.reals[drive.first_input + 1]);
-            let circuit = CircuitState { values, ..CircuitState::default() };
-            state.memory = Memory::WithCircuit(Box::new(CircuitMemory::new(circuit)));
+        let Self { saved, before, .. } = self;
+        (saved.sigma, saved.sigma_dot, saved.revolutions) = (start.sigma, start.sigma_dot, start.revolutions);
+        saved.contact = Contact::at_start(start.resting);
+        if !Arc::ptr_eq(&saved.travel, &start.travel) {
+            saved.travel = Arc::clone(&start.travel);
         }
-        state.memory.set_dissipation(state_loads.is_some());
-        let (kinetic, potential) = (state.kinetic(), state.load_potential(reduced));
-        state.reference = kinetic + potential;
-        if state.reference.is_finite() {
-            return Ok(state);
+        reduced.sizes_into(&inputs.reals, &mut saved.applied);
+        before.resize(saved.applied.len());
+        (saved.airspeed, saved.air) = (airspeed(reduced, inputs), air);
+        saved.in_force = is_applied.then(|| engaged_locks(&start.travel, reduced, &inputs.locks));
+        saved.time = Elapsed::default();
+        saved.impacts.clear();
+        saved.impacts.resize(reduced.loading().stops.len(), Impacts::default());
+        match (mechanism.hydraulic_drive(), &reduced.loading().hydraulics) {
+            (Some((_, _, circuit)), Some(drive)) => {
+                // Its start is no part of the reduced model, which is checked when it is made.
+                circuit.check()?;
+                let values = drive.laws.start(circuit, inputs.reals[drive.first_input + 1]);
+                saved.memory.begin_with_circuit(CircuitState { values, ..CircuitState::default() });
+            }
+            _ => saved.memory.begin(state_loads.is_some()),
+        }
+        let (kinetic, potential) = (self.kinetic(), self.load_potential(reduced));
+        self.reference = kinetic + potential;
+        if self.reference.is_finite() {
+            return Ok(());
         }
         let [kinetic, potential] = [kinetic, potential].map(Decimal::rounded);
         let name = format!("the energy at the start (kinetic {kinetic} J, potential of the loads {potential} J)");

@@ -1,0 +1,158 @@
+//! Tables of the joints' reactions, each on one panel of a grid, made when a reaction is first read there.
+//!
+//! In: the reduced model. Out: reactions to each load of unit size. They are the dearest tables: an end of a run needs one
+//! panel, a motion those that it passes. A table depends on its panel alone, so that it does not count where a reaction was
+//! read before. It must not know states or inputs.
+use super::model::Reduced;
+use super::stored::{self, Tabulated};
+use crate::mechanism::reactions::{Columns, Reaction};
+use crate::numerics::table::{Grid, Table, Unresolved};
+use std::ops::Range;
+use std::sync::OnceLock;
+
+/// Tables of the reactions of all joints to some terms, on the panels of a grid.
+#[derive(Clone, Debug)]
+pub(super) struct ReactionTables {
+    /// Tables of each joint that were kept, panel by panel, if they were.
+    kept: Vec<OnceLock<Option<Vec<Tabulated>>>>,
+    /// Tables of each panel that are made, joint by joint.
+    made: Vec<OnceLock<Vec<Tabulated>>>,
+}
+
+impl ReactionTables {
+    /// None made yet, for so many joints on this grid.
+    pub(super) fn new(joints: usize, grid: &Grid) -> Self {
+        let panels = grid.borders.len() - 1;
+        Self {
+            kept: (0..joints).map(|_| OnceLock::new()).collect(),
+            made: (0..panels).map(|_| OnceLock::new()).collect(),
+        }
+    }
+
+    /// None made yet, for as many joints and panels.
+    pub(super) fn unmade(&self) -> Self {
+        Self {
+            kept: self.kept.iter().map(|_| OnceLock::new()).collect(),
+            made: self.made.iter().map(|_| OnceLock::new()).collect(),
+        }
+    }
+
+    /// Whether there is one.
+    pub(super) fn any(&self) -> bool {
+        self.made.iter().any(|made| made.get().is_some())
+            || self.kept.iter().any(|kept| matches!(kept.get(), Some(Some(_))))
+    }
+}
+
+/// A table on one panel of a grid.
+#[derive(Clone, Copy, Debug)]
+pub struct PanelTable<'a> {
+    /// The table, which may have several panels itself.
+    pub table: &'a Table,
+    /// Whether its polynomials continue before it and after it, as nothing else does.
+    pub continues: [bool; 2],
+}
+
+/// Terms of reactions, with their tables.
+struct Terms<'a> {
+    tables: &'a ReactionTables,
+    grid: &'a Grid,
+    /// Name of the section in which the tables of a joint are kept.
+    section: fn(usize) -> String,
+    loads: Range<usize>,
+    /// Number of terms left out of sigma_ddot = 1, sigma_dot^2 = 1, then each load = 1.
+    skipped: usize,
+}
+
+impl Reduced {
+    /// A joint's reaction around sigma: force x, force y, moment; each for sigma_ddot, sigma_dot^2, each applied load,
+    /// each spring = 1.
+    ///
+    /// # Errors
+    /// [`Unresolved`] on this panel.
+    pub fn reaction(&self, joint: usize, sigma: f64) -> Result<PanelTable<'_>, &Unresolved> {
+        self.around(&self.terms(), joint, sigma)
+    }
+
+    /// A joint's reaction around sigma to the loads sized by a state: force x, force y, moment; each for each of these
+    /// loads = 1.
+    ///
+    /// # Errors
+    /// [`Unresolved`] on this panel.
+    pub fn state_reaction(&self, joint: usize, sigma: f64) -> Result<PanelTable<'_>, &Unresolved> {
+        self.around(&self.state_terms(), joint, sigma)
+    }
+
+    /// The tables of a joint's reaction on all panels, made if need be.
+    pub fn reaction_tables(&self, joint: usize) -> Vec<Result<&Table, &Unresolved>> {
+        self.on_all_panels(&self.terms(), joint)
+    }
+
+    /// [`Self::reaction_tables`] for the loads sized by a state.
+    pub(super) fn state_reaction_tables(&self, joint: usize) -> Vec<Result<&Table, &Unresolved>> {
+        self.on_all_panels(&self.state_terms(), joint)
+    }
+
+    fn terms(&self) -> Terms<'_> {
+        let (tables, loads) = (&self.tables.reactions, 0..self.loading().base());
+        Terms { tables, grid: &self.fine, section: stored::reaction, loads, skipped: 0 }
+    }
+
+    fn state_terms(&self) -> Terms<'_> {
+        let (tables, loads) = (&self.tables.state_reactions, self.loading().base()..self.loading().loads.len());
+        Terms { tables, grid: &self.grid, section: stored::state_reaction, loads, skipped: 2 }
+    }
+
+    fn around<'a>(&'a self, terms: &Terms<'a>, joint: usize, sigma: f64) -> Result<PanelTable<'a>, &'a Unresolved> {
+        let last = terms.tables.made.len() - 1;
+        let panel = terms.grid.borders[1..=last].partition_point(|border| *border <= sigma);
+        let continues = [panel == 0, panel == last].map(|is_end| is_end && !self.is_stretch());
+        Ok(PanelTable { table: self.on_panel(terms, joint, panel)?, continues })
+    }
+
+    fn on_all_panels<'a>(&'a self, terms: &Terms<'a>, joint: usize) -> Vec<Result<&'a Table, &'a Unresolved>> {
+        (0..terms.tables.made.len()).map(|panel| self.on_panel(terms, joint, panel)).collect()
+    }
+
+    fn on_panel<'a>(&'a self, terms: &Terms<'a>, joint: usize, panel: usize) -> Result<&'a Table, &'a Unresolved> {
+        let Terms { tables, section, .. } = terms;
+        let kept = || {
+            let stored = self.source.stored.as_ref()?;
+            stored.tables(&section(joint), &vec![self.reaction_sizes(terms); tables.made.len()])
+        };
+        if let Some(kept) = tables.kept[joint].get_or_init(kept) {
+            return kept[panel].as_ref();
+        }
+        tables.made[panel].get_or_init(|| self.tabulate_panel(terms, panel))[joint].as_ref()
+    }
+
+    /// Tables of the reactions of all joints on one panel of the grid.
+    #[cold]
+    fn tabulate_panel(&self, terms: &Terms, panel: usize) -> Vec<Tabulated> {
+        let Terms { grid, loads, skipped, .. } = terms;
+        let grid = Grid { borders: grid.borders[panel..panel + 2].to_vec(), ..Grid::clone(grid) };
+        let joints = self.linkage().joints.len();
+        let sizes = self.reaction_sizes(terms);
+        let (count, loads) = (sizes.len() / 3, &self.loading().loads[loads.clone()]);
+        let mut columns = Columns::default();
+        self.source.tabulate(None, &grid, &vec![sizes; joints], &mut |c, values| {
+            let reactions = columns.fill(&self.curve().closure, c, loads, *skipped);
+            for (joint, v) in values.chunks_exact_mut((3 * count).max(1)).enumerate() {
+                for k in 0..count {
+                    let Reaction { force, moment } = reactions[k * joints + joint];
+                    (v[k], v[count + k], v[2 * count + k]) = (force.x, force.y, moment);
+                }
+            }
+        })
+    }
+
+    /// Natural sizes of the components of a joint's reactions: force x, force y, moment; each for all terms.
+    fn reaction_sizes(&self, terms: &Terms) -> Vec<f64> {
+        let size = self.linkage().size;
+        let of_motion = [self.scale() / size, 1.0 / size];
+        let of_loads = terms.loads.clone().map(|load| self.source.displacement_size(load) / size);
+        let forces: Vec<f64> = of_motion.into_iter().skip(terms.skipped).chain(of_loads).collect();
+        let moments: Vec<f64> = forces.iter().map(|f| f * size).collect();
+        [&forces[..], &forces, &moments].concat()
+    }
+}
