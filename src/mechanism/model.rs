@@ -256,7 +256,7 @@ impl Model {
                 let reduced = Arc::clone(self.reduced()?);
                 Ok(self.state()?.along_curve().at_stop(&reduced, stop))
             }
-            Some(Quantity::SelfLocking(drive)) => {
+            Some(quantity @ (Quantity::SelfLocking(_) | Quantity::Sticking)) => {
                 self.state()?;
                 let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) else {
                     return Err(ModelError::NotInitialised);
@@ -265,7 +265,10 @@ impl Model {
                     Formulation::Reduced(motion) => motion,
                     Formulation::RigidFem(motion) => &mut motion.rigid,
                 };
-                Ok(motion.self_locking(reduced, &self.inputs, drive))
+                Ok(match quantity {
+                    Quantity::SelfLocking(drive) => motion.self_locking(reduced, &self.inputs, drive),
+                    _ => motion.sticking(reduced, &self.inputs),
+                })
             }
             _ => Err(self.no_such(reference, "Boolean")),
         }
@@ -278,7 +281,7 @@ impl Model {
     pub fn check_boolean(&self, reference: Reference, _value: bool) -> Result<(), ModelError> {
         match self.original.variables.quantity(reference) {
             Some(Quantity::Flag(_) | Quantity::Lock(_)) => Ok(()),
-            Some(Quantity::AtStop(_) | Quantity::SelfLocking(_)) => {
+            Some(Quantity::AtStop(_) | Quantity::SelfLocking(_) | Quantity::Sticking) => {
                 Err(ModelError::Output { name: self.name_of(reference) })
             }
             _ => Err(self.no_such(reference, "Boolean")),

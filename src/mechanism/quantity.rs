@@ -17,6 +17,8 @@ pub enum Quantity {
     AtStop(usize),
     /// Whether friction locks the mechanism against a drive, which has the index of its load.
     SelfLocking(usize),
+    /// Whether friction holds the mechanism at rest.
+    Sticking,
     /// Computed from the state.
     Output(Output),
 }

@@ -40,6 +40,7 @@ mod singular;
 mod singular_together;
 mod solver_method;
 mod start_at_guess;
+mod stiction;
 mod stops;
 #[path = "../support/mod.rs"]
 mod support;

@@ -117,21 +117,42 @@ pub enum JointKind {
     Prismatic,
 }
 
+/// Law of friction at low slip speeds.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, PartialEq, Eq)]
+#[serde(rename_all = "snake_case")]
+pub enum FrictionLaw {
+    /// Proportional to the slip speed up to V_S ([HF08] section 4), so that nothing is held at rest.
+    #[default]
+    Viscous,
+    /// Coulomb's: static friction up to V_S, and at rest as much as holds, up to static friction.
+    Stick,
+}
+
+impl FrictionLaw {
+    /// Whether it is the law that a file need not state.
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 /// Friction in the joints ([HF08] section 4): in every revolute joint with a pin radius, and in every prismatic joint.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Friction {
     /// Whether the joints have friction; not where absent.
     pub enabled: Option<bool>,
-    /// Coefficient of static friction mu_S [1], >= 0.
+    /// Law at low slip speeds.
+    #[serde(default, skip_serializing_if = "FrictionLaw::is_default")]
+    pub law: FrictionLaw,
+    /// Coefficient of static friction mu_S [1], >= 0; >= mu_d if the law is `stick`.
     pub static_coefficient: f64,
     /// Coefficient of kinetic friction mu_d [1], >= 0.
     pub kinetic_coefficient: f64,
     /// Slip speed V_S at which friction is static [m/s], > 0; at lower slip speeds friction is proportional to the slip
-    /// speed.
+    /// speed, or static if the law is `stick`, where V_S may be 0.
     #[serde(default = "static_speed")]
     pub static_speed: f64,
-    /// Slip speed V_d above which friction is kinetic [m/s], > V_S.
+    /// Slip speed V_d above which friction is kinetic [m/s], > V_S; if the law is `stick`, both may be 0.
     #[serde(default = "kinetic_speed")]
     pub kinetic_speed: f64,
 }
@@ -166,8 +187,9 @@ impl Friction {
         list.add("static_coefficient", words[0], One, Range::NonNegative, &mut self.static_coefficient);
         list.add("kinetic_coefficient", words[1], One, Range::NonNegative, &mut self.kinetic_coefficient);
         let words = ["Slip speed at which friction is static", "Slip speed from which friction is kinetic"];
-        list.add("static_speed", words[0], MetrePerSecond, Range::Positive, &mut self.static_speed);
-        list.add("kinetic_speed", words[1], MetrePerSecond, Range::Positive, &mut self.kinetic_speed);
+        let range = if self.law == FrictionLaw::Stick { Range::NonNegative } else { Range::Positive };
+        list.add("static_speed", words[0], MetrePerSecond, range, &mut self.static_speed);
+        list.add("kinetic_speed", words[1], MetrePerSecond, range, &mut self.kinetic_speed);
     }
 
     pub(super) fn flags(&mut self, visit: &mut dyn FnMut(Flag, &mut bool)) {

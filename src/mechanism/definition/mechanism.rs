@@ -1,6 +1,6 @@
 //! A whole mechanism as the file states it, and the list of its parameters.
 use super::Visit;
-use super::bodies::{Body, Friction, Joint, JointKind, Marker};
+use super::bodies::{Body, Friction, FrictionLaw, Joint, JointKind, Marker};
 use super::contact::{Lock, Stop};
 use super::drawing::Units;
 use super::experiment::{Solver, Start};
@@ -89,6 +89,11 @@ impl Mechanism {
     /// Largest miss of a crossing that is put right, relative to the size of the mechanism; 0: none is.
     pub fn snap(&self) -> f64 {
         self.snap.unwrap_or(SNAP)
+    }
+
+    /// Whether friction, where it is enabled, holds at rest.
+    pub fn sticks(&self) -> bool {
+        self.friction.is_some_and(|friction| friction.law == FrictionLaw::Stick)
     }
 
     /// Refuse a `snap` that is no small part of the mechanism.

@@ -13,7 +13,7 @@ mod validate;
 mod warnings;
 
 pub use crate::format::{DefinitionError, Experiment, Named, Range};
-pub use bodies::{Body, Friction, Joint, JointKind, Marker, Shape};
+pub use bodies::{Body, Friction, FrictionLaw, Joint, JointKind, Marker, Shape};
 pub use contact::{Limit, Lock, Stop};
 pub use drawing::{AngleUnit, Drawn, LengthUnit, Units};
 pub use experiment::{Method, Solver, Start};

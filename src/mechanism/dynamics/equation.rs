@@ -148,20 +148,45 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
         evaluator.evaluate((self.reduced, state_loads), &self.applied, panel_force, &self.mode, y)
     }
 
-    /// Whether a drive has an efficiency, so that the right-hand side jumps where sigma_dot changes its sign.
+    /// Whether the right-hand side jumps where sigma_dot changes its sign: a drive has an efficiency, or friction sticks.
     pub fn reverses(&self) -> bool {
-        self.state_loads.is_some_and(|s| s.efficient > 0)
+        self.state_loads.is_some_and(|s| s.reverses)
+    }
+
+    /// Whether friction holds at rest.
+    pub fn sticks(&self) -> bool {
+        self.state_loads.is_some_and(|s| s.sticks)
+    }
+
+    /// Acceleration from rest at a sigma, were the drives with an efficiency to work in this direction, against static
+    /// friction. Where friction that sticks has no solution together with the reactions that cause it, no load overcomes
+    /// it: the acceleration without it then stands for how far the mechanism is from setting off, against the direction.
+    pub fn from_rest(&mut self, sigma: T, direction: f64) -> Result<T, Locked> {
+        self.mode.direction = direction;
+        if !self.sticks() {
+            return Ok(self.effect(sigma, T::constant(0.0))?.acceleration);
+        }
+        self.clear_regimes();
+        self.mode.breaks_away = true;
+        let found = self.effect(sigma, T::constant(0.0));
+        self.mode.breaks_away = false;
+        if let Ok(found) = found {
+            return Ok(found.acceleration);
+        }
+        self.mode.direction = 0.0;
+        let size = self.effect(sigma, T::constant(0.0))?.acceleration;
+        self.mode.direction = direction;
+        Ok(if size.value() * direction > 0.0 { -size } else { size })
     }
 
     /// Direction of the motion; at rest the direction in which the mechanism sets off, 0 if its drives hold it ([CK16]
-    /// 2.3: driven forward they give less, driven back they hold more).
+    /// 2.3: driven forward they give less, driven back they hold more) or friction does.
     pub fn start_direction(&mut self, sigma: T, sigma_dot: T) -> Result<f64, Locked> {
         if sigma_dot.value() != 0.0 {
             return Ok(sigma_dot.value().signum());
         }
         for direction in [1.0, -1.0] {
-            self.mode.direction = direction;
-            if self.effect(sigma, sigma_dot)?.acceleration.value() * direction > 0.0 {
+            if self.from_rest(sigma, direction)?.value() * direction > 0.0 {
                 return Ok(direction);
             }
         }
@@ -176,19 +201,26 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
         self.settle_in(direction, sigma, sigma_dot)
     }
 
-    /// [`Self::settle`] in a known direction. Where drives hold the mechanism at rest, each delivers a force between
-    /// its forward and its backward value: the common share at which all is in balance.
+    /// [`Self::settle`] in a known direction. Where drives or friction hold the mechanism at rest, each delivers a force
+    /// between its forward and its backward value: the common share at which all is in balance.
     pub fn settle_in(&mut self, direction: f64, sigma: T, sigma_dot: T) -> Result<T, Locked> {
-        if direction != 0.0 || !self.reverses() {
+        let Some(state_loads) = self.state_loads.filter(|s| direction == 0.0 && s.reverses) else {
             return self.heading(direction, sigma, sigma_dot);
-        }
-        let back = self.heading(-1.0, sigma, sigma_dot)?;
-        self.scratch.evaluator.keep();
-        let forward = self.heading(1.0, sigma, sigma_dot)?;
+        };
+        self.mode.breaks_away = state_loads.sticks;
+        let both = self.forward_and_back(state_loads, sigma, sigma_dot);
+        (self.mode.breaks_away, self.mode.direction) = (false, 0.0);
+        let (forward, back) = both?;
         let share = if back.value() > forward.value() { back / (back - forward) } else { T::constant(1.0) };
-        self.scratch.evaluator.mix(share);
-        self.mode.direction = 0.0;
+        self.scratch.evaluator.mix(state_loads, share);
         Ok(T::constant(0.0))
+    }
+
+    /// Accelerations in both directions; the evaluation backward is kept, the one forward is the last one.
+    fn forward_and_back(&mut self, state_loads: &StateLoads, sigma: T, sigma_dot: T) -> Result<(T, T), Locked> {
+        let back = self.heading(-1.0, sigma, sigma_dot)?;
+        self.scratch.evaluator.keep(state_loads);
+        Ok((self.heading(1.0, sigma, sigma_dot)?, back))
     }
 
     /// Acceleration at any state, were the drives with an efficiency to work in this direction; 0: without their

@@ -17,8 +17,10 @@ use crate::numerics::table::polynomial_at;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Mode {
     /// Direction in which drives with an efficiency work: the sign of sigma_dot until that passes through 0. 0: no
-    /// losses; the full commanded force acts.
+    /// losses; the full commanded force acts. Friction that holds at rest acts against this direction there.
     pub direction: f64,
+    /// Whether friction joints have their static friction against that direction, as where the mechanism is held.
+    pub breaks_away: bool,
     /// Bumpers that push.
     pub touching: BumperSet,
 }
@@ -54,7 +56,7 @@ pub struct StateLoadEvaluator<T> {
     motion: T,
     /// Components of the friction joints' reactions without friction.
     reactions: Vec<[T; ROW]>,
-    /// `delivered`, `motion` and `reactions` of the evaluation before, for [`Self::mix`].
+    /// `delivered`, `motion`, `reactions` and friction of the evaluation before, for [`Self::mix`].
     kept: Vec<T>,
     /// Reactions without friction, then those to sigma_ddot, for [`Self::required`].
     scratch: Vec<T>,
@@ -80,7 +82,7 @@ impl<T: Number> StateLoadEvaluator<T> {
             effects: vec![[zero; ROW]; state_loads.map_or(0, |s| Bundle::rows(s.bundled()))],
             motion: zero,
             reactions: vec![[zero; ROW]; reactions],
-            kept: vec![zero; drives + 1 + ROW * reactions],
+            kept: vec![zero; drives + 1 + ROW * reactions + friction_joints],
             scratch: vec![zero; 4 * friction_joints],
         }
     }
@@ -201,7 +203,7 @@ impl<T: Number> StateLoadEvaluator<T> {
         let mut acceleration = self.motion;
         if !state_loads.friction_joints.is_empty() {
             self.reactions_without_friction((reduced, state_loads), panel_force, [t, x, sigma_dot]);
-            self.friction(state_loads, t.value(), sigma_dot)?;
+            self.friction(state_loads, mode, t.value(), sigma_dot)?;
             let influences = self.effects.as_flattened()[..state_loads.loads.len()].iter();
             for (j, (load, &influence)) in self.loads.iter_mut().zip(influences).skip(state_loads.free()).enumerate() {
                 *load = self.friction.friction(j);
@@ -248,17 +250,23 @@ impl<T: Number> StateLoadEvaluator<T> {
         }
     }
 
-    /// Keep the delivered forces, sigma_ddot and the reactions of the last evaluation for [`Self::mix`].
-    pub fn keep(&mut self) {
-        let found = self.delivered.iter().chain([&self.motion]).chain(self.reactions.as_flattened());
+    /// Keep the delivered forces, sigma_ddot, the reactions and the friction of the last evaluation for [`Self::mix`].
+    pub fn keep(&mut self, state_loads: &StateLoads) {
+        let friction = &self.loads[state_loads.free()..];
+        let found = self.delivered.iter().chain([&self.motion]).chain(self.reactions.as_flattened()).chain(friction);
         self.kept.iter_mut().zip(found).for_each(|(kept, found)| *kept = *found);
     }
 
-    /// Replace the delivered forces, sigma_ddot without friction and the reactions by share * last + (1 - share) * kept
-    /// evaluation. At rest these are affine in the delivered forces, so the mean of two evaluations, driven forward and
-    /// backward, is the evaluation for the mean of the delivered forces.
-    pub fn mix(&mut self, share: T) {
+    /// Replace the delivered forces, sigma_ddot without friction, the reactions and the friction that holds at rest by
+    /// share * last + (1 - share) * kept evaluation. At rest reactions are affine in the delivered forces and in the
+    /// friction, so the mean of two evaluations, driven forward and backward, is the evaluation for the mean of these. Of
+    /// static friction mu |R| forward and -mu |R'| backward, the mean is within mu times the mean of R and R'.
+    pub fn mix(&mut self, state_loads: &StateLoads, share: T) {
+        // Friction without a law that sticks is 0 at rest.
+        let friction = if state_loads.sticks { state_loads.free() } else { self.loads.len() };
+        let friction = &mut self.loads[friction..];
         let found = self.delivered.iter_mut().chain([&mut self.motion]).chain(self.reactions.as_flattened_mut());
+        let found = found.chain(friction);
         for (found, kept) in found.zip(&self.kept) {
             *found = share * *found + (T::constant(1.0) - share) * *kept;
         }
@@ -367,13 +375,18 @@ impl<T: Number> StateLoadEvaluator<T> {
         }
     }
 
-    fn friction(&mut self, state_loads: &StateLoads, t: f64, sigma_dot: T) -> Result<(), Locked> {
+    fn friction(&mut self, state_loads: &StateLoads, mode: &Mode, t: f64, sigma_dot: T) -> Result<(), Locked> {
         let effects = self.effects.as_flattened();
         let slips = &effects[state_loads.free()..state_loads.loads.len()];
         for (j, (friction_joint, slip)) in state_loads.friction_joints.iter().zip(slips).enumerate() {
             let v = *slip * sigma_dot * T::constant(friction_joint.radius);
             if self.regimes[j].is_none() {
-                self.arms[j] = friction_joint.arm(friction_joint.law.regime(v.value()));
+                let towards = slip.value() * mode.direction;
+                self.arms[j] = if state_loads.sticks && (mode.breaks_away || is_at_rest(mode, sigma_dot.value())) {
+                    friction_joint.law.at_breakaway(towards).times(friction_joint.radius)
+                } else {
+                    friction_joint.arm(friction_joint.law.regime_towards(v.value(), towards))
+                };
             }
             self.friction.arm[j] = self.arms[j].at(v);
         }
@@ -398,6 +411,11 @@ fn balance<'a, T>(state_loads: &'a StateLoads, [effects, reactions, inertial]: [
         passed: passed.split_at(passed.len() / 2).into(),
         groups: &state_loads.groups,
     }
+}
+
+/// Whether the mechanism is at rest without a direction in which it would set off.
+fn is_at_rest(mode: &Mode, sigma_dot: f64) -> bool {
+    sigma_dot == 0.0 && mode.direction == 0.0
 }
 
 /// Delivered part of a drive's force ([CK16] eqs. (5), (29)), where `full` is the force times its influence: eta where

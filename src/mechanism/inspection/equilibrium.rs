@@ -34,7 +34,11 @@ pub fn add(model: &mut Model, reduced: &Reduced, state: &State, facts: &mut Vec<
     let fact = Fact::new(TOPIC, name).with("acceleration", acceleration, unit);
     let all = natural_acceleration(reduced, &model.original.inputs.reals, state.sigma);
     let here = state.sigma + state.revolutions * reduced.period().unwrap_or(0.0);
-    let text = if acceleration.is_nan() {
+    let sticking = model.variables().find("friction.sticking");
+    let sticks = sticking.is_some_and(|reference| model.boolean(reference).unwrap_or(false));
+    let text = if sticks {
+        "holds: friction holds it".to_owned()
+    } else if acceleration.is_nan() {
         let reason = model.undefined(reference).unwrap_or_default();
         format!("is unknown: {reason}")
     } else if acceleration == 0.0 || (acceleration / c.q_sigma[most]).abs() <= BALANCE * all {
@@ -56,7 +60,11 @@ pub fn add(model: &mut Model, reduced: &Reduced, state: &State, facts: &mut Vec<
     for drive in &reduced.loading().drives {
         let (word, unit) = if drive.is_rotary { ("torque", Unit::NewtonMetre) } else { ("force", Unit::Newton) };
         let mut fact = Fact::new(TOPIC, &drive.name);
-        for (label, variable) in [("given", word.to_owned()), ("holding", format!("holding_{word}"))] {
+        let given = [("given", word.to_owned()), ("holding", format!("holding_{word}"))];
+        let range = [("forward", "breaks away from"), ("backward", "and back from")];
+        let range = range.map(|(end, label)| (label, format!("breakaway_{word}_{end}")));
+        let range = if sticking.is_some() { &range[..] } else { &[] };
+        for &(label, ref variable) in given.iter().chain(range) {
             let reference = model.variables().find(&format!("{}.{variable}", drive.name));
             if let Some(Ok(value)) = reference.map(|reference| model.real(reference)) {
                 fact = fact.with(label, value, unit);

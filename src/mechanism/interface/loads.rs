@@ -101,6 +101,15 @@ fn add_impacts(b: &mut Builder, stop: usize, impulse: Unit) {
     }
 }
 
+/// Whether friction holds the mechanism, where its law can.
+pub(super) fn add_sticking(b: &mut Builder) {
+    let s = b.source;
+    if s.mechanism.sticks() && s.has_friction() {
+        let text = "Whether friction holds the mechanism at rest".to_owned();
+        b.any_output("friction.sticking".to_owned(), text, None, Quantity::Sticking, s.acceleration());
+    }
+}
+
 pub(super) fn add_locks(b: &mut Builder) {
     let s = b.source;
     for (i, lock) in s.loading.locks.iter().enumerate() {

@@ -99,6 +99,7 @@ fn build<'a>(source: &'a Source<'a>, causes: Option<(Reference, Vec<Vec<Cause>>)
     loads::add_locks(&mut b);
     bodies::add_energy(&mut b);
     hydraulics::add(&mut b);
+    loads::add_sticking(&mut b);
     add_parameters(&mut b);
     bodies::add_frames(&mut b);
     b

@@ -1,6 +1,6 @@
 //! What the value of an output follows from, and what a parameter acts on.
 use super::source::Source;
-use crate::mechanism::definition::{DefinitionError, Mechanism, Role};
+use crate::mechanism::definition::{DefinitionError, FrictionLaw, Mechanism, Role};
 use crate::mechanism::linkage::{Body, Freedom, GROUND, Linkage};
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::loads::unit_load::Load;
@@ -126,6 +126,10 @@ pub(super) fn causes(source: &Source) -> Result<Vec<Vec<Cause>>, DefinitionError
             // V_d must stay above V_S, whichever of the two changes.
             if let Some(friction) = &mut other.friction {
                 friction.kinetic_speed = friction.kinetic_speed.max(1.01 * friction.static_speed);
+                // Of a law that sticks mu_S must not fall below mu_d.
+                if friction.law == FrictionLaw::Stick {
+                    raise_static_coefficients(other);
+                }
             }
         }),
     };
@@ -137,6 +141,18 @@ pub(super) fn causes(source: &Source) -> Result<Vec<Vec<Cause>>, DefinitionError
     };
     let method = mechanism.solver.method.map(|_| Ok(vec![Cause::Elasticity]));
     roles.iter().enumerate().map(of_number).chain((0..flags).map(of_flag)).chain(method).collect()
+}
+
+/// Raise each coefficient of static friction to that of kinetic friction, if it is below that.
+fn raise_static_coefficients(mechanism: &mut Mechanism) {
+    let Some(friction) = &mut mechanism.friction else { return };
+    friction.static_coefficient = friction.static_coefficient.max(friction.kinetic_coefficient);
+    for (_, joint) in mechanism.joints.iter_mut() {
+        let kinetic = joint.kinetic_coefficient.unwrap_or(friction.kinetic_coefficient);
+        if joint.static_coefficient.unwrap_or(friction.static_coefficient) < kinetic {
+            joint.static_coefficient = Some(kinetic);
+        }
+    }
 }
 
 /// What differs between two mechanisms that are the same but for one parameter, ascending.

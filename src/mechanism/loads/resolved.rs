@@ -10,7 +10,7 @@ use super::laws::stop::Stop;
 use super::unit_load::Load;
 use crate::hydraulics::circuit::Equations;
 use crate::hydraulics::definition::Command;
-use crate::mechanism::definition::{self, DefinitionError, Friction, Mechanism};
+use crate::mechanism::definition::{self, DefinitionError, Friction, FrictionLaw, Joint, Mechanism};
 use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point};
 use crate::numerics::decimal::Decimal;
 use crate::numerics::monotone::Monotone;
@@ -392,24 +392,30 @@ impl Loading {
 
     fn add_friction(&mut self, mechanism: &Mechanism, linkage: &Linkage) -> Result<(), DefinitionError> {
         let Some(f) = &mechanism.friction else { return Ok(()) };
-        if f.kinetic_speed <= f.static_speed {
-            let allowed = format!("greater than friction.static_speed = {}", Decimal(f.static_speed));
-            return Err(DefinitionError::value("friction.kinetic_speed", Decimal(f.kinetic_speed), allowed));
+        let Friction { enabled, law, static_coefficient, kinetic_coefficient, static_speed, kinetic_speed } = *f;
+        let sticks = law == FrictionLaw::Stick;
+        if kinetic_speed <= static_speed && !(sticks && kinetic_speed == 0.0 && static_speed == 0.0) {
+            let or = if sticks { ", or 0 with it" } else { "" };
+            let allowed = format!("greater than friction.static_speed = {}{or}", Decimal(static_speed));
+            return Err(DefinitionError::value("friction.kinetic_speed", Decimal(kinetic_speed), allowed));
         }
-        let Friction { enabled, static_coefficient, kinetic_coefficient, static_speed, kinetic_speed } = *f;
         let mut friction_joints = Vec::new();
-        for (joint, ((_, defined), resolved)) in mechanism.joints.iter().zip(&linkage.joints).enumerate() {
+        for (joint, ((name, defined), resolved)) in mechanism.joints.iter().zip(&linkage.joints).enumerate() {
             let radius = match (resolved.freedom, defined.pin_radius) {
                 (Freedom::Prismatic(_), _) => 1.0,
                 (Freedom::Revolute, Some(radius)) => radius,
                 (Freedom::Revolute, None) => continue,
             };
             let law = Law {
+                sticks,
                 static_coefficient: defined.static_coefficient.unwrap_or(static_coefficient),
                 kinetic_coefficient: defined.kinetic_coefficient.unwrap_or(kinetic_coefficient),
                 static_speed,
                 kinetic_speed,
             };
+            if sticks && law.static_coefficient < law.kinetic_coefficient {
+                return Err(static_below_kinetic(name, defined, &law));
+            }
             friction_joints.push(FrictionJoint { joint, load: self.loads.len(), radius, law });
             self.loads.push(joint_load(linkage, joint));
         }
@@ -445,6 +451,21 @@ impl Loading {
             None => self.inputs.get(load).cloned().unwrap_or_else(|| "a constant load".into()),
         }
     }
+}
+
+/// The error for a law that sticks with less static than kinetic friction: a mechanism that breaks away would stick at once.
+fn static_below_kinetic(joint: &str, defined: &Joint, law: &Law) -> DefinitionError {
+    let key = match (defined.static_coefficient, defined.kinetic_coefficient) {
+        (None, None) => "friction.static_coefficient".to_owned(),
+        (None, Some(_)) => format!("joints.{joint}.kinetic_coefficient"),
+        (Some(_), _) => format!("joints.{joint}.static_coefficient"),
+    };
+    let (rest, slip) = (Decimal(law.static_coefficient), Decimal(law.kinetic_coefficient));
+    let message = format!(
+        "static friction {rest} is below kinetic friction {slip}, but friction.law is \"stick\": what breaks away would \
+         stick at once; make the static coefficient as large as the kinetic one at least"
+    );
+    DefinitionError::key(key, message)
 }
 
 /// Markers of a definition, in its order.

@@ -25,8 +25,9 @@ impl Model {
         }
     }
 
-    /// Whether a stop is declared, so that a step may come to an event.
+    /// Whether a stop or a law of friction that sticks is declared, so that a step may come to an event.
     pub fn has_events(&self) -> bool {
-        !self.original.parameter_values.mechanism().stops.is_empty()
+        let mechanism = self.original.parameter_values.mechanism();
+        !mechanism.stops.is_empty() || mechanism.sticks()
     }
 }

@@ -101,6 +101,8 @@ impl Told {
             }
             What::LetGo { stop } => event(format!("the lock at {} lets the mechanism go", name(stop))),
             What::Reversal => event("the motion ends or reverses, and with it the losses of the drives".to_owned()),
+            What::Sticks => event("friction holds the mechanism at rest".to_owned()),
+            What::BreaksAway => event("the mechanism breaks away from its friction".to_owned()),
             What::Regime { joint, regime } => {
                 let load = loading.friction.as_ref()?.friction_joints.get(joint)?.joint;
                 let joint = &reduced.linkage().joints[load].name;
@@ -126,6 +128,7 @@ fn units(loading: &Loading, stop: usize) -> (&'static str, &'static str) {
 fn word(regime: Regime) -> &'static str {
     match regime {
         Regime::Viscous => "viscous",
+        Regime::Static(_) => "static",
         Regime::Transition(_) => "that between static and kinetic",
         Regime::Kinetic(_) => "kinetic",
     }

@@ -2,7 +2,7 @@
 //!
 //! In: the dynamics, the places of the stops, the contact there, a state. Out: the state at the exact end of the span,
 //! the contact there, the energy lost in impacts. Events - impacts on stops, bumpers touched and left, reversals of
-//! drives with an efficiency, changes of friction's regime - are found on the interpolant of a step; impacts are
+//! drives with an efficiency and of friction that sticks, changes of friction's regime - are found on the interpolant of a step; impacts are
 //! polished on the integration itself. A step may go on beyond the span (`step_ahead.rs`). It must not know what moves.
 use crate::hydraulics::circuit::Left;
 use crate::integrator::{IntegrationError, Integrator};
@@ -265,7 +265,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             self.progress.is_settled = true;
         }
         if self.dynamics.has_reversals() && self.dynamics.find_direction(z[0], z[1])? == 0.0 {
-            return self.wait_for_drives(z, span);
+            return self.wait_at_rest(z, span);
         }
         if settles && self.dynamics.switches() > 0 {
             self.dynamics.find_signs(self.progress.t, z)?;
@@ -307,8 +307,12 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             Event::Reversal => {
                 self.jumped();
                 self.progress.work.reversals += 1;
-                self.tell(What::Reversal);
                 z[1] = 0.0;
+                if !self.dynamics.sticks() {
+                    self.tell(What::Reversal);
+                } else if self.comes_to_stick(z)? && self.pauses() {
+                    return Err(Stopped::Event(self.progress));
+                }
             }
             Event::Bumper(bumper) => {
                 self.jumped();

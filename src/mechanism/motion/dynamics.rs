@@ -84,23 +84,29 @@ pub trait Dynamics<const N: usize>: System<N> {
         [Enclosure::constant(0.0); 2]
     }
 
-    /// Whether a drive has an efficiency, so that the right-hand side jumps where sigma_dot changes its sign.
+    /// Whether a drive has an efficiency or friction sticks, so that the right-hand side jumps where sigma_dot changes its
+    /// sign.
     fn has_reversals(&self) -> bool {
         false
     }
 
-    /// Direction in which the drives with an efficiency are taken to work: 1, -1, or 0 if they hold.
+    /// Whether friction holds at rest, so that the mechanism may stick where sigma_dot becomes 0.
+    fn sticks(&self) -> bool {
+        false
+    }
+
+    /// Direction in which the drives with an efficiency are taken to work: 1, -1, or 0 if they or friction hold.
     fn direction(&self) -> f64 {
         0.0
     }
 
     /// Find and state that direction: that of sigma_dot, or from rest the one in which the mechanism sets off, 0 if its
-    /// drives hold it. Returns it.
+    /// drives or friction hold it. Returns it.
     fn find_direction(&mut self, _sigma: f64, _sigma_dot: f64) -> Result<f64, Locked> {
         Ok(0.0)
     }
 
-    /// sigma_ddot from rest, were the drives with an efficiency to work in this direction.
+    /// sigma_ddot from rest, were the drives with an efficiency to work in this direction, against static friction.
     fn acceleration_from_rest(&mut self, sigma: f64, _direction: f64) -> Result<f64, Locked> {
         self.free_acceleration(sigma, 0.0)
     }
@@ -242,6 +248,10 @@ where
     }
 
     fn free_acceleration(&mut self, sigma: f64, sigma_dot: f64) -> Result<f64, Locked> {
+        if sigma_dot == 0.0 && EquationOfMotion::sticks(self) && self.start_direction(sigma, sigma_dot)? == 0.0 {
+            // Even where friction has no solution with the reactions that cause it.
+            return Ok(0.0);
+        }
         self.settle(sigma, sigma_dot)
     }
 
@@ -302,18 +312,26 @@ where
     }
 
     #[inline]
+    fn sticks(&self) -> bool {
+        EquationOfMotion::sticks(self)
+    }
+
+    #[inline]
     fn direction(&self) -> f64 {
         self.mode.direction
     }
 
     fn find_direction(&mut self, sigma: f64, sigma_dot: f64) -> Result<f64, Locked> {
         self.mode.direction = self.start_direction(sigma, sigma_dot)?;
+        if sigma_dot == 0.0 && Dynamics::<N>::sticks(self) {
+            // Of friction the law of the motion that begins.
+            Dynamics::<N>::set_regimes(self, sigma, sigma_dot);
+        }
         Ok(self.mode.direction)
     }
 
     fn acceleration_from_rest(&mut self, sigma: f64, direction: f64) -> Result<f64, Locked> {
-        self.mode.direction = direction;
-        Ok(self.effect(sigma, 0.0)?.acceleration)
+        self.from_rest(sigma, direction)
     }
 
     #[inline]
@@ -369,7 +387,11 @@ where
         self.clear_signs();
         for (joint, friction_joint) in state_loads.friction_joints.iter().enumerate() {
             let slip = Dynamics::<N>::slip(self, joint, sigma, sigma_dot);
-            self.set_regime(joint, Some(friction_joint.law.regime(slip)));
+            let towards = match slip == 0.0 && state_loads.sticks {
+                true => Dynamics::<N>::slip(self, joint, sigma, self.mode.direction),
+                false => slip,
+            };
+            self.set_regime(joint, Some(friction_joint.law.regime_towards(slip, towards)));
         }
     }
 

@@ -19,6 +19,10 @@ use std::cell::RefCell;
 /// Part of a step within which a change of regime is located: a law followed so much too far errs by the square of it.
 pub const REGIME_TOLERANCE: f64 = 1e-11;
 
+/// Part of a step by which a change of regime must come before a reversal to be an event of its own: where the motion ends,
+/// all slip speeds pass 0.
+const BEFORE_REVERSAL: f64 = 1e-9;
+
 /// Part of a step by which a bumper that lets go must come before a lock at its place to be an event of its own.
 const BEFORE_LOCK: f64 = 1e-9;
 
@@ -92,7 +96,7 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
     (held, tolerance): (Option<Event>, f64),
     dense: &mut Option<Dense<N>>,
 ) -> Option<Found<N>> {
-    let reverses = dynamics.has_reversals() && step.end[1] * dynamics.direction() < 0.0;
+    let reverses = dynamics.has_reversals() && may_reverse(dynamics, step);
     let near = Near { start: step.start[0], end: step.end[0], bulge: step.bulge(0) };
     let is_near = near.any(ends) || contact.touching() != BumperSet::EMPTY;
     let joints = dynamics.friction_joints();
@@ -125,13 +129,12 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
             earliest = Some((part, event));
         }
     };
-    if reverses {
-        let passage = dense.first_passage(1, 0.0, towards(-dynamics.direction()), false);
-        offer(passage, Event::Reversal);
-    }
+    let reversal = if reverses { dense.first_passage(1, 0.0, towards(-dynamics.direction()), false) } else { None };
+    offer(reversal, Event::Reversal);
+    let is_own = |part: &f64| reversal.is_none_or(|reversal| *part < reversal - BEFORE_REVERSAL);
     for joint in changing.unwrap_or(joints)..joints {
         if changing == Some(joint) || may_change(dynamics, joint) {
-            offer(regime_change(dynamics, dense, joint), Event::Regime(joint));
+            offer(regime_change(dynamics, dense, joint).filter(is_own), Event::Regime(joint));
         }
     }
     for switch in (0..64).filter(|switch| switching >> switch & 1 == 1) {
@@ -181,6 +184,12 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
         return Some(Found { part: 0.25, state: dense.at(0.25), event: Event::Undefined });
     }
     Some(found)
+}
+
+/// Whether sigma_dot may change its sign within a step. Where friction sticks, it may do so and come back: there it rests.
+fn may_reverse<D: Dynamics<N>, const N: usize>(dynamics: &D, step: &Step<N>) -> bool {
+    let [start, end] = [step.start[1], step.end[1]].map(|speed| speed * dynamics.direction());
+    end < 0.0 || (dynamics.sticks() && start.min(end) < step.bulge(1))
 }
 
 /// sigma over a step, as far as it decides whether a place may be passed.

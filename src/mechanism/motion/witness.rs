@@ -27,6 +27,10 @@ pub enum What {
     LetGo { stop: usize },
     /// The motion reverses, and with it the losses of the drives.
     Reversal,
+    /// Friction holds the mechanism at rest.
+    Sticks,
+    /// The loads overcome the friction that holds the mechanism.
+    BreaksAway,
     /// A friction joint changes to this regime of its law.
     Regime { joint: usize, regime: Regime },
 }

@@ -193,6 +193,11 @@ impl ReducedMotion {
         self.view(reduced, inputs).self_locking(drive)
     }
 
+    /// Whether friction holds the mechanism at rest in this state under these inputs.
+    pub fn sticking(&mut self, reduced: &Reduced, inputs: &Inputs) -> bool {
+        self.view(reduced, inputs).sticking()
+    }
+
     /// What reading outputs has made be computed since the start.
     pub fn computed(&self) -> Computed {
         self.cache.computed

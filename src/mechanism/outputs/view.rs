@@ -191,6 +191,22 @@ impl<'a, N: Reading> View<'a, N> {
         Ok(forces)
     }
 
+    /// Whether friction holds the mechanism at rest: the loads overcome it in neither direction, or friction has no
+    /// solution in one.
+    pub fn sticking(&mut self) -> bool {
+        if self.state.sigma_dot != 0.0 {
+            return false;
+        }
+        let sigma = self.sigma();
+        let Ok(mut motion) = self.equation() else { return false };
+        if !motion.sticks() {
+            return false;
+        }
+        let direction = motion.start_direction(sigma, N::constant(0.0));
+        self.cache.forces = None;
+        direction == Ok(0.0)
+    }
+
     /// State loads of the last evaluation.
     pub fn state_loads(&self) -> Option<&'a StateLoads> {
         self.reduced.state_loads(self.cache.scratch.air).ok().flatten()

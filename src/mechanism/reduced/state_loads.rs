@@ -30,6 +30,10 @@ pub struct StateLoads {
     pub drives: Vec<usize>,
     /// How many of them have an efficiency.
     pub efficient: usize,
+    /// Whether friction holds at rest.
+    pub sticks: bool,
+    /// Whether the right-hand side jumps where sigma_dot changes its sign.
+    pub reverses: bool,
     /// Whether drag acts.
     pub air: bool,
     /// Bumpers, by their stops.
@@ -163,6 +167,7 @@ impl StateLoads {
             Some(friction) if friction.enabled => friction.friction_joints.clone(),
             _ => Vec::new(),
         };
+        let sticks = friction_joints.iter().any(|joint| joint.law.sticks);
         let surfaces = loading.air.as_ref().filter(|_| air).map_or(&[][..], |air| &air.surfaces);
         let damped = source.components.damping.is_some();
         if drives.is_empty() && bumpers.is_empty() && friction_joints.is_empty() && surfaces.is_empty() && !damped {
@@ -190,6 +195,8 @@ impl StateLoads {
         let mut state_loads = Self {
             drives,
             efficient,
+            sticks,
+            reverses: sticks || efficient > 0,
             air,
             bumpers,
             friction_joints,

@@ -1,19 +1,23 @@
 //! The law of friction: the coefficient over slip speed.
 //!
 //! In: slip speed. Out: the coefficient with its sign, on a regime in which it is smooth. It must not know joints or
-//! reactions. Source: [HF08] section 4, fig. 8.
+//! reactions. Sources: [HF08] section 4, fig. 8; Coulomb's law with a Stribeck curve, which holds at rest.
 use crate::numerics::dual::Number;
 
-/// Coefficient of friction mu over slip speed v >= 0: proportional to v up to mu_S at V_S, a cubic step to mu_d at V_d.
+/// Coefficient of friction mu over slip speed v >= 0: up to V_S proportional to v, or mu_S if the law sticks; from V_S on a
+/// cubic step from mu_S to mu_d at V_d, then mu_d. A law that sticks has every coefficient of either sign up to mu_S at rest;
+/// with V_S = V_d = 0 it has mu_d at any slip speed but 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Law {
+    /// Whether friction holds at rest.
+    pub sticks: bool,
     /// mu_S [1], >= 0.
     pub static_coefficient: f64,
     /// mu_d [1], >= 0.
     pub kinetic_coefficient: f64,
-    /// V_S [m/s], > 0.
+    /// V_S [m/s], > 0; >= 0 if the law sticks.
     pub static_speed: f64,
-    /// V_d [m/s], > V_S.
+    /// V_d [m/s], > V_S; if the law sticks, both may be 0.
     pub kinetic_speed: f64,
 }
 
@@ -22,6 +26,8 @@ pub struct Law {
 pub enum Regime {
     /// |v| up to V_S: mu is proportional to v.
     Viscous,
+    /// |v| up to V_S in a law that sticks: mu is mu_S. The number is the sign of v.
+    Static(f64),
     /// |v| between V_S and V_d: mu follows the cubic step. The number is the sign of v.
     Transition(f64),
     /// |v| above V_d: mu is constant. The number is the sign of v.
@@ -31,8 +37,15 @@ pub enum Regime {
 impl Law {
     /// Regime at the slip speed v [m/s].
     pub fn regime(&self, v: f64) -> Regime {
-        let sign = if v < 0.0 { -1.0 } else { 1.0 };
-        if v.abs() <= self.static_speed {
+        self.regime_towards(v, v)
+    }
+
+    /// Regime at the slip speed v [m/s]; if this is 0, that of a slip of the sign of `towards` as it begins.
+    pub fn regime_towards(&self, v: f64, towards: f64) -> Regime {
+        let sign = if v < 0.0 || (v == 0.0 && towards < 0.0) { -1.0 } else { 1.0 };
+        if self.sticks && self.static_speed > 0.0 && v.abs() <= self.static_speed {
+            Regime::Static(sign)
+        } else if !self.sticks && v.abs() <= self.static_speed {
             Regime::Viscous
         } else if v.abs() < self.kinetic_speed {
             Regime::Transition(sign)
@@ -46,6 +59,8 @@ impl Law {
         let (low, high) = (self.static_speed, self.kinetic_speed);
         match regime {
             Regime::Viscous => (-low, low),
+            Regime::Static(sign) if sign > 0.0 => (0.0, low),
+            Regime::Static(_) => (-low, 0.0),
             Regime::Transition(sign) if sign > 0.0 => (low, high),
             Regime::Transition(_) => (-high, -low),
             Regime::Kinetic(sign) if sign > 0.0 => (high, f64::INFINITY),
@@ -59,10 +74,21 @@ impl Law {
         let upward = v > 0.5 * (low.max(-f64::MAX) + high.min(f64::MAX));
         match regime {
             Regime::Viscous => Regime::Transition(if upward { 1.0 } else { -1.0 }),
+            Regime::Static(sign) if upward == (sign > 0.0) => Regime::Transition(sign),
+            Regime::Static(sign) => Regime::Static(-sign),
             Regime::Transition(sign) if upward == (sign > 0.0) => Regime::Kinetic(sign),
-            Regime::Transition(_) => Regime::Viscous,
-            Regime::Kinetic(sign) => Regime::Transition(sign),
+            Regime::Transition(_) if !self.sticks => Regime::Viscous,
+            Regime::Transition(sign) if self.static_speed > 0.0 => Regime::Static(sign),
+            Regime::Transition(sign) => Regime::Transition(-sign),
+            Regime::Kinetic(sign) if self.kinetic_speed > 0.0 => Regime::Transition(sign),
+            Regime::Kinetic(sign) => Regime::Kinetic(-sign),
         }
+    }
+
+    /// mu_S against a slip of the sign of `towards` [1]; 0 if that is 0.
+    pub fn at_breakaway(&self, towards: f64) -> Cubic {
+        let sign = if towards == 0.0 { 0.0 } else { towards.signum() };
+        Cubic { from: 0.0, rate: 0.0, terms: [sign * self.static_coefficient, 0.0, 0.0, 0.0] }
     }
 
     /// mu with the sign of v [1] over the slip speed v [m/s] of any sign, on `regime`. The cubic continues smoothly
@@ -71,6 +97,7 @@ impl Law {
         let (low, high) = (self.static_coefficient, self.kinetic_coefficient);
         match regime {
             Regime::Viscous => Cubic { from: 0.0, rate: 1.0 / self.static_speed, terms: [0.0, low, 0.0, 0.0] },
+            Regime::Static(sign) => self.at_breakaway(sign),
             Regime::Transition(sign) => Cubic {
                 from: sign * self.static_speed,
                 rate: sign / (self.kinetic_speed - self.static_speed),

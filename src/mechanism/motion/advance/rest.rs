@@ -1,4 +1,4 @@
-//! Rest within an advance: how long a stop, a lock or the drives hold the mechanism.
+//! Rest within an advance: how long a stop, a lock, the drives or friction hold the mechanism.
 //!
 //! In: a mechanism at rest, inputs that may change with time. Out: the time at which it sets off. It must not know what
 //! moves.
@@ -7,6 +7,7 @@ use crate::integrator::{Dense, Step};
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::motion::contact::Place;
 use crate::mechanism::motion::dynamics::Dynamics;
+use crate::mechanism::motion::witness::What;
 use crate::numerics::bracket::bisect;
 use crate::numerics::passage::first_rise_of_quartic;
 
@@ -42,25 +43,47 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         Ok(Instant::Changed)
     }
 
-    /// Held at rest by drives with an efficiency, until the loads overcome them in one direction.
+    /// Whether a mechanism that has come to rest is held by its friction, which is told.
+    #[cold]
+    pub(super) fn comes_to_stick(&mut self, z: &[f64; N]) -> Result<bool, Locked> {
+        self.dynamics.set_time(self.progress.t);
+        self.dynamics.set_state(z);
+        let sticks = self.dynamics.find_direction(z[0], z[1])? == 0.0;
+        if sticks {
+            self.tell(What::Sticks);
+        }
+        Ok(sticks)
+    }
+
+    /// Held at rest by drives with an efficiency or by friction, until the loads overcome them in one direction.
     #[inline(always)]
-    pub(super) fn wait_for_drives(&mut self, z: &mut [f64; N], span: f64) -> Result<Instant, Stopped> {
+    pub(super) fn wait_at_rest(&mut self, z: &mut [f64; N], span: f64) -> Result<Instant, Stopped> {
         if !self.wait_until(z, span, [1.0, -1.0])? {
             return Ok(Instant::Held);
         }
         self.jumped();
+        if self.dynamics.sticks() {
+            self.tell(What::BreaksAway);
+            if self.pauses() {
+                return Err(Stopped::Event(self.progress));
+            }
+        }
         Ok(Instant::Changed)
     }
 
     /// Go on in time, at rest, to where the mechanism sets off in one of these directions under inputs that change with
     /// time; false if it does not before the end of the span.
     ///
-    /// At rest there is no friction, and the acceleration is a parabola in time for either direction of the drives, or
+    /// At rest without friction that sticks the acceleration is a parabola in time for either direction of the drives, or
     /// a quartic in air of changing speed, as long as no drive's force and no airspeed changes its sign. So it is
-    /// searched piece by piece, and none is too short to be found.
+    /// searched piece by piece, and none is too short to be found. Static friction follows the magnitudes of reactions:
+    /// with it the quartic is that through five values of each of some pieces, and what it finds is located on the
+    /// acceleration itself.
     #[inline(always)]
     fn wait_until(&mut self, z: &mut [f64; N], span: f64, directions: [f64; 2]) -> Result<bool, Stopped> {
         const CLOSE: f64 = 1e-15;
+        /// Least number of pieces of a span with friction that sticks.
+        const PIECES: f64 = 8.0;
         let sigma = z[0];
         let directions = if directions[0] == directions[1] { &directions[..1] } else { &directions[..] };
         if self.dynamics.evolves_at_rest() {
@@ -70,9 +93,10 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             return Ok(false);
         }
         let from = self.progress.t;
+        let longest = if self.dynamics.sticks() { (span - from) / PIECES } else { f64::INFINITY };
         let mut a = from;
         while a < span {
-            let b = self.next_switch(a, span);
+            let b = self.next_switch(a, span).min(a + longest);
             let mut first = None;
             for direction in directions {
                 let dynamics = &mut *self.dynamics;

@@ -63,7 +63,8 @@ fn a_bouncing_ball_makes_zenos_series_of_impacts() {
 fn a_block_slides_up_a_slope_and_down_again() {
     let (slope, mu, band) = (0.6_f64, 0.3, 0.05);
     let (pull, normal, speed) = (G * slope.sin(), G * slope.cos(), 2.0);
-    let law = Law { static_coefficient: mu, kinetic_coefficient: mu, static_speed: band, kinetic_speed: 0.5 };
+    let law =
+        Law { sticks: false, static_coefficient: mu, kinetic_coefficient: mu, static_speed: band, kinetic_speed: 0.5 };
     let damping = mu * normal / band;
     let terminal = pull / damping;
     let up = (speed - band) / (pull + mu * normal);
@@ -296,7 +297,13 @@ fn a_bumper_lets_go_and_pushes_again_within_one_step() {
 /// A slip speed that leaves the viscous regime and comes back within one step: a force that swings.
 #[test]
 fn a_regime_left_and_entered_again_within_one_step_is_met() {
-    let law = Law { static_coefficient: 0.3, kinetic_coefficient: 0.2, static_speed: 0.05, kinetic_speed: 0.5 };
+    let law = Law {
+        sticks: false,
+        static_coefficient: 0.3,
+        kinetic_coefficient: 0.2,
+        static_speed: 0.05,
+        kinetic_speed: 0.5,
+    };
     // Viscous friction 60 v: the speed follows force / 60 late, to its largest value just above 0.05 m/s.
     for peak in [3.3, 3.2, 3.15] {
         let mut ends = Vec::new();

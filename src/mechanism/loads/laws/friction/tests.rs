@@ -3,7 +3,8 @@ use super::*;
 use crate::numerics::dual::Dual;
 use proptest::prelude::*;
 
-const LAW: Law = Law { static_coefficient: 0.19, kinetic_coefficient: 0.026, static_speed: 0.01, kinetic_speed: 1.0 };
+const LAW: Law =
+    Law { sticks: false, static_coefficient: 0.19, kinetic_coefficient: 0.026, static_speed: 0.01, kinetic_speed: 1.0 };
 
 fn mu(v: f64) -> f64 {
     LAW.cubic(LAW.regime(v)).at(v)

@@ -1,0 +1,320 @@
+//! Friction that sticks: closed forms of stick-slip and of Coulomb's oscillator; rest that is exact; breakaway located.
+use crate::support::{Run, assert_says};
+use linkage_fmu::mechanism::Model;
+use serde_json::{Value, json};
+use std::f64::consts::PI;
+
+const MASS: f64 = 2.0;
+const G: f64 = 9.81;
+const MU_S: f64 = 0.3;
+const MU_D: f64 = 0.2;
+const STIFFNESS: f64 = 50.0;
+
+/// A block on a slide at this angle, with a spring to the origin and a force along x.
+fn block(slope: f64, stiffness: f64) -> Value {
+    json!({
+        "name": "Block",
+        "bodies": {
+            "ground": { "points": { "start": [0, 0] } },
+            "block": { "mass": MASS, "inertia": 1, "center": [0, 0] },
+        },
+        "joints": {
+            "slide": {
+                "type": "prismatic", "first": "ground.start", "second": "block.origin", "axis_angle": slope, "angle": 0,
+            },
+        },
+        "guess": { "slide": 0 },
+        "start": { "joint": "slide", "position": 0, "speed": 0 },
+        "gravity": { "acceleration": G, "up_angle": PI / 2.0 },
+        "springs": { "spring": { "joint": "slide", "stiffness": stiffness, "free_length": 0 } },
+        "forces": { "pull": { "at": "block.origin" } },
+        "friction": {
+            "enabled": true, "law": "stick", "static_coefficient": MU_S, "kinetic_coefficient": MU_D,
+            "static_speed": 0, "kinetic_speed": 0,
+        },
+        "solver": { "tolerance": 1e-12 },
+    })
+}
+
+fn opened(definition: &Value) -> Run {
+    Run::new(&definition.to_string())
+}
+
+/// What happened in steps, in words.
+fn told(run: &mut Run) -> Vec<String> {
+    run.take_occurrences(0.0).into_iter().map(|line| line.text).collect()
+}
+
+/// A block of mass m that a spring k pulls whose end moves at V: it sticks until the spring has the static friction F_s,
+/// slips for phi / omega with phi = 2 pi - 2 atan((F_s - F_d) omega / (k V)), by V phi / omega + 2 (F_s - F_d) / k, and
+/// sticks for 2 (F_s - F_d) / (k V).
+struct StickSlip {
+    speed: f64,
+    omega: f64,
+    rest: f64,
+    drop: f64,
+}
+
+impl StickSlip {
+    fn new(speed: f64) -> Self {
+        let normal = MASS * G;
+        let (rest, drop) = (MU_S * normal / STIFFNESS, (MU_S - MU_D) * normal / STIFFNESS);
+        Self { speed, omega: (STIFFNESS / MASS).sqrt(), rest, drop }
+    }
+
+    fn slip_time(&self) -> f64 {
+        (2.0 * PI - 2.0 * (self.drop * self.omega / self.speed).atan()) / self.omega
+    }
+
+    fn stick_time(&self) -> f64 {
+        2.0 * self.drop / self.speed
+    }
+
+    fn stroke(&self) -> f64 {
+        self.speed * self.slip_time() + 2.0 * self.drop
+    }
+
+    /// Position, speed, and whether it sticks, at a time.
+    fn at(&self, t: f64) -> (f64, f64, bool) {
+        let first = self.rest / self.speed;
+        let period = self.slip_time() + self.stick_time();
+        let cycles = ((t - first) / period).floor().max(0.0);
+        let since = t - first - cycles * period;
+        let x = cycles * self.stroke();
+        if since < 0.0 {
+            return (x, 0.0, true);
+        }
+        if since > self.slip_time() {
+            return (x + self.stroke(), 0.0, true);
+        }
+        let (sin, cos) = (self.omega * since).sin_cos();
+        let swing = self.drop - self.drop * cos - self.speed / self.omega * sin;
+        let rate = self.drop * self.omega * sin - self.speed * cos;
+        (x + self.speed * since + swing, self.speed + rate, false)
+    }
+}
+
+/// Stick-slip over many cycles, in steps of any size, against its closed form; each cycle breaks away and sticks once.
+#[test]
+fn stick_slip_follows_its_closed_form() {
+    for (speed, steps) in [(0.1, 2000), (0.1, 77), (0.1, 20), (0.5, 400), (0.02, 100)] {
+        let exact = StickSlip::new(speed);
+        let span = 10.0 * (exact.slip_time() + exact.stick_time()) + 0.4;
+        let mut run = opened(&block(0.0, STIFFNESS)).started();
+        run.listen(true, false);
+        let h = span / f64::from(steps);
+        let mut events = Vec::new();
+        let mut worst: f64 = 0.0;
+        for k in 0..steps {
+            run.set("pull.force_x", STIFFNESS * speed * f64::from(k) * h);
+            run.set_derivative("pull.force_x", 1, STIFFNESS * speed);
+            run.step(h);
+            events.extend(told(&mut run));
+            run.set("pull.force_x", STIFFNESS * speed * f64::from(k + 1) * h);
+            let (x, v, sticks) = exact.at(f64::from(k + 1) * h);
+            worst = worst.max((run.get("slide.position") - x).abs()).max((run.get("slide.speed") - v).abs());
+            if sticks {
+                assert_eq!(run.get("slide.speed"), 0.0);
+                assert!(run.is("friction.sticking"));
+                assert_eq!(run.get("slide.acceleration"), 0.0);
+                let spring = STIFFNESS * (speed * f64::from(k + 1) * h - x);
+                assert!((run.get("slide.friction_force") + spring).abs() < 1e-8);
+            } else {
+                assert!(!run.is("friction.sticking"));
+            }
+        }
+        assert!(worst < 1e-9, "{worst} at {speed} m/s in {steps} steps");
+        let count = |word: &str| events.iter().filter(|line| line.contains(word)).count();
+        let cycles = ((span - exact.rest / speed) / (exact.slip_time() + exact.stick_time())).floor() as usize;
+        let ends = usize::from(exact.at(span).2);
+        assert_eq!((count("breaks away"), count("holds")), (cycles + 1, cycles + ends), "{events:?}");
+        let drift = run.get("energy.drift");
+        assert!(drift.abs() < 1e-9, "{drift}");
+    }
+}
+
+/// Coulomb's oscillator: each half swing takes pi / omega and loses 2 F_d / k; it ends where the spring has less than the
+/// static friction, and stays there to the bit.
+#[test]
+fn an_oscillator_comes_to_rest() {
+    let normal = MASS * G;
+    let (x0, loss) = (1.0, 2.0 * MU_D * normal / STIFFNESS);
+    let half = PI / (STIFFNESS / MASS).sqrt();
+    let held = MU_S * normal / STIFFNESS;
+    let mut swings = 0;
+    while x0 - f64::from(swings) * loss > held {
+        swings += 1;
+    }
+    let amplitude = |n: i32| (x0 - f64::from(n) * loss) * if n % 2 == 0 { 1.0 } else { -1.0 };
+    for steps in [1, 10, 1000] {
+        let mut definition = block(0.0, STIFFNESS);
+        definition["start"]["position"] = json!(x0);
+        let mut run = opened(&definition).started();
+        for n in 1..swings {
+            run.steps(steps, half);
+            let x = run.get("slide.position");
+            assert!((x - amplitude(n)).abs() < 1e-9, "{x} after {n} swings");
+        }
+        run.steps(steps, 1.5 * half);
+        let x = run.get("slide.position");
+        assert!((x - amplitude(swings)).abs() < 1e-9 && run.is("friction.sticking"), "{x}");
+        assert!(run.get("energy.drift").abs() < 1e-9);
+        run.step(1e6);
+        assert_eq!((run.get("slide.position").to_bits(), run.get("slide.speed").to_bits()), (x.to_bits(), 0));
+    }
+}
+
+/// A block on a slope that static friction holds stays where it is to the bit for 1e6 s, without a step of the
+/// integration; its friction and its normal force balance its weight. On a steeper slope it slides as Coulomb says.
+#[test]
+fn a_block_on_a_slope_does_not_creep() {
+    let slope = f64::atan(0.29);
+    let mut run = opened(&block(slope, 0.0)).started();
+    let place = run.get("slide.position");
+    run.step(1.0);
+    run.steps(1000, 1e6);
+    assert_eq!((run.get("slide.position").to_bits(), run.get("slide.speed").to_bits()), (place.to_bits(), 0));
+    assert_eq!(run.statistics().accepted, 0);
+    let (along, across) = (MASS * G * slope.sin(), MASS * G * slope.cos());
+    assert!((run.get("slide.friction_force") - along).abs() < 1e-12 * along);
+    assert!((run.get("slide.force") - (MASS * G)).abs() < 1e-12 * across);
+    assert!(run.is("friction.sticking") && run.get("energy.drift") == 0.0);
+    let slope = f64::atan(0.31);
+    let mut run = opened(&block(slope, 0.0)).started();
+    run.step(2.0);
+    let way = -0.5 * (G * slope.sin() - MU_D * G * slope.cos()) * 4.0;
+    assert!((run.get("slide.position") - way).abs() < 1e-11 && !run.is("friction.sticking"));
+}
+
+/// The gear sticks between its two breakaway forces and breaks away where a rising force of the drive meets one, whatever
+/// the steps; meanwhile the joints carry friction within their static limits, and the reactions balance the loads.
+#[test]
+fn the_gear_sticks_between_its_breakaway_forces() {
+    let text = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
+    let text = text.replace("\"enabled\": false, \"static", "\"enabled\": true, \"law\": \"stick\", \"static");
+    let mut start = Run::new(&text).with(&[("crank.start_angle", 0.3)]);
+    start.set("airspeed", 0.0);
+    let mut at_rest = start.clone();
+    let [forward, backward] =
+        ["breakaway_force_forward", "breakaway_force_backward"].map(|name| at_rest.get(&format!("actuator.{name}")));
+    assert!(backward < forward);
+    for (force, sticks) in [
+        (forward - 1e-6, true),
+        (forward + 1e-6, false),
+        (backward + 1e-6, true),
+        (backward - 1e-6, false),
+        (0.5 * (forward + backward), true),
+    ] {
+        let mut gear = start.clone().with(&[("actuator.force", force)]).started();
+        assert_eq!(gear.is("friction.sticking"), sticks, "{force}");
+        let angle = gear.get("crank.angle");
+        gear.step(10.0_f64.powi(if sticks { 6 } else { -3 }));
+        assert_eq!(gear.get("crank.angle") == angle, sticks, "{force}");
+        if sticks {
+            for joint in 1..=4 {
+                let radius = if joint == 1 { 0.0175 } else { 0.015 };
+                let limit = 0.19 * radius * gear.get(&format!("joint{joint}.force"));
+                let torque = gear.get(&format!("joint{joint}.friction_torque"));
+                assert!(torque.abs() <= limit * (1.0 + 1e-12), "joint{joint}: {torque}, at most {limit}");
+            }
+        }
+    }
+    // A force that rises from the middle of the range meets the forward one after a second.
+    let (middle, rate) = (0.5 * (forward + backward), 0.5 * (forward - backward));
+    for steps in [1, 3, 100] {
+        for (late, sticks) in [(-1e-9, true), (1e-7, false)] {
+            let mut gear = start.clone().with(&[("actuator.force", middle)]).started();
+            let h = (1.0 + late) / f64::from(steps);
+            for k in 0..steps {
+                gear.set("actuator.force", middle + rate * f64::from(k) * h);
+                gear.set_derivative("actuator.force", 1, rate);
+                gear.step(h);
+            }
+            assert_eq!(gear.get("crank.speed") == 0.0, sticks, "{steps} steps, {late}");
+        }
+    }
+}
+
+/// The same motion through a saved state in the midst of sticking and of slipping, to the bit.
+#[test]
+fn a_saved_state_goes_on_to_the_bit() {
+    for before in [3, 40, 55] {
+        let mut run = opened(&block(0.0, STIFFNESS)).started();
+        let step = |run: &mut Run, k: i32| {
+            run.set("pull.force_x", STIFFNESS * 0.1 * f64::from(k) * 0.05);
+            run.set_derivative("pull.force_x", 1, STIFFNESS * 0.1);
+            run.step(0.05);
+        };
+        (0..before).for_each(|k| step(&mut run, k));
+        let mut bytes = Vec::new();
+        run.snapshot().write(&mut bytes).unwrap();
+        let mut other = opened(&block(0.0, STIFFNESS)).started();
+        let snapshot = other.read_snapshot(&bytes).unwrap();
+        other.restore(&snapshot).unwrap();
+        for k in before..100 {
+            step(&mut run, k);
+            step(&mut other, k);
+            let both = [&mut run, &mut other].map(|run| run.get("slide.position").to_bits());
+            assert_eq!(both[0], both[1], "step {k}");
+        }
+    }
+}
+
+/// A Stribeck curve: with V_S and V_d the coefficient falls from mu_S to mu_d; the work of friction agrees.
+#[test]
+fn friction_falls_along_its_stribeck_curve() {
+    let mut definition = block(0.0, 0.0);
+    definition["friction"]["kinetic_speed"] = json!(1.0);
+    definition["start"]["speed"] = json!(0.5);
+    let mut run = opened(&definition).started();
+    // Half way the cubic step is half way.
+    let friction = run.get("slide.friction_force");
+    assert!((friction + 0.5 * (MU_S + MU_D) * MASS * G).abs() < 1e-12, "{friction}");
+    run.step(1.0);
+    assert_eq!(run.get("slide.speed"), 0.0);
+    assert!(run.get("energy.drift").abs() < 1e-11);
+    // x = the integral of v / (mu(v) g) from 0 to 0.5 m/s, by the trapezoidal rule of a smooth function with Simpson's.
+    let mu = |v: f64| MU_S + (MU_D - MU_S) * v * v * (3.0 - 2.0 * v);
+    let f = |v: f64| v / (mu(v) * G);
+    let n = 2000;
+    let h = 0.5 / f64::from(n);
+    let inner: f64 = (1..n).map(|k| f(f64::from(k) * h) * if k % 2 == 1 { 4.0 } else { 2.0 }).sum();
+    let way = (f(0.0) + inner + f(0.5)) * h / 3.0;
+    assert!((run.get("slide.position") - way).abs() < 1e-11, "{} {way}", run.get("slide.position"));
+}
+
+/// A block that bounces on a stop with friction, sticks at the stop while pressed and lets go beyond static friction.
+#[test]
+fn a_stop_and_friction_hold_together() {
+    let mut definition = block(0.0, 0.0);
+    definition["stops"] = json!({ "end": { "joint": "slide", "limit": "upper", "position": 0.5, "restitution": 0.5 } });
+    definition["start"]["speed"] = json!(2.0);
+    let mut run = opened(&definition).started();
+    run.step(10.0);
+    // v^2 = 4 - 2 mu g 0.5 at the stop, then a quarter of it over 2 mu g.
+    let back = 0.25 * (4.0 - 2.0 * MU_D * G * 0.5) / (2.0 * MU_D * G);
+    let x = run.get("slide.position");
+    assert!((x - (0.5 - back)).abs() < 1e-10 && run.is("friction.sticking"), "{x}");
+    assert!(run.get("energy.drift").abs() < 1e-10);
+    let mut definition = definition.clone();
+    definition["start"] = json!({ "joint": "slide", "position": 0.5, "speed": 0 });
+    let mut run = opened(&definition).started();
+    let held = MU_S * MASS * G;
+    for (force, sticks, stays) in
+        [(2.0 * held, false, true), (0.5 * held, true, true), (-0.99 * held, true, true), (-1.01 * held, false, false)]
+    {
+        run.set("pull.force_x", force);
+        assert_eq!(run.is("friction.sticking"), sticks, "{force}");
+        run.step(1.0);
+        assert_eq!(run.get("slide.position") == 0.5, stays, "{force}");
+    }
+}
+
+/// Less static than kinetic friction is refused where the law sticks.
+#[test]
+fn static_below_kinetic_friction_is_refused() {
+    let mut definition = block(0.0, 0.0);
+    definition["friction"]["static_coefficient"] = json!(0.1);
+    let refusal = Model::from_json(&definition.to_string()).unwrap_err();
+    assert_says(refusal, &["friction.static_coefficient", "0.1", "0.2", "stick"]);
+}
