@@ -19,7 +19,7 @@ const MODEL: &str = "FourBar";
 const STUDY: &str = r#"{
     "mechanism": "my four-bar.json",
     "factors": { "load_factor": { "values": [0.5, 1, 1.5] } },
-    "scenario": { "stop_time": 0.2 },
+    "scenario": { "stop_time": 0.2, "output_interval": 0.01 },
     "responses": { "drift": { "maximum": "energy.drift" } }
 }"#;
 
