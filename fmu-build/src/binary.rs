@@ -12,6 +12,8 @@ use object::read::NameOrOrdinal;
 use object::read::macho::{FatArch, MachOFatFile32, MachOFatFile64};
 use object::{Architecture, BinaryFormat, FileKind, Object, ObjectKind};
 
+/// Folder of the libraries in an FMU.
+pub const FOLDER: &str = "binaries";
 /// A function that every library of an FMU has.
 const FUNCTION: &str = "fmi2Instantiate";
 /// A function that a library has which also serves FMI 3.0.
@@ -156,7 +158,7 @@ fn platform(name: &str) -> Option<&'static Platform> {
 
 /// Path in an FMU of the library for the platform of this name; None if FMI has no such platform.
 pub fn path(name: &str, model_identifier: &str) -> Option<String> {
-    Some(format!("binaries/{name}/{model_identifier}.{}", platform(name)?.extension))
+    Some(format!("{FOLDER}/{name}/{model_identifier}.{}", platform(name)?.extension))
 }
 
 /// Whether this is a library of FMI 2.0 for the platform of this name.

@@ -53,6 +53,25 @@ pub fn read(path: &Path, largest: u64) -> Result<Vec<u8>> {
     fs::read(path).with_context(|| format!("{shown}: cannot be read"))
 }
 
+/// Copy a file, or a folder with all that is in it but for what programs make there: `target` of Cargo, `__pycache__` of Python.
+///
+/// # Errors
+/// Something cannot be read or written.
+pub fn copy_all(from: &Path, to: &Path) -> Result<()> {
+    let shown = from.display().to_string();
+    if !from.is_dir() {
+        fs::create_dir_all(to.parent().unwrap_or(Path::new("."))).with_context(|| shown.clone())?;
+        return fs::copy(from, to).map(drop).with_context(|| format!("{shown}: cannot be copied"));
+    }
+    for entry in fs::read_dir(from).with_context(|| format!("{shown}: cannot be listed"))? {
+        let name = entry?.file_name();
+        if name != "target" && name != "__pycache__" {
+            copy_all(&from.join(&name), &to.join(&name))?;
+        }
+    }
+    Ok(())
+}
+
 /// Put a file with this content at `path`, with its folder; a file that stands there is replaced at once, or not at
 /// all. Any number of programs may do so at the same time: each writes a file of its own name, and the last one to
 /// rename its file wins.

@@ -51,7 +51,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     } else {
         let Definition { shown, kind, text } = Definition::read(workspace, &arguments.path)?;
         let component = Component::from_definition(kind, &text)
-            .with_context(|| format!("{shown}; `cargo fmu check` tells more"))?;
+            .with_context(|| format!("{shown}; `{} check` tells more", workspace.program()))?;
         let description = Description::parse(&fmi2::to_xml(&component).with_context(|| shown.clone())?)?;
         Told {
             file: shown,

@@ -90,8 +90,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
     if !refused.is_empty() {
         bail!("nothing was packed: {}", refused.join("\n"));
     }
-    let mut binaries = further(arguments)?;
-    binaries.extend(platform::build(workspace, arguments)?);
+    let binaries = libraries(workspace, arguments)?;
     let out = arguments.out.clone().unwrap_or_else(|| workspace.fmu_folder());
     let interfaces: HashMap<_, _> =
         prepared.iter().map(|fmu| (fmu.name.clone(), fmu.component.interface().clone())).collect();
@@ -123,6 +122,16 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
 /// As for [`run`].
 pub fn default(workspace: &Workspace) -> Result<PathBuf> {
     run(workspace, &Arguments::of_fmi_2())?.pop().context("no FMU was packed")
+}
+
+/// The libraries asked for, those that were built elsewhere first.
+///
+/// # Errors
+/// One of them cannot be had, or is for no platform.
+pub(crate) fn libraries(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<Binary>> {
+    let mut binaries = further(arguments)?;
+    binaries.extend(platform::build(workspace, arguments)?);
+    Ok(binaries)
 }
 
 /// The libraries that were built elsewhere.

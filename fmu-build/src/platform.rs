@@ -1,13 +1,14 @@
-//! The platforms whose libraries are built here, and what is missing on this machine for the others.
+//! The platforms whose libraries are built here, and what is missing on this machine for the others. An installation takes
+//! those that came with it.
 //!
-//! In: the platforms asked for. Out: a library for each, or one line for each that cannot be built, with the remedy.
+//! In: the platforms asked for. Out: a library for each, or one line for each that cannot be had, with the remedy.
 
 use crate::binary::{ARM_LINUX, Binary, COMPATIBLE};
-use crate::command;
 use crate::library::{self, Target};
 use crate::needs::{self, Needs};
 use crate::package::Arguments;
 use crate::workspace::Workspace;
+use crate::{command, files, prebuilt};
 use anyhow::{Context, Result, bail};
 use fmu_cli::Platform;
 use std::env;
@@ -115,10 +116,19 @@ pub fn folders(arguments: &Arguments) -> Result<Vec<&'static str>> {
     Ok(folders)
 }
 
-/// Build a library for each platform asked for; with `--available` for those that can be built here.
+/// How a library is come by.
+enum Way {
+    /// Built, for another machine if that is told.
+    Built(Option<Target>),
+    /// Built before: this file.
+    Taken(PathBuf),
+}
+
+/// Build a library for each platform asked for, or take the one that came with the program; with `--available` for those that can be built here.
 ///
 /// # Errors
-/// A platform cannot be built here, told for all of them before anything is built; a build fails.
+/// A platform cannot be built here or did not come with the program, told for all of them before anything is built; a build
+/// fails.
 pub fn build(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<Binary>> {
     let mut wanted = wanted(arguments);
     if wanted.is_empty() {
@@ -134,9 +144,14 @@ pub fn build(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<Binary>
     let mut missing = Vec::new();
     let mut targets = Vec::new();
     for toolchain in wanted.drain(..) {
-        match target(workspace, toolchain, arguments.glibc.as_deref()) {
-            Ok(target) => targets.push((toolchain, target)),
-            Err(reason) => missing.push(format!("{}: cannot be built here: {reason:#}", toolchain.tuple)),
+        let glibc = arguments.glibc.as_deref();
+        let way = match workspace.installation() {
+            Some(root) => prebuilt::path(root, toolchain.folder).map(Way::Taken),
+            None => target(workspace, toolchain, glibc).map(Way::Built).context("cannot be built here"),
+        };
+        match way {
+            Ok(way) => targets.push((toolchain, way)),
+            Err(reason) => missing.push(format!("{}: {reason:#}", toolchain.tuple)),
         }
     }
     if !missing.is_empty() && (!arguments.available || targets.is_empty()) {
@@ -144,10 +159,13 @@ pub fn build(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<Binary>
         bail!("nothing was packed: {}{more}", missing.join("\n"));
     }
     missing.iter().for_each(|line| println!("left out: {line}"));
-    let build = |(toolchain, target): (&Toolchain, Option<Target>)| {
-        let content = library::build(workspace, target.as_ref())?;
-        // A library for this machine alone may need what is on it.
-        if target.is_some() {
+    let build = |(toolchain, way): (&Toolchain, Way)| {
+        let content = match &way {
+            Way::Built(target) => library::build(workspace, target.as_ref())?,
+            Way::Taken(path) => files::read(path, u64::MAX)?,
+        };
+        // A library that is built for this machine alone may need what is on it.
+        if !matches!(way, Way::Built(None)) {
             loads_widely(&content, arguments.glibc.as_deref())
                 .with_context(|| format!("the library for {}", toolchain.tuple))?;
         }
@@ -159,7 +177,13 @@ pub fn build(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<Binary>
 
 /// This machine's own library, in the folder where importers on it look.
 fn own(workspace: &Workspace) -> Result<Binary> {
-    let content = library::build(workspace, None)?;
+    let content = match workspace.installation() {
+        Some(root) => {
+            let folder = if library::tuple() == ARM.tuple { ARM.folder } else { library::platform()? };
+            files::read(&prebuilt::path(root, folder)?, u64::MAX)?
+        }
+        None => library::build(workspace, None)?,
+    };
     if library::tuple() == ARM.tuple {
         return Ok(Binary::new(ARM.folder, content, ARM.triple)?.compatible());
     }
@@ -181,11 +205,7 @@ fn target(workspace: &Workspace, toolchain: &Toolchain, glibc: Option<&str>) -> 
         return Ok(Some(Target { subcommand: "build", triple: triple.to_owned(), extension, arguments, variables }));
     };
     let arguments = standard_library(toolchain)?;
-    let requirements = workspace.python_scripts().join("zig").join("requirements.txt");
-    let python = command::environment(&workspace.target("venv-zig"), &requirements).context("zig")?;
-    // Cargo finds its subcommand, and that finds zig, on the path.
-    let folder = python.parent().map(Path::to_path_buf).into_iter();
-    let path = env::join_paths(folder.chain(env::split_paths(&env::var_os("PATH").unwrap_or_default())))?;
+    let path = path_with_zig(workspace)?;
     let triple = format!("{triple}.{glibc}");
     Ok(Some(Target {
         subcommand: "zigbuild",
@@ -194,6 +214,31 @@ fn target(workspace: &Workspace, toolchain: &Toolchain, glibc: Option<&str>) -> 
         arguments,
         variables: vec![("PATH".to_owned(), path)],
     }))
+}
+
+/// The path on which Cargo finds the subcommand that links by zig, and that finds zig.
+///
+/// # Errors
+/// They cannot be installed from PyPI.
+pub fn path_with_zig(workspace: &Workspace) -> Result<OsString> {
+    let requirements = workspace.python_scripts().join("zig").join("requirements.txt");
+    let python = command::environment(&workspace.target("venv-zig"), &requirements).context("zig")?;
+    let folder = python.parent().map(Path::to_path_buf).into_iter();
+    Ok(env::join_paths(folder.chain(env::split_paths(&env::var_os("PATH").unwrap_or_default())))?)
+}
+
+/// Rust's name for this machine, for which `--glibc` asks the linker.
+///
+/// # Errors
+/// This machine is none of those that libraries for Linux are built for.
+pub fn own_triple() -> Result<&'static str> {
+    let own = [&X86_LINUX, &ARM].into_iter().find(|own| own.tuple == library::tuple());
+    own.map(|own| own.triple).with_context(|| format!("--glibc: is for Linux, and this is {}", library::tuple()))
+}
+
+/// This machine as a platform whose library has a folder of its own in FMI 2.0, if it has another one by default.
+pub fn own_by_name() -> Option<Platform> {
+    (library::tuple() == ARM.tuple).then_some(Platform::ArmLinux)
 }
 
 /// Whether a library that was built for other machines will find there what it needs.

@@ -209,7 +209,7 @@ fn described_folder(workspace: &Workspace, definition: &Path) -> Option<PathBuf>
 }
 
 fn is_same(parent: Option<&Path>, workspace: &Workspace) -> bool {
-    parent.is_some_and(|parent| workspace.descriptions().canonicalize().is_ok_and(|folder| folder == parent))
+    parent.is_some_and(|parent| workspace.keeps_descriptions(parent))
 }
 
 /// Error for what stands in a folder and is neither file nor folder.

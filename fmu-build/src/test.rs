@@ -4,7 +4,7 @@ mod platforms;
 mod reproducible;
 
 use crate::workspace::Workspace;
-use crate::{command, files, package};
+use crate::{command, dist, files, package};
 use anyhow::{Context, Result};
 pub use fmu_cli::Test as Arguments;
 use std::path::Path;
@@ -54,6 +54,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
             .current_dir(workspace.root());
         command::run(&mut pytest, "pytest")
     })?;
+    stage("wheel", || dist::run(workspace, &dist::Arguments { test: true, ..Default::default() }))?;
     let folder = workspace.browser_tests();
     let python = stage("Python environment of the browser tests", || {
         command::environment(&workspace.target("venv-browser"), &folder.join("requirements.txt"))
@@ -65,7 +66,10 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
         pytest.env(VIEW, program).env(FMU_FOLDER, workspace.fmu_folder()).current_dir(workspace.root());
         command::run(&mut pytest, "pytest")
     })?;
-    println!("all tests passed: Rust, packaging, Python style, FMPy, browser ({:.0} s)", start.elapsed().as_secs_f64());
+    println!(
+        "all tests passed: Rust, packaging, Python style, FMPy, wheel, browser ({:.0} s)",
+        start.elapsed().as_secs_f64()
+    );
     Ok(())
 }
 

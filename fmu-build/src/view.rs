@@ -31,7 +31,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
     let data = Data::collect(&checked, &wanted)?;
     let html = html(&data)?;
     let path =
-        arguments.out.clone().unwrap_or_else(|| workspace.target("view").join(format!("{}.html", data.file_name())));
+        arguments.out.clone().unwrap_or_else(|| workspace.output("view").join(format!("{}.html", data.file_name())));
     files::replace(&path, html.as_bytes())?;
     println!("{} ({} kB, {})", path.display(), html.len().div_ceil(1000), data.summary());
     if arguments.open {

@@ -1,6 +1,9 @@
-//! Where things are. The only part that knows the repository's layout.
+//! Where things are. The only part that knows the layout of the repository, and that of an installation, which has the parts of
+//! the repository that tasks read in the same places, with libraries that are built.
 
-use anyhow::{Context, Result};
+use crate::binary;
+use anyhow::{Context, Result, bail};
+use fmu_cli::{Task, installed};
 use linkage_fmu::component::Component;
 use std::env;
 use std::fs;
@@ -11,9 +14,13 @@ pub const MECHANISM: &str = "mechanism.json";
 /// Folder of the FMU that `package` and `demo` take when none is named.
 pub const DEFAULT_FMU: &str = "LandingGearRetraction";
 
-/// The checked-out repository.
+/// Folder of an installation, from that of the environment into which pip has put it.
+pub const INSTALLED: &str = "share/linkage-fmu";
+
+/// The checked-out repository, or an installation.
 pub struct Workspace {
     root: PathBuf,
+    is_installed: bool,
 }
 
 impl Workspace {
@@ -22,10 +29,53 @@ impl Workspace {
         let package =
             env::var_os("CARGO_MANIFEST_DIR").map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")), PathBuf::from);
         let root = package.parent().map_or_else(|| PathBuf::from("."), Path::to_path_buf);
-        Self { root }
+        Self { root, is_installed: false }
     }
 
-    /// The repository's top folder.
+    /// The installation that this program belongs to: `share/linkage-fmu` beside the folder of the program.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn installed() -> Result<Self> {
+        let program = env::current_exe().context("this program has no path")?;
+        // A link leads to the program, and not beside it.
+        let program = program.canonicalize().unwrap_or(program);
+        Self::installed_in(program.ancestors().nth(2).unwrap_or(Path::new(".")))
+    }
+
+    fn installed_in(environment: &Path) -> Result<Self> {
+        let root = environment.join(INSTALLED);
+        if !root.join(binary::FOLDER).is_dir() {
+            bail!("{}: the files of the program are not there; install the wheel again by pip", root.display());
+        }
+        Ok(Self { root, is_installed: true })
+    }
+
+    /// How the program is called.
+    pub fn program(&self) -> &'static str {
+        if self.is_installed { installed::PROGRAM } else { "cargo fmu" }
+    }
+
+    /// Whether a task can be done here.
+    ///
+    /// # Errors
+    /// It works on the source, and this is an installation.
+    pub fn serves(&self, task: &Task) -> Result<()> {
+        match installed::needs_source(task) {
+            Some(name) if self.is_installed => bail!(
+                "{name}: works on the source, which an installation does not have; say `cargo fmu {name}` in a \
+                 checked-out repository"
+            ),
+            _ => Ok(()),
+        }
+    }
+
+    /// The installation, whose libraries came with the program; None for the repository, where they are built.
+    pub fn installation(&self) -> Option<&Path> {
+        self.is_installed.then_some(&self.root)
+    }
+
+    /// The top folder of the repository or of the installation.
     pub fn root(&self) -> &Path {
         &self.root
     }
@@ -50,14 +100,36 @@ impl Workspace {
         Ok(folders)
     }
 
-    /// Where FMUs are written when no other folder is named; the same place whatever `CARGO_TARGET_DIR` says.
-    pub fn fmu_folder(&self) -> PathBuf {
-        self.target("fmu")
+    /// Whether this folder is where the descriptions of FMUs are kept beside their definitions: `modelDescription/` of the
+    /// repository.
+    pub fn keeps_descriptions(&self, folder: &Path) -> bool {
+        !self.is_installed && self.descriptions().canonicalize().is_ok_and(|own| own == folder)
     }
 
-    /// A folder of what is made: FMUs, the demo, Python's virtual environments, what benchmarks keep on the way.
+    /// Where FMUs are written when no other folder is named; the same place whatever `CARGO_TARGET_DIR` says.
+    pub fn fmu_folder(&self) -> PathBuf {
+        self.output("fmu")
+    }
+
+    /// Where results of this kind are written when no other folder is named: in `target/` of the repository; for an installed
+    /// program here.
+    pub fn output(&self, kind: &str) -> PathBuf {
+        if self.is_installed { PathBuf::from(".") } else { self.target(kind) }
+    }
+
+    /// A folder of what is made on the way: Python's virtual environments, what benchmarks keep. An installed program has it
+    /// in the user's folder for such things.
     pub fn target(&self, name: &str) -> PathBuf {
-        self.root.join("target").join(name)
+        let folder = match self.is_installed {
+            true => dirs::cache_dir().unwrap_or_else(env::temp_dir).join(installed::PROGRAM),
+            false => self.root.join("target"),
+        };
+        folder.join(name)
+    }
+
+    /// The command line of the wheel, with its settings.
+    pub fn wheel(&self) -> PathBuf {
+        self.root.join("fmu-build").join("wheel")
     }
 
     /// The Python tests, with their requirements and settings.
@@ -88,5 +160,39 @@ impl Workspace {
     /// The committed results of the benchmarks.
     pub fn results(&self) -> PathBuf {
         self.validation().join("results")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+    use fmu_cli::Cli;
+
+    #[test]
+    fn an_installation_without_its_files_is_refused() {
+        let message = Workspace::installed_in(Path::new("/nowhere")).err().unwrap().to_string();
+        assert!(
+            message.contains("/nowhere/share/linkage-fmu: ") && message.contains("install the wheel again"),
+            "{message}"
+        );
+    }
+
+    #[test]
+    fn an_installation_refuses_what_needs_the_source() {
+        let installation = Workspace { root: PathBuf::from("/nowhere"), is_installed: true };
+        let serves = |workspace: &Workspace, words: &[&str]| {
+            let line = ["linkage-fmu"].iter().chain(words);
+            workspace.serves(&Cli::try_parse_from(line).unwrap().task).map_err(|error| error.to_string())
+        };
+        for name in ["test", "bench", "demo", "report", "dist"] {
+            let message = serves(&installation, &[name]).unwrap_err();
+            assert!(message.contains(&format!("say `cargo fmu {name}` in a checked-out repository")), "{message}");
+            serves(&Workspace::locate(), &[name]).unwrap();
+        }
+        serves(&installation, &["package"]).unwrap();
+        assert_eq!(installation.output("fmu"), Path::new("."));
+        assert!(!installation.keeps_descriptions(&installation.descriptions()));
+        assert!(!installation.target("venv-cluster").starts_with("/nowhere"));
     }
 }

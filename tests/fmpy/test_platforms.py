@@ -3,13 +3,14 @@ elsewhere."""
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import zipfile
 from pathlib import Path
 
 import fmpy
 import pytest
-from conftest import NAME
+from conftest import NAME, REPOSITORY
 from fmpy.validation import validate_fmu
 from test_own_mechanism import package as package_in
 from test_own_mechanism import refused
@@ -130,3 +131,21 @@ def test_wrong_platforms_are_refused(tmp_path: Path, name: str) -> None:
     for fragment in fragments:
         assert fragment in done.stderr
     assert not (tmp_path / "out").exists()
+
+
+def test_an_fmu_does_not_tell_where_it_was_made(tmp_path: Path) -> None:
+    """The same bytes from two folders, and no path of the repository in them: the cheap half of `cargo fmu test
+    --reproducible`, which builds the library twice."""
+    contents = []
+    for name in ("a", "another folder"):
+        folder = tmp_path / name / NAME
+        shutil.copytree(REPOSITORY / "modelDescription" / NAME, folder)
+        done = package_in(tmp_path / name, "--out", ".", NAME)
+        assert done.returncode == 0, done.stderr
+        contents.append((tmp_path / name / f"{NAME}.fmu").read_bytes())
+    assert contents[0] == contents[1]
+    with zipfile.ZipFile(tmp_path / "a" / f"{NAME}.fmu") as archive:
+        for entry in archive.namelist():
+            content = archive.read(entry)
+            assert str(REPOSITORY).encode() not in content, entry
+            assert str(tmp_path).encode() not in content, entry

@@ -2,6 +2,8 @@
 //!
 //! In: words. Out: a task with its arguments, or help. It must not know the engine, so that it is built in seconds: the
 //! first command of a newcomer asks for help.
+pub mod installed;
+
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -40,14 +42,16 @@ pub enum Task {
     Chain(Chain),
     /// Recompute the papers' figures through FMPy: validation/report.md, report.html and figures
     Report(Report),
-    /// Run every test: Rust, packaging, Python style, FMPy, pages in a browser
+    /// Make a Python wheel of this program and the libraries: `pip install` where there is no Rust
+    Dist(Dist),
+    /// Run every test: Rust, packaging, Python style, FMPy, the wheel, pages in a browser
     Test(Test),
     /// Run the benchmarks of the validation package
     Bench(Bench),
 }
 
 /// Arguments of `package`.
-#[derive(Args, Default)]
+#[derive(Args, Clone, Default)]
 pub struct Package {
     /// A definition file (mechanism.json), or a folder that holds one [default: modelDescription/LandingGearRetraction]
     #[arg(value_name = "PATH", conflicts_with = "all")]
@@ -293,6 +297,30 @@ pub struct Chain {
     /// A file that ends in .json, or a folder, written as resources/mechanism.json in it [default: standard output]
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
+}
+
+/// Arguments of `dist`.
+#[derive(Args, Default)]
+pub struct Dist {
+    /// Platforms whose libraries go into the wheel; the wheel itself is for this machine's [default: this machine's own]
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "PLATFORMS")]
+    pub platforms: Vec<Platform>,
+    /// Take what can be built here of --platforms, and tell what is left out; without it a missing platform is an error
+    #[arg(long, requires = "platforms")]
+    pub available: bool,
+    /// One more platform's library, built elsewhere from this same version (win64=path/to.dll); may be given repeatedly
+    #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library)]
+    pub binaries: Vec<Library>,
+    /// Oldest glibc on which the program and the libraries for Linux are to run, 2.17 or later: zig links them [default: the
+    /// one that this machine's linker asks for]
+    #[arg(long, value_name = "VERSION", value_parser = glibc)]
+    pub glibc: Option<String>,
+    /// Folder for the wheel [default: target/dist in the repository]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Install the wheel in a new virtual environment and run its commands there without Rust
+    #[arg(long)]
+    pub test: bool,
 }
 
 /// Arguments of `test`.

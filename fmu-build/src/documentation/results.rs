@@ -49,7 +49,8 @@ impl Results {
         let count = component.interface().list().iter().filter(is_output).count();
         if count > MOST_OUTPUTS {
             bail!(
-                "the model has {count} outputs, at most {MOST_OUTPUTS}; record those you need by `cargo fmu simulate`"
+                "the model has {count} outputs, at most {MOST_OUTPUTS}; record those you need by `{} simulate`",
+                workspace.program()
             );
         }
         let folder = workspace.target("reference");

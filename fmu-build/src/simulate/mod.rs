@@ -48,7 +48,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     check(arguments)?;
     let definition = Definition::read(workspace, &arguments.path)?;
     let mut model = Component::from_definition(definition.kind, &definition.text)
-        .with_context(|| format!("{}; `cargo fmu check` tells more", definition.shown))?;
+        .with_context(|| format!("{}; `{} check` tells more", definition.shown, workspace.program()))?;
     for finding in model.warnings() {
         eprintln!("warning: {}", finding.message);
     }

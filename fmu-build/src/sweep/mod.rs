@@ -82,7 +82,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     let out = arguments
         .out
         .clone()
-        .unwrap_or_else(|| workspace.target("sweep").join(arguments.study.file_stem().unwrap_or_default()));
+        .unwrap_or_else(|| workspace.output("sweep").join(arguments.study.file_stem().unwrap_or_default()));
     fs::create_dir_all(&out)
         .with_context(|| format!("{}: the folder cannot be made; name another with --out", out.display()))?;
     let identity = format!("{:032x}", study.identity);
@@ -159,7 +159,10 @@ impl Study {
         let Stated { definition, text, folder, mechanism, model, component } = Stated::read(workspace, path)?;
         let shown = path.display();
         if definition.objective.is_some() || !definition.constraints.is_empty() || definition.search.is_some() {
-            bail!("{shown}: objective, constraints and search: belong to `cargo fmu optimise`; leave them out");
+            bail!(
+                "{shown}: objective, constraints and search: belong to `{} optimise`; leave them out",
+                workspace.program()
+            );
         }
         let design = Design::new(&definition, &folder, component.interface()).with_context(|| format!("{shown}"))?;
         let task = task(&definition, &folder, &component, design.factors()).with_context(|| format!("{shown}"))?;
@@ -194,8 +197,9 @@ impl Stated {
         let shown = path.display();
         let mechanism = folder.join(&definition.mechanism);
         let model = source::Definition::read(workspace, &mechanism).with_context(|| format!("{shown}: mechanism"))?;
-        let component = Component::from_definition(model.kind, &model.text)
-            .with_context(|| format!("{shown}: mechanism: {}; `cargo fmu check` tells more", model.shown))?;
+        let component = Component::from_definition(model.kind, &model.text).with_context(|| {
+            format!("{shown}: mechanism: {}; `{} check` tells more", model.shown, workspace.program())
+        })?;
         for finding in component.warnings() {
             eprintln!("warning: {}", finding.message);
         }

@@ -3,8 +3,8 @@
 //! In: the repository. Out: a line; an error if a copy of the repository in another folder gives other bytes.
 
 use crate::binary;
-use crate::command;
 use crate::workspace::Workspace;
+use crate::{command, files};
 use anyhow::{Context, Result, bail};
 use std::env::consts::DLL_EXTENSION;
 use std::fs;
@@ -26,7 +26,7 @@ pub fn run(workspace: &Workspace) -> Result<()> {
         fs::remove_dir_all(&copy).with_context(|| format!("{}: cannot be removed", copy.display()))?;
     }
     for part in PARTS {
-        copy_all(&workspace.root().join(part), &copy.join(part))?;
+        files::copy_all(&workspace.root().join(part), &copy.join(part))?;
     }
     let here = build(workspace, workspace.root(), &folder.join("target-here"))?;
     let there = build(workspace, &copy, &folder.join("target-in-the-copy"))?;
@@ -56,22 +56,6 @@ fn build(workspace: &Workspace, root: &Path, target: &Path) -> Result<Vec<u8>> {
 fn first_difference(a: &[u8], b: &[u8]) -> Option<usize> {
     let first = a.iter().zip(b).position(|(a, b)| a != b);
     first.or_else(|| (a.len() != b.len()).then(|| a.len().min(b.len())))
-}
-
-fn copy_all(from: &Path, to: &Path) -> Result<()> {
-    let shown = from.display().to_string();
-    if !from.is_dir() {
-        fs::create_dir_all(to.parent().unwrap_or(Path::new("."))).with_context(|| shown.clone())?;
-        return fs::copy(from, to).map(drop).with_context(|| format!("{shown}: cannot be copied"));
-    }
-    for entry in fs::read_dir(from).with_context(|| format!("{shown}: cannot be listed"))? {
-        let name = entry?.file_name();
-        // What other builds made is no source.
-        if name != "target" {
-            copy_all(&from.join(&name), &to.join(&name))?;
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -116,7 +116,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     let out = arguments
         .out
         .clone()
-        .unwrap_or_else(|| workspace.target("optimise").join(arguments.study.file_stem().unwrap_or_default()));
+        .unwrap_or_else(|| workspace.output("optimise").join(arguments.study.file_stem().unwrap_or_default()));
     fs::create_dir_all(&out)
         .with_context(|| format!("{}: the folder cannot be made; name another with --out", out.display()))?;
     let mut component = stated.component.clone();

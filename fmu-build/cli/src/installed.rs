@@ -1,0 +1,115 @@
+//! The command line of an installation: `linkage-fmu`, the tasks of `cargo fmu` that need no source.
+//!
+//! In: the command line of `cargo fmu`. Out: the same one under the other name, with the places where an installed program writes.
+use crate::{Cli, Task};
+use clap::{Command, CommandFactory, FromArgMatches};
+
+/// Name of the program.
+pub const PROGRAM: &str = "linkage-fmu";
+
+/// Tasks that work on the source.
+const OF_THE_SOURCE: [&str; 5] = ["demo", "report", "dist", "test", "bench"];
+
+/// Name of a task that works on the source; None of all others.
+pub fn needs_source(task: &Task) -> Option<&'static str> {
+    match task {
+        Task::Demo(_) => Some("demo"),
+        Task::Report(_) => Some("report"),
+        Task::Dist(_) => Some("dist"),
+        Task::Test(_) => Some("test"),
+        Task::Bench(_) => Some("bench"),
+        _ => None,
+    }
+}
+
+/// What this program was called with. Help and wrong usage are answered, and end it.
+pub fn parse() -> Cli {
+    let matches = command().get_matches();
+    Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command()).exit())
+}
+
+/// The command line. Tasks that work on the source are taken, to be refused by name, and not shown.
+pub fn command() -> Command {
+    let mut command = Cli::command().name(PROGRAM).bin_name(PROGRAM).about("Packs, checks, runs and draws mechanisms");
+    for name in OF_THE_SOURCE {
+        command = command.mut_subcommand(name, |task| task.hide(true));
+    }
+    let helps = [
+        (
+            "package",
+            "paths",
+            "A definition file (mechanism.json), or a folder that holds one [default: the landing gear that comes with the program]",
+        ),
+        (
+            "package",
+            "all",
+            "Every mechanism that comes with the program, and the system of the landing gear and its hydraulic actuator",
+        ),
+        ("package", "out", "Folder for the FMUs [default: this folder]"),
+        (
+            "package",
+            "platforms",
+            "Platforms whose libraries are packed, of those that came with the program [default: this machine's own]",
+        ),
+        (
+            "package",
+            "available",
+            "Pack what came with the program of --platforms, and tell what is left out; without it a missing platform is an error",
+        ),
+        (
+            "package",
+            "glibc",
+            "Oldest glibc on which the libraries for Linux are to load; one that needs a newer one is refused",
+        ),
+        ("view", "out", "The page [default: <Name>.html in this folder]"),
+        (
+            "optimise",
+            "out",
+            "Folder for the results: the best design, its picture, evaluations.parquet [default: the name of the study, in this \
+             folder]",
+        ),
+        ("sweep", "out", "Folder for the results, runs.parquet [default: the name of the study, in this folder]"),
+    ];
+    for (task, argument, help) in helps {
+        command = command.mut_subcommand(task, |task| task.mut_arg(argument, |argument| argument.help(help)));
+    }
+    command.mut_subcommand("package", |task| task.about("Pack mechanisms into <Name>.fmu"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn help_speaks_of_what_an_installation_has() {
+        let mut command = command();
+        command.build();
+        let mut helps = vec![command.render_long_help().to_string()];
+        helps.extend(
+            command
+                .get_subcommands_mut()
+                .filter(|task| !task.is_hide_set())
+                .map(|task| task.render_long_help().to_string()),
+        );
+        assert!(helps.len() > 8 && helps[0].contains("Usage: linkage-fmu <COMMAND>"), "{}", helps[0]);
+        for help in helps {
+            for word in ["cargo", "target/", "repository", "Rust", "zig"] {
+                assert!(!help.contains(word), "{word} in: {help}");
+            }
+        }
+    }
+
+    #[test]
+    fn tasks_of_the_source_are_hidden_and_known() {
+        let command = command();
+        let hidden: Vec<&str> =
+            command.get_subcommands().filter(|task| task.is_hide_set()).map(Command::get_name).collect();
+        assert_eq!(hidden.len(), OF_THE_SOURCE.len());
+        for name in hidden {
+            let cli = Cli::from_arg_matches(&command.clone().get_matches_from([PROGRAM, name])).unwrap();
+            assert_eq!(needs_source(&cli.task), Some(name));
+        }
+        let cli = Cli::from_arg_matches(&command.get_matches_from([PROGRAM, "package"])).unwrap();
+        assert_eq!(needs_source(&cli.task), None);
+    }
+}

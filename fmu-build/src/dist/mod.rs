@@ -1,0 +1,166 @@
+//! `cargo fmu dist`: a Python wheel, so that `pip install` gives the program where there is neither Rust nor the repository.
+//!
+//! In: the command line of `fmu-build/wheel`, the libraries, the parts of the repository that tasks read. Out: the wheel, whose
+//! name promises a glibc that all in it keep to.
+
+mod test;
+
+use crate::binary::Binary;
+use crate::fmu::Fmu;
+use crate::needs::{self, Needs};
+use crate::version::Version;
+use crate::workspace::{INSTALLED, Workspace};
+use crate::{command, files, package, platform, prebuilt};
+use anyhow::{Context, Result, bail};
+pub use fmu_cli::Dist as Arguments;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Folder in the wheel of what pip puts into the environment, named in `pyproject.toml`.
+const DATA: &str = "linkage_fmu.data/data";
+/// Parts of the repository that tasks read.
+const PARTS: [&str; 2] = ["modelDescription", "fmu-build/python"];
+/// What a wheel's name says of a program linked with the glibc 2.N of a platform.
+const PROMISE: &str = "manylinux_2_";
+
+/// Make the wheel; with `test` install and try it.
+///
+/// # Errors
+/// A library cannot be had; Python, its packages or the build fails; the wheel promises more than it keeps; a command of it fails.
+pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
+    let packing = packing(arguments);
+    let binaries = package::libraries(workspace, &packing)?;
+    let stage = workspace.target("wheel");
+    if stage.is_dir() {
+        fs::remove_dir_all(&stage).with_context(|| format!("{}: cannot be removed", stage.display()))?;
+    }
+    lay_out(workspace, &stage, &binaries)?;
+    let made = build(workspace, &stage, arguments.glibc.as_deref())?;
+    let content = fs::read(&made).with_context(|| format!("{}: cannot be read", made.display()))?;
+    keeps_its_promise(&made)?;
+    let out = arguments.out.clone().unwrap_or_else(|| workspace.target("dist"));
+    let wheel = out.join(made.file_name().context("the wheel has no name")?);
+    files::replace(&wheel, &content)?;
+    let platforms: Vec<&str> = binaries.iter().map(Binary::platform).collect();
+    println!("{} ({:.1} MB, libraries: {})", wheel.display(), content.len() as f64 / 1e6, platforms.join(", "));
+    if arguments.test {
+        test::run(workspace, &packing, &wheel)?;
+    }
+    Ok(())
+}
+
+/// What is packed of the libraries, as `package` has it.
+fn packing(arguments: &Arguments) -> package::Arguments {
+    let mut platforms = arguments.platforms.clone();
+    if platforms.is_empty() {
+        platforms.extend(platform::own_by_name());
+    }
+    package::Arguments {
+        platforms,
+        available: arguments.available,
+        binaries: arguments.binaries.clone(),
+        glibc: arguments.glibc.clone(),
+        ..Default::default()
+    }
+}
+
+/// What maturin makes a wheel of, besides the program.
+fn lay_out(workspace: &Workspace, stage: &Path, binaries: &[Binary]) -> Result<()> {
+    let source = workspace.wheel();
+    let settings = source.join("pyproject.toml");
+    let mut text = fs::read_to_string(&settings).with_context(|| format!("{}: cannot be read", settings.display()))?;
+    // The last table is maturin's. Strings of JSON are strings of TOML.
+    let manifest = source.join("Cargo.toml").display().to_string();
+    text.push_str(&format!("manifest-path = {}\n", serde_json::to_string(&manifest)?));
+    files::replace(&stage.join("pyproject.toml"), text.as_bytes())?;
+    files::copy_all(&source.join("README.md"), &stage.join("README.md"))?;
+    let root = stage.join(DATA).join(INSTALLED);
+    for part in PARTS {
+        files::copy_all(&workspace.root().join(part), &root.join(part))?;
+    }
+    for entry in binaries.iter().flat_map(|binary| binary.entries(Version::Two, prebuilt::NAME)) {
+        files::replace(&root.join(&entry.name), &entry.content)?;
+    }
+    Ok(())
+}
+
+/// Build the program and pack the wheel; its path.
+fn build(workspace: &Workspace, stage: &Path, glibc: Option<&str>) -> Result<PathBuf> {
+    let python = command::environment(&workspace.target("venv-wheel"), &workspace.wheel().join("requirements.txt"))?;
+    let out = stage.join("out");
+    let mut maturin = Command::new(python);
+    maturin.args(["-m", "maturin", "build", "--release", "--locked", "--out"]).arg(&out).current_dir(stage);
+    // Of the program that runs now, Cargo tells its children where it lies.
+    maturin.env_remove("CARGO_MANIFEST_DIR");
+    if let Some(glibc) = glibc {
+        maturin.args(["--zig", "--target", platform::own_triple()?, "--compatibility"]);
+        maturin.arg(format!("manylinux_{}", glibc.replace('.', "_")));
+        maturin.env("PATH", platform::path_with_zig(workspace)?);
+    }
+    command::run(&mut maturin, "maturin build")?;
+    let entries = fs::read_dir(&out).with_context(|| format!("{}: cannot be listed", out.display()))?;
+    let mut paths = entries.flatten().map(|entry| entry.path());
+    paths.find(|path| path.extension().is_some_and(|extension| extension == "whl")).context("maturin made no wheel")
+}
+
+/// Look whether all for Linux in the wheel keeps to the glibc that its name promises.
+fn keeps_its_promise(wheel: &Path) -> Result<()> {
+    let name = wheel.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let Some(promised) = promise(&name) else { return Ok(()) };
+    let mut archive = Fmu::open(wheel)?;
+    for entry in archive.names().to_vec() {
+        let content = archive.read(&entry)?.unwrap_or_default();
+        let Ok(Needs { glibc: Some(needed), functions, .. }) = Needs::of(&content) else { continue };
+        if needs::parts(&promised) < needs::parts(&needed) {
+            let functions = functions.join(", ");
+            bail!(
+                "{name}: {entry} needs glibc {needed} (for {functions}), and the name promises {promised}; build all in it by \
+                 --glibc {promised}"
+            );
+        }
+    }
+    Ok(())
+}
+
+/// The glibc that a wheel of this name promises to run on, the oldest of several; None for other systems.
+fn promise(name: &str) -> Option<String> {
+    let minors = name.match_indices(PROMISE).filter_map(|(at, _)| {
+        let rest = &name[at + PROMISE.len()..];
+        rest[..rest.find(|letter: char| !letter.is_ascii_digit()).unwrap_or(rest.len())].parse::<u32>().ok()
+    });
+    minors.min().map(|minor| format!("2.{minor}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_promises_a_glibc() {
+        let glibc = |tag: &str| promise(&format!("linkage_fmu-0.1.0-py3-none-{tag}.whl"));
+        assert_eq!(glibc("manylinux_2_17_x86_64.manylinux2014_x86_64").as_deref(), Some("2.17"));
+        assert_eq!(glibc("manylinux_2_35_x86_64").as_deref(), Some("2.35"));
+        assert_eq!(glibc("manylinux_2_35_x86_64.manylinux_2_28_x86_64").as_deref(), Some("2.28"));
+        assert_eq!(glibc("win_amd64"), None);
+    }
+
+    /// A wheel with a program that needs a newer glibc than its name says.
+    #[test]
+    #[cfg(all(target_os = "linux", target_env = "gnu", target_pointer_width = "64"))]
+    fn a_broken_promise_is_told() {
+        use crate::archive::{self, Entry};
+        let content = fs::read(std::env::current_exe().unwrap()).unwrap();
+        let needed = Needs::of(&content).unwrap().glibc.unwrap();
+        let folder = std::env::temp_dir().join(format!("linkage-fmu promise {}", std::process::id()));
+        let wheel = |glibc: &str| {
+            let path = folder.join(format!("a-1-py3-none-manylinux_{}_x86_64.whl", glibc.replace('.', "_")));
+            archive::write(&path, vec![Entry { name: "a.data/scripts/a".into(), content: content.clone() }]).unwrap();
+            keeps_its_promise(&path)
+        };
+        wheel(&needed).unwrap();
+        let message = wheel("2.1").unwrap_err().to_string();
+        assert!(message.contains(&format!("a.data/scripts/a needs glibc {needed} (for ")), "{message}");
+        fs::remove_dir_all(&folder).unwrap();
+    }
+}

@@ -1,0 +1,138 @@
+//! The wheel, installed in a new virtual environment and used without Rust and without the repository.
+//!
+//! In: the wheel. Out: an error if a command fails there, or gives other bytes than `cargo fmu` does.
+
+use crate::fmu::Fmu;
+use crate::workspace::{MECHANISM, Workspace};
+use crate::{command, package};
+use anyhow::{Context, Result, bail, ensure};
+use std::env;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Where the wheel is tried: paths have spaces, percent signs and letters beyond ASCII.
+const FOLDER: &str = "a wheel 100% tried é";
+/// The model of the trial.
+const MODEL: &str = "FourBar";
+/// A study of it.
+const STUDY: &str = r#"{
+    "mechanism": "my four-bar.json",
+    "factors": { "load_factor": { "values": [0.5, 1, 1.5] } },
+    "scenario": { "stop_time": 0.2, "output_interval": 0.01 },
+    "responses": { "drift": { "maximum": "energy.drift" } }
+}"#;
+
+/// The installed program.
+struct Installed {
+    program: PathBuf,
+    /// Folder in which it is used.
+    here: PathBuf,
+    /// A folder with nothing in it.
+    empty: PathBuf,
+    home: PathBuf,
+}
+
+impl Installed {
+    /// Install the wheel, without network, in a new environment.
+    fn new(workspace: &Workspace, wheel: &Path) -> Result<Self> {
+        let folder = workspace.target("dist").join(FOLDER);
+        if folder.is_dir() {
+            fs::remove_dir_all(&folder).with_context(|| format!("{}: cannot be removed", folder.display()))?;
+        }
+        let [here, empty, home] = ["my mechanisms", "empty", "home"].map(|name| folder.join(name));
+        for made in [&here, &empty, &home] {
+            fs::create_dir_all(made).with_context(|| format!("{}: cannot be made", made.display()))?;
+        }
+        let environment = folder.join("environment");
+        let tools = command::environment(&workspace.target("venv-wheel"), &workspace.wheel().join("requirements.txt"))?;
+        command::run(Command::new(&tools).args(["-m", "venv", "--without-pip"]).arg(&environment), "python -m venv")?;
+        let (scripts, suffix) = if cfg!(windows) { ("Scripts", ".exe") } else { ("bin", "") };
+        let scripts = environment.join(scripts);
+        let mut pip = Command::new(&tools);
+        pip.args(["-m", "pip", "--disable-pip-version-check", "--python"]).arg(scripts.join(format!("python{suffix}")));
+        pip.args(["install", "--quiet", "--no-index"]).arg(wheel);
+        command::run(&mut pip, "pip install")?;
+        Ok(Self { program: scripts.join(format!("linkage-fmu{suffix}")), here, empty, home })
+    }
+
+    /// Call the program with these words; what it prints, if it ends with this exit code.
+    fn call(&self, words: &[&str], code: i32) -> Result<String> {
+        let mut command = Command::new(&self.program);
+        command.args(words).current_dir(&self.here);
+        // Neither cargo nor rustc is found, nor are their places told.
+        let told = env::vars_os().map(|(name, _)| name);
+        for name in told.filter(|name| ["CARGO", "RUST"].iter().any(|tool| name.to_string_lossy().starts_with(tool))) {
+            command.env_remove(name);
+        }
+        command.env("PATH", &self.empty).env("HOME", &self.home).env_remove("XDG_CACHE_HOME");
+        let output = command.output().with_context(|| command::cannot_start(&command, "the installed program"))?;
+        let text = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
+        ensure!(output.status.code() == Some(code), "linkage-fmu {}: {}\n{text}", words.join(" "), output.status);
+        Ok(text)
+    }
+
+    /// Content of a file that the program should have made.
+    fn made(&self, name: &str) -> Result<Vec<u8>> {
+        fs::read(self.here.join(name)).with_context(|| format!("{name}: was not made"))
+    }
+}
+
+/// Try the wheel, whose libraries `packing` gives here.
+///
+/// # Errors
+/// It cannot be installed, a command fails, or files differ.
+pub fn run(workspace: &Workspace, packing: &package::Arguments, wheel: &Path) -> Result<()> {
+    let installed = Installed::new(workspace, wheel)?;
+    let own = format!("{MODEL}.fmu");
+    let definition = workspace.descriptions().join(MODEL).join("resources").join(MECHANISM);
+    let copied = installed.here.join("my four-bar.json");
+    fs::copy(&definition, &copied).with_context(|| format!("{}: cannot be copied", definition.display()))?;
+    fs::write(installed.here.join("study.json"), STUDY)?;
+    for words in [
+        &["check", "my four-bar.json"][..],
+        &["package", "my four-bar.json", "--fmi", "both"],
+        &["validate", &own, "FourBar.fmi3.fmu"],
+        &["info", &own, "--json"],
+        &["view", &own],
+        &["simulate", &own, "--output-file", "of the FMU.csv", "--plot", "run.png"],
+        &["simulate", "my four-bar.json", "--output-file", "of the file.csv"],
+        &["sweep", "study.json", "--csv"],
+        &["chain", "3", "--out", "chain.json"],
+        &["package", "--no-animation", "--no-results", "--out", "own"],
+    ] {
+        installed.call(words, 0)?;
+    }
+    for name in ["FourBar.fmi3.fmu", "FourBar.html", "run.png", "study/runs.parquet", "own/LandingGearRetraction.fmu"] {
+        installed.made(name)?;
+    }
+    ensure!(installed.made("of the FMU.csv")? == installed.made("of the file.csv")?, "two runs of one model differ");
+    let rows = String::from_utf8_lossy(&installed.made("study/runs.csv")?).lines().count();
+    ensure!(rows == 4, "study/runs.csv has {rows} lines, and three runs and a head were asked for");
+    let message = installed.call(&["test"], 1)?;
+    ensure!(message.lines().count() == 1 && message.contains("`cargo fmu test`"), "linkage-fmu test: {message}");
+    let help = installed.call(&["--help"], 0)?;
+    ensure!(help.contains("Usage: linkage-fmu") && !help.contains("cargo"), "linkage-fmu --help: {help}");
+    let out = workspace.target("dist").join("expected");
+    let same = package::Arguments { paths: vec![copied], out: Some(out), ..packing.clone() };
+    let expected = package::run(workspace, &same)?.pop().context("no FMU was packed")?;
+    differs_nowhere(&expected, &installed.here.join(own))?;
+    println!("the installed program does its tasks without Rust, and packs the FMU that `cargo fmu package` packs");
+    Ok(())
+}
+
+/// Compare two FMUs, entry by entry. The installed program packs its own library alone.
+fn differs_nowhere(expected: &Path, found: &Path) -> Result<()> {
+    let (mut expected, mut found) = (Fmu::open(expected)?, Fmu::open(found)?);
+    for name in found.names().to_vec() {
+        if expected.read(&name)? != found.read(&name)? {
+            bail!("{name} of {MODEL}.fmu differs between the installed program and `cargo fmu package`");
+        }
+    }
+    let others = |name: &&String| !name.starts_with("binaries/");
+    ensure!(
+        expected.names().iter().filter(others).eq(found.names().iter().filter(others)),
+        "{MODEL}.fmu has other entries by the installed program than by `cargo fmu package`"
+    );
+    Ok(())
+}
