@@ -1,7 +1,7 @@
 //! `cargo fmu bench`: the benchmarks of the validation package, their figures, the comparison of importers, and that
 //! with other tools.
 
-use crate::workspace::Workspace;
+use crate::workspace::{DEFAULT_FMU, Workspace};
 use crate::{command, package};
 use anyhow::Result;
 pub use fmu_cli::Bench as Arguments;
@@ -20,6 +20,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
             Some("importers") => return importers(workspace),
             Some("peers") => return peers(workspace),
             Some("plots") => return plots(workspace),
+            Some("studies") => return studies(workspace),
             _ => {}
         }
     }
@@ -84,6 +85,15 @@ fn peers(workspace: &Workspace) -> Result<()> {
     script.arg(&rust).arg("--out").arg(workspace.validation());
     script.arg("--work").arg(&work).env("OMP_NUM_THREADS", "1");
     command::run(&mut script, "peers.py")
+}
+
+/// Measure what a run of a study costs, here and by other ways to make many runs, and write the results.
+fn studies(workspace: &Workspace) -> Result<()> {
+    let (mut script, _, work) = comparison(workspace, "studies")?;
+    script.arg("--program").arg(env::current_exe()?);
+    script.arg("--mechanism").arg(workspace.descriptions().join(DEFAULT_FMU)).arg("--work").arg(work);
+    script.arg("--out").arg(workspace.results().join("studies.md"));
+    command::run(&mut script, "studies.py")
 }
 
 /// Draw the figures from the committed results.

@@ -3,12 +3,15 @@
 //! In: paths and contents. Out: contents, or one message that names the file. It must not know what a file holds.
 
 use anyhow::{Context, Result, bail};
+use linkage_fmu::codec::checksum::{fnv1a, sum64};
 use std::ffi::OsStr;
 use std::fs::{self, File, Metadata, OpenOptions};
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process;
 
+/// Bytes that are read at once for a sum.
+const BLOCK: u64 = 1 << 20;
 /// End of the name of a file that is being written.
 const PARTIAL: &str = ".partial";
 /// Most names that are tried for a file that is being written; one is taken by each run of the same number that writes
@@ -35,6 +38,30 @@ pub fn kind(metadata: &Metadata) -> &'static str {
         }
     }
     if of.is_dir() { "a folder" } else { "no regular file" }
+}
+
+/// A sum of the content of a file of any size, in words; memory stays constant.
+///
+/// # Errors
+/// As [`read`].
+pub fn digest(path: &Path) -> Result<String> {
+    let shown = path.display();
+    let metadata = fs::metadata(path).with_context(|| format!("{shown}: cannot be read"))?;
+    if !metadata.is_file() {
+        bail!("{shown}: this is {}; name a regular file", kind(&metadata));
+    }
+    let mut file = File::open(path).with_context(|| format!("{shown}: cannot be read"))?;
+    let (mut block, mut sum, mut length) = (Vec::new(), 0_u64, 0);
+    loop {
+        block.clear();
+        let read =
+            (&mut file).take(BLOCK).read_to_end(&mut block).with_context(|| format!("{shown}: cannot be read"))?;
+        if read == 0 {
+            return Ok(format!("{sum:016x} {length}"));
+        }
+        sum = fnv1a([sum.to_le_bytes(), sum64(&block).to_le_bytes()].as_flattened());
+        length += read;
+    }
 }
 
 /// Content of a file. Anything else is not opened: reading a pipe could wait, and reading a device go on, for ever.

@@ -12,12 +12,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import CARGO
+from conftest import CARGO, REPOSITORY
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="finds the workers in /proc")
 
 PROGRAM = os.environ.get("LINKAGE_FMU_BUILD")
 """The program itself, where it is built already."""
+PYTHON = REPOSITORY / "target" / "venv-cluster" / "bin" / "python"
+"""The environment that `--workers` makes."""
 COMMAND = [PROGRAM, "sweep"] if PROGRAM else [*CARGO, "fmu-build", "--", "sweep"]
 
 
@@ -117,3 +119,34 @@ def test_a_cluster_gives_the_rows_of_the_native_run_though_a_worker_is_killed(st
     assert "crank.mass = -1" in said
     assert "solver.max_steps = 3 was met" in said
     assert 'must be ""reduced"" or ""rigid_fem""' in said
+
+
+def test_a_scheduler_and_workers_that_were_started_by_hand_give_the_same_rows(study: Path, tmp_path: Path) -> None:
+    stated = json.loads(study.read_text(encoding="utf-8"))
+    stated["sampling"]["count"] = 8
+    study.write_text(json.dumps(stated), encoding="utf-8")
+    native, local, remote = tmp_path / "native", tmp_path / "local", tmp_path / "remote"
+    finish(start(study, native))
+    finish(start(study, local, "--workers", "1"))
+    told = tmp_path / "scheduler.json"
+    dask = [str(PYTHON), "-m", "dask"]
+    own = ["--no-dashboard", "--host", "127.0.0.1"]
+    processes = [subprocess.Popen([*dask, "scheduler", *own, "--port", "0", "--scheduler-file", str(told)])]
+    try:
+        limit = time.monotonic() + 60
+        while not (told.exists() and told.stat().st_size > 0) and time.monotonic() < limit:
+            time.sleep(0.05)
+        address = json.loads(told.read_text(encoding="utf-8"))["address"]
+        worker = [*dask, "worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
+        processes += [subprocess.Popen([*worker, "--local-directory", str(tmp_path)]) for _ in range(2)]
+        finish(start(study, remote, "--scheduler", address))
+    finally:
+        for process in reversed(processes):
+            process.terminate()
+        for process in processes:
+            process.wait(timeout=60)
+    for name in ("runs.csv", "runs.parquet", "study.json"):
+        expected = (native / name).read_bytes()
+        assert (local / name).read_bytes() == expected, name
+        assert (remote / name).read_bytes() == expected, name
+    assert len((native / "runs.csv").read_text().splitlines()) == 1 + 32 * 8

@@ -239,6 +239,9 @@ pub struct Sweep {
     /// Write the results as runs.csv too
     #[arg(long)]
     pub csv: bool,
+    /// Draw the results too: page.html for the browser, and pictures as PNG
+    #[arg(long)]
+    pub page: bool,
     /// Go on with a study that was ended
     #[arg(long)]
     pub resume: bool,
@@ -266,6 +269,9 @@ pub struct Optimise {
     /// Write all evaluations as evaluations.csv too
     #[arg(long)]
     pub csv: bool,
+    /// Draw the evaluations too: page.html for the browser, and pictures as PNG
+    #[arg(long)]
+    pub page: bool,
     /// Threads [default: one for each core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
@@ -351,7 +357,8 @@ pub struct Report {
 /// Arguments of `bench`.
 #[derive(Args)]
 pub struct Bench {
-    /// `importers`: the landing gear in FMPy, libcosim and ECOS; `peers`: work against error beside other solvers and
+    /// `importers`: the landing gear in FMPy, libcosim and ECOS; `studies`: many runs by `sweep`, on Dask, by FMPy and by
+    /// MuJoCo; `peers`: work against error beside other solvers and
     /// multibody programs; `plots`: figures from the tables' CSV; all else goes to the validation package as it is:
     /// nothing for the tables of run times, `instructions` for callgrind's counts, `cosim` for the coupling of the packed
     /// FMUs by every scheme (`--write` writes the page; `circuit` takes the circuit in plain numbers), `stress` for the

@@ -2,6 +2,7 @@
 //!
 //! In: the file. Out: at any time the values and slopes of the inputs; times at which an input jumps.
 
+use crate::csv_file;
 use crate::start_values::{decimal_comma, find, truth};
 use anyhow::{Context, Result, bail};
 use linkage_fmu::component::{Component, Refused};
@@ -73,18 +74,10 @@ impl Signals {
     /// that go back.
     pub fn read(path: &Path, interface: &Interface, with_slopes: bool) -> Result<Self> {
         let shown = path.display();
-        let mut reader = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .from_path(path)
-            .with_context(|| format!("{shown}: cannot be read"))?;
-        let header = reader.headers().with_context(|| format!("{shown}"))?.clone();
-        let mut names = header.iter().map(|name| name.trim_start_matches('\u{feff}').trim_matches('"'));
+        let (mut reader, names) = csv_file::open(path)?;
+        let mut names = names.iter().map(String::as_str);
         match names.next() {
             Some("time") => {}
-            Some(first) if let Some(separator) = first.chars().find(|c| ";\t|".contains(*c)) => bail!(
-                "{shown}: the columns are separated by {separator:?}; separate them by commas, and write decimals with a \
-                 point"
-            ),
             first => bail!("{shown}: the first column is \"{}\"; it must be time", first.unwrap_or("").escape_debug()),
         }
         let mut signals = Self { with_slopes, ..Self::none() };

@@ -151,6 +151,9 @@ pub enum Method {
     LatinHypercube,
     /// Sobol's sequence with a random digital shift.
     Sobol,
+    /// Saltelli's design for Sobol's indices, made of Sobol's sequence: `count` points and as many again, and for each factor
+    /// the first ones with its values from the second.
+    Saltelli,
 }
 
 /// What happens in each run.

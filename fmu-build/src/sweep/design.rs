@@ -5,8 +5,9 @@
 //! grid the factor stated last changes first. It must not know how a run is made.
 
 use super::definition::{self, Definition, Normal, Setting};
-use super::unit_cube::{MOST_DIMENSIONS, UnitCube};
-use crate::start_values::{find, truth};
+use super::points::Points;
+use super::unit_cube::{UnitCube, each, most_dimensions};
+use crate::start_values::find;
 use anyhow::{Context, Result, bail};
 use linkage_fmu::component::{Component, Refused};
 use linkage_fmu::format::DefinitionError;
@@ -28,8 +29,8 @@ enum Source {
     Uniform([f64; 2], usize),
     /// A normal distribution, sampled along this dimension.
     Normal(statrs::distribution::Normal, usize),
-    /// A column of the file of points.
-    Column(Vec<f64>),
+    /// A column of the file of points, by its index.
+    Column(usize),
 }
 
 /// A variable that differs from run to run.
@@ -64,6 +65,7 @@ impl Factor {
 #[derive(Clone, Debug)]
 pub struct Design {
     factors: Vec<Factor>,
+    points: Option<Points>,
     cube: Option<UnitCube>,
     /// Number of points of the file, of points of the grid, of samples.
     counts: [u64; 3],
@@ -76,13 +78,13 @@ impl Design {
     /// A name that no parameter or input has; what is wrong with a factor, the samples, or the file of points.
     pub fn new(study: &Definition, folder: &Path, interface: &Interface) -> Result<Self> {
         let (mut factors, mut dimensions) = (Vec::new(), 0);
-        let mut counts = [1, 1, study.sampling.map_or(1, |sampling| sampling.count)];
-        if let Some(points) = &study.points {
-            let columns = points_of(&folder.join(points), interface).context("points")?;
-            counts[0] = columns.first().map_or(1, |(_, values)| values.len() as u64);
-            factors.extend(
-                columns.into_iter().map(|(factor, values)| Factor { source: Source::Column(values), ..factor }),
-            );
+        let mut counts = [1, 1, 1];
+        let points = study.points.as_ref().map(|points| Points::read(&folder.join(points), interface));
+        let points = points.transpose().context("points")?;
+        if let Some(points) = &points {
+            counts[0] = points.lines();
+            let column = |(factor, index): (&Factor, usize)| Factor { source: Source::Column(index), ..factor.clone() };
+            factors.extend(points.factors().iter().zip(0..).map(column));
         }
         for (name, stated) in study.factors.iter() {
             let key = format!("factors.{name}");
@@ -101,15 +103,17 @@ impl Design {
             (Some(_), 0) => bail!("sampling: no factor has a distribution; give one, or leave the key out"),
             (None, 1..) => bail!("sampling: is missing; say how the factors with a distribution are sampled"),
             (Some(sampling), _) if sampling.count == 0 => bail!("sampling.count = 0: must be at least 1"),
-            (Some(sampling), _) if sampling.method == definition::Method::Sobol && dimensions > MOST_DIMENSIONS => {
-                bail!(
-                    "sampling.method = \"sobol\": {dimensions} factors have a distribution, at most {MOST_DIMENSIONS}"
-                )
-            }
+            (Some(sampling), _) if most_dimensions(sampling.method) < dimensions => bail!(
+                "sampling.method: {dimensions} factors have a distribution, of this method at most {}",
+                most_dimensions(sampling.method)
+            ),
             (sampling, _) => sampling.map(|sampling| UnitCube::new(sampling, dimensions)),
         };
+        if let Some(sampling) = study.sampling {
+            counts[2] = times(sampling.count, each(sampling.method, dimensions))?;
+        }
         times(times(counts[0], counts[1])?, counts[2])?;
-        Ok(Self { factors, cube, counts })
+        Ok(Self { factors, points, cube, counts })
     }
 
     /// The factors, in the order of their values.
@@ -127,7 +131,8 @@ impl Design {
         values.clear();
         let [_, grid, samples] = self.counts;
         let (sample, rest) = (run % samples, run / samples);
-        let (mut of_grid, of_file) = (rest % grid, (rest / grid) as usize);
+        let (mut of_grid, of_file) = (rest % grid, rest / grid);
+        let line = self.points.as_mut().map_or(&[][..], |points| points.line(of_file));
         values.resize(self.factors.len(), 0.0);
         // Of the grid the last factor changes first.
         for (factor, value) in self.factors.iter().zip(values.iter_mut()).rev() {
@@ -145,7 +150,7 @@ impl Design {
                 },
                 Source::Uniform([first, last], dimension) => first + (last - first) * unit(*dimension),
                 Source::Normal(normal, dimension) => normal.inverse_cdf(unit(*dimension)),
-                Source::Column(column) => column[of_file],
+                Source::Column(column) => line[*column],
             };
         }
     }
@@ -260,7 +265,10 @@ pub fn bounded(study: &Definition, interface: &Interface) -> Result<Vec<(Factor,
 }
 
 /// A factor without values yet.
-fn variable(key: &str, name: &str, interface: &Interface) -> Result<Factor> {
+///
+/// # Errors
+/// No parameter or input has this name.
+pub fn variable(key: &str, name: &str, interface: &Interface) -> Result<Factor> {
     let reference = find(interface, name).with_context(|| key.to_owned())?;
     let variable = &interface.list()[reference as usize];
     if !matches!(variable.causality, Causality::Parameter | Causality::Input) {
@@ -271,8 +279,11 @@ fn variable(key: &str, name: &str, interface: &Interface) -> Result<Factor> {
     Ok(Factor { name: name.to_owned(), reference, kind: variable.kind, texts: Vec::new(), source })
 }
 
-/// A value as a number.
-fn coded(value: &Setting, factor: &mut Factor) -> Result<f64> {
+/// A value as a number; a text that is new is added to those of the factor.
+///
+/// # Errors
+/// The value is of another kind than the variable.
+pub fn coded(value: &Setting, factor: &mut Factor) -> Result<f64> {
     match (factor.kind, value) {
         (Kind::Real, Setting::Real(value)) => Ok(*value),
         (Kind::Boolean, Setting::Boolean(value)) => Ok(f64::from(u8::from(*value))),
@@ -294,40 +305,4 @@ pub fn shown(value: &Setting) -> String {
         Setting::Boolean(value) => value.to_string(),
         Setting::Text(text) => format!("\"{}\"", text.escape_debug()),
     }
-}
-
-/// The columns of a CSV file of points.
-fn points_of(path: &Path, interface: &Interface) -> Result<Vec<(Factor, Vec<f64>)>> {
-    let shown = path.display();
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .from_path(path)
-        .with_context(|| format!("{shown}: cannot be read"))?;
-    let header = reader.headers().with_context(|| format!("{shown}"))?.clone();
-    let mut columns: Vec<(Factor, Vec<f64>)> = Vec::new();
-    for name in header.iter().map(|name| name.trim_start_matches('\u{feff}')) {
-        let factor = variable(&format!("{shown}"), name, interface)?;
-        if columns.iter().any(|(other, _)| other.reference == factor.reference) {
-            bail!("{shown}: {name} stands twice");
-        }
-        columns.push((factor, Vec::new()));
-    }
-    for (record, line) in reader.records().zip(2..) {
-        let record = record.with_context(|| format!("{shown}"))?;
-        for (text, (factor, values)) in record.iter().zip(&mut columns) {
-            let at = || format!("{shown}, line {line}, {}", factor.name);
-            let setting = match factor.kind {
-                Kind::Real => Setting::Real(text.parse().ok().with_context(|| {
-                    format!("{}: \"{}\" is no number; decimals have a point", at(), text.escape_debug())
-                })?),
-                Kind::Boolean => Setting::Boolean(truth(text).with_context(at)?),
-                Kind::String | Kind::Integer => Setting::Text(text.to_owned()),
-            };
-            values.push(coded(&setting, factor)?);
-        }
-    }
-    if columns.iter().any(|(_, values)| values.is_empty()) {
-        bail!("{shown}: holds no line of values");
-    }
-    Ok(columns)
 }

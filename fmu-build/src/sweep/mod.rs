@@ -11,8 +11,10 @@ mod definition;
 mod design;
 mod journal;
 pub mod optimise;
+mod page;
 mod parquet;
 mod plan;
+mod points;
 mod pool;
 mod responses;
 mod results;
@@ -63,6 +65,7 @@ struct Summary {
 
 /// A study with all that it refers to.
 struct Study {
+    definition: Definition,
     task: Task,
     design: Design,
     cut: Cut,
@@ -86,8 +89,18 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     fs::create_dir_all(&out)
         .with_context(|| format!("{}: the folder cannot be made; name another with --out", out.display()))?;
     let identity = format!("{:032x}", study.identity);
+    let draw = || -> Result<()> {
+        if arguments.page {
+            let name = arguments.study.file_stem().unwrap_or_default().to_string_lossy();
+            let columns = (&*columns, study.task.factors.len());
+            page::draw(workspace, (&name, &study.definition), columns, (&out, PARQUET))?;
+            eprintln!("{}", out.join(page::PAGE).display());
+        }
+        Ok(())
+    };
     if arguments.resume && is_complete(&out, &identity, arguments.csv) {
         eprintln!("{}: all {} runs are there already", out.join(PARQUET).display(), study.design.runs());
+        draw()?;
         return Ok(Outcome::Complete);
     }
     let mut journal = Journal::open(&out.join(JOURNAL), study.identity, arguments.resume)?;
@@ -108,6 +121,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     eprintln!("{made} runs in {seconds:.3} s, {failed} of {} failed", study.design.runs());
     eprintln!("{}", out.join(PARQUET).display());
     csv.iter().for_each(|path| eprintln!("{}", path.display()));
+    draw()?;
     Ok(Outcome::Complete)
 }
 
@@ -171,11 +185,10 @@ impl Study {
         let cut = Cut::new(design.runs());
         let mut all = format!("{text}\0{}\0{}\0", model.kind, model.text);
         for file in [&definition.points, &definition.scenario.input_file].into_iter().flatten() {
-            let bytes = files::read(&folder.join(file), u64::MAX)?;
-            all.push_str(&format!("{:032x}\0", fnv1a_128([&*String::from_utf8_lossy(&bytes)])));
+            all.push_str(&format!("{}\0", files::digest(&folder.join(file))?));
         }
         let identity = fnv1a_128([all.as_str(), env!("CARGO_PKG_VERSION")]);
-        Ok(Self { task, design, cut, model, path: mechanism, identity })
+        Ok(Self { definition, task, design, cut, model, path: mechanism, identity })
     }
 }
 

@@ -10,11 +10,25 @@ use sobol::Sobol;
 use sobol::params::JoeKuoD6;
 
 /// Most dimensions of Sobol's sequence here.
-pub const MOST_DIMENSIONS: usize = 100;
+const MOST_DIMENSIONS: usize = 100;
 /// Bits of a coordinate.
 const BITS: u32 = 53;
 /// Rounds of the permutation of a Latin hypercube.
 const ROUNDS: u64 = 6;
+
+/// Most factors that a method samples. Of Saltelli's design each has two dimensions.
+pub fn most_dimensions(method: Method) -> usize {
+    match method {
+        Method::Random | Method::LatinHypercube => usize::MAX,
+        Method::Sobol => MOST_DIMENSIONS,
+        Method::Saltelli => MOST_DIMENSIONS / 2,
+    }
+}
+
+/// Samples for each of `count`, of so many factors: one, but for Saltelli's design.
+pub fn each(method: Method, factors: usize) -> u64 {
+    if method == Method::Saltelli { factors as u64 + 2 } else { 1 }
+}
 
 /// Samples in the unit cube.
 #[derive(Clone, Debug)]
@@ -26,11 +40,12 @@ pub struct UnitCube {
 }
 
 impl UnitCube {
-    /// Samples with at most [`MOST_DIMENSIONS`] coordinates if they are Sobol's.
+    /// Samples with at most [`most_dimensions`] coordinates.
     pub fn new(sampling: Sampling, dimensions: usize) -> Self {
         let random = ChaCha8Rng::seed_from_u64(sampling.seed);
         let mut cube = Self { sampling, random, sobol: Vec::new() };
-        if sampling.method == Method::Sobol {
+        let dimensions = if sampling.method == Method::Saltelli { 2 * dimensions } else { dimensions };
+        if matches!(sampling.method, Method::Sobol | Method::Saltelli) {
             let parameters = JoeKuoD6::minimal();
             let directions = Sobol::<u64>::init_direction_vals::<u32>(dimensions, BITS as usize, &parameters);
             cube.sobol = directions.into_iter().zip(0..).map(|(d, of)| (d, cube.draw(0, of))).collect();
@@ -47,17 +62,27 @@ impl UnitCube {
                 let within = open(self.draw(sample, dimension));
                 ((part as f64 + within) / self.sampling.count as f64).clamp(f64::EPSILON, 1.0 - f64::EPSILON)
             }
-            Method::Sobol => {
-                let (directions, shift) = &self.sobol[dimension];
-                let mut gray = sample ^ (sample >> 1);
-                let mut bits = *shift;
-                while gray != 0 {
-                    bits ^= directions[gray.trailing_zeros() as usize];
-                    gray &= gray - 1;
-                }
-                open(bits)
+            Method::Sobol => self.sobol(sample, dimension),
+            Method::Saltelli => {
+                let factors = self.sobol.len() / 2;
+                let each = factors as u64 + 2;
+                let (base, member) = (sample / each, (sample % each) as usize);
+                let is_second = member == factors + 1 || member == dimension + 1;
+                self.sobol(base, if is_second { dimension + factors } else { dimension })
             }
         }
+    }
+
+    /// Coordinate of a point of Sobol's sequence, by the Gray code of its number.
+    fn sobol(&self, point: u64, dimension: usize) -> f64 {
+        let (directions, shift) = &self.sobol[dimension];
+        let mut gray = point ^ (point >> 1);
+        let mut bits = *shift;
+        while gray != 0 {
+            bits ^= directions[gray.trailing_zeros() as usize];
+            gray &= gray - 1;
+        }
+        open(bits)
     }
 
     /// 64 random bits that belong to a sample and a dimension: a place in the stream of the dimension.
@@ -168,5 +193,22 @@ mod tests {
         // Standard deviation of the mean: 0.00091.
         assert!((mean - 0.5).abs() < 4e-3, "{mean}");
         assert_eq!([open(0), open(u64::MAX)].map(|x| x > 0.0 && x < 1.0), [true; 2]);
+    }
+
+    /// The order that SALib's analysis takes: the first point, for each factor this with its value from the second, the second.
+    #[test]
+    fn saltellis_design_changes_one_factor_at_a_time() {
+        let mut cube = UnitCube::new(Sampling { method: Method::Saltelli, count: 4, seed: 3 }, 3);
+        let mut plain = UnitCube::new(Sampling { method: Method::Sobol, count: 4, seed: 3 }, 6);
+        for base in 0..4 {
+            let [first, second] = [0, 3].map(|of| [0, 1, 2].map(|dimension| plain.coordinate(base, of + dimension)));
+            let mut row = |member: u64| [0, 1, 2].map(|dimension| cube.coordinate(5 * base + member, dimension));
+            assert_eq!((row(0), row(4)), (first, second));
+            for factor in 0..3 {
+                let mut expected = first;
+                expected[factor] = second[factor];
+                assert_eq!(row(factor as u64 + 1), expected);
+            }
+        }
     }
 }

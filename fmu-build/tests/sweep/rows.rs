@@ -1,6 +1,7 @@
 //! What a row says: the bits of `cargo fmu simulate`, times of events, failures.
 
-use crate::support::{Folder, simulated};
+use crate::support::{Folder, simulated, simulated_of};
+use fmu_build::workspace::Workspace;
 use serde_json::json;
 use std::fs;
 
@@ -150,4 +151,46 @@ fn a_failed_run_is_a_row() {
     }
     // A run after failures is what it is alone.
     assert_eq!(rows.text(0, "angle"), rows.text(12, "angle"));
+}
+
+/// A gear with its circuit: parameters of both, the valve over time; each row is that of a run of its own.
+#[test]
+fn a_hydraulic_mechanism_is_swept() {
+    let folder = Folder::new("hydraulic");
+    let gear = Workspace::locate().descriptions().join("LandingGearRetractionHydraulic");
+    fs::write(folder.0.join("valve.csv"), "time,valve.command\n-1,0\n0,0\n0,0\n0.02,1\n0.02,1\n0.3,1\n").unwrap();
+    let rows = folder.rows(json!({
+        "mechanism": gear,
+        "factors": {
+            "supply.pressure": { "values": [1.5e7, 2e7] }, "crank.mass": { "values": [13.689, 20] },
+            "tank.pressure": { "values": [2e5, -2e5] },
+        },
+        "scenario": { "stop_time": 0.1, "output_interval": 0.01, "input_file": "valve.csv" },
+        "responses": {
+            "angle": { "final": "crank.angle" }, "force": { "maximum": "actuator.force" },
+            "work": { "integral": "power.supply" },
+        },
+    }));
+    assert_eq!(rows.rows.len(), 8);
+    for row in 0..8 {
+        let [supply, mass, tank] =
+            ["supply.pressure", "crank.mass", "tank.pressure"].map(|name| rows.number(row, name));
+        if tank < 0.0 {
+            assert_eq!(rows.text(row, "failed"), "1");
+            assert!(rows.text(row, "message").contains("tank.pressure"), "{}", rows.text(row, "message"));
+            continue;
+        }
+        assert_eq!((rows.text(row, "failed"), rows.text(row, "message")), ("0", ""));
+        let values =
+            [format!("supply.pressure={supply}"), format!("crank.mass={mass}"), format!("tank.pressure={tank}")];
+        let run = simulated_of(&folder, &gear, &values, (0.1, 0.01), Some(folder.0.join("valve.csv")));
+        let same = |name: &str, expected: f64| {
+            let own = rows.number(row, name);
+            assert!(own.to_bits() == expected.to_bits(), "run {row}, {name}: {own}, simulated {expected}");
+        };
+        same("angle", *run.column("crank.angle").last().unwrap());
+        same("force", run.column("actuator.force").into_iter().fold(f64::NEG_INFINITY, f64::max));
+    }
+    let angle = |row: usize| rows.number(row, "angle");
+    assert!(angle(0) != angle(2) && angle(0) != angle(4) && angle(0) < 0.8, "{:?}", rows.column("angle"));
 }

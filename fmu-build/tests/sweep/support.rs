@@ -80,9 +80,21 @@ impl Rows {
 
 /// The rows of `cargo fmu simulate` with these start values.
 pub fn simulated(folder: &Folder, values: &[String], stop: f64, interval: f64, inputs: Option<PathBuf>) -> Rows {
+    let gear = Workspace::locate().descriptions().join("LandingGearRetraction");
+    simulated_of(folder, &gear, values, (stop, interval), inputs)
+}
+
+/// The rows of `cargo fmu simulate` of this mechanism.
+pub fn simulated_of(
+    folder: &Folder,
+    mechanism: &Path,
+    values: &[String],
+    (stop, interval): (f64, f64),
+    inputs: Option<PathBuf>,
+) -> Rows {
     let file = folder.0.join("simulated.csv");
     let arguments = simulate::Arguments {
-        path: Workspace::locate().descriptions().join("LandingGearRetraction"),
+        path: mechanism.to_path_buf(),
         stop_time: Some(stop),
         output_interval: Some(interval),
         start_values: values.to_vec(),

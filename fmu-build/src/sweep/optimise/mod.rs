@@ -14,7 +14,7 @@ use super::csv::Csv;
 use super::parquet::Parquet;
 use super::results::{Column, Content, Format, Partial, columns};
 use super::run::{Runner, Task};
-use super::{Stated, design, task};
+use super::{Stated, design, page, task};
 use crate::simulate::Outcome;
 use crate::simulate::run::stop_wish;
 use crate::workspace::Workspace;
@@ -142,6 +142,11 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     let summary = made.summary(best, (&space, seed, &why), &problem);
     files::replace(&out.join(SUMMARY), serde_json::to_string_pretty(&summary)?.as_bytes())?;
     made.tell(best, &why, &out);
+    if arguments.page {
+        let name = arguments.study.file_stem().unwrap_or_default().to_string_lossy();
+        page::draw(workspace, (&name, &stated.definition), (&columns, factors.len()), (&out, PARQUET))?;
+        eprintln!("{}", out.join(page::PAGE).display());
+    }
     Ok(outcome)
 }
 

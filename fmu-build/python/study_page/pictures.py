@@ -1,0 +1,161 @@
+"""The pictures of a study as PNG, by Matplotlib."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from results import Results
+
+BLUE, ORANGE, RED = "#2f6db3", "#d9822b", "#b3392f"
+SIDE = 2.6
+"""Of a panel [in]."""
+MOST = 7
+"""Columns of a scatter matrix."""
+
+
+def all_of(results: Results) -> Iterator[tuple[str, Figure]]:
+    """Every picture that the results allow, with its name."""
+    if results.factors:
+        yield "main_effects", main_effects(results)
+        yield "scatter_matrix", scatter_matrix(results)
+    yield "distributions", distributions(results)
+    if (surfaces := response_surfaces(results)) is not None:
+        yield "response_surfaces", surfaces
+    if (indices := sobol_indices(results)) is not None:
+        yield "sobol_indices", indices
+    if results.violation is not None and (way := progress(results)) is not None:
+        yield "progress", way
+
+
+def panels(rows: int, columns: int, width: float = SIDE, height: float = SIDE) -> tuple[Figure, np.ndarray]:
+    """A figure of panels, and the panels."""
+    canvas = Figure(figsize=(max(width * columns, 4.0), max(height * rows, 2.4)), layout="constrained")
+    return canvas, canvas.subplots(rows, columns, squeeze=False)
+
+
+def main_effects(results: Results) -> Figure:
+    """Mean of each response over each factor, with the standard deviation of the runs there."""
+    canvas, grid = panels(len(results.responses), len(results.factors), height=2.2)
+    for row, response in zip(grid, results.responses, strict=True):
+        for axes, factor in zip(row, results.factors, strict=True):
+            effect = results.effect(factor, response)
+            low, high = effect.means - effect.deviations, effect.means + effect.deviations
+            axes.fill_between(effect.places, low, high, color=BLUE, alpha=0.18, linewidth=0.0)
+            axes.plot(effect.places, effect.means, "o-", color=BLUE, markersize=3)
+            labelled(axes, factor, response, row[0] is axes, grid[-1][0] is row[0])
+        limits = [axes.get_ylim() for axes in row]
+        for axes in row:
+            axes.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
+    canvas.suptitle("Main effects: mean and standard deviation over each factor")
+    return canvas
+
+
+def labelled(axes: Axes, x: str, y: str, is_left: bool, is_low: bool) -> None:
+    """Names at the left and lower edges only."""
+    axes.tick_params(labelsize=7)
+    axes.locator_params(nbins=4)
+    axes.set_xlabel(x if is_low else "", fontsize=8)
+    axes.set_ylabel(y if is_left else "", fontsize=8)
+
+
+def scatter_matrix(results: Results) -> Figure:
+    """Factors and responses against each other."""
+    index = results.thinned()
+    columns = {**results.factors, **results.responses}
+    names = list(columns)[:MOST] if len(columns) > MOST else list(columns)
+    if len(columns) > MOST:
+        # Responses are not to be missing where factors are many.
+        strongest = results.strongest(next(iter(results.responses)))
+        told = list(results.responses)[: MOST // 2]
+        names = [*strongest[: MOST - len(told)], *told]
+    canvas, grid = panels(len(names), len(names), 1.7, 1.7)
+    for i, row in enumerate(grid):
+        for j, axes in enumerate(row):
+            x, y = columns[names[j]][index], columns[names[i]][index]
+            if i == j:
+                axes.hist(x[np.isfinite(x)], bins=24, color=BLUE)
+            else:
+                axes.plot(x, y, ".", color=BLUE, markersize=2, alpha=0.5, rasterized=True)
+            labelled(axes, names[j], names[i], j == 0, i == len(names) - 1)
+    canvas.suptitle(f"Scatter matrix, {len(index)} of {results.runs} runs")
+    return canvas
+
+
+def distributions(results: Results) -> Figure:
+    """Histogram of each response, with mean and quantiles."""
+    columns = min(3, len(results.responses))
+    rows = -(-len(results.responses) // columns)
+    canvas, grid = panels(rows, columns, 3.6, 2.7)
+    for axes in grid.flat[len(results.responses) :]:
+        axes.set_visible(False)
+    for axes, (name, values) in zip(grid.flat, results.responses.items(), strict=False):
+        values = values[np.isfinite(values)]
+        axes.hist(values, bins="auto" if len(values) < 2000 else 50, color=BLUE)
+        for value, style in zip(np.quantile(values, (0.01, 0.5, 0.99)), (":", "-", ":"), strict=True):
+            axes.axvline(value, color=ORANGE, linestyle=style, linewidth=1.2)
+        axes.set_title(f"mean {values.mean():.6g}, deviation {values.std():.3g}", fontsize=8)
+        labelled(axes, name, "runs", True, True)
+    canvas.suptitle("Distributions, with quantiles 1 %, 50 %, 99 %")
+    return canvas
+
+
+def response_surfaces(results: Results) -> Figure | None:
+    """Each response over its two strongest factors."""
+    surfaces = {name: surface for name in results.responses if (surface := results.surface(name)) is not None}
+    if not surfaces:
+        return None
+    columns = min(3, len(surfaces))
+    canvas, grid = panels(-(-len(surfaces) // columns), columns, 3.9, 3.2)
+    for axes in grid.flat[len(surfaces) :]:
+        axes.set_visible(False)
+    for axes, (name, surface) in zip(grid.flat, surfaces.items(), strict=False):
+        shown = axes.contourf(surface.x, surface.y, np.ma.masked_invalid(surface.values), levels=16, cmap="viridis")
+        canvas.colorbar(shown, ax=axes).ax.tick_params(labelsize=7)
+        axes.set_title(f"{name}\n{surface.how}", fontsize=7)
+        labelled(axes, *surface.names, True, True)
+    canvas.suptitle("Response surfaces over the two strongest factors")
+    return canvas
+
+
+def sobol_indices(results: Results) -> Figure | None:
+    """First and total indices of each response."""
+    all_of_them = {name: indices for name in results.responses if (indices := results.indices(name)) is not None}
+    if not all_of_them:
+        return None
+    count = max(len(indices.names) for indices in all_of_them.values())
+    canvas, grid = panels(1, len(all_of_them), 3.8, 1.4 + 0.42 * count)
+    for axes, (name, indices) in zip(grid[0], all_of_them.items(), strict=True):
+        places = np.arange(len(indices.names))
+        first = {"color": BLUE, "label": "first order", "xerr": indices.first_interval}
+        total = {"color": ORANGE, "label": "total", "xerr": indices.total_interval}
+        axes.barh(places - 0.2, indices.first, 0.38, **first)
+        axes.barh(places + 0.2, indices.total, 0.38, **total)
+        axes.set_yticks(places, indices.names, fontsize=7)
+        axes.invert_yaxis()
+        axes.set_title(f"{name}, {indices.points} points", fontsize=8)
+        axes.tick_params(labelsize=7)
+        axes.legend(fontsize=7)
+    canvas.suptitle("Sobol's indices with intervals of 95 %")
+    return canvas
+
+
+def progress(results: Results) -> Figure | None:
+    """Objective of the designs in the order in which they were evaluated, and the best so far."""
+    name = results.plan["minimise"] or results.plan["maximise"]
+    if name not in results.responses or results.violation is None:
+        return None
+    y, kept = results.responses[name], results.violation <= 0.0
+    canvas, grid = panels(1, 1, 7.0, 3.6)
+    axes = grid[0][0]
+    axes.plot(results.numbers[~kept], y[~kept], ".", color="0.75", markersize=3, label="exceeds a limit")
+    axes.plot(results.numbers[kept], y[kept], ".", color=BLUE, markersize=3, label="keeps all limits")
+    if kept.any():
+        best = np.minimum if results.plan["minimise"] else np.maximum
+        axes.step(results.numbers[kept], best.accumulate(y[kept]), where="post", color=RED, label="best so far")
+    axes.set(xlabel="evaluation", ylabel=name)
+    axes.legend(fontsize=8)
+    canvas.suptitle("Way of the search")
+    return canvas

@@ -1,0 +1,205 @@
+"""What the pictures show: the runs that did not fail, effects, surfaces, Sobol's indices. It knows no plotting."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow.parquet
+from numpy.typing import NDArray
+from SALib.analyze import sobol
+from scipy.interpolate import LinearNDInterpolator
+
+Array = NDArray[np.float64]
+
+MOST_LEVELS = 30
+"""Different values of a factor up to which each is a level of its own."""
+BINS = 12
+"""Equally filled parts of a factor that has more values."""
+MOST_POINTS = 4000
+"""Runs that are drawn as points; of more, as many, equally spaced by their number."""
+CELLS = 60
+"""Of a surface along each side."""
+RESAMPLES = 200
+"""For the intervals of Sobol's indices."""
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A response over a factor: mean and standard deviation of the runs at each level."""
+
+    places: Array
+    means: Array
+    deviations: Array
+
+    @property
+    def size(self) -> float:
+        """Largest less least mean."""
+        return float(np.ptp(self.means))
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A response over two factors."""
+
+    names: tuple[str, str]
+    x: Array
+    y: Array
+    values: Array
+    how: str
+
+
+@dataclass(frozen=True)
+class Indices:
+    """Sobol's indices of a response, with their half intervals of 95 %."""
+
+    names: list[str]
+    first: Array
+    first_interval: Array
+    total: Array
+    total_interval: Array
+    points: int
+
+
+@dataclass(frozen=True)
+class Results:
+    """Runs of a study that did not fail."""
+
+    plan: dict[str, Any]
+    factors: dict[str, Array]
+    """Those that are numbers and change."""
+    responses: dict[str, Array]
+    """Those that change and have a value in some runs."""
+    violation: Array | None
+    numbers: Array
+    """Of the runs."""
+    runs: int
+    failed: int
+    whole: dict[str, Array]
+    """All columns of numbers, failed runs among them."""
+
+    @classmethod
+    def read(cls, path: Path, plan: dict[str, Any]) -> Results:
+        """Read a table."""
+        table = pyarrow.parquet.read_table(path)
+        failed = np.array(table["failed"], dtype=bool)
+        numeric = [name for name, is_number in zip(plan["factors"], plan["numbers"], strict=True) if is_number]
+        whole = {name: np.array(table[name], dtype=float) for name in [*numeric, *plan["responses"]]}
+        good = ~failed
+
+        def changing(name: str) -> bool:
+            values = whole[name][good]
+            values = values[np.isfinite(values)]
+            return values.size > 1 and bool(np.ptp(values) > 0.0)
+
+        told = [name for name in plan["responses"] if not name.endswith(".time") and name != "violation"]
+        return cls(
+            plan,
+            {name: whole[name][good] for name in numeric if changing(name)},
+            {name: whole[name][good] for name in told if changing(name)},
+            whole["violation"][good] if "violation" in whole else None,
+            np.array(table["run"])[good],
+            len(failed),
+            int(failed.sum()),
+            whole,
+        )
+
+    def thinned(self) -> NDArray[np.int64]:
+        """Indices of the runs that are drawn as points."""
+        count = len(self.numbers)
+        if count <= MOST_POINTS:
+            return np.arange(count)
+        return np.linspace(0, count - 1, MOST_POINTS).astype(np.int64)
+
+    def effect(self, factor: str, response: str) -> Effect:
+        """Mean response over a factor, all other factors as they come."""
+        x, y = self.factors[factor], self.responses[response]
+        good = np.isfinite(y)
+        x, y = x[good], y[good]
+        levels = np.unique(x)
+        if len(levels) > MOST_LEVELS:
+            edges = np.unique(np.quantile(x, np.linspace(0.0, 1.0, BINS + 1)))
+            groups = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(edges) - 2)
+        else:
+            groups = np.searchsorted(levels, x)
+        known = np.unique(groups)
+        parts = [y[groups == group] for group in known]
+        places = np.array([x[groups == group].mean() for group in known])
+        return Effect(places, np.array([part.mean() for part in parts]), np.array([part.std() for part in parts]))
+
+    def strongest(self, response: str) -> list[str]:
+        """Factors, the one with the largest effect on a response first."""
+        return sorted(self.factors, key=lambda factor: -self.effect(factor, response).size)
+
+    def surface(self, response: str) -> Surface | None:
+        """A response over its two strongest factors; none where fewer than two change or the runs are too few."""
+        names = self.strongest(response)[:2]
+        if len(names) < 2:
+            return None
+        z = self.responses[response]
+        good = np.isfinite(z)
+        all_x = np.column_stack([values[good] for values in self.factors.values()])
+        z = z[good]
+        a, b = (self.factors[name][good] for name in names)
+        x, y = (np.linspace(values.min(), values.max(), CELLS) for values in (a, b))
+        grid_x, grid_y = np.meshgrid(x, y)
+        if len(self.factors) == 2:
+            points = np.column_stack([(a - a.min()) / np.ptp(a), (b - b.min()) / np.ptp(b)])
+            if len(points) < 4:
+                return None
+            value = LinearNDInterpolator(points, z)((grid_x - a.min()) / np.ptp(a), (grid_y - b.min()) / np.ptp(b))
+            return Surface((names[0], names[1]), x, y, value, "linear between the runs")
+        middle, half = all_x.mean(axis=0), np.ptp(all_x, axis=0) / 2.0
+        terms = quadratic((all_x - middle) / half)
+        if len(z) <= terms.shape[1]:
+            return None
+        fitted, *_ = np.linalg.lstsq(terms, z, rcond=None)
+        explained = 1.0 - np.var(z - terms @ fitted) / np.var(z)
+        places = np.zeros((grid_x.size, all_x.shape[1]))
+        for name, values in zip(names, (grid_x, grid_y), strict=True):
+            index = list(self.factors).index(name)
+            places[:, index] = (values.ravel() - middle[index]) / half[index]
+        value = (quadratic(places) @ fitted).reshape(grid_x.shape)
+        how = f"quadratic fit, R² = {explained:.4f}, other factors at their means"
+        return Surface((names[0], names[1]), x, y, value, how)
+
+    def indices(self, response: str) -> Indices | None:
+        """Sobol's indices (Saltelli 2010) by SALib; none without Saltelli's design.
+
+        Points of the design with a failed run are left out whole.
+        """
+        names = self.plan["sampled"]
+        if not self.plan["saltelli"] or self.runs % (len(names) + 2) or len(names) != len(self.plan["factors"]):
+            return None
+        y = self.whole[response].reshape(-1, len(names) + 2)
+        y = y[np.isfinite(y).all(axis=1)]
+        if len(y) < 8 or np.ptp(y) == 0.0:
+            return None
+        problem = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
+        found = sobol.analyze(
+            problem, y.ravel(), calc_second_order=False, num_resamples=RESAMPLES, print_to_console=False, seed=1
+        )
+        parts = (np.asarray(found[key], dtype=float) for key in ("S1", "S1_conf", "ST", "ST_conf"))
+        return Indices(names, *parts, len(y))
+
+    def rows_of_indices(self) -> Iterator[list[str | float]]:
+        """Sobol's indices as rows of a table, the names of its columns first; no row without Saltelli's design."""
+        for number, response in enumerate(self.responses):
+            indices = self.indices(response)
+            if indices is None:
+                return
+            if number == 0:
+                yield ["response", "factor", "first", "first_interval", "total", "total_interval"]
+            columns = (indices.first, indices.first_interval, indices.total, indices.total_interval)
+            for name, *values in zip(indices.names, *(column.tolist() for column in columns), strict=True):
+                yield [response, name, *values]
+
+
+def quadratic(x: Array) -> Array:
+    """The terms 1, x_i, x_i x_j of a quadratic polynomial, a row for each point."""
+    count = x.shape[1]
+    products = [x[:, i] * x[:, j] for i in range(count) for j in range(i, count)]
+    return np.column_stack([np.ones(len(x)), x, *products])

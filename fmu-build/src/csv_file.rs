@@ -1,0 +1,32 @@
+//! CSV files that a user writes: inputs over time, points of a study.
+//!
+//! In: a path. Out: the names of the columns and the lines, without blanks around and without an editor's byte order mark.
+//! It must not know what a column means.
+
+use anyhow::{Context, Result, bail};
+use std::fs::File;
+use std::path::Path;
+
+/// Characters that separate columns in files of other programs.
+const SEPARATORS: &str = ";\t|";
+
+/// The reader after the header, and the names in it.
+///
+/// # Errors
+/// The file cannot be read; its columns are separated by another character than the comma.
+pub fn open(path: &Path) -> Result<(csv::Reader<File>, Vec<String>)> {
+    let shown = path.display();
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .from_path(path)
+        .with_context(|| format!("{shown}: cannot be read"))?;
+    let header = reader.headers().with_context(|| format!("{shown}"))?;
+    let name = |name: &str| name.trim_start_matches('\u{feff}').trim_matches('"').to_owned();
+    let names: Vec<String> = header.iter().map(name).collect();
+    if let Some(separator) = names.first().and_then(|first| first.chars().find(|c| SEPARATORS.contains(*c))) {
+        bail!(
+            "{shown}: the columns are separated by {separator:?}; separate them by commas, and write decimals with a point"
+        );
+    }
+    Ok((reader, names))
+}

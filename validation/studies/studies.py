@@ -1,0 +1,281 @@
+"""Many runs of the landing gear by several ways, and what a run costs.
+
+usage: studies.py FMU --program PROGRAM --mechanism FOLDER --out PAGE --work DIR [--scale PART]
+
+A run: the time of the impact on the up-stop for a force of the actuator and a load factor, and nothing else. CPU time
+is that of this process and of all that it has started, of the larger of two numbers of runs less that of the smaller
+one, so that what comes once does not count.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import platform
+import resource
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+import dask
+import fmpy
+import numpy as np
+from dask import bag
+from fmpy.fmi2 import FMU2Slave
+
+FORCES, LOADS = (28e3, 40e3), (1.0, 3.0)
+STOP = 0.3
+"""Longer than any of the runs [s]."""
+OUTPUT = "upstop.impact_time"
+SEED = 1
+CHUNKS = 10
+"""Parts of the bag, as FMPy's example has it."""
+STEPS = 20
+"""Of MuJoCo over a run: RK4, a time constant of two steps; an error of 2e-7 rad (validation/results/peers.csv)."""
+
+Points = np.ndarray
+
+
+def points(count: int) -> Points:
+    """Forces and load factors."""
+    return np.random.default_rng(SEED).uniform(*zip(FORCES, LOADS, strict=True), size=(count, 2))
+
+
+@dataclass(frozen=True)
+class Way:
+    """A way to make runs, and two numbers of them."""
+
+    name: str
+    run: Callable[[int], None]
+    few: int
+    many: int
+
+
+def spent() -> float:
+    """CPU time of this process and of those that have ended below it [s]."""
+    both = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(usage.ru_utime + usage.ru_stime for usage in both)
+
+
+def cost(way: Way) -> tuple[float, float]:
+    """CPU time and time of a run [s]."""
+    used, passed = [], []
+    for count in (way.few, way.many):
+        before, began = spent(), time.perf_counter()
+        way.run(count)
+        used.append(spent() - before)
+        passed.append(time.perf_counter() - began)
+    runs = way.many - way.few
+    return (used[1] - used[0]) / runs, (passed[1] - passed[0]) / runs
+
+
+class Native:
+    """`cargo fmu sweep`, in the engine or on Dask's workers."""
+
+    def __init__(self, program: Path, mechanism: Path, work: Path, *options: str) -> None:
+        self.program, self.mechanism, self.work, self.options = program, mechanism, work, options
+
+    def __call__(self, count: int) -> None:
+        study = {
+            "mechanism": str(self.mechanism.resolve()),
+            "factors": {"actuator.force": {"uniform": FORCES}, "load_factor": {"uniform": LOADS}},
+            "sampling": {"method": "random", "count": count, "seed": SEED},
+            "scenario": {"stop_time": STOP, "stop_at": "retracted"},
+            "responses": {"met": {"event": "retracted"}},
+        }
+        path = self.work / "study.json"
+        path.write_text(json.dumps(study), encoding="utf-8")
+        out = self.work / f"out-{count}-{len(self.options)}-{os.getpid()}-{time.monotonic_ns()}"
+        command = [str(self.program), "sweep", str(path), "--out", str(out), *self.options]
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+
+
+def in_a_loop(fmu: str) -> Callable[[int], None]:
+    """`fmpy.simulate_fmu` with a file, as the first page of FMPy's documentation has it."""
+
+    def run(count: int) -> None:
+        for force, load in points(count):
+            values = {"actuator.force": force, "load_factor": load}
+            fmpy.simulate_fmu(fmu, start_values=values, output=[OUTPUT], stop_time=STOP, output_interval=STOP)
+
+    return run
+
+
+def in_an_efficient_loop(fmu: str) -> Callable[[int], None]:
+    """`fmpy.simulate_fmu` with what it needs made once, as FMPy's example efficient_loops has it."""
+    folder = fmpy.extract(fmu)
+    description = fmpy.read_model_description(folder)
+    instance = fmpy.instantiate_fmu(unzipdir=folder, model_description=description)
+
+    def run(count: int) -> None:
+        for force, load in points(count):
+            instance.reset()
+            fmpy.simulate_fmu(
+                folder,
+                start_values={"actuator.force": force, "load_factor": load},
+                output=[OUTPUT],
+                stop_time=STOP,
+                output_interval=STOP,
+                model_description=description,
+                fmu_instance=instance,
+            )
+
+    return run
+
+
+def part_of_the_bag(part: list[tuple[float, float]], arguments: dict, start: list[int], result: list[int]) -> list:
+    """Runs of one part: FMPy's example parameter_variation with one step instead of many."""
+    fmu = FMU2Slave(**arguments)
+    fmu.instantiate()
+    told = []
+    for force, load in part:
+        fmu.reset()
+        fmu.setupExperiment()
+        fmu.setReal(vr=start, value=[force, load])
+        fmu.enterInitializationMode()
+        fmu.exitInitializationMode()
+        fmu.doStep(currentCommunicationPoint=0.0, communicationStepSize=STOP)
+        told.append(fmu.getReal(result)[0])
+    fmu.terminate()
+    fmu.freeInstance()
+    return told
+
+
+def in_a_bag(fmu: str) -> Callable[[int], None]:
+    """FMPy with a bag of Dask, on processes."""
+    folder = fmpy.extract(fmu)
+    description = fmpy.read_model_description(folder)
+    references = {variable.name: variable.valueReference for variable in description.modelVariables}
+    arguments = {
+        "guid": description.guid,
+        "modelIdentifier": description.coSimulation.modelIdentifier,
+        "unzipDirectory": folder,
+    }
+    start, result = [references["actuator.force"], references["load_factor"]], [references[OUTPUT]]
+
+    def run(count: int) -> None:
+        values = [tuple(point) for point in points(count)]
+        parts = bag.from_sequence(values, npartitions=CHUNKS)
+        told = parts.map_partitions(part_of_the_bag, arguments, start, result).compute(scheduler="processes")
+        if len(told) != count or min(told) <= 0.0:
+            raise RuntimeError(f"{count} runs were asked for, {len(told)} came, the least time is {min(told)} s")
+
+    return run
+
+
+def mujoco_rollouts() -> Callable[[int], None]:
+    """MuJoCo's rollout of the gear without stop, over the 0.13 s of scene S1, in one thread."""
+    sys.path.insert(0, str(Path(__file__).parents[1] / "peers"))
+    import mujoco
+    from mujoco import rollout
+    from mujoco_peer import definition
+    from scenes import landing_gear
+
+    scene = landing_gear()
+    h = scene.span / STEPS
+    text = definition(scene, "RK4", h, (2.0 * h, 1.0))
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    size = mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+    first = np.zeros(size)
+    mujoco.mj_getState(model, data, first, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+
+    def run(count: int) -> None:
+        # The actuator's force relative to 30 kN; gravity belongs to the model and stays.
+        controls = np.zeros((count, STEPS, model.nu))
+        controls[:, :, 0] = (points(count)[:, 0] / 30e3)[:, None]
+        states, _ = rollout.rollout(model, data, np.tile(first, (count, 1)), controls)
+        if not np.isfinite(states).all():
+            raise RuntimeError("a motion of MuJoCo is not finite")
+
+    return run
+
+
+def ways(arguments: argparse.Namespace) -> Iterator[Way]:
+    """All of them."""
+    scale, fmu = arguments.scale, str(arguments.fmu)
+
+    def of(count: int) -> int:
+        return max(int(count * scale), 12)
+
+    native = Native(arguments.program, arguments.mechanism, arguments.work, "--threads", "1")
+    yield Way("`cargo fmu sweep`, one thread", native, of(1000), of(1_000_000))
+    cluster = Native(arguments.program, arguments.fmu, arguments.work, "--workers", "2")
+    yield Way("`cargo fmu sweep --workers 2`: Dask and the FMU", cluster, of(1000), of(40_000))
+    yield Way("`fmpy.simulate_fmu` in a loop", in_a_loop(fmu), 2, of(40))
+    yield Way("`fmpy.simulate_fmu`, instance kept", in_an_efficient_loop(fmu), of(20), of(2000))
+    yield Way("FMPy and a bag of Dask", in_a_bag(fmu), of(1000), of(20_000))
+    yield Way(f"MuJoCo, `rollout`, {STEPS} steps of RK4", mujoco_rollouts(), of(20), of(2000))
+
+
+def shown(seconds: float) -> str:
+    """In the unit that suits."""
+    return f"{seconds * 1e3:.3g} ms" if seconds >= 1e-3 else f"{seconds * 1e6:.3g} us"
+
+
+def processor() -> str:
+    """Name of the processor."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.machine()
+    return next((line.partition(": ")[2] for line in lines if line.startswith("model name")), platform.machine())
+
+
+def page(rows: list[tuple[Way, float, float]], scale: float) -> str:
+    """The page."""
+    versions = ", ".join(f"{name} {version(name)}" for name in ("FMPy", "dask", "distributed", "mujoco", "numpy"))
+    native = rows[0][1]
+    table = "\n".join(
+        f"| {way.name} | {way.many} | {shown(used)} | {used / native:.3g} | {used * 1e6 / 3600:.3g} h |"
+        for way, used, _ in rows
+    )
+    reduced = "" if scale == 1.0 else f"Measured with {scale:g} of the usual numbers of runs.\n\n"
+    return f"""# Many runs by several ways
+
+`cargo fmu bench studies` writes this file.
+
+Machine: {processor()}, {os.cpu_count()} cores, {platform.system()}. {versions}, Python {platform.python_version()}.
+
+{reduced}A run: the time at which the landing gear meets its up-stop, for a force of the actuator and a load factor,
+nothing else. CPU time of all processes, of the number of runs in the table less that of few, by their difference:
+start, packing and set-up do not count. Ways that take long are measured on fewer runs, and the last column is
+computed from the time of one.
+
+| way | runs measured | CPU time of a run | to the first | 1e6 runs, CPU time |
+|---|---|---|---|---|
+{table}
+
+MuJoCo has neither the stop nor the load factor here: its run ends after 0.13 s, with an error of the crank angle as
+[peers](peers.md) has it for as many steps.
+"""
+
+
+def main() -> None:
+    """Measure all ways, write the page."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("fmu", type=Path)
+    parser.add_argument("--program", type=Path, required=True)
+    parser.add_argument("--mechanism", type=Path, required=True)
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--work", type=Path, required=True)
+    parser.add_argument("--scale", type=float, default=1.0)
+    arguments = parser.parse_args()
+    arguments.work.mkdir(parents=True, exist_ok=True)
+    dask.config.set({"multiprocessing.context": "spawn"})
+    rows = []
+    for way in ways(arguments):
+        used, passed = cost(way)
+        print(f"{way.name}: {shown(used)} of CPU time a run, {shown(passed)} in all", flush=True)
+        rows.append((way, used, passed))
+    arguments.out.write_text(page(rows, arguments.scale), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
