@@ -207,7 +207,7 @@ def ways(arguments: argparse.Namespace) -> Iterator[Way]:
     native = Native(arguments.program, arguments.mechanism, arguments.work, "--threads", "1")
     yield Way("`cargo fmu sweep`, one thread", native, of(1000), of(1_000_000))
     cluster = Native(arguments.program, arguments.fmu, arguments.work, "--workers", "2")
-    yield Way("`cargo fmu sweep --workers 2`: Dask and the FMU", cluster, of(1000), of(40_000))
+    yield Way("`cargo fmu sweep --workers 2`: Dask and the FMU", cluster, of(1000), of(20_000))
     yield Way("`fmpy.simulate_fmu` in a loop", in_a_loop(fmu), 2, of(40))
     yield Way("`fmpy.simulate_fmu`, instance kept", in_an_efficient_loop(fmu), of(20), of(2000))
     yield Way("FMPy and a bag of Dask", in_a_bag(fmu), of(1000), of(20_000))
