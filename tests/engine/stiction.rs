@@ -1,6 +1,6 @@
 //! Friction that sticks: closed forms of stick-slip and of Coulomb's oscillator; rest that is exact; breakaway located.
 use crate::support::{Run, assert_says};
-use linkage_fmu::mechanism::Model;
+use linkage_fmu::mechanism::{Model, Pauses, Reached};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
@@ -177,7 +177,7 @@ fn a_block_on_a_slope_does_not_creep() {
     assert_eq!(run.statistics().accepted, 0);
     let (along, across) = (MASS * G * slope.sin(), MASS * G * slope.cos());
     assert!((run.get("slide.friction_force") - along).abs() < 1e-12 * along);
-    assert!((run.get("slide.force") - (MASS * G)).abs() < 1e-12 * across);
+    assert!((run.get("slide.force") - across).abs() < 1e-12 * across);
     assert!(run.is("friction.sticking") && run.get("energy.drift") == 0.0);
     let slope = f64::atan(0.31);
     let mut run = opened(&block(slope, 0.0)).started();
@@ -317,4 +317,35 @@ fn static_below_kinetic_friction_is_refused() {
     definition["friction"]["static_coefficient"] = json!(0.1);
     let refusal = Model::from_json(&definition.to_string()).unwrap_err();
     assert_says(refusal, &["friction.static_coefficient", "0.1", "0.2", "stick"]);
+}
+
+/// A host with event mode is told of each change between sticking and slipping, at its instant.
+#[test]
+fn steps_pause_where_the_block_sticks_and_breaks_away() {
+    let (speed, span) = (0.1, 6.0);
+    let exact = StickSlip::new(speed);
+    let mut run = opened(&block(0.0, STIFFNESS)).started();
+    let (mut t, mut changes) = (0.0, Vec::new());
+    while t < span {
+        run.set("pull.force_x", STIFFNESS * speed * t);
+        run.set_derivative("pull.force_x", 1, STIFFNESS * speed);
+        let h = span - t;
+        let reached = run.step_to_pause(None, h, Pauses { at_events: true, at_steps: false }).unwrap();
+        t = if reached == Reached::End { span } else { t + reached.time(h) };
+        if matches!(reached, Reached::Event(_)) {
+            run.handle_event(None).unwrap();
+            changes.push((t, run.is("friction.sticking")));
+            assert_eq!(run.get("slide.speed"), 0.0);
+        }
+    }
+    let (first, period) = (exact.rest / speed, exact.slip_time() + exact.stick_time());
+    let expected =
+        (0..).map(|k| first + period * f64::from(k)).flat_map(|t| [(t, false), (t + exact.slip_time(), true)]);
+    let expected: Vec<(f64, bool)> = expected.take_while(|(t, _)| *t < span).collect();
+    assert_eq!(changes.len(), expected.len(), "{changes:?}");
+    for ((t, sticks), (exact, expected)) in changes.into_iter().zip(expected) {
+        assert!((t - exact).abs() < 1e-10, "{t}, not {exact}");
+        // At breakaway the loads are at the end of the range, on either side of it by rounding.
+        assert!(sticks || !expected);
+    }
 }

@@ -2,19 +2,20 @@
 //!
 //! In: a definition and its linkage. Out: loads in a fixed order - those sized by inputs, those of constant size,
 //! springs, those sized by a state: stops, surfaces, friction - with their laws. It must not know the state.
+mod friction;
+
 use super::laws::drag::Drag;
-use super::laws::friction::{Cubic, Law, Regime};
 use super::laws::gas::Gas;
 use super::laws::spring::{Characteristic, Spring};
 use super::laws::stop::Stop;
 use super::unit_load::Load;
 use crate::hydraulics::circuit::Equations;
 use crate::hydraulics::definition::Command;
-use crate::mechanism::definition::{self, DefinitionError, Friction, FrictionLaw, Joint, Mechanism};
+use crate::mechanism::definition::{self, DefinitionError, Mechanism};
 use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point};
-use crate::numerics::decimal::Decimal;
 use crate::numerics::monotone::Monotone;
 use crate::numerics::plane::{Vec2, turned};
+pub use friction::{FrictionJoint, JointFriction};
 use std::collections::HashMap;
 use std::fmt;
 
@@ -99,35 +100,6 @@ pub struct Surface {
     pub drag: Drag,
     /// Index of the first of its loads: forces along x and y at `start`, then a torque on the body.
     pub load: usize,
-}
-
-/// Friction in the joints.
-#[derive(Clone, Debug, PartialEq)]
-pub struct JointFriction {
-    /// Whether friction acts.
-    pub enabled: bool,
-    /// Joints with friction.
-    pub friction_joints: Vec<FrictionJoint>,
-}
-
-/// A joint with friction.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FrictionJoint {
-    /// Index of the joint.
-    pub joint: usize,
-    /// Index of its load: a couple [N.m] in a revolute joint, a force along the axis [N] in a prismatic one.
-    pub load: usize,
-    /// Radius of the pin of a revolute joint [m]; 1 for a prismatic joint, where the load is a force.
-    pub radius: f64,
-    /// Coefficient of friction over slip speed.
-    pub law: Law,
-}
-
-impl FrictionJoint {
-    /// Arm of the friction, mu with its sign times the radius [m, or 1], over the slip speed [m/s] on a regime.
-    pub fn arm(&self, regime: Regime) -> Cubic {
-        self.law.cubic(regime).times(self.radius)
-    }
 }
 
 /// A drive of the mechanism.
@@ -390,39 +362,6 @@ impl Loading {
         Ok(())
     }
 
-    fn add_friction(&mut self, mechanism: &Mechanism, linkage: &Linkage) -> Result<(), DefinitionError> {
-        let Some(f) = &mechanism.friction else { return Ok(()) };
-        let Friction { enabled, law, static_coefficient, kinetic_coefficient, static_speed, kinetic_speed } = *f;
-        let sticks = law == FrictionLaw::Stick;
-        if kinetic_speed <= static_speed && !(sticks && kinetic_speed == 0.0 && static_speed == 0.0) {
-            let or = if sticks { ", or 0 with it" } else { "" };
-            let allowed = format!("greater than friction.static_speed = {}{or}", Decimal(static_speed));
-            return Err(DefinitionError::value("friction.kinetic_speed", Decimal(kinetic_speed), allowed));
-        }
-        let mut friction_joints = Vec::new();
-        for (joint, ((name, defined), resolved)) in mechanism.joints.iter().zip(&linkage.joints).enumerate() {
-            let radius = match (resolved.freedom, defined.pin_radius) {
-                (Freedom::Prismatic(_), _) => 1.0,
-                (Freedom::Revolute, Some(radius)) => radius,
-                (Freedom::Revolute, None) => continue,
-            };
-            let law = Law {
-                sticks,
-                static_coefficient: defined.static_coefficient.unwrap_or(static_coefficient),
-                kinetic_coefficient: defined.kinetic_coefficient.unwrap_or(kinetic_coefficient),
-                static_speed,
-                kinetic_speed,
-            };
-            if sticks && law.static_coefficient < law.kinetic_coefficient {
-                return Err(static_below_kinetic(name, defined, &law));
-            }
-            friction_joints.push(FrictionJoint { joint, load: self.loads.len(), radius, law });
-            self.loads.push(joint_load(linkage, joint));
-        }
-        self.friction = Some(JointFriction { enabled: enabled.unwrap_or(false), friction_joints });
-        Ok(())
-    }
-
     /// Number of inputs of the hydraulic circuit; 0 without one.
     pub fn ports(&self) -> usize {
         if self.hydraulics.is_some() { PORTS } else { 0 }
@@ -451,21 +390,6 @@ impl Loading {
             None => self.inputs.get(load).cloned().unwrap_or_else(|| "a constant load".into()),
         }
     }
-}
-
-/// The error for a law that sticks with less static than kinetic friction: a mechanism that breaks away would stick at once.
-fn static_below_kinetic(joint: &str, defined: &Joint, law: &Law) -> DefinitionError {
-    let key = match (defined.static_coefficient, defined.kinetic_coefficient) {
-        (None, None) => "friction.static_coefficient".to_owned(),
-        (None, Some(_)) => format!("joints.{joint}.kinetic_coefficient"),
-        (Some(_), _) => format!("joints.{joint}.static_coefficient"),
-    };
-    let (rest, slip) = (Decimal(law.static_coefficient), Decimal(law.kinetic_coefficient));
-    let message = format!(
-        "static friction {rest} is below kinetic friction {slip}, but friction.law is \"stick\": what breaks away would \
-         stick at once; make the static coefficient as large as the kinetic one at least"
-    );
-    DefinitionError::key(key, message)
 }
 
 /// Markers of a definition, in its order.

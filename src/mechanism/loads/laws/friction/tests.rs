@@ -46,3 +46,29 @@ fn regimes_follow_one_another() {
         }
     }
 }
+
+/// A law that sticks is the other one from V_S on, and mu_S with the sign of the slip below; its regimes follow one another
+/// through 0, also where V_S or both speeds are 0.
+#[test]
+fn a_law_that_sticks_differs_below_static_speed_only() {
+    let sticks = Law { sticks: true, ..LAW };
+    let at = |v: f64| sticks.cubic(sticks.regime(v)).at(v);
+    for v in [0.01001, 0.3, 1.0, 2.0] {
+        assert_eq!((at(v), at(-v)), (mu(v), -mu(v)));
+    }
+    assert_eq!([1e-9, -1e-9].map(at), [0.19, -0.19]);
+    assert_eq!([2.0, -0.1, 0.0].map(|towards| sticks.at_breakaway(towards).at(0.0)), [0.19, -0.19, 0.0]);
+    let jump = Law { static_speed: 0.0, kinetic_speed: 0.0, ..sticks };
+    let curve = Law { static_speed: 0.0, ..sticks };
+    for (law, first) in [(sticks, Regime::Static(1.0)), (curve, Regime::Transition(1.0)), (jump, Regime::Kinetic(1.0))]
+    {
+        let opposite = law.regime_towards(0.0, -1.0);
+        assert_eq!(law.regime_towards(0.0, 1.0), first);
+        assert_eq!((law.next(first, -1e-6), law.next(opposite, 1e-6)), (opposite, first));
+        for v in [-2.0, -0.5, -0.005, 0.005, 0.5, 2.0] {
+            let (low, high) = law.range(law.regime(v));
+            assert!(low <= v && v <= high, "{v}: {law:?}");
+        }
+        assert_eq!(law.regime(2.0), Regime::Kinetic(1.0));
+    }
+}
