@@ -64,7 +64,7 @@ fn comparison(workspace: &Workspace, name: &str) -> Result<(Command, PathBuf, Pa
 
 /// Drive the default FMU with each importer, alone and coupled with its hydraulic actuator, and write the results.
 fn importers(workspace: &Workspace) -> Result<()> {
-    package::run(workspace, &package::Arguments { ssp: true, ..package::Arguments::of_fmi_2() })?;
+    package::run(workspace, &package::Arguments { ssp: true, ..Default::default() })?;
     let (mut script, _, work) = comparison(workspace, "importers")?;
     script.arg("--out").arg(workspace.results().join("importers.md")).arg("--work").arg(work);
     if cfg!(target_os = "linux") {

@@ -48,6 +48,8 @@ pub struct Instance {
     pub(super) vectors: Vec<Vector>,
     /// Memory for the scalars of a call.
     pub(super) scalars: Vec<Reference>,
+    /// Memory for the orders of its derivatives.
+    pub(super) orders: Vec<i32>,
     /// For each variable of the component the knowns on which its initial value depends, once they were asked for; None
     /// inside of a model too large to find them.
     pub(super) initial_dependencies: Option<Option<Vec<Vec<Reference>>>>,
@@ -71,6 +73,7 @@ impl Instance {
             component,
             update: None,
             scalars: Vec::new(),
+            orders: Vec::new(),
             initial_dependencies: None,
             texts: Vec::new(),
         }

@@ -118,11 +118,15 @@ impl Instance {
         if references.iter().all(|&reference| self.vector(reference).is_none()) {
             return self.serialised(references, values, |i, scalars| work(i, scalars, orders));
         }
-        let of = |(reference, &order): (&Reference, &i32)| {
-            std::iter::repeat_n(order, self.vector(*reference).map_or(1, |vector| vector.elements.len()))
-        };
-        let all: Vec<i32> = references.iter().zip(orders).flat_map(of).collect();
-        self.serialised(references, values, |i, scalars| work(i, scalars, &all))
+        let mut all = take(&mut self.orders);
+        all.clear();
+        for (reference, order) in references.iter().zip(orders) {
+            let elements = self.vector(*reference).map_or(1, |vector| vector.elements.len());
+            all.extend(std::iter::repeat_n(*order, elements));
+        }
+        let answer = self.serialised(references, values, |i, scalars| work(i, scalars, &all));
+        self.orders = all;
+        answer
     }
 
     /// The knowns that an output depends on, element by element; before the end of initialization mode those of its

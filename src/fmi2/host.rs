@@ -12,7 +12,7 @@ use super::types::{
 };
 use super::*;
 use crate::component;
-use crate::variables::Interface;
+use crate::variables::{Interface, Vector};
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_int};
 use std::path::Path;
@@ -37,13 +37,19 @@ pub struct Message {
 pub struct Log(RefCell<Vec<Message>>);
 
 impl Log {
+    /// Keep a message.
+    pub(crate) fn push(&self, message: Message) {
+        self.0.borrow_mut().push(message);
+    }
+
     /// The messages since the last call.
     pub fn take(&self) -> Vec<Message> {
         self.0.take()
     }
 }
 
-fn owned(text: Text) -> String {
+/// A text of the library's.
+pub(crate) fn owned(text: Text) -> String {
     // SAFETY: the library passes strings that end with a zero byte.
     unsafe { CStr::from_ptr(text) }.to_str().expect("texts are UTF-8").to_owned()
 }
@@ -57,7 +63,7 @@ unsafe extern "C-unwind" fn log(env: Environment, name: Text, status: c_int, cat
     assert_eq!(owned(format), "%s");
     // SAFETY: the environment is the `Log` passed to `callbacks`, which outlives the instance.
     let log = unsafe { &*env.cast::<Log>() };
-    log.0.borrow_mut().push(Message { instance: owned(name), status, category: owned(category), text: owned(text) });
+    log.push(Message { instance: owned(name), status, category: owned(category), text: owned(text) });
 }
 
 /// The logger as the variadic function of the standard. On the ABIs of the supported platforms a first variadic pointer
@@ -108,6 +114,26 @@ impl Description {
         self.interface().find(name).unwrap_or(ValueReference::MAX)
     }
 
+    /// Vectors that the FMU has in FMI 3.0.
+    pub fn vectors(&self) -> Vec<Vector> {
+        self.component.vectors()
+    }
+
+    /// Whether a step may come to an event.
+    pub fn has_events(&self) -> bool {
+        self.component.has_events()
+    }
+
+    /// GUID of the interface.
+    pub(crate) fn guid(&self) -> &CStr {
+        &self.guid
+    }
+
+    /// Folder of the resources, as a plain path.
+    pub(crate) fn location(&self) -> &CStr {
+        &self.location
+    }
+
     /// New instance named `gear`.
     ///
     /// # Errors
@@ -138,6 +164,11 @@ impl State {
     /// The pointer of the C interface.
     pub fn pointer(&self) -> FmuState {
         self.0
+    }
+
+    /// Where the pointer stands.
+    pub(crate) fn place(&mut self) -> &mut FmuState {
+        &mut self.0
     }
 }
 

@@ -16,6 +16,7 @@
 
 mod absent;
 mod functions;
+pub mod host;
 mod step;
 pub mod types;
 

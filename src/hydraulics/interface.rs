@@ -5,7 +5,7 @@ use super::definition::{HydraulicActuator, Mode};
 use super::inputs::Input::{self, Acceleration, Command, Horizon, Load, LoadDerivative, Mass, MassDerivative};
 use super::inputs::Input::{Length, Speed, Supply, Tank};
 use super::outputs::Output;
-use crate::variables::{Causality, Kind, Reference, Terminal, Unit, Value, Variability, Variable, Variables};
+use crate::variables::{Causality, Kind, Member, Reference, Terminal, Unit, Value, Variability, Variable, Variables};
 
 /// Quantity of a variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -283,15 +283,17 @@ pub fn starts(actuator: &HydraulicActuator) -> [f64; Input::ALL.len()] {
 }
 
 /// The variables that make up the connection with what the actuator moves: force and motion as a drive of a mechanism
-/// names them, then the terms of the one element.
+/// names them, then the terms of the one element. The force is the mean over the next step, which suits a host that holds
+/// it as an input of the mechanism.
 pub fn terminals<Q: Copy>(variables: &Variables<Q>) -> Vec<Terminal> {
     let list = variables.list();
-    let mut members: Vec<Reference> = variables.find("actuator.force").into_iter().collect();
+    let force = variables.find("preview.force_mean").map(|variable| Member { name: "force".to_owned(), variable });
     let inputs = list.iter().enumerate().filter(|(_, variable)| variable.causality == Causality::Input);
     let inputs = inputs.filter(|(_, variable)| variable.name.starts_with(ACTUATOR));
-    members.extend(inputs.map(|(index, _)| index as Reference));
+    let inputs = inputs.map(|(index, variable)| Member::of(index as Reference, variable));
+    let members = force.into_iter().chain(inputs).collect();
     let description = "Force and motion of the actuator".to_owned();
-    vec![Terminal { name: "actuator".to_owned(), description, members }]
+    vec![Terminal { name: "actuator".to_owned(), kind: "length".to_owned(), description, members }]
 }
 
 /// Beginnings of the names of the parameters on which the flows through the edges of both chambers depend.

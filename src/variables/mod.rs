@@ -12,7 +12,7 @@ use crate::codec::checksum::fnv1a_128;
 use std::collections::HashSet;
 use std::ops::Deref;
 
-pub use terminal::Terminal;
+pub use terminal::{Member, Terminal};
 pub use unit::Unit;
 pub use vector::Vector;
 
@@ -136,6 +136,11 @@ pub struct Variable {
 }
 
 impl Variable {
+    /// Last part of the name: `force` of `actuator.force`.
+    pub fn quantity(&self) -> &str {
+        self.name.rsplit_once('.').map_or(self.name.as_str(), |(_, quantity)| quantity)
+    }
+
     /// Whether the variable is computed and can be connected.
     pub fn is_output(&self) -> bool {
         self.causality == Causality::Output

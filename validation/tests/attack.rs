@@ -3,10 +3,11 @@
 use validation::attack::{Asked, all};
 
 /// Cases of each part.
-const CASES: [(&str, u64); 8] = [
+const CASES: [(&str, u64); 9] = [
     ("histories", 1000),
     ("coupled", 100),
     ("calls", 200),
+    ("calls3", 250),
     ("states", 600),
     ("definitions", 300),
     ("scenes", 60),
@@ -35,7 +36,7 @@ fn words_that_are_none_are_refused() {
         &["--minutes", "NaN"],
         &["--seed", "-1"],
         &["--only", "nothing"],
-        &["--only", "states", "--write"],
+        &["--only", "states", "--only", "calls", "--write"],
         &["histories"],
     ] {
         assert!(Asked::read(words).is_err(), "{words:?}");

@@ -6,10 +6,14 @@
 use super::common::{document, element, empty, group};
 use anyhow::Result;
 use linkage_fmu::component::Component;
-use linkage_fmu::variables::{Terminal, Variable};
+use linkage_fmu::variables::Terminal;
 
 /// Path of the file in an FMU.
 pub const PATH: &str = "terminalsAndIcons/terminalsAndIcons.xml";
+
+/// Beginning of the kind of a terminal, of which two fit if the drive's place is the same quantity in both. Kinds of a tool
+/// of its own begin with an underline and the tool's name (FMI 3.0.2, 2.4.9.2.1).
+const KIND: &str = "_linkage_fmu_drive_";
 
 /// Half the side of the icon in the coordinates of a diagram, which count from its middle.
 const HALF: &str = "100";
@@ -36,13 +40,21 @@ pub fn to_xml(component: &Component) -> Result<String> {
             return Ok(());
         }
         group(xml, "Terminals", |xml| {
-            terminals.into_iter().try_for_each(|Terminal { name, description, members }| {
-                let attributes = [("name", name), ("matchingRule", "bus".to_owned()), ("description", description)];
+            terminals.into_iter().try_for_each(|Terminal { name, kind, description, members }| {
+                // With `bus`, members that the other terminal lacks may stay open: a plain force moves the drive too.
+                let attributes = [
+                    ("name", name),
+                    ("matchingRule", "bus".to_owned()),
+                    ("terminalKind", [KIND, &kind].concat()),
+                    ("description", description),
+                ];
                 element(xml, "Terminal", &attributes, |xml| {
-                    members.into_iter().filter_map(|member| interface.get(member)).try_for_each(|member| {
+                    members.into_iter().try_for_each(|member| {
+                        let variable = interface.get(member.variable).map_or("", |variable| &variable.name);
+                        // A force between two points is one number for both sides, none that adds up to zero.
                         let attributes = [
-                            ("variableName", member.name.clone()),
-                            ("memberName", quantity(member).to_owned()),
+                            ("variableName", variable.to_owned()),
+                            ("memberName", member.name),
                             ("variableKind", "signal".to_owned()),
                         ];
                         empty(xml, "TerminalMemberVariable", &attributes)
@@ -51,11 +63,6 @@ pub fn to_xml(component: &Component) -> Result<String> {
             })
         })
     })
-}
-
-/// What follows the dot in `actuator.force`.
-fn quantity(variable: &Variable) -> &str {
-    variable.name.rsplit_once('.').map_or(variable.name.as_str(), |(_, quantity)| quantity)
 }
 
 #[cfg(test)]
@@ -73,7 +80,11 @@ mod tests {
     #[test]
     fn a_drive_is_a_terminal() {
         let expected = |name: &str, members: &[&str]| {
-            let mut lines = format!("<Terminal name=\"{name}\" matchingRule=\"bus\" description=\"The drive {name}\">");
+            let mut lines = format!(
+                "<Terminal name=\"{name}\" matchingRule=\"bus\" terminalKind=\"_linkage_fmu_drive_{}\" \
+                 description=\"The drive {name}\">",
+                members[1]
+            );
             for member in members {
                 lines += &format!(
                     "<TerminalMemberVariable variableName=\"{name}.{member}\" memberName=\"{member}\" variableKind=\"signal\"/>"
@@ -81,27 +92,40 @@ mod tests {
             }
             lines + "</Terminal>"
         };
-        for (mechanism, terminal) in [
-            ("LandingGearRetraction", expected("actuator", &["force", "length", "speed", "acceleration"])),
-            ("FourBar", expected("drive", &["torque", "angle", "speed", "acceleration"])),
+        let linear = ["reduced_mass", "reduced_mass_derivative", "holding_force", "holding_force_derivative"];
+        let rotary = ["reduced_inertia", "reduced_inertia_derivative", "holding_torque", "holding_torque_derivative"];
+        for (mechanism, name, motion, element) in [
+            ("LandingGearRetraction", "actuator", ["force", "length", "speed", "acceleration"], linear),
+            ("FourBar", "drive", ["torque", "angle", "speed", "acceleration"], rotary),
         ] {
+            let terminal = expected(name, &[&motion[..], &element].concat());
             let text: String = file_of(mechanism).lines().map(str::trim).collect();
             assert_eq!(text.matches("<Terminal ").count(), 1, "{text}");
             assert!(text.contains(&terminal), "{terminal} is not in {text}");
         }
     }
 
+    /// Members of the same names are an output and an input of one unit; all of the actuator's have a counterpart.
     #[test]
-    fn a_hydraulic_actuator_has_the_terminal_of_the_drive_that_it_moves() {
-        let file = "hydraulics.json";
-        let path = Workspace::locate().descriptions().join("HydraulicActuator").join("resources").join(file);
-        let component = Component::from_definition(file, &fs::read_to_string(path).unwrap()).unwrap();
-        let text: String = to_xml(&component).unwrap().lines().map(str::trim).collect();
-        let members: Vec<&str> =
-            text.split("memberName=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
-        assert_eq!(members[..4], ["force", "length", "speed", "acceleration"]);
-        let gear = file_of("LandingGearRetraction");
-        assert!(members[..4].iter().all(|member| gear.contains(&format!("memberName=\"{member}\""))));
+    fn a_hydraulic_actuator_can_be_plugged_on_the_drive_that_it_moves() {
+        let terminal = |name: &str, file: &str| {
+            let path = Workspace::locate().descriptions().join(name).join("resources").join(file);
+            let component = Component::from_definition(file, &fs::read_to_string(path).unwrap()).unwrap();
+            let terminal = component.terminals().remove(0);
+            (terminal, component)
+        };
+        let ((gear, of_gear), (oil, of_oil)) =
+            (terminal("LandingGearRetraction", MECHANISM), terminal("HydraulicActuator", "hydraulics.json"));
+        assert_eq!(gear.kind, oil.kind);
+        assert_eq!(oil.members.len(), 8);
+        for member in oil.members {
+            let other = gear.members.iter().find(|other| other.name == member.name).unwrap();
+            let [own, other] =
+                [of_oil.interface().get(member.variable).unwrap(), of_gear.interface().get(other.variable).unwrap()];
+            assert_eq!(own.unit, other.unit, "{}", member.name);
+            assert_ne!(own.is_output(), other.is_output(), "{}", member.name);
+            assert_eq!(own.is_output(), member.name == "force");
+        }
     }
 
     #[test]

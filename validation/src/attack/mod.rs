@@ -5,6 +5,7 @@
 //! how a mechanism is solved.
 mod actuator;
 mod calls;
+mod calls3;
 mod coupled;
 mod definitions;
 mod histories;
@@ -48,7 +49,7 @@ pub struct Part {
 }
 
 /// All kinds of attack.
-pub const PARTS: [Part; 8] = [
+pub const PARTS: [Part; 9] = [
     Part {
         name: "histories",
         claim: "twins of a random history, one of them read, saved, restored and serialised in between, agree to the bit; every state that is written is read back",
@@ -71,6 +72,14 @@ pub const PARTS: [Part; 8] = [
         case: calls::attack,
         count: 1_000,
         share: 0.05,
+        block: 1,
+    },
+    Part {
+        name: "calls3",
+        claim: "random C calls of FMI 3.0, with event mode, early return and intermediate updates: each answer is one that the phase allows; a refusal has one line and changes no Float64; a value that does not exist is told",
+        case: calls3::attack,
+        count: 25_000,
+        share: 0.1,
         block: 1,
     },
     Part {
@@ -126,7 +135,7 @@ pub struct Asked {
     pub only: Vec<String>,
     /// Cases of each part.
     pub count: Option<u64>,
-    /// Whether the page is written.
+    /// Whether the page is written: `attack.md`, of one part `attack_PART.md`.
     pub write: bool,
     /// Threads that run cases.
     pub threads: usize,
@@ -145,7 +154,7 @@ impl Asked {
     /// Read the words after `attack`.
     ///
     /// # Errors
-    /// A word that is none, a value that is missing or none, `--write` of a part of the attack.
+    /// A word that is none, a value that is missing or none, `--write` of some parts of the attack.
     pub fn read(words: &[&str]) -> Result<Self, String> {
         fn value<T: std::str::FromStr>(option: &str, word: Option<&&str>) -> Result<T, String> {
             let word = word.ok_or_else(|| format!("{option}: a value is missing"))?;
@@ -174,8 +183,8 @@ impl Asked {
         if asked.minutes.is_some_and(|minutes| !(minutes.is_finite() && minutes > 0.0)) {
             return Err("--minutes: must be a finite number > 0".into());
         }
-        if asked.write && !asked.only.is_empty() {
-            return Err("--write needs all parts: leave --only out".into());
+        if asked.write && asked.only.len() > 1 {
+            return Err("--write needs all parts, or one: leave --only out, or name one".into());
         }
         Ok(asked)
     }
@@ -201,7 +210,8 @@ pub fn run(results: &Path, words: &[&str]) -> Result<(), String> {
     let page = page::page(&asked, &outcomes);
     println!("\n{page}");
     if asked.write {
-        let target = results.join("attack.md");
+        let name = asked.only.first().map_or("attack.md".to_owned(), |part| format!("attack_{part}.md"));
+        let target = results.join(name);
         std::fs::write(&target, page).map_err(|e| format!("{}: {e}", target.display()))?;
         println!("written to {}", target.display());
     }

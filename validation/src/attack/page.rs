@@ -20,8 +20,9 @@ pub fn line(outcome: &Outcome) -> String {
 /// The page.
 pub fn page(asked: &Asked, outcomes: &[Outcome]) -> String {
     let time = asked.minutes.map_or("a fixed number of cases".into(), |minutes| format!("{minutes} minutes"));
+    let only: String = asked.only.iter().map(|part| format!(" --only {part}")).collect();
     let words = format!(
-        "`cargo fmu bench attack`, {time} on {} threads, seeds from {}. Case k of a part has the seed {} + k; \
+        "`cargo fmu bench attack{only}`, {time} on {} threads, seeds from {}. Case k of a part has the seed {} + k; \
          `--seed SEED --only PART --count 1 --verbose` runs it alone. A call may take {LONGEST} s of its thread's time.",
         asked.threads, asked.seed, asked.seed
     );
