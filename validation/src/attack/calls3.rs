@@ -118,12 +118,11 @@ fn silent(status: Status, values: &[f64]) -> Option<String> {
     is_silent.then(|| format!("values that do not exist without a warning: {values:?}"))
 }
 
+/// What a host does in an intermediate update, given the time [s]: the time at which it asks for the end of the step, if so.
+type Update = Box<dyn Fn(&Calls, f64) -> Option<f64>>;
+
 /// What the host does in an intermediate update: reads one variable, sets one, and asks for the end now and then.
-fn update(
-    description: Arc<Description>,
-    random: Random,
-    fault: Rc<RefCell<Option<String>>>,
-) -> Box<dyn Fn(&Calls, f64) -> Option<f64>> {
+fn update(description: Arc<Description>, random: Random, fault: Rc<RefCell<Option<String>>>) -> Update {
     let random = RefCell::new(random);
     let told = Cell::new(0_usize);
     Box::new(move |calls, time| {
