@@ -126,7 +126,11 @@ impl Table {
         let mut sets: Vec<Set> = Vec::new();
         for size in sizes {
             let first = sets.last().map_or(0, |s| s.components.end);
-            let table = Self { borders: vec![grid.borders[0]], components: size.len(), ..Self::default() };
+            let mut table = Self { components: size.len(), ..Self::default() };
+            // Few panels are divided.
+            table.borders.reserve(grid.borders.len());
+            table.borders.push(grid.borders[0]);
+            table.coefficients.reserve((grid.borders.len() - 1) * size.len());
             let (components, largest) = (first..first + size.len(), size.clone());
             sets.push(Set { components, largest, table, with_gaps, unresolved: None });
         }

@@ -65,7 +65,7 @@ fn an_instance_with_tables_takes_them() {
     let made = Model::from_json(GEAR).unwrap();
     let mut all = made.sections();
     // A table that is not the gear's own: were it made anew, nobody would see the difference.
-    let reactions = all.iter().position(|(name, _)| name == "reaction 2").unwrap();
+    let reactions = all.iter().position(|(name, _)| name == "reactions 2").unwrap();
     // The lowest byte of a coefficient of the first table, behind the number of tables and a flag.
     all[reactions].1[8 * 100 + 1] ^= 1;
     let bytes = sections::encode(0, &all);

@@ -308,8 +308,8 @@ impl Reduced {
             gapped,
             markers: OnceLock::new(),
             origins: OnceLock::new(),
-            reactions: ReactionTables::new(linkage.joints.len(), &fine),
-            state_reactions: ReactionTables::new(linkage.joints.len(), &grid),
+            reactions: ReactionTables::on(&fine),
+            state_reactions: ReactionTables::on(&grid),
         };
         tables.weigh(loading, components.count);
         Ok(Self::assembled(source, markers, [grid, fine], Arc::new(tables), of))

@@ -10,37 +10,24 @@ use crate::numerics::table::{Grid, Table, Unresolved};
 use std::ops::Range;
 use std::sync::OnceLock;
 
-/// Tables of the reactions of all joints to some terms, on the panels of a grid.
+/// Tables of the reactions of all joints to some terms, panel by panel of a grid.
 #[derive(Clone, Debug)]
-pub(super) struct ReactionTables {
-    /// Tables of each joint that were kept, panel by panel, if they were.
-    kept: Vec<OnceLock<Option<Vec<Tabulated>>>>,
-    /// Tables of each panel that are made, joint by joint.
-    made: Vec<OnceLock<Vec<Tabulated>>>,
-}
+pub(super) struct ReactionTables(Vec<OnceLock<Vec<Tabulated>>>);
 
 impl ReactionTables {
-    /// None made yet, for so many joints on this grid.
-    pub(super) fn new(joints: usize, grid: &Grid) -> Self {
-        let panels = grid.borders.len() - 1;
-        Self {
-            kept: (0..joints).map(|_| OnceLock::new()).collect(),
-            made: (0..panels).map(|_| OnceLock::new()).collect(),
-        }
+    /// None made yet, on this grid.
+    pub(super) fn on(grid: &Grid) -> Self {
+        Self(grid.borders[1..].iter().map(|_| OnceLock::new()).collect())
     }
 
-    /// None made yet, for as many joints and panels.
+    /// None made yet, on as many panels.
     pub(super) fn unmade(&self) -> Self {
-        Self {
-            kept: self.kept.iter().map(|_| OnceLock::new()).collect(),
-            made: self.made.iter().map(|_| OnceLock::new()).collect(),
-        }
+        Self(self.0.iter().map(|_| OnceLock::new()).collect())
     }
 
     /// Whether there is one.
     pub(super) fn any(&self) -> bool {
-        self.made.iter().any(|made| made.get().is_some())
-            || self.kept.iter().any(|kept| matches!(kept.get(), Some(Some(_))))
+        self.0.iter().any(|tables| tables.get().is_some())
     }
 }
 
@@ -57,7 +44,7 @@ pub struct PanelTable<'a> {
 struct Terms<'a> {
     tables: &'a ReactionTables,
     grid: &'a Grid,
-    /// Name of the section in which the tables of a joint are kept.
+    /// Name of the section in which the tables of a panel may be kept.
     section: fn(usize) -> String,
     loads: Range<usize>,
     /// Number of terms left out of sigma_ddot = 1, sigma_dot^2 = 1, then each load = 1.
@@ -83,59 +70,47 @@ impl Reduced {
         self.around(&self.state_terms(), joint, sigma)
     }
 
-    /// The tables of a joint's reaction on all panels, made if need be.
-    pub fn reaction_tables(&self, joint: usize) -> Vec<Result<&Table, &Unresolved>> {
-        self.on_all_panels(&self.terms(), joint)
-    }
-
-    /// [`Self::reaction_tables`] for the loads sized by a state.
-    pub(super) fn state_reaction_tables(&self, joint: usize) -> Vec<Result<&Table, &Unresolved>> {
-        self.on_all_panels(&self.state_terms(), joint)
+    /// The tables of the reactions of all joints, made if need be, with the names of their sections: those of
+    /// [`Self::reaction`], then those of [`Self::state_reaction`], panel by panel.
+    pub fn reaction_tables(&self) -> Vec<(String, &[Tabulated])> {
+        let mut all = Vec::new();
+        for terms in [self.terms(), self.state_terms()] {
+            all.extend((0..terms.tables.0.len()).map(|panel| ((terms.section)(panel), self.on_panel(&terms, panel))));
+        }
+        all
     }
 
     fn terms(&self) -> Terms<'_> {
         let (tables, loads) = (&self.tables.reactions, 0..self.loading().base());
-        Terms { tables, grid: &self.fine, section: stored::reaction, loads, skipped: 0 }
+        Terms { tables, grid: &self.fine, section: stored::reactions, loads, skipped: 0 }
     }
 
     fn state_terms(&self) -> Terms<'_> {
         let (tables, loads) = (&self.tables.state_reactions, self.loading().base()..self.loading().loads.len());
-        Terms { tables, grid: &self.grid, section: stored::state_reaction, loads, skipped: 2 }
+        Terms { tables, grid: &self.grid, section: stored::state_reactions, loads, skipped: 2 }
     }
 
     fn around<'a>(&'a self, terms: &Terms<'a>, joint: usize, sigma: f64) -> Result<PanelTable<'a>, &'a Unresolved> {
-        let last = terms.tables.made.len() - 1;
+        let last = terms.tables.0.len() - 1;
         let panel = terms.grid.borders[1..=last].partition_point(|border| *border <= sigma);
         let continues = [panel == 0, panel == last].map(|is_end| is_end && !self.is_stretch());
-        Ok(PanelTable { table: self.on_panel(terms, joint, panel)?, continues })
+        Ok(PanelTable { table: self.on_panel(terms, panel)[joint].as_ref()?, continues })
     }
 
-    fn on_all_panels<'a>(&'a self, terms: &Terms<'a>, joint: usize) -> Vec<Result<&'a Table, &'a Unresolved>> {
-        (0..terms.tables.made.len()).map(|panel| self.on_panel(terms, joint, panel)).collect()
+    /// The tables of all joints on a panel of the grid.
+    fn on_panel<'a>(&'a self, terms: &Terms<'a>, panel: usize) -> &'a [Tabulated] {
+        terms.tables.0[panel].get_or_init(|| self.tabulate_panel(terms, panel))
     }
 
-    fn on_panel<'a>(&'a self, terms: &Terms<'a>, joint: usize, panel: usize) -> Result<&'a Table, &'a Unresolved> {
-        let Terms { tables, section, .. } = terms;
-        let kept = || {
-            let stored = self.source.stored.as_ref()?;
-            stored.tables(&section(joint), &vec![self.reaction_sizes(terms); tables.made.len()])
-        };
-        if let Some(kept) = tables.kept[joint].get_or_init(kept) {
-            return kept[panel].as_ref();
-        }
-        tables.made[panel].get_or_init(|| self.tabulate_panel(terms, panel))[joint].as_ref()
-    }
-
-    /// Tables of the reactions of all joints on one panel of the grid.
     #[cold]
     fn tabulate_panel(&self, terms: &Terms, panel: usize) -> Vec<Tabulated> {
-        let Terms { grid, loads, skipped, .. } = terms;
+        let Terms { grid, section, loads, skipped, .. } = terms;
         let grid = Grid { borders: grid.borders[panel..panel + 2].to_vec(), ..Grid::clone(grid) };
         let joints = self.linkage().joints.len();
         let sizes = self.reaction_sizes(terms);
         let (count, loads) = (sizes.len() / 3, &self.loading().loads[loads.clone()]);
         let mut columns = Columns::default();
-        self.source.tabulate(None, &grid, &vec![sizes; joints], &mut |c, values| {
+        self.source.tabulate(Some(&section(panel)), &grid, &vec![sizes; joints], &mut |c, values| {
             let reactions = columns.fill(&self.curve().closure, c, loads, *skipped);
             for (joint, v) in values.chunks_exact_mut((3 * count).max(1)).enumerate() {
                 for k in 0..count {

@@ -14,8 +14,8 @@ use crate::numerics::table::{Table, Unresolved};
 use std::sync::Arc;
 
 /// Names of sections: the curve with the borders of the grid, the tables that every start needs, those of points and of
-/// bodies. Those of single displacements and of the reactions of a joint have names with their indices, those of state loads
-/// with what they depend on.
+/// bodies. Those of single displacements have names with their indices, those of reactions with the index of their panel,
+/// those of state loads with what they depend on.
 const CURVE: &str = "curve";
 pub(super) const START: &str = "start";
 pub(super) const MARKERS: &str = "markers";
@@ -27,14 +27,14 @@ const MOST: usize = 16 << 20;
 /// A table, or why there is none.
 pub(super) type Tabulated = Result<Table, Unresolved>;
 
-/// Name of the section with the tables of a joint's reactions to applied loads.
-pub(super) fn reaction(joint: usize) -> String {
-    format!("reaction {joint}")
+/// Name of the section with the tables of the reactions to applied loads on a panel.
+pub(super) fn reactions(panel: usize) -> String {
+    format!("reactions {panel}")
 }
 
-/// Name of the section with the tables of a joint's reactions to loads sized by a state.
-pub(super) fn state_reaction(joint: usize) -> String {
-    format!("state reaction {joint}")
+/// Name of the section with the tables of the reactions to loads sized by a state on a panel.
+pub(super) fn state_reactions(panel: usize) -> String {
+    format!("state reactions {panel}")
 }
 
 /// Name of the section with the table of a load's displacement.
@@ -144,17 +144,13 @@ impl Reduced {
         let weights = own.weights.iter().map(Result::as_ref);
         all.add(START, section(first.into_iter().chain(displacements).chain(weights).collect::<Vec<_>>().into_iter()));
         self.add_state_loads(&mut all);
-        let joints = 0..self.linkage().joints.len();
-        for joint in joints.clone() {
-            all.add(&reaction(joint), section(self.reaction_tables(joint).into_iter()));
+        for (name, tables) in self.reaction_tables() {
+            all.add(&name, section(tables.iter().map(Result::as_ref)));
         }
         let is_other = |load: &usize| !needed.contains(load) && self.loading().gravity != Some(*load);
         let others = (0..self.loading().loads.len()).filter(is_other);
         others.for_each(|load| all.add(&displacement(load), section([self.displacement(load)].into_iter())));
         all.add(MARKERS, section((0..self.markers.len()).map(|marker| self.marker(marker))));
-        for joint in joints {
-            all.add(&state_reaction(joint), section(self.state_reaction_tables(joint).into_iter()));
-        }
         all.add(ORIGINS, section((0..self.linkage().bodies.len()).map(|body| self.origin(body))));
         all.sections
     }
