@@ -15,7 +15,7 @@ use crate::integrator::Method;
 use crate::mechanism::Line;
 pub use crate::mechanism::Pauses;
 use crate::mechanism::{self, ModelError, Reached};
-use crate::variables::{Interface, Reference, Terminal, Vector};
+use crate::variables::{ContinuousTime, Interface, Reference, Terminal, Vector};
 use std::fmt;
 use std::sync::Arc;
 pub use tables::TABLES;
@@ -67,6 +67,25 @@ pub enum Paused {
     AtEvent(f64),
     /// At the end of an internal step, so long after its beginning [s].
     AtStep(f64),
+}
+
+/// Why a question of a host's solver has no answer; the model is unchanged.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NoValue {
+    /// There is no value at this trial state: a shorter step of the solver avoids it.
+    AtState(String),
+    /// Whatever the state.
+    Refused(Refused),
+}
+
+impl From<mechanism::NoValue> for NoValue {
+    #[cold]
+    fn from(no_value: mechanism::NoValue) -> Self {
+        match no_value {
+            mechanism::NoValue::AtState(why) => Self::AtState(why),
+            mechanism::NoValue::Refused(error) => Self::Refused(error.into()),
+        }
+    }
 }
 
 /// A step that met `solver.max_steps`.
@@ -403,6 +422,71 @@ impl Component {
             Self::Mechanism(model) => Ok(model.handle_event(Some(point))?),
             Self::Hydraulic(_) => Ok(false),
         }
+    }
+
+    /// The variables that a host's solver integrates; none if the model is for co-simulation only.
+    pub fn continuous_time(&self) -> Option<ContinuousTime> {
+        match self {
+            Self::Mechanism(model) => model.continuous_time(),
+            Self::Hydraulic(_) => None,
+        }
+    }
+
+    /// References of the event indicators, which are declared one after the other.
+    pub fn indicators(&self) -> std::ops::Range<Reference> {
+        match self {
+            Self::Mechanism(model) => model.indicators(),
+            Self::Hydraulic(_) => 0..0,
+        }
+    }
+
+    /// Serve model exchange from now on.
+    ///
+    /// # Errors
+    /// The model is for co-simulation only.
+    pub fn serve_exchange(&mut self) -> Result<(), Refused> {
+        Ok(self.exchanged()?.serve_exchange()?)
+    }
+
+    /// The model, of the kind that serves model exchange.
+    fn exchanged(&mut self) -> Result<&mut mechanism::Model, Refused> {
+        match self {
+            Self::Mechanism(model) => Ok(model),
+            Self::Hydraulic(_) => {
+                Err(Refused("a hydraulic actuator alone is for co-simulation only; use co-simulation".to_owned()))
+            }
+        }
+    }
+
+    /// The continuous states. Refused: the present parameters give no start.
+    pub fn continuous_states(&mut self) -> Result<[f64; 2], Refused> {
+        Ok(self.exchanged()?.continuous_states()?)
+    }
+
+    /// Scales of the continuous states. Refused: as [`Self::continuous_states`].
+    pub fn nominals(&mut self) -> Result<[f64; 2], Refused> {
+        Ok(self.exchanged()?.nominals()?)
+    }
+
+    /// Take the states that the host's solver tries.
+    ///
+    /// # Errors
+    /// A state that is not finite, or at which there is no mechanism; nothing has changed.
+    pub fn set_continuous_states(&mut self, states: [f64; 2]) -> Result<(), NoValue> {
+        Ok(self.exchanged().map_err(NoValue::Refused)?.set_continuous_states(states)?)
+    }
+
+    /// Time derivatives of the continuous states.
+    ///
+    /// # Errors
+    /// There are none at this state.
+    pub fn derivatives(&mut self) -> Result<[f64; 2], NoValue> {
+        Ok(self.exchanged().map_err(NoValue::Refused)?.derivatives()?)
+    }
+
+    /// A step of the host's solver is complete: whether event mode is to be entered. Refused: not initialised.
+    pub fn completed_step(&mut self) -> Result<bool, Refused> {
+        Ok(self.exchanged()?.completed_step()?)
     }
 
     /// What the steps and values since the last call give reason to warn of; None mostly.

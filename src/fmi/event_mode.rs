@@ -1,4 +1,5 @@
-//! Event mode of an instance: what the host makes use of, and the way from step mode to event mode and back.
+//! Event mode of an instance: what the host makes use of, and the way from step mode or continuous-time mode to event mode
+//! and back.
 //!
 //! In: calls in their phases. Out: an event handled, or a refusal that leaves the instance unchanged. It must not know what
 //! an event is.
@@ -17,17 +18,24 @@ pub struct Usage {
     pub early_return: bool,
     /// A callback after each internal step.
     pub intermediate_update: bool,
+    /// Derivatives for its own solver, instead of steps.
+    pub model_exchange: bool,
 }
 
 impl Usage {
     /// Whether an instance of this usage can be in a phase.
     pub(super) fn has(self, phase: Phase) -> bool {
-        phase != Phase::Event || self.event_mode
+        match phase {
+            Phase::Event => self.event_mode,
+            Phase::Continuous => self.model_exchange,
+            Phase::Step | Phase::Failed | Phase::Interrupted => !self.model_exchange,
+            _ => true,
+        }
     }
 }
 
 impl Instance {
-    /// Enter event mode from step mode.
+    /// Enter event mode from step mode or continuous-time mode.
     pub fn enter_event_mode(&mut self) -> Result<(), Refusal> {
         if !self.usage.event_mode {
             return Err(Refusal::error(
@@ -52,6 +60,9 @@ impl Instance {
 
     /// Leave event mode for step mode.
     pub fn enter_step_mode(&mut self) -> Result<(), Refusal> {
+        if self.usage.model_exchange {
+            return Err(Refusal::error("step mode is of co-simulation; the instance was made for model exchange"));
+        }
         if self.awaits_event {
             return Err(self.event_first("step mode"));
         }
@@ -73,7 +84,7 @@ impl Instance {
 #[cold]
 pub(super) fn no_such_phase(saved: &Saved) -> Refusal {
     Refusal::error(format!(
-        "the state was saved in the phase '{}'{}, and this instance was made without event mode; restore it into one with it",
+        "the state was saved in the phase '{}'{}, and this instance was made without it; restore it into one with it",
         saved.phase.name(),
         if saved.awaits_event { " with an event to be handled" } else { "" }
     ))

@@ -352,6 +352,11 @@ impl Instance {
         values: &[f64],
     ) -> Result<(), Refusal> {
         self.must_exist(references.iter())?;
+        if self.usage.model_exchange {
+            return Err(Refusal::error(
+                "derivatives of inputs are for the steps of co-simulation; set values at each time",
+            ));
+        }
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
             self.component.check_input_derivative(reference, order, value)?;
         }
@@ -382,7 +387,7 @@ impl Instance {
         let end = self.clock.end_of_step(point, h)?;
         let (events, details) = (self.logger.has_events(), self.logger.has_details());
         self.component.listen(events, details);
-        let Usage { event_mode, early_return, intermediate_update } = self.usage;
+        let Usage { event_mode, early_return, intermediate_update, .. } = self.usage;
         let pauses =
             Pauses { at_events: event_mode && early_return, at_steps: intermediate_update && *pauses_left > 0 };
         if self.awaits_event {

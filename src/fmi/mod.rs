@@ -10,6 +10,7 @@
 pub(crate) mod array;
 pub(crate) mod clock;
 pub(crate) mod event_mode;
+pub(crate) mod exchange;
 mod exported;
 pub(crate) mod handle;
 pub(crate) mod instance;

@@ -5,7 +5,7 @@
 //! names the variable. Each version has a table of its functions. This file must not know how a value is found.
 use super::instance::Instance;
 use super::refusal::Refusal;
-use crate::variables::{Causality, Kind, Reference, Variable};
+use crate::variables::{Causality, Kind, Reference, Variability, Variable};
 
 /// Phase of an instance; each is one bit, so that a set of phases is a number. The places of
 /// the bits stand in serialised states.
@@ -26,10 +26,12 @@ pub enum Phase {
     Fatal = 32,
     /// A step met the bound on its work; the state is that at the time reached.
     Interrupted = 64,
-    /// Co-simulation with event mode, between two steps: an event is being handled, or inputs jump.
+    /// Between two steps: an event is being handled, or inputs jump.
     Event = 128,
     /// Co-simulation within a step, while the host's callback reads values.
     Intermediate = 256,
+    /// Model exchange between two events: the host's solver integrates.
+    Continuous = 512,
 }
 
 pub const INSTANTIATED: u16 = Phase::Instantiated as u16;
@@ -37,19 +39,22 @@ pub const INITIALIZATION: u16 = Phase::Initialization as u16;
 pub const STEP: u16 = Phase::Step as u16;
 pub const EVENT: u16 = Phase::Event as u16;
 pub const INTERMEDIATE: u16 = Phase::Intermediate as u16;
+pub const CONTINUOUS: u16 = Phase::Continuous as u16;
 pub const TERMINATED: u16 = Phase::Terminated as u16;
 /// Phases after a step that did not come to its end.
 pub const FAILED: u16 = Phase::Failed as u16 | Phase::Interrupted as u16;
 pub const FATAL: u16 = Phase::Fatal as u16;
 /// All phases but [`Phase::Fatal`] and [`Phase::Intermediate`].
-pub const ALIVE: u16 = INSTANTIATED | INITIALIZATION | STEP | EVENT | TERMINATED | FAILED;
+pub const ALIVE: u16 = INSTANTIATED | INITIALIZATION | STEP | EVENT | CONTINUOUS | TERMINATED | FAILED;
 /// Phases in which values can be set.
-pub const SETTABLE: u16 = INSTANTIATED | INITIALIZATION | STEP | EVENT;
+pub const SETTABLE: u16 = INSTANTIATED | INITIALIZATION | STEP | EVENT | CONTINUOUS;
+/// Phases in which the host's solver can ask for states and derivatives.
+pub const SOLVABLE: u16 = INITIALIZATION | EVENT | CONTINUOUS | TERMINATED | FAILED;
 /// All phases after initialization but event mode.
 pub const STEPPED: u16 = STEP | TERMINATED | FAILED;
 
 /// Each phase with its name in messages, in the order of the bits.
-const PHASES: [(Phase, &str); 9] = [
+const PHASES: [(Phase, &str); 10] = [
     (Phase::Instantiated, "instantiated"),
     (Phase::Initialization, "initialization mode"),
     (Phase::Step, "step mode"),
@@ -59,6 +64,7 @@ const PHASES: [(Phase, &str); 9] = [
     (Phase::Interrupted, "step interrupted"),
     (Phase::Event, "event mode"),
     (Phase::Intermediate, "intermediate update mode"),
+    (Phase::Continuous, "continuous-time mode"),
 ];
 
 impl Phase {
@@ -151,6 +157,9 @@ fn no_get(instance: &Instance, reference: Reference, kind: Kind) -> Refusal {
 pub fn may_set(instance: &Instance, reference: Reference, kind: Kind) -> Result<(), Refusal> {
     let variable = of_kind(instance, reference, kind)?;
     let reason = match (variable.causality, instance.phase) {
+        (Causality::Input, Phase::Continuous) if variable.variability == Variability::Discrete => {
+            "a discrete input; in model exchange it is set in event mode"
+        }
         (Causality::Input, _) => return Ok(()),
         (Causality::Parameter, Phase::Instantiated | Phase::Initialization) => return Ok(()),
         (Causality::Parameter, _) => "a parameter; it can be set until initialization mode ends, or after a reset",

@@ -4,7 +4,7 @@
 //! The message names the quantity, the value, the limit and what to do; `handle` puts the function's name in front of
 //! it.
 
-use crate::component::Refused;
+use crate::component::{NoValue, Refused};
 
 /// Answer to a call, in the words that all versions of FMI share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,6 +45,16 @@ impl Refusal {
     /// A question without an answer, or a step that was made in part.
     pub fn discard(message: impl Into<String>) -> Self {
         Refusal { verdict: Verdict::Discard, message: message.into() }
+    }
+}
+
+impl From<NoValue> for Refusal {
+    #[cold]
+    fn from(no_value: NoValue) -> Self {
+        match no_value {
+            NoValue::AtState(why) => Refusal::discard(why),
+            NoValue::Refused(refused) => refused.into(),
+        }
     }
 }
 

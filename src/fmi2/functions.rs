@@ -1,21 +1,23 @@
 //! The exported functions of FMI 2.0.5: life cycle, logging, values, states, derivatives (2.1), co-simulation (4.2),
-//! and those of model exchange (3.2), which are refused. The contract of the pointers is that of the module `fmi2`.
+//! and model exchange (3.2). The contract of the pointers is that of the module `fmi2`.
 
 use super::VERSION;
 use super::types::{
-    Boolean, Byte, CO_SIMULATION, CallbackFunctions, Component, DO_STEP_STATUS, FALSE, FmuState, Integer,
+    Boolean, Byte, CO_SIMULATION, CallbackFunctions, Component, DO_STEP_STATUS, EventInfo, FALSE, FmuState, Integer,
     LAST_SUCCESSFUL_TIME, MODEL_EXCHANGE, PENDING_STATUS, Real, Status, TERMINATED, Text, ValueReference,
 };
 use crate::fmi::array::{input, output, text};
 use crate::fmi::event_mode::Usage;
+use crate::fmi::exchange::served;
 use crate::fmi::logger::{Logger, Sink};
 use crate::fmi::phase::{
-    ALIVE, FAILED, FATAL, Function, INITIALIZATION, INSTANTIATED, Phase, SETTABLE, STEP, STEPPED, none_of_type,
+    ALIVE, CONTINUOUS, EVENT, FAILED, FATAL, Function, INITIALIZATION, INSTANTIATED, Phase, SETTABLE, SOLVABLE, STEP,
+    STEPPED, none_of_type,
 };
 use crate::fmi::refusal::Refusal;
 use crate::fmi::{exported, handle, resources, state_handle};
 use crate::variables::Kind;
-use std::ffi::{CStr, c_int, c_void};
+use std::ffi::{CStr, c_int};
 
 /// Always `"default"`: the types of `fmi2TypesPlatform.h`.
 #[unsafe(no_mangle)]
@@ -50,10 +52,14 @@ pub unsafe extern "C" fn fmi2Instantiate(
         }
         let (name, guid, location) = (text(name).unwrap_or_default(), text(guid), text(location));
         let logger = Logger::new(sink(&functions.read(), name), logging_on != FALSE);
-        handle::instantiate(VERSION, "fmi2Instantiate", name, logger, Usage::default(), || match fmu_type {
+        let usage = if fmu_type == MODEL_EXCHANGE { Usage::MODEL_EXCHANGE } else { Usage::default() };
+        handle::instantiate(VERSION, "fmi2Instantiate", name, logger, usage, || match fmu_type {
             CO_SIMULATION => resources::load("fmuGUID", guid, location),
-            MODEL_EXCHANGE => Err(Refusal::error("fmuType is fmi2ModelExchange; this FMU is for co-simulation only")),
-            other => Err(Refusal::error(format!("fmuType is {other}; it must be 1 (fmi2CoSimulation)"))),
+            MODEL_EXCHANGE => served(resources::load("fmuGUID", guid, location)?),
+            other => {
+                let allowed = "it must be 0 (fmi2ModelExchange) or 1 (fmi2CoSimulation)";
+                Err(Refusal::error(format!("fmuType is {other}; {allowed}")))
+            }
         })
     }
 }
@@ -109,7 +115,7 @@ exported! {
     fn fmi2ExitInitializationMode() in INITIALIZATION => |i| i.exit_initialization_mode();
 
     /// End of the simulation; values can still be read.
-    fn fmi2Terminate() in STEP | FAILED => |i| {
+    fn fmi2Terminate() in STEP | EVENT | CONTINUOUS | FAILED => |i| {
         i.terminate();
         Ok(())
     };
@@ -212,7 +218,7 @@ exported! {
     fn fmi2GetDirectionalDerivative(
         unknowns: *const ValueReference, unknown_count: usize, knowns: *const ValueReference, known_count: usize,
         known_rates: *const Real, unknown_rates: *mut Real
-    ) in INITIALIZATION | STEPPED => |i| {
+    ) in INITIALIZATION | EVENT | CONTINUOUS | STEPPED => |i| {
         let unknowns = input("vUnknown_ref", unknowns, unknown_count)?;
         let knowns = input("vKnown_ref", knowns, known_count)?;
         let seeds = input("dvKnown", known_rates, known_count)?;
@@ -288,19 +294,61 @@ exported! {
     /// `fmi2PendingStatus` has no answer, as no step is ever pending: always `fmi2Discard`.
     fn fmi2GetStringStatus(kind: c_int, _value: *mut Text) in STEPPED => |_i| Err(no_such_status(kind));
 
-    // Model exchange (3.2): exported, as hosts look these functions up, and refused.
-    fn fmi2EnterEventMode() in ALIVE => |_i| model_exchange();
-    fn fmi2NewDiscreteStates(_info: *mut c_void) in ALIVE => |_i| model_exchange();
-    fn fmi2EnterContinuousTimeMode() in ALIVE => |_i| model_exchange();
+    /// Model exchange (3.2): from continuous-time mode to event mode.
+    fn fmi2EnterEventMode() in CONTINUOUS => |i| i.enter_event_mode();
+
+    /// Make the transitions that are due: impacts, bumpers, locks, rest and release. One call is enough; no event is known
+    /// before its time.
+    // SAFETY: `info` leads to memory for the struct (3.2.2).
+    fn fmi2NewDiscreteStates(info: *mut EventInfo) in EVENT => |i| {
+        let info = output("eventInfo", info, 1)?;
+        let values_changed = i.update_discrete_states()?.into();
+        info[0].write(EventInfo { values_changed, ..EventInfo::default() });
+        Ok(())
+    };
+
+    /// From event mode to continuous-time mode.
+    fn fmi2EnterContinuousTimeMode() in EVENT => |i| i.enter_continuous_time_mode();
+
+    /// A step of the host's solver is complete. `*enter_event_mode`: whether a transition is due.
+    // SAFETY: both pointers lead to memory for one value (3.2.2).
     fn fmi2CompletedIntegratorStep(
-        _no_set_state_prior: Boolean, _enter_event_mode: *mut Boolean, _terminate: *mut Boolean
-    ) in ALIVE => |_i| model_exchange();
-    fn fmi2SetTime(_time: Real) in ALIVE => |_i| model_exchange();
-    fn fmi2SetContinuousStates(_x: *const Real, _count: usize) in ALIVE => |_i| model_exchange();
-    fn fmi2GetDerivatives(_derivatives: *mut Real, _count: usize) in ALIVE => |_i| model_exchange();
-    fn fmi2GetEventIndicators(_indicators: *mut Real, _count: usize) in ALIVE => |_i| model_exchange();
-    fn fmi2GetContinuousStates(_x: *mut Real, _count: usize) in ALIVE => |_i| model_exchange();
-    fn fmi2GetNominalsOfContinuousStates(_nominals: *mut Real, _count: usize) in ALIVE => |_i| model_exchange();
+        _no_set_state_prior: Boolean, enter_event_mode: *mut Boolean, terminate: *mut Boolean
+    ) in CONTINUOUS => |i| {
+        let (enter, terminate) = (output("enterEventMode", enter_event_mode, 1)?, output("terminateSimulation", terminate, 1)?);
+        enter[0].write(i.completed_integrator_step()?.into());
+        terminate[0].write(FALSE);
+        Ok(())
+    };
+
+    /// The time at which values are asked for.
+    fn fmi2SetTime(time: Real) in EVENT | CONTINUOUS => |i| i.set_time(time);
+
+    /// Take the states that the solver tries. `fmi2Discard` where the mechanism has no such position: a shorter step
+    /// avoids it; nothing has changed.
+    // SAFETY: the array has `count` elements (3.2.1).
+    fn fmi2SetContinuousStates(x: *const Real, count: usize) in CONTINUOUS => |i|
+        i.set_continuous_states(input("x", x, count)?);
+
+    /// Time derivatives of the states; `fmi2Discard` where there are none.
+    // SAFETY: the array has `count` elements (3.2.2).
+    fn fmi2GetDerivatives(derivatives: *mut Real, count: usize) in SOLVABLE => |i|
+        i.derivatives(output("derivatives", derivatives, count)?);
+
+    /// Event indicators; `fmi2Discard` where one has no value.
+    // SAFETY: the array has `count` elements (3.2.2).
+    fn fmi2GetEventIndicators(indicators: *mut Real, count: usize) in SOLVABLE => |i|
+        i.event_indicators(output("eventIndicators", indicators, count)?);
+
+    /// The continuous states.
+    // SAFETY: the array has `count` elements (3.2.2).
+    fn fmi2GetContinuousStates(x: *mut Real, count: usize) in SOLVABLE => |i|
+        i.continuous_states(output("x", x, count)?);
+
+    /// Scales of the continuous states.
+    // SAFETY: the array has `count` elements (3.2.2).
+    fn fmi2GetNominalsOfContinuousStates(nominals: *mut Real, count: usize) in INSTANTIATED | SOLVABLE => |i|
+        i.nominals(output("x_nominal", nominals, count)?);
 }
 
 /// Write the answer to the status kind that the called function has.
@@ -327,9 +375,4 @@ fn no_such_status(kind: c_int) -> Refusal {
         }
         _ => Refusal::error(format!("the status kind is {kind}; it must be from 0 to 3")),
     }
-}
-
-/// Refusal of the functions of model exchange.
-fn model_exchange() -> Result<(), Refusal> {
-    Err(Refusal::error("a function of model exchange; this FMU is for co-simulation, use fmi2DoStep"))
 }

@@ -3,8 +3,8 @@
 //! In: the host's calls. Out: statuses and values. Each function states the phases in which it is legal: the state
 //! machine of FMI 2.0.5, 4.2.4. `types` has the C types. It must not know any kind of model.
 //!
-//! Co-simulation is complete but for what the XML does not declare. Functions of model exchange are exported because
-//! hosts look them up; they log why they cannot serve, and return `fmi2Error`.
+//! Co-simulation and model exchange are complete but for what the XML does not declare. A function of the one refuses an
+//! instance that was made for the other.
 //!
 //! # Safety
 //! All functions share one contract, the standard's own. A component is NULL or comes from [`fmi2Instantiate`], has not
@@ -78,7 +78,10 @@ mod tests {
         assert_eq!(function("fmi2DoStep").legal_phases(), "step mode");
         assert_eq!(function("fmi2SetupExperiment").legal_phases(), "instantiated");
         assert_eq!(function("fmi2ExitInitializationMode").legal_phases(), "initialization mode");
-        assert_eq!(function("fmi2Terminate").legal_phases(), "step mode, step failed, step interrupted");
+        assert_eq!(
+            function("fmi2Terminate").legal_phases(),
+            "step mode, step failed, step interrupted, event mode, continuous-time mode"
+        );
         for setter in ["fmi2SetReal", "fmi2SetInteger", "fmi2SetBoolean", "fmi2SetString"] {
             assert!(!function(setter).is_legal_in(Phase::Terminated));
             assert!(!function(setter).is_legal_in(Phase::Failed));

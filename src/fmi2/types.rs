@@ -44,6 +44,24 @@ pub const LAST_SUCCESSFUL_TIME: c_int = 2;
 /// `fmi2StatusKind`, as the host passes it: whether the FMU wants the simulation to end.
 pub const TERMINATED: c_int = 3;
 
+/// `fmi2EventInfo`: what an event has changed. By default nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
+pub struct EventInfo {
+    /// Whether the discrete states need another update.
+    pub new_discrete_states_needed: Boolean,
+    /// Whether the simulation is to end.
+    pub terminate_simulation: Boolean,
+    /// Whether the scales of the continuous states have changed.
+    pub nominals_changed: Boolean,
+    /// Whether the continuous states have changed.
+    pub values_changed: Boolean,
+    /// Whether the next event is known before its time.
+    pub next_event_time_defined: Boolean,
+    /// Its time [s].
+    pub next_event_time: Real,
+}
+
 /// `fmi2Status`: the answer to a call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]

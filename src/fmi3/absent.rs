@@ -15,22 +15,7 @@ use crate::fmi::refusal::Refusal;
 use crate::fmi::{exported, handle};
 use std::ffi::c_void;
 
-/// Always NULL, with a message: this FMU is for co-simulation.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3InstantiateModelExchange(
-    name: Text,
-    _token: Text,
-    _resource_path: Text,
-    _visible: Boolean,
-    logging_on: Boolean,
-    environment: Environment,
-    log_message: Option<LogMessage>,
-) -> Component {
-    // SAFETY: strings are the host's, for the duration of the call (2.2.6).
-    unsafe { refuse_instance("fmi3InstantiateModelExchange", name, logging_on, environment, log_message) }
-}
-
-/// Always NULL, with a message: this FMU is for co-simulation.
+/// Always NULL, with a message: this FMU is for co-simulation and model exchange.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
     name: Text,
@@ -63,7 +48,7 @@ unsafe fn refuse_instance(
     let name = unsafe { text(name) }.unwrap_or_default();
     let logger = Logger::new(sink(environment, log_message), logging_on != FALSE);
     handle::instantiate(VERSION, function, name, logger, Usage::default(), || {
-        Err(Refusal::error("this FMU is for co-simulation only; use fmi3InstantiateCoSimulation"))
+        Err(Refusal::error("this FMU is for co-simulation and model exchange; use fmi3InstantiateCoSimulation"))
     })
 }
 
@@ -149,27 +134,9 @@ exported! {
     fn fmi3ExitConfigurationMode() in ALIVE => |_i|
         Err(Refusal::error("there is no structural parameter, so that there is nothing to configure"));
 
-    // Model exchange (3.2): exported, as hosts look these functions up, and refused.
-    fn fmi3EnterContinuousTimeMode() in ALIVE => |_i| model_exchange();
-    fn fmi3CompletedIntegratorStep(
-        _no_set_state_prior: Boolean, _enter_event_mode: *mut Boolean, _terminate: *mut Boolean
-    ) in ALIVE => |_i| model_exchange();
-    fn fmi3SetTime(_time: f64) in ALIVE => |_i| model_exchange();
-    fn fmi3SetContinuousStates(_states: *const f64, _count: usize) in ALIVE => |_i| model_exchange();
-    fn fmi3GetContinuousStateDerivatives(_derivatives: *mut f64, _count: usize) in ALIVE => |_i| model_exchange();
-    fn fmi3GetEventIndicators(_indicators: *mut f64, _count: usize) in ALIVE => |_i| model_exchange();
-    fn fmi3GetContinuousStates(_states: *mut f64, _count: usize) in ALIVE => |_i| model_exchange();
-    fn fmi3GetNominalsOfContinuousStates(_nominals: *mut f64, _count: usize) in ALIVE => |_i| model_exchange();
-    fn fmi3GetNumberOfEventIndicators(_count: *mut usize) in ALIVE => |_i| model_exchange();
-    fn fmi3GetNumberOfContinuousStates(_count: *mut usize) in ALIVE => |_i| model_exchange();
 }
 
 /// Refusal of variables that do not exist; the empty list is done.
 fn none(count: usize, what: &str) -> Result<(), Refusal> {
     if count == 0 { Ok(()) } else { Err(Refusal::error(format!("there is no {what}"))) }
-}
-
-/// Refusal of the functions of model exchange.
-fn model_exchange() -> Result<(), Refusal> {
-    Err(Refusal::error("a function of model exchange; this FMU is for co-simulation, use fmi3DoStep"))
 }

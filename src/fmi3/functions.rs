@@ -12,7 +12,8 @@ use crate::fmi::event_mode::Usage;
 use crate::fmi::instance::Instance;
 use crate::fmi::logger::{Logger, Sink};
 use crate::fmi::phase::{
-    ALIVE, EVENT, FAILED, FATAL, Function, INITIALIZATION, INSTANTIATED, INTERMEDIATE, Phase, SETTABLE, STEP, STEPPED,
+    ALIVE, CONTINUOUS, EVENT, FAILED, FATAL, Function, INITIALIZATION, INSTANTIATED, INTERMEDIATE, Phase, SETTABLE,
+    STEP, STEPPED,
 };
 use crate::fmi::refusal::Refusal;
 use crate::fmi::vectors::wrong_number;
@@ -54,6 +55,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
             event_mode: event_mode_used != FALSE,
             early_return: early_return_allowed != FALSE,
             intermediate_update: update.is_some(),
+            model_exchange: false,
         };
         let c = handle::instantiate(VERSION, "fmi3InstantiateCoSimulation", name, logger, usage, || {
             let loaded = resources::load("instantiationToken", token, path)?;
@@ -111,7 +113,7 @@ exported! {
     fn fmi3ExitInitializationMode() in INITIALIZATION => |i| i.exit_initialization_mode();
 
     /// End of the simulation; values can still be read.
-    fn fmi3Terminate() in STEP | EVENT | FAILED => |i| {
+    fn fmi3Terminate() in STEP | EVENT | CONTINUOUS | FAILED => |i| {
         i.terminate();
         Ok(())
     };
@@ -213,7 +215,7 @@ exported! {
     fn fmi3GetDirectionalDerivative(
         unknowns: *const ValueReference, unknown_count: usize, knowns: *const ValueReference, known_count: usize,
         seed: *const f64, seeds: usize, sensitivity: *mut f64, sensitivities: usize
-    ) in INITIALIZATION | EVENT | INTERMEDIATE | STEPPED => |i| {
+    ) in INITIALIZATION | EVENT | CONTINUOUS | INTERMEDIATE | STEPPED => |i| {
         let (unknowns, knowns) = (input("unknowns", unknowns, unknown_count)?, input("knowns", knowns, known_count)?);
         let (seed, sensitivity) = (input("seed", seed, seeds)?, output("sensitivity", sensitivity, sensitivities)?);
         scalar_knowns(i, unknowns, knowns)?;
@@ -229,7 +231,7 @@ exported! {
     fn fmi3GetAdjointDerivative(
         unknowns: *const ValueReference, unknown_count: usize, knowns: *const ValueReference, known_count: usize,
         seed: *const f64, seeds: usize, sensitivity: *mut f64, sensitivities: usize
-    ) in INITIALIZATION | EVENT | INTERMEDIATE | STEPPED => |i| {
+    ) in INITIALIZATION | EVENT | CONTINUOUS | INTERMEDIATE | STEPPED => |i| {
         let (unknowns, knowns) = (input("unknowns", unknowns, unknown_count)?, input("knowns", knowns, known_count)?);
         let (seed, sensitivity) = (input("seed", seed, seeds)?, output("sensitivity", sensitivity, sensitivities)?);
         scalar_knowns(i, unknowns, knowns)?;
@@ -285,7 +287,7 @@ exported! {
     };
 
     /// From step mode to event mode: an event is handled, or inputs jump.
-    fn fmi3EnterEventMode() in STEP => |i| i.enter_event_mode();
+    fn fmi3EnterEventMode() in STEP | CONTINUOUS => |i| i.enter_event_mode();
 
     /// From event mode to step mode. Refused before [`fmi3UpdateDiscreteStates`] if a step has led to an event.
     fn fmi3EnterStepMode() in EVENT => |i| i.enter_step_mode();

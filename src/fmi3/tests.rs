@@ -1,6 +1,7 @@
 //! The functions of FMI 3.0 as a host calls them, against the same calls of FMI 2.0.
 #![allow(clippy::unwrap_used)]
 mod events;
+mod exchange;
 mod messages;
 mod updates;
 mod vectors;
@@ -182,7 +183,8 @@ fn what_is_wrong_is_refused_and_changes_nothing() {
 /// `fmi3FunctionTypes.h`, 3.0.2, has 75 functions; hosts look all of them up.
 #[test]
 fn all_functions_of_the_standard_are_exported() {
-    let tables = [super::functions::FUNCTIONS, absent::FUNCTIONS, absent::types_of_no_variable::FUNCTIONS];
+    let exchange = super::exchange::FUNCTIONS;
+    let tables = [super::functions::FUNCTIONS, exchange, absent::FUNCTIONS, absent::types_of_no_variable::FUNCTIONS];
     let names: std::collections::BTreeSet<_> = tables.into_iter().flatten().map(|function| function.name).collect();
     // Besides: the version, three ways to instantiate, the end of an instance, the step.
     assert_eq!(names.len() + 6, 75);

@@ -4,6 +4,7 @@
 mod derivatives;
 mod description;
 mod events;
+mod exchange;
 mod occurrences;
 mod undefined;
 mod warnings;
@@ -26,6 +27,7 @@ use crate::mechanism::definition::{Mechanism, Method, Range, Role};
 use crate::mechanism::reduced::Reduced;
 use crate::variables::{Reference, Value, Variables};
 pub use derivatives::{INPUT_ORDER, OUTPUT_ORDER};
+pub use exchange::{Exchange, NoValue};
 pub use occurrences::Line;
 use occurrences::Told;
 use std::sync::{Arc, OnceLock};
@@ -51,6 +53,8 @@ pub struct Model {
     has_told: bool,
     clipped: Clipped,
     told: Told,
+    /// What model exchange keeps, if that is what the model is for.
+    pub(super) exchange: Option<Exchange>,
 }
 
 /// The state of motion in the formulation that solver.method chose.
@@ -136,6 +140,7 @@ impl Model {
             has_told: false,
             clipped: Clipped::default(),
             told: Told::default(),
+            exchange: None,
             original: Arc::new(original),
         };
         // Tables are kept of what has a start.
@@ -170,6 +175,7 @@ impl Model {
         match self.original.variables.quantity(reference) {
             Some(Quantity::Parameter(i)) => Ok(self.parameter_values.parameters[i]),
             Some(Quantity::Input(i)) => Ok(self.inputs.reals[i]),
+            Some(Quantity::Output(Output::Drift)) if self.exchange.is_some() => Ok(f64::NAN),
             Some(Quantity::Output(output)) => {
                 if self.state.is_none() {
                     self.state()?;
@@ -183,6 +189,8 @@ impl Model {
                 };
                 Ok(value.ok().filter(|value| value.is_finite()).unwrap_or(f64::NAN))
             }
+            Some(Quantity::State(order)) => self.state_of_motion(order),
+            Some(Quantity::Indicator(indicator)) => self.indicator(indicator),
             _ => Err(self.no_such(reference, "Real")),
         }
     }
@@ -196,7 +204,9 @@ impl Model {
         let range = match self.original.variables.quantity(reference) {
             Some(Quantity::Parameter(i)) => self.original.ranges[i].0,
             Some(Quantity::Input(_)) => Range::Finite,
-            Some(Quantity::Output(_)) => return Err(ModelError::Output { name: name() }),
+            Some(Quantity::Output(_) | Quantity::State(_) | Quantity::Indicator(_)) => {
+                return Err(ModelError::Output { name: name() });
+            }
             _ => return Err(self.no_such(reference, "Real")),
         };
         if range.contains(value) {
@@ -375,9 +385,11 @@ impl Model {
     pub fn initialize(&mut self) -> Result<(), ModelError> {
         self.clipped = Clipped::default();
         self.told.restart();
+        self.begin_exchange()?;
         let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) else {
             self.state = None;
-            return self.state().map(|_| ());
+            self.state()?;
+            return self.remember();
         };
         // The parameters are those of this state, as one that changes takes the state away.
         let start = self.designs.start(&self.parameter_values, reduced, &self.original.ranges);
@@ -386,7 +398,8 @@ impl Model {
         if placed.is_err() {
             self.state = None;
         }
-        placed
+        placed?;
+        self.remember()
     }
 
     /// Advance by exactly `h` [s], > 0, under the present inputs with the derivatives of
@@ -456,6 +469,7 @@ impl Model {
         self.has_told = false;
         self.clipped = Clipped::default();
         self.told.restart();
+        self.exchange = self.exchange.map(|_| Exchange::default());
     }
 
     /// That the motion has left the part of an open curve that was traced before the first step; told once.

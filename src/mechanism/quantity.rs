@@ -21,6 +21,27 @@ pub enum Quantity {
     Sticking,
     /// Computed from the state.
     Output(Output),
+    /// sigma, counted on over whole revolutions, or its time derivative of this order: 0 and 1 are the continuous states
+    /// of model exchange.
+    State(usize),
+    /// Event indicator of model exchange.
+    Indicator(Indicator),
+}
+
+/// What an event indicator of model exchange watches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the sentence of a variant names its fields")]
+pub enum Indicator {
+    /// The rigid stop at the low (0) or the high (1) end of the travel.
+    End(usize),
+    /// The push of a bumper, by the index of its stop.
+    Bumper(usize),
+    /// The place where a lock catches the mechanism before it is at a rigid stop.
+    Lock(usize),
+    /// The sign of the speed, where drives have an efficiency or joints have friction.
+    Reversal,
+    /// The slip speed of a joint with friction against the border of the static or of the kinetic regime.
+    Slip { joint: usize, kinetic: bool },
 }
 
 /// A computed quantity. `order` 0, 1 or 2 is that of the time derivative; the other fields are indices.

@@ -6,7 +6,7 @@
 use super::designs::shares_reduced;
 use super::dynamics::inputs::Inputs;
 use super::error::ModelError;
-use super::model::{Formulation, Model};
+use super::model::{Exchange, Formulation, Model};
 use crate::codec::checksum::fnv1a;
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::definition::Method;
@@ -27,6 +27,8 @@ pub struct Snapshot {
     /// The reduced model for these parameters, if the model had built it.
     reduced: Option<Arc<Reduced>>,
     motion: Option<SavedFormulation>,
+    /// What model exchange keeps.
+    exchange: Option<Exchange>,
 }
 
 #[derive(Clone, Debug)]
@@ -58,8 +60,13 @@ impl Snapshot {
             Some(SavedFormulation::RigidFem(state)) => state.record(record)?,
             None => {}
         }
-        Ok(())
+        Ok(record_exchange(record, &mut copy.exchange)?)
     }
+}
+
+/// What model exchange keeps, written or read.
+fn record_exchange(record: &mut Record, exchange: &mut Option<Exchange>) -> Result<(), Damaged> {
+    record.option("model exchange", exchange, Exchange::default, |record, exchange| exchange.record(record))
 }
 
 /// Parameters in the record. Their ranges are checked by the reader.
@@ -88,6 +95,7 @@ impl Model {
             inputs: self.inputs.clone(),
             reduced: self.reduced.clone(),
             motion: self.state.as_ref().map(saved),
+            exchange: self.exchange,
         }
     }
 
@@ -97,6 +105,7 @@ impl Model {
     pub fn snapshot_into(&self, snapshot: &mut Snapshot) {
         share(&mut snapshot.parameter_values, &self.parameter_values);
         snapshot.inputs.copy_from(&self.inputs);
+        snapshot.exchange = self.exchange;
         match (&mut snapshot.reduced, &self.reduced) {
             (Some(theirs), Some(own)) => share(theirs, own),
             (theirs, own) => theirs.clone_from(own),
@@ -137,6 +146,7 @@ impl Model {
             }
         }
         share(&mut self.parameter_values, &snapshot.parameter_values);
+        self.exchange = self.exchange.map(|_| snapshot.exchange.unwrap_or_default());
         Ok(())
     }
 
@@ -224,8 +234,10 @@ impl Model {
         } else {
             None
         };
+        let mut exchange = None;
+        record_exchange(record, &mut exchange)?;
         match record {
-            Record::Read([]) => Ok(Snapshot { parameter_values, inputs, reduced, motion }),
+            Record::Read([]) => Ok(Snapshot { parameter_values, inputs, reduced, motion, exchange }),
             _ => Err(Damaged("it goes on after its end".to_owned()).into()),
         }
     }

@@ -4,6 +4,7 @@
 //! `modelDescription.xml`, its units and its ModelStructure. A variable's value reference is its index in the list.
 //! It must not know the FMI functions, nor any mechanics; causality, variability and initial are the standard's words.
 
+mod continuous;
 mod terminal;
 mod unit;
 mod vector;
@@ -12,6 +13,7 @@ use crate::codec::checksum::fnv1a_128;
 use std::collections::HashSet;
 use std::ops::Deref;
 
+pub use continuous::ContinuousTime;
 pub use terminal::{Member, Terminal};
 pub use unit::Unit;
 pub use vector::Vector;

@@ -31,7 +31,13 @@ fn the_names_are_the_contract() {
     assert_eq!(with(Causality::Output).join(" "), outputs);
     let frames = ["crank", "coupler", "follower"]
         .map(|body| ["x", "y", "cos", "sin", "minus_sin"].map(|part| format!("{body}.frame.{part}")));
-    assert_eq!(with(Causality::Local), frames.concat());
+    let mut locals = frames.concat();
+    let exchange = "along_curve.position along_curve.speed along_curve.acceleration along_curve.low_end along_curve.high_end \
+        upstop.indicator downstop.indicator uplock.indicator downlock.indicator along_curve.reversal";
+    locals.extend(exchange.split_whitespace().map(str::to_owned));
+    let slips = |joint: i32| ["static", "kinetic"].map(|border| format!("joint{joint}.{border}_indicator"));
+    locals.extend((1..=4).flat_map(slips));
+    assert_eq!(with(Causality::Local), locals);
     let parameters = with(Causality::Parameter);
     let some = "crank.length crank.start_angle crank.start_speed solver.tolerance solver.fem_step solver.method \
         crank.axial_stiffness coupler.axial_stiffness follower.axial_stiffness leg.mass wheel.mass";

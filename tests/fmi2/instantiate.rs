@@ -13,10 +13,11 @@ use std::ptr::null;
 #[test]
 fn a_bad_argument_is_logged_and_answered_with_null() {
     assert_eq!(Arguments::new().refused(), None);
+    assert_eq!(Arguments { fmu_type: 0, ..Arguments::new() }.refused(), None);
     let spoiled = [
         (Arguments { name: null(), ..Arguments::new() }, "instanceName"),
         (Arguments { name: c"".as_ptr(), ..Arguments::new() }, "instanceName"),
-        (Arguments { fmu_type: 0, ..Arguments::new() }, "fmi2ModelExchange"),
+        (Arguments { fmu_type: 2, ..Arguments::new() }, "0 (fmi2ModelExchange)"),
         (Arguments { fmu_type: 7, ..Arguments::new() }, "fmuType is 7"),
         (Arguments { guid: None, ..Arguments::new() }, "fmuGUID"),
         (Arguments { guid: Some(c("")), ..Arguments::new() }, "fmuGUID"),

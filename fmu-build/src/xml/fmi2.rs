@@ -21,7 +21,10 @@ pub fn to_xml(component: &Component) -> Result<String> {
 
 fn write(interface: &Interface) -> Result<String> {
     check_texts(interface.name, interface.description, interface.variables)?;
-    let header = interface.header("2.0", "guid");
+    let mut header = interface.header("2.0", "guid");
+    if interface.continuous_time.is_some() {
+        header.push(("numberOfEventIndicators", interface.indicators().len().to_string()));
+    }
     document("fmiModelDescription", &header, |xml| write_content(interface, xml))
 }
 
@@ -36,33 +39,56 @@ fn write_content(interface: &Interface, xml: &mut Xml) -> io::Result<()> {
         ("canGetAndSetFMUstate", "true".to_owned()),
         ("canSerializeFMUstate", "true".to_owned()),
     ];
+    if interface.continuous_time.is_some() {
+        let model = [
+            ("modelIdentifier", interface.name.to_owned()),
+            ("canNotUseMemoryManagementFunctions", "true".to_owned()),
+            ("canGetAndSetFMUstate", "true".to_owned()),
+            ("canSerializeFMUstate", "true".to_owned()),
+            ("providesDirectionalDerivative", "true".to_owned()),
+        ];
+        empty(xml, "ModelExchange", &model)?;
+    }
     empty(xml, "CoSimulation", &slave)?;
     interface.write_common(xml)?;
     group(xml, "ModelVariables", |xml| {
-        (0..).zip(interface.variables).try_for_each(|(reference, variable)| write_variable(xml, reference, variable))
+        (0..)
+            .zip(interface.variables)
+            .try_for_each(|(reference, variable)| write_variable(xml, interface, reference, variable))
     })?;
     group(xml, "ModelStructure", |xml| write_structure(interface, xml))
 }
 
 fn write_structure(interface: &Interface, xml: &mut Xml) -> io::Result<()> {
-    if interface.outputs().next().is_none() {
+    if interface.outputs().next().is_none() && interface.continuous_time.is_none() {
         return Ok(());
     }
     group(xml, "Outputs", |xml| {
         interface
             .outputs()
-            .try_for_each(|(reference, output)| write_unknown(xml, reference, Some(&output.dependencies)))
+            .try_for_each(|(reference, _)| write_unknown(xml, reference, Some(&interface.dependencies_of(reference))))
     })?;
+    if interface.continuous_time.is_some() {
+        group(xml, "Derivatives", |xml| {
+            interface.states().try_for_each(|(_, derivative)| {
+                write_unknown(xml, derivative, Some(&interface.dependencies_of(derivative)))
+            })
+        })?;
+    }
     group(xml, "InitialUnknowns", |xml| {
         let mut outputs = interface.outputs();
-        outputs
-            .try_for_each(|(reference, _)| write_unknown(xml, reference, interface.initial_dependencies_of(reference)))
+        outputs.try_for_each(|(reference, _)| {
+            write_unknown(xml, reference, interface.initial_dependencies_of(reference))
+        })?;
+        interface.initial_states().into_iter().try_for_each(|reference| write_unknown(xml, reference, None))
     })
 }
 
-fn write_variable(xml: &mut Xml, reference: Reference, variable: &Variable) -> io::Result<()> {
+fn write_variable(xml: &mut Xml, interface: &Interface, reference: Reference, variable: &Variable) -> io::Result<()> {
     let attributes = variable_attributes(reference, variable);
-    element(xml, "ScalarVariable", &attributes, |xml| empty(xml, variable.kind.word(), &kind_attributes(variable)))
+    let mut of_kind = kind_attributes(variable);
+    of_kind.extend(interface.state_attributes(reference, 1));
+    element(xml, "ScalarVariable", &attributes, |xml| empty(xml, variable.kind.word(), &of_kind))
 }
 
 /// Attributes of the element that tells the kind of a variable: unit, start value and the like.
@@ -129,6 +155,7 @@ mod tests {
             orders,
             has_events,
             has_internal_steps,
+            continuous_time: None,
         })
     }
 

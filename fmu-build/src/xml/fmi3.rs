@@ -43,6 +43,16 @@ fn write_content(interface: &Interface, xml: &mut Xml) -> io::Result<()> {
         let provided = ["providesIntermediateUpdate", "canReturnEarlyAfterIntermediateUpdate"];
         co_simulation.extend(provided.map(|name| (name, "true".to_owned())));
     }
+    if interface.continuous_time.is_some() {
+        let model = [
+            ("modelIdentifier", interface.name.to_owned()),
+            ("canGetAndSetFMUState", "true".to_owned()),
+            ("canSerializeFMUState", "true".to_owned()),
+            ("providesDirectionalDerivatives", "true".to_owned()),
+            ("providesAdjointDerivatives", "true".to_owned()),
+        ];
+        empty(xml, "ModelExchange", &model)?;
+    }
     empty(xml, "CoSimulation", &co_simulation)?;
     interface.write_common(xml)?;
     group(xml, "ModelVariables", |xml| {
@@ -59,19 +69,27 @@ fn write_content(interface: &Interface, xml: &mut Xml) -> io::Result<()> {
         interface.numbered_vectors().try_for_each(|(reference, vector)| write_vector(xml, interface, reference, vector))
     })?;
     group(xml, "ModelStructure", |xml| {
-        for (reference, output) in interface.outputs() {
-            write_unknown(xml, "Output", reference, Some(&output.dependencies))?;
-        }
+        let write_present = |xml: &mut Xml, element: &str, reference: Reference| {
+            write_unknown(xml, element, reference, Some(&interface.dependencies_of(reference)))
+        };
+        interface.outputs().try_for_each(|(reference, _)| write_present(xml, "Output", reference))?;
         for (reference, vector) in interface.numbered_vectors() {
             write_unknown(xml, "Output", reference, interface.dependencies_of_vector(vector, false).as_deref())?;
         }
+        interface
+            .states()
+            .try_for_each(|(_, derivative)| write_present(xml, "ContinuousStateDerivative", derivative))?;
         for (reference, _) in interface.outputs() {
             write_unknown(xml, "InitialUnknown", reference, interface.initial_dependencies_of(reference))?;
         }
-        interface.numbered_vectors().try_for_each(|(reference, vector)| {
+        for (reference, vector) in interface.numbered_vectors() {
             let dependencies = interface.dependencies_of_vector(vector, true);
-            write_unknown(xml, "InitialUnknown", reference, dependencies.as_deref())
-        })
+            write_unknown(xml, "InitialUnknown", reference, dependencies.as_deref())?;
+        }
+        for reference in interface.initial_states() {
+            write_unknown(xml, "InitialUnknown", reference, None)?;
+        }
+        interface.indicators().iter().try_for_each(|&reference| write_present(xml, "EventIndicator", reference))
     })
 }
 
@@ -82,6 +100,7 @@ fn write_variable(xml: &mut Xml, interface: &Interface, reference: Reference, va
         return element(xml, kind, &attributes, |xml| empty(xml, "Start", &[("value", text.clone())]));
     }
     attributes.extend(kind_attributes(variable));
+    attributes.extend(interface.state_attributes(reference, 0));
     empty(xml, kind, &attributes)
 }
 

@@ -8,7 +8,8 @@ use anyhow::{Result, bail};
 use linkage_fmu::component::Component;
 use linkage_fmu::fmi::logger::LOG_CATEGORIES;
 use linkage_fmu::format::Experiment;
-use linkage_fmu::variables::{Causality, Reference, Value, Variability, Variable, Vector};
+use linkage_fmu::variables::{Causality, ContinuousTime, Reference, Value, Variability, Variable, Vector};
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::io;
 
@@ -42,6 +43,8 @@ pub struct Interface<'a> {
     pub has_events: bool,
     /// Whether a step tells its internal steps.
     pub has_internal_steps: bool,
+    /// What a host's solver integrates; none if the model is for co-simulation only.
+    pub continuous_time: Option<ContinuousTime>,
 }
 
 impl<'a> Interface<'a> {
@@ -70,12 +73,57 @@ impl<'a> Interface<'a> {
             orders: [component.input_order(), component.output_order()],
             has_events: component.has_events(),
             has_internal_steps: component.has_internal_steps(),
+            continuous_time: component.continuous_time(),
         })
     }
 
     /// The outputs, with their value references.
     pub fn outputs(&self) -> impl Iterator<Item = (Reference, &'a Variable)> {
         (0..).zip(self.variables).filter(|(_, variable)| variable.causality == Causality::Output)
+    }
+
+    /// The continuous states, each with the reference of its derivative.
+    pub fn states(&self) -> impl Iterator<Item = (Reference, Reference)> {
+        let pairs =
+            |all: &ContinuousTime| all.states.iter().copied().zip(all.derivatives.iter().copied()).collect::<Vec<_>>();
+        self.continuous_time.as_ref().map(pairs).unwrap_or_default().into_iter()
+    }
+
+    /// The continuous states and their derivatives, each once.
+    pub fn initial_states(&self) -> Vec<Reference> {
+        let mut all: Vec<Reference> = self.states().flat_map(|(state, derivative)| [state, derivative]).collect();
+        all.dedup();
+        all
+    }
+
+    /// The event indicators.
+    pub fn indicators(&self) -> &[Reference] {
+        self.continuous_time.as_ref().map_or(&[], |all| &all.indicators)
+    }
+
+    /// What the present value of a variable depends on: inputs, and the continuous states unless it changes at events
+    /// only.
+    pub fn dependencies_of(&self, reference: Reference) -> Cow<'_, [Reference]> {
+        let variable = &self.variables[reference as usize];
+        let inputs = &variable.dependencies;
+        let states = self.continuous_time.as_ref().map_or(&[][..], |all| &all.states);
+        let stays = variable.variability == Variability::Discrete && variable.unit.is_some();
+        if stays || states.is_empty() { Cow::Borrowed(inputs) } else { Cow::Owned([inputs, states].concat()) }
+    }
+
+    /// Attributes of the element that tells the type of a variable of model exchange, of which a reference counts from
+    /// `first`.
+    pub fn state_attributes(&self, reference: Reference, first: Reference) -> Attributes<'static> {
+        let mut attributes = Vec::new();
+        for (state, derivative) in self.states() {
+            if derivative == reference {
+                attributes.push(("derivative", (state + first).to_string()));
+            }
+        }
+        if self.states().any(|(state, _)| state == reference) {
+            attributes.push(("reinit", "true".to_owned()));
+        }
+        attributes
     }
 
     /// What the initial value of an output depends on, if that is known.
@@ -91,11 +139,11 @@ impl<'a> Interface<'a> {
     /// What one of the elements of a vector depends on, or its initial value, if that is known.
     pub fn dependencies_of_vector(&self, vector: &Vector, is_initial: bool) -> Option<Vec<Reference>> {
         let of = |element: Reference| match is_initial {
-            true => self.initial_dependencies_of(element),
-            false => Some(&*self.variables[element as usize].dependencies),
+            true => self.initial_dependencies_of(element).map(Cow::Borrowed),
+            false => Some(self.dependencies_of(element)),
         };
         let [first, second] = vector.elements.map(of);
-        Some(first?.iter().chain(second?).copied().collect::<BTreeSet<_>>().into_iter().collect())
+        Some(first?.iter().chain(&*second?).copied().collect::<BTreeSet<_>>().into_iter().collect())
     }
 
     /// Attributes of the root element that all versions have, `token` by this name.

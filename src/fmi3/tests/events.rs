@@ -3,7 +3,8 @@ use super::*;
 
 /// Time [s] at which the retraction of PHYSICS.md reaches the up stop, and the speed of the crank there [rad/s].
 const RETRACTED: (f64, f64) = (0.132_059_852_744_259_7, -30.257_773_253_560_312);
-const WITH_EVENTS: Usage = Usage { event_mode: true, early_return: true, intermediate_update: false };
+const WITH_EVENTS: Usage =
+    Usage { event_mode: true, early_return: true, intermediate_update: false, model_exchange: false };
 const TOLERANCE: f64 = 1e-13;
 
 /// An instance in initialization mode.

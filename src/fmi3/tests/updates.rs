@@ -50,7 +50,7 @@ unsafe extern "C-unwind" fn on_update(
 
 /// A host in step mode, whose callback asks for nothing.
 fn host() -> *mut Host {
-    let usage = Usage { event_mode: false, early_return: true, intermediate_update: true };
+    let usage = Usage { event_mode: false, early_return: true, intermediate_update: true, model_exchange: false };
     let c = gear_for(usage);
     let (asks_from, stop) = (f64::INFINITY, 0.0);
     let references = references(["crank.angle", "time", "actuator.force"]);

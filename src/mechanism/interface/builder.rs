@@ -86,7 +86,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn add(
+    pub(super) fn add(
         &mut self,
         (name, description): (String, String),
         causality: Causality,

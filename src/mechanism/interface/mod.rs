@@ -6,6 +6,7 @@
 mod bodies;
 mod builder;
 mod drives;
+mod exchange;
 mod hydraulics;
 mod loads;
 mod needs;
@@ -102,6 +103,7 @@ fn build<'a>(source: &'a Source<'a>, causes: Option<(Reference, Vec<Vec<Cause>>)
     loads::add_sticking(&mut b);
     add_parameters(&mut b);
     bodies::add_frames(&mut b);
+    exchange::add(&mut b);
     b
 }
 

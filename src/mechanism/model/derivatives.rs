@@ -27,10 +27,14 @@ impl Model {
         report: &mut dyn FnMut(usize, f64),
     ) -> Result<(), ModelError> {
         for &known in knowns {
-            self.continuous(known, Causality::Input, "a known must be a continuous input")?;
+            if self.known_state(known).is_none() {
+                self.continuous(known, Causality::Input, "a known must be a continuous input")?;
+            }
         }
         for &unknown in unknowns {
-            self.continuous(unknown, Causality::Output, "an unknown must be a continuous output")?;
+            if self.unknown_rate(unknown).is_none() {
+                self.continuous(unknown, Causality::Output, "an unknown must be a continuous output")?;
+            }
         }
         if let Some((seed, known)) = seeds.iter().zip(knowns).find(|(seed, _)| !seed.is_finite()) {
             let name = self.name_of(*known);
@@ -41,12 +45,19 @@ impl Model {
         let sum = |input: usize| -> f64 {
             knowns.iter().zip(seeds).filter(|(known, _)| **known as usize == input).map(|(_, seed)| seed).sum()
         };
-        if let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) {
-            motion.head_for_inputs(reduced, &self.inputs, &sum);
+        let mut along = [0.0; 2];
+        for (&known, seed) in knowns.iter().zip(seeds) {
+            if let Some(order) = self.known_state(known) {
+                along[order] += seed;
+            }
         }
+        if let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) {
+            motion.head_for(reduced, &self.inputs, along, &sum);
+        }
+        let changes_state = along != [0.0; 2];
         for (index, &unknown) in unknowns.iter().enumerate() {
             let dependencies = &self.original.variables.list()[unknown as usize].dependencies;
-            let depends = knowns.iter().any(|known| dependencies.contains(known));
+            let depends = changes_state || knowns.iter().any(|known| dependencies.contains(known));
             report(index, if depends { self.derivative(unknown)? } else { 0.0 });
         }
         Ok(())
@@ -143,14 +154,25 @@ impl Model {
 
     /// Derivative of an output in the direction last headed for; NaN if it has none.
     fn derivative(&mut self, reference: Reference) -> Result<f64, ModelError> {
-        let Some(Quantity::Output(output)) = self.original.variables.quantity(reference) else {
-            return Err(self.no_such(reference, "Real"));
+        let output = match self.original.variables.quantity(reference) {
+            Some(Quantity::Output(output)) => output,
+            Some(Quantity::State(order @ 1..=2)) => return self.derivative_of_motion(order - 1),
+            _ => return Err(self.no_such(reference, "Real")),
         };
         let Self { state: Some(Formulation::Reduced(motion)), reduced: Some(reduced), inputs, .. } = self else {
             return Err(ModelError::NotInitialised);
         };
         let derivative = motion.derivative(reduced, inputs, output);
         Ok(derivative.ok().filter(|derivative| derivative.is_finite()).unwrap_or(f64::NAN))
+    }
+
+    /// Derivative of sigma_dot (0) or sigma_ddot (1) in the direction last headed for; NaN if it has none.
+    fn derivative_of_motion(&mut self, index: usize) -> Result<f64, ModelError> {
+        let Self { state: Some(Formulation::Reduced(motion)), reduced: Some(reduced), inputs, .. } = self else {
+            return Err(ModelError::NotInitialised);
+        };
+        let derivatives = motion.derivatives_of_motion(reduced, inputs);
+        Ok(derivatives.map(|of| of[index]).ok().filter(|derivative| derivative.is_finite()).unwrap_or(f64::NAN))
     }
 
     /// Refuse a variable that is not a Real of this causality.

@@ -11,6 +11,14 @@ impl Model {
     /// # Errors
     /// Not initialised, or friction locks; the state is what it was.
     pub fn handle_event(&mut self, point: Option<f64>) -> Result<bool, ModelError> {
+        if self.exchange.is_some() {
+            return self.update_discrete_states(point);
+        }
+        self.follow_arrival(point)
+    }
+
+    /// What follows from the arrival at a stop, if the contact has one; returns whether it has.
+    pub(super) fn follow_arrival(&mut self, point: Option<f64>) -> Result<bool, ModelError> {
         let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) else {
             return Err(ModelError::NotInitialised);
         };

@@ -14,7 +14,16 @@ impl Model {
     /// Real output. Costs as much as the output.
     #[cold]
     pub fn undefined(&mut self, reference: Reference) -> Option<String> {
+        if let Some(Quantity::State(_) | Quantity::Indicator(_)) = self.original.variables.quantity(reference) {
+            return self.undefined_exchange(reference);
+        }
         let output = self.real_output(reference)?;
+        if self.exchange.is_some() && output == Output::Drift {
+            return Some(
+                "the work done since the start is booked by the steps of co-simulation; in model exchange the host's solver                  integrates"
+                    .into(),
+            );
+        }
         let (state, reduced) = (self.state.as_mut()?, self.reduced.as_ref()?);
         let value = match state {
             Formulation::Reduced(motion) => motion.output(reduced, &self.inputs, output),
@@ -60,7 +69,7 @@ impl Model {
     }
 
     /// Why this is no value.
-    fn reason(&self, value: Result<f64, OutputError>) -> Option<String> {
+    pub(super) fn reason(&self, value: Result<f64, OutputError>) -> Option<String> {
         let (state, reduced) = (self.state.as_ref()?.along_curve(), self.reduced.as_ref()?);
         Some(match value {
             Ok(value) if value.is_finite() => return None,

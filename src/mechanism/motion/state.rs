@@ -381,8 +381,7 @@ impl State {
         let place = self.travel.places().find(|(_, position)| position - shift == sigma);
         self.revolutions = all;
         // The panel in use and a step ahead are counted on over whole revolutions, but sigma is not any more.
-        self.memory.recount();
-        self.scratch.panel_force.invalidate();
+        self.recount();
         Ok(match place {
             // At a stop before, at the stop after: what is at a place is known by equal numbers.
             Some((_, position)) => position - all * period,
@@ -400,6 +399,12 @@ impl State {
         let revolutions = self.revolutions - begin.revolutions;
         let why = Spent { accepted, rejected, work, revolutions, time, h, max_steps: solver.max_steps }.describe();
         ModelError::Interrupted { time, why }
+    }
+
+    /// The whole revolutions before sigma are others: what was counted on over them no longer holds.
+    pub fn recount(&mut self) {
+        self.memory.recount();
+        self.scratch.panel_force.invalidate();
     }
 
     /// Sizes or rates of loads are others than those of the last evaluation.

@@ -13,3 +13,4 @@ mod view;
 pub use cache::Computed;
 pub use evaluator::{Kinematics, OutputError, evaluate};
 pub use reduced_motion::ReducedMotion;
+pub use view::View;

@@ -137,6 +137,9 @@ impl ReducedMotion {
     pub fn move_to(&mut self, sigma: f64, sigma_dot: f64, revolutions: f64) {
         let before = self.state.revolutions;
         (self.state.sigma, self.state.sigma_dot, self.state.revolutions) = (sigma, sigma_dot, revolutions);
+        if revolutions != before {
+            self.state.recount();
+        }
         self.invalidate(before);
     }
 
@@ -171,6 +174,11 @@ impl ReducedMotion {
             self.cache.scratch.panel_force.invalidate();
         }
         self.cache.invalidate();
+    }
+
+    /// What `read` finds in the present state under these inputs.
+    pub fn read<R>(&mut self, reduced: &Reduced, inputs: &Inputs, read: impl FnOnce(&mut View<f64>) -> R) -> R {
+        read(&mut self.view(reduced, inputs))
     }
 
     /// Value of an output under these inputs.
@@ -213,10 +221,10 @@ impl ReducedMotion {
 /// inner regime; of a drive with an efficiency that in the present direction. What is held at a stop or by a lock stays
 /// held.
 impl ReducedMotion {
-    /// Head in a direction in which the state stays and the inputs change by `seeds`.
-    pub fn head_for_inputs(&mut self, reduced: &Reduced, inputs: &Inputs, seeds: &dyn Fn(usize) -> f64) {
+    /// Head in a direction in which sigma and sigma_dot change by `along` and the inputs by `seeds`.
+    pub fn head_for(&mut self, reduced: &Reduced, inputs: &Inputs, along: [f64; 2], seeds: &dyn Fn(usize) -> f64) {
         let direction = self.direction(reduced, inputs);
-        (direction.along, direction.circuit) = ([0.0; 2], [0.0; CIRCUIT]);
+        (direction.along, direction.circuit) = (along, [0.0; CIRCUIT]);
         direction.rates.iter_mut().enumerate().for_each(|(i, rate)| *rate = seeds(i));
     }
 
@@ -247,14 +255,29 @@ impl ReducedMotion {
     /// # Errors
     /// [`OutputError`].
     pub fn derivative(&mut self, reduced: &Reduced, inputs: &Inputs, output: Output) -> Result<f64, OutputError> {
-        let Self { state, loads, cache: values, sensitivity } = self;
-        let Some(cache) = sensitivity else { return Ok(0.0) };
-        let mut view = View { reduced: reduced.at(state.sigma), inputs, state, loads, cache, values };
+        let Some(mut view) = self.sensitive_view(reduced, inputs) else { return Ok(0.0) };
         let derivative = evaluate(&mut view, reduced.loading(), output)?.slope[0];
         if derivative.is_nan() {
             // Of the acceleration, along which the direction leads.
             view.forces()?;
         }
         Ok(derivative)
+    }
+
+    /// Derivatives of sigma_dot and sigma_ddot in the direction last stated; 0 where the mechanism is held.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn derivatives_of_motion(&mut self, reduced: &Reduced, inputs: &Inputs) -> Result<[f64; 2], OutputError> {
+        let Some(mut view) = self.sensitive_view(reduced, inputs) else { return Ok([0.0; 2]) };
+        let forces = view.forces()?;
+        let speed = if forces.held.is_some() { 0.0 } else { view.sigma_dot().slope[0] };
+        Ok([speed, forces.acceleration.slope[0]])
+    }
+
+    fn sensitive_view<'a>(&'a mut self, reduced: &'a Reduced, inputs: &'a Inputs) -> Option<View<'a, Dual<1>>> {
+        let Self { state, loads, cache: values, sensitivity } = self;
+        let cache = sensitivity.as_deref_mut()?;
+        Some(View { reduced: reduced.at(state.sigma), inputs, state, loads, cache, values })
     }
 }

@@ -54,7 +54,7 @@ pub const TABLE: &[(&str, &str)] = &[
     ("fmi2GetIntegerStatus", "..x+x"),
     ("fmi2GetBooleanStatus", "..x+x"),
     ("fmi2GetStringStatus", "..x+x"),
-    // Model exchange: never, in an FMU that is for co-simulation only.
+    // Model exchange: never, by an instance that is for co-simulation.
     ("fmi2EnterEventMode", "....."),
     ("fmi2NewDiscreteStates", "....."),
     ("fmi2EnterContinuousTimeMode", "....."),

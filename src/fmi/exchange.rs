@@ -1,0 +1,133 @@
+//! Model exchange of an instance: time, states and derivatives for the host's own solver.
+//!
+//! In: checked slices and plain numbers, in their phases. Out: values, or a refusal that leaves the instance unchanged. It
+//! must not know what a state is.
+
+use super::event_mode::Usage;
+use super::instance::Instance;
+use super::phase::Phase;
+use super::refusal::Refusal;
+use super::resources::Loaded;
+use crate::numerics::decimal::Decimal;
+use std::mem::MaybeUninit;
+
+impl Usage {
+    /// Of a host that integrates by itself.
+    pub const MODEL_EXCHANGE: Self =
+        Self { event_mode: true, early_return: false, intermediate_update: false, model_exchange: true };
+}
+
+/// What was loaded, to serve model exchange.
+pub fn served(mut loaded: Loaded) -> Result<Loaded, Refusal> {
+    loaded.component.serve_exchange()?;
+    Ok(loaded)
+}
+
+/// Refuse a list of another length.
+fn same_length(what: &str, count: usize, own: usize) -> Result<(), Refusal> {
+    if count == own {
+        return Ok(());
+    }
+    Err(Refusal::error(format!("{count} {what}; this FMU has {own}, pass memory for these")))
+}
+
+impl Instance {
+    /// Refuse what an instance for co-simulation does not have.
+    fn exchanges(&self) -> Result<(), Refusal> {
+        if self.usage.model_exchange {
+            return Ok(());
+        }
+        Err(Refusal::error("a function of model exchange; the instance was made for co-simulation, make steps"))
+    }
+
+    /// The time at which derivatives and outputs are asked for [s]. No law depends on it.
+    pub fn set_time(&mut self, time: f64) -> Result<(), Refusal> {
+        self.exchanges()?;
+        if !time.is_finite() {
+            return Err(Refusal::error(format!("time is {} s; it must be finite", Decimal(time))));
+        }
+        self.clock.time = time;
+        Ok(())
+    }
+
+    /// From event mode to continuous-time mode.
+    pub fn enter_continuous_time_mode(&mut self) -> Result<(), Refusal> {
+        self.exchanges()?;
+        self.phase = Phase::Continuous;
+        Ok(())
+    }
+
+    /// Number of continuous states.
+    pub fn state_count(&self) -> Result<usize, Refusal> {
+        self.exchanges()?;
+        Ok(self.component.continuous_time().map_or(0, |all| all.states.len()))
+    }
+
+    /// Number of event indicators.
+    pub fn indicator_count(&self) -> Result<usize, Refusal> {
+        self.exchanges()?;
+        Ok(self.indicators().len())
+    }
+
+    /// References of the event indicators: they are declared last, one after the other.
+    fn indicators(&self) -> std::ops::Range<u32> {
+        self.component.indicators()
+    }
+
+    /// Take the states that the host's solver tries. Discarded where the mechanism has no such position.
+    pub fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), Refusal> {
+        self.exchanges()?;
+        same_length("states", states.len(), 2)?;
+        Ok(self.component.set_continuous_states([states[0], states[1]])?)
+    }
+
+    /// The continuous states.
+    pub fn continuous_states(&mut self, states: &mut [MaybeUninit<f64>]) -> Result<(), Refusal> {
+        self.exchanges()?;
+        same_length("states", states.len(), 2)?;
+        fill(states, self.component.continuous_states()?);
+        Ok(())
+    }
+
+    /// Scales of the continuous states.
+    pub fn nominals(&mut self, nominals: &mut [MaybeUninit<f64>]) -> Result<(), Refusal> {
+        self.exchanges()?;
+        same_length("nominal values", nominals.len(), 2)?;
+        fill(nominals, self.component.nominals()?);
+        Ok(())
+    }
+
+    /// Time derivatives of the continuous states. Discarded where there are none.
+    pub fn derivatives(&mut self, derivatives: &mut [MaybeUninit<f64>]) -> Result<(), Refusal> {
+        self.exchanges()?;
+        same_length("derivatives", derivatives.len(), 2)?;
+        fill(derivatives, self.component.derivatives()?);
+        Ok(())
+    }
+
+    /// Event indicators. Discarded where one has no value.
+    pub fn event_indicators(&mut self, values: &mut [MaybeUninit<f64>]) -> Result<(), Refusal> {
+        self.exchanges()?;
+        let references = self.indicators();
+        same_length("event indicators", values.len(), references.len())?;
+        for (reference, value) in references.zip(values) {
+            let number = self.component.real(reference)?;
+            if number.is_nan() {
+                let name = self.component.interface().get(reference).map_or("", |variable| &variable.name);
+                return Err(Refusal::discard(format!("{name} has no value at this state; take a shorter step")));
+            }
+            value.write(number);
+        }
+        Ok(())
+    }
+
+    /// A step of the host's solver is complete. Returns whether event mode is to be entered.
+    pub fn completed_integrator_step(&mut self) -> Result<bool, Refusal> {
+        self.exchanges()?;
+        Ok(self.component.completed_step()?)
+    }
+}
+
+fn fill(values: &mut [MaybeUninit<f64>], numbers: [f64; 2]) {
+    values.iter_mut().zip(numbers).for_each(|(value, number)| _ = value.write(number));
+}

@@ -1,0 +1,92 @@
+//! Variables of model exchange: the continuous states, their derivatives and the event indicators.
+use super::builder::Builder;
+use super::source::Source;
+use crate::mechanism::quantity::{Indicator, Quantity};
+use crate::variables::Unit::{Metre, MetrePerSecond, MetrePerSecondSquared, One};
+use crate::variables::{Causality, Unit};
+
+/// Owner of the variables that belong to no part of the mechanism.
+const OWNER: &str = "along_curve";
+
+pub(super) fn add(b: &mut Builder) {
+    let s = b.source;
+    if s.loading.hydraulics.is_some() {
+        return;
+    }
+    let states = [
+        (
+            "position",
+            "Position along the configuration curve: path of a mass of 1 kg of the same kinetic energy",
+            Metre,
+        ),
+        ("speed", "Speed of a mass of 1 kg of the same kinetic energy", MetrePerSecond),
+        ("acceleration", "Acceleration of a mass of 1 kg of the same kinetic energy", MetrePerSecondSquared),
+    ];
+    for (order, (suffix, text, unit)) in states.into_iter().enumerate() {
+        let needs = s.acceleration();
+        let inputs = if order == 2 { needs.inputs } else { &[] };
+        b.state([OWNER, ".", suffix].concat(), b.text(|| text.to_owned()), unit, Quantity::State(order), inputs);
+    }
+    for (indicator, unit) in indicators(s) {
+        let (name, text) = description(s, indicator);
+        let quantity = Quantity::Indicator(indicator);
+        b.state(name, b.text(|| text), unit, quantity, s.acceleration().inputs);
+    }
+}
+
+/// The event indicators of a mechanism, whatever the values of its parameters.
+fn indicators(s: &Source) -> Vec<(Indicator, Unit)> {
+    let mut all = Vec::new();
+    if !s.loading.stops.is_empty() {
+        all.extend([0, 1].map(|side| (Indicator::End(side), One)));
+    }
+    all.extend((0..s.loading.stops.len()).map(|stop| (Indicator::Bumper(stop), One)));
+    all.extend((0..s.loading.locks.len()).map(|lock| (Indicator::Lock(lock), Metre)));
+    let joints = s.loading.friction.as_ref().map_or(0, |friction| friction.friction_joints.len());
+    if joints > 0 || s.loading.drives.iter().any(|drive| drive.efficiency.is_some()) {
+        all.push((Indicator::Reversal, MetrePerSecond));
+    }
+    let borders = |joint| [false, true].map(|kinetic| (Indicator::Slip { joint, kinetic }, MetrePerSecond));
+    all.extend((0..joints).flat_map(borders));
+    all
+}
+
+/// Name and description of an event indicator.
+fn description(s: &Source, indicator: Indicator) -> (String, String) {
+    let own = |suffix: &str| [OWNER, ".", suffix].concat();
+    match indicator {
+        Indicator::End(0) => {
+            (own("low_end"), "Gap to the rigid stop at the low end, at rest there the press on it".into())
+        }
+        Indicator::End(_) => {
+            (own("high_end"), "Gap to the rigid stop at the high end, at rest there the press on it".into())
+        }
+        Indicator::Bumper(stop) => {
+            let name = &s.loading.stops[stop].name;
+            let text = ["Gap or lack of push before the bumper pushes, push of it after, of ", name].concat();
+            ([name, ".indicator"].concat(), text)
+        }
+        Indicator::Lock(lock) => {
+            let name = &s.loading.locks[lock].name;
+            ([name, ".indicator"].concat(), ["Way to the place where the mechanism is caught by ", name].concat())
+        }
+        Indicator::Reversal => {
+            (own("reversal"), "Speed whose sign decides on friction and on the losses of drives".into())
+        }
+        Indicator::Slip { joint, kinetic } => {
+            let friction = s.loading.friction.as_ref().map(|friction| &friction.friction_joints[joint]);
+            let name = friction.map_or("", |joint| s.linkage.joints[joint.joint].name.as_str());
+            let border = if kinetic { "kinetic" } else { "static" };
+            let text = ["Slip speed less friction.", border, "_speed in ", name].concat();
+            ([name, ".", border, "_indicator"].concat(), text)
+        }
+    }
+}
+
+impl Builder<'_> {
+    /// Real local variable of model exchange, with the inputs on which it depends.
+    fn state(&mut self, name: String, text: String, unit: Unit, quantity: Quantity, inputs: &[usize]) {
+        let needs = super::needs::Needs { inputs, ..Default::default() };
+        self.add((name, text), Causality::Local, (Some(unit), None), quantity, needs);
+    }
+}

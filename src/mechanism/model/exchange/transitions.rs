@@ -1,0 +1,156 @@
+//! Event indicators, and the transitions that a state makes due.
+//!
+//! In: the states at the last event and now. Out: values of indicators, the next transition. It must not know how a
+//! transition is made.
+use crate::mechanism::motion::contact::{Place, outward};
+use crate::mechanism::motion::dynamics::Dynamics;
+use crate::mechanism::motion::state::State;
+use crate::mechanism::outputs::{OutputError, View};
+use crate::mechanism::quantity::Indicator;
+
+/// Part of the mechanism's length [1] by which an indicator of a place is shifted, so that it is not 0 after its event.
+const PLACE_SHIFT: f64 = 1e-12;
+/// Shift of an indicator of a press [m/s2 of a mass of 1 kg] or of the push of a bumper [N or N.m].
+const PRESS_SHIFT: f64 = 1e-9;
+
+/// A transition that is due.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Transition {
+    /// The motion has come to the place of a stop or of a lock.
+    Arrive(Place),
+    /// Nothing holds the mechanism at its place any longer.
+    Release(Place),
+    /// A bumper begins to push.
+    Touch(usize),
+    /// A bumper would pull.
+    LetGo(usize),
+    /// The speed passes 0, and the drives or sticking friction hold the mechanism there.
+    Halt,
+}
+
+/// How far a state is beyond the place of a stop.
+fn beyond(x: f64, position: f64, side: usize) -> f64 {
+    (x - position) * outward(side)
+}
+
+/// How far a bumper would push that does not, or the push of one that does, at a state; none for one that is not in the
+/// travel.
+fn bumper(view: &mut View<f64>, bumper: usize) -> Result<f64, OutputError> {
+    let (state, mut equation) = (view.state, view.equation()?);
+    let (beyond, push) = Dynamics::<2>::bumper_push(&mut equation, bumper, state.sigma, state.sigma_dot);
+    Ok(if state.contact.touching().contains(bumper) { push } else { -beyond.min(push) })
+}
+
+/// Place of the bumper at which a lock catches the mechanism, the nearer one of the two.
+fn place_of_lock(state: &State, stop: usize, x: f64) -> Option<(Place, f64)> {
+    let bumper = state.travel.bumpers.iter().position(|bumper| bumper.stop == stop)?;
+    let places = [0, 1].map(|side| Place::of_bumper(side, bumper)).into_iter();
+    let found = places.filter_map(|place| Some((place, state.travel.position(place)?)));
+    found.min_by(|(_, a), (_, b)| (x - a).abs().total_cmp(&(x - b).abs()))
+}
+
+/// Value of an event indicator at the states x and v.
+pub fn value_of(
+    view: &mut View<f64>,
+    locks: &[bool],
+    indicator: Indicator,
+    [x, v]: [f64; 2],
+) -> Result<f64, OutputError> {
+    const ABSENT: f64 = 1.0;
+    let (state, loading, shift) = (view.state, view.reduced.loading(), PLACE_SHIFT * view.reduced.scale());
+    let rest = state.contact.at_rest();
+    Ok(match indicator {
+        _ if state.contact.is_latched() => ABSENT,
+        Indicator::End(side) => match (rest, state.travel.end(side)) {
+            (Some(place), _) if place == Place::rigid(side) => view.forces()?.free * outward(side) + PRESS_SHIFT,
+            (_, Some(position)) => shift - beyond(x, position, side),
+            (_, None) => ABSENT,
+        },
+        Indicator::Bumper(stop) => match state.travel.bumpers.iter().position(|bumper| bumper.stop == stop) {
+            Some(k) => bumper(view, k)? + PRESS_SHIFT.min(shift),
+            None => ABSENT,
+        },
+        Indicator::Lock(lock) => {
+            let stop = loading.locks[lock].stop;
+            let place = place_of_lock(state, stop, x).filter(|_| locks[lock]);
+            place.map_or(ABSENT, |(place, position)| shift - beyond(x, position, place.side))
+        }
+        Indicator::Reversal => {
+            let (sigma, mut equation) = (state.sigma, view.equation()?);
+            match v {
+                _ if !equation.reverses() => ABSENT,
+                // From rest in the direction of setting off.
+                0.0 if equation.start_direction(sigma, 0.0)? < 0.0 => -shift,
+                0.0 => shift,
+                _ => v,
+            }
+        }
+        Indicator::Slip { joint, kinetic } => match &loading.friction {
+            Some(friction) if friction.enabled => {
+                let joint = &friction.friction_joints[joint];
+                let border = if kinetic { joint.law.kinetic_speed } else { joint.law.static_speed };
+                let (table, position) = view.reduced.displacement_around(joint.load, state.sigma)?;
+                (table.value(position, 1) * v * joint.radius).abs() - border
+            }
+            _ => ABSENT,
+        },
+    })
+}
+
+/// The next transition that is due between the states `last` and `now`. `locks`: which are engaged, if any is.
+pub fn transition(
+    view: &mut View<f64>,
+    locks: Option<&[bool]>,
+    last: [f64; 2],
+    [x, v]: [f64; 2],
+) -> Result<Option<Transition>, OutputError> {
+    let state = view.state;
+    if state.contact.is_latched() {
+        return Ok(None);
+    }
+    if let Some(place) = state.contact.at_rest() {
+        let forces = view.forces()?;
+        if forces.held.is_none() {
+            return Ok(Some(Transition::Release(place)));
+        }
+    } else {
+        for side in 0..2 {
+            let Some(gap) = state.travel.end(side).map(|position| beyond(x, position, side)) else { continue };
+            let outward_speed = v * outward(side);
+            if gap >= 0.0 && outward_speed > 0.0 || gap > 0.0 && outward_speed == 0.0 {
+                return Ok(Some(Transition::Arrive(Place::rigid(side))));
+            }
+        }
+        let engaged = locks.map_or(&[][..], |locks| locks);
+        for (lock, _) in view.reduced.loading().locks.iter().zip(engaged).filter(|(_, engaged)| **engaged) {
+            if let Some((place, position)) = place_of_lock(state, lock.stop, x)
+                && last[0] != position
+                && (last[0] - position) * (x - position) <= 0.0
+            {
+                return Ok(Some(Transition::Arrive(place)));
+            }
+        }
+    }
+    for k in 0..state.travel.bumpers.len() {
+        let value = bumper(view, k)?;
+        if value < 0.0 {
+            if state.contact.touching().contains(k) {
+                return Ok(Some(Transition::LetGo(k)));
+            }
+            let met = [0, 1].into_iter().find(|&side| {
+                let position = state.travel.position(Place::of_bumper(side, k));
+                let is_met = |p: f64| beyond(last[0], p, side) < 0.0 && beyond(x, p, side) >= 0.0;
+                v * outward(side) > 0.0 && position.is_some_and(is_met)
+            });
+            return Ok(Some(met.map_or(Transition::Touch(k), |side| Transition::Arrive(Place::of_bumper(side, k)))));
+        }
+    }
+    if last[1] * v < 0.0 {
+        let sigma = state.sigma;
+        let mut equation = view.equation()?;
+        if equation.reverses() && equation.start_direction(sigma, 0.0)? == 0.0 {
+            return Ok(Some(Transition::Halt));
+        }
+    }
+    Ok(None)
+}
