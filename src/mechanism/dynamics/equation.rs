@@ -161,7 +161,7 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
     /// Acceleration from rest at a sigma, were the drives with an efficiency to work in this direction, against static
     /// friction. Where friction that sticks has no solution together with the reactions that cause it, no load overcomes
     /// it: the acceleration without it then stands for how far the mechanism is from setting off, against the direction.
-    pub fn starting_acceleration(&mut self, sigma: T, direction: f64) -> Result<T, Locked> {
+    pub fn setting_off(&mut self, sigma: T, direction: f64) -> Result<T, Locked> {
         self.mode.direction = direction;
         if !self.sticks() {
             return Ok(self.effect(sigma, T::constant(0.0))?.acceleration);
@@ -186,7 +186,7 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
             return Ok(sigma_dot.value().signum());
         }
         for direction in [1.0, -1.0] {
-            if self.starting_acceleration(sigma, direction)?.value() * direction > 0.0 {
+            if self.setting_off(sigma, direction)?.value() * direction > 0.0 {
                 return Ok(direction);
             }
         }

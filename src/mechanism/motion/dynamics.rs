@@ -331,7 +331,7 @@ where
     }
 
     fn acceleration_from_rest(&mut self, sigma: f64, direction: f64) -> Result<f64, Locked> {
-        self.starting_acceleration(sigma, direction)
+        self.setting_off(sigma, direction)
     }
 
     #[inline]
