@@ -1,13 +1,17 @@
-"""Model exchange by FMPy's CVode against co-simulation by the FMU's own integration."""
+"""Model exchange by FMPy's CVode against co-simulation by the FMU's own integration.
+
+As a program, `python tests/fmpy/test_model_exchange.py <FMU>` prints `validation/results/model_exchange.md`.
+"""
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from conftest import NAME
-from fmpy import simulate_fmu
+from fmpy import read_model_description, simulate_fmu
 
 SCENES: dict[str, tuple[float, dict[str, float | bool | str]]] = {
     "retraction": (0.13, {}),
@@ -19,27 +23,54 @@ SCENES: dict[str, tuple[float, dict[str, float | bool | str]]] = {
 }
 """Stop time [s] and start values that differ from those of the file, by what happens."""
 
-OUTPUTS = ["crank.angle", "crank.speed", "actuator.force"]
+OUTPUTS = ["crank.angle", "crank.speed", "wheel.x"]
+TOLERANCES = [1e-6, 1e-9]
+"""Relative tolerances of CVode; its local errors add up over some hundred steps."""
+BOUND = 100.0
+"""Largest difference allowed, in tolerances; 1e-6 of the largest value is allowed always."""
 
 
 def largest_differences(fmu: Path, scene: str, tolerance: float) -> dict[str, float]:
-    """Largest difference of each output at common points, relative to its largest value, away from impacts."""
+    """Largest difference of each output at common points, relative to its largest value."""
     stop, values = SCENES[scene]
     common = {"output": OUTPUTS, "start_values": values, "stop_time": stop, "output_interval": 1e-3}
     own = simulate_fmu(str(fmu), fmi_type="CoSimulation", relative_tolerance=1e-11, **common)
-    theirs = simulate_fmu(
-        str(fmu), fmi_type="ModelExchange", solver="CVode", relative_tolerance=tolerance, **common
-    )
+    theirs = simulate_fmu(str(fmu), fmi_type="ModelExchange", solver="CVode", relative_tolerance=tolerance, **common)
     assert theirs["time"][-1] == pytest.approx(stop)
     # Events add rows: of equal times the last one counts.
     at = np.searchsorted(theirs["time"], own["time"] + 1e-9) - 1
     assert np.allclose(theirs["time"][at], own["time"], atol=1e-9)
-    return {n: float(np.max(np.abs(theirs[n][at] - own[n]) / np.max(np.abs(own[n])))) for n in OUTPUTS}
+    return {n: float(np.max(np.abs(theirs[n][at] - own[n])) / np.max(np.abs(own[n]))) for n in OUTPUTS}
+
+
+def test_model_exchange_is_declared(fmu: Path) -> None:
+    description = read_model_description(str(fmu))
+    assert description.modelExchange.modelIdentifier == NAME
+    names = [unknown.variable.name for unknown in description.derivatives]
+    assert names == ["along_curve.speed", "along_curve.acceleration"]
 
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_a_solver_of_the_host_gives_the_motion_of_co_simulation(fmu: Path, scene: str) -> None:
-    assert NAME in fmu.name
-    differences = largest_differences(fmu, scene, 1e-9)
-    # CVode's local error per step accumulates over some hundred steps.
-    assert all(difference < 1e-5 for difference in differences.values()), differences
+    for tolerance in TOLERANCES:
+        differences = largest_differences(fmu, scene, tolerance)
+        assert all(difference < max(BOUND * tolerance, 1e-6) for difference in differences.values()), differences
+
+
+def main(fmu: Path) -> None:
+    """Print the table."""
+    print("# Model exchange by CVode against co-simulation")
+    print()
+    print("Landing gear, FMPy's CVode at two relative tolerances against co-simulation at 1e-11: largest difference at")
+    print("points of 1 ms, relative to its largest value. Made by `python tests/fmpy/test_model_exchange.py <FMU>`.")
+    print()
+    print("| scene | tolerance | " + " | ".join(OUTPUTS) + " |")
+    print("|---|---|" + "---|" * len(OUTPUTS))
+    for scene in SCENES:
+        for tolerance in TOLERANCES:
+            differences = largest_differences(fmu, scene, tolerance)
+            print(f"| {scene} | {tolerance:.0e} | " + " | ".join(f"{differences[n]:.1e}" for n in OUTPUTS) + " |")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
