@@ -105,7 +105,7 @@ impl<'a> Interface<'a> {
     /// only.
     pub fn dependencies_of(&self, reference: Reference) -> Cow<'_, [Reference]> {
         let variable = &self.variables[reference as usize];
-        let inputs = &variable.dependencies;
+        let inputs: &[Reference] = &variable.dependencies;
         let states = self.continuous_time.as_ref().map_or(&[][..], |all| &all.states);
         let stays = variable.variability == Variability::Discrete && variable.unit.is_some();
         if stays || states.is_empty() { Cow::Borrowed(inputs) } else { Cow::Owned([inputs, states].concat()) }
