@@ -299,7 +299,7 @@ impl Instance {
     }
 
     /// For each known the sum over the unknowns of the seed times the partial derivative; NaN, with a warning, where one
-    /// of these has none in this state.
+    /// of these has none in this state, or where the sum is beyond the largest number. A seed must be finite.
     pub fn adjoint_derivative(
         &mut self,
         unknowns: &[Reference],
@@ -308,9 +308,13 @@ impl Instance {
         values: &mut [MaybeUninit<f64>],
     ) -> Result<(), Refusal> {
         self.must_exist(unknowns.iter().chain(knowns))?;
-        let mut undefined = Vec::new();
+        if let Some((seed, unknown)) = seeds.iter().zip(unknowns).find(|(seed, _)| !seed.is_finite()) {
+            let name = self.described(*unknown).map_or("", |(name, _)| name);
+            return Err(Refusal::error(format!("seed of {name} = {}: must be finite", Decimal(*seed))));
+        }
+        let (mut undefined, mut overflow) = (Vec::new(), None);
         for (known, value) in knowns.iter().zip(values) {
-            let mut sum = 0.0;
+            let mut sum = 0.0_f64;
             let mut add = |index: usize, derivative: f64| {
                 sum += seeds[index] * derivative;
                 if derivative.is_nan() && !undefined.contains(&unknowns[index]) {
@@ -318,10 +322,16 @@ impl Instance {
                 }
             };
             self.component.directional_derivative(unknowns, std::slice::from_ref(known), &[1.0], &mut add)?;
-            value.write(sum);
+            overflow = overflow.or_else(|| (!sum.is_finite()).then_some(*known));
+            value.write(if sum.is_finite() { sum } else { f64::NAN });
         }
         match undefined[..] {
-            [] => Ok(()),
+            [] => overflow.map_or(Ok(()), |known| {
+                let name = self.described(known).map_or("", |(name, _)| name);
+                Err(Refusal::warning(format!(
+                    "the adjoint derivative along {name} is beyond the largest number, so NaN; take smaller seeds"
+                )))
+            }),
             _ => self.warn(&undefined, "derivative", Component::undefined_derivative),
         }
     }

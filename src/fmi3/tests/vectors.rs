@@ -119,6 +119,12 @@ fn derivatives_of_vectors_are_those_of_their_elements() {
             let status = fmi3GetDirectionalDerivative(c, s, 5, unfit, 1, [1.0; 2].as_ptr(), 1, one.as_mut_ptr(), 5);
             assert_eq!(status, Status::Error);
         }
+        // A seed that is no number is refused.
+        for seed in [f64::NAN, f64::INFINITY] {
+            let seeds = [1.0, 1.0, seed, -1.0, 1.0];
+            let status = fmi3GetAdjointDerivative(c, w, 3, k, 2, seeds.as_ptr(), 5, back.as_mut_ptr(), 2);
+            assert_eq!(status, Status::Error, "{seed}");
+        }
         let order = [1];
         assert_eq!(fmi3GetOutputDerivatives(c, time.as_ptr(), 1, order.as_ptr(), one.as_mut_ptr(), 1), Status::Error);
         assert_eq!(fmi3GetOutputDerivatives(c, &position, 1, order.as_ptr(), one.as_mut_ptr(), 1), Status::Error);

@@ -78,7 +78,7 @@ pub const PARTS: [Part; 9] = [
         name: "calls3",
         claim: "random C calls of FMI 3.0, with event mode, early return and intermediate updates: each answer is one that the phase allows; a refusal has one line and changes no Float64; a value that does not exist is told",
         case: calls3::attack,
-        count: 25_000,
+        count: 42_000,
         share: 0.1,
         block: 1,
     },
