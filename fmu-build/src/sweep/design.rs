@@ -183,7 +183,7 @@ fn factor(
     };
     let definition::Factor { values, range, steps, uniform, normal, bounds } = stated;
     if bounds.is_some() {
-        bail!("{key}.bounds: are searched by `cargo fmu optimise`; a sweep takes values, range, uniform or normal");
+        bail!("{key}.bounds: are searched by `optimise`; a sweep takes values, range, uniform or normal");
     }
     if steps.is_some() && range.is_none() {
         bail!("{key}.steps: belongs to a range; state range, or leave steps out");
@@ -239,7 +239,7 @@ fn factor(
 /// There is none; a name that no number has; bounds that are missing or not in order; other values beside them.
 pub fn bounded(study: &Definition, interface: &Interface) -> Result<Vec<(Factor, [f64; 2])>> {
     if study.points.is_some() || study.sampling.is_some() {
-        bail!("points and sampling: belong to `cargo fmu sweep`; an optimisation takes factors with bounds");
+        bail!("points and sampling: belong to `sweep`; an optimisation takes factors with bounds");
     }
     let mut all: Vec<(Factor, [f64; 2])> = Vec::new();
     for (name, stated) in study.factors.iter() {

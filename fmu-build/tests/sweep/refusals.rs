@@ -60,7 +60,7 @@ fn what_is_wrong_is_said_in_one_line() {
         (response(json!({ "course": "crank.angle" })), "a course has times"),
         (response(json!({ "course": "crank.angle", "times": [9] })), "the instant 9 s is after the end of the run"),
         (response(json!({ "final": "solver.method" })), "solver.method is a text"),
-        (with("factors", json!({ "crank.mass": { "bounds": [1, 2] } })), "searched by `cargo fmu optimise`"),
+        (with("factors", json!({ "crank.mass": { "bounds": [1, 2] } })), "searched by `optimise`"),
         (with("objective", json!({ "minimise": "r" })), "belong to `cargo fmu optimise`"),
         (
             json!({ "responses": { "run": { "final": "crank.angle" } } }),
