@@ -18,6 +18,7 @@ mod fmu;
 pub mod gallery;
 pub mod info;
 mod library;
+pub mod linearise;
 mod names;
 mod needs;
 pub mod package;
