@@ -16,6 +16,7 @@ pub mod drawing;
 mod files;
 mod fmu;
 pub mod gallery;
+pub mod import;
 pub mod info;
 mod library;
 pub mod linearise;

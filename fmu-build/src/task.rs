@@ -3,7 +3,7 @@
 
 use crate::workspace::Workspace;
 use crate::{
-    bench, chain, check, dist, gallery, info, linearise, package, report, simulate, sweep, test, validate, view,
+    bench, chain, check, dist, gallery, import, info, linearise, package, report, simulate, sweep, test, validate, view,
 };
 use anyhow::Error;
 use fmu_cli::{Cli, Task};
@@ -40,6 +40,7 @@ pub fn run(workspace: &Workspace, cli: Cli) -> ExitCode {
             Ok(simulate::Outcome::Interrupted) => return ExitCode::from(INTERRUPTED),
             Err(error) => Err(error),
         },
+        Task::Import(arguments) => import::run(&arguments),
         Task::Linearise(arguments) => linearise::run(workspace, &arguments),
         Task::Sweep(arguments) => match sweep::run(workspace, &arguments) {
             Ok(simulate::Outcome::Complete) => Ok(()),

@@ -32,6 +32,8 @@ pub enum Task {
     View(View),
     /// Run a mechanism or an FMU by the engine itself: CSV, Parquet, plot, film
     Simulate(Simulate),
+    /// Write the mechanism of another program as a definition: PMKS, Pyslvs, MuJoCo, URDF, a table of joints
+    Import(Import),
     /// Linearise a mechanism along its travel: eigenfrequency, damping ratio, state-space matrices, as CSV and plot
     Linearise(Linearise),
     /// Make the many runs of a study: design of experiments, tolerances, load cases
@@ -227,6 +229,35 @@ pub struct Simulate {
     /// Film of the mechanism in motion: a .gif file
     #[arg(long, value_name = "FILE")]
     pub gif: Option<PathBuf>,
+}
+
+/// Arguments of `import`.
+#[derive(Args)]
+pub struct Import {
+    /// The file
+    #[arg(value_name = "FILE")]
+    pub path: PathBuf,
+    /// Form of the file [default: as its name or its beginning tells]
+    #[arg(long, value_enum, value_name = "FORM")]
+    pub form: Option<ImportForm>,
+    /// The definition, a .json file [default: standard output]
+    #[arg(long, short, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// Forms that `import` reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ImportForm {
+    /// Text of PMKS: a line for each joint
+    Pmks,
+    /// An expression of Pyslvs, M[J[...], ...]
+    Pyslvs,
+    /// MuJoCo's XML
+    Mjcf,
+    /// ROS's XML
+    Urdf,
+    /// CSV with the columns type, x, y, angle, links, driven
+    Table,
 }
 
 /// Arguments of `linearise`.
