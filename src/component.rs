@@ -5,7 +5,9 @@
 //!
 //! A further kind of model takes one variant of [`Component`] and of [`Snapshot`], one row in `KINDS`, and one arm in
 //! each `match` of this file. Its model has methods of the same names, whose errors convert to [`Refused`].
+mod linearise;
 mod tables;
+pub use linearise::{Linearisation, Linearised};
 
 use crate::codec::sections::Sections;
 use crate::format::Experiment;

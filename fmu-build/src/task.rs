@@ -2,7 +2,9 @@
 //! 130 stopped by Ctrl-C.
 
 use crate::workspace::Workspace;
-use crate::{bench, chain, check, dist, gallery, info, package, report, simulate, sweep, test, validate, view};
+use crate::{
+    bench, chain, check, dist, gallery, import, info, linearise, package, report, simulate, sweep, test, validate, view,
+};
 use anyhow::Error;
 use fmu_cli::{Cli, Task};
 use std::process::ExitCode;
@@ -38,6 +40,8 @@ pub fn run(workspace: &Workspace, cli: Cli) -> ExitCode {
             Ok(simulate::Outcome::Interrupted) => return ExitCode::from(INTERRUPTED),
             Err(error) => Err(error),
         },
+        Task::Import(arguments) => import::run(&arguments),
+        Task::Linearise(arguments) => linearise::run(workspace, &arguments),
         Task::Sweep(arguments) => match sweep::run(workspace, &arguments) {
             Ok(simulate::Outcome::Complete) => Ok(()),
             Ok(simulate::Outcome::Interrupted) => return ExitCode::from(INTERRUPTED),

@@ -11,11 +11,11 @@ mod strict;
 pub use experiment::Experiment;
 pub use named::Named;
 pub use parameter::{Flag, Owner, Parameter, Range};
+pub use strict::Strict;
 
 use serde::de::DeserializeOwned;
 use serde_path_to_error::{Path, Segment};
 use std::fmt::{self, Display};
-use strict::Strict;
 
 /// A refused definition; the text names the key, the value and what is allowed.
 #[derive(Clone, Debug, PartialEq)]

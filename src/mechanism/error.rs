@@ -52,6 +52,8 @@ pub enum ModelError {
     Locked { position: String, joint: String },
     /// The start is beyond a stop: its quantity, the values at the stop and at the start.
     BeyondStop { name: String, value: f64, start: f64 },
+    /// The mechanism has no stable equilibrium to start at: the position near which it was sought, reason and remedy.
+    NoEquilibrium { near: String, reason: String, remedy: &'static str },
     /// More bumpers are enabled than a mechanism may have.
     TooManyBumpers { count: usize, limit: usize },
     /// The point of a lock stands still at the position of the stop, so that no force there holds the mechanism.
@@ -175,6 +177,9 @@ impl fmt::Display for ModelError {
                 Decimal::rounded(*start),
                 unit = if name.ends_with(".angle") { " rad" } else { " m" }
             ),
+            Self::NoEquilibrium { near, reason, remedy } => {
+                write!(f, "start.equilibrium: no stable equilibrium is found from {near} on: {reason}; {remedy}")
+            }
             Self::TooManyBumpers { count, limit } => write!(
                 f,
                 "stops: {count} bumpers are enabled, where {limit} may be; \

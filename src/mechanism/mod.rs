@@ -23,7 +23,7 @@ mod warnings;
 
 pub use crate::integrator::Statistics;
 pub use error::ModelError;
-pub use model::{INPUT_ORDER, Line, Model, NoValue, OUTPUT_ORDER};
+pub use model::{INPUT_ORDER, Line, Linearisation, Linearised, Model, NoValue, OUTPUT_ORDER};
 pub use motion::state::Reached;
 pub use motion::witness::Pauses;
 pub use outputs::Computed;

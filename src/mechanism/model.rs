@@ -5,6 +5,7 @@ mod derivatives;
 mod description;
 mod events;
 mod exchange;
+mod linearisation;
 mod occurrences;
 mod undefined;
 mod warnings;
@@ -28,6 +29,7 @@ use crate::mechanism::reduced::Reduced;
 use crate::variables::{Reference, Value, Variables};
 pub use derivatives::{INPUT_ORDER, OUTPUT_ORDER};
 pub use exchange::{Exchange, NoValue};
+pub use linearisation::{Linearisation, Linearised};
 pub use occurrences::Line;
 use occurrences::Told;
 use std::sync::{Arc, OnceLock};
@@ -49,6 +51,8 @@ pub struct Model {
     /// What follows from the parameters that were present last; a next set keeps of it what does not change.
     pub(super) designs: Designs,
     pub(super) state: Option<Formulation>,
+    /// Whether inputs leave the mechanism where it is: after the initialisation also one that starts at an equilibrium.
+    pub(super) is_placed: bool,
     /// Whether [`Self::take_growth`] has told that the curve grows.
     has_told: bool,
     clipped: Clipped,
@@ -137,6 +141,7 @@ impl Model {
             reduced: Some(Arc::clone(&original.reduced)),
             designs: Designs::new(Arc::clone(&original.parameter_values), Arc::clone(&original.reduced)),
             state: None,
+            is_placed: false,
             has_told: false,
             clipped: Clipped::default(),
             told: Told::default(),
@@ -228,6 +233,9 @@ impl Model {
                     return Ok(());
                 }
                 self.inputs.reals[i] = value;
+                if !self.is_placed && self.parameter_values.starts_at_equilibrium() {
+                    self.state = None;
+                }
                 if let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) {
                     let loads = reduced.loading().inputs.len();
                     match state {
@@ -389,12 +397,14 @@ impl Model {
         let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) else {
             self.state = None;
             self.state()?;
+            self.is_placed = true;
             return self.remember();
         };
         // The parameters are those of this state, as one that changes takes the state away.
         let start = self.designs.start(&self.parameter_values, reduced, &self.original.ranges);
         let mechanism = self.parameter_values.mechanism();
         let placed = start.and_then(|start| motion.put_at_start(start, reduced, mechanism, &self.inputs));
+        self.is_placed = placed.is_ok();
         if placed.is_err() {
             self.state = None;
         }
@@ -466,6 +476,7 @@ impl Model {
         self.inputs.clone_from(&self.original.inputs);
         self.reduced = Some(Arc::clone(&self.original.reduced));
         self.state = None;
+        self.is_placed = false;
         self.has_told = false;
         self.clipped = Clipped::default();
         self.told.restart();

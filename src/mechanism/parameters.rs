@@ -54,6 +54,11 @@ impl ParameterValues {
         }
     }
 
+    /// Whether the mechanism starts at an equilibrium, which no parameter changes.
+    pub fn starts_at_equilibrium(&self) -> bool {
+        self.mechanism.start.equilibrium
+    }
+
     pub fn method(&self) -> Method {
         self.stated_method().unwrap_or_default()
     }

@@ -84,6 +84,18 @@ pub enum Output {
     Drift,
     /// A quantity of the hydraulic circuit of a drive.
     Hydraulic(Hydraulic),
+    /// A quantity of small motions about the present state.
+    SmallMotion(SmallMotion),
+}
+
+/// A quantity of small motions about a state: sigma_ddot = -omega^2 sigma - 2 zeta omega sigma_dot for deviations from
+/// it, in which the reduced inertia is 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SmallMotion {
+    /// Eigenfrequency omega / (2 pi) of the undamped motion [Hz].
+    Eigenfrequency,
+    /// Damping ratio zeta, 1 where the motion is just aperiodic [1].
+    DampingRatio,
 }
 
 /// A quantity of a hydraulic circuit. Chamber A has the index 0, B the index 1.

@@ -94,9 +94,15 @@ impl Model {
             parameter_values: Arc::clone(&self.parameter_values),
             inputs: self.inputs.clone(),
             reduced: self.reduced.clone(),
-            motion: self.state.as_ref().map(saved),
+            motion: self.kept_state().map(saved),
             exchange: self.exchange,
         }
+    }
+
+    /// The state, but for one at an equilibrium that an input would still move: it is sought again.
+    #[inline]
+    fn kept_state(&self) -> Option<&Formulation> {
+        self.state.as_ref().filter(|_| self.is_placed || !self.parameter_values.starts_at_equilibrium())
     }
 
     /// [`Self::snapshot`] into an existing snapshot of this mechanism; without allocation if the existing snapshot has
@@ -110,12 +116,12 @@ impl Model {
             (Some(theirs), Some(own)) => share(theirs, own),
             (theirs, own) => theirs.clone_from(own),
         }
-        match (&self.state, &mut snapshot.motion) {
+        match (self.kept_state(), &mut snapshot.motion) {
             (Some(Formulation::Reduced(motion)), Some(SavedFormulation::Reduced(saved))) => {
                 saved.copy_from(&motion.state);
             }
             (Some(Formulation::RigidFem(state)), Some(SavedFormulation::RigidFem(saved))) => state.save(saved),
-            (state, motion) => *motion = state.as_ref().map(saved),
+            (state, motion) => *motion = state.map(saved),
         }
     }
 
@@ -147,6 +153,7 @@ impl Model {
         }
         share(&mut self.parameter_values, &snapshot.parameter_values);
         self.exchange = self.exchange.map(|_| snapshot.exchange.unwrap_or_default());
+        self.is_placed = snapshot.has_motion();
         Ok(())
     }
 

@@ -26,6 +26,7 @@ mod hydraulic_pair;
 mod impacts;
 mod input_derivatives;
 mod interface;
+mod linearisation;
 mod look_ahead;
 mod mechanism_fuzz;
 mod near_misses;

@@ -32,6 +32,10 @@ pub enum Task {
     View(View),
     /// Run a mechanism or an FMU by the engine itself: CSV, Parquet, plot, film
     Simulate(Simulate),
+    /// Write the mechanism of another program as a definition: PMKS, Pyslvs, MuJoCo, URDF, a table of joints
+    Import(Import),
+    /// Linearise a mechanism along its travel: eigenfrequency, damping ratio, state-space matrices, as CSV and plot
+    Linearise(Linearise),
     /// Make the many runs of a study: design of experiments, tolerances, load cases
     Sweep(Sweep),
     /// Find the best design of a mechanism: a response made small under limits of others
@@ -225,6 +229,69 @@ pub struct Simulate {
     /// Film of the mechanism in motion: a .gif file
     #[arg(long, value_name = "FILE")]
     pub gif: Option<PathBuf>,
+}
+
+/// Arguments of `import`.
+#[derive(Args)]
+pub struct Import {
+    /// The file
+    #[arg(value_name = "FILE")]
+    pub path: PathBuf,
+    /// Form of the file [default: as its name or its beginning tells]
+    #[arg(long, value_enum, value_name = "FORM")]
+    pub form: Option<ImportForm>,
+    /// The definition, a .json file [default: standard output]
+    #[arg(long, short, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// Forms that `import` reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ImportForm {
+    /// Text of PMKS: a line for each joint
+    Pmks,
+    /// An expression of Pyslvs, M[J[...], ...]
+    Pyslvs,
+    /// MuJoCo's XML
+    Mjcf,
+    /// ROS's XML
+    Urdf,
+    /// CSV with the columns type, x, y, angle, links, driven
+    Table,
+}
+
+/// Arguments of `linearise`.
+#[derive(Args, Default)]
+pub struct Linearise {
+    /// A definition file (mechanism.json), a folder that holds one, or an FMU
+    #[arg(value_name = "PATH")]
+    pub path: PathBuf,
+    /// Angle or position whose value and rate are the two states, such as crank.angle [default: that which states the
+    /// start]
+    #[arg(long, value_name = "NAME")]
+    pub coordinate: Option<String>,
+    /// Inputs of the matrices B and D [default: every one on which the acceleration depends]
+    #[arg(long, value_name = "NAME", num_args = 1..)]
+    pub inputs: Vec<String>,
+    /// Outputs of the matrices C and D [default: the coordinate]
+    #[arg(long, value_name = "NAME", num_args = 1..)]
+    pub outputs: Vec<String>,
+    /// Force or torque of a drive that holds the mechanism at each position, such as servo.torque [default: nothing does,
+    /// so that only equilibria of the loads are at rest]
+    #[arg(long, value_name = "NAME")]
+    pub held_by: Option<String>,
+    /// Parts of the travel, equal along the curve
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub count: u32,
+    /// Start values, as with `simulate`: pairs of a name and a value, or name=value
+    #[arg(long, value_name = "NAME VALUE", num_args = 1.., allow_negative_numbers = true)]
+    pub start_values: Vec<String>,
+    /// File for the travel: CSV
+    #[arg(long, value_name = "FILE")]
+    pub output_file: Option<PathBuf>,
+    /// Picture of eigenfrequency, damping ratio and eigenvalues over the coordinate: a .png or .svg file
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
 }
 
 /// Arguments of `sweep`.

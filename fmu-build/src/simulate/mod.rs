@@ -8,7 +8,7 @@ mod file;
 mod film;
 mod parquet;
 mod picture;
-mod plot;
+pub(crate) mod plot;
 pub(crate) mod run;
 pub(crate) mod signals;
 mod table;
@@ -22,7 +22,8 @@ use film::Film;
 pub use fmu_cli::Simulate as Arguments;
 use linkage_fmu::component::Component;
 use linkage_fmu::format::Experiment;
-use linkage_fmu::variables::{Causality, Interface, Kind, Reference, Variable};
+use linkage_fmu::variables::{Causality, Interface, Kind, Reference, Unit, Variable};
+use plot::Picture;
 use run::{Ended, Span};
 use signals::Signals;
 use std::io::IsTerminal;
@@ -83,7 +84,8 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     let elapsed = started.elapsed().as_secs_f64();
     let recorded = table.finish(ended.is_ok().then_some((&mut model, reached)))?;
     if let Some(path) = &arguments.plot {
-        plot::write(path, &recorded)?;
+        let lines = recorded.columns.iter().map(|column| (&*column.name, column.unit)).collect();
+        plot::write(path, &Picture { axis: "time", unit: Unit::Second, lines, rows: &recorded.plotted })?;
     }
     if let (Some(path), Some(film)) = (&arguments.gif, film) {
         film.write(path, &mut model, reached)?;

@@ -1,10 +1,10 @@
-//! Pictures of recorded variables: one panel for each unit, lines over time.
+//! Pictures of variables: one panel for each unit, lines over time or over another quantity.
 //!
-//! In: what a run has recorded. Out: a PNG or an SVG.
+//! In: rows of numbers. Out: a PNG or an SVG.
 
 use super::picture::{self, COLOURS, FONT};
-use super::table::Recorded;
 use anyhow::{Context, Result, bail};
+use linkage_fmu::variables::Unit;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use std::path::Path;
@@ -20,6 +20,19 @@ const INFINITE: f64 = 1e300;
 /// Most lines in one panel, and panels in one picture: more could not be told apart.
 const LINES: usize = COLOURS.len();
 const PANELS: usize = 8;
+
+/// What is drawn: lines over an axis.
+pub struct Picture<'a> {
+    /// Name of the quantity on the axis.
+    pub axis: &'a str,
+    /// Its unit.
+    pub unit: Unit,
+    /// Name and unit of each line.
+    pub lines: Vec<(&'a str, Option<Unit>)>,
+    /// Rows, each the value on the axis and those of the lines.
+    pub rows: &'a [Vec<f64>],
+}
+
 /// Lines of one unit.
 struct Panel {
     unit: String,
@@ -48,9 +61,9 @@ fn extension(path: &Path) -> String {
 ///
 /// # Errors
 /// The file cannot be written, or has another ending than .png and .svg.
-pub fn write(path: &Path, recorded: &Recorded) -> Result<()> {
+pub fn write(path: &Path, picture: &Picture) -> Result<()> {
     check(path)?;
-    let (panels, left_out) = panels(recorded);
+    let (panels, left_out) = panels(picture);
     if left_out > 0 {
         eprintln!(
             "note: {left_out} variables are not drawn, as a picture has {PANELS} panels of {LINES} lines at most; name those to \
@@ -60,17 +73,17 @@ pub fn write(path: &Path, recorded: &Recorded) -> Result<()> {
     picture::register()?;
     let size = (WIDTH, HEIGHT * panels.len().max(1) as u32);
     let drawn = match extension(path).as_str() {
-        "svg" => draw(&SVGBackend::new(path, size).into_drawing_area(), &panels, recorded, true),
-        _ => draw(&BitMapBackend::new(path, size).into_drawing_area(), &panels, recorded, false),
+        "svg" => draw(&SVGBackend::new(path, size).into_drawing_area(), &panels, picture, true),
+        _ => draw(&BitMapBackend::new(path, size).into_drawing_area(), &panels, picture, false),
     };
     drawn.with_context(|| format!("--plot: {}", path.display()))
 }
 
 /// The panels, and how many variables are in none.
-fn panels(recorded: &Recorded) -> (Vec<Panel>, usize) {
+fn panels(picture: &Picture) -> (Vec<Panel>, usize) {
     let (mut panels, mut left_out): (Vec<Panel>, usize) = (Vec::new(), 0);
-    for (index, column) in recorded.columns.iter().enumerate() {
-        let own = column.unit.map_or(("", 1.0), |unit| unit.display().unwrap_or((unit.name(), 1.0)));
+    for (index, (_, unit)) in picture.lines.iter().enumerate() {
+        let own = unit.map_or(("", 1.0), shown);
         let is_free = panels.len() < PANELS;
         match panels.iter_mut().find(|panel| panel.unit == own.0) {
             Some(panel) if panel.lines.len() < LINES => panel.lines.push(index),
@@ -84,7 +97,7 @@ fn panels(recorded: &Recorded) -> (Vec<Panel>, usize) {
 fn draw<B: DrawingBackend>(
     area: &DrawingArea<B, Shift>,
     panels: &[Panel],
-    recorded: &Recorded,
+    picture: &Picture,
     is_joined: bool,
 ) -> Result<()>
 where
@@ -92,7 +105,7 @@ where
 {
     area.fill(&WHITE)?;
     for (part, panel) in area.split_evenly((panels.len().max(1), 1)).iter().zip(panels) {
-        draw_panel(part, panel, recorded, is_joined)?;
+        draw_panel(part, panel, picture, is_joined)?;
     }
     Ok(area.present()?)
 }
@@ -102,33 +115,35 @@ where
 fn draw_panel<B: DrawingBackend>(
     area: &DrawingArea<B, Shift>,
     panel: &Panel,
-    recorded: &Recorded,
+    picture: &Picture,
     is_joined: bool,
 ) -> Result<()>
 where
     B::ErrorType: 'static,
 {
-    let point = |row: &Vec<f64>, index: usize| (row[0], panel.factor * row[index + 1]);
+    let (axis, factor) = shown(picture.unit);
+    let point = |row: &Vec<f64>, index: usize| (factor * row[0], panel.factor * row[index + 1]);
     let is_drawn = |row: &Vec<f64>, index: usize| row[index + 1].abs() < INFINITE;
-    let of_panel = recorded.plotted.iter().flat_map(|row| panel.lines.iter().map(move |&index| (row, index)));
+    let of_panel = picture.rows.iter().flat_map(|row| panel.lines.iter().map(move |&index| (row, index)));
     let values = of_panel.filter(|(row, index)| is_drawn(row, *index)).map(|(row, index)| point(row, index).1);
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
     let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
     let margin = if high > low { 0.05 * (high - low) } else { low.abs().max(1.0) * 0.05 };
-    let time = |row: Option<&Vec<f64>>| row.map_or(0.0, |row| row[0]);
-    let times = time(recorded.plotted.first())..time(recorded.plotted.last());
+    let ends = picture.rows.iter().map(|row| factor * row[0]).filter(|x| x.is_finite());
+    let (first, last) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+    let along = if first < last { first..last } else { 0.0..1.0 };
     let (left, names) = area.split_horizontally(WIDTH - NAMES);
     let mut chart = ChartBuilder::on(&left)
         .margin(12)
         .x_label_area_size(34)
         .y_label_area_size(78)
-        .build_cartesian_2d(times, (low - margin)..(high + margin))?;
+        .build_cartesian_2d(along, (low - margin)..(high + margin))?;
     let label = |value: &f64| plain(*value);
     chart
         .configure_mesh()
         .light_line_style(WHITE)
         .bold_line_style(RGBColor(225, 225, 225))
-        .x_desc("time in s")
+        .x_desc(format!("{} in {axis}", picture.axis))
         .y_desc(if matches!(&*panel.unit, "" | "1") { String::new() } else { format!("in {}", panel.unit) })
         .x_label_formatter(&label)
         .y_label_formatter(&label)
@@ -136,9 +151,9 @@ where
         .axis_desc_style((FONT, 15))
         .draw()?;
     for ((&index, colour), place) in panel.lines.iter().zip(COLOURS).zip(1..) {
-        let style = colour.stroke_width(if recorded.plotted.len() > DENSE { 1 } else { 2 });
+        let style = colour.stroke_width(if picture.rows.len() > DENSE { 1 } else { 2 });
         // Where a value does not exist, the line has a gap.
-        for part in recorded.plotted.split(|row| !is_drawn(row, index)) {
+        for part in picture.rows.split(|row| !is_drawn(row, index)) {
             let points = || part.iter().map(|row| point(row, index));
             if is_joined {
                 chart.draw_series(LineSeries::new(points(), style))?;
@@ -149,9 +164,14 @@ where
         }
         let y = 24 * place;
         names.draw(&PathElement::new([(0, y + 7), (18, y + 7)], style))?;
-        names.draw(&Text::new(recorded.columns[index].name.clone(), (26, y), (FONT, 14)))?;
+        names.draw(&Text::new(picture.lines[index].0.to_owned(), (26, y), (FONT, 14)))?;
     }
     Ok(())
+}
+
+/// The unit in which a quantity is drawn, with the factor from its own.
+fn shown(unit: Unit) -> (&'static str, f64) {
+    unit.display().unwrap_or((unit.name(), 1.0))
 }
 
 /// A number for an axis: six digits at most.

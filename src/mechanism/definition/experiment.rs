@@ -1,11 +1,17 @@
 //! The start, settings of the integration, and the choice of the formulation.
 use super::{Role, Visit};
-use crate::format::{Flag, Owner, Parameter, Range};
+use crate::format::{Flag, Owner, Parameter, Range, Strict};
 use crate::variables::Unit;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Deserializer, Error, MapAccess, Unexpected, Visitor};
 use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// Word of a start at the stable equilibrium nearest to the guess.
+const EQUILIBRIUM: &str = "equilibrium";
 
 /// Position and speed of a turning body or a prismatic joint at the start.
-#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Start {
     /// Turning body that states the start.
@@ -19,9 +25,41 @@ pub struct Start {
     /// Speed of the body or joint [rad/s or m/s].
     #[serde(default)]
     pub speed: f64,
+    /// Whether the mechanism starts at the stable equilibrium that is nearest to the stated position.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub equilibrium: bool,
 }
 
 impl Start {
+    /// Read the start: an object, or the word "equilibrium" for the one nearest to the guess.
+    pub(super) fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct ObjectOrWord;
+        impl<'de> Visitor<'de> for ObjectOrWord {
+            type Value = Start;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                write!(f, "an object or the word \"{EQUILIBRIUM}\"")
+            }
+
+            fn visit_str<E: Error>(self, word: &str) -> Result<Start, E> {
+                match word {
+                    EQUILIBRIUM => Ok(Start { equilibrium: true, ..Start::default() }),
+                    _ => Err(E::invalid_value(Unexpected::Str(word), &self)),
+                }
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Start, A::Error> {
+                Start::deserialize(MapAccessDeserializer::new(Strict(map)))
+            }
+        }
+        deserializer.deserialize_any(ObjectOrWord)
+    }
+
+    /// Whether the guess stands for the stated position, as in the short form.
+    pub fn is_at_guess(&self) -> bool {
+        self.equilibrium && self.body.is_none() && self.joint.is_none()
+    }
+
     pub(super) fn parameters(&mut self, visit: &mut Visit) {
         use Unit::{Metre, MetrePerSecond, Radian, RadianPerSecond};
         let (of, value, quantity, unit, speed_unit, range) =
@@ -33,7 +71,11 @@ impl Start {
                 _ => return,
             };
         let mut add = |quantity, kind, value| {
-            let description = ["Start ", quantity, " of ", of];
+            let word = match (self.equilibrium, quantity) {
+                (true, "angle" | "position") => "At the start the stable equilibrium nearest to it is sought: ",
+                _ => "Start ",
+            };
+            let description = [word, quantity, " of ", of];
             visit(Parameter::new([of, ".start_", quantity], ["start.", quantity], description, kind), value);
         };
         add(quantity, (unit, range, Role::StartPosition), value);

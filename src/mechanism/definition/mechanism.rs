@@ -68,6 +68,7 @@ pub struct Mechanism {
     #[serde(default)]
     pub locks: Named<Lock>,
     /// Position and speed at the start.
+    #[serde(deserialize_with = "Start::read")]
     pub start: Start,
     /// Rough angle [rad] of each turning body and position [m] of each prismatic joint, which select the assembly;
     /// those of drawn bodies follow.
@@ -77,6 +78,9 @@ pub struct Mechanism {
     /// absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub snap: Option<f64>,
+    /// Whether eigenfrequency and damping ratio of small motions are outputs.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub linearisation: bool,
     /// Integration settings.
     #[serde(default)]
     pub solver: Solver,

@@ -473,7 +473,14 @@ impl Mechanism {
 
     fn check_start(&self) -> Check {
         let s = &self.start;
+        if let (true, Some((_, drive, _))) = (s.equilibrium, self.hydraulic_drive()) {
+            let message = format!(
+                "the oil of actuators.{drive} holds the mechanism at any position: state one, or leave out hydraulics"
+            );
+            return refused("start.equilibrium", message);
+        }
         match (&s.body, s.angle, &s.joint, s.position) {
+            (None, None, None, None) if s.equilibrium && s.speed == 0.0 => Ok(()),
             (Some(body), Some(_), None, None) => entry("start.body", "bodies", &self.bodies, body).map(|_| ()),
             (None, None, Some(joint), Some(_)) => match entry("start.joint", "joints", &self.joints, joint)?.kind {
                 JointKind::Prismatic => Ok(()),
@@ -482,7 +489,11 @@ impl Mechanism {
                     refused("start.joint", message)
                 }
             },
-            _ => refused("start", "give body and angle, or joint and position (and speed, 0 where absent)"),
+            _ => refused(
+                "start",
+                "give body and angle, or joint and position (and speed, 0 where absent), or write \
+                                  \"start\": \"equilibrium\"",
+            ),
         }
     }
 }

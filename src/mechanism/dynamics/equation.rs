@@ -248,6 +248,18 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
         Ok(T::slope_of(evaluation.acceleration))
     }
 
+    /// Acceleration in a direction of the drives, with its derivatives along sigma and sigma_dot.
+    pub fn gradient(&mut self, direction: f64, sigma: T, sigma_dot: T) -> Result<[T; 3], Locked> {
+        self.clear_regimes();
+        self.mode.direction = direction;
+        let time = self.time.held();
+        // No number carries both derivatives with those of its own.
+        let by_sigma = self.along([time, sigma.varied(), sigma_dot.held()])?.acceleration;
+        let by_speed = self.along([time, sigma.held(), sigma_dot.varied()])?.acceleration;
+        let value = self.heading(direction, sigma, sigma_dot)?;
+        Ok([value, T::slope_of(by_sigma), T::slope_of(by_speed)])
+    }
+
     /// Evaluation at (t, sigma, sigma_dot) in numbers with derivatives along sigma.
     fn along(&mut self, y: [T::Along; 3]) -> Result<Evaluation<T::Along>, Locked> {
         self.locate(y[1].value());

@@ -78,6 +78,10 @@ impl Kinematics<f64> for View<'_> {
         self.motion.sizes[load]
     }
 
+    fn small_motion(&mut self) -> Result<[f64; 2], OutputError> {
+        self.motion.rigid.small_motion(self.reduced, self.inputs)
+    }
+
     fn one_element(&mut self, drive: usize, term: OneElement) -> Result<f64, OutputError> {
         self.motion.rigid.output(self.reduced, self.inputs, Output::OneElement { drive, term })
     }

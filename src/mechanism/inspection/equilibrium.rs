@@ -9,19 +9,28 @@ use crate::mechanism::motion::contact::Travel;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::reduced::Reduced;
 use crate::variables::Unit;
+use std::f64::consts::TAU;
 
 /// Part of the sum of all loads up to which their balance is rounding.
 const BALANCE: f64 = 1e-9;
 const TOPIC: &str = "Equilibrium at the start";
+const ALL: &str = "Equilibria under the loads at the start";
+/// Most equilibria that are listed.
+const MOST: usize = 12;
 
 /// Add the facts of the equilibrium; the model is left at rest.
 pub fn add(model: &mut Model, reduced: &Reduced, state: &State, facts: &mut Vec<Fact>) {
     let start = &model.original.parameter_values.mechanism().start;
     let of = start.body.clone().or_else(|| start.joint.clone()).unwrap_or_default();
-    let Some(speed) = model.variables().find(&format!("{of}.start_speed")) else { return };
-    if model.set_real(speed, 0.0).and_then(|()| model.initialize()).is_err() {
+    let speed = model.variables().find(&format!("{of}.start_speed"));
+    if speed.is_none() && !start.is_at_guess() {
         return;
     }
+    let at_rest = speed.map_or(Ok(()), |speed| model.set_real(speed, 0.0));
+    if at_rest.and_then(|()| model.initialize()).is_err() {
+        return;
+    }
+    add_all(model, reduced, &state.travel, facts);
     let linkage = reduced.linkage();
     // The coordinate that moves most tells the acceleration along the curve best.
     let c = reduced.at(state.sigma).curve().configuration(state.sigma);
@@ -71,6 +80,37 @@ pub fn add(model: &mut Model, reduced: &Reduced, state: &State, facts: &mut Vec<
             }
         }
         facts.push(fact);
+    }
+}
+
+/// All equilibria of the travel, stable or not; none are told of a model with more states than position and speed.
+fn add_all(model: &mut Model, reduced: &Reduced, travel: &Travel, facts: &mut Vec<Fact>) {
+    let Ok(all) = model.equilibria() else { return };
+    for found in all.iter().take(MOST) {
+        let (sigma, revolutions) = reduced.unwound(found.position);
+        let position = reduced.describe(sigma, revolutions);
+        let fact = Fact::new(ALL, "");
+        facts.push(match (found.place, found.is_stable) {
+            (Some(_), _) => {
+                let stop = held_by(reduced, travel, found.position).unwrap_or_default();
+                fact.saying(format!("stable at {position}: the loads press the mechanism against {stop}"))
+            }
+            (None, true) if found.stiffness > 0.0 => {
+                let omega = found.stiffness.sqrt();
+                let fact = fact.with("eigenfrequency", omega / TAU, Unit::Hertz);
+                fact.with("damping ratio", 0.5 * found.damping / omega, Unit::One)
+                    .saying(format!("stable at {position}"))
+            }
+            (None, true) => fact.saying(format!("stable at {position}")),
+            (None, false) => fact.saying(format!("unstable at {position}")),
+        });
+    }
+    if all.is_empty() {
+        facts.push(
+            Fact::new(ALL, "").saying("none: no position of the travel holds, or every one does as no load acts"),
+        );
+    } else if all.len() > MOST {
+        facts.push(Fact::new(ALL, "").saying(format!("and {} more", all.len() - MOST)));
     }
 }
 

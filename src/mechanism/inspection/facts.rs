@@ -1,7 +1,7 @@
 //! Facts about a mechanism: its masses, its assembly, its travel, its drives.
 //!
 //! In: a model. Out: facts, and warnings about its travel. It must not know steps.
-use super::travel::{Extremes, Walk, ends};
+use super::travel::{Extremes, Walk};
 use super::{equilibrium, friction};
 use crate::inspection::{Fact, Finding, Inspection};
 use crate::mechanism::closure::{AssemblyError, Closure, guessed};
@@ -10,6 +10,7 @@ use crate::mechanism::definition::Mechanism;
 use crate::mechanism::linkage::{GROUND, Linkage, Point, Positions};
 use crate::mechanism::model::Model;
 use crate::mechanism::motion::contact::Travel;
+use crate::mechanism::motion::samples::ends;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::reduced::{End, Reduced};
 use crate::mechanism::warnings::{is_within, of_guess, remarks};

@@ -20,6 +20,7 @@ pub fn of_error(error: &ModelError, mechanism: &Mechanism) -> String {
     match error {
         ModelError::Definition(fault) | ModelError::Reduction(ReductionError::Definition(fault)) => fault.path().into(),
         ModelError::Reduction(error) => of_reduction(error, mechanism),
+        ModelError::NoEquilibrium { .. } => "start".to_owned(),
         ModelError::BeyondStop { name, .. } => format!("stops.{name}"),
         ModelError::LockStill { name, .. } => format!("locks.{name}.at"),
         ModelError::TooManyBumpers { .. } => "stops".into(),

@@ -3,7 +3,6 @@
 //! In: a model, or a definition that gives none. Out: angle and origin of every body of the linkage, as plain data. It
 //! must not know what is drawn there.
 use super::scene::Scene;
-use super::travel::ends;
 use crate::mechanism::closure::{Closure, guessed};
 use crate::mechanism::curve::Ends;
 use crate::mechanism::definition::Mechanism;
@@ -11,6 +10,7 @@ use crate::mechanism::error::ModelError;
 use crate::mechanism::linkage::{Freedom, Linkage, Positions};
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::model::Model;
+use crate::mechanism::motion::samples::ends;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::bracket::bisect;

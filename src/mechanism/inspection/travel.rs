@@ -2,15 +2,10 @@
 //!
 //! In: a reduced model, the travel between its stops. Out: samples, extremes, places where a function stands still. It
 //! must not know what the functions mean.
-use crate::mechanism::curve::{Configuration, Ends, Scratch};
-use crate::mechanism::motion::contact::Travel;
+use crate::mechanism::curve::{Configuration, Scratch};
+use crate::mechanism::motion::samples::positions;
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::bracket::bisect;
-
-/// Samples in each panel of the grid of tables.
-const SAMPLES: usize = 8;
-/// Most samples of a travel that goes round many times: whole revolutions between the ends change nothing but counts.
-const REVOLUTIONS: f64 = 2.0;
 
 /// A travel between two values of sigma, counted on over whole revolutions, with the functions to be watched.
 pub struct Walk<'a, F> {
@@ -33,24 +28,6 @@ pub struct Extremes {
     pub range: [f64; 2],
     /// Values of sigma within the travel where the function is stationary.
     pub stationary: Vec<f64>,
-}
-
-/// Ends of the travel: at the first rigid stop on each side, else where two ends coincide, else of the curve, else one revolution.
-pub fn ends(reduced: &Reduced, travel: &Travel, here: f64) -> [f64; 2] {
-    let (first, last) = reduced.curve().range;
-    let [low, high] = [0, 1].map(|side| travel.end(side));
-    match &reduced.curve().ends {
-        Ends::Closed(_) => {
-            let period = last - first;
-            match (low, high) {
-                (Some(low), Some(high)) => [low, high],
-                (Some(low), None) => [low, low.max(here) + period],
-                (None, Some(high)) => [high.min(here) - period, high],
-                (None, None) => [first, last],
-            }
-        }
-        _ => [low.unwrap_or(first), high.unwrap_or(last)],
-    }
 }
 
 impl<'a, F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)> Walk<'a, F> {
@@ -104,38 +81,4 @@ impl<'a, F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)> Walk<'a, F> {
         let (on_curve, revolutions) = self.reduced.unwound(sigma);
         self.reduced.at(on_curve).curve().describe(on_curve, revolutions)
     }
-}
-
-/// Positions to be sampled: those of the panels of the tables, in each revolution that the travel takes in, and on each
-/// stretch of an open curve.
-fn positions(reduced: &Reduced, [low, high]: [f64; 2]) -> Vec<f64> {
-    let period = reduced.period();
-    let turn = |sigma: f64| reduced.unwound(sigma).1;
-    let (first, last) = (turn(low), turn(high));
-    let revolutions: Vec<f64> = match period {
-        Some(_) if last - first > REVOLUTIONS => vec![first, first + 1.0, last - 1.0, last],
-        Some(_) => (0..=(last - first) as usize).map(|k| first + k as f64).collect(),
-        None => vec![0.0],
-    };
-    let mut borders: Vec<(f64, f64)> = Vec::new();
-    let mut stretch = reduced.at(low);
-    loop {
-        let table = stretch.influence();
-        borders.extend((0..table.panels()).map(|panel| table.borders(panel)));
-        match reduced.next(stretch, 1) {
-            Ok(next) if stretch.curve().range.1 < high => stretch = next,
-            _ => break,
-        }
-    }
-    let mut all = vec![low, high];
-    for revolution in revolutions {
-        let shift = revolution * period.unwrap_or(0.0);
-        for (a, b) in &borders {
-            let inner = (0..=SAMPLES).map(|k| a + (b - a) * k as f64 / SAMPLES as f64 + shift);
-            all.extend(inner.filter(|sigma| (low..=high).contains(sigma)));
-        }
-    }
-    all.sort_by(f64::total_cmp);
-    all.dedup();
-    all
 }

@@ -2,9 +2,9 @@
 use super::builder::Builder;
 use super::needs::{Needs, placed};
 use crate::mechanism::linkage::Freedom;
-use crate::mechanism::quantity::{FramePart, Output, ReactionPart};
+use crate::mechanism::quantity::{FramePart, Output, ReactionPart, SmallMotion};
 use crate::variables::Unit::{
-    Joule, Metre, MetrePerSecond, MetrePerSecondSquared, Newton, NewtonMetre, One, Radian, RadianPerSecond,
+    Hertz, Joule, Metre, MetrePerSecond, MetrePerSecondSquared, Newton, NewtonMetre, One, Radian, RadianPerSecond,
     RadianPerSecondSquared,
 };
 
@@ -94,6 +94,21 @@ pub(super) fn add_energy(b: &mut Builder) {
     b.output("energy", "potential", &[text], Joule, Output::Potential, potential);
     let text = "Energy now less energy at the start less work done: the error of the integration";
     b.output("energy", "drift", &[text], Joule, Output::Drift, Needs::default());
+}
+
+/// Eigenfrequency and damping ratio, where the definition asks for them.
+pub(super) fn add_small_motion(b: &mut Builder) {
+    if !b.source.mechanism.linearisation {
+        return;
+    }
+    let needs = b.source.acceleration();
+    let mut add = |suffix, text, unit, output| {
+        b.output("linearisation", suffix, &[text], unit, Output::SmallMotion(output), needs);
+    };
+    let text = "Eigenfrequency of undamped small motions about the present state";
+    add("eigenfrequency", text, Hertz, SmallMotion::Eigenfrequency);
+    let text = "Damping ratio of small motions about the present state, 1 where they are just aperiodic";
+    add("damping_ratio", text, One, SmallMotion::DampingRatio);
 }
 
 /// Where each body is, for whoever draws it: its origin, and the matrix of rotation by its angle.

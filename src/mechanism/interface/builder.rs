@@ -121,8 +121,19 @@ impl<'a> Builder<'a> {
         let loads = if stretched { &self.source.loads[..loading.base()] } else { &[] };
         let rods = Needs { speed: true, inertia: true, masses: true, elasticity: true, loads, ..placed() };
         let inputs = if stretched { loading.inputs.len() } else { 0 };
-        let others = needs.inputs.iter().copied().filter(|&i| i >= inputs);
-        let meets = |causes: &[Cause]| needs.meet(causes) || (stretched && rods.meet(causes));
+        // The position of an equilibrium follows from all loads at rest, and from no lock.
+        let sought = self.source.mechanism.start.equilibrium && (needs.closure || needs.position);
+        let unlocked = self.source.inputs.len() - loading.locks.len();
+        let acting = if sought { &self.source.inputs[..unlocked] } else { &[] };
+        let balance = Needs { loads: &self.source.loads, lossless: true, ..placed() };
+        let mut others: Vec<usize> = needs.inputs.iter().chain(acting).copied().filter(|&i| i >= inputs).collect();
+        if sought {
+            others.sort_unstable();
+            others.dedup();
+        }
+        let meets = |causes: &[Cause]| {
+            needs.meet(causes) || (stretched && rods.meet(causes)) || (sought && balance.meet(causes))
+        };
         let parameters = (*first..).zip(causes).filter(|(_, causes)| meets(causes)).map(|(reference, _)| reference);
         (0..inputs).chain(others).map(|i| i as Reference).chain(parameters).collect()
     }

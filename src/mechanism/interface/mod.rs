@@ -101,6 +101,7 @@ fn build<'a>(source: &'a Source<'a>, causes: Option<(Reference, Vec<Vec<Cause>>)
     bodies::add_energy(&mut b);
     hydraulics::add(&mut b);
     loads::add_sticking(&mut b);
+    bodies::add_small_motion(&mut b);
     add_parameters(&mut b);
     bodies::add_frames(&mut b);
     exchange::add(&mut b);

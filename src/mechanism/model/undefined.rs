@@ -91,6 +91,10 @@ impl Model {
                 reduced.loading().drives[drive].name,
                 state.describe(reduced)
             ),
+            Err(OutputError::Unstable) => format!(
+                "the loads do not drive the mechanism back to {}: small motions about it are no oscillation",
+                state.describe(reduced)
+            ),
             Err(OutputError::RigidFem(error)) => format!("solver.method = \"rigid_fem\": {error}"),
         })
     }

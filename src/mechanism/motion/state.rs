@@ -24,9 +24,9 @@ use crate::mechanism::reduced::{End, Reduced, ReductionError, StateLoads};
 use crate::numerics::table::Unresolved;
 pub use circuit::check_lengths;
 use circuit::{left_circuit, rough_length};
-use inputs::{Before, blows_under, engaged_locks};
+use inputs::{Before, engaged_locks};
 pub use inputs::{airspeed, state_loads_under};
-pub(super) use inputs::{blows, state_loads};
+pub(super) use inputs::{blows, blows_under, state_loads};
 pub use start::Start;
 use std::ops::{Deref, DerefMut};
 

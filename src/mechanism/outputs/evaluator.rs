@@ -6,10 +6,11 @@
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::motion::impacts::Impacts;
-use crate::mechanism::quantity::{FramePart, Hydraulic, ImpactPart, OneElement, Output, ReactionPart};
+use crate::mechanism::quantity::{FramePart, Hydraulic, ImpactPart, OneElement, Output, ReactionPart, SmallMotion};
 use crate::mechanism::rigid_fem::RigidFemError;
 use crate::numerics::dual::Number;
 use crate::numerics::table::Unresolved;
+use std::f64::consts::TAU;
 
 /// Why an output has no value.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +22,8 @@ pub enum OutputError {
     /// Friction and reactions have no common solution, whatever the force of this drive, which has the index of its
     /// load.
     SelfLocking(usize),
+    /// The loads do not drive the mechanism back to the present position, so that it does not swing about it.
+    Unstable,
     /// The finite elements' forces are not finite.
     RigidFem(RigidFemError),
 }
@@ -98,6 +101,9 @@ pub trait Kinematics<N: Number> {
         Ok(N::constant(0.0))
     }
 
+    /// -d sigma_ddot / d sigma [1/s^2] and -d sigma_ddot / d sigma_dot [1/s], as if nothing held the mechanism.
+    fn small_motion(&mut self) -> Result<[N; 2], OutputError>;
+
     /// A term of the mechanism reduced to a drive.
     fn one_element(&mut self, drive: usize, term: OneElement) -> Result<N, OutputError>;
 
@@ -172,6 +178,21 @@ pub fn evaluate<N: Number, K: Kinematics<N>>(
         Output::Potential => potential(motion, loading)?,
         Output::Drift => motion.drift(),
         Output::Hydraulic(output) => motion.hydraulic(output)?,
+        Output::SmallMotion(output) => small_motion(motion, output)?,
+    })
+}
+
+/// Eigenfrequency or damping ratio of small motions about the present state.
+#[inline(never)]
+fn small_motion<N: Number, K: Kinematics<N>>(motion: &mut K, output: SmallMotion) -> Result<N, OutputError> {
+    let [stiffness, damping] = motion.small_motion()?;
+    if stiffness.value() <= 0.0 {
+        return Err(OutputError::Unstable);
+    }
+    let omega = stiffness.sqrt();
+    Ok(match output {
+        SmallMotion::Eigenfrequency => omega * (1.0 / TAU),
+        SmallMotion::DampingRatio => damping / (omega * 2.0),
     })
 }
 

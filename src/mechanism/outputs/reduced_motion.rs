@@ -10,7 +10,7 @@ use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::SavedState;
 use crate::mechanism::motion::state::{Reached, Start, State, state_loads_under};
 use crate::mechanism::outputs::cache::{Computed, Direction, OutputCache, PresentLoads};
-use crate::mechanism::outputs::evaluator::{OutputError, evaluate};
+use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, evaluate};
 use crate::mechanism::outputs::view::View;
 use crate::mechanism::quantity::Output;
 use crate::mechanism::reduced::Reduced;
@@ -190,6 +190,14 @@ impl ReducedMotion {
         evaluate(&mut self.view(reduced, inputs), reduced.loading(), output)
     }
 
+    /// Stiffness and damping of small motions, as [`Kinematics::small_motion`].
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn small_motion(&mut self, reduced: &Reduced, inputs: &Inputs) -> Result<[f64; 2], OutputError> {
+        self.view(reduced, inputs).small_motion()
+    }
+
     #[inline]
     fn view<'a>(&'a mut self, reduced: &'a Reduced, inputs: &'a Inputs) -> View<'a, f64> {
         let Self { state, loads, cache, .. } = self;
@@ -226,6 +234,13 @@ impl ReducedMotion {
         let direction = self.direction(reduced, inputs);
         (direction.along, direction.circuit) = (along, [0.0; CIRCUIT]);
         direction.rates.iter_mut().enumerate().for_each(|(i, rate)| *rate = seeds(i));
+    }
+
+    /// Head in a direction in which sigma and sigma_dot change so and the inputs stay.
+    pub fn head_along(&mut self, reduced: &Reduced, inputs: &Inputs, along: [f64; 2]) {
+        let direction = self.direction(reduced, inputs);
+        (direction.along, direction.circuit) = (along, [0.0; CIRCUIT]);
+        direction.rates.fill(0.0);
     }
 
     /// Head in the direction of time. Where the acceleration has no value, only derivatives without it have one.

@@ -331,6 +331,13 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
         Ok(finite(-free * place.outward() / N::constant(path.norm() * sharing as f64)))
     }
 
+    fn small_motion(&mut self) -> Result<[N; 2], OutputError> {
+        let direction = self.forces()?.direction;
+        let (sigma, sigma_dot) = (self.sigma(), self.sigma_dot());
+        let [_, by_sigma, by_speed] = self.equation()?.gradient(direction, sigma, sigma_dot)?;
+        Ok([-by_sigma, -by_speed])
+    }
+
     fn one_element(&mut self, drive: usize, term: OneElement) -> Result<N, OutputError> {
         self.drive_term(drive, term)
     }

@@ -45,7 +45,7 @@ impl Reduced {
     /// Whether the start that a definition states is on the curve.
     pub(super) fn has_start(&self, mechanism: &Mechanism) -> bool {
         let Stated { coordinate, value, name, .. } = Stated::new(mechanism, self.linkage());
-        coordinate.is_some_and(|coordinate| self.find(coordinate, value, name).is_ok())
+        mechanism.start.is_at_guess() || coordinate.is_some_and(|coordinate| self.find(coordinate, value, name).is_ok())
     }
 
     /// sigma at which a coordinate has this value, and the number of revolutions of the curve before it. Of several

@@ -13,6 +13,7 @@ use crate::mechanism::loads::laws::stop::Stop;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::motion::contact::{Contact, Place, Travel};
 use crate::mechanism::motion::elapsed::Elapsed;
+use crate::mechanism::motion::equilibrium::{AtRest, NoEquilibrium};
 use crate::mechanism::motion::impacts::Impacts;
 use crate::mechanism::motion::saved::{CircuitState, SavedState};
 use crate::mechanism::motion::travel::{beyond_stop, can_hold, travel};
@@ -41,6 +42,9 @@ impl Start {
     pub fn new(reduced: &Reduced, mechanism: &Mechanism) -> Result<Self, ModelError> {
         let start = &mechanism.start;
         let linkage = reduced.linkage();
+        if start.is_at_guess() {
+            return Self::resting(reduced, 0.0, 0.0, None);
+        }
         let carrier = start.body.as_ref().and_then(|body| linkage.carrier(mechanism, body));
         let Stated { coordinate, value, name, quantity } = Stated::new(mechanism, linkage);
         let variable = format!("{name}.start_{quantity}");
@@ -56,31 +60,87 @@ impl Start {
         }
         let stated = start.angle.or(start.position).unwrap_or(0.0);
         let (sigma, revolutions) = reduced.find(coordinate, value, &variable).map_err(|e| e.as_stated(stated))?;
-        let mut sigma_dot = 0.0;
-        if start.speed != 0.0 {
-            // The table is exact where branches cross, too. Within some 1e-13 rad of a toggle, where the slope is below
-            // 1e-6, the slope is rounding.
-            let stretch = reduced.at(sigma);
-            let table = stretch.coordinates().map_err(|at| ModelError::table(stretch, &variable, at, revolutions))?;
-            let slope = table.value(table.position(sigma), 3 * coordinate + 1);
-            if slope.abs() * reduced.scale() < 1e-6 {
-                let name = format!("{name}.start_speed");
-                return Err(ReductionError::StartSpeed { name, value: start.speed }.into());
-            }
-            sigma_dot = start.speed / slope;
+        let mut begun = Self::resting(reduced, sigma, revolutions, None)?;
+        if !start.equilibrium {
+            begun.set_off(reduced, mechanism)?;
         }
-        let travel = travel(reduced, sigma, revolutions)?;
+        Ok(begun)
+    }
+
+    /// At rest at a position, with the travel around it or one that is known.
+    fn resting(
+        reduced: &Reduced,
+        sigma: f64,
+        revolutions: f64,
+        known: Option<Arc<Travel>>,
+    ) -> Result<Self, ModelError> {
+        let travel = match known {
+            Some(travel) => travel,
+            None => Arc::new(travel(reduced, sigma, revolutions)?),
+        };
         let shift = revolutions * reduced.period().unwrap_or(0.0);
         let mut sigma = sigma;
         let mut resting = None;
         if let Some((place, position)) = travel.places().find(|(_, position)| *position == sigma + shift) {
             // What is at a place is known by equal numbers in the frame of sigma.
             sigma = position - shift;
-            resting = (sigma_dot == 0.0).then_some(place);
+            resting = Some(place);
         }
         can_hold(reduced, &travel)?;
         check_lengths(reduced, &travel, sigma, revolutions)?;
-        Ok(Self { sigma, sigma_dot, revolutions, resting, travel: Arc::new(travel) })
+        Ok(Self { sigma, sigma_dot: 0.0, revolutions, resting, travel })
+    }
+
+    /// Set off with the stated speed.
+    fn set_off(&mut self, reduced: &Reduced, mechanism: &Mechanism) -> Result<(), ModelError> {
+        let speed = mechanism.start.speed;
+        let Stated { coordinate: Some(coordinate), name, quantity, .. } = Stated::new(mechanism, reduced.linkage())
+        else {
+            return Ok(());
+        };
+        if speed == 0.0 {
+            return Ok(());
+        }
+        let variable = format!("{name}.start_{quantity}");
+        // The table is exact where branches cross, too. Within some 1e-13 rad of a toggle, where the slope is below
+        // 1e-6, the slope is rounding.
+        let stretch = reduced.at(self.sigma);
+        let table = stretch.coordinates().map_err(|at| ModelError::table(stretch, &variable, at, self.revolutions))?;
+        let slope = table.value(table.position(self.sigma), 3 * coordinate + 1);
+        if slope.abs() * reduced.scale() < 1e-6 {
+            let name = format!("{name}.start_speed");
+            return Err(ReductionError::StartSpeed { name, value: speed }.into());
+        }
+        self.sigma_dot = speed / slope;
+        self.resting = self.resting.filter(|_| self.sigma_dot == 0.0);
+        Ok(())
+    }
+
+    /// The stable equilibrium under these inputs that is nearest to this start, with the stated speed.
+    fn at_equilibrium(&self, reduced: &Reduced, mechanism: &Mechanism, inputs: &Inputs) -> Result<Self, ModelError> {
+        let here = self.sigma + self.revolutions * reduced.period().unwrap_or(0.0);
+        let found = AtRest::new(reduced, inputs, here)?.nearest(&self.travel, here).map_err(|none| {
+            let near = reduced.describe(self.sigma, self.revolutions);
+            let (reason, remedy) = match none {
+                NoEquilibrium::Neutral => {
+                    ("no load acts at rest, so that every position is one".to_owned(), "state the start by a position")
+                }
+                NoEquilibrium::Bumper(stop) => {
+                    let name = &reduced.loading().stops[stop].name;
+                    (format!("the loads press the mechanism into the bumper {name}"), "make this stop rigid")
+                }
+                NoEquilibrium::None => (
+                    "the loads move the mechanism on wherever it is".to_owned(),
+                    "let a spring or a stop hold it, or change the inputs",
+                ),
+            };
+            ModelError::NoEquilibrium { near, reason, remedy }
+        })?;
+        let (sigma, revolutions) = reduced.unwound(found.position);
+        let mut begun = Self::resting(reduced, sigma, revolutions, Some(Arc::clone(&self.travel)))?;
+        begun.resting = begun.resting.or(found.place);
+        begun.set_off(reduced, mechanism)?;
+        Ok(begun)
     }
 }
 
@@ -116,7 +176,7 @@ impl State {
     ///
     /// # Errors
     /// [`ModelError::Table`]: a reaction that causes friction is not smooth; a circuit cannot begin so; the energy
-    /// overflows.
+    /// overflows; there is no equilibrium.
     pub fn put_at_start(
         &mut self,
         start: &Start,
@@ -124,6 +184,11 @@ impl State {
         mechanism: &Mechanism,
         inputs: &Inputs,
     ) -> Result<(), ModelError> {
+        let found = match mechanism.start.equilibrium {
+            true => Some(start.at_equilibrium(reduced, mechanism, inputs)?),
+            false => None,
+        };
+        let start = found.as_ref().unwrap_or(start);
         let air = blows_under(reduced, inputs);
         let state_loads = state_loads(reduced.at(start.sigma), air, start.revolutions)?;
         self.renew_scratch(state_loads);

@@ -1,0 +1,220 @@
+//! A planar linkage as other programs state it: bodies by points in one plane, joints between them.
+//!
+//! In: points, joints, masses, loads. Out: the text of a definition with drawn bodies.
+
+use anyhow::Result;
+use linkage_fmu::format::Named;
+use serde::Serialize;
+use serde_json::{Value, json};
+use std::f64::consts::FRAC_PI_2;
+
+/// Name of the body that does not move.
+pub const GROUND: &str = "ground";
+
+/// A planar linkage at one position; lengths in m, angles in rad.
+#[derive(Clone, Debug, Default)]
+pub struct Linkage {
+    pub name: String,
+    /// Moving bodies, and the ground as the first.
+    pub bodies: Vec<Body>,
+    pub joints: Vec<Joint>,
+    /// Size of the gravity, which acts along -y; none without.
+    pub gravity: Option<f64>,
+    /// Joints with a drive, by index.
+    pub drives: Vec<(String, usize)>,
+    pub springs: Vec<(String, Value)>,
+    pub stops: Vec<(String, Value)>,
+    /// Points to be watched: name, body, place.
+    pub markers: Vec<(String, usize, [f64; 2])>,
+    /// What of the file is not here, and what was added.
+    pub notes: Vec<String>,
+}
+
+/// A rigid body whose frame is parallel to that of the mechanism at this position.
+#[derive(Clone, Debug, Default)]
+pub struct Body {
+    pub name: String,
+    /// Places of its points; the first is the origin of its frame.
+    pub points: Vec<[f64; 2]>,
+    pub mass: f64,
+    pub center: Option<[f64; 2]>,
+    /// Moment of inertia about the centre.
+    pub inertia: f64,
+    /// Whether it is a block in a slot, which has no mass.
+    pub is_block: bool,
+    /// Body to which it is fixed.
+    pub fixed_to: Option<usize>,
+}
+
+/// A joint at a place.
+#[derive(Clone, Debug)]
+pub struct Joint {
+    pub name: String,
+    /// Bodies, by index.
+    pub first: usize,
+    pub second: usize,
+    pub place: [f64; 2],
+    /// Of a prismatic joint the direction of sliding in the first body.
+    pub axis: Option<f64>,
+}
+
+/// A part of the definition, whose keys keep their order.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Part {
+    One(Value),
+    Group(Named<Value>),
+}
+
+/// A name that a definition takes: letters, digits and underscores, a letter first; unlike those that there are.
+pub fn identifier(wanted: &str, fallback: &str, taken: &[&str]) -> String {
+    let mut name: String = wanted.trim().chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    if !name.starts_with(|c: char| c.is_ascii_alphabetic()) {
+        name = format!("{fallback}_{name}").trim_end_matches('_').to_owned();
+    }
+    name.truncate(150);
+    let base = name.clone();
+    let mut count = 2;
+    while taken.contains(&name.as_str()) {
+        name = format!("{base}_{count}");
+        count += 1;
+    }
+    name
+}
+
+impl Linkage {
+    /// Index of a point of a body at this place, which is added if it is new.
+    pub fn point(&mut self, body: usize, place: [f64; 2]) -> usize {
+        let points = &mut self.bodies[body].points;
+        let known = points.iter().position(|other| (0..2).all(|k| (other[k] - place[k]).abs() <= 1e-12));
+        known.unwrap_or_else(|| {
+            points.push(place);
+            points.len() - 1
+        })
+    }
+
+    /// `body.point` of a point at this place.
+    fn reference(&mut self, body: usize, place: [f64; 2]) -> String {
+        let index = self.point(body, place);
+        let name = &self.bodies[body].name;
+        if index == 0 { format!("{name}.origin") } else { format!("{name}.p{index}") }
+    }
+
+    /// The body and the angle, or the joint and the position, that state the start: of a drive, else of a joint at the
+    /// ground.
+    fn start(&self) -> Value {
+        let driven = self.drives.first().map(|(_, joint)| *joint);
+        let grounded = self.joints.iter().position(|joint| joint.first == 0 || joint.second == 0);
+        let Some(joint) = driven.or(grounded).map(|index| &self.joints[index]) else {
+            return json!("equilibrium");
+        };
+        match joint.axis {
+            // A prismatic joint stands at its second point, which is drawn at the first.
+            Some(_) => json!({ "joint": joint.name, "position": 0.0 }),
+            None => {
+                let body = if joint.second == 0 { joint.first } else { joint.second };
+                json!({ "body": self.bodies[body].name, "angle": 0.0 })
+            }
+        }
+    }
+
+    /// The text of the definition.
+    ///
+    /// # Errors
+    /// None: all numbers are JSON.
+    pub fn definition(&self) -> Result<String> {
+        let mut own = self.clone();
+        let joints: Vec<(String, Value)> = own.joints.clone().into_iter().map(|joint| own.joint(joint)).collect();
+        let markers = own.markers.clone().into_iter().map(|(name, body, place)| {
+            let at = own.reference(body, place);
+            (name, json!({ "at": at }))
+        });
+        let markers: Vec<(String, Value)> = markers.collect();
+        let fixed: Vec<(usize, usize)> =
+            own.bodies.iter().enumerate().filter_map(|(index, body)| Some((index, body.fixed_to?))).collect();
+        let fixed: Vec<(usize, String)> = fixed
+            .into_iter()
+            .map(|(body, to)| {
+                let place = own.bodies[body].points.first().copied().unwrap_or_default();
+                (body, own.reference(to, place))
+            })
+            .collect();
+        let bodies = own.bodies.iter().enumerate().map(|(index, body)| {
+            let to = fixed.iter().find(|(fixed, _)| *fixed == index).map(|(_, to)| to.as_str());
+            (body.name.clone(), body.value(to))
+        });
+        let bodies: Vec<(String, Value)> = bodies.collect();
+        let drive = |(name, joint): &(String, usize)| {
+            let joint = &self.joints[*joint];
+            let word = if joint.axis.is_some() { "force" } else { "torque" };
+            (name.clone(), json!({ "joint": joint.name, word: 0.0 }))
+        };
+        let mut parts = vec![("name".to_owned(), Part::One(json!(own.name)))];
+        if let Some(gravity) = own.gravity {
+            parts.push(("gravity".to_owned(), Part::One(json!({ "acceleration": gravity, "up_angle": FRAC_PI_2 }))));
+        }
+        let groups = [
+            ("bodies", bodies),
+            ("joints", joints),
+            ("actuators", self.drives.iter().map(drive).collect()),
+            ("springs", own.springs.clone()),
+            ("stops", own.stops.clone()),
+            ("markers", markers),
+        ];
+        for (key, group) in groups {
+            if !group.is_empty() {
+                parts.push((key.to_owned(), Part::Group(group.into_iter().collect())));
+            }
+        }
+        parts.push(("start".to_owned(), Part::One(self.start())));
+        let parts: Named<Part> = parts.into_iter().collect();
+        Ok(serde_json::to_string_pretty(&parts)? + "\n")
+    }
+
+    fn joint(&mut self, joint: Joint) -> (String, Value) {
+        let first = self.reference(joint.first, joint.place);
+        let second = self.reference(joint.second, joint.place);
+        let value = match joint.axis {
+            Some(0.0) => json!({ "type": "prismatic", "first": first, "second": second }),
+            Some(axis) => json!({ "type": "prismatic", "first": first, "second": second, "axis_angle": axis }),
+            None => json!({ "type": "revolute", "first": first, "second": second }),
+        };
+        (joint.name, value)
+    }
+}
+
+impl Body {
+    /// The body as the definition has it.
+    fn value(&self, fixed_to: Option<&str>) -> Value {
+        let named = |from: usize, origin: [f64; 2]| -> Value {
+            let points = self.points.iter().enumerate().skip(from);
+            let place = |p: &[f64; 2]| json!([p[0] - origin[0], p[1] - origin[1]]);
+            points.map(|(index, p)| (format!("p{index}"), place(p))).collect::<serde_json::Map<_, _>>().into()
+        };
+        let mut value = json!({});
+        if self.name == GROUND {
+            if self.points.len() > 1 {
+                value["points"] = named(1, [0.0; 2]);
+            }
+            return value;
+        }
+        let origin = self.points.first().copied().unwrap_or_default();
+        if self.mass > 0.0 {
+            value["mass"] = json!(self.mass);
+        }
+        if self.inertia > 0.0 {
+            value["inertia"] = json!(self.inertia);
+        }
+        if let Some(to) = fixed_to {
+            value["fixed_to"] = json!(to);
+        }
+        value["drawn"] = json!({ "origin": origin });
+        if self.points.len() > 1 {
+            value["drawn"]["points"] = named(1, [0.0; 2]);
+        }
+        if let Some(center) = self.center {
+            value["drawn"]["center"] = json!(center);
+        }
+        value
+    }
+}

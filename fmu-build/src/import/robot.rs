@@ -1,0 +1,490 @@
+//! MuJoCo's MJCF and ROS's URDF as mechanisms in space.
+//!
+//! In: XML. Out: bodies and joints in space. What a planar mechanism of rigid bodies cannot have is refused or told.
+
+use super::spatial::{Hinge, Rotation, SAME, Solid, Space, Vector, about, add, after, scaled, turned, unit};
+use anyhow::{Context, Result, anyhow, bail};
+use roxmltree::{Document, Node};
+use std::f64::consts::PI;
+
+/// Density of MuJoCo's geoms where none is stated [kg/m3].
+const DENSITY: f64 = 1000.0;
+
+/// Numbers of an attribute.
+fn numbers(node: Node, name: &str) -> Result<Option<Vec<f64>>> {
+    let Some(text) = node.attribute(name) else { return Ok(None) };
+    let parse = |word: &str| word.parse::<f64>().ok().filter(|value| value.is_finite());
+    let all: Option<Vec<f64>> = text.split_whitespace().map(parse).collect();
+    all.map(Some).with_context(|| format!("{}: {name} = \"{}\" has what is no number", at(node), text.escape_debug()))
+}
+
+fn fixed<const N: usize>(node: Node, name: &str) -> Result<Option<[f64; N]>> {
+    let Some(all) = numbers(node, name)? else { return Ok(None) };
+    let count = all.len();
+    let array = <[f64; N]>::try_from(all);
+    array.map(Some).map_err(|_| anyhow!("{}: {name} has {count} numbers, not {N}", at(node)))
+}
+
+fn one(node: Node, name: &str) -> Result<Option<f64>> {
+    Ok(fixed::<1>(node, name)?.map(|[value]| value))
+}
+
+/// Where an element stands, for messages.
+fn at(node: Node) -> String {
+    let name = node.attribute("name").map(|name| format!(" \"{}\"", name.escape_debug())).unwrap_or_default();
+    let line = node.document().text_pos_at(node.range().start).row;
+    format!("line {line}: <{}{name}>", node.tag_name().name())
+}
+
+fn elements<'a>(node: Node<'a, 'a>) -> impl Iterator<Item = Node<'a, 'a>> {
+    node.children().filter(Node::is_element)
+}
+
+fn child<'a>(node: Node<'a, 'a>, name: &str) -> Option<Node<'a, 'a>> {
+    elements(node).find(|child| child.has_tag_name(name))
+}
+
+fn parse(text: &str) -> Result<Document<'_>> {
+    Document::parse(text).map_err(|error| anyhow!("no XML: {error}"))
+}
+
+/// A mechanism in MJCF.
+///
+/// # Errors
+/// It is no MJCF; what is no planar mechanism of hinges and slides; default classes, files included.
+pub fn of_mjcf(name: &str, text: &str) -> Result<Space> {
+    let document = parse(text)?;
+    let root = document.root_element();
+    if !root.has_tag_name("mujoco") {
+        bail!("{}: MJCF begins with <mujoco>", at(root));
+    }
+    let mut reader = Mjcf { space: Space::default(), in_degrees: true, sites: false };
+    reader.space.name = root.attribute("model").unwrap_or(name).to_owned();
+    reader.space.gravity = [0.0, 0.0, -9.81];
+    for section in elements(root) {
+        reader.section(section)?;
+    }
+    if reader.space.solids.len() < 2 {
+        bail!("there is no <body> in <worldbody>");
+    }
+    // Connections and drives name bodies and joints that stand anywhere.
+    for section in elements(root) {
+        match section.tag_name().name() {
+            "equality" => elements(section).try_for_each(|node| reader.connection(node))?,
+            "actuator" => elements(section).try_for_each(|node| reader.drive(node))?,
+            _ => {}
+        }
+    }
+    if reader.sites {
+        reader.space.notes.push("sites, cameras and lights are left out".to_owned());
+    }
+    Ok(reader.space)
+}
+
+struct Mjcf {
+    space: Space,
+    in_degrees: bool,
+    sites: bool,
+}
+
+impl Mjcf {
+    fn section(&mut self, node: Node) -> Result<()> {
+        match node.tag_name().name() {
+            "compiler" => {
+                self.in_degrees = node.attribute("angle") != Some("radian");
+                for wrong in ["eulerseq", "coordinate", "meshdir"].into_iter().filter(|key| node.has_attribute(*key)) {
+                    self.space.notes.push(format!("{}: {wrong} is not read", at(node)));
+                }
+                if node.attribute("eulerseq").is_some_and(|order| order != "xyz") {
+                    bail!("{}: eulerseq: only xyz is taken", at(node));
+                }
+            }
+            "option" => {
+                if let Some(gravity) = fixed(node, "gravity")? {
+                    self.space.gravity = gravity;
+                }
+            }
+            "default" if elements(node).next().is_some() => {
+                bail!("{}: default classes are not taken: write the attributes into the elements", at(node))
+            }
+            "include" => bail!("{}: files included are not taken: put their content here", at(node)),
+            "worldbody" => {
+                self.space.solids.push(Solid::default());
+                self.body(node, 0, ([0.0; 3], SAME))?;
+            }
+            "equality" | "actuator" | "default" | "visual" | "asset" | "statistic" | "size" => {}
+            other => self.space.notes.push(format!("{}: <{other}> is left out", at(node))),
+        }
+        Ok(())
+    }
+
+    fn angle(&self, value: f64) -> f64 {
+        if self.in_degrees { value.to_radians() } else { value }
+    }
+
+    /// Place and rotation that an element states in the frame of its parent.
+    fn frame(&self, node: Node, (place, rotation): (Vector, Rotation)) -> Result<(Vector, Rotation)> {
+        let own = fixed(node, "pos")?.unwrap_or([0.0; 3]);
+        let mut inner = SAME;
+        if let Some([w, x, y, z]) = fixed(node, "quat")? {
+            let half = (x * x + y * y + z * z).sqrt();
+            inner = unit([x, y, z]).map_or(SAME, |axis| about(axis, 2.0 * half.atan2(w)));
+        } else if let Some([x, y, z, angle]) = fixed(node, "axisangle")? {
+            let axis = unit([x, y, z]).with_context(|| format!("{}: axisangle has no axis", at(node)))?;
+            inner = about(axis, self.angle(angle));
+        } else if let Some(angles) = fixed::<3>(node, "euler")? {
+            for (axis, angle) in SAME.into_iter().zip(angles) {
+                inner = after(&inner, &about(axis, self.angle(angle)));
+            }
+        } else if let Some(other) = ["xyaxes", "zaxis"].into_iter().find(|key| node.has_attribute(*key)) {
+            bail!("{}: {other} is not taken: write euler or quat", at(node));
+        }
+        Ok((add(place, turned(&rotation, own)), after(&rotation, &inner)))
+    }
+
+    /// What stands in a body that has the index `own`.
+    fn body(&mut self, node: Node, own: usize, frame: (Vector, Rotation)) -> Result<()> {
+        let mut masses: Vec<(f64, Vector, [Vector; 3])> = Vec::new();
+        let stated = child(node, "inertial");
+        if let Some(inertial) = stated {
+            let (center, rotation) = self.frame(inertial, frame)?;
+            let mass = one(inertial, "mass")?.with_context(|| format!("{}: mass is missing", at(inertial)))?;
+            let own = match (fixed::<3>(inertial, "diaginertia")?, fixed::<6>(inertial, "fullinertia")?) {
+                (Some(d), _) => [[d[0], 0.0, 0.0], [0.0, d[1], 0.0], [0.0, 0.0, d[2]]],
+                (None, Some([xx, yy, zz, xy, xz, yz])) => [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]],
+                (None, None) => [[0.0; 3]; 3],
+            };
+            masses.push((mass, center, in_space(&rotation, &own)));
+        }
+        let mut joints = 0;
+        for inner in elements(node) {
+            match inner.tag_name().name() {
+                "geom" if stated.is_none() && own > 0 => masses.extend(self.geom(inner, frame)?),
+                "joint" => {
+                    joints += 1;
+                    if joints > 1 {
+                        bail!("{}: a second joint of one body; put a body without mass between them", at(inner));
+                    }
+                }
+                "freejoint" => bail!("{}: a body that moves freely is no part of a mechanism", at(inner)),
+                "site" | "camera" | "light" => self.sites = true,
+                _ => {}
+            }
+        }
+        let solid = &mut self.space.solids[own];
+        (solid.mass, solid.center, solid.inertia) = together(&masses);
+        for inner in elements(node).filter(|inner| inner.has_tag_name("body")) {
+            let index = self.space.solids.len();
+            let name = inner.attribute("name").map_or_else(|| format!("body_{index}"), str::to_owned);
+            let frame = self.frame(inner, frame)?;
+            let joint = child(inner, "joint");
+            let fixed_to = joint.is_none().then_some(own);
+            self.space.solids.push(Solid { name, place: frame.0, fixed_to, ..Solid::default() });
+            if let Some(joint) = joint {
+                self.joint(joint, (own, index), frame)?;
+            }
+            self.body(inner, index, frame)?;
+        }
+        Ok(())
+    }
+
+    fn joint(&mut self, node: Node, (first, second): (usize, usize), frame: (Vector, Rotation)) -> Result<()> {
+        let slides = match node.attribute("type").unwrap_or("hinge") {
+            "hinge" => false,
+            "slide" => true,
+            other => bail!("{}: a joint of the type {other} is not planar; hinge and slide are taken", at(node)),
+        };
+        for key in ["frictionloss", "armature", "class", "ref"].into_iter().filter(|key| node.has_attribute(*key)) {
+            self.space.notes.push(format!("{}: {key} is left out", at(node)));
+        }
+        let value = |value: f64| if slides { value } else { self.angle(value) };
+        let axis = unit(fixed(node, "axis")?.unwrap_or([0.0, 0.0, 1.0]));
+        let axis = axis.with_context(|| format!("{}: the axis has no direction", at(node)))?;
+        let stated = fixed::<2>(node, "range")?.filter(|_| node.attribute("limited") != Some("false"));
+        let range = stated.map(|range| range.map(value));
+        let name = node.attribute("name").map_or_else(|| format!("joint_{second}"), str::to_owned);
+        let hinge = Hinge {
+            name,
+            first,
+            second,
+            place: add(frame.0, turned(&frame.1, fixed(node, "pos")?.unwrap_or([0.0; 3]))),
+            axis: Some(turned(&frame.1, axis)),
+            slides,
+            stiffness: one(node, "stiffness")?.unwrap_or(0.0),
+            damping: one(node, "damping")?.unwrap_or(0.0),
+            free: value(one(node, "springref")?.unwrap_or(0.0)),
+            range,
+            is_driven: false,
+        };
+        self.space.hinges.push(hinge);
+        Ok(())
+    }
+
+    /// Mass, centre and inertia of a geom.
+    fn geom(&mut self, node: Node, frame: (Vector, Rotation)) -> Result<Option<(f64, Vector, [Vector; 3])>> {
+        let (mut place, mut rotation) = self.frame(node, frame)?;
+        let kind = node.attribute("type").unwrap_or("sphere");
+        let size = numbers(node, "size")?.unwrap_or_default();
+        let part = |k: usize| size.get(k).copied().with_context(|| format!("{}: size has too few numbers", at(node)));
+        let mut half = size.get(1).copied();
+        if let Some([ax, ay, az, bx, by, bz]) = fixed(node, "fromto")? {
+            let (a, b) = ([ax, ay, az], [bx, by, bz]);
+            let along = add(b, scaled(a, -1.0));
+            place = add(frame.0, turned(&frame.1, scaled(add(a, b), 0.5)));
+            let direction = unit(along).with_context(|| format!("{}: fromto has no length", at(node)))?;
+            half = Some(0.5 * super::spatial::dot(along, along).sqrt());
+            if matches!(kind, "box" | "ellipsoid") {
+                bail!("{}: fromto of a {kind} is not taken", at(node));
+            }
+            // Any two axes across the direction serve a body of revolution.
+            let aside = if direction[0].abs() < 0.9 { SAME[0] } else { SAME[1] };
+            let across = unit(super::spatial::cross(direction, aside)).unwrap_or(SAME[0]);
+            let local = [across, super::spatial::cross(direction, across), direction];
+            rotation = after(&frame.1, &local);
+        }
+        let half = || half.with_context(|| format!("{}: size has no half length", at(node)));
+        // Volume, and moments of inertia for a mass of 1 about the centre, across and along the axis of revolution.
+        let (volume, across, along) = match kind {
+            "sphere" => {
+                let r = part(0)?;
+                (4.0 / 3.0 * PI * r.powi(3), [0.4 * r * r; 2], 0.4 * r * r)
+            }
+            "cylinder" => {
+                let (r, h) = (part(0)?, 2.0 * half()?);
+                (PI * r * r * h, [(3.0 * r * r + h * h) / 12.0; 2], 0.5 * r * r)
+            }
+            "capsule" => {
+                let (r, h) = (part(0)?, 2.0 * half()?);
+                let (cylinder, balls) = (PI * r * r * h, 4.0 / 3.0 * PI * r.powi(3));
+                let volume = cylinder + balls;
+                let (c, b) = (cylinder / volume, balls / volume);
+                let across = c * (h * h / 12.0 + r * r / 4.0) + b * (0.4 * r * r + 0.25 * h * h + 0.375 * h * r);
+                (volume, [across; 2], c * 0.5 * r * r + b * 0.4 * r * r)
+            }
+            "box" => {
+                let [x, y, z] = [2.0 * part(0)?, 2.0 * part(1)?, 2.0 * part(2)?];
+                (x * y * z, [(y * y + z * z) / 12.0, (x * x + z * z) / 12.0], (x * x + y * y) / 12.0)
+            }
+            "plane" => return Ok(None),
+            other if one(node, "mass")? != Some(0.0) => {
+                bail!("{}: the mass of a {other} is not known: give the body an <inertial>", at(node))
+            }
+            _ => return Ok(None),
+        };
+        let mass = match one(node, "mass")? {
+            Some(mass) => mass,
+            None => volume * one(node, "density")?.unwrap_or(DENSITY),
+        };
+        let own = [[mass * across[0], 0.0, 0.0], [0.0, mass * across[1], 0.0], [0.0, 0.0, mass * along]];
+        Ok(Some((mass, place, in_space(&rotation, &own))))
+    }
+
+    fn body_named(&self, node: Node, key: &str) -> Result<usize> {
+        let Some(name) = node.attribute(key) else { return Ok(0) };
+        let found = self.space.solids.iter().skip(1).position(|solid| solid.name == name);
+        match found {
+            Some(index) => Ok(index + 1),
+            None if name == "world" => Ok(0),
+            None => bail!("{}: {key} = \"{}\": there is no such body", at(node), name.escape_debug()),
+        }
+    }
+
+    /// A connection that closes a loop.
+    fn connection(&mut self, node: Node) -> Result<()> {
+        if !node.has_tag_name("connect") || node.has_attribute("site1") {
+            bail!("{}: of equalities only <connect> with body1, body2 and anchor is taken", at(node));
+        }
+        if node.attribute("active") == Some("false") {
+            self.space.notes.push(format!("{}: is not active and left out", at(node)));
+            return Ok(());
+        }
+        let (first, second) = (self.body_named(node, "body1")?, self.body_named(node, "body2")?);
+        let anchor = fixed(node, "anchor")?.with_context(|| format!("{}: anchor is missing", at(node)))?;
+        let frame = self.frame_of(node.document().root_element(), first)?;
+        let count = self.space.hinges.len();
+        self.space.hinges.push(Hinge {
+            name: node.attribute("name").map_or_else(|| format!("connect_{count}"), str::to_owned),
+            first,
+            second,
+            place: add(frame.0, turned(&frame.1, anchor)),
+            axis: None,
+            slides: false,
+            stiffness: 0.0,
+            damping: 0.0,
+            free: 0.0,
+            range: None,
+            is_driven: false,
+        });
+        Ok(())
+    }
+
+    /// Frame of a body by its index, in the order of the file.
+    fn frame_of(&self, root: Node, index: usize) -> Result<(Vector, Rotation)> {
+        let bodies = root.descendants().filter(|node| node.has_tag_name("body"));
+        let Some(body) = bodies.into_iter().nth(index.wrapping_sub(1)) else { return Ok(([0.0; 3], SAME)) };
+        let mut chain: Vec<Node> = body.ancestors().filter(|node| node.has_tag_name("body")).collect();
+        chain.reverse();
+        chain.into_iter().try_fold(([0.0; 3], SAME), |frame, node| self.frame(node, frame))
+    }
+
+    fn drive(&mut self, node: Node) -> Result<()> {
+        let Some(name) = node.attribute("joint") else {
+            self.space.notes.push(format!("{}: acts on no joint and is left out", at(node)));
+            return Ok(());
+        };
+        let found = self.space.hinges.iter_mut().find(|hinge| hinge.name == name);
+        let hinge = found.with_context(|| format!("{}: there is no joint {}", at(node), name.escape_debug()))?;
+        hinge.is_driven = true;
+        if !node.has_tag_name("motor") {
+            self.space.notes.push(format!("{}: its control law is left out; its force is an input", at(node)));
+        }
+        Ok(())
+    }
+}
+
+/// A tensor in the frame of space.
+fn in_space(rotation: &Rotation, own: &[Vector; 3]) -> [Vector; 3] {
+    let back: Rotation = std::array::from_fn(|k| [rotation[0][k], rotation[1][k], rotation[2][k]]);
+    after(rotation, &after(own, &back))
+}
+
+/// Mass, centre and inertia of several parts.
+fn together(parts: &[(f64, Vector, [Vector; 3])]) -> (f64, Vector, [Vector; 3]) {
+    let mass: f64 = parts.iter().map(|(mass, ..)| mass).sum();
+    if mass <= 0.0 {
+        return (0.0, [0.0; 3], [[0.0; 3]; 3]);
+    }
+    let weighted = parts.iter().fold([0.0; 3], |sum, (own, center, _)| add(sum, scaled(*center, *own)));
+    let center = scaled(weighted, 1.0 / mass);
+    let mut inertia = [[0.0; 3]; 3];
+    for (own, place, tensor) in parts {
+        let d = add(*place, scaled(center, -1.0));
+        let square = super::spatial::dot(d, d);
+        for (k, column) in inertia.iter_mut().enumerate() {
+            for (j, entry) in column.iter_mut().enumerate() {
+                *entry += tensor[k][j] + own * (if j == k { square } else { 0.0 } - d[j] * d[k]);
+            }
+        }
+    }
+    (mass, center, inertia)
+}
+
+/// A mechanism in URDF: a tree, so that it has no loop.
+///
+/// # Errors
+/// It is no URDF; a joint that is not planar, or that copies another.
+pub fn of_urdf(name: &str, text: &str) -> Result<Space> {
+    let document = parse(text)?;
+    let root = document.root_element();
+    if !root.has_tag_name("robot") {
+        bail!("{}: URDF begins with <robot>", at(root));
+    }
+    let mut space = Space { name: root.attribute("name").unwrap_or(name).to_owned(), ..Space::default() };
+    space.gravity = [0.0, 0.0, -9.81];
+    space.notes.push("URDF states no gravity: 9.81 m/s2 along -z is put in".to_owned());
+    let joints: Vec<Node> = elements(root).filter(|node| node.has_tag_name("joint")).collect();
+    let of = |node: Node, key: &str| -> Result<String> {
+        let name = child(node, key).and_then(|child| child.attribute("link"));
+        Ok(name.with_context(|| format!("{}: <{key}> is missing", at(node)))?.to_owned())
+    };
+    let ends: Vec<(String, String)> =
+        joints.iter().map(|joint| Ok((of(*joint, "parent")?, of(*joint, "child")?))).collect::<Result<_>>()?;
+    let links: Vec<Node> = elements(root).filter(|node| node.has_tag_name("link")).collect();
+    let is_base = |link: &&Node| ends.iter().all(|(_, child)| link.attribute("name") != Some(child));
+    let base = links.iter().find(is_base).context("there is no link that no joint moves")?;
+    space.notes.push(format!("the link {} is the ground", base.attribute("name").unwrap_or_default()));
+    space.solids.push(Solid::default());
+    let mut known = vec![(base.attribute("name").unwrap_or_default().to_owned(), ([0.0; 3], SAME))];
+    let mut left: Vec<usize> = (0..joints.len()).collect();
+    while let Some(next) = left.iter().position(|&joint| known.iter().any(|(name, _)| *name == ends[joint].0)) {
+        let index = left.remove(next);
+        let (joint, (parent, child_name)) = (joints[index], &ends[index]);
+        let first = known.iter().position(|(name, _)| name == parent).unwrap_or_default();
+        let frame = origin(joint, known[first].1)?;
+        let kind = joint.attribute("type").unwrap_or_default();
+        let is_fixed = kind == "fixed";
+        let link = links.iter().find(|link| link.attribute("name") == Some(child_name));
+        let link = link.with_context(|| format!("{}: there is no link {child_name}", at(joint)))?;
+        let mut solid = Solid { name: child_name.clone(), place: frame.0, ..Solid::default() };
+        solid.fixed_to = is_fixed.then_some(first);
+        (solid.mass, solid.center, solid.inertia) = urdf_mass(*link, frame)?;
+        space.solids.push(solid);
+        known.push((child_name.clone(), frame));
+        if !is_fixed {
+            let hinge = urdf_joint(joint, kind, (first, known.len() - 1), frame, &mut space.notes)?;
+            space.hinges.push(hinge);
+        }
+    }
+    if let Some(&lost) = left.first() {
+        bail!("{}: its parent is joined to no other link", at(joints[lost]));
+    }
+    for node in elements(root) {
+        if let other @ ("transmission" | "gazebo") = node.tag_name().name() {
+            space.notes.push(format!("{}: <{other}> is left out", at(node)));
+        }
+    }
+    Ok(space)
+}
+
+/// Frame of an `<origin>` by xyz and rpy.
+fn origin(node: Node, (place, rotation): (Vector, Rotation)) -> Result<(Vector, Rotation)> {
+    let Some(origin) = child(node, "origin") else { return Ok((place, rotation)) };
+    let own = fixed(origin, "xyz")?.unwrap_or([0.0; 3]);
+    let [roll, pitch, yaw] = fixed(origin, "rpy")?.unwrap_or([0.0; 3]);
+    let inner = after(&about(SAME[2], yaw), &after(&about(SAME[1], pitch), &about(SAME[0], roll)));
+    Ok((add(place, turned(&rotation, own)), after(&rotation, &inner)))
+}
+
+fn urdf_mass(link: Node, frame: (Vector, Rotation)) -> Result<(f64, Vector, [Vector; 3])> {
+    let Some(inertial) = child(link, "inertial") else { return Ok((0.0, [0.0; 3], [[0.0; 3]; 3])) };
+    let (center, rotation) = origin(inertial, frame)?;
+    let mass = child(inertial, "mass").map(|mass| one(mass, "value")).transpose()?.flatten().unwrap_or(0.0);
+    let Some(inertia) = child(inertial, "inertia") else { return Ok((mass, center, [[0.0; 3]; 3])) };
+    let part = |key: &str| -> Result<f64> { Ok(one(inertia, key)?.unwrap_or(0.0)) };
+    let [xx, yy, zz, xy, xz, yz] = [part("ixx")?, part("iyy")?, part("izz")?, part("ixy")?, part("ixz")?, part("iyz")?];
+    Ok((mass, center, in_space(&rotation, &[[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])))
+}
+
+fn urdf_joint(
+    node: Node,
+    kind: &str,
+    (first, second): (usize, usize),
+    frame: (Vector, Rotation),
+    notes: &mut Vec<String>,
+) -> Result<Hinge> {
+    let slides = match kind {
+        "revolute" | "continuous" => false,
+        "prismatic" => true,
+        other => bail!("{}: a joint of the type {other} is not taken", at(node)),
+    };
+    if child(node, "mimic").is_some() {
+        bail!("{}: <mimic> is not taken: a joint that copies another is no joint of a linkage", at(node));
+    }
+    let axis = child(node, "axis").map(|axis| fixed(axis, "xyz")).transpose()?.flatten().unwrap_or([1.0, 0.0, 0.0]);
+    let axis = unit(axis).with_context(|| format!("{}: the axis has no direction", at(node)))?;
+    let mut damping = 0.0;
+    if let Some(dynamics) = child(node, "dynamics") {
+        damping = one(dynamics, "damping")?.unwrap_or(0.0);
+        if one(dynamics, "friction")?.is_some_and(|friction| friction != 0.0) {
+            notes.push(format!("{}: friction is left out", at(node)));
+        }
+    }
+    let limit = child(node, "limit").filter(|_| kind != "continuous");
+    let range = match limit {
+        Some(limit) => Some([one(limit, "lower")?.unwrap_or(0.0), one(limit, "upper")?.unwrap_or(0.0)]),
+        None => None,
+    };
+    Ok(Hinge {
+        name: node.attribute("name").map_or_else(|| format!("joint_{second}"), str::to_owned),
+        first,
+        second,
+        place: frame.0,
+        axis: Some(turned(&frame.1, axis)),
+        slides,
+        stiffness: 0.0,
+        damping,
+        free: 0.0,
+        range,
+        is_driven: true,
+    })
+}

@@ -1,0 +1,271 @@
+//! Joints in a table, as PMKS and Pyslvs have them: each with its kind, its place, its direction and the links that it joins.
+//!
+//! In: text. Out: rows, and the linkage that they give. Neither program has masses.
+
+use super::planar::{Body, GROUND, Joint, Linkage, identifier};
+use anyhow::{Context, Result, bail};
+
+/// Kind of a joint in a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A pin.
+    Revolute,
+    /// A slide on the first link.
+    Prismatic,
+    /// A pin of the other links in a slot of the first.
+    PinInSlot,
+}
+
+/// A row of the table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    pub kind: Kind,
+    pub place: [f64; 2],
+    /// Direction of a slide or slot [rad].
+    pub axis: f64,
+    /// Names of the links; a joint of one link is a point to be watched.
+    pub links: Vec<String>,
+    /// Whether a drive acts here, where the file tells.
+    pub is_driven: bool,
+}
+
+fn kind(word: &str) -> Option<Kind> {
+    match word.to_ascii_uppercase().as_str() {
+        "R" => Some(Kind::Revolute),
+        "P" => Some(Kind::Prismatic),
+        "RP" => Some(Kind::PinInSlot),
+        _ => None,
+    }
+}
+
+fn number(word: Option<&str>, what: &str) -> Result<f64> {
+    let word = word.with_context(|| format!("{what} is missing"))?;
+    let value: f64 = word.parse().ok().with_context(|| format!("{what} = \"{}\" is no number", word.escape_debug()))?;
+    if value.is_finite() { Ok(value) } else { bail!("{what} = {word} is not finite") }
+}
+
+/// The text form of PMKS: a line for each joint, `links, kind, x, y, angle in degrees, flags`.
+///
+/// # Errors
+/// A line has no kind, a gear, or no place.
+pub fn of_pmks(text: &str) -> Result<Vec<Row>> {
+    let mut rows = Vec::new();
+    for (line, number_of) in text.lines().zip(1..) {
+        let words: Vec<&str> = line.split([',', ' ', '\t', '|']).filter(|word| !word.is_empty()).collect();
+        if words.is_empty() {
+            continue;
+        }
+        let row = pmks_row(&words).with_context(|| format!("line {number_of}: {}", line.escape_debug()))?;
+        rows.push(row);
+    }
+    Ok(rows)
+}
+
+fn pmks_row(words: &[&str]) -> Result<Row> {
+    if words.iter().any(|word| word.eq_ignore_ascii_case("G")) {
+        bail!("a gear (G) is not taken: a mechanism has revolute and prismatic joints only");
+    }
+    // A link may have the name of a kind: the kind is the last such word before the numbers.
+    let is_number = |word: &&str| word.parse::<f64>().is_ok();
+    let at = (1..words.len()).find(|&at| kind(words[at]).is_some() && words.get(at + 1).is_some_and(is_number));
+    let at = at.context("no kind of joint (R, P or RP) stands before the place")?;
+    let kind = kind(words[at]).context("no kind of joint")?;
+    let mut rest = words[at + 1..].iter().copied();
+    let place = [number(rest.next(), "x")?, number(rest.next(), "y")?];
+    let rest: Vec<&str> = rest.collect();
+    let axis = match rest.first() {
+        Some(word) if word.parse::<f64>().is_ok() => number(Some(word), "angle")?.to_radians(),
+        _ if kind == Kind::Revolute => 0.0,
+        _ => bail!("a slide (P, RP) has an angle after its place"),
+    };
+    let is_driven = rest.last().is_some_and(|flags| flags.ends_with('+') || flags.eq_ignore_ascii_case("true"));
+    let links = words[..at].iter().map(|link| (*link).to_owned()).collect();
+    Ok(Row { kind, place, axis, links, is_driven })
+}
+
+/// An expression of Pyslvs: `M[J[R, P[x, y], L[ground, a]], J[P, A[degrees], P[x, y], L[a, b]], ...]`.
+///
+/// # Errors
+/// Another form; the message tells the part.
+pub fn of_pyslvs(text: &str) -> Result<Vec<Row>> {
+    let bare: String = text.lines().map(|line| line.split('#').next().unwrap_or_default()).collect();
+    let bare = bare.trim();
+    let inner = bare.strip_prefix("M[").and_then(|rest| rest.strip_suffix(']'));
+    let inner = inner.context("an expression of Pyslvs is M[J[...], J[...]]")?;
+    let mut rows = Vec::new();
+    for (part, of) in parts(inner)?.into_iter().zip(1..) {
+        let row = || -> Result<Row> {
+            let joint = inside(part, "J").context("a joint is J[kind, P[x, y], L[links]]")?;
+            let fields = parts(joint)?;
+            let kind = fields.first().and_then(|word| kind(word)).context("the kind of a joint is R, P or RP")?;
+            let field = |name: &str| fields.iter().find_map(|field| inside(field, name));
+            let mut place = field("P").context("a joint has its place as P[x, y]")?.split(',').map(str::trim);
+            let place = [number(place.next(), "x")?, number(place.next(), "y")?];
+            let axis = match field("A") {
+                Some(angle) => number(Some(angle.trim()), "A")?.to_radians(),
+                None if kind == Kind::Revolute => 0.0,
+                None => bail!("a slide (P, RP) has its angle as A[degrees]"),
+            };
+            let links = field("L").context("a joint has its links as L[a, b]")?;
+            let links = links.split(',').map(str::trim).filter(|link| !link.is_empty());
+            Ok(Row { kind, place, axis, links: links.map(str::to_owned).collect(), is_driven: false })
+        };
+        rows.push(row().with_context(|| format!("joint {of}: {}", part.escape_debug()))?);
+    }
+    Ok(rows)
+}
+
+/// What stands in the brackets of `name[...]`.
+fn inside<'a>(part: &'a str, name: &str) -> Option<&'a str> {
+    part.trim().strip_prefix(name)?.strip_prefix('[')?.strip_suffix(']')
+}
+
+/// The parts between commas that are in no brackets.
+fn parts(text: &str) -> Result<Vec<&str>> {
+    let (mut all, mut depth, mut from) = (Vec::new(), 0i32, 0);
+    for (at, letter) in text.char_indices() {
+        match letter {
+            '[' | '(' => depth += 1,
+            ']' | ')' => depth -= 1,
+            ',' if depth == 0 => {
+                all.push(text[from..at].trim());
+                from = at + 1;
+            }
+            _ => {}
+        }
+        if depth < 0 {
+            bail!("a closing bracket too many before \"{}\"", text[at..].escape_debug());
+        }
+    }
+    if depth != 0 {
+        bail!("a bracket is not closed");
+    }
+    all.push(text[from..].trim());
+    all.retain(|part| !part.is_empty());
+    Ok(all)
+}
+
+/// A table as CSV with the columns `type`, `x`, `y`, `links` (between spaces), and `angle` in degrees and `driven` where
+/// wanted.
+///
+/// # Errors
+/// A column is missing, a row is none.
+pub fn of_csv(text: &str) -> Result<Vec<Row>> {
+    let mut table = csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(text.as_bytes());
+    let names: Vec<String> = table.headers()?.iter().map(str::to_ascii_lowercase).collect();
+    let column = |name: &str| names.iter().position(|other| other == name);
+    let needed = |name: &str| column(name).with_context(|| format!("the table has no column \"{name}\""));
+    let (types, x, y, links) = (needed("type")?, needed("x")?, needed("y")?, needed("links")?);
+    let (angle, driven) = (column("angle"), column("driven"));
+    let mut rows = Vec::new();
+    for (record, of) in table.records().zip(2..) {
+        let record = record?;
+        let row = || -> Result<Row> {
+            let word = record.get(types).unwrap_or_default();
+            let kind = kind(word).with_context(|| format!("type = \"{}\": R, P or RP", word.escape_debug()))?;
+            let place = [number(record.get(x), "x")?, number(record.get(y), "y")?];
+            let stated = angle.and_then(|angle| record.get(angle)).filter(|word| !word.is_empty());
+            let axis = match (stated, kind) {
+                (Some(word), _) => number(Some(word), "angle")?.to_radians(),
+                (None, Kind::Revolute) => 0.0,
+                (None, _) => bail!("a slide (P, RP) has an angle"),
+            };
+            let links = record.get(links).unwrap_or_default().split_whitespace().map(str::to_owned).collect();
+            let driven = driven.and_then(|driven| record.get(driven)).unwrap_or_default();
+            Ok(Row { kind, place, axis, links, is_driven: matches!(driven, "1" | "true" | "yes") })
+        };
+        rows.push(row().with_context(|| format!("line {of}"))?);
+    }
+    Ok(rows)
+}
+
+/// The linkage of a table.
+///
+/// # Errors
+/// There is no ground, or a joint without links.
+pub fn linkage(name: &str, rows: &[Row]) -> Result<Linkage> {
+    let mut own = Linkage { name: identifier(name, "Mechanism", &[]), ..Linkage::default() };
+    own.bodies.push(Body { name: GROUND.to_owned(), points: vec![[0.0; 2]], ..Body::default() });
+    let mut known: Vec<(String, usize)> = vec![(GROUND.to_owned(), 0)];
+    for (row, of) in rows.iter().zip(1..) {
+        let mut bodies = Vec::new();
+        for link in &row.links {
+            let known_as = if link.eq_ignore_ascii_case(GROUND) { GROUND.to_owned() } else { link.clone() };
+            let body = known.iter().find(|(name, _)| *name == known_as).map(|(_, body)| *body);
+            let body = body.unwrap_or_else(|| {
+                let taken: Vec<&str> = own.bodies.iter().map(|body| body.name.as_str()).collect();
+                let name = identifier(link, "link", &taken);
+                own.bodies.push(Body { name, ..Body::default() });
+                known.push((known_as, own.bodies.len() - 1));
+                own.bodies.len() - 1
+            });
+            own.point(body, row.place);
+            bodies.push(body);
+        }
+        add_joints(&mut own, row, of, &bodies)?;
+    }
+    if own.joints.iter().all(|joint| joint.first != 0 && joint.second != 0) {
+        bail!("no joint is at the link \"ground\"");
+    }
+    if own.drives.is_empty() {
+        let is_input = |joint: &&Joint| {
+            let other = if joint.first == 0 { joint.second } else { joint.first };
+            joint.first.min(joint.second) == 0 && own.bodies[other].name.eq_ignore_ascii_case("input")
+        };
+        let driven = own.joints.iter().find(is_input).map(|joint| joint.name.clone());
+        let first = || own.joints.iter().find(|joint| joint.first == 0 || joint.second == 0).map(|j| j.name.clone());
+        let name = driven.or_else(first).unwrap_or_default();
+        let index = own.joints.iter().position(|joint| joint.name == name).unwrap_or_default();
+        own.drives.push(("drive".to_owned(), index));
+        own.notes.push(format!("no drive is stated: one is put in the joint {name}"));
+    }
+    add_masses(&mut own);
+    own.notes.push("lengths are taken in m and angles in degrees; the file states no unit".to_owned());
+    Ok(own)
+}
+
+/// The joints of a row.
+fn add_joints(own: &mut Linkage, row: &Row, of: usize, bodies: &[usize]) -> Result<()> {
+    let (&first, others) = bodies.split_first().with_context(|| format!("joint {of} has no links"))?;
+    if others.is_empty() {
+        let taken: Vec<&str> = own.bodies.iter().map(|body| body.name.as_str()).collect();
+        let name = identifier(&format!("point_{of}"), "point", &taken);
+        own.markers.push((name, first, row.place));
+        return Ok(());
+    }
+    let name = |own: &Linkage, suffix: &str| {
+        let bodies = own.bodies.iter().map(|body| body.name.as_str());
+        let taken: Vec<&str> = bodies.chain(own.joints.iter().map(|joint| joint.name.as_str())).collect();
+        identifier(&format!("joint_{of}{suffix}"), "joint", &taken)
+    };
+    let mut base = first;
+    if row.kind == Kind::PinInSlot {
+        let block = name(own, "_block");
+        own.bodies.push(Body { name: block, points: vec![row.place], is_block: true, ..Body::default() });
+        let (second, slot) = (own.bodies.len() - 1, name(own, "_slot"));
+        own.joints.push(Joint { name: slot, first, second, place: row.place, axis: Some(row.axis) });
+        base = second;
+    }
+    for &second in others {
+        let axis = (row.kind == Kind::Prismatic).then_some(row.axis);
+        let name = name(own, "");
+        own.joints.push(Joint { name, first: base, second, place: row.place, axis });
+    }
+    if row.is_driven {
+        let drive = if own.drives.is_empty() { "drive".to_owned() } else { format!("drive_{of}") };
+        own.drives.push((drive, own.joints.len() - others.len()));
+    }
+    Ok(())
+}
+
+/// 1 kg on each link, spread evenly over its points; blocks stay without mass.
+fn add_masses(own: &mut Linkage) {
+    for body in own.bodies.iter_mut().skip(1).filter(|body| !body.is_block) {
+        let count = body.points.len() as f64;
+        let center = [0, 1].map(|k| body.points.iter().map(|p| p[k]).sum::<f64>() / count);
+        let square = |p: &[f64; 2]| (p[0] - center[0]).powi(2) + (p[1] - center[1]).powi(2);
+        body.inertia = body.points.iter().map(square).sum::<f64>() / count;
+        (body.mass, body.center) = (1.0, Some(center));
+    }
+    own.notes.push("the file states no masses: each link has 1 kg, spread evenly over its points".to_owned());
+}

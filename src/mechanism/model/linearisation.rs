@@ -1,0 +1,310 @@
+//! Linearisation at rest along the travel: x' = A x + B u, y = C x + D u for small deviations.
+//!
+//! In: a coordinate, inputs, outputs, a number of positions. Out: the matrices at each position, exact by dual numbers
+//! through the laws of the outputs, with eigenfrequency and damping ratio. It must not know any law.
+use super::{Formulation, Model, ModelError};
+use crate::mechanism::definition::Method;
+use crate::mechanism::dynamics::inputs::Inputs;
+use crate::mechanism::motion::contact::{Contact, Place};
+use crate::mechanism::motion::equilibrium::{AtRest, Equilibrium};
+use crate::mechanism::motion::samples::ends;
+use crate::mechanism::outputs::ReducedMotion;
+use crate::mechanism::quantity::{OneElement, Output, Quantity};
+use crate::mechanism::reduced::Reduced;
+use crate::variables::{Causality, Kind, Reference};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+/// Part of the largest slope of a coordinate along the curve below which the coordinate stands still: at its toggle the
+/// state of the mechanism does not follow from it.
+const TOGGLE: f64 = 1e-9;
+
+/// What is linearised.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Linearisation {
+    /// The angle of a body or the position of a joint, an output; it and its rate are the state x.
+    pub coordinate: Reference,
+    /// The inputs u: continuous inputs.
+    pub inputs: Vec<Reference>,
+    /// The outputs y: continuous outputs.
+    pub outputs: Vec<Reference>,
+    /// A force or torque of a drive, an input, that holds the mechanism at each position; with none it sets off from
+    /// where the loads are not in balance, and the deviations are from that motion.
+    pub held_by: Option<Reference>,
+}
+
+/// The linearised mechanism at rest at one position.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Linearised {
+    /// Value of the coordinate [rad or m].
+    pub coordinate: f64,
+    /// Acceleration of the coordinate, 0 at an equilibrium [rad/s^2 or m/s^2].
+    pub acceleration: f64,
+    /// Value of the input that holds the mechanism, if one does [N or N.m].
+    pub holding: Option<f64>,
+    /// Angular eigenfrequency omega of the undamped motion; not a number where the motion is no oscillation [rad/s].
+    pub omega: f64,
+    /// Damping ratio zeta [1]; not a number where omega is none.
+    pub damping_ratio: f64,
+    /// Eigenvalues, each as real and imaginary part [1/s]: of sigma_ddot = -k sigma - d sigma_dot. They are those of
+    /// `a` at an equilibrium, and the same whatever the coordinate elsewhere.
+    pub eigenvalues: [[f64; 2]; 2],
+    /// A, row by row.
+    pub a: [[f64; 2]; 2],
+    /// B: for each input a column.
+    pub b: Vec<[f64; 2]>,
+    /// C: for each output a row.
+    pub c: Vec<[f64; 2]>,
+    /// D: for each output a row with one number for each input.
+    pub d: Vec<Vec<f64>>,
+}
+
+impl Linearised {
+    /// Eigenfrequency omega / (2 pi) of the undamped motion; not a number where the motion is no oscillation [Hz].
+    pub fn eigenfrequency(&self) -> f64 {
+        self.omega / TAU
+    }
+}
+
+/// Both roots of s^2 + d s + k = 0, as real and imaginary parts.
+fn roots(k: f64, d: f64) -> [[f64; 2]; 2] {
+    let square = 0.25 * d * d - k;
+    if square < 0.0 {
+        let imaginary = (-square).sqrt();
+        return [[-0.5 * d, imaginary], [-0.5 * d, -imaginary]];
+    }
+    // The root of larger size first, and the other from the product, so that none is a difference of near numbers.
+    let large = -(0.5 * d.abs() + square.sqrt()).copysign(d);
+    let small = if large == 0.0 { 0.0 } else { k / large };
+    [[large, 0.0], [small, 0.0]]
+}
+
+impl Model {
+    /// All equilibria of the travel under the present inputs and parameters, ascending along the curve.
+    ///
+    /// # Errors
+    /// The present parameters give no mechanism, or no start; a hydraulic circuit or the finite elements, whose states
+    /// are more than position and speed.
+    pub fn equilibria(&mut self) -> Result<Vec<Equilibrium>, ModelError> {
+        self.has_two_states()?;
+        let (motion, reduced) = self.motion_at_rest()?;
+        let here = motion.state.sigma + motion.state.revolutions * reduced.period().unwrap_or(0.0);
+        let range = ends(&reduced, &motion.state.travel, here);
+        let mut at_rest = AtRest::new(&reduced, &self.inputs, here)?;
+        let mut all = at_rest.between(range);
+        for (side, end) in motion.state.travel.rigid.iter().enumerate() {
+            let place = Place::rigid(side);
+            let pressed = end.and_then(|end| at_rest.pressed(place, end.position));
+            all.extend(pressed);
+        }
+        all.sort_by(|a, b| a.position.total_cmp(&b.position));
+        Ok(all)
+    }
+
+    /// Linearise at rest at `count` + 1 positions of the travel, in equal parts of the curve, under the present inputs
+    /// and parameters. The state of the model stays what it is.
+    ///
+    /// # Errors
+    /// As [`Self::linearise_here`].
+    pub fn linearise(&mut self, what: &Linearisation, count: usize) -> Result<Vec<Linearised>, ModelError> {
+        self.check(what)?;
+        let (mut motion, reduced) = self.motion_at_rest()?;
+        let here = motion.state.sigma + motion.state.revolutions * reduced.period().unwrap_or(0.0);
+        let [low, high] = ends(&reduced, &motion.state.travel, here);
+        let at = |k: usize| low + (high - low) * k as f64 / count.max(1) as f64;
+        (0..=count).map(|k| self.linearised(what, (&mut motion, &reduced), at(k))).collect()
+    }
+
+    /// Linearise at rest at the start.
+    ///
+    /// # Errors
+    /// The present parameters give no mechanism, or no start; a reference is none of the kind that is asked for; a
+    /// hydraulic circuit or the finite elements, whose states are more than position and speed.
+    pub fn linearise_here(&mut self, what: &Linearisation) -> Result<Linearised, ModelError> {
+        self.check(what)?;
+        let (mut motion, reduced) = self.motion_at_rest()?;
+        let here = motion.state.sigma + motion.state.revolutions * reduced.period().unwrap_or(0.0);
+        self.linearised(what, (&mut motion, &reduced), here)
+    }
+
+    /// Refuse what has more states than position and speed.
+    fn has_two_states(&self) -> Result<(), ModelError> {
+        let refused = |reason: &str| {
+            let what = "the linearisation to position and speed".to_owned();
+            Err(ModelError::Derivative { what, reason: reason.to_owned() })
+        };
+        if self.parameter_values.method() == Method::RigidFem {
+            return refused("solver.method = \"rigid_fem\" has more states; choose solver.method = \"reduced\"");
+        }
+        match self.original.parameter_values.mechanism().hydraulic_drive() {
+            Some(_) => refused("a hydraulic circuit has more states; leave out hydraulics for the mechanism alone"),
+            None => Ok(()),
+        }
+    }
+
+    fn check(&self, what: &Linearisation) -> Result<(), ModelError> {
+        self.has_two_states()?;
+        let refuse = |reference: Reference, reason: &str| {
+            let what = format!("{} (value reference {reference})", self.name_of(reference));
+            Err(ModelError::Derivative { what, reason: reason.into() })
+        };
+        if self.output_of(what.coordinate).and_then(coordinate_of).is_none() {
+            return refuse(what.coordinate, "the coordinate must be the angle of a body or the position of a joint");
+        }
+        let is = |reference: Reference, causality: Causality| {
+            let variable = self.original.variables.get(reference);
+            variable.is_some_and(|v| v.causality == causality && v.kind == Kind::Real)
+        };
+        if let Some(&other) = what.inputs.iter().find(|input| !is(**input, Causality::Input)) {
+            return refuse(other, "an input of the linearisation must be a continuous input");
+        }
+        if let Some(&other) = what.outputs.iter().find(|output| !is(**output, Causality::Output)) {
+            return refuse(other, "an output of the linearisation must be a continuous output");
+        }
+        match what.held_by {
+            Some(drive) if self.drive_of(drive).is_none() => {
+                refuse(drive, "what holds the mechanism must be the force or torque of a drive")
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The drive that an input sizes, by the index of its load.
+    fn drive_of(&self, input: Reference) -> Option<usize> {
+        match self.original.variables.quantity(input) {
+            Some(Quantity::Input(index)) => {
+                Some(index).filter(|index| *index < self.original.reduced.loading().drives.len())
+            }
+            _ => None,
+        }
+    }
+
+    fn output_of(&self, reference: Reference) -> Option<Output> {
+        match self.original.variables.quantity(reference) {
+            Some(Quantity::Output(output)) => Some(output),
+            _ => None,
+        }
+    }
+
+    /// A motion of its own at the start, which nothing holds.
+    fn motion_at_rest(&mut self) -> Result<(Box<ReducedMotion>, Arc<Reduced>), ModelError> {
+        let state = self.state()?;
+        let Formulation::Reduced(motion) = state else { return Err(ModelError::NotInitialised) };
+        let mut motion = Box::new(motion.clone());
+        motion.state.contact = Contact::default();
+        Ok((motion, Arc::clone(self.reduced()?)))
+    }
+
+    /// The linearised mechanism at rest at a position, counted on over whole revolutions.
+    fn linearised(
+        &self,
+        what: &Linearisation,
+        (motion, reduced): (&mut ReducedMotion, &Reduced),
+        position: f64,
+    ) -> Result<Linearised, ModelError> {
+        let (sigma, revolutions) = reduced.unwound(position);
+        let mut inputs = self.inputs.clone();
+        inputs.signal.clear();
+        motion.move_to(sigma, 0.0, revolutions);
+        let mut out = Linearised::default();
+        let loads = reduced.loading().inputs.len();
+        if let Some((index, drive)) = what.held_by.and_then(|input| Some((input as usize, self.drive_of(input)?))) {
+            let holding = Output::OneElement { drive, term: OneElement::HoldingForce };
+            let force = motion.output(reduced, &inputs, holding).unwrap_or(f64::NAN);
+            out.holding = Some(force);
+            if force.is_finite() {
+                inputs.reals[index] = force;
+                motion.set_input(index, loads, force);
+            }
+        }
+        let [k, d] = motion.small_motion(reduced, &inputs).unwrap_or([f64::NAN; 2]);
+        out.omega = if k > 0.0 { k.sqrt() } else { f64::NAN };
+        out.damping_ratio = 0.5 * d / out.omega;
+        out.eigenvalues = if k.is_nan() || d.is_nan() { [[f64::NAN; 2]; 2] } else { roots(k, d) };
+        self.add_matrices(what, (motion, reduced, &inputs), &mut out);
+        if let Some(input) = what.held_by {
+            // The next position begins with the inputs of the model again.
+            motion.set_input(input as usize, loads, self.inputs.reals[input as usize]);
+        }
+        Ok(out)
+    }
+
+    /// The matrices and the values in the present state of a motion.
+    fn add_matrices(
+        &self,
+        what: &Linearisation,
+        (motion, reduced, inputs): (&mut ReducedMotion, &Reduced, &Inputs),
+        out: &mut Linearised,
+    ) {
+        let Some(of) = self.output_of(what.coordinate).and_then(coordinate_of) else { return };
+        let value = |motion: &mut ReducedMotion, output| motion.output(reduced, inputs, output).unwrap_or(f64::NAN);
+        out.coordinate = value(motion, of(0));
+        out.acceleration = value(motion, of(2));
+        // At rest the speed of the coordinate changes with sigma_dot as the coordinate with sigma.
+        motion.head_along(reduced, inputs, [0.0, 1.0]);
+        let slope = motion.derivative(reduced, inputs, of(1)).unwrap_or(f64::NAN);
+        let scale = if slope.abs() * reduced.scale() > TOGGLE { 1.0 / slope } else { f64::NAN };
+        let outputs: Vec<Output> = what.outputs.iter().filter_map(|output| self.output_of(*output)).collect();
+        let along = |motion: &mut ReducedMotion, output| {
+            let derivative = motion.derivative(reduced, inputs, output);
+            derivative.unwrap_or(f64::NAN)
+        };
+        out.a = [[0.0, 1.0], [f64::NAN; 2]];
+        out.c = vec![[f64::NAN; 2]; outputs.len()];
+        for (state, direction) in [[scale, 0.0], [0.0, scale]].into_iter().enumerate() {
+            if scale.is_nan() {
+                break;
+            }
+            motion.head_along(reduced, inputs, direction);
+            out.a[1][state] = along(motion, of(2));
+            for (row, output) in out.c.iter_mut().zip(&outputs) {
+                row[state] = along(motion, *output);
+            }
+        }
+        out.d = vec![Vec::new(); outputs.len()];
+        for &input in &what.inputs {
+            motion.head_for_inputs(reduced, inputs, &|index| f64::from(u8::from(index == input as usize)));
+            out.b.push([0.0, along(motion, of(2))]);
+            for (row, output) in out.d.iter_mut().zip(&outputs) {
+                row.push(along(motion, *output));
+            }
+        }
+    }
+}
+
+/// The coordinate that an output is, as the output of its time derivative of an order.
+fn coordinate_of(output: Output) -> Option<impl Fn(usize) -> Output> {
+    match output {
+        Output::Angle { body, order: 0 } => Some(Coordinate::Angle(body)),
+        Output::JointPosition { coordinate, order: 0 } => Some(Coordinate::Position(coordinate)),
+        _ => None,
+    }
+    .map(|of| {
+        move |order| match of {
+            Coordinate::Angle(body) => Output::Angle { body, order },
+            Coordinate::Position(coordinate) => Output::JointPosition { coordinate, order },
+        }
+    })
+}
+
+/// A coordinate, by the index of its body or of its joint.
+#[derive(Clone, Copy)]
+enum Coordinate {
+    Angle(usize),
+    Position(usize),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::roots;
+
+    #[test]
+    fn roots_are_those_of_the_closed_form() {
+        assert_eq!(roots(25.0, 6.0), [[-3.0, 4.0], [-3.0, -4.0]]);
+        assert_eq!(roots(2.0, 3.0), [[-2.0, 0.0], [-1.0, 0.0]]);
+        assert_eq!(roots(-4.0, 0.0), [[-2.0, 0.0], [2.0, 0.0]]);
+        assert_eq!(roots(0.0, 0.0), [[0.0, 0.0]; 2]);
+        let [_, [slow, _]] = roots(1.0, 1e9);
+        assert!((slow + 1e-9).abs() < 1e-24, "{slow}");
+    }
+}

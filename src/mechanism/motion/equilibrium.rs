@@ -1,0 +1,221 @@
+//! Static equilibria: positions on the travel where all loads that act at rest balance each other.
+//!
+//! In: a reduced model, inputs, the travel between its stops. Out: the equilibria, stable or not, with stiffness and
+//! damping of small motions about them. Friction and the losses of drives hold a mechanism beside an equilibrium too;
+//! they move none. It must not know how a definition states the start.
+use super::contact::{Place, Travel};
+use super::samples::positions;
+use super::state::{airspeed, blows_under, state_loads};
+use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
+use crate::mechanism::dynamics::inputs::Inputs;
+use crate::mechanism::dynamics::panel_force::AppliedLoads;
+use crate::mechanism::dynamics::state_loads::{Evaluation, Mode};
+use crate::mechanism::error::ModelError;
+use crate::mechanism::reduced::Reduced;
+use crate::numerics::bracket::bisect;
+
+/// Most whole revolutions on each side of the start in which a mechanism with a wound spring is searched.
+const REVOLUTIONS: usize = 64;
+/// Most stretches of an open curve on each side of the start that are searched, each eight times as long as the one
+/// before.
+const STRETCHES: usize = 4;
+
+/// A position in which the mechanism stays at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Equilibrium {
+    /// sigma, counted on over whole revolutions [kg^(1/2) m].
+    pub position: f64,
+    /// Rigid stop against which the loads press the mechanism; none where they are in balance.
+    pub place: Option<Place>,
+    /// Whether the mechanism comes back after a small push.
+    pub is_stable: bool,
+    /// -d sigma_ddot / d sigma, the square of the angular eigenfrequency [1/s^2].
+    pub stiffness: f64,
+    /// -d sigma_ddot / d sigma_dot [1/s].
+    pub damping: f64,
+}
+
+/// Why no stable equilibrium was found.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NoEquilibrium {
+    /// No load acts anywhere on the travel.
+    Neutral,
+    /// The loads press the mechanism against this bumper, by the index of its stop.
+    Bumper(usize),
+    /// The loads move the mechanism on wherever it is.
+    None,
+}
+
+/// The loads at rest, without friction and losses of drives, as a function of sigma counted on over whole revolutions.
+pub struct AtRest<'a> {
+    reduced: &'a Reduced,
+    sizes: Vec<f64>,
+    airspeed: f64,
+    air: bool,
+    scratch: Scratch,
+    revolutions: f64,
+}
+
+impl<'a> AtRest<'a> {
+    /// Under these inputs, from a position on.
+    ///
+    /// # Errors
+    /// [`ModelError::Table`]: a reaction that causes friction is not smooth.
+    pub fn new(reduced: &'a Reduced, inputs: &Inputs, position: f64) -> Result<Self, ModelError> {
+        let (sigma, revolutions) = reduced.unwound(position);
+        let air = blows_under(reduced, inputs);
+        let scratch = Scratch::new(state_loads(reduced.at(sigma), air, revolutions)?);
+        let (sizes, airspeed) = (reduced.sizes(&inputs.reals), airspeed(reduced, inputs));
+        Ok(Self { reduced, sizes, airspeed, air, scratch, revolutions })
+    }
+
+    /// sigma_ddot and its derivatives along sigma and sigma_dot; not a number where friction has no solution.
+    pub fn gradient(&mut self, position: f64) -> [f64; 3] {
+        let (sigma, revolutions) = self.reduced.unwound(position);
+        if revolutions != self.revolutions {
+            self.scratch.panel_force.invalidate();
+            self.revolutions = revolutions;
+        }
+        let (whole, reduced) = (self.reduced, self.reduced.at(sigma));
+        let Ok(state_loads) = reduced.state_loads(self.air) else { return [f64::NAN; 3] };
+        self.scratch.panel_force.on_stretch(reduced.stretch);
+        let applied = AppliedLoads { sizes: &self.sizes, airspeed: self.airspeed, revolutions, change: None };
+        let (mode, scratch, time, locked, ports) = (Mode::default(), &mut self.scratch, 0.0, false, None);
+        let mut equation =
+            EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports };
+        match equation.tangent(sigma, 0.0) {
+            Ok(Evaluation { acceleration, .. }) => [acceleration.value, acceleration.slope[0], acceleration.slope[1]],
+            Err(_) => [f64::NAN; 3],
+        }
+    }
+
+    /// Equilibria between two positions, ascending. Those at the ends are left to [`Self::pressed`].
+    pub fn between(&mut self, ends: [f64; 2]) -> Vec<Equilibrium> {
+        let mut samples: Vec<(f64, f64)> = Vec::new();
+        let mut last: Option<(f64, [f64; 3])> = None;
+        for position in positions(self.reduced, ends) {
+            let here = self.gradient(position);
+            if let Some((before, [a, slope, _])) = last {
+                // Where the acceleration turns between two samples, it may pass through 0 twice.
+                let turns = slope * here[1] < 0.0 && a * here[0] > 0.0 && a * slope < 0.0;
+                if turns {
+                    let falls = slope < 0.0;
+                    let [low, high] = bisect(|at| (self.gradient(at)[1] > 0.0) == falls, before, position);
+                    let turn = 0.5 * (low + high);
+                    samples.push((turn, self.gradient(turn)[0]));
+                }
+            }
+            samples.push((position, here[0]));
+            last = Some((position, here));
+        }
+        self.zeros(&samples)
+    }
+
+    /// Equilibria between samples of the acceleration whose signs differ; samples of exactly 0 between them tell where.
+    fn zeros(&mut self, samples: &[(f64, f64)]) -> Vec<Equilibrium> {
+        let mut found = Vec::new();
+        let mut signed = samples.iter().enumerate().filter(|(_, (_, a))| *a != 0.0);
+        let Some(mut before) = signed.next() else { return found };
+        for next in signed {
+            let ((i, &(low, a)), (k, &(high, b))) = (before, next);
+            before = next;
+            if a.is_nan() || b.is_nan() || a * b > 0.0 {
+                continue;
+            }
+            let position = if k > i + 1 {
+                samples[usize::midpoint(i, k)].0
+            } else {
+                let [low, high] = bisect(|at| (self.gradient(at)[0] < 0.0) == (b < 0.0), low, high);
+                0.5 * (low + high)
+            };
+            let [_, slope, by_speed] = self.gradient(position);
+            let is_stable = a > 0.0;
+            found.push(Equilibrium { position, place: None, is_stable, stiffness: -slope, damping: -by_speed });
+        }
+        found
+    }
+
+    /// The equilibrium at a rigid stop, if the loads press the mechanism against it.
+    pub fn pressed(&mut self, place: Place, position: f64) -> Option<Equilibrium> {
+        let [a, slope, by_speed] = self.gradient(position);
+        let stable =
+            Equilibrium { position, place: Some(place), is_stable: true, stiffness: -slope, damping: -by_speed };
+        (a * place.outward() > 0.0).then_some(stable)
+    }
+
+    /// The stable equilibrium nearest to a position on the travel.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn nearest(&mut self, travel: &Travel, here: f64) -> Result<Equilibrium, NoEquilibrium> {
+        let reduced = self.reduced;
+        let limits = [0, 1].map(|side| {
+            let own = travel.places().filter(|(place, _)| place.side == side);
+            own.min_by(|(_, a), (_, b)| (a - here).abs().total_cmp(&(b - here).abs()))
+        });
+        let winds = reduced.components().winding.is_some();
+        let most = match reduced.period() {
+            Some(_) if winds => REVOLUTIONS,
+            Some(_) => 1,
+            None => STRETCHES,
+        };
+        let (mut is_neutral, mut bumper) = (true, None);
+        for ring in 0..most {
+            let windows = [0, 1].map(|side| window(reduced, here, side, ring, limits[side].map(|(_, at)| at)));
+            let mut all: Vec<Equilibrium> = match windows {
+                // Around the start in one piece, so that it may be the equilibrium.
+                [Some([low, _]), Some([_, high])] if ring == 0 => self.between([low, high]),
+                _ => windows.into_iter().flatten().flat_map(|ends| self.between(ends)).collect(),
+            };
+            all.retain(|found| found.is_stable);
+            for ((place, at), side) in limits.into_iter().zip(0..2).filter_map(|(limit, side)| Some((limit?, side))) {
+                let is_met = windows[side].is_none_or(|ends| ends[side] == at);
+                if let (true, Some(found)) = (is_met, self.pressed(place, at)) {
+                    match place.bumper {
+                        Some(index) => bumper = Some(travel.bumpers[index].stop),
+                        None => all.push(found),
+                    }
+                }
+            }
+            let distance = |found: &Equilibrium| (found.position - here).abs();
+            if let Some(found) = all.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b))) {
+                return Ok(found);
+            }
+            is_neutral &= windows.iter().flatten().flatten().all(|at| self.gradient(*at)[0] == 0.0);
+        }
+        Err(match bumper {
+            Some(stop) => NoEquilibrium::Bumper(stop),
+            None if is_neutral => NoEquilibrium::Neutral,
+            None => NoEquilibrium::None,
+        })
+    }
+}
+
+/// The part of the travel on a side of a position that is searched in the ring with this number: a revolution of a
+/// closed curve, a stretch of an open one, up to the limit.
+fn window(reduced: &Reduced, here: f64, side: usize, ring: usize, limit: Option<f64>) -> Option<[f64; 2]> {
+    let [mut low, mut high] = match reduced.period() {
+        Some(period) => {
+            let [near, far] = [ring, ring + 1].map(|count| count as f64 * period);
+            if side == 0 { [here - far, here - near] } else { [here + near, here + far] }
+        }
+        None => {
+            let mut stretch = reduced.at(here);
+            for _ in 0..ring {
+                stretch = reduced.next(stretch, side).ok()?;
+            }
+            let (first, last) = stretch.curve().range;
+            match (ring, side) {
+                (0, 0) => [first, here],
+                (0, _) => [here, last],
+                _ => [first, last],
+            }
+        }
+    };
+    match (side, limit) {
+        (0, Some(limit)) => low = low.max(limit),
+        (_, Some(limit)) => high = high.min(limit),
+        _ => {}
+    }
+    (low < high).then_some([low, high])
+}

@@ -1,0 +1,368 @@
+//! Equilibria and small motions: closed forms, finite differences, and the ring-down of a simulated motion.
+
+use crate::support::assert_says;
+use linkage_fmu::component::{Component, Linearisation, Linearised};
+use linkage_fmu::simulation::Simulation;
+use serde_json::{Value, json};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// Rounding of the tables, 1e-13 of their largest values, in a sum of a few.
+const ACCURACY: f64 = 1e-11;
+const G: f64 = 9.81;
+
+/// A mass of 2 kg on a massless rod of 0.5 m.
+fn pendulum() -> Value {
+    json!({
+        "name": "Pendulum",
+        "gravity": { "acceleration": G, "up_angle": FRAC_PI_2 },
+        "bodies": { "ground": {}, "rod": { "length": 0.5, "mass": 2, "center": [0.5, 0] } },
+        "joints": { "pivot": { "type": "revolute", "first": "ground.origin", "second": "rod.origin" } },
+        "actuators": { "motor": { "joint": "pivot", "torque": 0 } },
+        "start": { "body": "rod", "angle": -1.2, "equilibrium": true },
+        "guess": { "rod": -1.5 },
+        "linearisation": true
+    })
+}
+
+/// A carriage of 3 kg on a horizontal rail, with a spring and damper to the ground.
+fn carriage(stiffness: f64, damping: f64) -> Value {
+    json!({
+        "name": "Carriage",
+        "bodies": { "ground": {}, "carriage": { "mass": 3 } },
+        "joints": { "rail": { "type": "prismatic", "first": "ground.origin", "second": "carriage.origin" } },
+        "forces": { "push": { "at": "carriage.origin", "force": [0, 0] } },
+        "springs": { "spring": { "joint": "rail", "stiffness": stiffness, "damping": damping, "free_length": 0.2 } },
+        "stops": {
+            "left": { "joint": "rail", "position": -1, "limit": "lower" },
+            "right": { "joint": "rail", "position": 1, "limit": "upper" }
+        },
+        "start": { "joint": "rail", "position": 0.5, "equilibrium": true },
+        "guess": { "rail": 0 },
+        "linearisation": true
+    })
+}
+
+fn open(definition: &Value) -> Simulation {
+    let mut simulation = Simulation::open(&definition.to_string()).unwrap();
+    simulation.initialize().unwrap();
+    simulation
+}
+
+fn refusal(definition: &Value) -> String {
+    Simulation::open(&definition.to_string()).err().unwrap().to_string()
+}
+
+/// Linearise at the start, with these inputs and outputs.
+fn here(definition: &Value, coordinate: &str, inputs: &[&str], outputs: &[&str]) -> Linearised {
+    let mut model = Component::from_definition("mechanism.json", &definition.to_string()).unwrap();
+    let what = asked(&model, coordinate, inputs, outputs, None);
+    model.linearise_here(&what).unwrap()
+}
+
+fn asked(
+    model: &Component,
+    coordinate: &str,
+    inputs: &[&str],
+    outputs: &[&str],
+    held_by: Option<&str>,
+) -> Linearisation {
+    let find = |name: &str| model.interface().find(name).unwrap();
+    let all = |names: &[&str]| names.iter().map(|name| find(name)).collect();
+    let (inputs, outputs) = (all(inputs), all(outputs));
+    Linearisation { coordinate: find(coordinate), inputs, outputs, held_by: held_by.map(find) }
+}
+
+fn close(value: f64, expected: f64, scale: f64) {
+    assert!((value - expected).abs() <= ACCURACY * scale, "{value} instead of {expected}");
+}
+
+#[test]
+fn a_pendulum_starts_hanging_and_swings_at_the_root_of_g_over_l() {
+    let mut simulation = open(&pendulum());
+    close(simulation.get("rod.angle").unwrap(), -FRAC_PI_2, 1.0);
+    let omega = (G / 0.5).sqrt();
+    close(simulation.get("linearisation.eigenfrequency").unwrap(), omega / TAU, 1.0);
+    close(simulation.get("linearisation.damping_ratio").unwrap(), 0.0, 1.0);
+    simulation.step(0.5).unwrap();
+    close(simulation.get("rod.angle").unwrap(), -FRAC_PI_2, 1.0);
+    let at = here(&pendulum(), "rod.angle", &["motor.torque", "load_factor"], &["rod.acceleration", "rod.speed"]);
+    // m l^2 theta'' = T - n m g l cos(theta), about theta = -pi / 2.
+    let inertia = 2.0 * 0.25;
+    close(at.a[1][0], -omega * omega, 20.0);
+    assert_eq!((at.a[0], at.b[0][0]), ([0.0, 1.0], 0.0));
+    close(at.b[0][1], 1.0 / inertia, 1.0);
+    close(at.b[1][1], 0.0, 20.0);
+    close(at.c[0][0], -omega * omega, 20.0);
+    close(at.d[0][0], 1.0 / inertia, 1.0);
+    assert_eq!((at.c[1], &at.d[1][..]), ([0.0, 1.0], &[0.0, 0.0][..]));
+    close(at.eigenvalues[0][1], omega, 10.0);
+}
+
+/// Under a torque T the pendulum hangs at cos(theta) = T / (m g l), and swings with the component of gravity along the rod.
+#[test]
+fn inputs_before_the_end_of_the_initialisation_move_the_equilibrium_and_later_ones_do_not() {
+    let mut simulation = Simulation::open(&pendulum().to_string()).unwrap();
+    let weight = 2.0 * G * 0.5;
+    let theta = |torque: f64| -(torque / weight).acos();
+    for torque in [3.0, -2.0] {
+        simulation.set("motor.torque", torque).unwrap();
+        close(simulation.get("rod.angle").unwrap(), theta(torque), 1.0);
+    }
+    let snapshot = simulation.model().snapshot();
+    simulation.set("motor.torque", 1.0).unwrap();
+    simulation.model_mut().restore(&snapshot).unwrap();
+    close(simulation.get("rod.angle").unwrap(), theta(-2.0), 1.0);
+    simulation.initialize().unwrap();
+    let omega = (G / 0.5 * -theta(-2.0).sin()).sqrt();
+    close(simulation.get("linearisation.eigenfrequency").unwrap(), omega / TAU, 1.0);
+    simulation.set("motor.torque", 1.0).unwrap();
+    close(simulation.get("rod.angle").unwrap(), theta(-2.0), 1.0);
+    let snapshot = simulation.model().snapshot();
+    simulation.step(0.1).unwrap();
+    let moved = simulation.get("rod.angle").unwrap();
+    simulation.model_mut().restore(&snapshot).unwrap();
+    simulation.step(0.1).unwrap();
+    assert_eq!(simulation.get("rod.angle").unwrap().to_bits(), moved.to_bits());
+    // A torque beyond the weight turns it round for ever.
+    let mut definition = pendulum();
+    definition["actuators"]["motor"]["torque"] = json!(1.01 * weight);
+    assert_says(refusal(&definition), &["start.equilibrium", "move the mechanism on", "spring or a stop"]);
+}
+
+#[test]
+fn a_carriage_rests_where_spring_and_force_balance() {
+    for damping in [0.0, 6.0, 60.0, 600.0] {
+        let mut definition = carriage(300.0, damping);
+        definition["forces"]["push"]["force"] = json!([45, 7]);
+        let mut simulation = open(&definition);
+        close(simulation.get("rail.position").unwrap(), 0.2 + 45.0 / 300.0, 1.0);
+        close(simulation.get("linearisation.eigenfrequency").unwrap(), 10.0 / TAU, 10.0);
+        close(simulation.get("linearisation.damping_ratio").unwrap(), damping / (2.0 * 3.0 * 10.0), 10.0);
+        let at = here(&definition, "rail.position", &["push.force_x", "push.force_y"], &["spring.force"]);
+        close(at.a[1][0], -100.0, 100.0);
+        close(at.a[1][1], -damping / 3.0, 100.0);
+        close(at.b[0][1], 1.0 / 3.0, 1.0);
+        close(at.b[1][1], 0.0, 1.0);
+        close(at.c[0][0].abs(), 300.0, 300.0);
+        close(at.c[0][1].abs(), damping, 300.0);
+        assert_eq!(at.d, [[0.0, 0.0]]);
+        let [one, other] = at.eigenvalues;
+        close(one[0] + other[0], -damping / 3.0, 200.0);
+        close(one[0] * other[0] - one[1] * other[1], 100.0, 1e4);
+    }
+}
+
+#[test]
+fn what_has_no_equilibrium_is_refused_with_the_reason_and_a_stop_is_one() {
+    let neutral = carriage(0.0, 0.0);
+    assert_says(refusal(&neutral), &["start.equilibrium", "no load acts", "state the start by a position"]);
+    let mut pressed = carriage(0.0, 0.0);
+    pressed["forces"]["push"]["force"] = json!([-5, 0]);
+    let mut simulation = open(&pressed);
+    close(simulation.get("rail.position").unwrap(), -1.0, 1.0);
+    simulation.step(0.1).unwrap();
+    close(simulation.get("rail.position").unwrap(), -1.0, 1.0);
+    pressed["stops"]["left"] = json!({
+        "joint": "rail", "position": -1, "limit": "lower", "rigid": false, "stiffness": 1e4, "damping": 10
+    });
+    assert_says(refusal(&pressed), &["start.equilibrium", "into the bumper left", "rigid"]);
+    let mut open_rail = carriage(300.0, 1.0);
+    open_rail.as_object_mut().unwrap().remove("stops");
+    open_rail["forces"]["push"]["force"] = json!([30_000, 0]);
+    close(open(&open_rail).get("rail.position").unwrap(), 100.2, 1e3);
+    for wrong in [json!("equilibrum"), json!(3), json!({ "equilibrium": true, "speed": 1 }), json!({})] {
+        let mut definition = pendulum();
+        definition["start"] = wrong;
+        assert_says(refusal(&definition), &["start"]);
+    }
+}
+
+/// The word alone starts from the guess, and has no parameters of the start.
+#[test]
+fn the_word_alone_seeks_from_the_guess() {
+    let mut definition = pendulum();
+    definition["start"] = json!("equilibrium");
+    let mut simulation = open(&definition);
+    close(simulation.get("rod.angle").unwrap(), -FRAC_PI_2, 1.0);
+    assert!(simulation.reference("rod.start_angle").is_err());
+    let inspection = Component::inspect("mechanism.json", &definition.to_string()).unwrap();
+    assert_eq!(inspection.findings, []);
+    let told: Vec<_> = inspection.facts.iter().filter(|fact| fact.topic.starts_with("Equilibria")).collect();
+    assert_eq!(told.len(), 2, "{told:?}");
+    let stable = told.iter().find(|fact| fact.text.starts_with("stable")).unwrap();
+    close(stable.quantities[0].value, (G / 0.5).sqrt() / TAU, 1.0);
+    assert!(told.iter().any(|fact| fact.text.starts_with("unstable")));
+    // The parameters of an object seek anew.
+    let mut simulation = Simulation::open(&pendulum().to_string()).unwrap();
+    simulation.set("rod.start_angle", -1.2 + TAU).unwrap();
+    simulation.initialize().unwrap();
+    close(simulation.get("rod.angle").unwrap(), -FRAC_PI_2 + TAU, 1.0);
+}
+
+/// A crank r with the moment of inertia J, a rod l without mass and a slider of mass m with a spring of stiffness c and a
+/// damper d between slider and ground, slack at this angle of the crank. About it (J + m x'^2) theta'' = -c x'^2 theta -
+/// d x'^2 theta', with x' = dx / dtheta of the slider.
+const J: f64 = 0.002;
+
+fn slider_crank(angle: f64, damping: f64) -> Value {
+    let (r, l) = (0.1f64, 0.3f64);
+    let x = r * angle.cos() + (l * l - (r * angle.sin()).powi(2)).sqrt();
+    json!({
+        "name": "SliderCrank",
+        "bodies": {
+            "ground": {}, "crank": { "length": r, "inertia": J }, "rod": { "length": l }, "slider": { "mass": 0.5 }
+        },
+        "joints": {
+            "bearing": { "type": "revolute", "first": "ground.origin", "second": "crank.origin" },
+            "pin": { "type": "revolute", "first": "crank.end", "second": "rod.origin" },
+            "wrist": { "type": "revolute", "first": "rod.end", "second": "slider.origin" },
+            "guide": { "type": "prismatic", "first": "ground.origin", "second": "slider.origin" }
+        },
+        "actuators": { "servo": { "joint": "bearing", "torque": 0 } },
+        "springs": { "spring": { "joint": "guide", "stiffness": 200, "damping": damping, "free_length": x } },
+        "start": { "body": "crank", "angle": angle + 0.1, "equilibrium": true },
+        "guess": { "crank": angle, "rod": -(r * angle.sin() / l).asin(), "guide": x },
+        "linearisation": true
+    })
+}
+
+#[test]
+fn a_slider_crank_with_a_spring_swings_as_by_hand() {
+    for (angle, damping) in [(0.9, 0.0), (1.7, 4.0), (2.4, 1.0)] {
+        let definition = slider_crank(angle, damping);
+        let mut simulation = open(&definition);
+        close(simulation.get("crank.angle").unwrap(), angle, 1.0);
+        let (r, l) = (0.1, 0.3);
+        let (sin, cos) = f64::sin_cos(angle);
+        let slope = -r * sin - r * r * sin * cos / (l * l - (r * sin).powi(2)).sqrt();
+        let inertia = J + 0.5 * slope * slope;
+        let omega = (200.0 * slope * slope / inertia).sqrt();
+        let zeta = damping * slope * slope / (2.0 * inertia * omega);
+        close(simulation.get("linearisation.eigenfrequency").unwrap(), omega / TAU, 10.0);
+        close(simulation.get("linearisation.damping_ratio").unwrap(), zeta, 10.0);
+        let at = here(&definition, "crank.angle", &["servo.torque"], &["guide.position", "servo.holding_torque"]);
+        close(at.a[1][0], -omega * omega, 1e3);
+        close(at.a[1][1], -2.0 * zeta * omega, 1e3);
+        close(at.b[0][1], 1.0 / inertia, 1e3);
+        close(at.c[0][0], slope, 1.0);
+        // The torque that holds it elsewhere: k (x - x0) dx / dtheta.
+        close(at.c[1][0], 200.0 * slope * slope, 10.0);
+    }
+}
+
+/// A drive that holds the mechanism makes each position one of rest, and A then has the eigenvalues of the table.
+#[test]
+fn held_positions_are_at_rest_and_their_matrix_has_the_eigenvalues() {
+    let mut model = Component::from_definition("mechanism.json", &slider_crank(1.1, 0.7).to_string()).unwrap();
+    let what = asked(&model, "crank.angle", &["servo.torque"], &["guide.position"], Some("servo.torque"));
+    let all = model.linearise(&what, 40).unwrap();
+    assert_eq!(all.len(), 41);
+    let mut checked = 0;
+    for at in all.iter().filter(|at| at.a[1][0].is_finite() && at.coordinate.sin().abs() > 0.1) {
+        close(at.acceleration, 0.0, 1e5);
+        let [[re, im], [other_re, other_im]] = at.eigenvalues;
+        let scale = 1e3 + at.a[1][0].abs();
+        close(at.a[1][1], re + other_re, scale);
+        close(-at.a[1][0], re * other_re - im * other_im, 10.0 * scale);
+        checked += 1;
+    }
+    assert!(checked > 20);
+    let other = asked(&model, "guide.position", &[], &[], Some("servo.torque"));
+    for (one, other) in all.iter().zip(model.linearise(&other, 40).unwrap()) {
+        assert_eq!(
+            one.eigenvalues.map(|part| part.map(f64::to_bits)),
+            other.eigenvalues.map(|part| part.map(f64::to_bits))
+        );
+    }
+}
+
+/// Logarithmic decrement and period of a swing that is so small that it is linear.
+#[test]
+fn a_simulated_ring_down_has_the_eigenfrequency_and_the_damping_ratio() {
+    let mut definition = slider_crank(1.3, 1.2);
+    definition["gravity"] = json!({ "acceleration": G, "up_angle": 0.4 });
+    definition["bodies"]["rod"] = json!({ "length": 0.3, "mass": 0.2, "shape": "uniform_rod" });
+    definition["bodies"]["crank"] = json!({ "length": 0.1, "mass": 0.4, "shape": "uniform_rod" });
+    definition["solver"] = json!({ "tolerance": 1e-12 });
+    let mut simulation = open(&definition);
+    let (frequency, zeta) = (
+        simulation.get("linearisation.eigenfrequency").unwrap(),
+        simulation.get("linearisation.damping_ratio").unwrap(),
+    );
+    let rest = simulation.get("crank.angle").unwrap();
+    simulation.set("crank.start_speed", 1e-4).unwrap();
+    simulation.initialize().unwrap();
+    let (h, mut crossings, mut peaks) = (1e-4, Vec::new(), Vec::new());
+    let (mut before, mut speed_before, mut time) = (0.0, 1e-4, 0.0);
+    while peaks.len() < 9 {
+        simulation.step(h).unwrap();
+        time += h;
+        let (angle, speed) = (simulation.get("crank.angle").unwrap() - rest, simulation.get("crank.speed").unwrap());
+        if before < 0.0 && angle >= 0.0 {
+            crossings.push(time - h * angle / (angle - before));
+        }
+        if speed_before > 0.0 && speed <= 0.0 {
+            // The extremum of a parabola through both speeds.
+            peaks.push(angle - 0.5 * speed * h * speed / (speed - speed_before));
+        }
+        (before, speed_before) = (angle, speed);
+    }
+    let periods = crossings.len() - 1;
+    let damped = periods as f64 / (crossings[periods] - crossings[0]);
+    let decrement = (peaks[0] / peaks[8]).ln() / 8.0;
+    let measured = decrement / (decrement * decrement + 4.0 * PI * PI).sqrt();
+    // The swing has 1e-5 rad; what is not linear in it is some 1e-5 of it.
+    assert!((measured / zeta - 1.0).abs() < 1e-4, "damping ratio {measured} instead of {zeta}");
+    let expected = frequency * (1.0 - zeta * zeta).sqrt();
+    assert!((damped / expected - 1.0).abs() < 1e-5, "{damped} Hz instead of {expected} Hz");
+}
+
+/// Matrices beside finite differences of the model's own outputs, away from rest by the loads.
+#[test]
+fn matrices_are_slopes_of_the_outputs() {
+    let mut definition = slider_crank(1.3, 1.2);
+    definition["gravity"] = json!({ "acceleration": G, "up_angle": 0.4 });
+    definition["bodies"]["rod"] = json!({ "length": 0.3, "mass": 0.2, "shape": "uniform_rod" });
+    definition["start"] = json!({ "body": "crank", "angle": 0.8 });
+    let outputs = ["crank.acceleration", "pin.force_x", "spring.force", "energy.kinetic"];
+    let at = here(&definition, "crank.angle", &["servo.torque", "load_factor"], &outputs);
+    let mut simulation = Simulation::open(&definition.to_string()).unwrap();
+    let mut value = |name: &str, changed: &str, by: f64| {
+        let start = simulation.get(changed).unwrap();
+        simulation.set(changed, start + by).unwrap();
+        simulation.initialize().unwrap();
+        let value = simulation.get(name).unwrap();
+        simulation.set(changed, start).unwrap();
+        value
+    };
+    let h = 1e-5;
+    let mut slope = |name: &str, changed: &str| (value(name, changed, h) - value(name, changed, -h)) / (2.0 * h);
+    for (name, (c, d)) in outputs.iter().zip(at.c.iter().zip(&at.d)) {
+        let found = [c[0], c[1], d[0], d[1]];
+        let variables = ["crank.start_angle", "crank.start_speed", "servo.torque", "load_factor"];
+        for (found, variable) in found.into_iter().zip(variables) {
+            let expected = slope(name, variable);
+            assert!(
+                (found - expected).abs() <= 1e-6 * (10.0 + expected.abs()),
+                "{name} by {variable}: {found} {expected}"
+            );
+        }
+    }
+    assert!(at.acceleration.abs() > 1.0);
+}
+
+/// Nobody pays for what is not read, and what is no oscillation is told.
+#[test]
+fn an_unstable_position_has_no_eigenfrequency() {
+    let mut definition = pendulum();
+    definition["start"] = json!({ "body": "rod", "angle": FRAC_PI_2 + 0.1 });
+    let mut simulation = open(&definition);
+    assert!(simulation.get("linearisation.eigenfrequency").unwrap().is_nan());
+    let reason = simulation.undefined("linearisation.eigenfrequency").unwrap().unwrap();
+    assert_says(&reason, &["do not drive the mechanism back", "rod"]);
+    let at = here(&definition, "rod.angle", &[], &[]);
+    assert!(at.omega.is_nan() && at.eigenvalues[1][0] * at.eigenvalues[0][0] < 0.0);
+    let mut plain = pendulum();
+    plain.as_object_mut().unwrap().remove("linearisation");
+    assert!(Simulation::open(&plain.to_string()).unwrap().reference("linearisation.eigenfrequency").is_err());
+}
