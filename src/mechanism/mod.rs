@@ -23,11 +23,7 @@ mod warnings;
 
 pub use crate::integrator::Statistics;
 pub use error::ModelError;
-<<<<<<< HEAD
-pub use model::{INPUT_ORDER, Line, Model, NoValue, OUTPUT_ORDER};
-=======
-pub use model::{INPUT_ORDER, Line, Linearisation, Linearised, Model, OUTPUT_ORDER};
->>>>>>> a6d2710 (Equilibria and small motions: start at the nearest equilibrium, cargo fmu linearise, eigenfrequency and damping ratio as outputs)
+pub use model::{INPUT_ORDER, Line, Linearisation, Linearised, Model, NoValue, OUTPUT_ORDER};
 pub use motion::state::Reached;
 pub use motion::witness::Pauses;
 pub use outputs::Computed;

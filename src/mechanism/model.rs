@@ -4,11 +4,8 @@
 mod derivatives;
 mod description;
 mod events;
-<<<<<<< HEAD
 mod exchange;
-=======
 mod linearisation;
->>>>>>> a6d2710 (Equilibria and small motions: start at the nearest equilibrium, cargo fmu linearise, eigenfrequency and damping ratio as outputs)
 mod occurrences;
 mod undefined;
 mod warnings;
@@ -31,11 +28,8 @@ use crate::mechanism::definition::{Mechanism, Method, Range, Role};
 use crate::mechanism::reduced::Reduced;
 use crate::variables::{Reference, Value, Variables};
 pub use derivatives::{INPUT_ORDER, OUTPUT_ORDER};
-<<<<<<< HEAD
 pub use exchange::{Exchange, NoValue};
-=======
 pub use linearisation::{Linearisation, Linearised};
->>>>>>> a6d2710 (Equilibria and small motions: start at the nearest equilibrium, cargo fmu linearise, eigenfrequency and damping ratio as outputs)
 pub use occurrences::Line;
 use occurrences::Told;
 use std::sync::{Arc, OnceLock};
@@ -403,12 +397,8 @@ impl Model {
         let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) else {
             self.state = None;
             self.state()?;
-<<<<<<< HEAD
-            return self.remember();
-=======
             self.is_placed = true;
-            return Ok(());
->>>>>>> a6d2710 (Equilibria and small motions: start at the nearest equilibrium, cargo fmu linearise, eigenfrequency and damping ratio as outputs)
+            return self.remember();
         };
         // The parameters are those of this state, as one that changes takes the state away.
         let start = self.designs.start(&self.parameter_values, reduced, &self.original.ranges);

@@ -94,12 +94,8 @@ impl Model {
             parameter_values: Arc::clone(&self.parameter_values),
             inputs: self.inputs.clone(),
             reduced: self.reduced.clone(),
-<<<<<<< HEAD
-            motion: self.state.as_ref().map(saved),
-            exchange: self.exchange,
-=======
             motion: self.kept_state().map(saved),
->>>>>>> a6d2710 (Equilibria and small motions: start at the nearest equilibrium, cargo fmu linearise, eigenfrequency and damping ratio as outputs)
+            exchange: self.exchange,
         }
     }
 
@@ -156,11 +152,8 @@ impl Model {
             }
         }
         share(&mut self.parameter_values, &snapshot.parameter_values);
-<<<<<<< HEAD
         self.exchange = self.exchange.map(|_| snapshot.exchange.unwrap_or_default());
-=======
         self.is_placed = snapshot.has_motion();
->>>>>>> a6d2710 (Equilibria and small motions: start at the nearest equilibrium, cargo fmu linearise, eigenfrequency and damping ratio as outputs)
         Ok(())
     }
 

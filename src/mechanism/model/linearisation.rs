@@ -241,7 +241,7 @@ impl Model {
         out.coordinate = value(motion, of(0));
         out.acceleration = value(motion, of(2));
         // At rest the speed of the coordinate changes with sigma_dot as the coordinate with sigma.
-        motion.head_along(reduced, inputs, [0.0, 1.0]);
+        motion.head_for(reduced, inputs, [0.0, 1.0], &|_| 0.0);
         let slope = motion.derivative(reduced, inputs, of(1)).unwrap_or(f64::NAN);
         let scale = if slope.abs() * reduced.scale() > TOGGLE { 1.0 / slope } else { f64::NAN };
         let outputs: Vec<Output> = what.outputs.iter().filter_map(|output| self.output_of(*output)).collect();
@@ -255,7 +255,7 @@ impl Model {
             if scale.is_nan() {
                 break;
             }
-            motion.head_along(reduced, inputs, direction);
+            motion.head_for(reduced, inputs, direction, &|_| 0.0);
             out.a[1][state] = along(motion, of(2));
             for (row, output) in out.c.iter_mut().zip(&outputs) {
                 row[state] = along(motion, *output);
@@ -263,7 +263,7 @@ impl Model {
         }
         out.d = vec![Vec::new(); outputs.len()];
         for &input in &what.inputs {
-            motion.head_for_inputs(reduced, inputs, &|index| f64::from(u8::from(index == input as usize)));
+            motion.head_for(reduced, inputs, [0.0; 2], &|index| f64::from(u8::from(index == input as usize)));
             out.b.push([0.0, along(motion, of(2))]);
             for (row, output) in out.d.iter_mut().zip(&outputs) {
                 row.push(along(motion, *output));

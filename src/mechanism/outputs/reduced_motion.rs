@@ -236,13 +236,6 @@ impl ReducedMotion {
         direction.rates.iter_mut().enumerate().for_each(|(i, rate)| *rate = seeds(i));
     }
 
-    /// Head in a direction in which sigma and sigma_dot change so and the inputs stay.
-    pub fn head_along(&mut self, reduced: &Reduced, inputs: &Inputs, along: [f64; 2]) {
-        let direction = self.direction(reduced, inputs);
-        (direction.along, direction.circuit) = (along, [0.0; CIRCUIT]);
-        direction.rates.fill(0.0);
-    }
-
     /// Head in the direction of time. Where the acceleration has no value, only derivatives without it have one.
     pub fn head_for_time(&mut self, reduced: &Reduced, inputs: &Inputs) {
         let acceleration = self.view(reduced, inputs).forces().map_or(f64::NAN, |forces| forces.acceleration);
