@@ -6,7 +6,9 @@
 //! Between two points the function is a quintic; its value, slope and curvature are continuous. It is monotone wherever
 //! the points are: the slope of a quintic is a quartic whose Bernstein coefficients are
 //!
-//!     b0 = y0', b1 = y0' + h y0'' / 4, b2 = 5 s - b0 - b1 - b3 - b4, b3 = y1' - h y1'' / 4, b4 = y1'
+//! ```text
+//! b0 = y0', b1 = y0' + h y0'' / 4, b2 = 5 s - b0 - b1 - b3 - b4, b3 = y1' - h y1'' / 4, b4 = y1'
+//! ```
 //!
 //! with the width h of the interval and its secant s, and a polynomial whose Bernstein coefficients have one sign has that
 //! sign (Dougherty, Edelman, Hyman, Math. Comp. 52 (1989), 471). Beyond the first and the last point the function is

@@ -69,8 +69,8 @@ fn the_guid_follows_the_interface_not_the_numbers() {
 #[test]
 fn the_identity_of_the_gear_is_pinned() {
     let gear = Model::from_json(GEAR).unwrap();
-    assert_eq!(gear.variables().guid(), "{32eb750e-42e1-db93-a286-a8a192c2922b}");
-    assert_eq!(gear.identity(), [0xC41D_10F5_5CA3_0863, 0x734F_ECE4_E8AF_AE83]);
+    assert_eq!(gear.variables().guid(), "{f2e9a024-8e11-d8ce-d4ce-1cd7ec9f1c5b}");
+    assert_eq!(gear.identity(), [0x8B59_61D2_7F1F_C71C, 0x734F_ECE4_E8AF_AE83]);
 }
 
 /// The gear in one formulation only.

@@ -76,8 +76,6 @@ impl<N: Reading> View<'_, N> {
     /// Force along sigma of all loads but one drive, at rest, without friction and losses.
     fn others_at_rest(&mut self, drive: usize) -> Result<N, OutputError> {
         let (sigma, influence) = (self.sigma(), self.influence(drive));
-        // The evaluation at rest takes the place of that in motion.
-        self.cache.forces = None;
         let at_rest = self.equation()?.heading(0.0, sigma, N::constant(0.0))?;
         Ok(at_rest - self.delivered(drive) * influence)
     }
@@ -107,7 +105,6 @@ impl<N: Reading> View<'_, N> {
     ) -> Result<N, OutputError> {
         let (sigma, influence) = (self.sigma(), self.influence(drive));
         let sigma_dot = if breakaway.is_some() { N::constant(0.0) } else { self.sigma_dot() };
-        self.cache.forces = None;
         let free = self.equation()?.heading(direction, sigma, sigma_dot);
         let size = self.delivered(drive);
         let Some(state_loads) = self.state_loads() else {

@@ -147,9 +147,11 @@ impl<'a, N: Reading> View<'a, N> {
         polynomial_at(&slopes, sigma.chain(position.x, scale)) * scale
     }
 
-    /// The equation of motion under the present inputs.
+    /// The equation of motion under the present inputs, for another evaluation than that of [`Self::forces`]. The forces
+    /// found before are forgotten, as delivered forces and state loads are those of the last evaluation.
     #[inline(always)]
     pub fn equation(&mut self) -> Result<EquationOfMotion<'_, N>, OutputError> {
+        self.cache.forces = None;
         let (reduced, inputs, state) = (self.reduced, self.inputs, self.state);
         let state_loads = state_loads_under(reduced, inputs)?;
         let OutputCache { scratch, direction, .. } = &mut *self.cache;
@@ -203,7 +205,6 @@ impl<'a, N: Reading> View<'a, N> {
             return false;
         }
         let direction = motion.start_direction(sigma, N::constant(0.0));
-        self.cache.forces = None;
         direction == Ok(0.0)
     }
 

@@ -431,11 +431,16 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
         let words = |text: &str| text.contains("fmi2") || text.contains(" Real");
         let fault = player.fault.take().or_else(|| fault.borrow_mut().take());
         let fault = fault.or_else(|| log.iter().find(|m| words(&m.text)).map(|m| format!("words of FMI 2.0: {m:?}")));
-        let changed = |(phase, before): (Phase, Vec<_>)| player.now.phase != phase || player.bits() != before;
+        let changed = |(phase, before): (Phase, Vec<_>)| {
+            let after = player.bits();
+            let other = before.iter().zip(&after).position(|(before, after)| before != after);
+            let value = other.map(|i| format!("value {i}: {:x?} was {:x?}", after[i], before[i]));
+            value.or((player.now.phase != phase).then(|| format!("phase {:?} was {phase:?}", player.now.phase)))
+        };
         let fault = if !fine {
             Some(format!("{status:?}, may {may:?}: {log:?}"))
-        } else if fault.is_none() && status == Status::Error && may == May::BeRefused && watched.is_some_and(changed) {
-            Some("refused, and something has changed".into())
+        } else if fault.is_none() && status == Status::Error && may == May::BeRefused {
+            watched.and_then(changed).map(|what| format!("refused, and something has changed: {what}"))
         } else {
             fault
         };
