@@ -55,7 +55,8 @@ def test_info_tells_what_fmpy_reads(command: Command, name: str) -> None:
     assert (told["fmi_version"], told["name"], told["guid"]) == (read.fmiVersion, read.modelName, read.guid)
     assert told["description"] == read.description
     assert told["generation_tool"] == read.generationTool
-    assert told["interfaces"] == {"CoSimulation": read.coSimulation.modelIdentifier}
+    kinds = {"CoSimulation": read.coSimulation, "ModelExchange": read.modelExchange}
+    assert told["interfaces"] == {kind: offered.modelIdentifier for kind, offered in kinds.items() if offered}
     assert told["platforms"] == fmpy.supported_platforms(str(fmu))
     experiment = read.defaultExperiment
     assert told["experiment"] == {
