@@ -5,7 +5,9 @@
 //!
 //! A further kind of model takes one variant of [`Component`] and of [`Snapshot`], one row in `KINDS`, and one arm in
 //! each `match` of this file. Its model has methods of the same names, whose errors convert to [`Refused`].
+mod exchange;
 mod linearise;
+mod snapshot;
 mod tables;
 pub use linearise::{Linearisation, Linearised};
 
@@ -17,7 +19,8 @@ use crate::integrator::Method;
 use crate::mechanism::Line;
 pub use crate::mechanism::Pauses;
 use crate::mechanism::{self, ModelError, Reached};
-use crate::variables::{ContinuousTime, Interface, Reference, Terminal, Vector};
+use crate::variables::{Interface, Reference, Terminal, Vector};
+pub use snapshot::Snapshot;
 use std::fmt;
 use std::sync::Arc;
 pub use tables::TABLES;
@@ -133,16 +136,6 @@ pub enum Component {
     Mechanism(mechanism::Model),
     /// A hydraulic actuator.
     Hydraulic(Box<hydraulics::Model>),
-}
-
-/// All that decides how a component goes on.
-#[expect(clippy::large_enum_variant, reason = "the calls of a mechanism pay for no indirection")]
-#[derive(Clone, Debug)]
-pub enum Snapshot {
-    /// Of a mechanism.
-    Mechanism(mechanism::Snapshot),
-    /// Of a hydraulic actuator.
-    Hydraulic(Box<hydraulics::Snapshot>),
 }
 
 type Constructor = fn(&str, Option<Arc<Sections>>) -> Result<Component, Refused>;
@@ -331,6 +324,11 @@ impl Component {
         /// Set a Real input or parameter. After a step, a parameter takes effect with the next initialisation only.
         /// Refused: no such Real, an output, a value out of range.
         fn set_real(self: &mut Self, reference: Reference, value: f64) -> ();
+        /// [`Self::set_real`] of one of several values that [`Self::check_together`] has accepted.
+        fn take_real(self: &mut Self, reference: Reference, value: f64) -> ();
+        /// Whether several Reals, each of which [`Self::check_real`] accepts, may be set together; changes nothing.
+        /// Refused: a calculated parameter would be out of range.
+        fn check_together(self: &Self, references: &[Reference], values: &[f64]) -> ();
         /// Whether [`Self::set_boolean`] would accept this value; changes nothing.
         fn check_boolean(self: &Self, reference: Reference, value: bool) -> ();
         /// Set a Boolean, as [`Self::set_real`] does.
@@ -426,71 +424,6 @@ impl Component {
         }
     }
 
-    /// The variables that a host's solver integrates; none if the model is for co-simulation only.
-    pub fn continuous_time(&self) -> Option<ContinuousTime> {
-        match self {
-            Self::Mechanism(model) => model.continuous_time(),
-            Self::Hydraulic(_) => None,
-        }
-    }
-
-    /// References of the event indicators, which are declared one after the other.
-    pub fn indicators(&self) -> std::ops::Range<Reference> {
-        match self {
-            Self::Mechanism(model) => model.indicators(),
-            Self::Hydraulic(_) => 0..0,
-        }
-    }
-
-    /// Serve model exchange from now on.
-    ///
-    /// # Errors
-    /// The model is for co-simulation only.
-    pub fn serve_exchange(&mut self) -> Result<(), Refused> {
-        Ok(self.exchanged()?.serve_exchange()?)
-    }
-
-    /// The model, of the kind that serves model exchange.
-    fn exchanged(&mut self) -> Result<&mut mechanism::Model, Refused> {
-        match self {
-            Self::Mechanism(model) => Ok(model),
-            Self::Hydraulic(_) => {
-                Err(Refused("a hydraulic actuator alone is for co-simulation only; use co-simulation".to_owned()))
-            }
-        }
-    }
-
-    /// The continuous states. Refused: the present parameters give no start.
-    pub fn continuous_states(&mut self) -> Result<[f64; 2], Refused> {
-        Ok(self.exchanged()?.continuous_states()?)
-    }
-
-    /// Scales of the continuous states. Refused: as [`Self::continuous_states`].
-    pub fn nominals(&mut self) -> Result<[f64; 2], Refused> {
-        Ok(self.exchanged()?.nominals()?)
-    }
-
-    /// Take the states that the host's solver tries.
-    ///
-    /// # Errors
-    /// A state that is not finite, or at which there is no mechanism; nothing has changed.
-    pub fn set_continuous_states(&mut self, states: [f64; 2]) -> Result<(), NoValue> {
-        Ok(self.exchanged().map_err(NoValue::Refused)?.set_continuous_states(states)?)
-    }
-
-    /// Time derivatives of the continuous states.
-    ///
-    /// # Errors
-    /// There are none at this state.
-    pub fn derivatives(&mut self) -> Result<[f64; 2], NoValue> {
-        Ok(self.exchanged().map_err(NoValue::Refused)?.derivatives()?)
-    }
-
-    /// A step of the host's solver is complete: whether event mode is to be entered. Refused: not initialised.
-    pub fn completed_step(&mut self) -> Result<bool, Refused> {
-        Ok(self.exchanged()?.completed_step()?)
-    }
-
     /// What the steps and values since the last call give reason to warn of; None mostly.
     #[inline]
     pub fn take_warning(&mut self) -> Option<String> {
@@ -564,70 +497,6 @@ impl Component {
             methods.join(", "),
             cost.rejected
         )
-    }
-
-    /// All that decides how the component goes on.
-    pub fn snapshot(&self) -> Snapshot {
-        match self {
-            Self::Mechanism(model) => Snapshot::Mechanism(model.snapshot()),
-            Self::Hydraulic(model) => Snapshot::Hydraulic(Box::new(model.snapshot())),
-        }
-    }
-
-    /// [`Self::snapshot`] into an existing snapshot of this identity, without allocation if both are in motion by the
-    /// same method.
-    #[inline]
-    pub fn snapshot_into(&self, snapshot: &mut Snapshot) {
-        match (self, snapshot) {
-            (Self::Mechanism(model), Snapshot::Mechanism(snapshot)) => model.snapshot_into(snapshot),
-            (Self::Hydraulic(model), Snapshot::Hydraulic(snapshot)) => model.snapshot_into(snapshot),
-            (component, snapshot) => *snapshot = component.snapshot(),
-        }
-    }
-
-    /// Go on from a snapshot of a component of this identity.
-    ///
-    /// # Errors
-    /// The state cannot be taken; nothing has changed.
-    #[inline]
-    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Refused> {
-        match (self, snapshot) {
-            (Self::Mechanism(model), Snapshot::Mechanism(snapshot)) => Ok(model.restore(snapshot)?),
-            (Self::Hydraulic(model), Snapshot::Hydraulic(snapshot)) => Ok(model.restore(snapshot)?),
-            _ => Err(Refused("the state is of another kind of model".to_owned())),
-        }
-    }
-
-    /// Read a snapshot that [`Snapshot::write`] has written for this identity. The component is unchanged.
-    ///
-    /// # Errors
-    /// The bytes are no snapshot, or a value is out of range.
-    pub fn read_snapshot(&self, bytes: &[u8]) -> Result<Snapshot, Refused> {
-        match self {
-            Self::Mechanism(model) => Ok(Snapshot::Mechanism(model.read_snapshot(bytes)?)),
-            Self::Hydraulic(model) => Ok(Snapshot::Hydraulic(Box::new(model.read_snapshot(bytes)?))),
-        }
-    }
-}
-
-impl Snapshot {
-    /// Whether the component was initialised.
-    pub fn is_initialized(&self) -> bool {
-        match self {
-            Self::Mechanism(snapshot) => snapshot.has_motion(),
-            Self::Hydraulic(snapshot) => snapshot.has_motion(),
-        }
-    }
-
-    /// Write all fields.
-    ///
-    /// # Errors
-    /// A count of work done is near overflow.
-    pub fn write(&self, out: &mut Vec<u8>) -> Result<(), Refused> {
-        match self {
-            Self::Mechanism(snapshot) => Ok(snapshot.write(out)?),
-            Self::Hydraulic(snapshot) => Ok(snapshot.write(out)?),
-        }
     }
 }
 

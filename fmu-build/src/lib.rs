@@ -28,6 +28,7 @@ mod platform;
 mod prebuilt;
 pub mod report;
 mod schema;
+mod shared;
 pub mod simulate;
 pub mod source;
 mod ssp;

@@ -5,7 +5,7 @@
 use crate::archive::{Entry, MODEL_DESCRIPTION};
 use crate::fmu::{self, Fmu, RESOURCES};
 use crate::workspace::Workspace;
-use crate::{files, names};
+use crate::{files, names, shared};
 use anyhow::{Context, Result, bail};
 use linkage_fmu::component::Component;
 use linkage_fmu::fmi::LARGEST_DEFINITION;
@@ -103,14 +103,16 @@ impl Source {
         files.into_iter().find(|file| own.ends_with(file)).unwrap_or(files[0])
     }
 
-    /// The definition's text.
+    /// The definition's text, with the contents of the file of shared parameters that it names.
     ///
     /// # Errors
     /// The file cannot be read, is larger than an FMU reads, or is not UTF-8.
     pub fn text(&self) -> Result<String> {
         let path = self.definition.display();
         let bytes = files::read(&self.definition, LARGEST_DEFINITION)?;
-        String::from_utf8(bytes).ok().with_context(|| format!("{path}: is not UTF-8 text; save it as UTF-8"))
+        let text = String::from_utf8(bytes).ok();
+        let text = text.with_context(|| format!("{path}: is not UTF-8 text; save it as UTF-8"))?;
+        shared::completed(&self.definition, text)
     }
 
     /// The text about the model beside its definition, in Markdown; none of a definition file named by itself.

@@ -4,18 +4,22 @@
 //! In: the text of a file. Out: a value of the definition's type, or an error for whoever writes the file. It must not
 //! know what any definition says.
 mod experiment;
+mod expression;
 mod named;
+mod numbers;
 mod parameter;
 mod strict;
 
 pub use experiment::Experiment;
+pub use expression::{Expression, LONGEST_EXPRESSION, is_reserved};
 pub use named::Named;
+pub use numbers::{Numbers, index_of};
 pub use parameter::{Flag, Owner, Parameter, Range};
-pub use strict::Strict;
 
 use serde::de::DeserializeOwned;
 use serde_path_to_error::{Path, Segment};
 use std::fmt::{self, Display};
+use strict::Strict;
 
 /// A refused definition; the text names the key, the value and what is allowed.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,6 +116,14 @@ pub const LARGEST_DEFINITION: u64 = 16 << 20;
 /// # Errors
 /// More than [`LARGEST_DEFINITION`]; the path of the key at which the parser stopped, with its message.
 pub fn read<T: DeserializeOwned>(kind: &str, text: &str) -> Result<T, DefinitionError> {
+    read_with(kind, text, &Numbers::default())
+}
+
+/// [`read`] with what becomes of expressions in the place of numbers.
+///
+/// # Errors
+/// As [`read`]; a value of `numbers` that is none.
+pub fn read_with<T: DeserializeOwned>(kind: &str, text: &str, numbers: &Numbers) -> Result<T, DefinitionError> {
     if text.len() as u64 > LARGEST_DEFINITION {
         let message = format!("it has {} bytes, and a definition at most {LARGEST_DEFINITION}", text.len());
         return Err(DefinitionError::key(format!("no {kind}"), message));
@@ -123,7 +135,7 @@ pub fn read<T: DeserializeOwned>(kind: &str, text: &str) -> Result<T, Definition
         let message = message(error, text, key.is_empty());
         DefinitionError::key(if key.is_empty() { format!("no {kind}") } else { key }, message)
     };
-    let read = serde_path_to_error::deserialize(Strict(&mut json))
+    let read = serde_path_to_error::deserialize(Strict::new(&mut json, numbers))
         .map_err(|error| malformed(key(error.path()), error.inner()))?;
     json.end().map(|()| read).map_err(|error| malformed(String::new(), &error))
 }

@@ -26,6 +26,8 @@ pub enum Range {
     Fraction,
     /// From 0 to 1.
     Unit,
+    /// A pressure angle of teeth [rad]: from teeth that push along the motion to some that would hardly move anything.
+    Pressure,
     /// A polytropic exponent: from an isothermal change of state to one steeper than any adiabatic one.
     Polytropic,
     /// A relative tolerance: below, rounding takes over; above, the error estimate means nothing.
@@ -49,6 +51,7 @@ impl Range {
             Self::Turn => (value.abs() <= 1e6, "an angle from -1e6 rad to 1e6 rad"),
             Self::Fraction => (value > 0.0 && value <= 1.0, "a number > 0 and <= 1"),
             Self::Unit => ((0.0..=1.0).contains(&value), "a number from 0 to 1"),
+            Self::Pressure => ((0.0..=1.2).contains(&value), "an angle from 0 to 1.2 rad"),
             Self::Polytropic => ((1.0..=2.0).contains(&value), "a number from 1 to 2"),
             Self::Tolerance => ((1e-14..=1e-1).contains(&value), "a number from 1e-14 to 1e-1"),
             Self::Count => ((1.0..=1e15).contains(&value) && value.fract() == 0.0, "a whole number from 1 to 1e15"),

@@ -255,6 +255,22 @@ impl Model {
         Err(self.no_such(reference, "Boolean"))
     }
 
+    /// Whether several Reals may be set together: always, if each may be set.
+    ///
+    /// # Errors
+    /// None.
+    pub fn check_together(&self, _references: &[Reference], _values: &[f64]) -> Result<(), HydraulicsError> {
+        Ok(())
+    }
+
+    /// [`Self::set_real`] of one of several values.
+    ///
+    /// # Errors
+    /// As [`Self::set_real`].
+    pub fn take_real(&mut self, reference: Reference, value: f64) -> Result<(), HydraulicsError> {
+        self.set_real(reference, value)
+    }
+
     /// Whether [`Self::set_boolean`] would accept this value.
     ///
     /// # Errors

@@ -38,7 +38,7 @@ pub fn decides_reduced(role: Role, is_part: bool) -> bool {
     match role {
         Role::Geometry | Role::Inertia | Role::Load | Role::Scale | Role::Circuit => true,
         Role::StartPosition => is_part,
-        Role::StartSpeed | Role::Elasticity | Role::Tolerance | Role::CircuitStart => false,
+        Role::StartSpeed | Role::Elasticity | Role::Tolerance | Role::CircuitStart | Role::Named => false,
     }
 }
 

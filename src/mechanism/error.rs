@@ -1,7 +1,7 @@
 //! Errors of a model.
 use crate::codec::record::Damaged;
 use crate::integrator::IntegrationError;
-use crate::mechanism::definition::DefinitionError;
+use crate::mechanism::definition::{DefinitionError, Fault};
 use crate::mechanism::reduced::{End, Reduced, ReductionError};
 use crate::mechanism::rigid_fem::RigidFemError;
 use crate::numerics::decimal::Decimal;
@@ -34,6 +34,10 @@ pub enum ModelError {
     StopPassed { name: String, value: f64, time: f64 },
     /// A derivative that cannot be read or set, with reason and remedy.
     Derivative { what: String, reason: String },
+    /// A parameter was to be set that follows from others: its expression, and the names of those that decide it.
+    Calculated { name: String, text: String, names: Vec<String> },
+    /// Parameters whose values make that of an expression one that it must not have.
+    Follows { set: Vec<(String, f64)>, fault: Box<Fault> },
     /// An output was to be set.
     Output { name: String },
     /// An output is not smooth along the motion, near this position of the linkage.
@@ -66,6 +70,9 @@ pub enum ModelError {
     Stroke { name: String, length: f64, lengths: [f64; 2], what: String },
     /// The absolute pressure of a chamber has come to 0.
     Vacuum { chamber: &'static str },
+    /// A prescribed motion that the mechanism cannot make: the quantity of its drive, the value asked for, the time from
+    /// the beginning of the step [s], and why not, with limit and remedy.
+    Prescribed { name: String, value: f64, time: f64, why: String },
     /// An input so large that its load or its work overflows: its name and largest size in the step.
     LoadOverflow { name: String, value: f64 },
     /// A step met `solver.max_steps`: the time from its beginning to the state reached [s], and what took so many
@@ -79,7 +86,11 @@ impl ModelError {
     pub fn ends_step(&self) -> bool {
         match self {
             Self::Integration(_) | Self::Locked { .. } | Self::Travel { .. } | Self::StopPassed { .. } => true,
-            Self::Overflow { .. } | Self::Stroke { .. } | Self::Vacuum { .. } | Self::Stuck { .. } => true,
+            Self::Prescribed { .. }
+            | Self::Overflow { .. }
+            | Self::Stroke { .. }
+            | Self::Vacuum { .. }
+            | Self::Stuck { .. } => true,
             Self::RigidFem(error) => matches!(error, RigidFemError::Equilibrium { .. } | RigidFemError::Strain { .. }),
             _ => false,
         }
@@ -146,6 +157,25 @@ impl fmt::Display for ModelError {
                 Decimal(*time)
             ),
             Self::Derivative { what, reason } => write!(f, "{what}: {reason}"),
+            Self::Calculated { name, text, names } => {
+                let remedy = match names.as_slice() {
+                    [] => "change the number in the definition".to_owned(),
+                    names => format!("set {}", names.join(" or ")),
+                };
+                write!(f, "{name} is calculated, \"{text}\", and cannot be set: {remedy}")
+            }
+            Self::Follows { set, fault } => {
+                let set: Vec<String> =
+                    set.iter().map(|(name, value)| format!("{name} = {}", Decimal(*value))).collect();
+                let Fault { name, text, value, allowed, because } = &**fault;
+                write!(
+                    f,
+                    "{}: {name} = \"{text}\" would be {}, which must be {allowed}{because}; set other values, or those \
+                     that go together in one call",
+                    set.join(", "),
+                    Decimal(*value)
+                )
+            }
             Self::Output { name } => write!(f, "{name} is an output and cannot be set"),
             Self::Table { name, position } => write!(
                 f,
@@ -216,6 +246,10 @@ impl fmt::Display for ModelError {
                 Decimal(*value),
                 f64::MAX
             ),
+            Self::Prescribed { name, value, time, why } => {
+                let (value, time) = (Decimal::rounded(*value), Decimal::rounded(*time));
+                write!(f, "{name} = {value} is prescribed {time} s into the step: {why}")
+            }
             Self::Interrupted { why, .. } => f.write_str(why),
             Self::Travel { position, reason } => {
                 write!(f, "the motion has gone past the end of its travel at {position}: {reason}")

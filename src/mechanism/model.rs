@@ -8,9 +8,10 @@ mod exchange;
 mod linearisation;
 mod occurrences;
 mod undefined;
+mod values;
 mod warnings;
 
-use super::designs::{Designs, decides_reduced};
+use super::designs::Designs;
 use super::dynamics::inputs::{InputPolynomial, Inputs};
 use super::error::ModelError;
 use super::fem_motion::RigidFemMotion;
@@ -26,7 +27,7 @@ use crate::inspection::Finding;
 use crate::integrator::Statistics;
 use crate::mechanism::definition::{Mechanism, Method, Range, Role};
 use crate::mechanism::reduced::Reduced;
-use crate::variables::{Reference, Value, Variables};
+use crate::variables::{Value, Variables};
 pub use derivatives::{INPUT_ORDER, OUTPUT_ORDER};
 pub use exchange::{Exchange, NoValue};
 pub use linearisation::{Linearisation, Linearised};
@@ -119,7 +120,7 @@ impl Model {
         for (v, reference) in variables.list().iter().zip(0..) {
             match (variables.quantity(reference), &v.start) {
                 (Some(Quantity::Input(_)), Some(Value::Real(x))) => reals.push(*x),
-                (Some(Quantity::Lock(_)), Some(Value::Boolean(x))) => locks.push(*x),
+                (Some(Quantity::Lock(_) | Quantity::Prescribed), Some(Value::Boolean(x))) => locks.push(*x),
                 // The force of a drive with a circuit is in the place of an input, which stays 0.
                 (Some(Quantity::Output(Output::Hydraulic(Hydraulic::Force))), _) => reals.push(0.0),
                 _ => {}
@@ -168,211 +169,6 @@ impl Model {
             self.reduced = Some(reduced);
         }
         self.reduced.as_ref().ok_or(ModelError::NotInitialised)
-    }
-
-    /// Present value of a Real: output, input or parameter. Computed when first read in a state. NaN for an output that
-    /// has no value in this state, of which [`Self::undefined`] tells why.
-    ///
-    /// # Errors
-    /// No Real has this reference, or the present parameters give no mechanism.
-    #[inline]
-    pub fn real(&mut self, reference: Reference) -> Result<f64, ModelError> {
-        match self.original.variables.quantity(reference) {
-            Some(Quantity::Parameter(i)) => Ok(self.parameter_values.parameters[i]),
-            Some(Quantity::Input(i)) => Ok(self.inputs.reals[i]),
-            Some(Quantity::Output(Output::Drift)) if self.exchange.is_some() => Ok(f64::NAN),
-            Some(Quantity::Output(output)) => {
-                if self.state.is_none() {
-                    self.state()?;
-                }
-                let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) else {
-                    return Err(ModelError::NotInitialised);
-                };
-                let value = match state {
-                    Formulation::Reduced(motion) => motion.output(reduced, &self.inputs, output),
-                    Formulation::RigidFem(motion) => motion.output(reduced, &self.inputs, output),
-                };
-                Ok(value.ok().filter(|value| value.is_finite()).unwrap_or(f64::NAN))
-            }
-            Some(Quantity::State(order)) => self.state_of_motion(order),
-            Some(Quantity::Indicator(indicator)) => self.indicator(indicator),
-            _ => Err(self.no_such(reference, "Real")),
-        }
-    }
-
-    /// Whether [`Self::set_real`] would accept this value; changes nothing.
-    ///
-    /// # Errors
-    /// No Real has this reference, it is an output, or the value is out of range.
-    pub fn check_real(&self, reference: Reference, value: f64) -> Result<(), ModelError> {
-        let name = || self.name_of(reference);
-        let range = match self.original.variables.quantity(reference) {
-            Some(Quantity::Parameter(i)) => self.original.ranges[i].0,
-            Some(Quantity::Input(_)) => Range::Finite,
-            Some(Quantity::Output(_) | Quantity::State(_) | Quantity::Indicator(_)) => {
-                return Err(ModelError::Output { name: name() });
-            }
-            _ => return Err(self.no_such(reference, "Real")),
-        };
-        if range.contains(value) {
-            return Ok(());
-        }
-        Err(ModelError::Value { name: name(), value, allowed: range.text() })
-    }
-
-    /// Set an input or a parameter. After a step, a parameter takes effect with the next initialisation only.
-    ///
-    /// # Errors
-    /// As [`Self::check_real`].
-    pub fn set_real(&mut self, reference: Reference, value: f64) -> Result<(), ModelError> {
-        self.check_real(reference, value)?;
-        match self.original.variables.quantity(reference) {
-            Some(Quantity::Input(i)) => {
-                self.inputs.signal.value_set(i);
-                if self.inputs.reals[i].to_bits() == value.to_bits() {
-                    return Ok(());
-                }
-                self.inputs.reals[i] = value;
-                if !self.is_placed && self.parameter_values.starts_at_equilibrium() {
-                    self.state = None;
-                }
-                if let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) {
-                    let loads = reduced.loading().inputs.len();
-                    match state {
-                        Formulation::Reduced(motion) => {
-                            motion.set_input(i, loads, value);
-                            motion.state.fill_accumulator(reduced, i, value);
-                        }
-                        Formulation::RigidFem(motion) => motion.set_input(i, loads, value),
-                    }
-                }
-            }
-            Some(Quantity::Parameter(i)) if self.parameter_values.parameters[i].to_bits() != value.to_bits() => {
-                let values = Arc::make_mut(&mut self.parameter_values);
-                values.parameters[i] = value;
-                values.changed();
-                self.state = None;
-                let is_part = self.reduced.as_ref().is_some_and(|reduced| reduced.is_part());
-                if decides_reduced(self.original.ranges[i].1, is_part) {
-                    self.reduced = None;
-                }
-            }
-            _ => {}
-        }
-        Ok(())
-    }
-
-    /// Present value of a Boolean.
-    ///
-    /// # Errors
-    /// No Boolean has this reference, or the present parameters give no mechanism.
-    pub fn boolean(&mut self, reference: Reference) -> Result<bool, ModelError> {
-        match self.original.variables.quantity(reference) {
-            Some(Quantity::Flag(i)) => Ok(self.parameter_values.flags[i]),
-            Some(Quantity::Lock(i)) => Ok(self.inputs.locks[i]),
-            Some(Quantity::AtStop(stop)) => {
-                let reduced = Arc::clone(self.reduced()?);
-                Ok(self.state()?.along_curve().at_stop(&reduced, stop))
-            }
-            Some(quantity @ (Quantity::SelfLocking(_) | Quantity::Sticking)) => {
-                self.state()?;
-                let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) else {
-                    return Err(ModelError::NotInitialised);
-                };
-                let motion = match state {
-                    Formulation::Reduced(motion) => motion,
-                    Formulation::RigidFem(motion) => &mut motion.rigid,
-                };
-                Ok(match quantity {
-                    Quantity::SelfLocking(drive) => motion.self_locking(reduced, &self.inputs, drive),
-                    _ => motion.sticking(reduced, &self.inputs),
-                })
-            }
-            _ => Err(self.no_such(reference, "Boolean")),
-        }
-    }
-
-    /// Whether [`Self::set_boolean`] would accept this value; changes nothing.
-    ///
-    /// # Errors
-    /// No Boolean has this reference, or it is an output.
-    pub fn check_boolean(&self, reference: Reference, _value: bool) -> Result<(), ModelError> {
-        match self.original.variables.quantity(reference) {
-            Some(Quantity::Flag(_) | Quantity::Lock(_)) => Ok(()),
-            Some(Quantity::AtStop(_) | Quantity::SelfLocking(_) | Quantity::Sticking) => {
-                Err(ModelError::Output { name: self.name_of(reference) })
-            }
-            _ => Err(self.no_such(reference, "Boolean")),
-        }
-    }
-
-    /// Set a Boolean input or parameter. After a step, a parameter takes effect with the next initialisation only.
-    ///
-    /// # Errors
-    /// As [`Self::check_boolean`].
-    pub fn set_boolean(&mut self, reference: Reference, value: bool) -> Result<(), ModelError> {
-        self.check_boolean(reference, value)?;
-        match self.original.variables.quantity(reference) {
-            Some(Quantity::Lock(i)) if self.inputs.locks[i] != value => {
-                self.inputs.locks[i] = value;
-                match &mut self.state {
-                    Some(Formulation::Reduced(motion)) => motion.set_lock(),
-                    Some(Formulation::RigidFem(motion)) => motion.rigid.set_lock(),
-                    None => {}
-                }
-            }
-            Some(Quantity::Flag(i)) if self.parameter_values.flags[i] != value => {
-                let values = Arc::make_mut(&mut self.parameter_values);
-                values.flags[i] = value;
-                values.changed();
-                (self.state, self.reduced) = (None, None);
-            }
-            _ => {}
-        }
-        Ok(())
-    }
-
-    /// Present value of a String.
-    ///
-    /// # Errors
-    /// No String has this reference.
-    pub fn text(&self, reference: Reference) -> Result<&'static str, ModelError> {
-        match self.original.variables.quantity(reference) {
-            Some(Quantity::Method) => Ok(self.parameter_values.method().word()),
-            _ => Err(self.no_such(reference, "String")),
-        }
-    }
-
-    /// Whether [`Self::set_text`] would accept this value; changes nothing.
-    ///
-    /// # Errors
-    /// No String has this reference, or the text is none of its words.
-    pub fn check_text(&self, reference: Reference, value: &str) -> Result<(), ModelError> {
-        self.method_of(reference, value).map(|_| ())
-    }
-
-    /// Set a String parameter. After a step, it takes effect with the next initialisation only.
-    ///
-    /// # Errors
-    /// As [`Self::check_text`].
-    pub fn set_text(&mut self, reference: Reference, value: &str) -> Result<(), ModelError> {
-        let method = self.method_of(reference, value)?;
-        if self.parameter_values.method() != method {
-            Arc::make_mut(&mut self.parameter_values).set_method(method);
-            self.state = None;
-            self.inputs.signal.clear();
-        }
-        Ok(())
-    }
-
-    fn method_of(&self, reference: Reference, value: &str) -> Result<Method, ModelError> {
-        match self.original.variables.quantity(reference) {
-            Some(Quantity::Method) => Method::of_word(value).ok_or_else(|| {
-                let words = Method::ALL.map(|method| format!("\"{}\"", method.word()));
-                ModelError::Text { name: self.name_of(reference), value: value.into(), allowed: words.join(" or ") }
-            }),
-            _ => Err(self.no_such(reference, "String")),
-        }
     }
 
     /// Override the relative tolerance of the integration; the same as setting solver.tolerance.
@@ -457,11 +253,18 @@ impl Model {
             }
             Formulation::RigidFem(motion) => motion.step(reduced, &self.inputs, h, solver).map(|()| Reached::End),
         };
-        if self.inputs.signal.ahead {
-            match stepped {
-                Ok(reached) => self.leave_inputs_at(reached.time(h)),
-                Err(ModelError::Interrupted { time, .. }) => self.leave_inputs_at(time),
-                Err(_) => {}
+        let moves = reduced.loading().motion.as_ref().filter(|_| self.inputs.prescribes());
+        if self.inputs.signal.ahead || moves.is_some() {
+            let time = match stepped {
+                Ok(reached) => Some(reached.time(h)),
+                Err(ModelError::Interrupted { time, .. }) => Some(time),
+                Err(_) => None,
+            };
+            if let (Some(drive), Some(time)) = (moves, time) {
+                self.inputs.move_on(drive, time);
+            }
+            if let (true, Some(time)) = (self.inputs.signal.ahead, time) {
+                self.leave_inputs_at(time);
             }
         }
         if let (Some(command), Ok(_)) = (clipped, &stepped) {
@@ -530,17 +333,6 @@ impl Model {
             });
         }
         self.state.as_mut().ok_or(ModelError::NotInitialised)
-    }
-
-    /// Name of a variable; empty if there is none.
-    fn name_of(&self, reference: Reference) -> String {
-        self.original.variables.get(reference).map_or_else(String::new, |v| v.name.clone())
-    }
-
-    fn no_such(&self, reference: Reference, kind: &'static str) -> ModelError {
-        let list = self.original.variables.list();
-        let own = list.get(reference as usize).map(|variable| (variable.name.clone(), variable.kind.word()));
-        ModelError::Reference { reference, own, kind, count: list.len() }
     }
 }
 

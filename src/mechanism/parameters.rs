@@ -1,6 +1,6 @@
 //! The present parameters of a mechanism, and a hash of what no parameter changes.
 use crate::codec::checksum::fnv1a;
-use crate::mechanism::definition::{Experiment, Mechanism, Method};
+use crate::mechanism::definition::{Experiment, Expressions, Mechanism, Method};
 use crate::numerics::bits::same_bits;
 use std::sync::Arc;
 
@@ -12,6 +12,8 @@ pub struct ParameterValues {
     mechanism: Arc<Mechanism>,
     /// Whether values have changed since they were written into the mechanism.
     is_stale: bool,
+    /// Which parameters follow from others.
+    expressions: Expressions,
     /// Numeric parameters, in the order of [`Mechanism::parameters`].
     pub parameters: Vec<f64>,
     /// Boolean parameters, in the order of [`Mechanism::flags`].
@@ -26,7 +28,8 @@ impl ParameterValues {
         mechanism.parameters(&mut |_, value| parameters.push(*value));
         mechanism.flags(&mut |_, value| flags.push(*value));
         let method = mechanism.solver.method;
-        Self { mechanism: Arc::new(mechanism), is_stale: false, parameters, flags, method }
+        let expressions = mechanism.expressions.clone();
+        Self { mechanism: Arc::new(mechanism), is_stale: false, expressions, parameters, flags, method }
     }
 
     /// The definition with the present values, once they are [settled](Self::settle).
@@ -39,6 +42,28 @@ impl ParameterValues {
     /// of many.
     pub fn changed(&mut self) {
         self.is_stale = true;
+    }
+
+    /// Which parameters follow from others.
+    #[inline]
+    pub fn expressions(&self) -> &Expressions {
+        &self.expressions
+    }
+
+    /// Give a parameter this value, and those that follow from it theirs; `changed` is called with the index of each that
+    /// has changed.
+    pub fn set(&mut self, index: usize, value: f64, mut changed: impl FnMut(usize)) {
+        self.parameters[index] = value;
+        changed(index);
+        let Self { expressions, parameters, .. } = self;
+        for calculated in expressions.iter() {
+            let before = parameters[calculated.index];
+            calculated.compute(parameters);
+            if parameters[calculated.index].to_bits() != before.to_bits() {
+                changed(calculated.index);
+            }
+        }
+        self.changed();
     }
 
     /// Choose the formulation of the motion.
@@ -54,9 +79,10 @@ impl ParameterValues {
         }
     }
 
-    /// Whether the mechanism starts at an equilibrium, which no parameter changes.
-    pub fn starts_at_equilibrium(&self) -> bool {
-        self.mechanism.start.equilibrium
+    /// Whether inputs decide where the mechanism starts, which no parameter changes: at an equilibrium, or where the
+    /// motion of a drive is prescribed.
+    pub fn starts_by_inputs(&self) -> bool {
+        self.mechanism.start.equilibrium || self.mechanism.motion_drive().is_some()
     }
 
     pub fn method(&self) -> Method {
@@ -101,6 +127,15 @@ pub fn fingerprint(mechanism: &Mechanism) -> u64 {
     bare.solver.method = bare.solver.method.map(|_| Method::default());
     (bare.schema, bare.experiment) = (None, Experiment::default());
     bare.description.clear();
+    if let Some(shared) = &mut bare.shared {
+        shared.file.clear();
+        shared.contents.iter_mut().for_each(|contents| {
+            (contents.schema, contents.description) = (None, String::new());
+        });
+    }
+    let shared = bare.shared.iter_mut().flat_map(|shared| &mut shared.contents);
+    let named = shared.flat_map(|contents| contents.parameters.iter_mut()).chain(bare.parameters.iter_mut());
+    named.for_each(|(_, parameter)| parameter.description.clear());
     if let Some(gravity) = &mut bare.gravity {
         gravity.load_factor = 0.0;
     }
@@ -109,6 +144,9 @@ pub fn fingerprint(mechanism: &Mechanism) -> u64 {
     }
     for (_, actuator) in bare.actuators.iter_mut() {
         (actuator.force, actuator.torque) = (actuator.force.map(|_| 0.0), actuator.torque.map(|_| 0.0));
+        if let Some(motion) = &mut actuator.motion {
+            (motion.enabled, motion.position) = (false, motion.position.map(|_| 0.0));
+        }
         if let Some(circuit) = &mut actuator.hydraulics {
             (circuit.supply.pressure, circuit.tank.pressure) = (0.0, 0.0);
         }

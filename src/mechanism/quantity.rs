@@ -13,6 +13,8 @@ pub enum Quantity {
     Method,
     /// Whether a lock is engaged.
     Lock(usize),
+    /// Whether the motion of a drive is prescribed.
+    Prescribed,
     /// Whether the mechanism is at a stop.
     AtStop(usize),
     /// Whether friction locks the mechanism against a drive, which has the index of its load.
@@ -58,6 +60,9 @@ pub enum Output {
     Displacement { load: usize, order: usize },
     /// A term of the mechanism reduced to a drive, which has the index of its load.
     OneElement { drive: usize, term: OneElement },
+    /// Force or torque with which a drive acts, by the index of its load: that of the input, or that which its prescribed
+    /// motion takes.
+    ActingForce { drive: usize },
     /// Force or torque of a spring and damper.
     SpringForce { spring: usize },
     /// Position of a marker along the axis 0 for x or 1 for y.

@@ -11,12 +11,13 @@ use crate::mechanism::loads::unit_load::{Load, Wrench};
 use crate::numerics::plane::{Vec2, cross, perp};
 use nalgebra::{DMatrix, DVector};
 
-/// Reaction of a joint: force and moment of its first-named body on its second.
+/// Reaction of a joint or a coupling: force and moment of its first-named body on its second.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reaction {
     /// Force in the mechanism frame [N].
     pub force: Vec2,
-    /// Moment about the second body's point [N.m]; 0 in a revolute joint.
+    /// Moment about the second body's point [N.m]; 0 in a revolute joint. Of a coupling the force that it transmits along
+    /// the motion [N].
     pub moment: f64,
 }
 
@@ -136,6 +137,13 @@ impl Columns {
                 }
             });
             reactions.chunks_exact_mut(joints).for_each(|term| self_stresses.subtract_from(term));
+            for (term, reactions) in (skipped + SIDE * block..).zip(reactions.chunks_exact_mut(joints)) {
+                // The force of a coupling that does no work is a part of its reaction.
+                if let Some(Load::Separation { coupling }) = term.checked_sub(2).map(|load| &loads[load]) {
+                    let coupling = &linkage.couplings[*coupling];
+                    reactions[coupling.joint].force += linkage.contact(coupling, &c.positions).apart;
+                }
+            }
         }
         &self.reactions
     }
@@ -176,7 +184,7 @@ impl SelfStresses {
             }
         }
         // A prismatic joint outside the tree connects bodies of one angle: its moment is indeterminate.
-        for &joint in linkage.cuts.iter().filter(|&&j| linkage.joints[j].freedom != Freedom::Revolute) {
+        for &joint in linkage.cuts.iter().filter(|&&j| matches!(linkage.joints[j].freedom, Freedom::Prismatic(_))) {
             terms.all_multipliers.clear();
             terms.all_multipliers.resize(linkage.rows(), [0.0]);
             state(&mut terms, Some(joint));
@@ -286,24 +294,28 @@ impl<const N: usize> Terms<N> {
         for &j in &linkage.cuts {
             let joint = &linkage.joints[j];
             let multipliers = &self.all_multipliers[row..];
+            let along = |v: Vec2| [v.x, v.y].map(|n| multipliers[0].map(|f| f * n));
+            let (mut at, mut moment) = (p.point(joint.second), [if twisted == Some(j) { 1.0 } else { 0.0 }; N]);
+            let mut given = moment;
             let force = match joint.freedom {
                 Freedom::Revolute => [multipliers[0], multipliers[1]],
-                Freedom::Prismatic(axis) => {
-                    let normal = perp(p.vector(joint.first.body, axis));
-                    [normal.x, normal.y].map(|n| multipliers[0].map(|f| f * n))
+                Freedom::Prismatic(axis) => along(perp(p.vector(joint.first.body, axis))),
+                Freedom::Coupling(index) => {
+                    let contact = linkage.contact(&linkage.couplings[index], p);
+                    (at, moment) = (contact.at, multipliers[0].map(|f| f * contact.moment));
+                    given = multipliers[0].map(|f| f * contact.transmitted);
+                    along(contact.force)
                 }
             };
             row += joint.freedom.rows();
-            let at = p.point(joint.second);
             for (body, sign) in [(joint.second.body, -1.0), (joint.first.body, 1.0)] {
                 demand[body].add(sign, at - p.origin[body], &force);
             }
-            let moment = if twisted == Some(j) { 1.0 } else { 0.0 };
-            for i in 0..N {
+            for (i, moment) in moment.into_iter().enumerate() {
                 demand[joint.second.body].moment[i] -= moment;
                 demand[joint.first.body].moment[i] += moment;
             }
-            give(j, force, [moment; N]);
+            give(j, force, given);
         }
         // Joints of the tree, from the outermost inward: each gives its child the rest of the child's demand.
         for branch in linkage.tree.iter().rev() {

@@ -99,10 +99,10 @@ impl Model {
         }
     }
 
-    /// The state, but for one at an equilibrium that an input would still move: it is sought again.
+    /// The state, but for one that an input would still move to another start: it is sought again.
     #[inline]
     fn kept_state(&self) -> Option<&Formulation> {
-        self.state.as_ref().filter(|_| self.is_placed || !self.parameter_values.starts_at_equilibrium())
+        self.state.as_ref().filter(|_| self.is_placed || !self.parameter_values.starts_by_inputs())
     }
 
     /// [`Self::snapshot`] into an existing snapshot of this mechanism; without allocation if the existing snapshot has
@@ -215,6 +215,11 @@ impl Model {
                 return Err(ModelError::Value { name, value: *value, allowed: range.text() });
             }
         }
+        let mut computed = parameter_values.parameters.clone();
+        parameter_values.expressions().compute(&mut computed);
+        if !same_bits(&computed, &parameter_values.parameters) {
+            return Err(Damaged("a calculated parameter has not the value of its expression".to_owned()).into());
+        }
         parameter_values.changed();
         let mut parameter_values = Arc::new(parameter_values);
         let own = &self.parameter_values;
@@ -249,7 +254,8 @@ impl Model {
         }
     }
 
-    fn parameter_name(&self, index: usize) -> String {
+    /// Name of the parameter with this index.
+    pub(super) fn parameter_name(&self, index: usize) -> String {
         let list = self.original.variables.list().iter().enumerate();
         let is = |i: usize| self.original.variables.quantity(i as u32) == Some(Quantity::Parameter(index));
         list.filter(|(i, _)| is(*i)).map(|(_, variable)| variable.name.clone()).collect()

@@ -8,6 +8,7 @@ pub mod dual;
 pub mod enclosure;
 pub mod gapped;
 pub mod gauss;
+pub mod kronrod;
 pub mod monotone;
 pub mod passage;
 pub mod plane;

@@ -54,6 +54,13 @@ impl Piece {
         let curvature = 2.0 * half_curvature / self.width.powi(2);
         [value, slope / self.width, curvature, self.integral + self.width * t * integral]
     }
+
+    /// Third derivative at x.
+    fn third(&self, x: f64) -> f64 {
+        let t = (x - self.start) / self.width;
+        let [_, _, _, c3, c4, c5] = self.coefficients;
+        (6.0 * c3 + t * (24.0 * c4 + t * 60.0 * c5)) / self.width.powi(3)
+    }
 }
 
 impl Monotone {
@@ -109,6 +116,14 @@ impl Monotone {
     pub fn at(&self, x: f64) -> [f64; 3] {
         let [value, slope, curvature, _] = self.parts(x);
         [value, slope, curvature]
+    }
+
+    /// Third derivative at x; at a point that beyond it.
+    pub fn third(&self, x: f64) -> f64 {
+        if x < self.knots[0] || x >= self.knots[self.knots.len() - 1] {
+            return 0.0;
+        }
+        self.pieces[self.knots.partition_point(|knot| *knot <= x) - 1].third(x)
     }
 
     /// Integral from the first point to x.

@@ -63,6 +63,8 @@ impl Kind {
 pub enum Causality {
     /// Fixed by the host before the simulation; `initial` is exact.
     Parameter,
+    /// Computed here from parameters; `initial` is calculated.
+    CalculatedParameter,
     /// Set by the host between steps; carries no `initial`.
     Input,
     /// Computed here; `initial` is calculated.
@@ -76,6 +78,7 @@ impl Causality {
     pub fn word(self) -> &'static str {
         match self {
             Self::Parameter => "Parameter",
+            Self::CalculatedParameter => "CalculatedParameter",
             Self::Input => "Input",
             Self::Output => "Output",
             Self::Local => "Local",
@@ -133,7 +136,8 @@ pub struct Variable {
     pub unit: Option<Unit>,
     /// Start value: of every parameter and input, of nothing that is computed.
     pub start: Option<Value>,
-    /// Of an output: the inputs on which its present value depends, ascending. Else empty.
+    /// Of an output: the inputs on which its present value depends, ascending. Of a calculated parameter: the parameters
+    /// that decide it, ascending. Else empty.
     pub dependencies: Vec<Reference>,
 }
 

@@ -38,6 +38,41 @@ pub enum Unit {
 }
 
 impl Unit {
+    /// All units.
+    pub const ALL: [Self; 31] = [
+        Self::One,
+        Self::Radian,
+        Self::RadianPerSecond,
+        Self::RadianPerSecondSquared,
+        Self::Second,
+        Self::Metre,
+        Self::SquareMetre,
+        Self::MetrePerSecond,
+        Self::MetrePerSecondSquared,
+        Self::Kilogram,
+        Self::KilogramSquareMetre,
+        Self::KilogramPerCubicMetre,
+        Self::Newton,
+        Self::NewtonMetre,
+        Self::Joule,
+        Self::NewtonPerMetre,
+        Self::NewtonSecondPerMetre,
+        Self::NewtonMetrePerRadian,
+        Self::NewtonMetreSecondPerRadian,
+        Self::KilogramPerMetre,
+        Self::KilogramSquareMetrePerRadian,
+        Self::PerSecond,
+        Self::Hertz,
+        Self::Pascal,
+        Self::CubicMetre,
+        Self::CubicMetrePerSecond,
+        Self::CubicMetrePerSecondPascal,
+        Self::Watt,
+        Self::NewtonPerSecond,
+        Self::NewtonSecond,
+        Self::KilogramSquareMetrePerSecond,
+    ];
+
     /// Name, and exponents of kg, m, s and rad.
     const fn row(self) -> (&'static str, [i8; 4]) {
         match self {

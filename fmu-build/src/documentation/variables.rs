@@ -57,6 +57,12 @@ pub fn tables(interface: &Interface) -> Vec<Table> {
             Causality::Parameter,
         ),
         (
+            "calculated",
+            "Calculated parameters",
+            "They follow from the parameters that the last column names, by the expression at the end of the description.",
+            Causality::CalculatedParameter,
+        ),
+        (
             "locals",
             "Local variables",
             "Where each body is, for whoever draws it: its origin in the mechanism frame, and the matrix of rotation by \
@@ -74,7 +80,7 @@ pub fn tables(interface: &Interface) -> Vec<Table> {
         let rows: Vec<Row> = of_kind().take(MOST_ROWS).map(|variable| row(variable, interface, &inputs)).collect();
         let left_out = of_kind().count() - rows.len();
         let has_starts = matches!(causality, Causality::Input | Causality::Parameter);
-        let has_dependencies = causality == Causality::Output;
+        let has_dependencies = matches!(causality, Causality::Output | Causality::CalculatedParameter);
         let has_ranges = rows.iter().any(|row| !row.range.is_empty());
         Table { id, title, remark, has_starts, has_ranges, has_dependencies, rows, left_out }
     });
@@ -135,6 +141,9 @@ fn dependencies(variable: &Variable, interface: &Interface, inputs: &[Reference]
             more => format!("{} and {more} more", names.join(", ")),
         }
     };
+    if variable.causality == Causality::CalculatedParameter {
+        return named(&mut own.iter().copied(), own.len());
+    }
     let others = inputs.len() - own.len().min(inputs.len());
     match (own.len(), others) {
         (0, _) => "no input".to_owned(),

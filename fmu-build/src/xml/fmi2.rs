@@ -80,6 +80,9 @@ fn write_structure(interface: &Interface, xml: &mut Xml) -> io::Result<()> {
         outputs.try_for_each(|(reference, _)| {
             write_unknown(xml, reference, interface.initial_dependencies_of(reference))
         })?;
+        let mut calculated = interface.calculated();
+        calculated
+            .try_for_each(|(reference, parameter)| write_unknown(xml, reference, Some(&parameter.dependencies)))?;
         interface.initial_states().into_iter().try_for_each(|reference| write_unknown(xml, reference, None))
     })
 }

@@ -82,6 +82,9 @@ fn write_content(interface: &Interface, xml: &mut Xml) -> io::Result<()> {
         for (reference, _) in interface.outputs() {
             write_unknown(xml, "InitialUnknown", reference, interface.initial_dependencies_of(reference))?;
         }
+        for (reference, parameter) in interface.calculated() {
+            write_unknown(xml, "InitialUnknown", reference, Some(&parameter.dependencies))?;
+        }
         for (reference, vector) in interface.numbered_vectors() {
             let dependencies = interface.dependencies_of_vector(vector, true);
             write_unknown(xml, "InitialUnknown", reference, dependencies.as_deref())?;

@@ -82,6 +82,11 @@ impl<'a> Interface<'a> {
         (0..).zip(self.variables).filter(|(_, variable)| variable.causality == Causality::Output)
     }
 
+    /// The parameters that follow from others, with their value references.
+    pub fn calculated(&self) -> impl Iterator<Item = (Reference, &'a Variable)> {
+        (0..).zip(self.variables).filter(|(_, variable)| variable.causality == Causality::CalculatedParameter)
+    }
+
     /// The continuous states, each with the reference of its derivative.
     pub fn states(&self) -> impl Iterator<Item = (Reference, Reference)> {
         let pairs =
@@ -189,6 +194,7 @@ pub fn variable_attributes(reference: Reference, variable: &Variable) -> Attribu
     // FMI 2.0.5, 2.2.7: an input carries no `initial`, and only what is exact has a start value here.
     let (causality, initial) = match variable.causality {
         Causality::Parameter => ("parameter", Some("exact")),
+        Causality::CalculatedParameter => ("calculatedParameter", Some("calculated")),
         Causality::Input => ("input", None),
         Causality::Output => ("output", Some("calculated")),
         Causality::Local => ("local", Some("calculated")),

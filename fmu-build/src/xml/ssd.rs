@@ -181,6 +181,7 @@ impl System<'_> {
 fn write_connector(xml: &mut Xml, variable: &Variable) -> io::Result<()> {
     let kind = match variable.causality {
         Causality::Parameter => "parameter",
+        Causality::CalculatedParameter => "calculatedParameter",
         Causality::Input => "input",
         Causality::Output => "output",
         // Nothing is connected with one, and none is given a value.

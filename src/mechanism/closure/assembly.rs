@@ -136,6 +136,9 @@ pub fn guessed(linkage: &Linkage, guess: &Named<f64>) -> Result<Vec<f64>, Assemb
                             "the ground holds this body, so that it does not turn: remove this key; the coordinates are {all}"
                         )
                     }
+                    (None, Some(joint)) if matches!(joint.freedom, Freedom::Coupling(_)) => {
+                        format!("is a coupling: guess the angles of its bodies instead; the coordinates are {all}")
+                    }
                     (None, Some(joint)) if joint.freedom == Freedom::Revolute => {
                         format!("is a revolute joint: guess the angles of bodies instead; the coordinates are {all}")
                     }

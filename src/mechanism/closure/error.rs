@@ -46,7 +46,11 @@ impl fmt::Display for AssemblyError {
             Self::Freedom { count } => write!(
                 f,
                 "the linkage has {count} degrees of freedom where it must have 1: {}",
-                if *count == 0 { "remove a joint or add a body" } else { "add a joint or remove a body" }
+                if *count == 0 {
+                    "remove a joint or a coupling, or add a body"
+                } else {
+                    "add a joint or a coupling, or remove a body"
+                }
             ),
             Self::Crossing => write!(
                 f,

@@ -25,7 +25,7 @@ const SMALLEST: f64 = 1e-6;
 /// Largest number of panels.
 const PANELS: usize = 20_000;
 /// Distance of a prismatic joint's position from its guess to which the curve is traced at first, in sizes of the
-/// linkage.
+/// linkage; of an angle of a linkage with couplings, in revolutions.
 const FARTHEST: f64 = 100.0;
 
 /// Distance at which following ends, relative to the one at which it should.
@@ -40,7 +40,7 @@ pub(super) enum Stop {
     Returned(Vec<f64>),
     /// The permitted travel ends at this sigma.
     Left(f64),
-    /// A prismatic joint has gone far enough.
+    /// A prismatic joint, or an angle of a linkage with couplings, has gone far enough.
     Far,
 }
 
@@ -198,6 +198,8 @@ pub(super) struct Tracer<'a> {
     pub(super) widening: f64,
     /// Largest width of a panel relative to its distance from the guess.
     pub(super) part: f64,
+    /// Whether the curve may return to its start, which is then looked for.
+    may_return: bool,
     /// Largest number of panels.
     most: usize,
 }
@@ -220,15 +222,29 @@ impl<'a> Tracer<'a> {
             first: FIRST,
             widening: 2.0,
             part: LARGEST_PART,
+            may_return: true,
             most: PANELS,
         }
     }
 
-    /// Largest distance of a prismatic joint's position from its guess, in sizes of the linkage.
+    /// Distance of a position from the guess: the largest of a prismatic joint's position, in sizes of the linkage, and, if
+    /// couplings let bodies turn on and on, of an angle in revolutions.
     fn distance(&self, q: &[f64]) -> f64 {
+        let turned = |most: f64, i: usize| most.max((q[i] - self.guess[i]).abs() / TAU);
+        self.distance_slid(q).max((0..self.turning()).fold(0.0, turned))
+    }
+
+    /// Largest distance of a prismatic joint's position from its guess, in sizes of the linkage.
+    fn distance_slid(&self, q: &[f64]) -> f64 {
         let linkage = &*self.closure.linkage;
         let both = q.iter().zip(self.guess).skip(linkage.angles);
         both.fold(0.0, |most: f64, (s, guess)| most.max((s - guess).abs())) / linkage.size
+    }
+
+    /// Number of the first coordinates, all angles, that count as going far. Without couplings, angles that go on return.
+    fn turning(&self) -> usize {
+        let linkage = &*self.closure.linkage;
+        if linkage.couplings.is_empty() { 0 } else { linkage.angles }
     }
 
     /// Largest width of a panel from here on: with it following does not go much too far.
@@ -236,9 +252,12 @@ impl<'a> Tracer<'a> {
         /// Least part of a panel's width that a prismatic joint is taken to move.
         const SLOWEST: f64 = 0.1;
         let both = base.tangent.iter().zip(&self.closure.weights).skip(self.closure.linkage.angles);
-        let fastest = both.fold(SLOWEST, |most: f64, (t, w)| most.max((t * w).abs()));
-        let distance = self.distance(&base.q);
-        LARGEST.max((self.part * distance).min((OVERSHOOT * self.farthest - distance) / fastest))
+        let slides = both.fold(SLOWEST, |most: f64, (t, w)| most.max((t * w).abs()));
+        let turns = base.tangent[..self.turning()].iter().fold(0.0, |most: f64, t| most.max(t.abs() / TAU));
+        // While the curve may return, a panel has no two positions that are one whole revolution apart.
+        let far = if self.may_return { self.distance_slid(&base.q) } else { self.distance(&base.q) };
+        let left = OVERSHOOT * self.farthest - self.distance(&base.q);
+        LARGEST.max((self.part * far).min(left / slides.max(turns)))
     }
 
     /// Whether a limit, met forward at `left`, is no longer one after a whole revolution backward of length `whole`, in
@@ -265,7 +284,7 @@ impl<'a> Tracer<'a> {
     ) -> Result<Stop, CurveError> {
         /// Width of the next panel relative to the width that should resolve it.
         const CAUTION: f64 = 0.84;
-        self.bridge = None;
+        (self.bridge, self.may_return) = (None, may_return);
         let mut base = start.clone();
         let (mut width, mut widest_before) = (self.first.min(self.largest(&base)), None);
         if let Some(travel) = &mut self.travel {

@@ -90,9 +90,7 @@ impl Units {
 impl Mechanism {
     /// Take the file's units and drawn coordinates into SI units, lengths, points and a guess.
     pub(super) fn resolve_drawing(&mut self, faults: &mut Faults) {
-        if let Some(units) = self.units.take() {
-            self.convert(units);
-        }
+        self.convert_units();
         let frames = self.drawn_frames(faults);
         if frames.is_empty() {
             return;
@@ -105,16 +103,34 @@ impl Mechanism {
         self.resolve_guess(&frames, size, faults);
     }
 
+    /// Every angle and length of the file in SI units, if it has others.
+    pub(super) fn convert_units(&mut self) {
+        if let Some(units) = self.units.take() {
+            self.convert(units);
+        }
+    }
+
     /// Every angle and length of the file in SI units.
     fn convert(&mut self, units: Units) {
         let convert: &mut Visit = &mut |parameter, value| match (parameter.unit, parameter.role) {
             // A circuit has defaults in SI units, so all its numbers are.
             (_, Role::Circuit | Role::CircuitStart) => {}
+            // A named parameter has the unit that it states.
+            (_, Role::Named) => {}
             (Unit::Radian, _) => units.angle(value),
             (Unit::Metre, _) => units.length(value),
             _ => {}
         };
         self.parameters(convert);
+        for (_, actuator) in self.actuators.iter_mut() {
+            let joint = actuator.joint.as_ref().and_then(|joint| self.joints.get(joint));
+            let is_rotary = joint.is_some_and(|joint| joint.kind == JointKind::Revolute);
+            let Some(motion) = &mut actuator.motion else { continue };
+            let distances = motion.points.iter_mut().flatten().map(|[_, distance]| distance);
+            for way in motion.position.iter_mut().chain(distances) {
+                if is_rotary { units.angle(way) } else { units.length(way) }
+            }
+        }
         for (_, body) in self.bodies.iter_mut() {
             let Some(drawn) = &mut body.drawn else { continue };
             drawn.angle.iter_mut().for_each(|angle| units.angle(angle));

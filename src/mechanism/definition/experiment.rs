@@ -1,6 +1,6 @@
 //! The start, settings of the integration, and the choice of the formulation.
 use super::{Role, Visit};
-use crate::format::{Flag, Owner, Parameter, Range, Strict};
+use crate::format::{Flag, Owner, Parameter, Range};
 use crate::variables::Unit;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, MapAccess, Unexpected, Visitor};
@@ -49,7 +49,7 @@ impl Start {
             }
 
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Start, A::Error> {
-                Start::deserialize(MapAccessDeserializer::new(Strict(map)))
+                Start::deserialize(MapAccessDeserializer::new(map))
             }
         }
         deserializer.deserialize_any(ObjectOrWord)

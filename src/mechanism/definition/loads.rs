@@ -1,4 +1,5 @@
 //! Loads: gravity, drives, forces, torques, springs and drag.
+use super::motion::PrescribedMotion;
 use super::{AXES, Role, Visit};
 use crate::format::{Flag, Owner, Parameter, Range};
 use crate::hydraulics::definition::Circuit;
@@ -44,6 +45,9 @@ pub struct Actuator {
     /// is then an output.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hydraulics: Option<Circuit>,
+    /// The motion of the drive, where it can be prescribed; one drive of a mechanism may have it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motion: Option<PrescribedMotion>,
 }
 
 /// A force at a point, in the mechanism frame.
@@ -177,11 +181,14 @@ impl Gravity {
 }
 
 impl Actuator {
-    pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
+    pub(super) fn parameters(&mut self, name: &str, is_rotary: bool, visit: &mut Visit) {
         let mut list = Owner::new(Some("actuators"), name, Role::Load, visit);
         list.add("efficiency", "Efficiency", Unit::One, Range::Fraction, &mut self.efficiency);
         if let Some(circuit) = &mut self.hydraulics {
             circuit.parameters([Role::Circuit, Role::CircuitStart], visit);
+        }
+        if let Some(motion) = &mut self.motion {
+            motion.parameters(name, is_rotary, visit);
         }
     }
 }

@@ -2,9 +2,13 @@
 use super::Visit;
 use super::bodies::{Body, Friction, FrictionLaw, Joint, JointKind, Marker};
 use super::contact::{Lock, Stop};
+use super::couplings::Coupling;
 use super::drawing::Units;
 use super::experiment::{Solver, Start};
+use super::expressions::Expressions;
 use super::loads::{Actuator, Air, Force, Gravity, Spring, Surface, Torque};
+use super::motion::PrescribedMotion;
+use super::named_parameter::{NamedParameter, Shared};
 use crate::format::{DefinitionError, Experiment, Flag, Named};
 use crate::hydraulics::definition::Circuit;
 use crate::numerics::decimal::Decimal;
@@ -30,6 +34,15 @@ pub struct Mechanism {
     /// One line of text.
     #[serde(default)]
     pub description: String,
+    /// Named parameters that several definitions share; none where absent.
+    #[serde(rename = "parameters_from", default, skip_serializing_if = "Option::is_none")]
+    pub shared: Option<Shared>,
+    /// Named parameters, which expressions read.
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub parameters: Named<NamedParameter>,
+    /// Parameters whose values are expressions of others.
+    #[serde(skip_deserializing, skip_serializing_if = "Expressions::is_empty")]
+    pub expressions: Expressions,
     /// Units of the file's angles and lengths; None once all are in SI units.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub units: Option<Units>,
@@ -39,6 +52,9 @@ pub struct Mechanism {
     pub bodies: Named<Body>,
     /// Joints between bodies.
     pub joints: Named<Joint>,
+    /// Couplings between bodies: gears, racks, belts.
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub couplings: Named<Coupling>,
     /// Drives: forces along the line between two points, forces or torques in a joint.
     #[serde(default)]
     pub actuators: Named<Actuator>,
@@ -115,8 +131,10 @@ impl Mechanism {
     pub fn named_twice(&self, variable: &str) -> DefinitionError {
         let name = variable.split('.').next().unwrap_or_default();
         let groups = [
+            ("parameters", self.parameters.get(name).is_some()),
             ("bodies", self.bodies.get(name).is_some()),
             ("joints", self.joints.get(name).is_some()),
+            ("couplings", self.couplings.get(name).is_some()),
             ("actuators", self.actuators.get(name).is_some()),
             ("forces", self.forces.get(name).is_some()),
             ("torques", self.torques.get(name).is_some()),
@@ -146,13 +164,25 @@ impl Mechanism {
         drives.find_map(|(index, (name, actuator))| Some((index, name, actuator.hydraulics.as_ref()?)))
     }
 
+    /// The drive whose motion can be prescribed, by its index, with its name and the motion; none if no drive has one.
+    pub fn motion_drive(&self) -> Option<(usize, &str, &PrescribedMotion)> {
+        let mut drives = self.actuators.iter().enumerate();
+        drives.find_map(|(index, (name, actuator))| Some((index, name, actuator.motion.as_ref()?)))
+    }
+
     /// Call `visit` with every numeric parameter and its value, in the order of the file.
     pub fn parameters(&mut self, visit: &mut Visit) {
         let joints = &mut self.joints;
+        self.shared.iter_mut().for_each(|shared| shared.parameters(visit));
+        self.parameters.iter_mut().for_each(|(name, parameter)| parameter.parameters("parameters.", name, visit));
         self.gravity.iter_mut().for_each(|gravity| gravity.parameters(visit));
         self.bodies.iter_mut().for_each(|(name, body)| body.parameters(name, visit));
         joints.iter_mut().for_each(|(name, joint)| joint.parameters(name, visit));
-        self.actuators.iter_mut().for_each(|(name, actuator)| actuator.parameters(name, visit));
+        self.couplings.iter_mut().for_each(|(name, coupling)| coupling.parameters(name, visit));
+        self.actuators.iter_mut().for_each(|(name, actuator)| {
+            let joint = actuator.joint.as_ref().and_then(|joint| joints.get(joint));
+            actuator.parameters(name, joint.is_some_and(|joint| joint.kind == JointKind::Revolute), visit);
+        });
         self.forces.iter_mut().filter(|(_, f)| f.constant).for_each(|(name, force)| force.parameters(name, visit));
         self.torques.iter_mut().filter(|(_, t)| t.constant).for_each(|(name, torque)| torque.parameters(name, visit));
         self.springs.iter_mut().for_each(|(name, spring)| {

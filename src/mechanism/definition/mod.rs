@@ -5,22 +5,30 @@
 //! anticlockwise positive.
 mod bodies;
 mod contact;
+mod couplings;
 mod drawing;
 mod experiment;
+mod expressions;
 mod loads;
 mod mechanism;
+mod motion;
+mod named_parameter;
 mod validate;
 mod warnings;
 
 pub use crate::format::{DefinitionError, Experiment, Named, Range};
 pub use bodies::{Body, Friction, FrictionLaw, Joint, JointKind, Marker, Shape};
 pub use contact::{Limit, Lock, Stop};
+pub use couplings::{Coupling, CouplingKind, Side};
 pub use drawing::{AngleUnit, Drawn, LengthUnit, Units};
 pub use experiment::{Method, Solver, Start};
+pub use expressions::{Calculated, Expressions, Fault};
 pub use loads::{Actuator, Air, Force, Gas, Gravity, Spring, Surface, Torque};
 pub use mechanism::{GROUND, Mechanism};
+pub use motion::{PrescribedMotion, ProfileKind};
+pub use named_parameter::{NamedParameter, Shared, SharedContents};
 
-use crate::format::{Faults, Parameter, read};
+use crate::format::{Faults, Parameter};
 
 /// What a parameter changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,6 +53,8 @@ pub enum Role {
     Circuit,
     /// The pressures at the start.
     CircuitStart,
+    /// Nothing by itself: the numbers whose expressions read it.
+    Named,
 }
 
 /// Function that is called with each parameter and its value.
@@ -59,8 +69,9 @@ impl Mechanism {
     /// # Errors
     /// A message with the key, its value and what is allowed.
     pub fn from_json(text: &str) -> Result<Self, DefinitionError> {
-        let mut mechanism: Self = read("mechanism", text)?;
+        let mut mechanism = Self::read(text)?;
         mechanism.faults().first()?;
+        mechanism.index_expressions();
         Ok(mechanism)
     }
 
@@ -69,8 +80,9 @@ impl Mechanism {
     /// # Errors
     /// The text cannot be read as a mechanism at all.
     pub fn with_faults(text: &str) -> Result<(Self, Faults), DefinitionError> {
-        let mut mechanism: Self = read("mechanism", text)?;
+        let mut mechanism = Self::read(text)?;
         let faults = mechanism.faults();
+        mechanism.index_expressions();
         Ok((mechanism, faults))
     }
 }

@@ -1,10 +1,10 @@
 //! Checks of a definition that need no geometry: numbers in range, names that resolve, keys that go together.
-use super::bodies::{Body, JointKind};
+use super::bodies::{Body, Joint, JointKind};
 use super::contact::Stop;
 use super::experiment::Solver;
 use super::loads::{Spring, Surface};
 use super::mechanism::{GROUND, Mechanism};
-use crate::format::{DefinitionError, Faults, Named, Range};
+use crate::format::{DefinitionError, Faults, Named, Range, is_reserved};
 use crate::numerics::monotone::Monotone;
 use crate::variables::{Unit, nearest};
 use std::cmp::Reverse;
@@ -117,6 +117,7 @@ impl Mechanism {
             faults.keep::<()>(Err(DefinitionError::value("description", value, "one line of text")));
         }
         self.check_names(&mut faults);
+        self.check_couplings(&mut faults);
         faults.keep(self.check_snap());
         faults.keep(self.check_solver());
         self.parameters(&mut |parameter, value| {
@@ -147,9 +148,10 @@ impl Mechanism {
     }
 
     fn check_names(&self, faults: &mut Faults) {
-        let groups: [(&str, Vec<&str>); 10] = [
+        let groups: [(&str, Vec<&str>); 11] = [
             ("bodies", self.bodies.names()),
             ("joints", self.joints.names()),
+            ("couplings", self.couplings.names()),
             ("actuators", self.actuators.names()),
             ("forces", self.forces.names()),
             ("torques", self.torques.names()),
@@ -162,6 +164,22 @@ impl Mechanism {
         for (group, names) in groups {
             for name in names {
                 faults.keep(check_name(group, name));
+            }
+        }
+        let shared = self.shared.iter().flat_map(|shared| &shared.contents);
+        for (key, named) in [("parameters", Some(&self.parameters))]
+            .into_iter()
+            .chain([("parameters_from.contents.parameters", shared.map(|contents| &contents.parameters).next())])
+        {
+            for (name, parameter) in named.into_iter().flat_map(Named::iter) {
+                let key = format!("{key}.{name}");
+                faults.keep(check_name(&key, name));
+                if is_reserved(name) {
+                    faults.keep::<()>(refused(&key, "expressions have this name already: choose another one"));
+                }
+                if parameter.description.chars().any(char::is_control) {
+                    faults.keep::<()>(refused(&key, "its description holds a control character: write it on one line"));
+                }
             }
         }
         // Both would have one name in the guess, and one variable for two speeds.
@@ -206,6 +224,16 @@ impl Mechanism {
                 unknown(alternatives(&format!("the points of {body}"), &names, point))
             }
         }
+    }
+
+    /// The body with this name, which stands under this key.
+    pub(super) fn named_body(&self, key: &str, name: &str) -> Result<&Body, DefinitionError> {
+        entry(key, "bodies", &self.bodies, name)
+    }
+
+    /// The joint with this name, which stands under this key.
+    pub(super) fn named_joint(&self, key: &str, name: &str) -> Result<&Joint, DefinitionError> {
+        entry(key, "joints", &self.joints, name)
     }
 
     fn check_bodies(&self, faults: &mut Faults) {
@@ -325,6 +353,7 @@ impl Mechanism {
                 }
                 faults.keep(circuit.check());
             }
+            self.check_motion(name, a, faults);
         }
     }
 

@@ -306,7 +306,7 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
     }
 
     /// Let the regimes and signs follow from the state in each evaluation.
-    fn clear_regimes(&mut self) {
+    pub fn clear_regimes(&mut self) {
         self.clear_signs();
         for friction_joint in 0..self.state_loads.map_or(0, |s| s.friction_joints.len()) {
             self.set_regime(friction_joint, None);

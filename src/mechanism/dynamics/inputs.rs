@@ -9,9 +9,10 @@ use crate::numerics::bits::become_same;
 /// Inputs of a mechanism.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inputs {
-    /// Sizes of loads, then demanded accelerations of the drives, then the airspeed if there is air.
+    /// Sizes of loads, then demanded accelerations of the drives, then inputs of a hydraulic circuit or of a prescribed
+    /// motion, then the airspeed if there is air.
     pub reals: Vec<f64>,
-    /// Whether each lock is engaged.
+    /// Whether each lock is engaged; then, where a drive has a motion, whether that is prescribed.
     pub locks: Vec<bool>,
     /// Time derivatives of the Reals.
     pub signal: InputPolynomial,

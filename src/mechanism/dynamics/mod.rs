@@ -3,6 +3,8 @@ pub mod bumper_set;
 pub mod equation;
 pub mod hydraulic;
 pub mod inputs;
+pub mod inverse;
 pub mod panel_force;
+pub mod prescribed;
 pub mod state_loads;
 pub mod switches;

@@ -227,6 +227,10 @@ fn refuse_losses(reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
         let name = format!("actuators.{}.hydraulics", loading.drives[drive.load].name);
         return refuse(&name, "a circuit".into(), "give a force");
     }
+    if let Some(drive) = loading.motion.as_ref().filter(|_| inputs.prescribes()) {
+        let name = format!("{}.motion.enabled", loading.drives[drive.load].name);
+        return refuse(&name, "true".into(), "set it to false");
+    }
     if loading.friction.as_ref().is_some_and(|f| f.enabled && !f.friction_joints.is_empty()) {
         return refuse("friction.enabled", "true".into(), "set it to false");
     }

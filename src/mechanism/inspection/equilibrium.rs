@@ -26,8 +26,8 @@ pub fn add(model: &mut Model, reduced: &Reduced, state: &State, facts: &mut Vec<
     if speed.is_none() && !start.is_at_guess() {
         return;
     }
-    let at_rest = speed.map_or(Ok(()), |speed| model.set_real(speed, 0.0));
-    if at_rest.and_then(|()| model.initialize()).is_err() {
+    speed.into_iter().for_each(|speed| model.start_at_rest(speed));
+    if model.initialize().is_err() {
         return;
     }
     add_all(model, reduced, &state.travel, facts);
@@ -119,6 +119,7 @@ fn natural_acceleration(reduced: &Reduced, inputs: &[f64], sigma: f64) -> f64 {
     let (loading, linkage) = (reduced.loading(), reduced.linkage());
     let influence = |load: usize| {
         let displacement = match &loading.loads[load] {
+            Load::Separation { .. } => 0.0,
             Load::Torque { .. } | Load::Couple { .. } => 1.0,
             Load::Force { .. } | Load::Pair { .. } | Load::Slide { .. } => linkage.size,
             Load::Gravity(acceleration) => {

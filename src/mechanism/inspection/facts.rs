@@ -88,8 +88,8 @@ fn add_masses(linkage: &Linkage, positions: &Positions, facts: &mut Vec<Fact>) {
     facts.push(fact.saying(format!(
         "{} moving bodies, {} joints, {} closed loops",
         linkage.bodies.len() - 1,
-        linkage.joints.len(),
-        linkage.cuts.len()
+        linkage.joints.len() - linkage.couplings.len(),
+        linkage.cuts.len() - linkage.couplings.len()
     )));
 }
 
@@ -139,12 +139,13 @@ impl Bend {
 /// The bends whose sides tell in which way a linkage is put together: at revolute joints between two moving bodies.
 fn bends(linkage: &Linkage) -> Vec<Bend> {
     let mut joints_of: Vec<Vec<usize>> = vec![Vec::new(); linkage.bodies.len()];
-    for (index, joint) in linkage.joints.iter().enumerate() {
+    let hinges = || linkage.joints[..linkage.joints.len() - linkage.couplings.len()].iter().enumerate();
+    for (index, joint) in hinges() {
         joints_of[joint.first.body].push(index);
         joints_of[joint.second.body].push(index);
     }
     let mut all = Vec::new();
-    for (index, joint) in linkage.joints.iter().enumerate() {
+    for (index, joint) in hinges() {
         let bodies = [joint.first.body, joint.second.body];
         if joint.freedom.rows() != 2 || bodies.contains(&GROUND) {
             continue;

@@ -222,7 +222,7 @@ pub fn attempt(text: &str) -> Option<Attempt> {
 /// Joints that are open, by more than rounding.
 fn gaps(linkage: &Linkage, positions: &Positions) -> Vec<Gap> {
     let mut open = Vec::new();
-    for joint in &linkage.joints {
+    for joint in &linkage.joints[..linkage.joints.len() - linkage.couplings.len()] {
         let second = positions.point(joint.second);
         let mut first = positions.point(joint.first);
         if let Freedom::Prismatic(axis) = joint.freedom {

@@ -220,7 +220,7 @@ impl Reader<'_> {
             first: joint.first.into(),
             second: joint.second.into(),
             axis: match joint.freedom {
-                Freedom::Revolute => None,
+                Freedom::Revolute | Freedom::Coupling(_) => None,
                 Freedom::Prismatic(axis) => Some(axis.into()),
             },
             pin_radius: defined.pin_radius,

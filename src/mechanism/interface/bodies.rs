@@ -1,5 +1,6 @@
 //! Variables of bodies, joints and markers: motion, reactions, friction, energy.
 use super::builder::Builder;
+use super::couplings;
 use super::needs::{Needs, placed};
 use crate::mechanism::linkage::Freedom;
 use crate::mechanism::quantity::{FramePart, Output, ReactionPart, SmallMotion};
@@ -39,6 +40,10 @@ pub(super) fn add_reactions(b: &mut Builder) {
     let needs = Needs { masses: true, ..s.acceleration() };
     let friction_joints = s.loading.friction.as_ref().map_or(&[][..], |f| &f.friction_joints);
     for (joint, j) in s.linkage.joints.iter().enumerate() {
+        if let Freedom::Coupling(_) = j.freedom {
+            couplings::add(b, joint, needs);
+            continue;
+        }
         let body = |index: usize| s.linkage.bodies[index].name.as_str();
         let (n, is_revolute) = (j.name.as_str(), j.freedom == Freedom::Revolute);
         let between = [" that ", body(j.first.body), " exerts on ", body(j.second.body), " in ", n].concat();

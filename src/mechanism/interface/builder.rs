@@ -59,6 +59,18 @@ impl<'a> Builder<'a> {
         self.add((name, description), causality, (unit, Some(start)), quantity, Needs::default());
     }
 
+    /// Parameter that follows from others, which have these references.
+    pub fn calculated(&mut self, name: String, text: String, unit: Unit, quantity: Quantity, bases: Vec<Reference>) {
+        self.add((name, text), Causality::CalculatedParameter, (Some(unit), None), quantity, Needs::default());
+        if self.causes.is_some() {
+            self.initial.pop();
+            self.initial.push(bases.clone());
+        }
+        if let Some(variable) = self.list.last_mut() {
+            variable.dependencies = bases;
+        }
+    }
+
     /// Real output `owner.suffix`.
     pub fn output(&mut self, owner: &str, suffix: &str, text: &[&str], unit: Unit, output: Output, needs: Needs) {
         let quantity = Quantity::Output(output);
@@ -100,9 +112,15 @@ impl<'a> Builder<'a> {
             _ => Kind::Boolean,
         };
         let variability = match (causality, kind) {
-            (Causality::Parameter, _) => Variability::Fixed,
+            (Causality::Parameter | Causality::CalculatedParameter, _) => Variability::Fixed,
             (_, Kind::Real) if !is_discrete(quantity) => Variability::Continuous,
             _ => Variability::Discrete,
+        };
+        let moved =
+            self.source.moved((needs.inputs, needs.loads), causality == Causality::Output && !is_discrete(quantity));
+        let needs = match &moved {
+            Some((inputs, loads)) => Needs { closure: true, position: true, speed: true, inputs, loads, ..needs },
+            None => needs,
         };
         self.dependencies += needs.inputs.len();
         let kept = if self.dependencies > MOST_DEPENDENCIES { &[][..] } else { needs.inputs };

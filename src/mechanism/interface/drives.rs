@@ -9,6 +9,7 @@ use crate::variables::Unit::{
     MetrePerSecondSquared, Newton, NewtonMetre, NewtonMetrePerRadian, NewtonPerMetre, Radian, RadianPerSecond,
     RadianPerSecondSquared,
 };
+use crate::variables::{Causality, Value};
 
 pub(super) fn add_inputs(b: &mut Builder) {
     let s = b.source;
@@ -38,6 +39,46 @@ pub(super) fn add_demands(b: &mut Builder) {
     }
 }
 
+/// Position, speed and acceleration of a drive that inputs prescribe.
+pub(super) fn add_motion_inputs(b: &mut Builder) {
+    let s = b.source;
+    let Some(drive) = s.loading.motion.as_ref().filter(|drive| drive.first_input.is_some()) else { return };
+    let Some((_, name, motion)) = s.mechanism.motion_drive() else { return };
+    let units = match s.loading.drives[drive.load].is_rotary {
+        true => [Radian, RadianPerSecond, RadianPerSecondSquared],
+        false => [Metre, MetrePerSecond, MetrePerSecondSquared],
+    };
+    let starts = [motion.position.unwrap_or(0.0), 0.0, 0.0];
+    for ((word, unit), start) in ["position", "speed", "acceleration"].into_iter().zip(units).zip(starts) {
+        let text = ["Prescribed ", word, " of ", name, " at the communication point"];
+        b.input([name, ".motion.", word].concat(), &text, unit, start);
+    }
+}
+
+/// Whether the motion of a drive is prescribed.
+pub(super) fn add_motion_switch(b: &mut Builder) {
+    let Some((_, name, motion)) = b.source.mechanism.motion_drive() else { return };
+    let text = b.text(|| ["Whether the motion of ", name, " is prescribed; its force acts otherwise"].concat());
+    let start = (None, Value::Boolean(motion.enabled));
+    b.known([name, ".motion.enabled"].concat(), text, Causality::Input, start, Quantity::Prescribed);
+}
+
+/// Force with which a drive acts whose motion can be prescribed.
+fn add_acting_force(b: &mut Builder, drive: usize) {
+    let s = b.source;
+    if s.loading.motion.as_ref().is_none_or(|motion| motion.load != drive) {
+        return;
+    }
+    let n = s.loading.drives[drive].name.as_str();
+    let (suffix, what, unit) = match s.loading.drives[drive].is_rotary {
+        true => ("acting_torque", "Torque of ", NewtonMetre),
+        false => ("acting_force", "Force of ", Newton),
+    };
+    let needs = Needs { masses: true, ..s.acceleration() };
+    let text = [what, n, ": that of the input, or that which the prescribed motion takes"];
+    b.output(n, suffix, &text, unit, Output::ActingForce { drive }, needs);
+}
+
 pub(super) fn add(b: &mut Builder) {
     let s = b.source;
     for (load, drive) in s.loading.drives.iter().enumerate() {
@@ -57,6 +98,7 @@ pub(super) fn add(b: &mut Builder) {
             b.output(n, suffix, &[word, what, " of ", n], units[order], output, needs);
         }
         add_one_element(b, load);
+        add_acting_force(b, load);
     }
 }
 

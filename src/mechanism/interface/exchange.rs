@@ -10,7 +10,7 @@ const OWNER: &str = "along_curve";
 
 pub(super) fn add(b: &mut Builder) {
     let s = b.source;
-    if s.loading.hydraulics.is_some() {
+    if s.loading.hydraulics.is_some() || s.loading.motion.is_some() {
         return;
     }
     let states = [

@@ -5,6 +5,7 @@
 //! terminals. It must not know how a quantity is computed.
 mod bodies;
 mod builder;
+mod couplings;
 mod drives;
 mod exchange;
 mod hydraulics;
@@ -18,7 +19,7 @@ use crate::mechanism::definition::{DefinitionError, Mechanism, Method};
 use crate::mechanism::linkage::{Linkage, Point};
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::quantity::Quantity;
-use crate::variables::Causality::Parameter;
+use crate::variables::Causality::{CalculatedParameter, Parameter};
 use crate::variables::{Reference, Value, Variables};
 use builder::Builder;
 use needs::{Cause, causes};
@@ -60,7 +61,7 @@ pub fn variables(mechanism: &Mechanism) -> Result<Variables<Quantity>, Definitio
 pub fn initial_dependencies(mechanism: &Mechanism) -> Result<Option<Vec<Vec<Reference>>>, DefinitionError> {
     let source = Source::new(mechanism)?;
     let known = build(&source, None, false).list;
-    let first = known.iter().take_while(|v| v.causality != Parameter).count();
+    let first = known.iter().take_while(|v| !matches!(v.causality, Parameter | CalculatedParameter)).count();
     let elements = mechanism.bodies.len() + mechanism.joints.len() + source.loads.len() + source.markers.len();
     if (known.len() - first).saturating_mul(elements.max(first)) > MOST_COMPARISONS {
         return Ok(None);
@@ -87,8 +88,10 @@ fn build<'a>(source: &'a Source<'a>, causes: Option<(Reference, Vec<Vec<Cause>>)
     loads::add_inputs(&mut b);
     drives::add_demands(&mut b);
     hydraulics::add_inputs(&mut b);
+    drives::add_motion_inputs(&mut b);
     loads::add_airspeed(&mut b);
     loads::add_engagements(&mut b);
+    drives::add_motion_switch(&mut b);
     bodies::add_bodies(&mut b);
     bodies::add_joints(&mut b);
     bodies::add_reactions(&mut b);
@@ -112,9 +115,26 @@ fn build<'a>(source: &'a Source<'a>, causes: Option<(Reference, Vec<Vec<Cause>>)
 fn add_parameters(b: &mut Builder) {
     let (mut stated, mut indices) = (b.source.mechanism.clone(), 0..);
     let mut index = || indices.next().unwrap_or_default();
+    let (expressions, first) = (stated.expressions.clone(), b.list.len());
     stated.parameters(&mut |p, value| {
-        let start = (Some(p.unit), Value::Real(*value));
-        b.known(p.name.concat(), b.text(|| p.description.concat()), Parameter, start, Quantity::Parameter(index()));
+        let index = index();
+        match expressions.of(index) {
+            Some(calculated) => {
+                let text = b.text(|| [&p.description.concat(), ": ", calculated.text()].concat());
+                let bases = calculated.bases.iter().map(|base| (first + base) as Reference).collect();
+                b.calculated(p.name.concat(), text, p.unit, Quantity::Parameter(index), bases);
+            }
+            None => {
+                let start = (Some(p.unit), Value::Real(*value));
+                b.known(
+                    p.name.concat(),
+                    b.text(|| p.description.concat()),
+                    Parameter,
+                    start,
+                    Quantity::Parameter(index),
+                );
+            }
+        }
     });
     let mut indices = 0..;
     let mut index = || indices.next().unwrap_or_default();

@@ -115,7 +115,7 @@ pub(super) fn causes(source: &Source) -> Result<Vec<Vec<Cause>>, DefinitionError
         Role::StartSpeed => Ok(vec![Cause::Speed]),
         Role::Elasticity => Ok(vec![Cause::Elasticity]),
         Role::Circuit | Role::CircuitStart => Ok(vec![Cause::Circuit]),
-        Role::Tolerance | Role::Scale => Ok(Vec::new()),
+        Role::Tolerance | Role::Scale | Role::Named => Ok(Vec::new()),
         Role::Geometry | Role::Inertia | Role::Load => changed(&mut |other| {
             let mut indices = 0..;
             other.parameters(&mut |_, value| {
@@ -140,7 +140,24 @@ pub(super) fn causes(source: &Source) -> Result<Vec<Vec<Cause>>, DefinitionError
         })
     };
     let method = mechanism.solver.method.map(|_| Ok(vec![Cause::Elasticity]));
-    roles.iter().enumerate().map(of_number).chain((0..flags).map(of_flag)).chain(method).collect()
+    let all: Result<Vec<_>, _> =
+        roles.iter().enumerate().map(of_number).chain((0..flags).map(of_flag)).chain(method).collect();
+    all.map(|mut causes: Vec<Vec<Cause>>| {
+        pass_to_bases(mechanism, &mut causes);
+        causes
+    })
+}
+
+/// What a calculated parameter acts on, the parameters that decide it act on in its place.
+fn pass_to_bases(mechanism: &Mechanism, causes: &mut [Vec<Cause>]) {
+    for calculated in mechanism.expressions.iter() {
+        let own = std::mem::take(&mut causes[calculated.index]);
+        for &base in &calculated.bases {
+            causes[base].extend(&own);
+            causes[base].sort_unstable();
+            causes[base].dedup();
+        }
+    }
 }
 
 /// Raise each coefficient of static friction to that of kinetic friction, if it is below that.
@@ -164,6 +181,9 @@ fn differences(one: &Source, other: &Source) -> Vec<Cause> {
         let offset = |linkage: &Linkage| linkage.bodies[a.second.body].offset;
         add(a != b || offset(&one.linkage) != offset(&other.linkage), Cause::Joint(j));
     }
+    for (a, b) in one.linkage.couplings.iter().zip(&other.linkage.couplings) {
+        add(a != b, Cause::Joint(a.joint));
+    }
     // A difference in the rounding of a sum is none.
     let same = |(x, y): (&f64, &f64)| (x - y).abs() <= 1e-12 * x.abs();
     let kinetic = [kinetic_constants(&one.linkage), kinetic_constants(&other.linkage)];
@@ -174,6 +194,9 @@ fn differences(one: &Source, other: &Source) -> Vec<Cause> {
     for (l, load) in one.loading.loads.iter().enumerate() {
         let gravity = heavier && matches!(load, Load::Gravity(_));
         add(gravity || !same_load(&one.loading, &other.loading, l), Cause::Load(l));
+    }
+    if let Some(motion) = one.loading.motion.as_ref().filter(|motion| Some(*motion) != other.loading.motion.as_ref()) {
+        add(true, Cause::Load(motion.load));
     }
     for (l, (a, b)) in one.loading.drives.iter().zip(&other.loading.drives).enumerate() {
         add(a.efficiency != b.efficiency, Cause::Efficiency(l));
@@ -205,7 +228,9 @@ fn same_load<'l>(one: &'l Loading, other: &'l Loading, load: usize) -> bool {
         let friction = l.friction.as_ref()?;
         Some((friction.enabled, friction.friction_joints.iter().find(|p| p.load == load)?))
     };
+    let mesh = |l: &'l Loading| l.meshes.iter().find(|mesh| mesh.load == load);
     one.loads[load] == other.loads[load]
+        && mesh(one) == mesh(other)
         && constant(one) == constant(other)
         && spring(one) == spring(other)
         && stop(one) == stop(other)

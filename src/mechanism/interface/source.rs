@@ -2,7 +2,7 @@
 use super::needs::{Needs, placed};
 use crate::mechanism::definition::{DefinitionError, Mechanism};
 use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point};
-use crate::mechanism::loads::resolved::{Loading, markers};
+use crate::mechanism::loads::resolved::{Loading, MOTION, markers};
 use crate::mechanism::loads::unit_load::Load;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -66,6 +66,20 @@ impl<'a> Source<'a> {
             + self.loading.ports()
             + usize::from(self.loading.air.is_some());
         first..first + self.loading.locks.len()
+    }
+
+    /// Inputs and loads that an output follows from, with those of a drive whose motion can be prescribed; none where no
+    /// drive has a motion.
+    pub fn moved(&self, (inputs, loads): (&[usize], &[usize]), is_moved: bool) -> Option<(Vec<usize>, Vec<usize>)> {
+        let motion = self.loading.motion.as_ref().filter(|_| is_moved)?;
+        let given = motion.first_input.map_or(0..0, |first| first..first + MOTION);
+        let mut inputs: Vec<usize> = inputs.iter().copied().chain(given).chain([self.locks().end]).collect();
+        let mut loads: Vec<usize> = loads.iter().copied().chain([motion.load]).collect();
+        for list in [&mut inputs, &mut loads] {
+            list.sort_unstable();
+            list.dedup();
+        }
+        Some((inputs, loads))
     }
 
     /// Whether joints have friction when `friction.enabled` is true.

@@ -101,6 +101,8 @@ impl Linkage {
             return Err(DefinitionError::key(format_args!("bodies.{}", linkage.bodies[loose].name), message));
         }
         linkage.number_coordinates();
+        linkage.add_couplings(mechanism)?;
+        linkage.cuts.extend(linkage.couplings.iter().map(|coupling| coupling.joint));
         linkage.close_loops();
         Ok(linkage)
     }

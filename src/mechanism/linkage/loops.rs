@@ -2,7 +2,7 @@
 //!
 //! In: positions and rates of the bodies. Out: gaps [m], their second derivatives and their Jacobian. A revolute joint
 //! gives two rows, the components of the gap between its points; a prismatic joint gives one, the gap normal to its
-//! axis (its bodies share one angle). A row depends on the coordinates round its loop only. It must not know Newton's
+//! axis (its bodies share one angle); a coupling gives one. A row depends on the coordinates round its loop only. It must not know Newton's
 //! method.
 use super::motion::{Positions, Rates};
 use super::structure::{Freedom, Linkage, Loop, Step};
@@ -19,6 +19,9 @@ impl Linkage {
             depth[branch.child] = depth[branch.parent] + 1;
         }
         let loop_of = |&j: &usize| {
+            if let Freedom::Coupling(index) = self.joints[j].freedom {
+                return Loop { columns: self.coupled_coordinates(&self.couplings[index]), ..Loop::default() };
+            }
             let (first, second) = (self.joints[j].first.body, self.joints[j].second.body);
             let (mut plus, mut minus) = (second, first);
             let mut path = Vec::new();
@@ -75,6 +78,7 @@ impl Linkage {
             match joint.freedom {
                 Freedom::Revolute => out.extend([gap.x, gap.y]),
                 Freedom::Prismatic(e) => out.push(perp(p.vector(joint.first.body, e)).dot(&gap)),
+                Freedom::Coupling(index) => out.push(self.coupling_gap(&self.couplings[index], p)),
             }
         }
     }
@@ -100,18 +104,27 @@ impl Linkage {
                             - omega * omega * normal.dot(&gap),
                     );
                 }
+                Freedom::Coupling(index) => out.push(self.coupling_second_rate(&self.couplings[index], p, r, a)),
             }
         }
     }
 
     /// Derivatives of the residuals of the loop with index `index` in [`Self::cuts`], in the loop's columns. Rows of a
-    /// revolute joint: the gap's x and y. First row of a prismatic joint: the gap normal to the axis.
+    /// revolute joint: the gap's x and y. First row of a prismatic joint: the gap normal to the axis; of a coupling: its
+    /// residual.
     pub fn partials(&self, p: &Positions, q: &[f64], index: usize, rows: &mut [Vec<f64>; 2]) {
         let (of, joint) = (&self.loops[index], &self.joints[self.cuts[index]]);
         let [x, y] = rows;
         for row in [&mut *x, &mut *y] {
             row.clear();
             row.resize(of.columns.len(), 0.0);
+        }
+        if let Freedom::Coupling(index) = joint.freedom {
+            return self.coupling_partials(&self.couplings[index], p, &mut |coordinate, change| {
+                if let Some(column) = coordinate.and_then(|c| of.columns.binary_search(&c).ok()) {
+                    x[column] += change;
+                }
+            });
         }
         let mut add = |column: Option<usize>, change: Vec2| {
             if let Some(c) = column {

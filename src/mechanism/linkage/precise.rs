@@ -53,6 +53,7 @@ impl Linkage {
                     let axis = rotated(rotations[joint.first.body], e);
                     out.push((axis[0] * y - axis[1] * x).rounded());
                 }
+                Freedom::Coupling(index) => out.push(self.precise_coupling_gap(&self.couplings[index], q)),
             }
         }
         out

@@ -1,4 +1,5 @@
 //! Bodies, joints, spanning tree and loops of a linkage.
+use super::coupling::Coupling;
 use crate::numerics::plane::Vec2;
 
 /// Index of the ground among the bodies.
@@ -37,6 +38,8 @@ pub enum Freedom {
     Revolute,
     /// Translation of the second point along a line through the first; the unit vector is fixed in the first body.
     Prismatic(Vec2),
+    /// A coupling, by its index among [`Linkage::couplings`]: no more than its equation. It is never in the tree.
+    Coupling(usize),
 }
 
 impl Freedom {
@@ -118,7 +121,7 @@ pub(super) struct Frame {
 pub struct Linkage {
     /// Bodies; the ground first.
     pub bodies: Vec<Body>,
-    /// Joints in the order of the file.
+    /// Joints in the order of the file, then one for each coupling.
     pub joints: Vec<Joint>,
     /// Spanning tree, parents before children.
     pub tree: Vec<Branch>,
@@ -126,6 +129,8 @@ pub struct Linkage {
     pub cuts: Vec<usize>,
     /// The loop of each of `cuts`.
     pub loops: Vec<Loop>,
+    /// Couplings in the order of the file.
+    pub couplings: Vec<Coupling>,
     /// Names of the coordinates: of a body for an angle, of a joint for a position.
     pub coordinates: Vec<String>,
     /// Number of coordinates that are angles; they come first.

@@ -2,19 +2,22 @@
 //!
 //! In: a definition and its linkage. Out: loads in a fixed order - those sized by inputs, those of constant size,
 //! springs, those sized by a state: stops, surfaces, friction - with their laws. It must not know the state.
+mod couplings;
 mod friction;
 
 use super::laws::drag::Drag;
 use super::laws::gas::Gas;
+use super::laws::profile::{POLYNOMIAL_345, POLYNOMIAL_4567, Profile, Shape};
 use super::laws::spring::{Characteristic, Spring};
 use super::laws::stop::Stop;
 use super::unit_load::Load;
 use crate::hydraulics::circuit::Equations;
 use crate::hydraulics::definition::Command;
-use crate::mechanism::definition::{self, DefinitionError, Mechanism};
+use crate::mechanism::definition::{self, DefinitionError, Mechanism, PrescribedMotion, ProfileKind};
 use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point};
 use crate::numerics::monotone::Monotone;
 use crate::numerics::plane::{Vec2, turned};
+pub use couplings::Mesh;
 pub use friction::{FrictionJoint, JointFriction};
 use std::collections::HashMap;
 use std::fmt;
@@ -23,7 +26,8 @@ use std::fmt;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Loading {
     /// Loads of unit size: one for each input that sizes a load, one for each constant, one for each spring; then one
-    /// for each stop, three for each surface, one for each joint with friction.
+    /// for each stop, three for each surface, one for each joint with friction, one for each mesh of
+    /// teeth.
     pub loads: Vec<Load>,
     /// Names of the inputs that size the first loads, such as `actuator.force`.
     pub inputs: Vec<String>,
@@ -43,8 +47,47 @@ pub struct Loading {
     pub air: Option<Air>,
     /// Friction in the joints.
     pub friction: Option<JointFriction>,
+    /// Couplings with teeth whose pressure angle is not 0.
+    pub meshes: Vec<Mesh>,
     /// The hydraulic circuit that sizes the load of one drive.
     pub hydraulics: Option<HydraulicDrive>,
+    /// The drive whose motion can be prescribed.
+    pub motion: Option<MotionDrive>,
+}
+
+/// A drive whose motion can be prescribed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MotionDrive {
+    /// Index of the drive and of its load.
+    pub load: usize,
+    /// Index of the input `motion.position`; speed and acceleration follow. None with a profile.
+    pub first_input: Option<usize>,
+    /// Motion over time; without it inputs prescribe it.
+    pub profile: Option<Profile>,
+}
+
+/// Number of inputs of a motion without a profile: position, speed, acceleration.
+pub const MOTION: usize = 3;
+
+impl MotionDrive {
+    /// The drive with this load and motion, whose inputs begin with this index.
+    fn new(load: usize, motion: &PrescribedMotion, first_input: usize) -> Self {
+        let number = |value: Option<f64>| value.unwrap_or(0.0);
+        let (distance, duration) = (number(motion.distance), number(motion.duration));
+        let polynomial = |coefficients| Some(Shape::Polynomial { distance, duration, coefficients });
+        let shape = motion.profile.and_then(|kind| match kind {
+            ProfileKind::Trapezoid => {
+                Some(Shape::trapezoid(distance, number(motion.speed), number(motion.acceleration)))
+            }
+            ProfileKind::Cycloidal => Some(Shape::Cycloidal { distance, duration }),
+            ProfileKind::Polynomial345 => polynomial(POLYNOMIAL_345),
+            ProfileKind::Polynomial4567 => polynomial(POLYNOMIAL_4567),
+            ProfileKind::Table => Monotone::new(motion.points.as_ref()?).map(Shape::Table),
+        });
+        let profile = shape.map(|shape| Profile { start_time: number(motion.start_time), shape });
+        let first_input = profile.is_none().then_some(first_input);
+        Self { load, first_input, profile }
+    }
 }
 
 /// A drive with a hydraulic circuit. Its place among the inputs that size loads stays 0.
@@ -177,7 +220,7 @@ fn joint_load(linkage: &Linkage, joint: usize) -> Load {
     let j = &linkage.joints[joint];
     match j.freedom {
         Freedom::Revolute => Load::Couple { first: j.first.body, second: j.second.body },
-        Freedom::Prismatic(_) => Load::Slide { joint },
+        Freedom::Prismatic(_) | Freedom::Coupling(_) => Load::Slide { joint },
     }
 }
 
@@ -233,6 +276,11 @@ impl Loading {
             let load = Load::Torque { body: linkage.carrier(mechanism, &t.on).map_or(0, |(body, _)| body) };
             if t.constant { constant.push((t.torque, load)) } else { sized.push((format!("{name}.torque"), load)) }
         }
+        for (coupling, (_, defined)) in mechanism.couplings.iter().enumerate() {
+            if let Some(pretension) = defined.pretension {
+                constant.push(couplings::pretension(linkage, coupling, pretension));
+            }
+        }
         let (inputs, mut loads): (Vec<String>, Vec<Load>) = sized.into_iter().unzip();
         let (constants, more): (Vec<f64>, Vec<Load>) = constant.into_iter().unzip();
         loads.extend(more);
@@ -266,10 +314,14 @@ impl Loading {
             }
             None => None,
         };
-        let mut loading = Self { loads, inputs, constants, springs, drives, gravity, hydraulics, ..Self::default() };
+        let first = inputs.len() + drives.len();
+        let motion = mechanism.motion_drive().map(|(load, _, motion)| MotionDrive::new(load, motion, first));
+        let mut loading =
+            Self { loads, inputs, constants, springs, drives, gravity, hydraulics, motion, ..Self::default() };
         loading.add_stops(mechanism, linkage, joints_between)?;
         loading.add_air(mechanism, linkage)?;
         loading.add_friction(mechanism, linkage)?;
+        loading.add_meshes(mechanism)?;
         Ok(loading)
     }
 
@@ -362,9 +414,13 @@ impl Loading {
         Ok(())
     }
 
-    /// Number of inputs of the hydraulic circuit; 0 without one.
+    /// Number of inputs of the hydraulic circuit or of a prescribed motion; 0 without these.
     pub fn ports(&self) -> usize {
-        if self.hydraulics.is_some() { PORTS } else { 0 }
+        match (&self.hydraulics, &self.motion) {
+            (Some(_), _) => PORTS,
+            (None, Some(motion)) if motion.first_input.is_some() => MOTION,
+            _ => 0,
+        }
     }
 
     /// Number of loads sized by inputs, constants and springs. The other loads are sized by a state.

@@ -38,6 +38,12 @@ pub enum Load {
         /// Index of the body with 1 N.m.
         second: usize,
     },
+    /// 1 N that pushes the second body of a coupling away from the first, as the teeth of gears outside one another do: the
+    /// force of the coupling that does no work. S is 0.
+    Separation {
+        /// Index of the coupling.
+        coupling: usize,
+    },
     /// 1 N along the axis of a prismatic joint. S is the joint's position [m].
     Slide {
         /// Index of the joint.
@@ -69,7 +75,7 @@ fn axis(linkage: &Linkage, p: &Positions, joint: usize) -> (Point, Point, Vec2) 
     let j = &linkage.joints[joint];
     let axis = match j.freedom {
         Freedom::Prismatic(e) => p.vector(j.first.body, e),
-        Freedom::Revolute => Vec2::zeros(),
+        Freedom::Revolute | Freedom::Coupling(_) => Vec2::zeros(),
     };
     (j.first, j.second, axis)
 }
@@ -88,7 +94,7 @@ impl Load {
     /// Displacement at these positions; 0 for gravity.
     pub fn displacement_at(&self, linkage: &Linkage, p: &Positions) -> f64 {
         match *self {
-            Self::Gravity(_) => 0.0,
+            Self::Gravity(_) | Self::Separation { .. } => 0.0,
             Self::Force { at, direction } => direction.dot(&p.point(at)),
             Self::Pair { first, second } => (p.point(second) - p.point(first)).norm(),
             Self::Torque { body } => p.angle[body],
@@ -114,6 +120,7 @@ impl Load {
                 }
                 sum
             }
+            Self::Separation { .. } => [0.0; 3],
             Self::Force { at, direction } => point(at).map(|d| direction.dot(&d)),
             Self::Pair { first, second } => {
                 let ([x1, v1, a1], [x2, v2, a2]) = (point(first), point(second));
@@ -161,6 +168,13 @@ impl Load {
                 let along = (p.point(second) - p.point(first)).normalize();
                 act(at(first, -along));
                 act(at(second, along));
+            }
+            Self::Separation { coupling } => {
+                let coupling = &linkage.couplings[coupling];
+                let (contact, joint) = (linkage.contact(coupling, p), &linkage.joints[coupling.joint]);
+                for (body, force) in [(joint.first.body, -contact.apart), (joint.second.body, contact.apart)] {
+                    act(Wrench { body, force, moment: cross(contact.at - p.origin[body], force) });
+                }
             }
             Self::Torque { body } => act(couple(body, 1.0)),
             Self::Couple { first, second } => {

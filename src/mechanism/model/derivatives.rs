@@ -101,6 +101,14 @@ impl Model {
             let name = format!("derivative {order} of {}", self.name_of(reference));
             return Err(ModelError::Value { name, value, allowed: "finite".into() });
         }
+        let first = self.original.reduced.loading().motion.as_ref().and_then(|drive| drive.first_input);
+        if let (Some(first), Some(Quantity::Input(input))) = (first, self.original.variables.quantity(reference))
+            && (first..first + 2).contains(&input)
+        {
+            let what = format!("the derivative of {}", self.name_of(reference));
+            let next = self.name_of(reference + 1);
+            return Err(ModelError::Derivative { what, reason: format!("it is the input {next}: set that") });
+        }
         self.not_rigid_fem("canInterpolateInputs")
     }
 

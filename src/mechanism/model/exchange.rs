@@ -99,8 +99,12 @@ impl Model {
     /// A hydraulic circuit has states that are not told.
     pub fn serve_exchange(&mut self) -> Result<(), ModelError> {
         if self.continuous_time().is_none() {
-            let reason =
-                "a drive has a hydraulic circuit, whose states are integrated with the motion; use co-simulation";
+            let reason = match self.original.reduced.loading().motion {
+                Some(_) => "the motion of a drive can be prescribed, which leaves no states; use co-simulation",
+                None => {
+                    "a drive has a hydraulic circuit, whose states are integrated with the motion; use co-simulation"
+                }
+            };
             return Err(ModelError::Derivative { what: "model exchange".into(), reason: reason.into() });
         }
         self.exchange = Some(Exchange::default());

@@ -136,6 +136,9 @@ impl Model {
         if self.parameter_values.method() == Method::RigidFem {
             return refused("solver.method = \"rigid_fem\" has more states; choose solver.method = \"reduced\"");
         }
+        if self.original.reduced.loading().motion.is_some() && self.inputs.prescribes() {
+            return refused("the motion of a drive is prescribed, which leaves no states; set motion.enabled to false");
+        }
         match self.original.parameter_values.mechanism().hydraulic_drive() {
             Some(_) => refused("a hydraulic circuit has more states; leave out hydraulics for the mechanism alone"),
             None => Ok(()),

@@ -93,6 +93,16 @@ impl Told {
                 let after = series.map_or(String::new(), |series| format!(" after {} impacts", series.count));
                 event(format!("the mechanism comes to rest at {}{after}", name(stop)))
             }
+            What::Gripped { change, impulse } => {
+                let drive = loading.drives.get(loading.motion.as_ref()?.load)?;
+                let (per, unit) = if drive.is_rotary { ("rad/s", "kg.m2/s") } else { ("m/s", "N.s") };
+                let [change, impulse] = [change, impulse].map(Decimal::rounded);
+                let name = &drive.name;
+                event(format!(
+                    "the motion of {name} is prescribed from now on: its speed jumps by {change} {per}, which takes an \
+                     impulse of {impulse} {unit} of the drive"
+                ))
+            }
             What::Touched { stop } => event(format!("bumper {} begins to push", name(stop))),
             What::Left { stop } => event(format!("bumper {} ceases to push", name(stop))),
             What::Caught { stop } => {

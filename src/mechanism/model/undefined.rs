@@ -95,6 +95,12 @@ impl Model {
                 "the loads do not drive the mechanism back to {}: small motions about it are no oscillation",
                 state.describe(reduced)
             ),
+            Err(OutputError::Dead(drive)) => format!(
+                "{} is at a dead point near {}, where no force of it makes the motion that is prescribed",
+                reduced.loading().drives[drive].name,
+                state.describe(reduced)
+            ),
+            Err(OutputError::Motion(text)) => text,
             Err(OutputError::RigidFem(error)) => format!("solver.method = \"rigid_fem\": {error}"),
         })
     }

@@ -7,6 +7,7 @@ mod elapsed;
 pub mod equilibrium;
 pub mod events;
 pub mod impacts;
+pub mod prescribed;
 pub mod samples;
 mod saved;
 pub mod state;

@@ -13,6 +13,7 @@ use crate::mechanism::motion::contact::{BumperPlaces, Contact, EngagedLocks, Pla
 use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::events::Event;
 use crate::mechanism::motion::impacts::Impacts;
+use crate::mechanism::motion::prescribed::PrescribedState;
 use crate::mechanism::motion::step_ahead::Lookahead;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::bits::become_same;
@@ -51,6 +52,8 @@ pub struct SavedState {
     /// None is always right, and what a state has that was read.
     pub in_force: Option<EngagedLocks>,
     pub memory: Memory,
+    /// The prescribed motion of a drive; none where no drive has a motion.
+    pub prescribed: Option<PrescribedState>,
 }
 
 /// Memory of the integration, with or without the energy lost and a circuit as components of the state. A step allocates
@@ -295,6 +298,9 @@ impl SavedState {
         (self.time, self.in_force) = (other.time, other.in_force);
         self.impacts.clone_from(&other.impacts);
         self.memory.copy_from(&other.memory);
+        if other.prescribed.is_some() {
+            self.prescribed = other.prescribed;
+        }
         others
     }
 
@@ -318,6 +324,7 @@ impl SavedState {
         if reduced.loading().hydraulics.is_some() {
             saved.memory = Memory::WithCircuit(Box::new(CircuitMemory::new(CircuitState::default())));
         }
+        saved.prescribed = reduced.loading().motion.as_ref().map(|_| PrescribedState::default());
         saved.record(record)?;
         saved.check(reduced)?;
         for end in Arc::make_mut(&mut saved.travel).rigid.iter_mut().flatten() {
@@ -345,6 +352,7 @@ impl SavedState {
         let mut with_dissipation = !matches!(self.memory, Memory::Conservative(..));
         record.flag("energy lost integrated", &mut with_dissipation)?;
         self.memory.set_dissipation(with_dissipation);
+        self.prescribed.iter_mut().try_for_each(|prescribed| prescribed.record(record))?;
         match &mut self.memory {
             Memory::Conservative(integrator, lookahead) => {
                 integrator.record(record)?;

@@ -4,6 +4,7 @@
 //! know outputs.
 mod circuit;
 mod inputs;
+mod prescribed;
 mod start;
 
 use crate::mechanism::definition::Solver;
@@ -41,6 +42,8 @@ pub struct State {
     scratch: Scratch,
     /// What happens within a step.
     pub witness: Witness,
+    /// Scratch of a step under a prescribed motion; empty where no drive has a motion.
+    rates: Vec<f64>,
 }
 
 impl Deref for State {
@@ -122,6 +125,12 @@ fn ends_meet(reduced: &Reduced, side: usize) -> ModelError {
     ModelError::travel((reduced, end.err().unwrap_or(End::OfTravel)), sigma)
 }
 
+/// Scratch of a step under a prescribed motion.
+fn rates(reduced: &Reduced) -> Vec<f64> {
+    let loads = reduced.loading().motion.as_ref().map_or(0, |_| reduced.loading().inputs.len());
+    vec![0.0; 2 * loads]
+}
+
 /// Length of so many whole revolutions.
 #[inline(always)]
 fn shift(reduced: &Reduced, revolutions: f64) -> f64 {
@@ -138,7 +147,7 @@ impl State {
         state_loads(reduced, blows_under(reduced, inputs), saved.revolutions)?;
         let scratch = Scratch::new(saved.state_loads(reduced)?);
         let witness = Witness::new(saved.impacts.len());
-        Ok(Self { saved: saved.clone(), before: Before::new(&saved.applied), scratch, witness })
+        Ok(Self { saved: saved.clone(), before: Before::new(&saved.applied), scratch, witness, rates: rates(reduced) })
     }
 
     /// [`Self::from_saved`] in place, with the same reduced model; without allocation unless air has begun or ceased to
@@ -174,6 +183,9 @@ impl State {
     /// The loads overflow, the integration stopped, friction locks, the travel of an open curve without stops ended, or
     /// the work of the step met its bound.
     pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64, solver: &Solver) -> Result<Reached, ModelError> {
+        if self.is_prescribed(inputs) {
+            return self.step_prescribed(reduced, inputs, h, solver);
+        }
         let ahead = inputs.signal.ahead;
         let in_force = self.in_force.filter(|_| !ahead);
         let locked = match in_force {

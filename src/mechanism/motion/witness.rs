@@ -17,6 +17,8 @@ pub enum What {
     Impact { stop: usize, speed: f64, impulse: f64, is_rigid: bool },
     /// It comes to rest at a stop.
     Rests { stop: usize },
+    /// The motion of a drive is prescribed from now on, which changes the speed of the drive by so much, with an impulse.
+    Gripped { change: f64, impulse: f64 },
     /// A bumper begins to push.
     Touched { stop: usize },
     /// A bumper ceases to push.

@@ -5,6 +5,7 @@ use crate::mechanism::dynamics::equation::Scratch;
 use crate::mechanism::dynamics::inputs::Change;
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::motion::contact::Place;
+use crate::mechanism::outputs::evaluator::OutputError;
 use crate::mechanism::reduced::{PanelTable, Reduced, StateLoads};
 use crate::numerics::bundle::{ROW, Row};
 use crate::numerics::dual::{Differentiable, Number};
@@ -23,6 +24,8 @@ pub struct OutputCache<N: Differentiable> {
     pub panel: usize,
     /// Reaction of each joint, once evaluated in this state.
     pub reactions: Vec<Option<[N; 3]>>,
+    /// Force that each mesh of teeth transmits along the motion, once evaluated in this state.
+    pub transmitted: Vec<Option<N>>,
     /// Whether a reaction has been evaluated in this state.
     pub has_reactions: bool,
     /// What reactions are sums of, once one has been evaluated in this state.
@@ -67,6 +70,7 @@ impl<N: Differentiable> OutputCache<N> {
             position: None,
             panel: 0,
             reactions: vec![None; reduced.linkage().joints.len()],
+            transmitted: vec![None; reduced.loading().meshes.len()],
             has_reactions: false,
             shares: Shares { given: Vec::new(), state: Vec::new(), are_known: false },
             values: Vec::new(),
@@ -88,6 +92,7 @@ impl<N: Differentiable> OutputCache<N> {
         (self.forces, self.position) = (None, None);
         if self.has_reactions {
             self.reactions.fill(None);
+            self.transmitted.fill(None);
             self.has_reactions = false;
         }
         self.shares.are_known = false;
@@ -151,11 +156,22 @@ pub struct PresentLoads {
     pub sizes: Vec<f64>,
     /// Reaction of each joint to the loads of these sizes and to all else.
     pub reactions: Vec<PanelReaction>,
+    /// Why no force of its drive makes the prescribed motion; none if there is one, or no motion is prescribed.
+    pub undriven: Option<OutputError>,
 }
 
 impl PresentLoads {
     pub fn new(sizes: Vec<f64>, joints: usize) -> Self {
-        Self { sizes, reactions: vec![PanelReaction::default(); joints] }
+        Self { sizes, reactions: vec![PanelReaction::default(); joints], undriven: None }
+    }
+
+    /// Whether there is a force of its drive for a prescribed motion.
+    ///
+    /// # Errors
+    /// There is none, with the reason.
+    #[inline(always)]
+    pub fn check_driven(&self) -> Result<(), OutputError> {
+        self.undriven.as_ref().map_or(Ok(()), |error| Err(error.clone()))
     }
 
     /// The sizes have changed: the reactions to the applied loads are no longer known.

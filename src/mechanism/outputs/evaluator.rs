@@ -24,6 +24,10 @@ pub enum OutputError {
     SelfLocking(usize),
     /// The loads do not drive the mechanism back to the present position, so that it does not swing about it.
     Unstable,
+    /// This drive, whose motion is prescribed, is at a dead point.
+    Dead(usize),
+    /// The mechanism cannot make the motion that is prescribed, as the words tell.
+    Motion(String),
     /// The finite elements' forces are not finite.
     RigidFem(RigidFemError),
 }
@@ -80,6 +84,11 @@ pub trait Kinematics<N: Number> {
 
     /// Size of a load that an input or a constant sizes.
     fn size(&self, load: usize) -> N;
+
+    /// Force with which a drive acts, before the loss of the drive.
+    fn acting_force(&mut self, drive: usize) -> Result<N, OutputError> {
+        Ok(self.size(drive))
+    }
 
     /// Size of a load that the state decides: friction, drag, bumpers, losses of drives.
     fn state_load(&mut self, _load: usize) -> Result<N, OutputError> {
@@ -144,6 +153,7 @@ pub fn evaluate<N: Number, K: Kinematics<N>>(
                 ReactionPart::Moment => moment,
             }
         }
+        Output::ActingForce { drive } => motion.acting_force(drive)?,
         Output::SpringForce { spring } => spring_force(motion, loading, spring)?,
         Output::Friction { friction_joint } => match &loading.friction {
             Some(friction) => motion.state_load(friction.friction_joints[friction_joint].load)?,

@@ -2,7 +2,7 @@
 //!
 //! In: the reduced model in one state. Out: reduced mass, loads and forces along the drive. It must not know the
 //! drive's kind.
-use crate::mechanism::loads::friction_loop::Locked;
+use crate::mechanism::dynamics::inverse::{Demand, NoForce, toward, with_efficiency};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite};
 use crate::mechanism::outputs::view::{Reading, View};
 use crate::mechanism::quantity::OneElement;
@@ -17,12 +17,7 @@ impl<N: Reading> View<'_, N> {
         let curvature = self.component(table, position, 2);
         let (sigma_dot, efficiency) = (self.sigma_dot(), loading.drives[drive].efficiency);
         let speed = (slope * sigma_dot).value();
-        // [CK16] 2.3: eta divides where power flows in and multiplies where it flows back; at rest it divides.
-        let with_efficiency = |power: f64, value: N| match efficiency {
-            Some(eta) if power < 0.0 => value * eta,
-            Some(eta) => value / N::constant(eta),
-            None => value,
-        };
+        let with_efficiency = |power: f64, value: N| with_efficiency(efficiency, power, value);
         let power = self.loads.sizes[drive] * speed;
         let value = match term {
             OneElement::ReducedMass => with_efficiency(power, N::constant(1.0) / (slope * slope)),
@@ -36,10 +31,7 @@ impl<N: Reading> View<'_, N> {
             OneElement::RequiredForce => {
                 let input = loading.inputs.len() + drive;
                 let demand = self.cache.direction.input(input, self.inputs.reals[input]);
-                let acceleration = (demand - curvature * sigma_dot * sigma_dot) / slope;
-                let direction = toward(sigma_dot.value(), acceleration.value());
-                let force = self.required(drive, acceleration, direction, None)? / slope;
-                with_efficiency(force.value() * if speed == 0.0 { demand.value() } else { speed }, force)
+                self.force_for(drive, demand)?
             }
             OneElement::HoldingForce => {
                 let others = self.others_at_rest(drive)?;
@@ -90,9 +82,22 @@ impl<N: Reading> View<'_, N> {
         Ok(at_rest - size * influence_slope)
     }
 
-    /// Force along sigma that a drive must give, where friction depends on it: for an acceleration along the curve, or
-    /// with `breakaway` to begin to move in this direction. The other drives lose as in a motion in `direction`,
-    /// whatever this drive gives at present, even if friction has no solution under that.
+    /// Force of a drive for an acceleration of it: inverse dynamics, [CK16] eqs. (16), (37).
+    pub fn force_for(&mut self, drive: usize, acceleration: N) -> Result<N, OutputError> {
+        let (table, position) = self.reduced.displacement_around(drive, self.state.sigma)?;
+        let slope = self.before_derivative(table, position, 1);
+        let curvature = self.component(table, position, 2);
+        let (sigma_dot, efficiency) = (self.sigma_dot(), self.reduced.loading().drives[drive].efficiency);
+        let speed = (slope * sigma_dot).value();
+        let along = (acceleration - curvature * sigma_dot * sigma_dot) / slope;
+        let direction = toward(sigma_dot.value(), along.value());
+        let force = self.required(drive, along, direction, None)? / slope;
+        let rate = if speed == 0.0 { acceleration.value() } else { speed };
+        Ok(with_efficiency(efficiency, force.value() * rate, force))
+    }
+
+    /// Force along sigma that a drive must give, for an acceleration along the curve, or with `breakaway` to begin to
+    /// move in this direction.
     ///
     /// # Errors
     /// [`OutputError::SelfLocking`]: no force of this drive does it.
@@ -103,24 +108,11 @@ impl<N: Reading> View<'_, N> {
         direction: f64,
         breakaway: Option<f64>,
     ) -> Result<N, OutputError> {
-        let (sigma, influence) = (self.sigma(), self.influence(drive));
-        let sigma_dot = if breakaway.is_some() { N::constant(0.0) } else { self.sigma_dot() };
-        let free = self.equation()?.heading(direction, sigma, sigma_dot);
-        let size = self.delivered(drive);
-        let Some(state_loads) = self.state_loads() else {
-            return Ok(acceleration - (free? - size * influence));
-        };
-        let scratch = &mut self.cache.scratch;
-        let load = (drive, size);
-        let force = scratch.evaluator.required(state_loads, &scratch.panel_force, sigma, load, acceleration, breakaway);
-        force.map_err(|Locked| OutputError::SelfLocking(drive))
-    }
-}
-
-/// Direction in which the mechanism moves, or sets off from rest: that of sigma_ddot; 0 if it stays at rest.
-fn toward(sigma_dot: f64, acceleration: f64) -> f64 {
-    match if sigma_dot == 0.0 { acceleration } else { sigma_dot } {
-        0.0 => 0.0,
-        rate => rate.signum(),
+        let (sigma, sigma_dot, influence) = (self.sigma(), self.sigma_dot(), self.influence(drive));
+        let demand = Demand { drive: (drive, influence), acceleration, direction, breakaway };
+        self.equation()?.required(sigma, sigma_dot, &demand).map_err(|none| match none {
+            NoForce::Locked => OutputError::Locked,
+            NoForce::SelfLocking => OutputError::SelfLocking(drive),
+        })
     }
 }

@@ -3,6 +3,7 @@
 //! In: its reaction to each load of unit size, the sizes of the loads. Out: force x, force y, moment. It must not know
 //! how the sizes are found.
 use crate::mechanism::linkage::Freedom;
+use crate::mechanism::loads::resolved::Mesh;
 use crate::mechanism::outputs::cache::{PanelReaction, PanelRows, PresentLoads};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite, spring_force};
 use crate::mechanism::outputs::view::{Reading, View};
@@ -15,8 +16,39 @@ use crate::numerics::chebyshev::NODES;
 type Parts<N> = [N; 3];
 
 impl<'a, N: Reading> View<'a, N> {
-    /// Force x, force y [N] and moment [N.m] that a joint transmits.
+    /// Force x, force y [N] and moment [N.m] that a joint transmits; the third of a coupling is the force that it transmits
+    /// along the motion [N].
     pub fn find_reaction(&mut self, joint: usize) -> Result<Parts<N>, OutputError> {
+        let mut value = self.reaction_along(joint)?;
+        for mesh in 0..self.reduced.loading().meshes.len() {
+            self.add_separation(mesh, joint, &mut value)?;
+        }
+        let value = value.map(finite);
+        self.cache.reactions[joint] = Some(value);
+        self.cache.has_reactions = true;
+        self.cache.computed.reactions += 1;
+        Ok(value)
+    }
+
+    /// Add the reaction to the force |F_t| tan(alpha) that pushes the teeth of a mesh apart. It does no work, so that it
+    /// changes neither the motion nor any tangential force F_t.
+    #[cold]
+    #[inline(never)]
+    fn add_separation(&mut self, mesh: usize, joint: usize, value: &mut Parts<N>) -> Result<(), OutputError> {
+        let Mesh { joint: own, load, tangent } = self.reduced.loading().meshes[mesh];
+        let transmitted = match self.cache.transmitted[mesh] {
+            Some(transmitted) => transmitted,
+            None => self.reaction_along(own)?[2],
+        };
+        self.cache.transmitted[mesh] = Some(transmitted);
+        self.cache.has_reactions = true;
+        let size = if transmitted.value() < 0.0 { -transmitted } else { transmitted };
+        let parts = if self.reduced.linkage().joints[joint].freedom == Freedom::Revolute { 2 } else { 3 };
+        self.add_column(joint, 2 + load, size * tangent, &mut value[..parts])
+    }
+
+    /// [`Self::find_reaction`] without the forces that push teeth apart.
+    fn reaction_along(&mut self, joint: usize) -> Result<Parts<N>, OutputError> {
         self.find_shares()?;
         let (reduced, sigma) = (self.reduced, self.sigma());
         let parts = if reduced.linkage().joints[joint].freedom == Freedom::Revolute { 2 } else { 3 };
@@ -42,10 +74,6 @@ impl<'a, N: Reading> View<'a, N> {
             }
         }
         self.add_held(joint, &mut value[..parts])?;
-        let value = value.map(finite);
-        self.cache.reactions[joint] = Some(value);
-        self.cache.has_reactions = true;
-        self.cache.computed.reactions += 1;
         Ok(value)
     }
 
@@ -94,7 +122,7 @@ impl<'a, N: Reading> View<'a, N> {
         if let Some(piece) = piece {
             let (parts, columns, table) = (value.len(), 2 + reduced.loading().base(), piece.table);
             let others = self.given_columns();
-            let PresentLoads { sizes, reactions } = &mut *self.loads;
+            let PresentLoads { sizes, reactions, .. } = &mut *self.loads;
             let PanelReaction { given: panel, has_applied, .. } = &mut reactions[joint];
             if !panel.holds(self.state.sigma) {
                 panel.enter(piece, self.state.sigma, |panel, rows| {

@@ -10,6 +10,7 @@ use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::SavedState;
 use crate::mechanism::motion::state::{Reached, Start, State, state_loads_under};
 use crate::mechanism::outputs::cache::{Computed, Direction, OutputCache, PresentLoads};
+use crate::mechanism::outputs::driven::Driven;
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, evaluate};
 use crate::mechanism::outputs::view::View;
 use crate::mechanism::quantity::Output;
@@ -22,11 +23,13 @@ use crate::numerics::dual::Dual;
 pub struct ReducedMotion {
     /// Changed by the methods below only, which keep the caches up to date.
     pub state: State,
-    loads: PresentLoads,
+    pub(super) loads: PresentLoads,
     /// Cache of the values.
-    cache: OutputCache<f64>,
+    pub(super) cache: OutputCache<f64>,
     /// Cache of the values with derivatives, once one has been asked for.
     sensitivity: Option<Box<OutputCache<Dual<1>>>>,
+    /// What outputs show of a prescribed motion; none where no drive has a motion.
+    pub(super) driven: Option<Box<Driven>>,
 }
 
 impl ReducedMotion {
@@ -58,6 +61,7 @@ impl ReducedMotion {
         self.state.put_at_start(start, reduced, mechanism, inputs)?;
         self.set_sizes(&inputs.reals[..reduced.loading().inputs.len()]);
         self.cache.begin();
+        self.unsettle();
         Ok(())
     }
 
@@ -72,11 +76,13 @@ impl ReducedMotion {
     fn new(state: State, reduced: &Reduced, inputs: &Inputs) -> Self {
         // Tables that can't be built are reported by the state before, or by the outputs that need them.
         let state_loads = state_loads_under(reduced, inputs).ok().flatten();
+        let driven = reduced.loading().motion.as_ref().map(|_| Box::new(Driven::new(&state)));
         Self {
             state,
             loads: PresentLoads::new(reduced.sizes(&inputs.reals), reduced.linkage().joints.len()),
             cache: OutputCache::new(reduced, state_loads, Direction::new(0.0, 0)),
             sensitivity: None,
+            driven,
         }
     }
 
@@ -158,11 +164,12 @@ impl ReducedMotion {
     }
 
     fn inputs_changed(&mut self) {
+        self.unsettle();
         self.cache.invalidate();
         self.state.inputs_changed();
     }
 
-    fn invalidate_sizes(&mut self) {
+    pub(super) fn invalidate_sizes(&mut self) {
         self.cache.scratch.panel_force.invalidate();
         self.loads.invalidate();
     }
@@ -173,6 +180,7 @@ impl ReducedMotion {
         if revolutions != self.state.revolutions {
             self.cache.scratch.panel_force.invalidate();
         }
+        self.unsettle();
         self.cache.invalidate();
     }
 
@@ -187,7 +195,11 @@ impl ReducedMotion {
     /// [`OutputError`].
     #[inline]
     pub fn output(&mut self, reduced: &Reduced, inputs: &Inputs, output: Output) -> Result<f64, OutputError> {
-        evaluate(&mut self.view(reduced, inputs), reduced.loading(), output)
+        let mut view = self.view(reduced, inputs);
+        if view.loads.undriven.is_some() {
+            view.check_placed()?;
+        }
+        evaluate(&mut view, reduced.loading(), output)
     }
 
     /// Stiffness and damping of small motions, as [`Kinematics::small_motion`].
@@ -199,8 +211,18 @@ impl ReducedMotion {
     }
 
     #[inline]
-    fn view<'a>(&'a mut self, reduced: &'a Reduced, inputs: &'a Inputs) -> View<'a, f64> {
-        let Self { state, loads, cache, .. } = self;
+    pub(super) fn view<'a>(&'a mut self, reduced: &'a Reduced, inputs: &'a Inputs) -> View<'a, f64> {
+        if self.driven.is_some() {
+            self.settle(reduced, inputs);
+        }
+        self.plain_view(reduced, inputs)
+    }
+
+    /// [`Self::view`] of a state and loads that are settled.
+    #[inline]
+    pub(super) fn plain_view<'a>(&'a mut self, reduced: &'a Reduced, inputs: &'a Inputs) -> View<'a, f64> {
+        let Self { state, loads, cache, driven, .. } = self;
+        let state = driven.as_deref().and_then(Driven::shown).unwrap_or(state);
         View { reduced: reduced.at(state.sigma), inputs, state, loads, cache, values: () }
     }
 
@@ -234,6 +256,9 @@ impl ReducedMotion {
         let direction = self.direction(reduced, inputs);
         (direction.along, direction.circuit) = (along, [0.0; CIRCUIT]);
         direction.rates.iter_mut().enumerate().for_each(|(i, rate)| *rate = seeds(i));
+        if self.driven.is_some() {
+            self.drive_along(reduced, inputs, false);
+        }
     }
 
     /// Head in the direction of time. Where the acceleration has no value, only derivatives without it have one.
@@ -244,10 +269,16 @@ impl ReducedMotion {
         let direction = self.direction(reduced, inputs);
         (direction.along, direction.circuit) = (along, circuit);
         direction.rates.copy_from_slice(&inputs.signal.first);
+        if self.driven.is_some() {
+            self.drive_along(reduced, inputs, true);
+        }
     }
 
     /// The direction, to be changed.
-    fn direction(&mut self, reduced: &Reduced, inputs: &Inputs) -> &mut Direction<Dual<1>> {
+    pub(super) fn direction(&mut self, reduced: &Reduced, inputs: &Inputs) -> &mut Direction<Dual<1>> {
+        if self.driven.is_some() {
+            self.settle(reduced, inputs);
+        }
         let sensitivity = self.sensitivity.get_or_insert_with(|| {
             let state_loads = state_loads_under(reduced, inputs).ok().flatten();
             let direction = Direction::new(Dual::variable(0.0, 0), inputs.reals.len());
@@ -264,6 +295,9 @@ impl ReducedMotion {
     /// [`OutputError`].
     pub fn derivative(&mut self, reduced: &Reduced, inputs: &Inputs, output: Output) -> Result<f64, OutputError> {
         let Some(mut view) = self.sensitive_view(reduced, inputs) else { return Ok(0.0) };
+        if view.loads.undriven.is_some() {
+            view.check_placed()?;
+        }
         let derivative = evaluate(&mut view, reduced.loading(), output)?.slope[0];
         if derivative.is_nan() {
             // Of the acceleration, along which the direction leads.
@@ -283,8 +317,13 @@ impl ReducedMotion {
         Ok([speed, forces.acceleration.slope[0]])
     }
 
-    fn sensitive_view<'a>(&'a mut self, reduced: &'a Reduced, inputs: &'a Inputs) -> Option<View<'a, Dual<1>>> {
-        let Self { state, loads, cache: values, sensitivity } = self;
+    pub(super) fn sensitive_view<'a>(
+        &'a mut self,
+        reduced: &'a Reduced,
+        inputs: &'a Inputs,
+    ) -> Option<View<'a, Dual<1>>> {
+        let Self { state, loads, cache: values, sensitivity, driven } = self;
+        let state = driven.as_deref().and_then(Driven::shown).unwrap_or(state);
         let cache = sensitivity.as_deref_mut()?;
         Some(View { reduced: reduced.at(state.sigma), inputs, state, loads, cache, values })
     }

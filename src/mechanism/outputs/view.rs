@@ -187,6 +187,7 @@ impl<'a, N: Reading> View<'a, N> {
     }
 
     fn find_forces(&mut self) -> Result<Forces<N>, OutputError> {
+        self.loads.check_driven()?;
         let forces = N::forces(self)?;
         self.cache.forces = Some(forces);
         self.cache.computed.effects += 1;
@@ -292,6 +293,11 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
         } else {
             N::constant(size)
         }
+    }
+
+    fn acting_force(&mut self, drive: usize) -> Result<N, OutputError> {
+        self.loads.check_driven()?;
+        Ok(self.size(drive))
     }
 
     fn state_load(&mut self, load: usize) -> Result<N, OutputError> {

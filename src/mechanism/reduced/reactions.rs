@@ -110,7 +110,13 @@ impl Reduced {
         let sizes = self.reaction_sizes(terms);
         let (count, loads) = (sizes.len() / 3, &self.loading().loads[loads.clone()]);
         let mut columns = Columns::default();
-        self.source.tabulate(Some(&section(panel)), &grid, &vec![sizes; joints], &mut |c, values| {
+        let mut all = vec![sizes; joints];
+        for coupling in &self.linkage().couplings {
+            // The third component is a force, too.
+            let sizes = &mut all[coupling.joint];
+            sizes.copy_within(..count, 2 * count);
+        }
+        self.source.tabulate(Some(&section(panel)), &grid, &all, &mut |c, values| {
             let reactions = columns.fill(&self.curve().closure, c, loads, *skipped);
             for (joint, v) in values.chunks_exact_mut((3 * count).max(1)).enumerate() {
                 for k in 0..count {

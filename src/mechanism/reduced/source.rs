@@ -94,7 +94,7 @@ impl Source {
         let linkage = self.linkage();
         match load {
             Load::Torque { .. } | Load::Couple { .. } => 1.0,
-            Load::Force { .. } | Load::Pair { .. } | Load::Slide { .. } => linkage.size,
+            Load::Force { .. } | Load::Pair { .. } | Load::Slide { .. } | Load::Separation { .. } => linkage.size,
             Load::Gravity(acceleration) => {
                 let mass: f64 = linkage.bodies.iter().map(|b| b.mass).sum();
                 mass * acceleration.norm() * linkage.size

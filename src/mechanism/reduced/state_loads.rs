@@ -337,7 +337,7 @@ impl StateLoads {
         for (i, (friction_joint, &sign)) in self.friction_joints.iter().zip(&self.signs).enumerate() {
             let joint = &joints[friction_joint.joint];
             let normal = match joint.freedom {
-                Freedom::Revolute => None,
+                Freedom::Revolute | Freedom::Coupling(_) => None,
                 Freedom::Prismatic(line) => Some(perp(c.positions.vector(joint.first.body, line))),
             };
             for (column, parts) in columns.chunks_exact(joints.len()).zip(parts.chunks_exact_mut(2 * n)) {

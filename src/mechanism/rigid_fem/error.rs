@@ -8,6 +8,8 @@ use std::fmt;
 pub enum RigidFemError {
     /// A prismatic joint: an element has two revolute joints.
     Prismatic { joint: String },
+    /// A coupling: an element has two revolute joints.
+    Coupling { coupling: String },
     /// A moving body that is not a binary link: joints hold it at `count` different points.
     Nodes { body: String, count: usize },
     /// An axial stiffness E A [N] that is not finite and > 0.
@@ -37,6 +39,10 @@ impl fmt::Display for RigidFemError {
             Self::Prismatic { joint } => write!(
                 f,
                 "{joint} is prismatic: rigid finite elements take revolute joints only; choose the reduced model"
+            ),
+            Self::Coupling { coupling } => write!(
+                f,
+                "{coupling} couples two bodies: rigid finite elements know no gears, racks or belts; choose the reduced model"
             ),
             Self::Nodes { body, count } => write!(
                 f,

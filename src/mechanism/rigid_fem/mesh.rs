@@ -75,6 +75,9 @@ impl Mesh {
     /// # Errors
     /// A prismatic joint, a body that is not a binary link, an E A out of range.
     pub fn new(linkage: &Linkage, axial_stiffness: &dyn Fn(usize) -> f64) -> Result<Self, RigidFemError> {
+        if let Some(coupling) = linkage.couplings.first() {
+            return Err(RigidFemError::Coupling { coupling: linkage.joints[coupling.joint].name.clone() });
+        }
         if let Some(joint) = linkage.joints.iter().find(|j| j.freedom != Freedom::Revolute) {
             return Err(RigidFemError::Prismatic { joint: joint.name.clone() });
         }

@@ -25,7 +25,7 @@ pub enum NodalLoad {
 pub type NodalForces = [[Vec2; 2]];
 
 impl NodalLoad {
-    /// A load on the mesh; None for a load in a prismatic joint, which no mesh has.
+    /// A load on the mesh; None for a load in a prismatic joint or a coupling, which no mesh has.
     pub fn new(load: &Load, linkage: &Linkage, mesh: &Mesh) -> Option<Self> {
         let element = |body: usize| body.checked_sub(1);
         Some(match *load {
@@ -34,6 +34,8 @@ impl NodalLoad {
             Load::Pair { first, second } => Self::Pair(mesh.locate(first), mesh.locate(second)),
             Load::Torque { body } => Self::Couple(element(GROUND), element(body)),
             Load::Couple { first, second } => Self::Couple(element(first), element(second)),
+            // No mesh has a coupling.
+            Load::Separation { .. } => return None,
             Load::Slide { joint } => {
                 debug_assert!(joint < linkage.joints.len());
                 return None;

@@ -129,6 +129,7 @@ impl Recorded {
             display: variable.unit.and_then(|unit| unit.display()),
             causality: match variable.causality {
                 Causality::Parameter => "parameter",
+                Causality::CalculatedParameter => "calculated parameter",
                 Causality::Input => "input",
                 Causality::Output => OUTPUT,
                 Causality::Local => "local",
@@ -199,7 +200,7 @@ fn rank(variable: &Variable, drawn: &HashSet<String>) -> Option<u8> {
         _ if drawn.contains(&variable.name) => 0,
         Causality::Output => 1,
         Causality::Input => 2,
-        Causality::Parameter => 3,
+        Causality::Parameter | Causality::CalculatedParameter => 3,
         // The poses tell the same.
         Causality::Local => return None,
     })

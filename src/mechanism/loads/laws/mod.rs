@@ -2,5 +2,6 @@
 pub mod drag;
 pub mod friction;
 pub mod gas;
+pub mod profile;
 pub mod spring;
 pub mod stop;

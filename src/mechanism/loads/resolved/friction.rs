@@ -51,7 +51,7 @@ impl Loading {
             let radius = match (resolved.freedom, defined.pin_radius) {
                 (Freedom::Prismatic(_), _) => 1.0,
                 (Freedom::Revolute, Some(radius)) => radius,
-                (Freedom::Revolute, None) => continue,
+                (Freedom::Revolute, None) | (Freedom::Coupling(_), _) => continue,
             };
             let law = Law {
                 sticks,

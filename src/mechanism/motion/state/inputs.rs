@@ -10,7 +10,8 @@ use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::error::ModelError;
-use crate::mechanism::motion::contact::{EngagedLocks, Place, Travel};
+use crate::mechanism::motion::contact::{Contact, EngagedLocks, Place, Travel};
+use crate::mechanism::motion::prescribed::PrescribedState;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::table::Unresolved;
 
@@ -25,6 +26,8 @@ pub struct Before {
     airspeed: f64,
     air: bool,
     reference: f64,
+    /// The prescribed motion, with the contact; none where no drive has a motion.
+    prescribed: Option<(Option<PrescribedState>, Contact)>,
 }
 
 impl Before {
@@ -101,7 +104,11 @@ impl State {
         let loads = reduced.loading().inputs.len();
         let (mut work, mut largest) = (0.0, 0.0_f64);
         let mut changed = false;
+        // The force of a drive under a prescribed motion is no input.
+        let driven = reduced.loading().motion.as_ref().filter(|_| self.is_prescribed(inputs)).map(|drive| drive.load);
+        let size = |load: usize, input: f64| if driven == Some(load) { 0.0 } else { input };
         for (load, input) in inputs.reals[..loads].iter().enumerate() {
+            let input = &size(load, *input);
             if self.applied[load].to_bits() != input.to_bits() {
                 work -= (input - self.applied[load]) * self.displacement(reduced, load);
                 largest = largest.max(input.abs());
@@ -126,15 +133,24 @@ impl State {
         let Self { saved, before, .. } = self;
         before.sizes.copy_from_slice(&saved.applied);
         (before.airspeed, before.air, before.reference) = (saved.airspeed, saved.air, saved.reference);
+        if saved.prescribed.is_some() {
+            before.prescribed = Some((saved.prescribed, saved.contact));
+        }
         (saved.airspeed, saved.air) = (airspeed, air);
         if changed {
             saved.reference += work;
             saved.applied[..loads].copy_from_slice(&inputs.reals[..loads]);
+            if let Some(load) = driven {
+                saved.applied[load] = 0.0;
+            }
         }
         if changed || ahead {
             self.right_hand_side_changed();
         }
         let locked = engaged_locks(&self.travel, reduced, &inputs.locks);
+        if self.saved.prescribed.is_some() && driven.is_none() {
+            self.release_prescribed(reduced, locked);
+        }
         // Inputs that change with time are others after the step.
         self.in_force = (!ahead).then_some(locked);
         Ok(locked)
@@ -186,6 +202,9 @@ impl State {
             saved.applied.copy_from_slice(&before.sizes);
             (saved.airspeed, saved.air, saved.reference) = (before.airspeed, before.air, before.reference);
             saved.in_force = None;
+            if let Some(prescribed) = before.prescribed {
+                (saved.prescribed, saved.contact) = prescribed;
+            }
         }
         // These state loads exist: they were in use before this step.
         let state_loads = self.state_loads(reduced).unwrap_or_default();

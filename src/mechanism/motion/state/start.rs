@@ -4,7 +4,7 @@
 //! stops. It must not know steps.
 use super::circuit::check_ports;
 use super::inputs::{Before, airspeed, blows_under, engaged_locks, state_loads};
-use super::{State, check_lengths};
+use super::{State, check_lengths, rates};
 use crate::mechanism::definition::{DefinitionError, Mechanism};
 use crate::mechanism::dynamics::equation::Scratch;
 use crate::mechanism::dynamics::inputs::Inputs;
@@ -166,7 +166,7 @@ impl State {
         let state_loads = state_loads(reduced.at(start.sigma), blows_under(reduced, inputs), start.revolutions)?;
         let witness = Witness::new(reduced.loading().stops.len());
         let (saved, before, scratch) = (SavedState::default(), Before::default(), Scratch::new(state_loads));
-        let mut state = Self { saved, before, scratch, witness };
+        let mut state = Self { saved, before, scratch, witness, rates: rates(reduced) };
         state.put_at_start(start, reduced, mechanism, inputs)?;
         Ok(state)
     }
@@ -217,6 +217,9 @@ impl State {
                 saved.memory.begin_with_circuit(CircuitState { values, ..CircuitState::default() });
             }
             _ => saved.memory.begin(state_loads.is_some()),
+        }
+        if reduced.loading().motion.is_some() {
+            self.begin_prescribed(reduced, inputs)?;
         }
         let (kinetic, potential) = (self.kinetic(), self.load_potential(reduced));
         self.reference = kinetic + potential;

@@ -1,0 +1,81 @@
+//! All that decides how a component goes on, kept and taken again.
+//!
+//! In: a component. Out: its snapshot, the bytes of a snapshot and back. It must not know what a snapshot holds.
+use super::{Component, Refused};
+use crate::{hydraulics, mechanism};
+
+/// All that decides how a component goes on.
+#[expect(clippy::large_enum_variant, reason = "the calls of a mechanism pay for no indirection")]
+#[derive(Clone, Debug)]
+pub enum Snapshot {
+    /// Of a mechanism.
+    Mechanism(mechanism::Snapshot),
+    /// Of a hydraulic actuator.
+    Hydraulic(Box<hydraulics::Snapshot>),
+}
+
+impl Component {
+    /// All that decides how the component goes on.
+    pub fn snapshot(&self) -> Snapshot {
+        match self {
+            Self::Mechanism(model) => Snapshot::Mechanism(model.snapshot()),
+            Self::Hydraulic(model) => Snapshot::Hydraulic(Box::new(model.snapshot())),
+        }
+    }
+
+    /// [`Self::snapshot`] into an existing snapshot of this identity, without allocation if both are in motion by the
+    /// same method.
+    #[inline]
+    pub fn snapshot_into(&self, snapshot: &mut Snapshot) {
+        match (self, snapshot) {
+            (Self::Mechanism(model), Snapshot::Mechanism(snapshot)) => model.snapshot_into(snapshot),
+            (Self::Hydraulic(model), Snapshot::Hydraulic(snapshot)) => model.snapshot_into(snapshot),
+            (component, snapshot) => *snapshot = component.snapshot(),
+        }
+    }
+
+    /// Go on from a snapshot of a component of this identity.
+    ///
+    /// # Errors
+    /// The state cannot be taken; nothing has changed.
+    #[inline]
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Refused> {
+        match (self, snapshot) {
+            (Self::Mechanism(model), Snapshot::Mechanism(snapshot)) => Ok(model.restore(snapshot)?),
+            (Self::Hydraulic(model), Snapshot::Hydraulic(snapshot)) => Ok(model.restore(snapshot)?),
+            _ => Err(Refused("the state is of another kind of model".to_owned())),
+        }
+    }
+
+    /// Read a snapshot that [`Snapshot::write`] has written for this identity. The component is unchanged.
+    ///
+    /// # Errors
+    /// The bytes are no snapshot, or a value is out of range.
+    pub fn read_snapshot(&self, bytes: &[u8]) -> Result<Snapshot, Refused> {
+        match self {
+            Self::Mechanism(model) => Ok(Snapshot::Mechanism(model.read_snapshot(bytes)?)),
+            Self::Hydraulic(model) => Ok(Snapshot::Hydraulic(Box::new(model.read_snapshot(bytes)?))),
+        }
+    }
+}
+
+impl Snapshot {
+    /// Whether the component was initialised.
+    pub fn is_initialized(&self) -> bool {
+        match self {
+            Self::Mechanism(snapshot) => snapshot.has_motion(),
+            Self::Hydraulic(snapshot) => snapshot.has_motion(),
+        }
+    }
+
+    /// Write all fields.
+    ///
+    /// # Errors
+    /// A count of work done is near overflow.
+    pub fn write(&self, out: &mut Vec<u8>) -> Result<(), Refused> {
+        match self {
+            Self::Mechanism(snapshot) => Ok(snapshot.write(out)?),
+            Self::Hydraulic(snapshot) => Ok(snapshot.write(out)?),
+        }
+    }
+}

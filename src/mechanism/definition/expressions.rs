@@ -1,0 +1,410 @@
+//! Parameters whose values are expressions of others.
+//!
+//! In: a mechanism as read, with placeholders where expressions stand. Out: the mechanism with all its numbers, and its
+//! expressions in an order in which each finds the values that it reads. It must not know the laws of the mechanism.
+use super::Mechanism;
+use crate::format::{DefinitionError, Expression, Numbers, Range, index_of, read_with};
+use crate::numerics::decimal::Decimal;
+use crate::variables::{Unit, nearest};
+use serde::{Serialize, Serializer};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// The expressions of a mechanism, each behind those that it reads.
+#[derive(Clone, Debug, Default)]
+pub struct Expressions(Option<Arc<List>>);
+
+#[derive(Debug)]
+struct List {
+    ordered: Vec<Calculated>,
+    /// Place in the list by the index of the parameter.
+    places: HashMap<usize, usize>,
+}
+
+/// A parameter whose value is an expression.
+#[derive(Clone, Debug)]
+pub struct Calculated {
+    /// Name of the parameter.
+    pub name: String,
+    /// Path of its key in the file.
+    key: String,
+    expression: Expression,
+    range: Range,
+    unit: Unit,
+    /// Index among the parameters of the mechanism.
+    pub index: usize,
+    /// Indices of the parameters that the expression reads, by its names.
+    arguments: Vec<usize>,
+    /// Indices of the parameters that a host sets and that decide the value, ascending.
+    pub bases: Vec<usize>,
+}
+
+/// A value that an expression must not have.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fault {
+    /// Name of the parameter.
+    pub name: String,
+    /// Its expression.
+    pub text: String,
+    /// Value of the expression.
+    pub value: f64,
+    /// What is allowed.
+    pub allowed: String,
+    /// What the expression read, in words.
+    pub because: String,
+}
+
+impl PartialEq for Expressions {
+    fn eq(&self, other: &Self) -> bool {
+        self.iter().map(Calculated::signature).eq(other.iter().map(Calculated::signature))
+    }
+}
+
+impl Serialize for Expressions {
+    /// Names and texts: what they say is no parameter.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.iter().map(Calculated::signature))
+    }
+}
+
+impl Calculated {
+    fn signature(&self) -> (&str, &str) {
+        (&self.name, self.expression.text())
+    }
+
+    /// The expression as it was written.
+    pub fn text(&self) -> &str {
+        self.expression.text()
+    }
+
+    /// Write the value among those of all parameters.
+    pub fn compute(&self, values: &mut [f64]) {
+        values[self.index] = self.value(values);
+    }
+
+    fn value(&self, values: &[f64]) -> f64 {
+        self.expression.evaluate(|name| values[self.arguments[name]])
+    }
+
+    /// The values that the expression reads, in words.
+    fn because(&self, values: &[f64]) -> String {
+        let read = self.expression.names().iter().zip(&self.arguments);
+        let read: Vec<String> = read.map(|(name, &i)| format!("{name} = {}", Decimal(values[i]))).collect();
+        if read.is_empty() { String::new() } else { format!("; it reads {}", read.join(", ")) }
+    }
+
+    fn fault(&self, values: &[f64]) -> Option<Fault> {
+        let value = values[self.index];
+        let because = || self.because(values);
+        (!self.range.contains(value)).then(|| Fault {
+            name: self.name.clone(),
+            text: self.text().to_owned(),
+            value,
+            allowed: self.range.text(),
+            because: because(),
+        })
+    }
+}
+
+impl Expressions {
+    fn new(ordered: Vec<Calculated>) -> Self {
+        let places = ordered.iter().enumerate().map(|(place, one)| (one.index, place)).collect();
+        Self((!ordered.is_empty()).then(|| Arc::new(List { ordered, places })))
+    }
+
+    /// All, each behind those that it reads.
+    pub fn iter(&self) -> impl Iterator<Item = &Calculated> {
+        self.0.iter().flat_map(|list| &list.ordered)
+    }
+
+    /// Whether there is none.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.0.is_none()
+    }
+
+    /// The expression of the parameter with this index.
+    pub fn of(&self, parameter: usize) -> Option<&Calculated> {
+        let list = self.0.as_ref()?;
+        list.places.get(&parameter).map(|&place| &list.ordered[place])
+    }
+
+    /// Write the value of each expression among the values of all parameters.
+    pub fn compute(&self, values: &mut [f64]) {
+        self.iter().for_each(|one| one.compute(values));
+    }
+
+    /// The first value that an expression must not have, of values that [`Self::compute`] has completed.
+    pub fn fault(&self, values: &[f64]) -> Option<Fault> {
+        self.iter().find_map(|one| one.fault(values))
+    }
+
+    /// The same expressions among the parameters of a mechanism, whose indices they take.
+    fn indexed(&self, names: &HashMap<String, usize>) -> Self {
+        let Some(list) = &self.0 else { return Self::default() };
+        let mut ordered = list.ordered.clone();
+        let of = |name: &String| names.get(name).copied().unwrap_or_default();
+        let mut bases: HashMap<usize, Vec<usize>> = HashMap::new();
+        for one in &mut ordered {
+            one.index = of(&one.name);
+            one.arguments = one.expression.names().iter().map(of).collect();
+            let all = one.arguments.iter().flat_map(|i| bases.get(i).cloned().unwrap_or_else(|| vec![*i]));
+            one.bases = all.collect();
+            one.bases.sort_unstable();
+            one.bases.dedup();
+            bases.insert(one.index, one.bases.clone());
+        }
+        Self::new(ordered)
+    }
+}
+
+/// A parameter of a mechanism as read.
+struct Place {
+    name: String,
+    key: String,
+    unit: Unit,
+    range: Range,
+    value: f64,
+    /// Index of the expression that stands there.
+    expression: Option<usize>,
+}
+
+/// Index and expression of a number that is no parameter; why it cannot be read.
+type Fixed = (usize, Result<Expression, String>);
+
+/// All parameters, in order.
+fn places(mechanism: &mut Mechanism) -> Vec<Place> {
+    let mut places = Vec::new();
+    mechanism.parameters(&mut |p, value| {
+        let expression = index_of(*value);
+        let (name, key) = (p.name.concat(), p.key.concat());
+        places.push(Place { name, key, unit: p.unit, range: p.range, value: *value, expression });
+    });
+    places
+}
+
+fn indices(places: &[Place]) -> HashMap<String, usize> {
+    places.iter().enumerate().map(|(index, place)| (place.name.clone(), index)).collect()
+}
+
+impl Mechanism {
+    /// Read a mechanism, with the values of its expressions in SI units; without any other check.
+    ///
+    /// # Errors
+    /// The text is no mechanism; an expression has no value, with the path of its key.
+    pub(super) fn read(text: &str) -> Result<Self, DefinitionError> {
+        let numbers = Numbers::with_expressions();
+        let mut mechanism: Self = read_with("mechanism", text, &numbers)?;
+        mechanism.shared.as_ref().map_or(Ok(()), |shared| shared.check())?;
+        let texts = numbers.into_texts();
+        if texts.is_empty() {
+            return Ok(mechanism);
+        }
+        let mut places = places(&mut mechanism);
+        let names = indices(&places);
+        let calculated = mechanism.calculated(&places, &names, &texts)?;
+        let read = mechanism.fixed_expressions(&places, &texts)?;
+        mechanism.convert_units();
+        let mut values = Vec::new();
+        mechanism.parameters(&mut |_, value| values.push(*value));
+        let expressions = Expressions::new(ordered(calculated, &names)?).indexed(&names);
+        for one in expressions.iter() {
+            one.compute(&mut values);
+            if let Some(fault) = one.fault(&values) {
+                let unit = if one.unit == Unit::One { String::new() } else { format!(" {}", one.unit.name()) };
+                let value = format!("\"{}\" = {}{unit}", fault.text, Decimal(fault.value));
+                let allowed = format!("{}{}{}", fault.allowed, fault.because, mechanism.origin(&one.key));
+                return Err(DefinitionError::value(&one.key, value, allowed));
+            }
+        }
+        if !read.is_empty() {
+            // Numbers that are no parameters have the values that their expressions have now.
+            places.iter_mut().zip(&values).for_each(|(place, value)| place.value = *value);
+            let mut known = vec![None; texts.len()];
+            for (index, expression) in read {
+                known[index] = Some(value_once(&expression, &names, &places));
+            }
+            let numbers = Numbers::with_values(known);
+            mechanism = read_with("mechanism", text, &numbers)?;
+            mechanism.convert_units();
+        }
+        let mut all = values.iter();
+        mechanism.parameters(&mut |_, value| *value = all.next().copied().unwrap_or(*value));
+        mechanism.expressions = expressions;
+        Ok(mechanism)
+    }
+
+    /// Give the expressions the indices of the parameters that there are now: a drawing may have added some.
+    pub(super) fn index_expressions(&mut self) {
+        if !self.expressions.is_empty() {
+            let names = indices(&places(self));
+            self.expressions = self.expressions.indexed(&names);
+        }
+    }
+
+    /// Where a shared parameter stands, for messages.
+    fn origin(&self, key: &str) -> String {
+        match &self.shared {
+            Some(shared) if key.starts_with("parameters_from") => format!(" (in {})", shared.file),
+            _ => String::new(),
+        }
+    }
+
+    /// The parameters with an expression.
+    fn calculated(
+        &self,
+        places: &[Place],
+        names: &HashMap<String, usize>,
+        texts: &[String],
+    ) -> Result<Vec<Calculated>, DefinitionError> {
+        let mut calculated = Vec::new();
+        for (index, place) in places.iter().enumerate() {
+            let Some(text) = place.expression.and_then(|expression| texts.get(expression)) else { continue };
+            let refuse = |why: String| {
+                let why = format!("\"{text}\": {why}{}", self.origin(&place.key));
+                Err(DefinitionError::key(&place.key, why))
+            };
+            if place.name == "solver.tolerance" {
+                return refuse("hosts set this number: write a number".to_owned());
+            }
+            let expression = match Expression::new(text) {
+                Ok(expression) => expression,
+                Err(why) => return refuse(why),
+            };
+            if let Some(unknown) = expression.names().iter().find(|name| !names.contains_key(*name)) {
+                return refuse(unknown_name(unknown, places));
+            }
+            let (name, key, range, unit) = (place.name.clone(), place.key.clone(), place.range, place.unit);
+            let (arguments, bases) = (Vec::new(), Vec::new());
+            calculated.push(Calculated { name, key, expression, range, unit, index, arguments, bases });
+        }
+        Ok(calculated)
+    }
+
+    /// Expressions of numbers that are no parameters, by their index; those that cannot be read are refused as they
+    /// are reached.
+    fn fixed_expressions(&self, places: &[Place], texts: &[String]) -> Result<Vec<Fixed>, DefinitionError> {
+        let mut is_parameter = vec![false; texts.len()];
+        for index in places.iter().filter_map(|place| place.expression) {
+            is_parameter[index] = true;
+        }
+        let others = (0..texts.len()).filter(|index| !is_parameter[*index]);
+        let others: Vec<_> = others.map(|index| (index, Expression::new(&texts[index]))).collect();
+        let reads = |value: f64| {
+            let index = index_of(value)?;
+            let (_, expression) = others.iter().find(|(other, _)| *other == index)?;
+            Some((&texts[index], expression.as_ref().ok()?.names().first()))
+        };
+        for (key, value, is_drawn) in self.numbers_read_once() {
+            let Some((text, name)) = reads(value) else { continue };
+            if is_drawn && self.units.is_some() {
+                let why = "an expression is in SI units, and the file has others: write a number, or remove units";
+                return Err(DefinitionError::key(key, format_args!("\"{text}\": {why}")));
+            }
+            if let (Some(name), false) = (name, key.starts_with("guess.")) {
+                let why = format!(
+                    "{name} may change after this number was read, which is no parameter: write numbers and functions \
+                     alone, or for a drawing the body's length and points in its own frame"
+                );
+                return Err(DefinitionError::key(key, format_args!("\"{text}\": {why}")));
+            }
+        }
+        Ok(others)
+    }
+
+    /// Numbers that are no parameters and shape the mechanism, or the guess, with their keys; whether the unit of the
+    /// file is theirs.
+    fn numbers_read_once(&self) -> Vec<(String, f64, bool)> {
+        let mut all = Vec::new();
+        for (name, body) in self.bodies.iter() {
+            let Some(drawn) = &body.drawn else { continue };
+            let key = |part: &str| format!("bodies.{name}.drawn.{part}");
+            let mut pair = |part: &str, [x, y]: [f64; 2]| {
+                all.extend([(key(&format!("{part}[0]")), x, true), (key(&format!("{part}[1]")), y, true)]);
+            };
+            pair("origin", drawn.origin);
+            drawn.end.into_iter().for_each(|end| pair("end", end));
+            drawn.center.into_iter().for_each(|center| pair("center", center));
+            drawn.points.iter().for_each(|(point, place)| pair(&format!("points.{point}"), *place));
+            all.extend(drawn.angle.map(|angle| (key("angle"), angle, true)));
+        }
+        for (name, spring) in self.springs.iter() {
+            for (i, [s, force]) in spring.points.iter().flatten().enumerate() {
+                let key = |part: usize| format!("springs.{name}.points[{i}][{part}]");
+                all.extend([(key(0), *s, false), (key(1), *force, false)]);
+            }
+        }
+        all.extend(self.guess.iter().map(|(name, value)| (format!("guess.{name}"), *value, true)));
+        all
+    }
+}
+
+/// Value of an expression of a number that is read once.
+fn value_once(
+    expression: &Result<Expression, String>,
+    names: &HashMap<String, usize>,
+    places: &[Place],
+) -> Result<f64, String> {
+    let expression = expression.as_ref().map_err(String::clone)?;
+    let said = |why: String| format!("\"{}\": {why}", expression.text());
+    if let Some(unknown) = expression.names().iter().find(|name| !names.contains_key(*name)) {
+        return Err(said(unknown_name(unknown, places)));
+    }
+    let value = expression.evaluate(|name| places[names[&expression.names()[name]]].value);
+    match value.is_finite() {
+        true => Ok(value),
+        false => Err(said(format!("its value is {}: must be a finite number", Decimal(value)))),
+    }
+}
+
+fn unknown_name(name: &str, places: &[Place]) -> String {
+    let nearest = nearest(places.iter().map(|place| place.name.as_str()), name).join(", ");
+    format!(
+        "no parameter of the file is called {name}: the nearest are {nearest}; a number under a name of its own stands in \
+         \"parameters\""
+    )
+}
+
+/// The expressions in an order in which each stands behind those that it reads.
+fn ordered(calculated: Vec<Calculated>, names: &HashMap<String, usize>) -> Result<Vec<Calculated>, DefinitionError> {
+    let of: HashMap<usize, usize> = calculated.iter().enumerate().map(|(place, one)| (one.index, place)).collect();
+    let reads: Vec<Vec<usize>> = calculated
+        .iter()
+        .map(|one| one.expression.names().iter().filter_map(|name| of.get(names.get(name)?).copied()).collect())
+        .collect();
+    let mut readers = vec![Vec::new(); calculated.len()];
+    let mut missing: Vec<usize> = reads.iter().map(Vec::len).collect();
+    for (reader, read) in reads.iter().enumerate() {
+        read.iter().for_each(|&one| readers[one].push(reader));
+    }
+    let mut order: Vec<usize> = (0..calculated.len()).filter(|&one| missing[one] == 0).collect();
+    let mut next = 0;
+    while let Some(&one) = order.get(next) {
+        next += 1;
+        for &reader in &readers[one] {
+            missing[reader] -= 1;
+            if missing[reader] == 0 {
+                order.push(reader);
+            }
+        }
+    }
+    if let Some(first) = (0..calculated.len()).find(|&one| missing[one] > 0) {
+        // Each of the rest reads another one of the rest, so that the way ends in a circle.
+        let mut way = vec![first];
+        let circle = loop {
+            let last = way[way.len() - 1];
+            let Some(&read) = reads[last].iter().find(|&&read| missing[read] > 0) else { break &way[..] };
+            if let Some(start) = way.iter().position(|&one| one == read) {
+                way.push(read);
+                break &way[start..];
+            }
+            way.push(read);
+        };
+        let names: Vec<&str> = circle.iter().map(|&one| calculated[one].name.as_str()).collect();
+        let one = &calculated[circle[0]];
+        let why = format!("\"{}\": {} is a circle: give one of them a number", one.text(), names.join(" reads "));
+        return Err(DefinitionError::key(&one.key, why));
+    }
+    let mut all: Vec<Option<Calculated>> = calculated.into_iter().map(Some).collect();
+    Ok(order.into_iter().filter_map(|one| all[one].take()).collect())
+}

@@ -1,0 +1,74 @@
+//! Inverse dynamics: the force of one drive with which the mechanism has an acceleration.
+//!
+//! In: a state, an acceleration along the curve, the loads. Out: the force of the drive along the curve, and what the
+//! drive gives for it. It must not know outputs or steps.
+use super::equation::EquationOfMotion;
+use crate::mechanism::loads::friction_loop::Locked;
+use crate::numerics::dual::{Differentiable, Number};
+
+/// What is asked of a drive.
+#[derive(Clone, Copy, Debug)]
+pub struct Demand<T> {
+    /// Load of the drive, and its influence S_sigma.
+    pub drive: (usize, T),
+    /// sigma_ddot.
+    pub acceleration: T,
+    /// Direction of the motion, in which the other drives lose.
+    pub direction: f64,
+    /// Direction in which every joint has its static friction against the motion; none in a motion.
+    pub breakaway: Option<f64>,
+}
+
+/// Why inverse dynamics has no result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoForce {
+    /// Without this drive friction and reactions have no common solution.
+    Locked,
+    /// No force of this drive overcomes the friction that it causes.
+    SelfLocking,
+}
+
+impl<T: Differentiable> EquationOfMotion<'_, T> {
+    /// Delivered force of a sized load, after the loss of its drive if it has one; as last evaluated.
+    pub fn delivered(&self, load: usize) -> T {
+        let index = self.state_loads.and_then(|s| s.drives.iter().position(|l| *l == load));
+        index.map_or_else(|| self.applied.size(load, self.time), |k| self.scratch.evaluator.delivered[k])
+    }
+
+    /// Force along sigma that a drive must give. The other drives lose as in a motion in the demanded direction,
+    /// whatever this drive gives at present, even if friction has no solution under that.
+    ///
+    /// # Errors
+    /// [`NoForce`].
+    pub fn required(&mut self, sigma: T, sigma_dot: T, demand: &Demand<T>) -> Result<T, NoForce> {
+        let Demand { drive: (load, influence), acceleration, direction, breakaway } = *demand;
+        let sigma_dot = if breakaway.is_some() { T::constant(0.0) } else { sigma_dot };
+        let free = self.heading(direction, sigma, sigma_dot);
+        let size = self.delivered(load);
+        let Some(state_loads) = self.state_loads else {
+            return Ok(acceleration - (free.map_err(|Locked| NoForce::Locked)? - size * influence));
+        };
+        let scratch = &mut *self.scratch;
+        let (panel_force, load) = (&scratch.panel_force, (load, size));
+        let force = scratch.evaluator.required(state_loads, panel_force, sigma, load, acceleration, breakaway);
+        force.map_err(|Locked| NoForce::SelfLocking)
+    }
+}
+
+/// A term of the mechanism at a drive with an efficiency eta ([CK16] 2.3): divided by eta where power flows in,
+/// multiplied where it flows back; at rest divided.
+pub fn with_efficiency<T: Number>(efficiency: Option<f64>, power: f64, value: T) -> T {
+    match efficiency {
+        Some(eta) if power < 0.0 => value * eta,
+        Some(eta) => value / T::constant(eta),
+        None => value,
+    }
+}
+
+/// Direction in which the mechanism moves, or sets off from rest: that of sigma_ddot; 0 if it stays at rest.
+pub fn toward(sigma_dot: f64, acceleration: f64) -> f64 {
+    match if sigma_dot == 0.0 { acceleration } else { sigma_dot } {
+        0.0 => 0.0,
+        rate => rate.signum(),
+    }
+}

@@ -1,0 +1,226 @@
+//! From the definition to the couplings of a linkage.
+//!
+//! In: a checked definition, a linkage with its joints and coordinates. Out: the same linkage with couplings, each with a
+//! joint of its own behind those of the definition. It must not know how loops close.
+use super::coupling::{Coupling, Kind, Law, Second};
+use super::structure::{Freedom, Joint, Linkage, Point};
+use crate::mechanism::definition::{self, CouplingKind, DefinitionError, Mechanism, Side};
+use crate::numerics::decimal::Decimal;
+use crate::numerics::plane::Vec2;
+
+/// Largest distance of two points that are one, in sizes of the linkage.
+const SAME: f64 = 1e-9;
+
+/// A coupling of the definition, with its name.
+struct Named<'m> {
+    mechanism: &'m Mechanism,
+    name: &'m str,
+    defined: &'m definition::Coupling,
+}
+
+impl Named<'_> {
+    fn refused<T>(&self, key: &str, message: impl std::fmt::Display) -> Result<T, DefinitionError> {
+        Err(DefinitionError::key(format_args!("couplings.{}.{key}", self.name), message))
+    }
+}
+
+impl Linkage {
+    /// Add the couplings of the definition, in its order.
+    ///
+    /// # Errors
+    /// A wheel that is not hinged on the carrier, wheels with one centre, pulleys that overlap.
+    pub(super) fn add_couplings(&mut self, mechanism: &Mechanism) -> Result<(), DefinitionError> {
+        let guess = self.guessed_positions(mechanism);
+        for (name, defined) in mechanism.couplings.iter() {
+            let named = Named { mechanism, name, defined };
+            let (joint, mut coupling) =
+                if defined.kind == CouplingKind::Rack { self.rack(&named)? } else { self.wheels(&named)? };
+            let index = self.couplings.len();
+            self.joints.push(Joint { freedom: Freedom::Coupling(index), ..joint });
+            if let (None, Some(q)) = (defined.phase, &guess) {
+                let [first, second] = self.coupled(&coupling, &self.positions(q));
+                coupling.law.add_phase(second - coupling.law.at(first)[0]);
+            }
+            self.couplings.push(coupling);
+        }
+        Ok(())
+    }
+
+    /// Coordinates of the guess; None if one is missing, which is an error of the assembly.
+    fn guessed_positions(&self, mechanism: &Mechanism) -> Option<Vec<f64>> {
+        let mut q = vec![None; self.coordinates.len()];
+        for (name, &value) in mechanism.guess.iter() {
+            if let Some(body) = self.bodies.iter().find(|body| body.name == name) {
+                q[body.angle_coordinate?] = Some(value - body.offset);
+            } else if let Some(slide) = self.coordinates[self.angles..].iter().position(|other| other == name) {
+                q[self.angles + slide] = Some(value);
+            }
+        }
+        q.into_iter().collect()
+    }
+
+    /// A wheel's centre, and the angle of the body that the file names, in the body of the linkage that carries it.
+    fn wheel(&self, named: &Named, key: &str, text: &str) -> Result<(Point, f64), DefinitionError> {
+        let center = self.locate(named.mechanism, format_args!("couplings.{}.{key}", named.name), text)?;
+        Ok((center, self.angle_of(named.mechanism, text)))
+    }
+
+    /// Point of a body to which revolute joints, one or several at one place, hold the point of another body.
+    fn hinge_on(&self, body: usize, center: Point) -> Option<Vec2> {
+        let mut reached = vec![center];
+        let mut next = 0;
+        let is_same = |a: Point, b: Point| a.body == b.body && (a.local - b.local).norm() <= SAME * self.size;
+        while let Some(&at) = reached.get(next) {
+            if at.body == body {
+                return Some(at.local);
+            }
+            for joint in self.joints.iter().filter(|joint| joint.freedom == Freedom::Revolute) {
+                for (own, other) in [(joint.first, joint.second), (joint.second, joint.first)] {
+                    if is_same(own, at) && !reached.iter().any(|point| is_same(*point, other)) {
+                        reached.push(other);
+                    }
+                }
+            }
+            next += 1;
+        }
+        None
+    }
+
+    /// Distance of the two points of a coupling's joint on the body that carries it [m].
+    pub fn hinge_distance(&self, carrier: usize, joint: &Joint) -> f64 {
+        let [first, second] = [joint.first, joint.second].map(|center| self.hinge_on(carrier, center));
+        first.zip(second).map_or(0.0, |(first, second)| (second - first).norm())
+    }
+
+    fn not_hinged<T>(&self, named: &Named, key: &str, center: &str, carrier: usize) -> Result<T, DefinitionError> {
+        let message = format!(
+            "{center} is not hinged on {}, which carries this coupling: let a revolute joint hold it there, or name the \
+             body that does",
+            self.bodies[carrier].name
+        );
+        named.refused(key, message)
+    }
+
+    /// Two wheels that turn: gears or a belt.
+    fn wheels(&self, named: &Named) -> Result<(Joint, Coupling), DefinitionError> {
+        let Named { mechanism, name, defined } = *named;
+        let second_text = defined.second.as_deref().unwrap_or_default();
+        let (first, first_angle) = self.wheel(named, "first", &defined.first)?;
+        let (second, second_angle) = self.wheel(named, "second", second_text)?;
+        let (carrier, carrier_angle) =
+            self.carrier(mechanism, defined.carrier.as_deref().unwrap_or(definition::GROUND)).unwrap_or((0, 0.0));
+        for (key, wheel) in [("first", first), ("second", second)] {
+            if wheel.body == carrier {
+                let message = format!(
+                    "is on {}, which carries this coupling: name a wheel that turns on it",
+                    self.bodies[carrier].name
+                );
+                return named.refused(key, message);
+            }
+        }
+        if first.body == second.body {
+            return named.refused(
+                "second",
+                format_args!("is on {} too, so nothing is coupled: name another body", self.bodies[first.body].name),
+            );
+        }
+        let Some(one) = self.hinge_on(carrier, first) else {
+            return self.not_hinged(named, "first", &defined.first, carrier);
+        };
+        let Some(other) = self.hinge_on(carrier, second) else {
+            return self.not_hinged(named, "second", second_text, carrier);
+        };
+        let distance = (other - one).norm();
+        if distance <= SAME * self.size {
+            let message = format!(
+                "{} and {second_text} are one place: wheels need a distance between their centres",
+                defined.first
+            );
+            return named.refused("second", message);
+        }
+        let (ratio, scale, kind) = match defined.kind {
+            CouplingKind::Belt => {
+                let radii = [defined.first_radius, defined.second_radius].map(|radius| radius.unwrap_or(1.0));
+                let crossed = defined.crossed.unwrap_or(false);
+                let sign = if crossed { -1.0 } else { 1.0 };
+                let least = (radii[0] - sign * radii[1]).abs();
+                if distance <= least {
+                    let between = if crossed { "sum" } else { "difference" };
+                    let message = format!(
+                        "its centres are {} m apart, which must be more than the {between} of the radii = {} m: change a radius, \
+                         or move a centre",
+                        Decimal::rounded(distance),
+                        Decimal::rounded(least)
+                    );
+                    return named.refused("second_radius", message);
+                }
+                (sign * radii[0] / radii[1], radii[1], Kind::Belt { radii, crossed })
+            }
+            _ => {
+                let teeth = [defined.first_teeth, defined.second_teeth].map(|teeth| teeth.unwrap_or(1.0));
+                let sign = if defined.internal == Some(true) { 1.0 } else { -1.0 };
+                let ratio = sign * teeth[0] / teeth[1];
+                (ratio, distance / (ratio - 1.0).abs(), Kind::Gears)
+            }
+        };
+        let coupling = Coupling {
+            joint: self.joints.len(),
+            carrier,
+            shift: first_angle - carrier_angle,
+            second: Second::Angle { shift: second_angle - carrier_angle },
+            law: Law::Constant { ratio, phase: defined.phase.unwrap_or(0.0) },
+            scale,
+            kind,
+        };
+        Ok((Joint { name: name.into(), freedom: Freedom::Revolute, first, second }, coupling))
+    }
+
+    /// A wheel and a rack.
+    fn rack(&self, named: &Named) -> Result<(Joint, Coupling), DefinitionError> {
+        let Named { mechanism, name, defined } = *named;
+        let (first, first_angle) = self.wheel(named, "first", &defined.first)?;
+        let joint = mechanism.joints.position(defined.joint.as_deref().unwrap_or_default()).unwrap_or(0);
+        let slide = &self.joints[joint];
+        let ends = [(slide.first, slide.second, 1.0), (slide.second, slide.first, -1.0)];
+        if let Some((on, ..)) = ends.iter().find(|(on, ..)| on.body == first.body) {
+            let message =
+                format!("is on {}, which slides in {}: name a wheel that turns", self.bodies[on.body].name, slide.name);
+            return named.refused("first", message);
+        }
+        let hinged = ends.into_iter().find(|(carrier, ..)| self.hinge_on(carrier.body, first).is_some());
+        let Some((carrier, rack, sign)) = hinged else {
+            let bodies = ends.map(|(body, ..)| self.bodies[body.body].name.as_str()).join(" nor on ");
+            let message = format!(
+                "{} is hinged neither on {bodies}, the bodies of {}: let a revolute joint hold it on one of them",
+                defined.first, slide.name
+            );
+            return named.refused("first", message);
+        };
+        let Some(coordinate) = self.tree.iter().find(|branch| branch.joint == joint).and_then(|branch| branch.slide)
+        else {
+            let message = format!(
+                "the position of {} follows from those of other prismatic joints: name one of these",
+                slide.name
+            );
+            return named.refused("joint", message);
+        };
+        let (text, carrier) = if sign > 0.0 {
+            (&mechanism.joints.iter().nth(joint).map(|(_, j)| j.first.as_str()), carrier.body)
+        } else {
+            (&mechanism.joints.iter().nth(joint).map(|(_, j)| j.second.as_str()), carrier.body)
+        };
+        let carrier_angle = text.map_or(0.0, |text| self.angle_of(mechanism, text));
+        let radius = defined.radius.unwrap_or(1.0);
+        let ratio = if defined.side == Some(Side::Left) { -radius } else { radius };
+        let coupling = Coupling {
+            joint: self.joints.len(),
+            carrier,
+            shift: first_angle - carrier_angle,
+            second: Second::Position { joint, coordinate, sign },
+            law: Law::Constant { ratio, phase: defined.phase.unwrap_or(0.0) },
+            scale: 1.0,
+            kind: Kind::Rack,
+        };
+        Ok((Joint { name: name.into(), freedom: Freedom::Revolute, first, second: rack }, coupling))
+    }
+}

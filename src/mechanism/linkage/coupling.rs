@@ -1,0 +1,263 @@
+//! Couplings: gears, racks and belts, each one equation between the motions of two bodies relative to a carrier.
+//!
+//! In: positions and rates of the bodies. Out: the residual of a coupling with its derivatives, and the force that it
+//! transmits. It must not know definitions, loads or time.
+//!
+//! The first wheel turns by u1 relative to the carrier. The second body turns by u2, or it slides by u2 along a prismatic
+//! joint of the carrier. The coupling holds u2 = F(u1), and its residual is scale (u2 - F(u1)) [m]. With the multiplier
+//! lambda [N] of this equation, the power that the coupling gives to the second body is lambda scale u2_dot, and it takes
+//! as much from the first.
+use super::motion::{Positions, Rates};
+use super::structure::{Freedom, Linkage};
+use crate::numerics::plane::{Vec2, perp};
+use crate::numerics::twofold::Twofold;
+
+/// A coupling of two bodies. Its joint has the centre of the first wheel and the centre of the second, or the point of
+/// the rack in its prismatic joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coupling {
+    /// Index of its joint.
+    pub joint: usize,
+    /// Index of the body on which the first wheel is hinged, and the second is hinged or slides.
+    pub carrier: usize,
+    /// u1 less the angle of the first body relative to the carrier [rad].
+    pub shift: f64,
+    /// Motion of the second body.
+    pub second: Second,
+    /// Law F.
+    pub law: Law,
+    /// Residual for u2 = 1 [m].
+    pub scale: f64,
+    /// How the force is transmitted.
+    pub kind: Kind,
+}
+
+/// Motion of the second body of a coupling.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Second {
+    /// It turns: u2 is its angle relative to the carrier plus `shift` [rad].
+    Angle {
+        /// u2 less the angle of the second body relative to the carrier [rad].
+        shift: f64,
+    },
+    /// It slides: u2 is `sign` times the position of a prismatic joint, its displacement along the joint's axis [m].
+    Position {
+        /// Index of the joint.
+        joint: usize,
+        /// Index of the coordinate that is the joint's position.
+        coordinate: usize,
+        /// 1 if the carrier is the joint's first body, -1 if it is the second.
+        sign: f64,
+    },
+}
+
+/// Law u2 = F(u1) of a coupling.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Law {
+    /// F = ratio u1 + phase.
+    Constant {
+        /// Ratio u2_dot / u1_dot [1, or m/rad].
+        ratio: f64,
+        /// u2 at u1 = 0 [rad, or m].
+        phase: f64,
+    },
+}
+
+/// How a coupling transmits its force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// Teeth in contact at the pitch point on the line between the centres.
+    Gears,
+    /// Teeth in contact at the pitch point at the foot of the first wheel's centre on the pitch line of the rack.
+    Rack,
+    /// Two spans of a belt that touch pulleys of these radii [m].
+    Belt {
+        /// Radii of the first and the second pulley [m].
+        radii: [f64; 2],
+        /// Whether the spans cross between the pulleys.
+        crossed: bool,
+    },
+}
+
+/// What a coupling exerts on its second body for lambda = 1 N; the opposite acts on the first body, at the same point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Contact {
+    /// Point of the force, in the mechanism frame [m].
+    pub at: Vec2,
+    /// Force [1].
+    pub force: Vec2,
+    /// Moment about this point [m].
+    pub moment: f64,
+    /// Force transmitted along the motion [1]: tangential force of gears and racks, difference of the tensions of a belt.
+    /// It is positive if it drives the second body towards larger u2.
+    pub transmitted: f64,
+    /// Unit vector of the force on the second body that does no work: away from the first wheel for the teeth of gears
+    /// outside one another and of racks, and for belts; towards it for a pinion in a ring.
+    pub apart: Vec2,
+}
+
+impl Law {
+    /// F, F' and F'' at u1.
+    pub fn at(&self, u: f64) -> [f64; 3] {
+        match *self {
+            Self::Constant { ratio, phase } => [ratio * u + phase, ratio, 0.0],
+        }
+    }
+
+    /// F at a u1 of twice the precision.
+    fn precise(&self, u: Twofold) -> Twofold {
+        match *self {
+            Self::Constant { ratio, phase } => Twofold::from(ratio) * u + Twofold::from(phase),
+        }
+    }
+
+    /// The same law with a value added to u2.
+    pub(super) fn add_phase(&mut self, change: f64) {
+        match self {
+            Self::Constant { phase, .. } => *phase += change,
+        }
+    }
+}
+
+impl Linkage {
+    /// u1 and u2 of a coupling at these positions.
+    pub fn coupled(&self, coupling: &Coupling, p: &Positions) -> [f64; 2] {
+        let joint = &self.joints[coupling.joint];
+        let angle = |body: usize| p.angle[body] - p.angle[coupling.carrier];
+        let second = match coupling.second {
+            Second::Angle { shift } => angle(joint.second.body) + shift,
+            Second::Position { joint, sign, .. } => sign * self.slid(joint, p)[0].dot(&self.slid(joint, p)[1]),
+        };
+        [angle(joint.first.body) + coupling.shift, second]
+    }
+
+    /// Axis of a prismatic joint and the vector from its first point to its second, in the mechanism frame.
+    fn slid(&self, joint: usize, p: &Positions) -> [Vec2; 2] {
+        let joint = &self.joints[joint];
+        let axis = match joint.freedom {
+            Freedom::Prismatic(e) => p.vector(joint.first.body, e),
+            _ => Vec2::zeros(),
+        };
+        [axis, p.point(joint.second) - p.point(joint.first)]
+    }
+
+    /// Coordinates on which a coupling's residual depends, ascending.
+    pub(super) fn coupled_coordinates(&self, coupling: &Coupling) -> Vec<usize> {
+        let joint = &self.joints[coupling.joint];
+        let angle = |body: usize| self.bodies[body].angle_coordinate;
+        let second = match coupling.second {
+            Second::Angle { .. } => angle(joint.second.body),
+            Second::Position { coordinate, .. } => Some(coordinate),
+        };
+        let mut all: Vec<usize> =
+            [angle(joint.first.body), angle(coupling.carrier), second].into_iter().flatten().collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    /// Residual of a coupling [m].
+    pub(super) fn coupling_gap(&self, coupling: &Coupling, p: &Positions) -> f64 {
+        let [first, second] = self.coupled(coupling, p);
+        coupling.scale * (second - coupling.law.at(first)[0])
+    }
+
+    /// Residual of a coupling at coordinates of twice the precision [m].
+    pub(super) fn precise_coupling_gap(&self, coupling: &Coupling, q: &[Twofold]) -> f64 {
+        let joint = &self.joints[coupling.joint];
+        let angle = |body: usize| {
+            let body = &self.bodies[body];
+            body.angle_coordinate.map_or(Twofold::default(), |t| q[t]) + Twofold::from(body.offset)
+        };
+        let relative = |body: usize, shift: f64| angle(body) - angle(coupling.carrier) + Twofold::from(shift);
+        let second = match coupling.second {
+            Second::Angle { shift } => relative(joint.second.body, shift),
+            Second::Position { coordinate, sign, .. } => Twofold::from(sign) * q[coordinate],
+        };
+        let first = relative(joint.first.body, coupling.shift);
+        (Twofold::from(coupling.scale) * (second - coupling.law.precise(first))).rounded()
+    }
+
+    /// Second derivative of the residual of a coupling, given the rates and second rates.
+    pub(super) fn coupling_second_rate(&self, coupling: &Coupling, p: &Positions, r: &Rates, a: &Rates) -> f64 {
+        let joint = &self.joints[coupling.joint];
+        let relative = |angle: &[f64], body: usize| angle[body] - angle[coupling.carrier];
+        let (rate, first) = (relative(&r.angle, joint.first.body), relative(&a.angle, joint.first.body));
+        let second = match coupling.second {
+            Second::Angle { .. } => relative(&a.angle, joint.second.body),
+            Second::Position { joint, sign, .. } => {
+                // The gap is s e, with e fixed in the first body: gap'' = (s'' - s omega^2) e + (...) e_normal.
+                let [axis, gap] = self.slid(joint, p);
+                let joint = &self.joints[joint];
+                let second = p.acceleration(r, a, joint.second) - p.acceleration(r, a, joint.first);
+                sign * (axis.dot(&second) + axis.dot(&gap) * r.angle[joint.first.body].powi(2))
+            }
+        };
+        let [_, slope, curvature] = coupling.law.at(self.coupled(coupling, p)[0]);
+        coupling.scale * (second - slope * first - curvature * rate * rate)
+    }
+
+    /// Coordinates on which a coupling's residual depends, each with its derivative.
+    pub(super) fn coupling_partials(
+        &self,
+        coupling: &Coupling,
+        p: &Positions,
+        add: &mut impl FnMut(Option<usize>, f64),
+    ) {
+        let joint = &self.joints[coupling.joint];
+        let angle = |body: usize| self.bodies[body].angle_coordinate;
+        let slope = coupling.law.at(self.coupled(coupling, p)[0])[1];
+        add(angle(joint.first.body), -coupling.scale * slope);
+        match coupling.second {
+            Second::Angle { .. } => {
+                add(angle(joint.second.body), coupling.scale);
+                add(angle(coupling.carrier), coupling.scale * (slope - 1.0));
+            }
+            Second::Position { coordinate, sign, .. } => {
+                add(Some(coordinate), coupling.scale * sign);
+                add(angle(coupling.carrier), coupling.scale * slope);
+            }
+        }
+    }
+
+    /// What a coupling exerts on its second body.
+    pub fn contact(&self, coupling: &Coupling, p: &Positions) -> Contact {
+        let joint = &self.joints[coupling.joint];
+        let scale = coupling.scale;
+        let slope = coupling.law.at(self.coupled(coupling, p)[0])[1];
+        let first = p.point(joint.first);
+        match (coupling.kind, coupling.second) {
+            (Kind::Rack, Second::Position { joint, .. }) => {
+                let axis = self.slid(joint, p)[0];
+                // Towards the pitch line: the wheel's velocity there is slope u1_dot along the axis.
+                let apart = -slope.signum() * perp(axis);
+                Contact { at: first + slope.abs() * apart, force: scale * axis, moment: 0.0, transmitted: scale, apart }
+            }
+            (Kind::Belt { radii, crossed }, _) => {
+                let (across, distance) = self.between_centers(coupling, p);
+                let sign = if crossed { -1.0 } else { 1.0 };
+                // Cosine of the angle between the line of the centres and the radii to where the belt leaves.
+                let cosine = (radii[0] - sign * radii[1]) / distance;
+                let force = (sign * cosine * scale / radii[1]) * perp(across);
+                let at = p.point(joint.second);
+                Contact { at, force, moment: scale, transmitted: scale / radii[1], apart: across }
+            }
+            _ => {
+                let (across, distance) = self.between_centers(coupling, p);
+                // The pitch point: both wheels have one velocity there, relative to the carrier.
+                let at = first + (distance * slope / (slope - 1.0)) * across;
+                let tangential = scale * (slope - 1.0) / distance;
+                let apart = if slope < 0.0 { across } else { -across };
+                Contact { at, force: tangential * perp(across), moment: 0.0, transmitted: tangential.abs(), apart }
+            }
+        }
+    }
+
+    /// Unit vector from the centre of the first wheel to that of the second, and their distance [m].
+    fn between_centers(&self, coupling: &Coupling, p: &Positions) -> (Vec2, f64) {
+        let joint = &self.joints[coupling.joint];
+        let between = p.point(joint.second) - p.point(joint.first);
+        let distance = between.norm();
+        (between / distance, distance)
+    }
+}

@@ -1,0 +1,223 @@
+//! Motion over time of a drive that is prescribed: from rest to rest, or through points.
+//!
+//! With u = t / T and the distance D in the time T:
+//!
+//! ```text
+//! trapezoid        acceleration a, speed v, deceleration a; without the middle part where D < v^2 / a
+//! cycloidal        s = D (u - sin(2 pi u) / (2 pi))
+//! polynomial 345   s = D (10 u^3 - 15 u^4 + 6 u^5)
+//! polynomial 4567  s = D (35 u^4 - 84 u^5 + 70 u^6 - 20 u^7)
+//! table            the twice continuously differentiable curve of `numerics/monotone.rs`
+//! ```
+//!
+//! Source of the first four: VDI 2143 part 1; Norton, Design of Machinery, chapter 8. In: a time. Out: distance, speed,
+//! acceleration, jerk. It must not know what moves.
+use crate::numerics::monotone::Monotone;
+use std::f64::consts::TAU;
+
+/// Part of the time of a profile within which a time counts as that of a kink, so that sums of steps get there.
+const CLOSE: f64 = 1e-12;
+
+/// Distance [m or rad], speed, acceleration and jerk at a time.
+pub type Kinematics = [f64; 4];
+
+/// A motion over time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profile {
+    /// Time at rest before it [s].
+    pub start_time: f64,
+    /// Law of the motion.
+    pub shape: Shape,
+}
+
+/// The law of a motion over time.
+#[expect(missing_docs, reason = "the sentence of a variant names its fields")]
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// Acceleration with its sign, then duration of the acceleration and of the middle part [s].
+    Trapezoid { acceleration: f64, ramp: f64, middle: f64 },
+    /// Acceleration as one period of a sine.
+    Cycloidal { distance: f64, duration: f64 },
+    /// Sum of coefficients times u^3 to u^7.
+    Polynomial { distance: f64, duration: f64, coefficients: [f64; 5] },
+    /// Through points.
+    Table(Monotone),
+}
+
+/// Coefficients of u^3 to u^7 of the polynomial 345.
+pub const POLYNOMIAL_345: [f64; 5] = [10.0, -15.0, 6.0, 0.0, 0.0];
+/// Coefficients of u^3 to u^7 of the polynomial 4567.
+pub const POLYNOMIAL_4567: [f64; 5] = [0.0, 35.0, -84.0, 70.0, -20.0];
+
+impl Shape {
+    /// The trapezoid of a distance with these largest speed and acceleration, both > 0.
+    pub fn trapezoid(distance: f64, speed: f64, acceleration: f64) -> Self {
+        let way = distance.abs();
+        let signed = acceleration.copysign(distance);
+        if way * acceleration >= speed * speed {
+            let ramp = speed / acceleration;
+            Self::Trapezoid { acceleration: signed, ramp, middle: way / speed - ramp }
+        } else {
+            Self::Trapezoid { acceleration: signed, ramp: (way / acceleration).sqrt(), middle: 0.0 }
+        }
+    }
+
+    /// Times of the kinks from the beginning [s], ascending.
+    fn kinks(&self) -> impl Iterator<Item = f64> {
+        let (few, knots) = match self {
+            Self::Trapezoid { ramp, middle, .. } => ([0.0, *ramp, ramp + middle, ramp + middle + ramp], &[][..]),
+            Self::Cycloidal { duration, .. } | Self::Polynomial { duration, .. } => {
+                ([0.0, *duration, *duration, *duration], &[][..])
+            }
+            Self::Table(table) => ([table.knots()[0]; 4], table.knots()),
+        };
+        few.into_iter().chain(knots.iter().copied())
+    }
+
+    /// Time of the last kink [s].
+    pub fn duration(&self) -> f64 {
+        self.kinks().fold(0.0, f64::max)
+    }
+
+    /// The motion at a time t [s] from the beginning, at a kink that which follows.
+    fn at(&self, t: f64) -> Kinematics {
+        match self {
+            Self::Trapezoid { acceleration: a, ramp, middle } => {
+                let (top, all) = (a * ramp, a * ramp * (ramp + middle));
+                match t {
+                    t if t < 0.0 => [0.0; 4],
+                    t if t < *ramp => [0.5 * a * t * t, a * t, *a, 0.0],
+                    t if t < ramp + middle => [top * (t - 0.5 * ramp), top, 0.0, 0.0],
+                    t if t < ramp + middle + ramp => {
+                        let left = ramp + middle + ramp - t;
+                        [all - 0.5 * a * left * left, a * left, -a, 0.0]
+                    }
+                    _ => [all, 0.0, 0.0, 0.0],
+                }
+            }
+            Self::Cycloidal { distance, duration } => {
+                if t >= *duration || t < 0.0 {
+                    return [if t < 0.0 { 0.0 } else { *distance }, 0.0, 0.0, 0.0];
+                }
+                let (omega, mean) = (TAU / duration, distance / duration);
+                let (sin, cos) = (omega * t).sin_cos();
+                [mean * (t - sin / omega), mean * (1.0 - cos), mean * omega * sin, mean * omega * omega * cos]
+            }
+            Self::Polynomial { distance, duration, coefficients } => {
+                if t >= *duration || t < 0.0 {
+                    return [if t < 0.0 { 0.0 } else { *distance }, 0.0, 0.0, 0.0];
+                }
+                let u = t / duration;
+                let mut sum = [0.0; 4];
+                for (c, power) in coefficients.iter().zip(3..) {
+                    let n = f64::from(power);
+                    let factors = [1.0, n, n * (n - 1.0), n * (n - 1.0) * (n - 2.0)];
+                    for (order, factor) in (0..).zip(factors) {
+                        sum[order as usize] += c * factor * u.powi(power - order);
+                    }
+                }
+                let mut unit = *distance;
+                sum.map(|derivative| {
+                    let value = unit * derivative;
+                    unit /= duration;
+                    value
+                })
+            }
+            Self::Table(table) => {
+                let [value, slope, curvature] = table.at(t);
+                [value, slope, curvature, table.third(t)]
+            }
+        }
+    }
+}
+
+impl Profile {
+    /// The motion at a time t [s] from where it was first prescribed; at a kink that which follows.
+    pub fn at(&self, t: f64) -> Kinematics {
+        let t = t - self.start_time;
+        let close = CLOSE * (self.start_time + self.shape.duration());
+        let kink = self.shape.kinks().find(|kink| (kink - t).abs() <= close);
+        self.shape.at(kink.unwrap_or(t))
+    }
+
+    /// The first kink after t [s]; infinite if none follows.
+    pub fn next_kink(&self, t: f64) -> f64 {
+        let close = CLOSE * (self.start_time + self.shape.duration());
+        let kinks = self.shape.kinks().map(|kink| kink + self.start_time);
+        kinks.filter(|kink| *kink > t + close).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Time at which the last kink is [s].
+    pub fn end(&self) -> f64 {
+        self.start_time + self.shape.duration()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all() -> Vec<Profile> {
+        let (distance, duration) = (-0.7, 0.8);
+        let polynomial = |coefficients| Shape::Polynomial { distance, duration, coefficients };
+        let table = Monotone::new(&[[0.0, 0.0], [0.3, -0.4], [0.5, -0.2], [0.8, -0.7], [1.0, -0.7]]).unwrap();
+        let shapes = [
+            Shape::trapezoid(distance, 1.5, 8.0),
+            Shape::trapezoid(distance, 3.0, 8.0),
+            Shape::Cycloidal { distance, duration },
+            polynomial(POLYNOMIAL_345),
+            polynomial(POLYNOMIAL_4567),
+            Shape::Table(table),
+        ];
+        shapes.map(|shape| Profile { start_time: 0.25, shape }).into()
+    }
+
+    #[test]
+    fn each_profile_goes_its_distance_from_rest_to_rest() {
+        for profile in all() {
+            assert_eq!(profile.at(0.1), [0.0; 4]);
+            let end = profile.at(profile.end() + 1e-9);
+            assert!((end[0] + 0.7).abs() < 1e-14 && end[1..] == [0.0; 3], "{profile:?} {end:?}");
+            let before = profile.at(profile.end() - 1e-9);
+            assert!((before[0] + 0.7).abs() < 1e-8 && before[1].abs() < 1e-7, "{profile:?} {before:?}");
+        }
+    }
+
+    #[test]
+    fn each_derivative_is_that_of_the_one_before() {
+        let h = 1e-5;
+        for profile in all() {
+            for k in 0..200 {
+                let t = 0.2 + 0.0061 * f64::from(k);
+                if profile.next_kink(t - 2.0 * h) < t + 2.0 * h {
+                    continue;
+                }
+                let [now, before, after] = [t, t - h, t + h].map(|t| profile.at(t));
+                for order in 0..3 {
+                    let slope = (after[order] - before[order]) / (2.0 * h);
+                    let size = now[order + 1].abs().max(100.0_f64.powi(order as i32));
+                    assert!((slope - now[order + 1]).abs() < 1e-5 * size, "{profile:?} {t} {order}: {slope} {now:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_trapezoid_keeps_its_limits_and_takes_the_least_time() {
+        // 0.7 m at 1.5 m/s and 8 m/s2: v / a + D / v; at 3 m/s the speed is not reached: 2 sqrt(D / a).
+        let times = [1.5 / 8.0 + 0.7 / 1.5, 2.0 * (0.7_f64 / 8.0).sqrt()];
+        for (profile, time) in all().iter().zip(times) {
+            assert!((profile.shape.duration() - time).abs() < 1e-15);
+        }
+        let Shape::Trapezoid { ramp, middle, .. } = all()[0].shape else { unreachable!() };
+        assert_eq!([ramp, middle], [1.5 / 8.0, 0.7 / 1.5 - 1.5 / 8.0]);
+    }
+
+    #[test]
+    fn a_time_within_rounding_of_a_kink_is_that_of_the_kink() {
+        let profile = Profile { start_time: 0.3, shape: Shape::trapezoid(1.0, 1.0, 10.0) };
+        assert_eq!(profile.at(0.1 + 0.2 - 1e-16)[2], 10.0);
+        assert_eq!(profile.at(0.3 - 1e-6)[2], 0.0);
+        assert!((profile.next_kink(0.3) - 0.4).abs() < 1e-15);
+    }
+}

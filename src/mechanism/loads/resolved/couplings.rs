@@ -1,0 +1,50 @@
+//! The forces of couplings that do no work: those that push teeth apart, and the pretension of belts.
+//!
+//! In: a definition and its linkage. Out: loads with what sizes them. It must not know the state.
+use super::Loading;
+use crate::mechanism::definition::{DefinitionError, Mechanism};
+use crate::mechanism::linkage::{Kind, Linkage};
+use crate::mechanism::loads::unit_load::Load;
+
+/// Teeth in mesh. They touch along the line of pressure, so that a tangential force F_t comes with the force
+/// |F_t| tan(alpha) that pushes the wheels apart, whichever of the flanks bears.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mesh {
+    /// Index of the joint of the coupling.
+    pub joint: usize,
+    /// Index of the load that pushes the wheels apart.
+    pub load: usize,
+    /// tan(alpha), with the pressure angle alpha.
+    pub tangent: f64,
+}
+
+/// The load of a belt's pretension with its size: both spans pull the pulleys together.
+pub(super) fn pretension(linkage: &Linkage, coupling: usize, tension: f64) -> (f64, Load) {
+    let of = &linkage.couplings[coupling];
+    let joint = &linkage.joints[of.joint];
+    let cosine = match of.kind {
+        Kind::Belt { radii: [first, second], crossed } => {
+            let distance = linkage.hinge_distance(of.carrier, joint);
+            (if crossed { first + second } else { first - second }) / distance
+        }
+        _ => 1.0,
+    };
+    (-2.0 * tension * (1.0 - cosine * cosine).sqrt(), Load::Separation { coupling })
+}
+
+impl Loading {
+    pub(super) fn add_meshes(&mut self, mechanism: &Mechanism) -> Result<(), DefinitionError> {
+        let joints = mechanism.joints.len();
+        for (coupling, (name, defined)) in mechanism.couplings.iter().enumerate() {
+            let Some(angle) = defined.pressure_angle.filter(|angle| *angle > 0.0) else { continue };
+            if self.friction.is_some() {
+                let message = "the friction of joints does not know the force that pushes teeth apart: set pressure_angle to 0, \
+                               for teeth that push along the motion, or leave out friction";
+                return Err(DefinitionError::key(format_args!("couplings.{name}.pressure_angle"), message));
+            }
+            self.meshes.push(Mesh { joint: joints + coupling, load: self.loads.len(), tangent: angle.tan() });
+            self.loads.push(Load::Separation { coupling });
+        }
+        Ok(())
+    }
+}

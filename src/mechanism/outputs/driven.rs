@@ -1,0 +1,142 @@
+//! What outputs show of a prescribed motion: the state that the inputs prescribe now, and the force that the motion takes.
+//!
+//! Inputs that are set at a communication point take effect in the state with the next step. Outputs show it at once, by a
+//! copy of the state, so that reading them changes nothing. In: a state, inputs. Out: the copy, the size of the drive's load
+//! with its derivatives. It must not know any law.
+use crate::mechanism::dynamics::inputs::Inputs;
+use crate::mechanism::dynamics::prescribed::Prescribed;
+use crate::mechanism::motion::state::State;
+use crate::mechanism::outputs::evaluator::OutputError;
+use crate::mechanism::outputs::reduced_motion::ReducedMotion;
+use crate::mechanism::outputs::view::{Reading, View};
+use crate::mechanism::reduced::Reduced;
+use crate::numerics::dual::Dual;
+
+/// What outputs show of a prescribed motion.
+#[derive(Clone, Debug)]
+pub struct Driven {
+    /// The state under the present inputs, if it is another one than after the last step.
+    shown: State,
+    is_shown: bool,
+    /// Whether all is as the present state and inputs have it.
+    is_settled: bool,
+    /// Acceleration of the drive and its rate in time, if its motion is prescribed.
+    demand: Option<[f64; 2]>,
+}
+
+impl Driven {
+    pub fn new(state: &State) -> Self {
+        Self { shown: state.clone(), is_shown: false, is_settled: false, demand: None }
+    }
+
+    /// The state to be shown, if it is not that after the last step.
+    pub fn shown(&self) -> Option<&State> {
+        self.is_shown.then_some(&self.shown)
+    }
+}
+
+impl<N: Reading> View<'_, N> {
+    /// Whether the mechanism is where its motion is prescribed to be.
+    ///
+    /// # Errors
+    /// [`OutputError::Motion`].
+    #[cold]
+    pub fn check_placed(&self) -> Result<(), OutputError> {
+        match &self.loads.undriven {
+            Some(error @ OutputError::Motion(_)) => Err(error.clone()),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl ReducedMotion {
+    /// The state or the inputs have changed.
+    #[inline]
+    pub(super) fn unsettle(&mut self) {
+        if let Some(driven) = &mut self.driven {
+            driven.is_settled = false;
+        }
+    }
+
+    /// The state that outputs show.
+    pub fn shown(&mut self, reduced: &Reduced, inputs: &Inputs) -> &State {
+        if self.driven.is_some() {
+            self.settle(reduced, inputs);
+        }
+        self.driven.as_deref().and_then(Driven::shown).unwrap_or(&self.state)
+    }
+
+    /// Find the state under the present inputs, and the force of the drive.
+    pub(super) fn settle(&mut self, reduced: &Reduced, inputs: &Inputs) {
+        let (Some(driven), Some(drive)) = (&mut self.driven, &reduced.loading().motion) else { return };
+        if driven.is_settled {
+            return;
+        }
+        (driven.is_settled, driven.is_shown, driven.demand) = (true, false, None);
+        self.loads.undriven = None;
+        if !inputs.prescribes() {
+            self.set_drive(drive.load, inputs.reals[drive.load]);
+            return;
+        }
+        if self.state.in_force.is_none() {
+            driven.is_shown = true;
+            driven.shown.saved.copy_from(&self.state);
+            if let Err(error) = driven.shown.preview(reduced, inputs) {
+                self.loads.undriven = Some(OutputError::Motion(error.to_string()));
+                self.cache.invalidate();
+                return;
+            }
+        }
+        let state = driven.shown().unwrap_or(&self.state);
+        let Some(prescribed) = state.prescribed else { return };
+        let motion = Prescribed::new(drive, inputs, prescribed.origin, prescribed.time.now);
+        let [_, _, acceleration, mut jerk] = motion.map_or([f64::NAN; 4], |motion| motion.at(0.0));
+        if let Some(first) = drive.first_input {
+            jerk = inputs.signal.first[first + 2];
+        }
+        driven.demand = Some([acceleration, jerk]);
+        // What is found must not depend on the size before.
+        self.set_drive(drive.load, 0.0);
+        match self.plain_view(reduced, inputs).force_for(drive.load, acceleration) {
+            Ok(force) if force.is_finite() => self.set_drive(drive.load, force),
+            Ok(_) => self.loads.undriven = Some(OutputError::Dead(drive.load)),
+            Err(error) => self.loads.undriven = Some(error),
+        }
+        self.cache.invalidate();
+    }
+
+    fn set_drive(&mut self, load: usize, size: f64) {
+        if self.loads.sizes[load].to_bits() != size.to_bits() {
+            self.loads.sizes[load] = size;
+            self.invalidate_sizes();
+        }
+    }
+
+    /// Complete the direction of derivatives, in time or along inputs, by what a prescribed motion makes of it.
+    pub(super) fn drive_along(&mut self, reduced: &Reduced, inputs: &Inputs, in_time: bool) {
+        let demand = self.driven.as_ref().and_then(|driven| driven.demand);
+        let (Some([acceleration, jerk]), Some(drive)) = (demand, &reduced.loading().motion) else { return };
+        let state = self.driven.as_deref().and_then(Driven::shown).unwrap_or(&self.state);
+        let (sigma, sigma_dot) = (state.sigma, state.sigma_dot);
+        let [slope, curvature] = match reduced.at(sigma).displacement_around(drive.load, sigma) {
+            Ok((table, position)) => [1, 2].map(|order| table.value(position, order)),
+            Err(_) => [f64::NAN; 2],
+        };
+        let direction = self.direction(reduced, inputs);
+        let [position_rate, speed_rate, rate] = match drive.first_input {
+            _ if in_time => [slope * sigma_dot, acceleration, jerk],
+            Some(first) => [0, 1, 2].map(|k| direction.rates[first + k]),
+            None => [0.0; 3],
+        };
+        let along = position_rate / slope;
+        direction.along = [along, (speed_rate - curvature * along * sigma_dot) / slope];
+        direction.rates[drive.load] = 0.0;
+        let s = direction.s;
+        let force = self.sensitive_view(reduced, inputs).map(|mut view| {
+            let demand = Dual { value: acceleration, slope: [rate * s.slope[0]] };
+            view.force_for(drive.load, demand)
+        });
+        let rate = force.and_then(Result::ok).map_or(f64::NAN, |force| force.slope[0]);
+        self.direction(reduced, inputs).rates[drive.load] = rate;
+    }
+}

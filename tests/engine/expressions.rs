@@ -1,0 +1,282 @@
+//! Numbers that are expressions of parameters: against the same definition with its numbers written out, to the bit.
+
+use crate::support::{assert_says, changed};
+use linkage_fmu::component::Component;
+use linkage_fmu::mechanism::Model;
+use linkage_fmu::simulation::Simulation;
+use linkage_fmu::variables::{Causality, Kind, Reference, Variability};
+use serde_json::{Value, json};
+
+const FILE: &str = "mechanism.json";
+const FAMILY: &str = include_str!("../../modelDescription/FourBarFamily/resources/mechanism.json");
+
+/// The family with its keys sorted, as those of every text that [`changed`] gives: the order decides the last digits.
+fn family() -> String {
+    changed(FAMILY, |_| {})
+}
+
+/// The family with the numbers of these parameters written out.
+fn written_out(size: f64, line_density: f64, load_ratio: f64, acceleration: f64) -> String {
+    let (crank, coupler, rocker) = (size / 3.0, 7.0 / 6.0 * size, 5.0 / 6.0 * size);
+    let load = load_ratio * (line_density * coupler);
+    let right = std::f64::consts::PI / 2.0;
+    changed(FAMILY, |m| {
+        m.as_object_mut().unwrap().remove("parameters");
+        m["gravity"]["acceleration"] = json!(acceleration);
+        m["gravity"]["up_angle"] = json!(right);
+        m["bodies"]["ground"]["length"] = json!(size);
+        for (body, length) in [("crank", crank), ("coupler", coupler), ("rocker", rocker)] {
+            m["bodies"][body]["length"] = json!(length);
+            m["bodies"][body]["mass"] = json!(line_density * length);
+        }
+        m["bodies"]["coupler"]["points"]["tip"] = json!([coupler / 2.0, size / 5.0]);
+        m["bodies"]["load"]["mass"] = json!(load);
+        m["springs"]["damper"]["damping"] = json!(0.02 * load * (size * size));
+        m["start"]["angle"] = json!(std::f64::consts::PI / 3.0);
+        m["start"]["speed"] = json!((acceleration / size).sqrt());
+        m["guess"]["crank"] = json!(std::f64::consts::PI / 3.0);
+    })
+}
+
+/// Bits of all Reals that the other simulation has too, by name, after the start and some steps.
+fn bits(run: &mut Simulation, names: &[String]) -> Vec<(String, u64)> {
+    run.initialize().unwrap();
+    let mut all = Vec::new();
+    for step in 0..4 {
+        if step > 0 {
+            run.step(0.05).unwrap();
+        }
+        all.extend(names.iter().map(|name| (name.clone(), run.get(name).unwrap().to_bits())));
+    }
+    all
+}
+
+fn reals(run: &Simulation) -> Vec<String> {
+    let list = run.model().variables().list().iter();
+    list.filter(|v| v.kind == Kind::Real).map(|v| v.name.clone()).collect()
+}
+
+fn reference(model: &Model, name: &str) -> Reference {
+    model.variables().find(name).unwrap()
+}
+
+#[test]
+fn numbers_are_those_written_out_after_any_sets() {
+    let mut family = Simulation::open(&family()).unwrap();
+    let mut values = [("size", 0.3), ("line_density", 2.5), ("load_ratio", 4.0), ("gravity.acceleration", 9.81)];
+    let sets = [(0, 0.7), (1, 0.9), (2, 0.0), (0, 1.0 / 3.0), (3, 1.62), (0, 0.11), (2, 7.3), (1, 3.1), (0, 0.3)];
+    for (index, value) in [(0, 0.3)].into_iter().chain(sets) {
+        values[index].1 = value;
+        family.set(values[index].0, value).unwrap();
+        let mut written = Simulation::open(&written_out(values[0].1, values[1].1, values[2].1, values[3].1)).unwrap();
+        let names = reals(&written);
+        assert!(bits(&mut family, &names) == bits(&mut written, &names), "{values:?}");
+    }
+    family.model_mut().reset();
+    let mut written = Simulation::open(&written_out(0.3, 2.5, 4.0, 9.81)).unwrap();
+    let names = reals(&written);
+    assert!(bits(&mut family, &names) == bits(&mut written, &names), "after a reset");
+}
+
+#[test]
+fn the_period_grows_with_the_root_of_the_size() {
+    // Under weight alone, without the drive: similar motions in times that go as the root of the size.
+    let after = |size: f64| {
+        let mut run = Simulation::open(FAMILY).unwrap();
+        run.set("size", size).unwrap();
+        run.set("drive.torque", 0.0).unwrap();
+        run.set("line_density", 0.5).unwrap();
+        run.initialize().unwrap();
+        run.step(0.4 * (size / 0.3).sqrt()).unwrap();
+        run.get("crank.angle").unwrap()
+    };
+    // The damping of the family goes with the mass and the square of the size, a time scale of its own: without it.
+    let text = changed(FAMILY, |m| drop(m.as_object_mut().unwrap().remove("springs")));
+    let without = |size: f64| {
+        let mut run = Simulation::open(&text).unwrap();
+        run.set("size", size).unwrap();
+        run.set("drive.torque", 0.0).unwrap();
+        run.initialize().unwrap();
+        run.step(0.4 * (size / 0.3).sqrt()).unwrap();
+        run.get("crank.angle").unwrap()
+    };
+    assert!((without(0.3) - without(1.2)).abs() < 1e-7, "{} {}", without(0.3), without(1.2));
+    assert!((after(0.3) - after(1.2)).abs() > 1e-4, "the damper has another time scale");
+}
+
+#[test]
+fn what_follows_is_a_calculated_parameter() {
+    let model = Model::from_json(FAMILY).unwrap();
+    let variables = model.variables();
+    let named = |references: &[Reference]| -> Vec<&str> {
+        references.iter().map(|r| variables.get(*r).unwrap().name.as_str()).collect()
+    };
+    for (name, bases) in [
+        ("crank.length", &["size"][..]),
+        ("load.mass", &["size", "line_density", "load_ratio"]),
+        ("crank.start_speed", &["size", "gravity.acceleration"]),
+        ("gravity.up_angle", &[]),
+    ] {
+        let variable = variables.get(reference(&model, name)).unwrap();
+        assert_eq!(variable.causality, Causality::CalculatedParameter, "{name}");
+        assert_eq!((variable.variability, &variable.start), (Variability::Fixed, &None), "{name}");
+        assert_eq!(named(&variable.dependencies), bases, "{name}");
+    }
+    let initial = model.initial_dependencies().unwrap().unwrap();
+    let of = |name: &str| named(&initial[reference(&model, name) as usize]);
+    assert_eq!(of("load.mass"), ["size", "line_density", "load_ratio"]);
+    assert!(of("tip.x").contains(&"size") && !of("tip.x").contains(&"line_density"), "{:?}", of("tip.x"));
+    assert!(of("crank.acceleration").contains(&"load_ratio") && !of("crank.acceleration").contains(&"load.mass"));
+    assert_eq!(of("crank.speed"), ["size", "gravity.acceleration"]);
+    let size = variables.get(reference(&model, "size")).unwrap();
+    assert_eq!((size.causality, size.unit.unwrap().name()), (Causality::Parameter, "m"));
+    assert_eq!(size.description, "Distance of the two bearings");
+}
+
+#[test]
+fn a_set_that_makes_no_mechanism_changes_nothing() {
+    let mut run = Simulation::open(FAMILY).unwrap();
+    let model = run.model_mut();
+    let error = model.set_real(reference(model, "crank.length"), 1.0).unwrap_err().to_string();
+    assert_says(&error, &["crank.length", "\"size / 3\"", "set size"]);
+    let [size, ratio, mass, length] = ["size", "load_ratio", "load.mass", "crank.length"].map(|n| reference(model, n));
+    let before = model.snapshot();
+    for value in [-0.3, 0.0] {
+        let error = model.set_real(size, value).unwrap_err().to_string();
+        assert_says(&error, &["size = ", "ground.length = \"size\"", "> 0", "it reads size"]);
+    }
+    assert!(model.set_real(size, f64::NAN).is_err());
+    let error = model.set_real(ratio, -1.0).unwrap_err().to_string();
+    assert_says(&error, &["load_ratio = -1", "load.mass = \"load_ratio * coupler.mass\"", "coupler.mass = "]);
+    let (mut now, mut then) = (Vec::new(), Vec::new());
+    model.snapshot().write(&mut now).unwrap();
+    before.write(&mut then).unwrap();
+    assert_eq!(now, then);
+    assert_eq!(
+        (model.real(size), model.real(mass), model.real(length)),
+        (Ok(0.3), Ok(4.0 * (2.5 * (7.0 / 6.0 * 0.3))), Ok(0.3 / 3.0))
+    );
+}
+
+#[test]
+fn values_of_one_call_count_together() {
+    let text = json!({
+        "name": "Gap",
+        "parameters": { "a": 1, "b": 3 },
+        "bodies": { "ground": {}, "block": { "mass": "b - a" } },
+        "joints": { "rail": { "type": "prismatic", "first": "ground.origin", "second": "block.origin" } },
+        "start": { "joint": "rail", "position": 0 },
+        "guess": { "rail": 0 },
+    });
+    let mut gap = Component::from_definition(FILE, &text.to_string()).unwrap();
+    let [a, b, mass] = ["a", "b", "block.mass"].map(|name| gap.interface().find(name).unwrap());
+    assert!(gap.set_real(a, 5.0).is_err(), "b - a would be below 0");
+    assert!(gap.check_together(&[a], &[5.0]).is_err() && gap.check_together(&[a, b], &[5.0, 9.0]).is_ok());
+    gap.take_real(a, 5.0).unwrap();
+    gap.take_real(b, 9.0).unwrap();
+    assert_eq!(gap.real(mass), Ok(4.0));
+}
+
+#[test]
+fn saved_states_and_tables_hold_what_follows() {
+    let mut model = Model::from_json(FAMILY).unwrap();
+    let size = reference(&model, "size");
+    model.set_real(size, 0.55).unwrap();
+    model.initialize().unwrap();
+    model.step(0.1).unwrap();
+    let mut bytes = Vec::new();
+    model.snapshot().write(&mut bytes).unwrap();
+    let mut other = Model::from_json(FAMILY).unwrap();
+    let snapshot = other.read_snapshot(&bytes).unwrap();
+    other.restore(&snapshot).unwrap();
+    let length = reference(&model, "crank.length");
+    assert_eq!(other.real(length), Ok(0.55 / 3.0));
+    let all = 0..model.variables().list().len() as Reference;
+    let reals: Vec<Reference> = all.filter(|r| model.variables().get(*r).unwrap().kind == Kind::Real).collect();
+    for _ in 0..3 {
+        model.step(0.05).unwrap();
+        other.step(0.05).unwrap();
+        for &r in &reals {
+            assert_eq!(model.real(r).unwrap().to_bits(), other.real(r).unwrap().to_bits());
+        }
+    }
+    // Damaged: another crank than that of the size.
+    let from = (0.55_f64 / 3.0).to_le_bytes();
+    let at = bytes.windows(8).position(|eight| eight == from).unwrap();
+    bytes[at..at + 8].copy_from_slice(&0.2_f64.to_le_bytes());
+    assert_says(other.read_snapshot(&bytes).unwrap_err().to_string(), &["calculated parameter"]);
+    // Another expression is another mechanism, another description is not.
+    let model = Model::from_json(&family()).unwrap();
+    let other = changed(FAMILY, |m| m["bodies"]["crank"]["length"] = json!("size / 4"));
+    assert_ne!(Model::from_json(&other).unwrap().identity(), model.identity());
+    let same = changed(FAMILY, |m| m["parameters"]["size"]["description"] = json!("Size"));
+    assert_eq!(Model::from_json(&same).unwrap().identity(), model.identity());
+    // Kept tables are of the numbers that the expressions give.
+    let made = Component::from_definition(FILE, FAMILY).unwrap();
+    let mut taken = Component::with_table_bytes(FILE, FAMILY, made.tables(FAMILY).unwrap()).unwrap();
+    taken.set_real(size, 0.55).unwrap();
+    taken.initialize().unwrap();
+    assert_eq!(taken.real(length), Ok(0.55 / 3.0));
+}
+
+#[test]
+fn what_is_wrong_is_named_with_its_key() {
+    let with = |change: &dyn Fn(&mut Value)| changed(FAMILY, change);
+    let length = |text: &str| with(&|m| m["bodies"]["crank"]["length"] = json!(text));
+    let cases: [(String, &[&str]); 16] = [
+        (length("size / "), &["bodies.crank.length", "\"size / \"", "ends before its last value"]),
+        (length("sise"), &["bodies.crank.length", "no parameter of the file is called sise", "size"]),
+        (length("size - 1"), &["bodies.crank.length = \"size - 1\" = -0.7", "> 0", "it reads size = 0.3"]),
+        (length("size / 0"), &["bodies.crank.length = \"size / 0\"", "> 0"]),
+        (length("0 / 0"), &["bodies.crank.length", "NaN"]),
+        (length("crank.length"), &["bodies.crank.length", "crank.length reads crank.length is a circle"]),
+        (length("ground.length + rocker.mass"), &["is a circle", "crank.length"]),
+        (with(&|m| m["parameters"]["size"] = json!("load.mass")), &["parameters.size", "is a circle"]),
+        (with(&|m| m["parameters"]["pi"] = json!(3)), &["parameters.pi", "choose another one"]),
+        (with(&|m| m["parameters"]["a b"] = json!(3)), &["a b", "letters, digits or underscores"]),
+        (with(&|m| m["parameters"]["size"]["unit"] = json!("mm")), &["parameters.size.unit", "\"mm\" is no unit"]),
+        (with(&|m| m["solver"]["tolerance"] = json!("1e-9")), &["solver.tolerance", "write a number"]),
+        (with(&|m| m["guess"]["crank"] = json!("1 / 0")), &["guess.crank", "must be a finite number"]),
+        (with(&|m| m["guess"]["crank"] = json!("sise")), &["guess.crank", "is called sise"]),
+        (
+            with(&|m| m["springs"]["damper"]["points"] = json!([["-size", 0], [1, 2]])),
+            &["springs.damper.points[0][0]", "size may change"],
+        ),
+        (with(&|m| m["parameters"]["rocker"] = json!([1])), &["parameters.rocker", "a number"]),
+    ];
+    for (text, said) in cases {
+        let text = if said.contains(&"crank.length") && said.contains(&"is a circle") {
+            changed(&text, |m| m["bodies"]["rocker"]["mass"] = json!("crank.length"))
+        } else {
+            text
+        };
+        assert_says(Model::from_json(&text).unwrap_err().to_string(), said);
+    }
+    let text =
+        changed(FAMILY, |m| m["guess"] = json!({ "crank": "pi/3", "coupler": "0.5", "rocker": "1.6 * size / 0.3" }));
+    Model::from_json(&text).unwrap();
+    let degrees = changed(&text, |m| m["units"] = json!({ "angle": "deg" }));
+    assert_says(Model::from_json(&degrees).unwrap_err().to_string(), &["guess.coupler", "SI units", "remove units"]);
+}
+
+#[test]
+fn a_drawing_beside_expressions_keeps_their_places() {
+    let text = json!({
+        "name": "Drawn",
+        "units": { "length": "mm", "angle": "deg" },
+        "parameters": { "m": 2 },
+        "gravity": { "acceleration": 9.81, "up_angle": 90 },
+        "bodies": {
+            "ground": {},
+            "arm": { "drawn": { "origin": [0, 0], "end": [300, 0] }, "mass": "m / 2", "inertia": "arm.mass * 0.01" },
+        },
+        "joints": { "pin": { "type": "revolute", "first": "ground.origin", "second": "arm.origin" } },
+        "start": { "body": "arm", "angle": "pi / 4" },
+    });
+    let mut arm = Simulation::open(&text.to_string()).unwrap();
+    assert_eq!(arm.get("arm.length"), Ok(0.3));
+    arm.set("m", 5.0).unwrap();
+    arm.set("arm.length", 0.4).unwrap();
+    assert_eq!((arm.get("arm.mass"), arm.get("arm.inertia")), (Ok(2.5), Ok(2.5 * 0.01)));
+    assert_eq!((arm.get("arm.length"), arm.get("arm.start_angle")), (Ok(0.4), Ok(std::f64::consts::PI / 4.0)));
+}
