@@ -221,7 +221,15 @@ impl Instance {
 
     /// Set Reals, all or none.
     pub fn set_real(&mut self, references: &[Reference], values: &[f64]) -> Result<(), Refusal> {
-        self.set(references, values.iter().copied(), Kind::Real, Component::check_real, Component::set_real)
+        for (&reference, &value) in references.iter().zip(values) {
+            may_set(self, reference, Kind::Real)?;
+            self.component.check_real(reference, value)?;
+        }
+        self.component.check_together(references, values)?;
+        for (&reference, &value) in references.iter().zip(values) {
+            self.component.take_real(reference, value)?;
+        }
+        Ok(())
     }
 
     /// Set Booleans, all or none.

@@ -24,5 +24,5 @@ pub(crate) mod undefined;
 pub(crate) mod vectors;
 pub(crate) mod version;
 
-pub(crate) use exported::exported;
+pub(crate) use exported::{exchange_calls, exported, exported_exchange};
 pub use resources::LARGEST_DEFINITION;

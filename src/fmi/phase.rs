@@ -163,6 +163,9 @@ pub fn may_set(instance: &Instance, reference: Reference, kind: Kind) -> Result<
         (Causality::Input, _) => return Ok(()),
         (Causality::Parameter, Phase::Instantiated | Phase::Initialization) => return Ok(()),
         (Causality::Parameter, _) => "a parameter; it can be set until initialization mode ends, or after a reset",
+        // The component names the parameters that decide it.
+        (Causality::CalculatedParameter, Phase::Instantiated | Phase::Initialization) => return Ok(()),
+        (Causality::CalculatedParameter, _) => "a calculated parameter; it cannot be set",
         (Causality::Output, _) => "an output; it cannot be set",
         (Causality::Local, _) => "a local variable; it cannot be set",
     };

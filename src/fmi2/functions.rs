@@ -1,9 +1,9 @@
-//! The exported functions of FMI 2.0.5: life cycle, logging, values, states, derivatives (2.1), co-simulation (4.2),
-//! and model exchange (3.2). The contract of the pointers is that of the module `fmi2`.
+//! The exported functions of FMI 2.0.5: life cycle, logging, values, states, derivatives (2.1) and co-simulation
+//! (4.2). The contract of the pointers is that of the module `fmi2`.
 
 use super::VERSION;
 use super::types::{
-    Boolean, Byte, CO_SIMULATION, CallbackFunctions, Component, DO_STEP_STATUS, EventInfo, FALSE, FmuState, Integer,
+    Boolean, Byte, CO_SIMULATION, CallbackFunctions, Component, DO_STEP_STATUS, FALSE, FmuState, Integer,
     LAST_SUCCESSFUL_TIME, MODEL_EXCHANGE, PENDING_STATUS, Real, Status, TERMINATED, Text, ValueReference,
 };
 use crate::fmi::array::{input, output, text};
@@ -11,8 +11,8 @@ use crate::fmi::event_mode::Usage;
 use crate::fmi::exchange::served;
 use crate::fmi::logger::{Logger, Sink};
 use crate::fmi::phase::{
-    ALIVE, CONTINUOUS, EVENT, FAILED, FATAL, Function, INITIALIZATION, INSTANTIATED, Phase, SETTABLE, SOLVABLE, STEP,
-    STEPPED, none_of_type,
+    ALIVE, CONTINUOUS, EVENT, FAILED, FATAL, Function, INITIALIZATION, INSTANTIATED, Phase, SETTABLE, STEP, STEPPED,
+    none_of_type,
 };
 use crate::fmi::refusal::Refusal;
 use crate::fmi::{exported, handle, resources, state_handle};
@@ -293,62 +293,6 @@ exported! {
 
     /// `fmi2PendingStatus` has no answer, as no step is ever pending: always `fmi2Discard`.
     fn fmi2GetStringStatus(kind: c_int, _value: *mut Text) in STEPPED => |_i| Err(no_such_status(kind));
-
-    /// Model exchange (3.2): from continuous-time mode to event mode.
-    fn fmi2EnterEventMode() in CONTINUOUS => |i| i.enter_event_mode();
-
-    /// Make the transitions that are due: impacts, bumpers, locks, rest and release. One call is enough; no event is known
-    /// before its time.
-    // SAFETY: `info` leads to memory for the struct (3.2.2).
-    fn fmi2NewDiscreteStates(info: *mut EventInfo) in EVENT => |i| {
-        let info = output("eventInfo", info, 1)?;
-        let values_changed = i.update_discrete_states()?.into();
-        info[0].write(EventInfo { values_changed, ..EventInfo::default() });
-        Ok(())
-    };
-
-    /// From event mode to continuous-time mode.
-    fn fmi2EnterContinuousTimeMode() in EVENT => |i| i.enter_continuous_time_mode();
-
-    /// A step of the host's solver is complete. `*enter_event_mode`: whether a transition is due.
-    // SAFETY: both pointers lead to memory for one value (3.2.2).
-    fn fmi2CompletedIntegratorStep(
-        _no_set_state_prior: Boolean, enter_event_mode: *mut Boolean, terminate: *mut Boolean
-    ) in CONTINUOUS => |i| {
-        let (enter, terminate) = (output("enterEventMode", enter_event_mode, 1)?, output("terminateSimulation", terminate, 1)?);
-        enter[0].write(i.completed_integrator_step()?.into());
-        terminate[0].write(FALSE);
-        Ok(())
-    };
-
-    /// The time at which values are asked for.
-    fn fmi2SetTime(time: Real) in EVENT | CONTINUOUS => |i| i.set_time(time);
-
-    /// Take the states that the solver tries. `fmi2Discard` where the mechanism has no such position: a shorter step
-    /// avoids it; nothing has changed.
-    // SAFETY: the array has `count` elements (3.2.1).
-    fn fmi2SetContinuousStates(x: *const Real, count: usize) in CONTINUOUS => |i|
-        i.set_continuous_states(input("x", x, count)?);
-
-    /// Time derivatives of the states; `fmi2Discard` where there are none.
-    // SAFETY: the array has `count` elements (3.2.2).
-    fn fmi2GetDerivatives(derivatives: *mut Real, count: usize) in SOLVABLE => |i|
-        i.derivatives(output("derivatives", derivatives, count)?);
-
-    /// Event indicators; `fmi2Discard` where one has no value.
-    // SAFETY: the array has `count` elements (3.2.2).
-    fn fmi2GetEventIndicators(indicators: *mut Real, count: usize) in SOLVABLE => |i|
-        i.event_indicators(output("eventIndicators", indicators, count)?);
-
-    /// The continuous states.
-    // SAFETY: the array has `count` elements (3.2.2).
-    fn fmi2GetContinuousStates(x: *mut Real, count: usize) in SOLVABLE => |i|
-        i.continuous_states(output("x", x, count)?);
-
-    /// Scales of the continuous states.
-    // SAFETY: the array has `count` elements (3.2.2).
-    fn fmi2GetNominalsOfContinuousStates(nominals: *mut Real, count: usize) in INSTANTIATED | SOLVABLE => |i|
-        i.nominals(output("x_nominal", nominals, count)?);
 }
 
 /// Write the answer to the status kind that the called function has.

@@ -7,11 +7,12 @@
 //! is not `fmi2OK`.
 
 use super::types::{
-    Boolean, CO_SIMULATION, CallbackFunctions, Component, Environment, FALSE, FmuState, LoggerCallback, Status, Text,
-    ValueReference,
+    Boolean, CO_SIMULATION, CallbackFunctions, Component, Environment, EventInfo, FALSE, FmuState, LoggerCallback,
+    MODEL_EXCHANGE, Status, Text, ValueReference,
 };
 use super::*;
 use crate::component;
+use crate::fmi::exchange_calls;
 use crate::variables::{Interface, Vector};
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_int};
@@ -134,18 +135,39 @@ impl Description {
         &self.location
     }
 
-    /// New instance named `gear`.
+    /// Number of event indicators of model exchange.
+    pub fn indicator_count(&self) -> usize {
+        self.component.indicators().len()
+    }
+
+    /// New instance named `gear`, for co-simulation.
     ///
     /// # Errors
     /// The messages of a refused instantiation.
     pub fn instantiate(self: &Arc<Self>, logger: Option<LoggerCallback>, logging_on: bool) -> Result<Host, String> {
+        self.instantiate_as(CO_SIMULATION, logger, logging_on)
+    }
+
+    /// New instance named `gear`, for model exchange.
+    ///
+    /// # Errors
+    /// As above.
+    pub fn exchange(self: &Arc<Self>, logger: Option<LoggerCallback>, logging_on: bool) -> Result<Host, String> {
+        self.instantiate_as(MODEL_EXCHANGE, logger, logging_on)
+    }
+
+    fn instantiate_as(
+        self: &Arc<Self>,
+        fmu_type: c_int,
+        logger: Option<LoggerCallback>,
+        logging_on: bool,
+    ) -> Result<Host, String> {
         let log = Box::<Log>::default();
         let functions = callbacks(logger, &log);
         let (name, guid, location) = (c"gear".as_ptr(), self.guid.as_ptr(), self.location.as_ptr());
         // SAFETY: all pointers live during the call; the log lives as long as the instance.
-        let c = unsafe {
-            fmi2Instantiate(name, CO_SIMULATION, guid, location, &functions, FALSE, Boolean::from(logging_on))
-        };
+        let c =
+            unsafe { fmi2Instantiate(name, fmu_type, guid, location, &functions, FALSE, Boolean::from(logging_on)) };
         if c.is_null() {
             return Err(format!("fmi2Instantiate: refused: {:?}", log.take()));
         }
@@ -200,8 +222,31 @@ impl Host {
         enter = fmi2EnterInitializationMode,
         exit = fmi2ExitInitializationMode,
         terminate = fmi2Terminate,
-        reset = fmi2Reset
+        reset = fmi2Reset,
+        enter_event_mode = fmi2EnterEventMode
     );
+    exchange_calls!(
+        fmi2EnterContinuousTimeMode,
+        fmi2CompletedIntegratorStep,
+        fmi2SetTime,
+        fmi2SetContinuousStates,
+        fmi2GetDerivatives,
+        fmi2GetEventIndicators,
+        fmi2GetContinuousStates,
+        fmi2GetNominalsOfContinuousStates
+    );
+
+    fn instance(&self) -> Component {
+        self.c
+    }
+
+    /// `fmi2NewDiscreteStates`, and whether the states have jumped.
+    pub fn update_discrete_states(&self) -> (Status, bool) {
+        let mut info = EventInfo::default();
+        // SAFETY: the component is valid; the pointer leads to the struct.
+        let status = unsafe { fmi2NewDiscreteStates(self.c, &mut info) };
+        (status, info.values_changed != FALSE)
+    }
 
     /// Value reference of a variable; `u32::MAX` for a name that does not exist.
     pub fn reference(&self, name: &str) -> ValueReference {

@@ -13,6 +13,7 @@
 //! answered with `fmi2Error`, wherever it stands, except as an empty array.
 #![allow(unsafe_code, non_snake_case, clippy::missing_safety_doc)]
 
+mod exchange;
 mod functions;
 pub mod host;
 pub mod importer;
@@ -20,6 +21,7 @@ pub mod types;
 
 use crate::fmi::version::Version;
 use crate::variables::Kind;
+pub use exchange::*;
 pub use functions::*;
 
 /// What an instance must know of FMI 2.0.
@@ -27,17 +29,21 @@ pub(crate) const VERSION: Version = Version::of_scalars(Kind::word);
 
 #[cfg(test)]
 mod tests {
-    use super::functions::FUNCTIONS;
+    use super::{exchange, functions};
     use crate::fmi::phase::{Function, Phase};
 
-    fn function(name: &str) -> &Function {
-        FUNCTIONS.iter().find(|function| function.name == name).unwrap()
+    fn all() -> impl Iterator<Item = &'static Function> {
+        functions::FUNCTIONS.iter().chain(exchange::FUNCTIONS)
+    }
+
+    fn function(name: &str) -> &'static Function {
+        all().find(|function| function.name == name).unwrap()
     }
 
     #[test]
     fn only_freeing_is_legal_after_a_fatal_fault() {
-        assert_eq!(FUNCTIONS.len(), 40);
-        let legal = FUNCTIONS.iter().filter(|function| function.is_legal_in(Phase::Fatal));
+        assert_eq!(all().count(), 40);
+        let legal = all().filter(|function| function.is_legal_in(Phase::Fatal));
         assert_eq!(legal.map(|function| function.name).collect::<Vec<_>>(), ["fmi2FreeFMUstate"]);
     }
 

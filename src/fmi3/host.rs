@@ -6,6 +6,7 @@
 
 use super::types::{Boolean, Environment, FALSE, FmuState, Instance, Status, TRUE, Text, ValueReference};
 use super::*;
+use crate::fmi::exchange_calls;
 use crate::fmi2::host::{Description, Log, Message, State, owned};
 use std::cell::Cell;
 use std::ffi::{CString, c_int};
@@ -101,15 +102,13 @@ impl Host {
     /// The messages of a refused instantiation.
     pub fn new(description: &Arc<Description>, wishes: Wishes) -> Result<Self, String> {
         let Wishes { event_mode, early_return, logging, update } = wishes;
-        let calls = Box::new(Calls { c: Cell::new(null_mut()), log: Log::default(), update });
-        let environment: Environment = (&raw const *calls).cast_mut().cast();
-        let (token, path) = (description.guid().as_ptr(), description.location().as_ptr());
+        let has_update = update.is_some();
         // SAFETY: all pointers live during the call; the calls live as long as the instance.
-        let c = unsafe {
+        Self::with(update, |environment| unsafe {
             fmi3InstantiateCoSimulation(
                 c"gear".as_ptr(),
-                token,
-                path,
+                description.guid().as_ptr(),
+                description.location().as_ptr(),
                 FALSE,
                 logging.into(),
                 event_mode.into(),
@@ -118,11 +117,29 @@ impl Host {
                 0,
                 environment,
                 Some(log),
-                calls.update.is_some().then_some(call_update),
+                has_update.then_some(call_update),
             )
-        };
+        })
+    }
+
+    /// New instance of a description for model exchange.
+    ///
+    /// # Errors
+    /// The messages of a refused instantiation.
+    pub fn exchange(description: &Arc<Description>, logging: bool) -> Result<Self, String> {
+        let (token, path) = (description.guid().as_ptr(), description.location().as_ptr());
+        // SAFETY: as above.
+        Self::with(None, |environment| unsafe {
+            let (name, logging) = (c"gear".as_ptr(), logging.into());
+            fmi3InstantiateModelExchange(name, token, path, FALSE, logging, environment, Some(log))
+        })
+    }
+
+    fn with(update: Option<Box<Update>>, instantiate: impl FnOnce(Environment) -> Instance) -> Result<Self, String> {
+        let calls = Box::new(Calls { c: Cell::new(null_mut()), log: Log::default(), update });
+        let c = instantiate((&raw const *calls).cast_mut().cast());
         if c.is_null() {
-            return Err(format!("fmi3InstantiateCoSimulation: refused: {:?}", calls.log.take()));
+            return Err(format!("not instantiated: {:?}", calls.log.take()));
         }
         calls.c.set(c);
         Ok(Self(calls))
@@ -151,6 +168,20 @@ impl Calls {
         enter_step_mode = fmi3EnterStepMode,
         evaluate = fmi3EvaluateDiscreteStates,
     );
+    exchange_calls!(
+        fmi3EnterContinuousTimeMode,
+        fmi3CompletedIntegratorStep,
+        fmi3SetTime,
+        fmi3SetContinuousStates,
+        fmi3GetContinuousStateDerivatives,
+        fmi3GetEventIndicators,
+        fmi3GetContinuousStates,
+        fmi3GetNominalsOfContinuousStates
+    );
+
+    fn instance(&self) -> Instance {
+        self.c.get()
+    }
 
     /// `fmi3EnterInitializationMode`; an undefined tolerance or stop time is passed as NaN.
     pub fn enter(&self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Status {

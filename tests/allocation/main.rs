@@ -3,6 +3,7 @@
 
 #[path = "../support/counting.rs"]
 mod counting;
+mod exchange;
 mod fmi3;
 #[path = "../fmi2/host.rs"]
 mod host;

@@ -3,11 +3,12 @@
 use validation::attack::{Asked, all};
 
 /// Cases of each part.
-const CASES: [(&str, u64); 9] = [
+const CASES: [(&str, u64); 10] = [
     ("histories", 1000),
     ("coupled", 100),
     ("calls", 200),
     ("calls3", 250),
+    ("exchange", 100),
     ("states", 600),
     ("definitions", 300),
     ("scenes", 60),

@@ -1,5 +1,6 @@
 //! Random calls of the C functions of the hydraulic FMUs: each status is one that the phase allows, a refusal has one
 //! line and changes no Real, and the instance goes on.
+use super::answers::{May, changed, odd};
 use super::probe::Probe;
 use super::random::Random;
 use linkage_fmu::fmi2::host::{Description, Host, State, logger};
@@ -31,17 +32,6 @@ fn descriptions() -> &'static [Arc<Description>] {
     })
 }
 
-/// What may be answered.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum May {
-    /// fmi2OK, or fmi2Warning with a line.
-    Succeed,
-    /// fmi2Error.
-    BeRefused,
-    /// Either, and fmi2Discard: values decide.
-    Either,
-}
-
 /// An instance, and what is known of it.
 struct Player<'a> {
     host: &'a Host,
@@ -50,10 +40,6 @@ struct Player<'a> {
     time: f64,
     state: State,
     saved: Option<(Phase, f64)>,
-}
-
-fn odd(random: &mut Random) -> f64 {
-    random.pick(&[f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -0.0, 0.0, 1e300, -1e300, 5e-324])
 }
 
 impl Player<'_> {
@@ -130,11 +116,7 @@ impl Player<'_> {
                     self.host.reals(&[reference], &mut value);
                     value[0]
                 });
-                let value = match random.below(12) {
-                    0 => odd(random),
-                    1 => random.within(-1.0, 1.0),
-                    _ => start * random.decades(0.5, 2.0),
-                };
+                let value = changed(start, random);
                 let may = if fine && value.is_finite() { May::Either } else { May::BeRefused };
                 ("fmi2SetReal", may, self.host.set_reals(&[reference], &[value]))
             }
@@ -236,15 +218,7 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
         let (name, may, status) = probe.timed("call", || player.call(&mut random));
         probe.count("calls");
         let log = host.log.take();
-        let fine = match (may, status) {
-            (May::Succeed | May::Either, Status::Ok) => true,
-            (May::Succeed | May::Either, Status::Warning) => !log.is_empty(),
-            (May::BeRefused | May::Either, Status::Error) | (May::Either, Status::Discard) => {
-                probe.count("calls refused");
-                log.iter().filter(|message| message.status >= Status::Discard as i32).count() == 1
-            }
-            _ => false,
-        };
+        let fine = may.allows(status as i32, &log, probe);
         if probe.verbose {
             println!("{n} {name}: {may:?}, {status:?} {log:?}");
         }

@@ -1,6 +1,7 @@
 //! Random calls of the C functions of FMI 3.0, on mechanisms and on the hydraulic actuator, with event mode, early return
 //! and intermediate updates or without: each status is one that the phase allows, a refusal has one line and changes no
 //! Float64, a value that does not exist is told, and the instance goes on.
+use super::answers::{May, changed, is_early, odd};
 use super::probe::Probe;
 use super::random::Random;
 use linkage_fmu::fmi2::host::{Description, State};
@@ -34,17 +35,6 @@ enum Phase {
     Ended,
 }
 
-/// What may be answered.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum May {
-    /// fmi3OK, or fmi3Warning with a line.
-    Succeed,
-    /// fmi3Error.
-    BeRefused,
-    /// Either, and fmi3Discard: values decide.
-    Either,
-}
-
 /// What decides which calls are legal; a saved state restores it.
 #[derive(Clone, Copy, Debug)]
 struct Now {
@@ -76,10 +66,6 @@ fn descriptions() -> &'static [Arc<Description>] {
     })
 }
 
-fn odd(random: &mut Random) -> f64 {
-    random.pick(&[f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -0.0, 0.0, 1e300, -1e300, 5e-324])
-}
-
 /// Number of vectors; found once for each model.
 fn vectors_of(description: &Description) -> usize {
     static ALL: OnceLock<Vec<usize>> = OnceLock::new();
@@ -104,12 +90,9 @@ fn size(description: &Description, reference: u32) -> Option<usize> {
 }
 
 /// Whether the variable has a value before initialization mode.
-fn is_early(description: &Description, reference: u32) -> bool {
+fn is_known_early(description: &Description, reference: u32) -> bool {
     let list = description.interface().list();
-    match list.get(reference as usize) {
-        Some(variable) => matches!(variable.causality, Causality::Input | Causality::Parameter),
-        None => reference as usize == list.len(),
-    }
+    list.get(reference as usize).map_or(reference as usize == list.len(), is_early)
 }
 
 /// What is wrong with values that are told without a warning.
@@ -224,11 +207,7 @@ impl Player<'_> {
                 if fine {
                     self.host.reals(&[reference], &mut value);
                 }
-                let value = match random.below(12) {
-                    0 => odd(random),
-                    1 => random.within(-1.0, 1.0),
-                    _ => value[0] * random.decades(0.5, 2.0),
-                };
+                let value = changed(value[0], random);
                 let number = if random.chance(0.05) { random.below(4) } else { 1 };
                 let may = if fine && value.is_finite() && number == 1 { Either } else { BeRefused };
                 ("fmi3SetFloat64", may, self.host.set_reals(&[reference], &[value; 4][..number]))
@@ -248,7 +227,7 @@ impl Player<'_> {
             }
             41..=42 => {
                 let is_boolean = of.is_some_and(|v| v.kind == Kind::Boolean);
-                let has_value = self.now.phase != Instantiated || is_early(self.description, reference);
+                let has_value = self.now.phase != Instantiated || is_known_early(self.description, reference);
                 let may = if is_boolean && has_value { Either } else { BeRefused };
                 let mut value = 7;
                 let status = self.host.boolean(reference, &mut value);
@@ -264,7 +243,7 @@ impl Player<'_> {
             44..=55 => {
                 let (references, sizes) = self.references(random);
                 let number = if random.chance(0.1) { random.below(8) } else { sizes.unwrap_or(1) };
-                let early = |reference: &u32| is_early(self.description, *reference);
+                let early = |reference: &u32| is_known_early(self.description, *reference);
                 let have = self.now.phase != Instantiated || references.iter().all(early);
                 let may = if sizes == Some(number) && have { Either } else { BeRefused };
                 let mut values = vec![0.0; number];
@@ -416,15 +395,7 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
         let (name, may, status) = probe.timed("call", || player.call(&mut random));
         probe.count("calls");
         let log = host.log.take();
-        let fine = match (may, status) {
-            (May::Succeed | May::Either, Status::Ok) => true,
-            (May::Succeed | May::Either, Status::Warning) => !log.is_empty(),
-            (May::BeRefused | May::Either, Status::Error) | (May::Either, Status::Discard) => {
-                probe.count("calls refused");
-                log.iter().filter(|message| message.status >= Status::Discard as i32).count() == 1
-            }
-            _ => false,
-        };
+        let fine = may.allows(status as i32, &log, probe);
         if probe.verbose {
             println!("{n} {name}: {may:?}, {status:?} {log:?}");
         }

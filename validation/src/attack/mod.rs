@@ -4,10 +4,12 @@
 //! In: what the command line asks for. Out: failures with their seeds, counts, the longest call, a page. It must not know
 //! how a mechanism is solved.
 mod actuator;
+mod answers;
 mod calls;
 mod calls3;
 mod coupled;
 mod definitions;
+mod exchange;
 mod histories;
 mod kinds;
 mod mechanism;
@@ -49,7 +51,7 @@ pub struct Part {
 }
 
 /// All kinds of attack.
-pub const PARTS: [Part; 9] = [
+pub const PARTS: [Part; 10] = [
     Part {
         name: "histories",
         claim: "twins of a random history, one of them read, saved, restored and serialised in between, agree to the bit; every state that is written is read back",
@@ -80,6 +82,14 @@ pub const PARTS: [Part; 9] = [
         case: calls3::attack,
         count: 42_000,
         share: 0.1,
+        block: 1,
+    },
+    Part {
+        name: "exchange",
+        claim: "random C calls of model exchange in FMI 2.0 and FMI 3.0: each answer is one that the phase allows; a refusal has one line and changes no Real; states that are taken are those that were set; no rate and no indicator is other than a number",
+        case: exchange::attack,
+        count: 5_000,
+        share: 0.05,
         block: 1,
     },
     Part {
