@@ -94,7 +94,7 @@ impl<'a> Runner<'a> {
             let stop = scenario.stop_at.map(|event| self.stop(event, step)).transpose()?.flatten();
             let end = stop.map_or(step.end, |(_, time)| time);
             has_stopped = stop.is_some();
-            self.find_events(step, end, values)?;
+            self.find_events(step, stop, end, values)?;
             if let Some((event, time)) = stop.filter(|_| reads) {
                 self.step_to(event, step, time)?;
             }
@@ -152,15 +152,18 @@ impl<'a> Runner<'a> {
         Ok(Some((event, self.time_of(event, step)?)))
     }
 
-    /// Tell the times of events that this step is the first to meet, until `end` [s].
-    fn find_events(&mut self, step: &Step, end: f64, values: &mut [f64]) -> Result<()> {
+    /// Tell the times of events that this step is the first to meet, until `end` [s]; that of the event that ends the run
+    /// is known.
+    fn find_events(&mut self, step: &Step, stop: Option<(Event, f64)>, end: f64, values: &mut [f64]) -> Result<()> {
         let responses = &self.task.responses;
         for (index, event) in responses.events.iter().enumerate() {
+            let known = stop.filter(|(stop, _)| stop == event).map(|(_, time)| time);
             let mut own = responses.list.iter().filter(|response| response.measure == Measure::Event(index));
-            if own.all(|response| !values[response.column].is_nan()) || self.count(*event)? == 0.0 {
-                continue;
-            }
-            let time = self.time_of(*event, step)?;
+            let time = match known {
+                Some(time) => time,
+                None if own.all(|response| !values[response.column].is_nan()) || self.count(*event)? == 0.0 => continue,
+                None => self.time_of(*event, step)?,
+            };
             if time > end {
                 continue;
             }

@@ -1,0 +1,348 @@
+"""The runs of a study by the functions of a packed FMU; the same arithmetic as in `cargo fmu sweep`.
+
+FMPy loads the library and makes the instance. The functions are then called directly, each bound to arguments that
+lie ready in memory, which costs a fraction of a call by FMPy: that converts the arguments of each and can log it.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable, Iterable
+from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+from functools import partial
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+import fmpy
+from fmpy import fmi2, logging, read_model_description
+
+HALVINGS = 1100
+"""Most steps that the search for an event takes."""
+CLOSE = 1e-9
+"""Relative difference below which two instants are one."""
+WARNING = 1
+"""Status of a function up to which it has done what it was asked for."""
+
+Plan = dict[str, Any]
+Call = Callable[[], int]
+"""A function of the FMU bound to its arguments: its status."""
+
+
+class RunError(Exception):
+    """Why a run failed."""
+
+
+def is_close(a: float, b: float) -> bool:
+    """Whether two instants are one but for rounding."""
+    return a == b or abs(a - b) <= CLOSE * max(abs(a), abs(b))
+
+
+TYPES: dict[str, tuple[str, type]] = {
+    "real": ("Real", c_double),
+    "boolean": ("Boolean", c_int),
+    "text": ("String", c_char_p),
+}
+"""Names of the types in functions, and the types of their values in C."""
+
+
+class Variables:
+    """Variables of one type with memory for their values, to be set or read in one call."""
+
+    def __init__(self, instance: Instance, kind: str, references: Iterable[int]) -> None:
+        name, c_type = TYPES[kind]
+        listed = list(references)
+        self.values = (c_type * len(listed))()
+        arguments = (c_uint * len(listed))(*listed), c_size_t(len(listed)), self.values
+        self.set = instance.bound(f"Set{name}", *arguments)
+        self.get = instance.bound(f"Get{name}", *arguments)
+
+
+class Instance:
+    """One instance of the FMU."""
+
+    def __init__(self, folder: Path) -> None:
+        self.log: list[str] = []
+        description = read_model_description(folder)
+        self.fmu = fmi2.FMU2Slave(
+            guid=description.guid,
+            unzipDirectory=str(folder),
+            modelIdentifier=description.coSimulation.modelIdentifier,
+            instanceName="study",
+        )
+        self.callbacks = fmi2.fmi2CallbackFunctions()
+        self.callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(lambda *message: self.log.append(message[-1].decode()))
+        self.callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
+        self.callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
+        logging.addLoggerProxy(byref(self.callbacks))
+        self.fmu.instantiate(callbacks=self.callbacks)
+        self.component = c_void_p(self.fmu.component)
+
+    def bound(self, name: str, *arguments: Any) -> Call:  # noqa: ANN401
+        """A function bound to its arguments, which must be values of C."""
+        function = self.fmu.dll[f"fmi2{name}"]
+        function.restype = c_int
+        return partial(function, self.component, *arguments)
+
+    def setting(self, reference: int, kind: str, value: float | bool | str) -> Call:
+        """What sets a variable, or the slope of an input for the next step, to this value."""
+        if kind == "slope":
+            references, orders, slopes = (c_uint * 1)(reference), (c_int * 1)(1), (c_double * 1)(value)
+            return self.bound("SetRealInputDerivatives", references, c_size_t(1), orders, slopes)
+        variable = Variables(self, kind, [reference])
+        variable.values[0] = value.encode() if isinstance(value, str) else value
+        return variable.set
+
+    def why(self) -> str:
+        """What the FMU said last, without the name of the function."""
+        return self.log[-1].partition(": ")[2] if self.log else "the FMU gave no reason"
+
+    def do(self, call: Call, what: str) -> None:
+        """Make a call; if it is refused, the reason is told with `what` before it."""
+        if call() > WARNING:
+            raise RunError(f"{what}: {self.why()}" if what else self.why())
+
+
+class State:
+    """A state of the FMU that is kept, in memory that is used again."""
+
+    def __init__(self, instance: Instance) -> None:
+        self.handle = c_void_p()
+        self.keep = instance.bound("GetFMUstate", byref(self.handle))
+        self.restore = instance.bound("SetFMUstate", self.handle)
+
+
+class Step:
+    """A step of the plan, with all that is set before it."""
+
+    def __init__(self, instance: Instance, told: Plan) -> None:
+        self.start, self.end, self.label = told["start"], told["end"], told["label"]
+        self.end_label = told["end_label"]
+        self.settings = [instance.setting(*setting) for setting in told["settings"]]
+        self.instance = instance
+        self.whole = self.of(self.end - self.start)
+
+    def of(self, h: float) -> Call:
+        """A step of the length h [s] from the same start."""
+        return self.instance.bound("DoStep", c_double(self.start), c_double(h), c_int(1))
+
+
+class Event:
+    """A condition that comes true by an impact: the number of impacts since the start, and the time of the last one."""
+
+    def __init__(self, instance: Instance, told: Plan) -> None:
+        self.name = told["name"]
+        self.counted, self.timed = (Variables(instance, "real", [told[key]]) for key in ("count", "time"))
+
+    def count(self) -> float:
+        """The number of impacts since the start."""
+        self.counted.get()
+        return self.counted.values[0]
+
+    def time(self) -> float:
+        """Time of the last impact [s]."""
+        self.timed.get()
+        return self.timed.values[0]
+
+
+class Group:
+    """Factors of one type that follow each other: set in one call."""
+
+    def __init__(self, instance: Instance, kind: str, first: int, factors: list[list[Any]]) -> None:
+        self.names = [name for _, name, _, _ in factors]
+        self.texts = [[text.encode() for text in texts or []] for _, _, _, texts in factors]
+        self.kind, self.span = kind, slice(first, first + len(factors))
+        self.together = Variables(instance, kind, [reference for reference, _, _, _ in factors])
+        self.alone = [Variables(instance, kind, [reference]) for reference, _, _, _ in factors]
+        self.instance = instance
+
+    def set(self, point: tuple[float, ...]) -> None:
+        """Set the values of a run."""
+        values = point[self.span]
+        if self.kind == "boolean":
+            values = tuple(bool(value) for value in values)
+        elif self.kind == "text":
+            values = tuple(texts[int(value)] for texts, value in zip(self.texts, values, strict=True))
+        self.together.values[:] = values
+        if self.together.set() > WARNING:
+            # Which of them is refused is told by setting one after the other.
+            for name, variable, value in zip(self.names, self.alone, values, strict=True):
+                variable.values[0] = value
+                self.instance.do(variable.set, name)
+
+
+class Runner:
+    """One instance of the FMU, run again and again; no run depends on those before it."""
+
+    def __init__(self, folder: Path, plan: Plan) -> None:
+        self.plan = plan
+        self.instance = instance = Instance(folder)
+        self.start = [
+            (name, instance.setting(reference, kind, value)) for reference, name, kind, value in plan["start"]
+        ]
+        self.groups, first = [], 0
+        for kind, factors in groupby(plan["factors"], key=lambda factor: factor[2]):
+            self.groups.append(Group(instance, kind, first, own := list(factors)))
+            first += len(own)
+        self.initialize = instance.bound("ExitInitializationMode")
+        self.steps = [Step(instance, step) for step in plan["steps"]]
+        self.stop_at = Event(instance, plan["stop_at"]) if plan["stop_at"] is not None else None
+        self.events = []
+        responses = plan["responses"]
+        for index, event in enumerate(plan["events"]):
+            own = [r["column"] for r in responses if r["measure"] == "event" and r["event"] == index]
+            same = self.stop_at if event == plan["stop_at"] else None
+            self.events.append((same or Event(instance, event), own))
+        self.observed = [
+            (response, Variables(instance, "boolean" if response["is_boolean"] else "real", [response["reference"]]))
+            for response in responses
+            if response["measure"] != "event"
+        ]
+        self.fresh, self.before = State(instance), State(instance)
+        self.is_fresh_kept = False
+
+    def renew(self) -> None:
+        """The FMU as it is before the values of the factors are set."""
+        if self.is_fresh_kept:
+            self.instance.do(self.fresh.restore, "the state before a run")
+            return
+        self.instance.fmu.setupExperiment(startTime=0.0)
+        for name, setting in self.start:
+            self.instance.do(setting, f"start value of {name}")
+        self.instance.fmu.enterInitializationMode()
+        self.instance.do(self.fresh.keep, "the state before a run")
+        self.is_fresh_kept = True
+
+    def run(self, point: tuple[float, ...], values: list[float]) -> str:
+        """Make the run with these values of the factors; what is unusual about it."""
+        instance, reads, stop_at, stopped = self.instance, bool(self.observed), self.stop_at, False
+        if instance.log:
+            instance.log.clear()
+        self.renew()
+        for group in self.groups:
+            group.set(point)
+        if self.initialize() > WARNING:
+            raise RunError(f"initialisation at 0 s: {instance.why()}")
+        self.undefined = ""
+        if reads:
+            self.sums, self.time = [[0.0, 0.0] for _ in self.observed], 0.0
+            self.observe(values, 0.0, "at 0 s", True, False)
+        has_events, last = stop_at is not None or bool(self.events), self.steps[-1]
+        for step in self.steps:
+            for setting in step.settings:
+                instance.do(setting, f"inputs at {step.label} s")
+            if has_events:
+                self.before.keep()
+            self.make(step, step.whole)
+            end, label, first_time = step.end, "", None
+            if stop_at is not None and stop_at.count() != 0.0:
+                stopped, end, label = True, self.time_of(stop_at, step), "at the event"
+                first_time = end
+            self.find_events(step, first_time, end, values)
+            if stopped and reads:
+                self.step_to(stop_at, step, end)
+            if reads:
+                self.observe(values, end, label or f"at {step.end_label} s", False, stopped or step is last)
+            if stopped:
+                break
+        missed = ""
+        if stop_at is not None and not stopped:
+            missed = f"{stop_at.name} did not come true within {self.plan['stop_label']} s"
+        return "; ".join(remark for remark in (missed, self.undefined) if remark)
+
+    def make(self, step: Step, call: Call) -> None:
+        """A step from the beginning of `step` on."""
+        if call() > WARNING:
+            raise RunError(f"step at {step.label} s: {self.instance.why()}")
+
+    def find_events(self, step: Step, first_time: float | None, end: float, values: list[float]) -> None:
+        """Tell the times of events that this step is the first to meet, until `end` [s]. `first_time`: that of the
+        event that ends the run, if it is met."""
+        for event, own in self.events:
+            if event is self.stop_at:
+                time = first_time
+            elif not all(math.isnan(values[column]) for column in own) or event.count() == 0.0:
+                continue
+            else:
+                time = self.time_of(event, step)
+            if time is not None and time <= end:
+                for column in own:
+                    values[column] = time
+
+    def time_of(self, event: Event, step: Step) -> float:
+        """Time of the first impact of an event that this step, which is made, has met [s]."""
+        if event.count() == 1.0:
+            return event.time()
+        without, met = 0.0, step.end - step.start
+        time = step.start + met
+        for _ in range(HALVINGS):
+            h = 0.5 * (without + met)
+            if h <= without or h >= met:
+                time = step.start + met
+                break
+            self.before.restore()
+            self.make(step, step.of(h))
+            count = event.count()
+            if count == 0.0:
+                without = h
+            elif count == 1.0:
+                time = event.time()
+                break
+            else:
+                met = h
+        self.before.restore()
+        self.make(step, step.whole)
+        return time
+
+    def step_to(self, event: Event, step: Step, time: float) -> None:
+        """Put the FMU into the state just after an event of this step, which is made and met it at `time` [s]."""
+        whole = step.end - step.start
+        later = 0.0
+        while True:
+            h = (time + later) - step.start
+            self.before.restore()
+            if h >= whole:
+                self.make(step, step.whole)
+                return
+            if h > 0.0:
+                self.make(step, step.of(h))
+                if event.count() > 0.0:
+                    return
+            later = max(2.0 * later, max(abs(time), sys.float_info.min) * sys.float_info.epsilon)
+
+    def observe(self, values: list[float], time: float, label: str, is_first: bool, is_last: bool) -> None:
+        """Read the FMU at an instant [s]."""
+        for (response, variable), sums in zip(self.observed, self.sums, strict=True):
+            measure, column = response["measure"], response["column"]
+            if measure == "final" and not is_last:
+                continue
+            if measure == "course" and not any(is_close(instant, time) for instant in response["times"]):
+                continue
+            self.instance.do(variable.get, "")
+            value = float(variable.values[0])
+            if math.isnan(value) and not self.undefined:
+                self.undefined = f"{response['name']} has no value {label}"
+            if measure == "final":
+                values[column] = value
+            elif measure == "extreme":
+                sign = response["sign"]
+                if is_first or math.isnan(value) or sign * value > sign * values[column]:
+                    values[column : column + 2] = [value, math.nan if math.isnan(value) else time]
+            elif measure == "course":
+                for place, instant in enumerate(response["times"], column):
+                    if is_close(instant, time):
+                        values[place] = value
+            else:
+                is_square = measure == "root_mean_square"
+                size = value * value if is_square else value
+                if not is_first:
+                    sums[1] += 0.5 * (sums[0] + size) * (time - self.time)
+                sums[0] = size
+                if is_last:
+                    values[column] = math.sqrt(sums[1] / time) if is_square else sums[1]
+        self.time = time
+
+    def close(self) -> None:
+        """Free the instance."""
+        self.instance.fmu.freeInstance()
