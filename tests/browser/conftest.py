@@ -56,6 +56,11 @@ class Shown:
     problems: list[str] = field(default_factory=list)
     requests: list[str] = field(default_factory=list)
 
+    def hear(self, kind: str, text: str) -> None:
+        """A message on the console: a problem, unless Bokeh tells that it has begun and ended to draw."""
+        if kind in ("error", "warning") or not text.startswith("[bokeh "):
+            self.problems.append(f"console: {text}")
+
     def data(self) -> dict[str, Any]:
         """What the page was given."""
         return json.loads(self.page.locator("#data").text_content() or "")
@@ -129,7 +134,7 @@ def show(browser: Browser) -> Iterator[Show]:
         shown = Shown(context.new_page())
         opened.append(shown)
         page = shown.page
-        page.on("console", lambda message: shown.problems.append(f"console: {message.text}"))
+        page.on("console", lambda message: shown.hear(message.type, message.text))
         page.on("pageerror", lambda error: shown.problems.append(f"error: {error}"))
         page.on("dialog", lambda dialog: (shown.problems.append(f"dialog: {dialog.message}"), dialog.dismiss()))
         page.on("request", lambda request: shown.requests.append(request.url))

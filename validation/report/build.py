@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from . import ck16_jib, ck16_slider_crank, hf08_friction, hf08_inverse, hf08_loads, hf08_motion
+from . import ck16_jib, ck16_slider_crank, design, hf08_friction, hf08_inverse, hf08_loads, hf08_motion
 from .fmu import Fmu
 from .gear import Travel, retract
 from .page import Section
@@ -27,4 +27,6 @@ def sections(folder: Path) -> list[Section]:
         found.append(ck16_slider_crank.section(slider_crank))
     with Fmu(folder / f"{JIB}.fmu") as jib:
         found.append(ck16_jib.section(jib))
+    with Fmu(folder / f"{GEAR}.fmu") as gear:
+        found.append(design.section(gear, travel))
     return found

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure as Canvas
 
 from .drawing import BLUE, GREEN, ORANGE, RED
-from .fmu import Fmu
+from .fmu import Fmu, Value
 from .gear import AIRSPEED, FREE, Array, Travel
 from .hf08_friction import FRICTION
 from .hf08_loads import AXIS
@@ -23,10 +23,12 @@ POINTS = 50
 """States along it, in the middles of equal parts of its time."""
 
 
-def least_force(fmu: Fmu, travel: Travel) -> tuple[Array, dict[str, Array]]:
-    """Angle of rotation [deg]; force [N] without friction, and that which begins to move the gear either way."""
+def least_force(fmu: Fmu, travel: Travel, parameters: dict[str, Value] | None = None) -> tuple[Array, dict[str, Array]]:
+    """Angle of rotation [deg]; force [N] without friction, and that which begins to move the gear either way, at the
+    defaults but for these parameters.
+    """
     loads = {"load_factor": fmu.default("load_factor"), "airspeed": AIRSPEED}
-    fmu.start({**FREE, **FRICTION, **COAST})
+    fmu.start({**FREE, **FRICTION, **COAST, **(parameters or {})})
     rows: list[list[float]] = []
     while not rows or rows[-1][0] >= travel.up:
         if rows:

@@ -1,0 +1,54 @@
+"""The page of `cargo fmu sweep --page` in a browser: every tab draws, nothing is loaded, nothing is complained of."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+from conftest import REPOSITORY, Show
+
+TABS = ["Main effects", "Scatter matrix", "Distributions", "Response surfaces", "Sobol's indices"]
+#: What Bokeh sets when the page is drawn.
+READY = ".bk-Tabs canvas, .bk-Figure"
+
+
+@pytest.fixture(scope="session")
+def study_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page of a small study by Saltelli's design."""
+    program = os.environ.get("LINKAGE_VIEW")
+    assert program, "LINKAGE_VIEW names no program; run the tests by `cargo fmu test`"
+    folder = tmp_path_factory.mktemp("study")
+    study = {
+        "mechanism": str(REPOSITORY / "modelDescription" / "LandingGearRetraction"),
+        "factors": {"actuator.force": {"uniform": [28000, 36000]}, "load_factor": {"uniform": [1, 3]}},
+        "sampling": {"method": "saltelli", "count": 64, "seed": 3},
+        "scenario": {"stop_time": 0.6, "stop_at": "retracted"},
+        "responses": {"retraction": {"event": "retracted"}, "angle": {"final": "crank.angle"}},
+    }
+    path = folder / "small.json"
+    path.write_text(json.dumps(study), encoding="utf-8")
+    out = folder / "out"
+    command = [program, "sweep", str(path), "--page", "--out", str(out)]
+    run = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
+    assert run.returncode == 0, run.stdout + run.stderr
+    return out / "page.html"
+
+
+def test_every_tab_is_drawn(study_page: Path, show: Show) -> None:
+    page = show(study_page, ready=READY).page
+    for title in TABS:
+        page.get_by_text(title, exact=True).first.click()
+        figures = page.locator(".bk-Figure:visible")
+        figures.first.wait_for()
+        # A figure that has drawn its data has pixels of more than its background and axes.
+        colours = figures.first.locator("canvas").first.evaluate(
+            "(canvas) => {"
+            " const pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;"
+            " const found = new Set();"
+            " for (let i = 0; i < pixels.length; i += 4) found.add(pixels.slice(i, i + 4).join());"
+            " return found.size; }"
+        )
+        assert colours > 10, title
