@@ -17,7 +17,7 @@ pub struct Reaction {
     /// Force in the mechanism frame [N].
     pub force: Vec2,
     /// Moment about the second body's point [N.m]; 0 in a revolute joint. Of a coupling the force that it transmits along
-    /// the motion [N].
+    /// the motion, of a cam that along the normal of its profile [N].
     pub moment: f64,
 }
 
@@ -139,9 +139,9 @@ impl Columns {
             reactions.chunks_exact_mut(joints).for_each(|term| self_stresses.subtract_from(term));
             for (term, reactions) in (skipped + SIDE * block..).zip(reactions.chunks_exact_mut(joints)) {
                 // The force of a coupling that does no work is a part of its reaction.
-                if let Some(Load::Separation { coupling }) = term.checked_sub(2).map(|load| &loads[load]) {
+                if let Some(Load::Separation { coupling, lean }) = term.checked_sub(2).map(|load| &loads[load]) {
                     let coupling = &linkage.couplings[*coupling];
-                    reactions[coupling.joint].force += linkage.contact(coupling, &c.positions).apart;
+                    reactions[coupling.joint].force += linkage.contact(coupling, &c.positions).separation(*lean);
                 }
             }
         }

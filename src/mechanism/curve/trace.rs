@@ -330,7 +330,10 @@ impl<'a> Tracer<'a> {
     fn next_panel(&mut self, base: &Base, width: &mut f64) -> Result<(Panel, Vec<f64>, f64), CurveError> {
         let (mut massless, mut limit) = (false, f64::INFINITY);
         while width.min(limit) > SMALLEST {
-            let (wide, from) = self.bounded(base, width.min(limit));
+            let (mut wide, from) = self.bounded(base, width.min(limit));
+            if from.is_none() && !self.closure.linkage.couplings.is_empty() {
+                wide = self.up_to_knot(base, wide);
+            }
             let Self { closure, transform, travel, scratch, bridge, .. } = self;
             let mut visit = |node: usize, positions: &Positions| {
                 if let Some(travel) = &mut *travel {
@@ -445,3 +448,4 @@ fn twice_kinetic_part(closure: &Closure, q: &[f64], tangent: &[f64]) -> f64 {
 }
 
 mod bridging;
+mod knots;

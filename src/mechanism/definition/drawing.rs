@@ -131,6 +131,10 @@ impl Mechanism {
                 if is_rotary { units.angle(way) } else { units.length(way) }
             }
         }
+        for (_, coupling) in self.couplings.iter_mut() {
+            coupling
+                .lift_numbers(&mut |is_angle, value| if is_angle { units.angle(value) } else { units.length(value) });
+        }
         for (_, body) in self.bodies.iter_mut() {
             let Some(drawn) = &mut body.drawn else { continue };
             drawn.angle.iter_mut().for_each(|angle| units.angle(angle));

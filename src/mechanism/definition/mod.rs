@@ -4,6 +4,7 @@
 //! list of its parameters. It must not know how loops are closed, nor FMI. SI units throughout, angles in rad,
 //! anticlockwise positive.
 mod bodies;
+mod cams;
 mod contact;
 mod couplings;
 mod drawing;
@@ -18,6 +19,7 @@ mod warnings;
 
 pub use crate::format::{DefinitionError, Experiment, Named, Range};
 pub use bodies::{Body, Friction, FrictionLaw, Joint, JointKind, Marker, Shape};
+pub use cams::{CamLaw, CamSegment, Follower};
 pub use contact::{Limit, Lock, Stop};
 pub use couplings::{Coupling, CouplingKind, Side};
 pub use drawing::{AngleUnit, Drawn, LengthUnit, Units};

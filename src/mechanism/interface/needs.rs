@@ -228,7 +228,7 @@ fn same_load<'l>(one: &'l Loading, other: &'l Loading, load: usize) -> bool {
         let friction = l.friction.as_ref()?;
         Some((friction.enabled, friction.friction_joints.iter().find(|p| p.load == load)?))
     };
-    let mesh = |l: &'l Loading| l.meshes.iter().find(|mesh| mesh.load == load);
+    let mesh = |l: &'l Loading| l.meshes.iter().find(|mesh| mesh.loads.contains(&load));
     one.loads[load] == other.loads[load]
         && mesh(one) == mesh(other)
         && constant(one) == constant(other)

@@ -38,11 +38,14 @@ pub enum Load {
         /// Index of the body with 1 N.m.
         second: usize,
     },
-    /// 1 N that pushes the second body of a coupling away from the first, as the teeth of gears outside one another do: the
-    /// force of the coupling that does no work. S is 0.
+    /// The force that pushes the second body of a coupling away from the first, as the teeth of gears outside one another
+    /// do, for a force |F_t| tan(alpha) of 1 N: the force of the coupling that does no work. S is 0.
     Separation {
         /// Index of the coupling.
         coupling: usize,
+        /// tan(alpha) with the sign of the transmitted force F_t, which says which flank bears, for gears of variable
+        /// ratio; else 0.
+        lean: f64,
     },
     /// 1 N along the axis of a prismatic joint. S is the joint's position [m].
     Slide {
@@ -169,10 +172,11 @@ impl Load {
                 act(at(first, -along));
                 act(at(second, along));
             }
-            Self::Separation { coupling } => {
+            Self::Separation { coupling, lean } => {
                 let coupling = &linkage.couplings[coupling];
                 let (contact, joint) = (linkage.contact(coupling, p), &linkage.joints[coupling.joint]);
-                for (body, force) in [(joint.first.body, -contact.apart), (joint.second.body, contact.apart)] {
+                let apart = contact.separation(lean);
+                for (body, force) in [(joint.first.body, -apart), (joint.second.body, apart)] {
                     act(Wrench { body, force, moment: cross(contact.at - p.origin[body], force) });
                 }
             }

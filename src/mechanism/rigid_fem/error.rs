@@ -42,7 +42,7 @@ impl fmt::Display for RigidFemError {
             ),
             Self::Coupling { coupling } => write!(
                 f,
-                "{coupling} couples two bodies: rigid finite elements know no gears, racks or belts; choose the reduced model"
+                "{coupling} couples two bodies: rigid finite elements know no gears, racks, belts or cams; choose the reduced model"
             ),
             Self::Nodes { body, count } => write!(
                 f,
