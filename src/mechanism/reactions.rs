@@ -6,7 +6,7 @@
 //! bodies; the sum of the columns over a motion does. It must not know the state.
 use crate::mechanism::closure::Closure;
 use crate::mechanism::curve::Configuration;
-use crate::mechanism::linkage::{Freedom, GROUND, Joint, Linkage, Point, Rates};
+use crate::mechanism::linkage::{Freedom, GROUND, Joint, Linkage, Point, Rates, Thrust};
 use crate::mechanism::loads::unit_load::{Load, Wrench};
 use crate::numerics::plane::{Vec2, cross, perp};
 use nalgebra::{DMatrix, DVector};
@@ -234,6 +234,14 @@ fn inertial<const N: usize>(
         let force = body.mass * p.acceleration(r, a, Point { body: index, local: body.center });
         (demand.force[0][i], demand.force[1][i]) = (force.x, force.y);
         demand.moment[i] = body.inertia * a.angle[index] + cross(p.vector(index, body.center), force);
+    }
+    for rotor in &closure.linkage.rotors {
+        let Thrust { force, on } = closure.linkage.thrust(rotor, p, r, a);
+        for ((body, at), force) in on.into_iter().zip([-force, force]) {
+            demand[body].force[0][i] += force.x;
+            demand[body].force[1][i] += force.y;
+            demand[body].moment[i] += cross(at - p.origin[body], force);
+        }
     }
 }
 

@@ -134,10 +134,10 @@ fn translating(law: &str, follower: Value) -> String {
         "joints": { "bearing": { "type": "revolute", "first": "ground.axis", "second": "disc.origin" },
             "guide": { "type": "prismatic", "first": "ground.guide", "second": "stem.origin", "axis_angle": PI / 2.0 } },
         "couplings": { "cam": coupling },
-        "springs": { "spring": { "joint": "guide", "stiffness": 4000, "free_length": -0.12 } },
+        "springs": { "spring": { "joint": "guide", "stiffness": 1000, "free_length": -0.12 } },
         "torques": { "motor": { "on": "disc", "torque": 0.5 } },
         "solver": { "tolerance": 1e-14 },
-        "start": { "body": "disc", "angle": 0.1, "speed": 20 }, "guess": { "disc": 0.1, "guide": -0.1 } })
+        "start": { "body": "disc", "angle": 0.1, "speed": 40 }, "guess": { "disc": 0.1, "guide": -0.1 } })
     .to_string()
 }
 
@@ -167,16 +167,16 @@ fn a_translating_follower_balances_with_its_cam() {
                 assert_near(run.get("guide.position"), position, 1e-14, &what);
                 assert_near(run.get("guide.speed"), s1 * omega, 1e-13 * omega.abs(), &what);
                 let up = s1 * alpha + s2 * omega * omega;
-                let sizes = [0.6 * up, 4000.0 * 0.06, 20.0, 0.005 * 1.2 * omega * omega];
+                let sizes = [0.6 * up, 1000.0 * 0.06, 20.0, 0.005 * 1.2 * omega * omega];
                 let size = sizes.iter().fold(1.0_f64, |most, size| most.max(size.abs()));
                 assert_near(run.get("guide.acceleration"), up, 1e-12 * size / 0.6, &what);
                 // Follower: contact, spring, weight.
                 let contact = run.get("cam.contact_force");
-                let spring = 4000.0 * (position + 0.12);
+                let spring = 1000.0 * (position + 0.12);
                 let vertical = 0.6 * (up + 9.81) + spring;
                 let (angle, at) = if is_flat {
                     // The face touches at the distance s' from the axis.
-                    (0.0, Vec2::new(-s1, height + s))
+                    (0.0, Vec2::new(s1, height + s))
                 } else {
                     (f64::atan2(s1 - offset, height + s), Vec2::new(0.012, height + s))
                 };
@@ -309,7 +309,7 @@ fn panels_of_a_cam_end_at_its_segments() {
 fn energy_drifts_by_the_tolerance_across_the_borders_of_segments() {
     // Steps pass over the borders, where the jerk jumps: the error estimate sees each jump only roughly.
     for law in ["cycloidal", "polynomial_345", "polynomial_4567"] {
-        for (tolerance, most) in [(1e-8, 1e-6), (1e-14, 1e-10)] {
+        for (tolerance, most) in [(1e-8, 1e-5), (1e-14, 1e-10)] {
             let text = changed(&translating(law, parsed(ROLLER)), |m| m["solver"]["tolerance"] = json!(tolerance));
             let mut run = Run::new(&text).started();
             for _ in 0..150 {

@@ -40,6 +40,7 @@ mod prescribed;
 mod random_linkages;
 mod redundant;
 mod rigid_fem;
+mod screws;
 mod several_stops;
 mod singular;
 mod singular_together;

@@ -71,6 +71,8 @@ pub struct Coupling {
     pub pressure_angle: Option<f64>,
     /// u2 at u1 = 0 [rad, or m for a rack]; as in the guess where absent.
     pub phase: Option<f64>,
+    /// Part of the power that is passed on [1], which is refused: couplings have no losses.
+    pub efficiency: Option<f64>,
 }
 
 /// Kind of a coupling.
@@ -196,9 +198,14 @@ impl Mechanism {
         let key = |k: &str| format!("couplings.{name}.{k}");
         let refused = |k: &str, message: &str| Err(DefinitionError::key(key(k), message));
         if coupling.kind == CouplingKind::Screw {
-            let message = "the axis of a screw lies in the plane, so that its rotation is no planar motion: drive the \
-                           prismatic joint by an actuator, or write rack for a wheel that turns in the plane";
+            let message = "the axis of a screw lies in the plane, so that its rotation is no planar motion: give the key \
+                           screw of an actuator, or write rack for a wheel that turns in the plane";
             return refused("type", message);
+        }
+        if coupling.efficiency.is_some() {
+            let message = "couplings pass on all power, as their losses would follow from the force that they change: remove it, \
+                           and give the efficiency of a drive, or the friction of joints";
+            return refused("efficiency", message);
         }
         if self.bodies.get(name).is_some() || self.joints.get(name).is_some() {
             let group = if self.joints.get(name).is_some() { "joint" } else { "body" };

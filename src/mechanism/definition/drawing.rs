@@ -124,7 +124,7 @@ impl Mechanism {
         self.parameters(convert);
         for (_, actuator) in self.actuators.iter_mut() {
             let joint = actuator.joint.as_ref().and_then(|joint| self.joints.get(joint));
-            let is_rotary = joint.is_some_and(|joint| joint.kind == JointKind::Revolute);
+            let is_rotary = joint.is_some_and(|joint| joint.kind == JointKind::Revolute) || actuator.screw.is_some();
             let Some(motion) = &mut actuator.motion else { continue };
             let distances = motion.points.iter_mut().flatten().map(|[_, distance]| distance);
             for way in motion.position.iter_mut().chain(distances) {

@@ -25,7 +25,7 @@ pub use couplings::{Coupling, CouplingKind, Side};
 pub use drawing::{AngleUnit, Drawn, LengthUnit, Units};
 pub use experiment::{Method, Solver, Start};
 pub use expressions::{Calculated, Expressions, Fault};
-pub use loads::{Actuator, Air, Force, Gas, Gravity, Spring, Surface, Torque};
+pub use loads::{Actuator, Air, Force, Gas, Gravity, Screw, Spring, Surface, Torque};
 pub use mechanism::{GROUND, Mechanism};
 pub use motion::{PrescribedMotion, ProfileKind};
 pub use named_parameter::{NamedParameter, Shared, SharedContents};

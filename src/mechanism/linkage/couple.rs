@@ -121,8 +121,13 @@ impl Linkage {
 
     /// Distance of the two points of a coupling's joint on the body that carries it [m].
     pub fn hinge_distance(&self, carrier: usize, joint: &Joint) -> f64 {
-        let [first, second] = [joint.first, joint.second].map(|center| self.hinge_on(carrier, center));
-        first.zip(second).map_or(0.0, |(first, second)| (second - first).norm())
+        let [first, second] = self.hinges(carrier, joint);
+        (second - first).norm()
+    }
+
+    /// The two points of a coupling's joint on the body that carries it, in its frame [m].
+    pub(super) fn hinges(&self, carrier: usize, joint: &Joint) -> [Vec2; 2] {
+        [joint.first, joint.second].map(|center| self.hinge_on(carrier, center).unwrap_or_default())
     }
 
     fn not_hinged<T>(&self, named: &Named, key: &str, center: &str, carrier: usize) -> Result<T, DefinitionError> {

@@ -13,8 +13,10 @@ mod coupling;
 mod law;
 mod loops;
 mod motion;
+mod outline;
 mod points;
 mod precise;
+mod rotor;
 mod structure;
 
 pub use cam::{Cam, Guide};
@@ -22,6 +24,8 @@ pub use contact::Contact;
 pub use coupling::{Coupling, Kind, Second};
 pub use law::Law;
 pub use motion::{Arms, Positions, Rates};
+pub use outline::Outline;
+pub use rotor::{Rotor, Stroke, Thrust};
 pub use structure::{Body, Branch, Freedom, GROUND, Joint, Linkage, Loop, Point};
 
 #[cfg(test)]

@@ -151,7 +151,7 @@ pub struct Surface {
 pub struct Drive {
     /// Name.
     pub name: String,
-    /// Whether the drive turns a joint; else it moves along a line.
+    /// Whether the drive turns a joint or a screw; else it moves along a line.
     pub is_rotary: bool,
     /// Efficiency [1], [CK16] eq. (5); None where the definition states none.
     pub efficiency: Option<f64>,
@@ -253,7 +253,11 @@ impl Loading {
                 &a.second,
                 &a.joint,
             )?;
-            let is_rotary = matches!(load, Load::Couple { .. });
+            let load = match a.screw {
+                Some(screw) => Load::Screw { along: Box::new(load), ratio: screw.ratio() },
+                None => load,
+            };
+            let is_rotary = matches!(load, Load::Couple { .. } | Load::Screw { .. });
             sized.push((format!("{name}.{}", if is_rotary { "torque" } else { "force" }), load));
             drives.push(Drive { name: name.into(), is_rotary, efficiency: a.efficiency });
         }
