@@ -230,7 +230,7 @@ fn inertial<const N: usize>(
     demand: &mut [Demand<N>],
 ) {
     let p = &c.positions;
-    for (index, (body, demand)) in closure.linkage.bodies.iter().zip(demand).enumerate() {
+    for (index, (body, demand)) in closure.linkage.bodies.iter().zip(&mut *demand).enumerate() {
         let force = body.mass * p.acceleration(r, a, Point { body: index, local: body.center });
         (demand.force[0][i], demand.force[1][i]) = (force.x, force.y);
         demand.moment[i] = body.inertia * a.angle[index] + cross(p.vector(index, body.center), force);

@@ -213,7 +213,7 @@ impl Actuator {
         if let Some(screw) = &mut self.screw {
             list.role = Role::Geometry;
             list.add("screw.lead", "Lead of the screw", Unit::Metre, Range::Length, &mut screw.lead);
-            let (words, unit) = ("Moment of inertia of the screw", Unit::KilogramMetreSquared);
+            let (words, unit) = ("Moment of inertia of the screw", Unit::KilogramSquareMetre);
             list.add("screw.inertia", words, unit, Range::NonNegative, &mut screw.inertia);
         }
         if let Some(circuit) = &mut self.hydraulics {
