@@ -30,16 +30,32 @@ pub enum Rise {
 
 impl Rise {
     /// s and its first, second and third derivative at t from 0 to the length, > 0; before that at rest at 0, beyond at
-    /// rest at the distance.
+    /// rest at the distance. In its second half a rise is what its first half is backwards, so that derivatives near the end
+    /// are differences of nothing large.
     pub fn at(self, t: f64, distance: f64, length: f64) -> [f64; 4] {
-        if t >= length || t < 0.0 {
-            return [if t < 0.0 { 0.0 } else { distance }, 0.0, 0.0, 0.0];
+        match t {
+            t if t < 0.0 => [0.0; 4],
+            t if t >= length => [distance, 0.0, 0.0, 0.0],
+            t if t <= 0.5 * length => self.first_half(t, distance, length),
+            t => {
+                let [left, first, second, third] = self.first_half(length - t, distance, length);
+                [distance - left, first, -second, third]
+            }
         }
+    }
+
+    fn first_half(self, t: f64, distance: f64, length: f64) -> [f64; 4] {
         let coefficients = match self {
             Self::Cycloidal => {
                 let (omega, mean) = (TAU / length, distance / length);
                 let (sin, cos) = (omega * t).sin_cos();
-                return [mean * (t - sin / omega), mean * (1.0 - cos), mean * omega * sin, mean * omega * omega * cos];
+                let half = (0.5 * omega * t).sin();
+                return [
+                    mean * (t - sin / omega),
+                    2.0 * mean * half * half,
+                    mean * omega * sin,
+                    mean * omega * omega * cos,
+                ];
             }
             Self::Polynomial345 => POLYNOMIAL_345,
             Self::Polynomial4567 => POLYNOMIAL_4567,

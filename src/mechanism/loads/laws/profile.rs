@@ -122,7 +122,8 @@ mod tests {
     fn all() -> Vec<Profile> {
         let (distance, duration) = (-0.7, 0.8);
         let rise = |law| Shape::Rise { law, distance, duration };
-        let table = Monotone::new(&[[0.0, 0.0], [0.3, -0.4], [0.5, -0.2], [0.8, -0.7], [1.0, -0.7]]).unwrap();
+        let table =
+            Monotone::new(&[[0.0, 0.0], [0.1, 0.0], [0.3, -0.4], [0.5, -0.2], [0.8, -0.7], [1.0, -0.7]]).unwrap();
         let shapes = [
             Shape::trapezoid(distance, 1.5, 8.0),
             Shape::trapezoid(distance, 3.0, 8.0),
@@ -142,6 +143,18 @@ mod tests {
             assert!((end[0] + 0.7).abs() < 1e-14 && end[1..] == [0.0; 3], "{profile:?} {end:?}");
             let before = profile.at(profile.end() - 1e-9);
             assert!((before[0] + 0.7).abs() < 1e-8 && before[1].abs() < 1e-7, "{profile:?} {before:?}");
+        }
+    }
+
+    #[test]
+    fn speeds_near_the_end_are_exact_in_relation_to_themselves() {
+        // 140 u^3 (1 - u)^3 and 30 u^2 (1 - u)^2 near u = 1, times D / T; the cycloid's 1 - cos(2 pi u) likewise.
+        let w = 2.0_f64.powi(-12);
+        let (u, mean) = (1.0 - w, -0.7 / 0.8);
+        let exact = [2.0 * (std::f64::consts::PI * w).sin().powi(2), 30.0 * (u * w).powi(2), 140.0 * (u * w).powi(3)];
+        for (profile, exact) in all()[2..5].iter().zip(exact) {
+            let [_, speed, ..] = profile.shape.at(0.8 * u);
+            assert!((speed / (mean * exact) - 1.0).abs() < 1e-11, "{profile:?}: {speed:e}");
         }
     }
 
