@@ -4,6 +4,7 @@
 mod bad_input;
 mod benchmarks;
 mod bounds;
+mod cam_profiles;
 mod cams;
 mod cavitation;
 mod characteristics;
