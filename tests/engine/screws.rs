@@ -131,6 +131,12 @@ fn what_is_no_screw_is_refused() {
     };
     refused(|m| m["actuators"]["motor"]["screw"]["lead"] = json!(0), &["actuators.motor.screw.lead", "> 0"]);
     refused(|m| m["actuators"]["motor"]["screw"]["inertia"] = json!(-1), &["actuators.motor.screw.inertia", ">= 0"]);
+    let other_formulation = changed(&jib(json!({ "lead": 0.01 })), |m| {
+        m["solver"] = json!({ "method": "rigid_fem", "tolerance": 1e-9, "fem_step": 1e-5 });
+        m["bodies"]["jib"]["axial_stiffness"] = json!(1e9);
+    });
+    let error = Simulation::open(&other_formulation).and_then(|mut s| s.initialize()).unwrap_err();
+    assert_says(error, &["screw", "reduced model"]);
     refused(|m| m["actuators"]["motor"]["force"] = json!(5), &["actuators.motor", "give torque", "screw"]);
     refused(
         |m| {

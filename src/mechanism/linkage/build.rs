@@ -109,12 +109,10 @@ impl Linkage {
         Ok(linkage)
     }
 
-    /// Add the screws of drives that have a moment of inertia.
+    /// Add the screws of drives, with or without a moment of inertia.
     fn add_rotors(&mut self, mechanism: &Mechanism) -> Result<(), DefinitionError> {
         for (name, drive) in mechanism.actuators.iter() {
-            let Some(screw) = drive.screw.filter(|screw| screw.inertia.is_some_and(|inertia| inertia > 0.0)) else {
-                continue;
-            };
+            let Some(screw) = drive.screw else { continue };
             let stroke = match (&drive.first, &drive.second, &drive.joint) {
                 (Some(first), Some(second), _) => {
                     let end =

@@ -132,7 +132,7 @@ pub struct Linkage {
     pub loops: Vec<Loop>,
     /// Couplings in the order of the file.
     pub couplings: Vec<Coupling>,
-    /// Rotors, in the order of the drives that have one.
+    /// Rotors, one for each drive with a screw.
     pub rotors: Vec<Rotor>,
     /// Names of the coordinates: of a body for an angle, of a joint for a position.
     pub coordinates: Vec<String>,

@@ -8,7 +8,7 @@ use std::fmt;
 pub enum RigidFemError {
     /// A prismatic joint: an element has two revolute joints.
     Prismatic { joint: String },
-    /// A screw with a moment of inertia: masses are those of elements.
+    /// A drive with a screw: masses are those of elements.
     Screw,
     /// A coupling: an element has two revolute joints.
     Coupling { coupling: String },
@@ -43,7 +43,7 @@ impl fmt::Display for RigidFemError {
                 "{joint} is prismatic: rigid finite elements take revolute joints only; choose the reduced model"
             ),
             Self::Screw => {
-                write!(f, "a screw has a moment of inertia: rigid finite elements know none; choose the reduced model")
+                write!(f, "a drive has a screw: rigid finite elements know none; choose the reduced model")
             }
             Self::Coupling { coupling } => write!(
                 f,
