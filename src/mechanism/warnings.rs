@@ -1,6 +1,8 @@
 //! Warnings about an assembled mechanism: it runs, but is probably not the one that is meant.
 //!
 //! In: a definition and its reduced model. Out: warnings. It must not know states.
+mod cams;
+
 use super::closure::guessed;
 use super::curve::{Near, NearMiss, cure};
 use super::definition::Mechanism;
@@ -26,6 +28,7 @@ pub fn warnings(mechanism: &Mechanism, reduced: &Reduced) -> Vec<Finding> {
     let mut all = of_guess(mechanism, reduced.linkage(), &reduced.curve().guess);
     warn_of_grounded_loads(mechanism, reduced.linkage(), &mut all);
     warn_of_joints_given_twice(reduced.linkage(), &mut all);
+    cams::warn_of_cams(reduced.linkage(), &mut all);
     all
 }
 

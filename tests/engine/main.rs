@@ -4,6 +4,8 @@
 mod bad_input;
 mod benchmarks;
 mod bounds;
+mod cam_profiles;
+mod cams;
 mod cavitation;
 mod characteristics;
 mod couplings;
@@ -39,6 +41,7 @@ mod prescribed;
 mod random_linkages;
 mod redundant;
 mod rigid_fem;
+mod screws;
 mod several_stops;
 mod singular;
 mod singular_together;

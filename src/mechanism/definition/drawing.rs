@@ -124,12 +124,16 @@ impl Mechanism {
         self.parameters(convert);
         for (_, actuator) in self.actuators.iter_mut() {
             let joint = actuator.joint.as_ref().and_then(|joint| self.joints.get(joint));
-            let is_rotary = joint.is_some_and(|joint| joint.kind == JointKind::Revolute);
+            let is_rotary = joint.is_some_and(|joint| joint.kind == JointKind::Revolute) || actuator.screw.is_some();
             let Some(motion) = &mut actuator.motion else { continue };
             let distances = motion.points.iter_mut().flatten().map(|[_, distance]| distance);
             for way in motion.position.iter_mut().chain(distances) {
                 if is_rotary { units.angle(way) } else { units.length(way) }
             }
+        }
+        for (_, coupling) in self.couplings.iter_mut() {
+            coupling
+                .lift_numbers(&mut |is_angle, value| if is_angle { units.angle(value) } else { units.length(value) });
         }
         for (_, body) in self.bodies.iter_mut() {
             let Some(drawn) = &mut body.drawn else { continue };

@@ -334,6 +334,10 @@ impl Mechanism {
                 all.extend([(key(0), *s, false), (key(1), *force, false)]);
             }
         }
+        for (name, coupling) in self.couplings.iter() {
+            let numbers = coupling.stated_lift(&format!("couplings.{name}")).into_iter();
+            all.extend(numbers.map(|(key, value)| (key, value, true)));
+        }
         all.extend(self.guess.iter().map(|(name, value)| (format!("guess.{name}"), *value, true)));
         all
     }

@@ -331,9 +331,19 @@ impl Mechanism {
         for (name, a) in self.actuators.iter() {
             let key = format!("actuators.{name}");
             let Some(is_rotary) = faults.keep(self.check_ends(&key, &a.first, &a.second, &a.joint)) else { continue };
-            let (asked, other) = if is_rotary { ("torque", a.force) } else { ("force", a.torque) };
+            if a.screw.is_some() {
+                let mut refuse = |message: &str| faults.keep::<()>(refused(format_args!("{key}.screw"), message));
+                if is_rotary {
+                    refuse("a screw drives along a line: give first and second, or a prismatic joint");
+                }
+                if a.hydraulics.is_some() {
+                    refuse("a hydraulic circuit drives already: remove one of both");
+                }
+            }
+            let turns = is_rotary || a.screw.is_some();
+            let (asked, other) = if turns { ("torque", a.force) } else { ("force", a.torque) };
             if other.is_some() {
-                let message = "a drive in a revolute joint has a torque, any other a force";
+                let message = "a drive in a revolute joint or with a screw has a torque, any other a force";
                 faults.keep::<()>(refused(&key, format!("give {asked}: {message}")));
             }
             faults.keep(Range::Finite.check(format_args!("{key}.{asked}"), a.force.or(a.torque).unwrap_or(0.0)));

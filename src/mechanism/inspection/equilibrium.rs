@@ -122,6 +122,7 @@ fn natural_acceleration(reduced: &Reduced, inputs: &[f64], sigma: f64) -> f64 {
             Load::Separation { .. } => 0.0,
             Load::Torque { .. } | Load::Couple { .. } => 1.0,
             Load::Force { .. } | Load::Pair { .. } | Load::Slide { .. } => linkage.size,
+            Load::Screw { ratio, .. } => ratio * linkage.size,
             Load::Gravity(acceleration) => {
                 linkage.bodies.iter().map(|body| body.mass).sum::<f64>() * acceleration.norm() * linkage.size
             }

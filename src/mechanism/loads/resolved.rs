@@ -7,7 +7,7 @@ mod friction;
 
 use super::laws::drag::Drag;
 use super::laws::gas::Gas;
-use super::laws::profile::{POLYNOMIAL_345, POLYNOMIAL_4567, Profile, Shape};
+use super::laws::profile::{Profile, Shape};
 use super::laws::spring::{Characteristic, Spring};
 use super::laws::stop::Stop;
 use super::unit_load::Load;
@@ -17,6 +17,7 @@ use crate::mechanism::definition::{self, DefinitionError, Mechanism, PrescribedM
 use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point};
 use crate::numerics::monotone::Monotone;
 use crate::numerics::plane::{Vec2, turned};
+use crate::numerics::rise::Rise;
 pub use couplings::Mesh;
 pub use friction::{FrictionJoint, JointFriction};
 use std::collections::HashMap;
@@ -26,8 +27,8 @@ use std::fmt;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Loading {
     /// Loads of unit size: one for each input that sizes a load, one for each constant, one for each spring; then one
-    /// for each stop, three for each surface, one for each joint with friction, one for each mesh of
-    /// teeth.
+    /// for each stop, three for each surface, one for each joint with friction, one or two for each
+    /// mesh of teeth.
     pub loads: Vec<Load>,
     /// Names of the inputs that size the first loads, such as `actuator.force`.
     pub inputs: Vec<String>,
@@ -74,14 +75,14 @@ impl MotionDrive {
     fn new(load: usize, motion: &PrescribedMotion, first_input: usize) -> Self {
         let number = |value: Option<f64>| value.unwrap_or(0.0);
         let (distance, duration) = (number(motion.distance), number(motion.duration));
-        let polynomial = |coefficients| Some(Shape::Polynomial { distance, duration, coefficients });
+        let rise = |law| Some(Shape::Rise { law, distance, duration });
         let shape = motion.profile.and_then(|kind| match kind {
             ProfileKind::Trapezoid => {
                 Some(Shape::trapezoid(distance, number(motion.speed), number(motion.acceleration)))
             }
-            ProfileKind::Cycloidal => Some(Shape::Cycloidal { distance, duration }),
-            ProfileKind::Polynomial345 => polynomial(POLYNOMIAL_345),
-            ProfileKind::Polynomial4567 => polynomial(POLYNOMIAL_4567),
+            ProfileKind::Cycloidal => rise(Rise::Cycloidal),
+            ProfileKind::Polynomial345 => rise(Rise::Polynomial345),
+            ProfileKind::Polynomial4567 => rise(Rise::Polynomial4567),
             ProfileKind::Table => Monotone::new(motion.points.as_ref()?).map(Shape::Table),
         });
         let profile = shape.map(|shape| Profile { start_time: number(motion.start_time), shape });
@@ -150,7 +151,7 @@ pub struct Surface {
 pub struct Drive {
     /// Name.
     pub name: String,
-    /// Whether the drive turns a joint; else it moves along a line.
+    /// Whether the drive turns a joint or a screw; else it moves along a line.
     pub is_rotary: bool,
     /// Efficiency [1], [CK16] eq. (5); None where the definition states none.
     pub efficiency: Option<f64>,
@@ -252,7 +253,11 @@ impl Loading {
                 &a.second,
                 &a.joint,
             )?;
-            let is_rotary = matches!(load, Load::Couple { .. });
+            let load = match a.screw {
+                Some(screw) => Load::Screw { along: Box::new(load), ratio: screw.ratio() },
+                None => load,
+            };
+            let is_rotary = matches!(load, Load::Couple { .. } | Load::Screw { .. });
             sized.push((format!("{name}.{}", if is_rotary { "torque" } else { "force" }), load));
             drives.push(Drive { name: name.into(), is_rotary, efficiency: a.efficiency });
         }
@@ -321,7 +326,7 @@ impl Loading {
         loading.add_stops(mechanism, linkage, joints_between)?;
         loading.add_air(mechanism, linkage)?;
         loading.add_friction(mechanism, linkage)?;
-        loading.add_meshes(mechanism)?;
+        loading.add_meshes(mechanism, linkage)?;
         Ok(loading)
     }
 

@@ -6,6 +6,7 @@ use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::dynamics::state_loads::Mode;
+use crate::mechanism::linkage::Kind;
 use crate::mechanism::motion::SavedState;
 use crate::mechanism::motion::contact::{Holder, Place};
 use crate::mechanism::motion::impacts::Impacts;
@@ -275,6 +276,16 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
     fn origin(&mut self, body: usize, axis: usize) -> Result<N, OutputError> {
         let table = self.reduced.origin(body)?;
         self.time_derivative((table, table.position(self.state.sigma)), 3 * axis, 0)
+    }
+
+    #[inline(never)]
+    fn pressure_angle(&mut self, coupling: usize) -> Result<N, OutputError> {
+        let linkage = self.reduced.linkage();
+        let coupling = &linkage.couplings[coupling];
+        let Kind::Cam(cam) = &coupling.kind else { return Ok(N::constant(0.0)) };
+        let turned = self.angle(linkage.joints[coupling.joint].first.body, 0)? - self.angle(coupling.carrier, 0)?;
+        let [angle, slope] = cam.pressure_angle(coupling.law.at(turned.value() + coupling.shift));
+        Ok(turned.chain(angle, slope))
     }
 
     #[inline]

@@ -443,6 +443,7 @@ fn unresolved_influence(loading: &Loading, curve: &Curve, at: &Unresolved) -> Re
     let position = curve.describe(at.sigma, 0.0);
     let c = curve.configuration(at.sigma);
     let meets = loading.loads.iter().position(|load| {
+        let load = load.along();
         matches!(load, Load::Pair { .. }) && load.displacement(curve.linkage(), &c)[0] < MEET * curve.linkage().size
     });
     match meets {

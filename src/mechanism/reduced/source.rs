@@ -95,6 +95,7 @@ impl Source {
         match load {
             Load::Torque { .. } | Load::Couple { .. } => 1.0,
             Load::Force { .. } | Load::Pair { .. } | Load::Slide { .. } | Load::Separation { .. } => linkage.size,
+            Load::Screw { along, ratio } => ratio * self.size_of(along),
             Load::Gravity(acceleration) => {
                 let mass: f64 = linkage.bodies.iter().map(|b| b.mass).sum();
                 mass * acceleration.norm() * linkage.size

@@ -1,19 +1,17 @@
 //! Motion over time of a drive that is prescribed: from rest to rest, or through points.
 //!
-//! With u = t / T and the distance D in the time T:
+//! With the distance D, the speed v, the acceleration a:
 //!
 //! ```text
 //! trapezoid        acceleration a, speed v, deceleration a; without the middle part where D < v^2 / a
-//! cycloidal        s = D (u - sin(2 pi u) / (2 pi))
-//! polynomial 345   s = D (10 u^3 - 15 u^4 + 6 u^5)
-//! polynomial 4567  s = D (35 u^4 - 84 u^5 + 70 u^6 - 20 u^7)
+//! cycloidal, polynomial 345, polynomial 4567: the rises of `numerics/rise.rs`
 //! table            the twice continuously differentiable curve of `numerics/monotone.rs`
 //! ```
 //!
-//! Source of the first four: VDI 2143 part 1; Norton, Design of Machinery, chapter 8. In: a time. Out: distance, speed,
+//! Source of the trapezoid: VDI 2143 part 1; Norton, Design of Machinery, chapter 8. In: a time. Out: distance, speed,
 //! acceleration, jerk. It must not know what moves.
 use crate::numerics::monotone::Monotone;
-use std::f64::consts::TAU;
+use crate::numerics::rise::Rise;
 
 /// Part of the time of a profile within which a time counts as that of a kink, so that sums of steps get there.
 const CLOSE: f64 = 1e-12;
@@ -36,18 +34,11 @@ pub struct Profile {
 pub enum Shape {
     /// Acceleration with its sign, then duration of the acceleration and of the middle part [s].
     Trapezoid { acceleration: f64, ramp: f64, middle: f64 },
-    /// Acceleration as one period of a sine.
-    Cycloidal { distance: f64, duration: f64 },
-    /// Sum of coefficients times u^3 to u^7.
-    Polynomial { distance: f64, duration: f64, coefficients: [f64; 5] },
+    /// A rise by the distance [m or rad] in the duration [s].
+    Rise { law: Rise, distance: f64, duration: f64 },
     /// Through points.
     Table(Monotone),
 }
-
-/// Coefficients of u^3 to u^7 of the polynomial 345.
-pub const POLYNOMIAL_345: [f64; 5] = [10.0, -15.0, 6.0, 0.0, 0.0];
-/// Coefficients of u^3 to u^7 of the polynomial 4567.
-pub const POLYNOMIAL_4567: [f64; 5] = [0.0, 35.0, -84.0, 70.0, -20.0];
 
 impl Shape {
     /// The trapezoid of a distance with these largest speed and acceleration, both > 0.
@@ -66,9 +57,7 @@ impl Shape {
     fn kinks(&self) -> impl Iterator<Item = f64> {
         let (few, knots) = match self {
             Self::Trapezoid { ramp, middle, .. } => ([0.0, *ramp, ramp + middle, ramp + middle + ramp], &[][..]),
-            Self::Cycloidal { duration, .. } | Self::Polynomial { duration, .. } => {
-                ([0.0, *duration, *duration, *duration], &[][..])
-            }
+            Self::Rise { duration, .. } => ([0.0, *duration, *duration, *duration], &[][..]),
             Self::Table(table) => ([table.knots()[0]; 4], table.knots()),
         };
         few.into_iter().chain(knots.iter().copied())
@@ -95,49 +84,11 @@ impl Shape {
                     _ => [all, 0.0, 0.0, 0.0],
                 }
             }
-            Self::Cycloidal { distance, duration } => {
-                let (omega, mean) = (TAU / duration, distance / duration);
-                symmetric(*distance, *duration, t, |t| {
-                    let (sin, cos) = (omega * t).sin_cos();
-                    let half = (0.5 * omega * t).sin();
-                    [mean * (t - sin / omega), 2.0 * mean * half * half, mean * omega * sin, mean * omega * omega * cos]
-                })
-            }
-            Self::Polynomial { distance, duration, coefficients } => symmetric(*distance, *duration, t, |t| {
-                let u = t / duration;
-                let mut sum = [0.0; 4];
-                for (c, power) in coefficients.iter().zip(3..) {
-                    let n = f64::from(power);
-                    let factors = [1.0, n, n * (n - 1.0), n * (n - 1.0) * (n - 2.0)];
-                    for (order, factor) in (0..).zip(factors) {
-                        sum[order as usize] += c * factor * u.powi(power - order);
-                    }
-                }
-                let mut unit = *distance;
-                sum.map(|derivative| {
-                    let value = unit * derivative;
-                    unit /= duration;
-                    value
-                })
-            }),
+            Self::Rise { law, distance, duration } => law.at(t, *distance, *duration),
             Self::Table(table) => {
                 let [value, slope, curvature] = table.at(t);
                 [value, slope, curvature, table.third(t)]
             }
-        }
-    }
-}
-
-/// A motion of a distance in a duration [s], at a time t [s]: at rest outside, and in its second half what the first half is
-/// backwards, so that speeds near the end are differences of nothing large.
-fn symmetric(distance: f64, duration: f64, t: f64, first_half: impl Fn(f64) -> Kinematics) -> Kinematics {
-    match t {
-        t if t < 0.0 => [0.0; 4],
-        t if t >= duration => [distance, 0.0, 0.0, 0.0],
-        t if t <= 0.5 * duration => first_half(t),
-        t => {
-            let [left, speed, acceleration, jerk] = first_half(duration - t);
-            [distance - left, speed, -acceleration, jerk]
         }
     }
 }
@@ -170,15 +121,15 @@ mod tests {
 
     fn all() -> Vec<Profile> {
         let (distance, duration) = (-0.7, 0.8);
-        let polynomial = |coefficients| Shape::Polynomial { distance, duration, coefficients };
+        let rise = |law| Shape::Rise { law, distance, duration };
         let table =
             Monotone::new(&[[0.0, 0.0], [0.1, 0.0], [0.3, -0.4], [0.5, -0.2], [0.8, -0.7], [1.0, -0.7]]).unwrap();
         let shapes = [
             Shape::trapezoid(distance, 1.5, 8.0),
             Shape::trapezoid(distance, 3.0, 8.0),
-            Shape::Cycloidal { distance, duration },
-            polynomial(POLYNOMIAL_345),
-            polynomial(POLYNOMIAL_4567),
+            rise(Rise::Cycloidal),
+            rise(Rise::Polynomial345),
+            rise(Rise::Polynomial4567),
             Shape::Table(table),
         ];
         shapes.map(|shape| Profile { start_time: 0.25, shape }).into()

@@ -73,7 +73,7 @@ impl Step<'_> {
     fn name(&self) -> String {
         let loading = self.track.whole.loading();
         let quantity = match &loading.loads[self.drive.load] {
-            Load::Couple { .. } => "angle",
+            Load::Couple { .. } | Load::Screw { .. } => "angle",
             Load::Slide { .. } => "position",
             _ => "length",
         };
