@@ -78,7 +78,7 @@ impl<'a> Prescribed<'a> {
                 j + t * k,
             ],
             Self::Profile { profile, origin, time } => {
-                let [distance, speed, acceleration, jerk] = profile.at(time + t);
+                let [distance, speed, acceleration, jerk] = profile.at(time, t);
                 [origin + distance, speed, acceleration, jerk]
             }
         }
@@ -87,7 +87,7 @@ impl<'a> Prescribed<'a> {
     /// The first time after t and up to `end` [s] of the step at which the motion is less smooth, or turns back.
     pub fn next_kink(&self, t: f64, end: f64) -> f64 {
         match *self {
-            Self::Profile { profile, time, .. } => (profile.next_kink(time + t) - time).min(end),
+            Self::Profile { profile, time, .. } => profile.next_kink(time, t).min(end),
             Self::Given(_) => {
                 let speed = |t: f64| self.at(t)[1];
                 let part = |k: usize| t + (end - t) * k as f64 / PARTS as f64;

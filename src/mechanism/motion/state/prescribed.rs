@@ -34,7 +34,7 @@ use crate::numerics::kronrod::{NODES, means, relative_error};
 
 /// Part of the size of the mechanism's motion of 1 rad by which the position at a switch may differ from that of the drive.
 const SWITCH: f64 = 1e-6;
-/// Part of a step below which a part of it is not halved any more.
+/// Part of what lies between two kinks below which a part of a step is not halved any more.
 const SHORTEST: f64 = 1e-6;
 
 /// sigma, sigma_dot and sigma_ddot under a prescribed motion, with S_sigma.
@@ -305,6 +305,8 @@ impl State {
         let mut balance = Balance { step: &step, sizes, airspeed, air, revolutions, scratch, rates, touching };
         balance.begin();
         let (mut width, mut sigma) = (h, arrival.y[0]);
+        // Where the present piece between two kinks begins, and where it ends.
+        let (mut begun, mut kink) = (0.0, 0.0);
         while progress.t < h {
             if progress.work.is_spent(attempts) {
                 balance.scratch.panel_force.invalidate();
@@ -313,6 +315,10 @@ impl State {
             progress.work.extra += 1;
             let t = progress.t;
             let end = motion.next_kink(t, h);
+            if t >= kink {
+                begun = t;
+            }
+            kink = end;
             let to = if t + width < end { t + width } else { end };
             let mut near = sigma;
             let mut places = [None; NODES.len()];
@@ -330,7 +336,7 @@ impl State {
             let means = means(&values);
             let kinetic = 0.5 * last.y[1] * last.y[1];
             let is_rough = relative_error(means, kinetic / (to - t)) > solver.tolerance;
-            if is_rough && to - t > SHORTEST * h {
+            if is_rough && to - t > SHORTEST * (end - begun) {
                 width = 0.5 * (to - t);
                 continue;
             }
