@@ -209,7 +209,7 @@ fn file_of_mujoco() {
     ];
     compare(Form::Mjcf, text, &hand, [("bearing_drive.torque", 0.1), ("motor.torque", 0.1)], &pairs);
     let unknown = text.replace("geom class=\"bar\"", "geom class=\"pipe\"");
-    assert_says(&refusal(Form::Mjcf, &unknown), &["line 20", "no default class \"pipe\""]);
+    assert_says(&refusal(Form::Mjcf, &unknown), &["line 18", "no default class \"pipe\""]);
 }
 
 /// A boom of xacro, with a jib welded on at 60 degrees: its acceleration from rest in closed form.

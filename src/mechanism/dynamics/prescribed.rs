@@ -10,7 +10,7 @@
 //! with the input derivatives a_1, a_2 of the acceleration, 0 unless set. In: inputs, a profile and where it began. Out:
 //! position, speed, acceleration and jerk at a time of the step; kinks. It must not know the curve.
 use crate::mechanism::dynamics::inputs::Inputs;
-use crate::mechanism::loads::laws::profile::{Kinematics, Profile};
+use crate::mechanism::loads::laws::profile::{Kinematics, Profile, Since};
 use crate::mechanism::loads::resolved::MotionDrive;
 use crate::numerics::bracket::bisect;
 
@@ -31,8 +31,8 @@ pub fn end_of(given: Given, t: f64) -> Given {
 pub enum Prescribed<'a> {
     /// By inputs.
     Given(Given),
-    /// By a profile, from a position on, so long after its beginning [s].
-    Profile { profile: &'a Profile, origin: f64, time: f64 },
+    /// By a profile, from a position on, so long after it was first prescribed.
+    Profile { profile: &'a Profile, origin: f64, time: Since },
 }
 
 impl Inputs {
@@ -60,8 +60,8 @@ impl Inputs {
 }
 
 impl<'a> Prescribed<'a> {
-    /// The motion of a drive under these inputs; a profile began at `origin`, `time` [s] ago.
-    pub fn new(drive: &'a MotionDrive, inputs: &Inputs, origin: f64, time: f64) -> Option<Self> {
+    /// The motion of a drive under these inputs; a profile was first prescribed at `origin`, so long ago.
+    pub fn new(drive: &'a MotionDrive, inputs: &Inputs, origin: f64, time: Since) -> Option<Self> {
         match &drive.profile {
             Some(profile) => Some(Self::Profile { profile, origin, time }),
             None => inputs.given(drive).map(Self::Given),

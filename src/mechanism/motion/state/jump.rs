@@ -20,7 +20,7 @@ impl State {
         *free.locks.last_mut()? = false;
         let state = Self::at_start(reduced, mechanism, &free).ok()?;
         let here = state.displacement(reduced, drive.load);
-        let [there, ..] = Prescribed::new(drive, inputs, here, 0.0)?.at(0.0);
+        let [there, ..] = Prescribed::new(drive, inputs, here, [0.0; 2])?.at(0.0);
         let size = match &reduced.loading().loads[drive.load] {
             Load::Couple { .. } => 1.0,
             _ => reduced.linkage().size,

@@ -183,7 +183,7 @@ impl State {
             true => PrescribedState { given, ..before },
             false => PrescribedState { is_active: true, origin: here, given, ..PrescribedState::default() },
         };
-        let Some(motion) = Prescribed::new(drive, inputs, after.origin, after.time.now) else { return Ok(()) };
+        let Some(motion) = Prescribed::new(drive, inputs, after.origin, after.time.parts()) else { return Ok(()) };
         let ends = &Ends::new(&self.saved.travel, shift(reduced, self.revolutions), locked);
         let track = Track { whole: reduced, load: drive.load, revolutions: self.revolutions, ends };
         let step = Step { track, motion, inputs, drive };
@@ -295,7 +295,7 @@ impl State {
         let (Some(drive), Some(prescribed)) = (&reduced.loading().motion, self.saved.prescribed) else {
             return Ok((progress, false));
         };
-        let Some(motion) = Prescribed::new(drive, inputs, prescribed.origin, prescribed.time.now) else {
+        let Some(motion) = Prescribed::new(drive, inputs, prescribed.origin, prescribed.time.parts()) else {
             return Ok((progress, false));
         };
         let pauses = self.witness.pauses.at_steps;
@@ -345,6 +345,10 @@ impl State {
                 continue;
             }
             arrival.lost += means[0] * (to - t);
+            // A table that begins at a speed: the drive gives it at once, which is work.
+            if last.y[1] != 0.0 && places.iter().flatten().all(|place| place.y[1] == 0.0) {
+                arrival.lost -= 0.5 * last.y[1] * last.y[1];
+            }
             arrival.y = [last.y[0], last.y[1]];
             (sigma, width, progress.t) = (last.y[0], 2.0 * (to - t).max(width), to);
             balance.touch(&last);
