@@ -514,7 +514,9 @@ impl Mechanism {
         let s = &self.start;
         if let (true, Some((_, drive, _))) = (s.equilibrium, self.hydraulic_drive()) {
             let message = format!(
-                "the oil of actuators.{drive} holds the mechanism at any position: state one, or leave out hydraulics"
+                "the oil of actuators.{drive} holds the mechanism at any position, as its pressures make it: state a \
+                 position, and start_pressure of chamber_a and chamber_b whose force is {drive}.holding_force there \
+                 (`cargo fmu check` tells both forces), or leave out hydraulics"
             );
             return refused("start.equilibrium", message);
         }

@@ -4,6 +4,7 @@
 //! know outputs.
 mod circuit;
 mod inputs;
+mod jump;
 mod prescribed;
 mod start;
 
