@@ -4,6 +4,7 @@
 //! list of its parameters. It must not know how loops are closed, nor FMI. SI units throughout, angles in rad,
 //! anticlockwise positive.
 mod bodies;
+mod characteristics;
 mod contact;
 mod couplings;
 mod drawing;

@@ -275,7 +275,7 @@ where
         let at = |component: usize| polynomial(panel_force.series(&state_loads.table, component), x);
         let stop = &loading.stops[state_loads.bumpers[bumper]];
         let s = at(state_loads.pressed(bumper)) + panel_force.revolutions * self.reduced.load_growth(stop.load);
-        let rate = at(state_loads.free() - state_loads.bumpers.len() + bumper) * sigma_dot;
+        let rate = at(state_loads.bumper(bumper)) * sigma_dot;
         let beyond = stop.beyond(s);
         let outward = if stop.sign() > 0.0 { rate } else { -rate };
         (beyond, stop.push(beyond, outward))
@@ -289,16 +289,23 @@ where
         let of = |component: usize, growth: f64| sigma.chain(self.component_bounds(component, sigma.value, growth));
         let s = of(state_loads.pressed(bumper), growth)
             + Enclosure::constant(self.applied.revolutions * growth - stop.value);
-        let rate = of(state_loads.free() - state_loads.bumpers.len() + bumper, 0.0) * sigma_dot;
+        let rate = of(state_loads.bumper(bumper), 0.0) * sigma_dot;
         let (beyond, outward) = if stop.sign() > 0.0 { (s, rate) } else { (-s, -rate) };
-        [beyond, stop.push(beyond, outward)]
+        [beyond, stop.push_bounds(beyond, outward)]
     }
 
     fn switching_input(&self, index: usize) -> Option<[f64; 3]> {
         let drives = self.state_loads.map_or(&[][..], |s| &s.drives[..s.efficient]);
         let change = self.applied.change.as_ref()?;
+        let of = |load: usize| [self.applied.sizes[load], change.first[load], change.second[load]];
         match drives.get(index) {
-            Some(&load) => Some([self.applied.sizes[load], change.first[load], change.second[load]]),
+            Some(&load) => Some(match &self.reduced.loading().drives[load].curve {
+                Some(curve) => {
+                    let (own, command, at_rest) = (of(load), of(curve.load), curve.force.at(0.0)[0]);
+                    [0, 1, 2].map(|order| own[order] + at_rest * command[order])
+                }
+                None => of(load),
+            }),
             None if index == drives.len() && self.scratch.air => {
                 Some([self.applied.airspeed, change.airspeed[0], change.airspeed[1]])
             }
