@@ -4,6 +4,7 @@
 use crate::support::{CURVES, FOUR_BAR, Run, assert_says, changed, reals, values};
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::numerics::monotone::Monotone;
+use linkage_fmu::simulation::Simulation;
 use linkage_fmu::variables::Causality;
 use serde_json::{Value, json};
 
@@ -147,23 +148,34 @@ fn a_command_that_ramps_scales_the_curve_within_the_step() {
     }
 }
 
+/// Step with which the contact with the bumper is looked for [s].
+const CONTACT: f64 = 2e-3;
+
 /// In any state a curve acts like a constant load of the present size: all outputs that both models have are the same.
 #[test]
 fn curves_act_like_constant_loads_of_their_size() {
-    for (friction, angle, speed, command) in [
-        (false, 0.9, 14.0, 0.8),
-        (true, 0.9, 14.0, 0.8),
-        (true, 2.5, -9.0, 0.4),
-        (true, 5.8, 33.0, -0.7),
-        (false, 0.4, 12.0, 0.0),
+    for (friction, angle, speed, command, h) in [
+        (false, 0.9, 14.0, 0.8, 0.0),
+        (true, 0.9, 14.0, 0.8, 0.0),
+        (true, 2.5, -9.0, 0.4, 0.0),
+        (true, 5.8, -33.0, -0.7, 0.0),
+        // On the bumper.
+        (false, 0.9, -14.0, 0.0, CONTACT),
+        (true, 0.9, -14.0, 0.8, CONTACT),
     ] {
         let flags = [("friction.enabled", friction)];
         let start = [("crank.start_angle", angle), ("crank.start_speed", speed), ("motor.command", command)];
         let demands = [("motor.demanded_acceleration", 40.0), ("ram.demanded_acceleration", -3.0)];
         let mut curves = Run::new(CURVES).with(&flags).with(&start).with(&demands).started();
+        while h > 0.0 && curves.get("buffer.force") == 0.0 {
+            curves.step(h);
+        }
         let forces = ["motor.acting_torque", "ram.acting_force", "damper.force", "coil.torque", "rod_damper.torque"];
         let [torque, ram, damper, coil, rod] = forces.map(|name| curves.get(name));
         let push = -curves.get("buffer.force");
+        assert_eq!(push > 0.0, h > 0.0, "{push}");
+        let start =
+            [("crank.start_angle", curves.get("crank.angle")), ("crank.start_speed", curves.get("crank.speed"))];
         let mut plain = Run::new(&changed(CURVES, |m| {
             m["actuators"] = json!({ "motor": { "joint": "bearing", "torque": torque, "efficiency": 0.9 },
                                      "ram": { "joint": "guide", "force": ram } });
@@ -174,7 +186,7 @@ fn curves_act_like_constant_loads_of_their_size() {
             m.as_object_mut().unwrap().remove("stops");
         }))
         .with(&flags)
-        .with(&start[..2])
+        .with(&start)
         .with(&demands)
         .started();
         let mut compared = 0;
@@ -337,7 +349,7 @@ fn a_torsional_curve_winds_up_over_several_turns() {
         assert!((energy - before).abs() < 1e-8, "{:e}", energy - before);
         assert!(run.get("energy.drift").abs() < 1e-8, "{:e}", run.get("energy.drift"));
     }
-    assert!(most > 4.0 * std::f64::consts::TAU && least < -std::f64::consts::TAU, "{least} {most}");
+    assert!(most > 3.0 * std::f64::consts::TAU && least < -std::f64::consts::TAU, "{least} {most}");
 }
 
 #[test]
@@ -415,38 +427,48 @@ fn what_is_no_curve_is_refused_by_name() {
     }
     let fem = changed(FOUR_BAR, |m| {
         m["actuators"] = json!({ "motor": { "joint": "S", "points": [[0, 1], [9, 0]] } });
-        m["solver"] = json!({ "method": "rigid_fem" });
+        m["solver"] = json!({ "tolerance": 1e-9, "method": "rigid_fem" });
         for (_, body) in m["bodies"].as_object_mut().unwrap().iter_mut().filter(|(name, _)| *name != "ground") {
             body["axial_stiffness"] = json!(1e8);
         }
     });
-    assert_says(Run::new(&fem).refusal(), &["actuators.motor.points", "rigid finite elements"]);
+    let error = Simulation::open(&fem).map(drop).expect_err("rigid finite elements take a drive with a curve");
+    assert_says(error, &["actuators.motor.points", "rigid_fem", "give a torque or a force"]);
 }
 
 /// The finite elements know dampers with a curve and springs that wind up.
 #[test]
 fn the_finite_elements_move_with_dampers_and_coils_of_curves() {
+    let coil = json!([[-10, -0.09], [-3, -0.01], [4, 0.02], [12, 0.02], [20, 0.11]]);
+    let damper = json!([[-60, -0.3], [0, 0], [20, 0.02], [60, 0.2]]);
     let text = |method: &str| {
         changed(FOUR_BAR, |m| {
-            m["springs"] = json!({ "coil": { "joint": "S", "points": COIL },
-                                   "damper": { "joint": "S", "damping_points": DAMPER } });
+            m["springs"] = json!({ "coil": { "joint": "S", "points": coil },
+                                   "damper": { "joint": "S", "damping_points": damper } });
             m["solver"] = json!({ "method": method, "fem_step": 2e-5, "tolerance": 1e-10 });
             m["start"]["speed"] = json!(40);
+            for (body, length) in [("crank", 0.1), ("rocker", 0.25)] {
+                m["bodies"][body] = json!({ "length": length, "mass": 0.5, "shape": "uniform_rod" });
+            }
             for (_, body) in m["bodies"].as_object_mut().unwrap().iter_mut().filter(|(name, _)| *name != "ground") {
                 body["axial_stiffness"] = json!(1e9);
             }
         })
     };
     let [mut one, mut other] = ["reduced", "rigid_fem"].map(|method| Run::new(&text(method)).started());
-    for _ in 0..20 {
+    let names = ["coil.angle", "coil.torque", "damper.torque", "energy.potential", "energy.kinetic"];
+    let mut largest = [0.0_f64; 5];
+    for _ in 0..30 {
         one.step(0.01);
         other.step(0.01);
-        for name in ["coil.angle", "coil.torque", "damper.torque", "energy.potential", "energy.kinetic"] {
+        for (name, largest) in names.into_iter().zip(&mut largest) {
             let (a, b) = (one.get(name), other.get(name));
-            assert!((a - b).abs() < 2e-4 * (1.0 + a.abs()), "{name}: {a} {b}");
+            *largest = largest.max(a.abs());
+            // The finite elements' error in time is of the second order.
+            assert!((a - b).abs() < 1e-3 * *largest, "{name}: {a} {b}");
         }
     }
-    assert!(one.get("coil.angle") > 3.0, "{}", one.get("coil.angle"));
+    assert!(one.get("coil.angle").abs() > 6.3, "{}", one.get("coil.angle"));
 }
 
 #[test]

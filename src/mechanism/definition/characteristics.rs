@@ -191,3 +191,53 @@ fn warn_of_drive(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
         }
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use serde_json::{Value, json};
+
+    fn warnings(more: Value) -> Vec<String> {
+        let mut text = json!({
+            "name": "Part", "bodies": { "ground": {}, "part": { "mass": 1 } },
+            "joints": { "way": { "type": "prismatic", "first": "ground.origin", "second": "part.origin" } },
+            "start": { "joint": "way", "position": 0 }, "guess": { "way": 0 },
+        });
+        text.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+        let mechanism = Mechanism::from_json(&text.to_string()).unwrap();
+        mechanism.warnings().iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn doubtful_curves_are_warned_of() {
+        let damper = |points: Value| json!({ "springs": { "d": { "joint": "way", "damping_points": points } } });
+        let drive = |points: Value| json!({ "actuators": { "m": { "joint": "way", "points": points } } });
+        let stop = |points: Value| {
+            let stop = json!({ "joint": "way", "limit": "upper", "position": 1, "rigid": false, "points": points });
+            json!({ "stops": { "b": stop } })
+        };
+        for (more, pieces) in [
+            (damper(json!([[-1, -2], [0, 0], [1, 5]])), &[][..]),
+            (damper(json!([[-1, 0], [0, 0], [1, 0]])), &["springs.d.damping_points", "have no force"]),
+            (
+                damper(json!([[-1, -1], [0, 0], [1, 5], [2, 3], [3, 3]])),
+                &["fall from the speed 1 to 2", "excite itself"],
+            ),
+            (damper(json!([[0, 0], [1, 5]])), &["no point at a negative speed"]),
+            (damper(json!([[-1, -5], [0, 0]])), &["no point at a positive speed"]),
+            (drive(json!([[0, 5], [10, 0]])), &[]),
+            (drive(json!([[0, 0], [10, 0]])), &["actuators.m.points", "never drives"]),
+            (drive(json!([[2, 5], [10, 0]])), &["the force at rest", "slope at the speed 2"]),
+            (drive(json!([[0, 5], [10, 8]])), &["rise beyond the speed 10", "no force"]),
+            (drive(json!([[-10, -8], [0, 5], [9, 0]])), &["rise beyond the speed -10"]),
+            (stop(json!([[0, 0], [1, 5]])), &[]),
+            (stop(json!([[0, 0], [1, 0]])), &["stops.b", "never pushes"]),
+            (stop(json!([[0, 0], [1, 5], [2, 5]])), &["stops.b.points", "no more beyond the depth 2"]),
+        ] {
+            let told = warnings(more.clone());
+            assert_eq!(told.len(), usize::from(!pieces.is_empty()), "{more}: {told:?}");
+            assert!(pieces.iter().all(|piece| told[0].contains(piece)), "{told:?} lacks one of {pieces:?}");
+        }
+    }
+}

@@ -229,16 +229,21 @@ where
 
     #[inline(always)]
     fn borders(&self) -> usize {
-        let gaps = self.state_loads.map_or(0, StateLoads::gap_borders);
-        if N == DRIVEN { gaps + BORDERS } else { gaps }
+        let own = self.state_loads.map_or(0, StateLoads::borders);
+        if N == DRIVEN { own + BORDERS } else { own }
     }
 
     fn beyond_border(&mut self, border: usize, z: &[f64; N]) -> f64 {
-        let (reduced, state_loads) = self.stretch_at(z[0]);
         let gaps = self.state_loads.map_or(0, StateLoads::gap_borders);
         let Some(border) = border.checked_sub(gaps) else {
+            let (reduced, state_loads) = self.stretch_at(z[0]);
             return state_loads.map_or(0.0, |state_loads| state_loads.beyond_gap(border, z[0], reduced.period()));
         };
+        let kinks = self.state_loads.map_or(&[][..], |state_loads| &state_loads.kinks);
+        if let Some(kink) = kinks.get(border) {
+            return self.beyond_kink(kink, [z[0], z[1]]);
+        }
+        let border = border - kinks.len();
         z.first_chunk().and_then(|z| self.beyond_border_of_circuit(border, z)).unwrap_or(0.0)
     }
 

@@ -7,11 +7,12 @@ use super::source::{Source, SpringLoad};
 use crate::codec::checksum::fnv1a;
 use crate::mechanism::curve::Configuration;
 use crate::mechanism::linkage::Freedom;
-use crate::mechanism::loads::laws::spring::Spring;
+use crate::mechanism::loads::laws::spring::{Characteristic, Spring};
 use crate::mechanism::loads::resolved::{Drive, FrictionJoint, Loading};
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::reactions::{Columns, Reaction, groups};
 use crate::numerics::bundle::Bundle;
+use crate::numerics::monotone::Monotone;
 use crate::numerics::plane::perp;
 use crate::numerics::table::{Grid, Table, Unresolved};
 use std::f64::consts::TAU;
@@ -42,6 +43,8 @@ pub struct StateLoads {
     pub bumpers: Vec<usize>,
     /// Springs that the state sizes in part.
     pub springs: Vec<usize>,
+    /// Points of all curves by which the state sizes loads. A step ends there.
+    pub kinks: Vec<Kink>,
     /// Joints with friction.
     pub friction_joints: Vec<FrictionJoint>,
     /// The prismatic ones among them, by their indices there.
@@ -64,6 +67,33 @@ pub struct StateLoads {
     /// Number of components of the influence table: effects on the motion or on one component of a reaction.
     given: usize,
 }
+
+/// A point of a curve that sizes a load of the state: the third derivative of the force jumps there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kink {
+    /// Quantity over which the curve is.
+    pub of: Argument,
+    /// Value of the quantity at the point [m/s, rad/s, m or rad].
+    pub value: f64,
+    /// Distance from the value up to which a quantity is at it.
+    pub near: f64,
+}
+
+/// Quantity over which a curve is that sizes a load of the state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Argument {
+    /// Speed of the drive with this index.
+    Drive(usize),
+    /// Depth of a bumper by its index in [`StateLoads::bumpers`], while it pushes.
+    Depth(usize),
+    /// Rate of a spring by its index in [`StateLoads::springs`].
+    Rate(usize),
+    /// Angle of a spring by its index in [`StateLoads::springs`], over all revolutions.
+    Angle(usize),
+}
+
+/// Part of the largest value of a curve's points up to which a quantity is at one of them.
+const AT_KINK: f64 = 1e-11;
 
 /// Mark of a load that does not act.
 const ABSENT: usize = usize::MAX;
@@ -97,6 +127,35 @@ impl StateLoads {
     /// lock.
     pub fn gap_borders(&self) -> usize {
         2 * self.table.gaps().len()
+    }
+
+    /// Number of ends of gaps and of points of curves, at which a step ends.
+    pub fn borders(&self) -> usize {
+        self.gap_borders() + self.kinks.len()
+    }
+
+    /// Points of the curves that size the loads of drives, bumpers and springs.
+    fn find_kinks(&mut self, source: &Source) {
+        let loading = &source.loading;
+        let mut add = |of: Argument, curve: Option<&Monotone>, first: usize| {
+            let knots = curve.map_or(&[][..], Monotone::knots);
+            let near = AT_KINK * knots.iter().fold(0.0, |most: f64, knot| most.max(knot.abs()));
+            self.kinks.extend(knots.iter().skip(first).map(|&value| Kink { of, value, near }));
+        };
+        for &drive in &self.curves {
+            add(Argument::Drive(drive), loading.drives[drive].curve.as_ref().map(|curve| &curve.force), 0);
+        }
+        for (k, &stop) in self.bumpers.iter().enumerate() {
+            // The contact itself is an event.
+            add(Argument::Depth(k), loading.stops[stop].curve.as_ref(), 1);
+        }
+        for (k, &spring) in self.springs.iter().enumerate() {
+            let spring = &loading.springs[spring];
+            add(Argument::Rate(k), spring.damper.as_ref(), 0);
+            if let (true, Some(Characteristic::Points(points))) = (source.winds(spring), &spring.characteristic) {
+                add(Argument::Angle(k), Some(points), 0);
+            }
+        }
     }
 
     /// How far sigma is beyond an end of a gap; on a closed curve with this period, beyond one that may be revolutions
@@ -236,6 +295,7 @@ impl StateLoads {
             air,
             bumpers,
             springs,
+            kinks: Vec::new(),
             friction_joints,
             prismatic,
             groups: group_of,
@@ -247,6 +307,7 @@ impl StateLoads {
             caused_by_applied: Vec::new(),
             given: source.components.count,
         };
+        state_loads.find_kinks(source);
         let sizes = state_loads.sizes(source);
         let mut scratch = state_loads.scratch(loading);
         let mut fill = |c: &Configuration, values: &mut [f64]| state_loads.fill(source, c, &mut scratch, values);
