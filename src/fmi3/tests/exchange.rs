@@ -230,7 +230,6 @@ fn curves_are_exchanged() {
     let c = started(CURVES);
     let mut run = Simulation::open(CURVES).unwrap();
     run.initialize().unwrap();
-    check_slopes(c, CURVES, "motor.command");
     let (mut pushed, mut turned) = (false, false);
     for k in 1..=12 {
         integrate(c, 0.05, 5e-5);
@@ -240,10 +239,11 @@ fn curves_are_exchanged() {
             ["guide.position", "coil.torque", "buffer.force"].map(|name| run.get(name).unwrap());
         assert!((x - x1).abs() < 1e-7 && (torque - torque1).abs() < 1e-6, "{k}: {x} {x1}, {torque} {torque1}");
         assert!((force - force1).abs() < 1e-3 * (1.0 + force.abs()), "{k}: {force} {force1}");
-        pushed |= force != 0.0;
+        pushed |= run.get("buffer.impact_count").unwrap() > 0.0;
         turned |= run.get("crank.angle").unwrap().abs() > 7.2;
     }
     assert!(pushed && turned);
+    check_slopes(c, CURVES, "motor.command");
     // SAFETY: the instance is valid and not used again.
     unsafe { fmi3FreeInstance(c) };
 }
