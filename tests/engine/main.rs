@@ -10,6 +10,7 @@ mod cavitation;
 mod characteristics;
 mod couplings;
 mod creep;
+mod curves;
 mod derivatives;
 mod designs;
 mod drag;

@@ -42,6 +42,13 @@ pub struct Actuator {
     /// Efficiency eta [1], 0 < eta <= 1 ([CK16] eq. (5)): part of the power that the drive passes on to the mechanism,
     /// and back from it; 1 where absent.
     pub efficiency: Option<f64>,
+    /// Points of a force or torque over the speed of the drive: pairs [m/s or rad/s, N or N.m], speeds ascending. It is
+    /// added to the force, times the input `<name>.command`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub points: Option<Vec<[f64; 2]>>,
+    /// Start value of the input `<name>.command` [1]; 1 where absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub command: Option<f64>,
     /// Not in a revolute joint: the hydraulic circuit that drives it, with the sections of a hydraulic actuator. The force
     /// is then an output.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -131,6 +138,10 @@ pub struct Spring {
     pub preload: Option<f64>,
     /// Points of a further force as a function of length, position or angle: pairs [m or rad, N or N.m], ascending.
     pub points: Option<Vec<[f64; 2]>>,
+    /// Points of a further force as a function of the speed of lengthening or turning: pairs [m/s or rad/s, N or N.m],
+    /// ascending, one of them [0, 0].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damping_points: Option<Vec<[f64; 2]>>,
     /// Gas that the spring compresses; between two points, or along a prismatic joint.
     pub gas: Option<Gas>,
 }
@@ -207,6 +218,11 @@ impl Gravity {
 }
 
 impl Actuator {
+    /// Start value of the command of the drive's curve [1].
+    pub fn command(&self) -> f64 {
+        self.command.unwrap_or(1.0)
+    }
+
     pub(super) fn parameters(&mut self, name: &str, is_rotary: bool, visit: &mut Visit) {
         let mut list = Owner::new(Some("actuators"), name, Role::Load, visit);
         list.add("efficiency", "Efficiency", Unit::One, Range::Fraction, &mut self.efficiency);

@@ -5,6 +5,7 @@
 //! anticlockwise positive.
 mod bodies;
 mod cams;
+mod characteristics;
 mod contact;
 mod couplings;
 mod drawing;

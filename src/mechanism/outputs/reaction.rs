@@ -111,6 +111,11 @@ impl<'a, N: Reading> View<'a, N> {
         (shares.given, shares.are_known) = (given, true);
         shares.state.clear();
         shares.state.extend_from_slice(&self.cache.scratch.evaluator.loads);
+        if let Some(state_loads) = self.state_loads() {
+            // Their whole force is among those of springs.
+            let springs = state_loads.spring(0)..state_loads.free();
+            self.cache.shares.state[springs].fill(N::constant(0.0));
+        }
         Ok(())
     }
 

@@ -220,6 +220,22 @@ impl<'a, N: Reading> View<'a, N> {
         let index = self.state_loads().and_then(|s| s.drives.iter().position(|l| *l == load));
         index.map_or_else(|| self.size(load), |k| self.cache.scratch.evaluator.delivered[k])
     }
+
+    /// Delivered force of a drive, with that of its curve; as last evaluated.
+    pub fn delivered_by(&self, drive: usize) -> N {
+        match &self.reduced.loading().drives[drive].curve {
+            Some(curve) => self.delivered(drive) + self.delivered(curve.load),
+            None => self.delivered(drive),
+        }
+    }
+
+    /// Force of a drive before its loss, with that of its curve at a speed.
+    pub fn acting(&self, drive: usize, speed: N) -> N {
+        match &self.reduced.loading().drives[drive].curve {
+            Some(curve) => self.size(drive) + self.size(curve.load) * speed.compose(curve.force.at(speed.value())),
+            None => self.size(drive),
+        }
+    }
 }
 
 impl<N: Reading> Kinematics<N> for View<'_, N> {
@@ -308,7 +324,11 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
 
     fn acting_force(&mut self, drive: usize) -> Result<N, OutputError> {
         self.loads.check_driven()?;
-        Ok(self.size(drive))
+        if self.reduced.loading().drives[drive].curve.is_none() {
+            return Ok(self.size(drive));
+        }
+        let speed = self.displacement(drive, 1)?;
+        Ok(self.acting(drive, speed))
     }
 
     fn state_load(&mut self, load: usize) -> Result<N, OutputError> {

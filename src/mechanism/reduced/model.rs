@@ -241,7 +241,7 @@ impl Reduced {
         };
         let borders = match stored {
             Some(stored) => stored.borders.to_vec(),
-            None => characteristics::grid(&curve, &loading)?,
+            None => characteristics::grid(&curve, &loading),
         };
         let grid = Grid { borders, centers: curve.crossings.to_vec(), noise };
         let source = Source { stored: stored.cloned(), ..Source::new(curve, loading, length) };
