@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable, Iterable
-from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+from ctypes import byref, c_double, c_int, c_size_t, c_uint, c_void_p
 from functools import partial
 from itertools import groupby
 from pathlib import Path
@@ -24,6 +24,8 @@ CLOSE = 1e-9
 """Relative difference below which two instants are one."""
 WARNING = 1
 """Status of a function up to which it has done what it was asked for."""
+ERROR = 3
+"""Status of a function that has refused."""
 
 Plan = dict[str, Any]
 Call = Callable[[], int]
@@ -42,7 +44,7 @@ def is_close(a: float, b: float) -> bool:
 TYPES: dict[str, tuple[str, type]] = {
     "real": ("Real", c_double),
     "boolean": ("Boolean", c_int),
-    "text": ("String", c_char_p),
+    "text": ("Integer", c_int),
 }
 """Names of the types in functions, and the types of their values in C."""
 
@@ -65,6 +67,8 @@ class Instance:
     def __init__(self, folder: Path) -> None:
         self.log: list[str] = []
         description = read_model_description(folder)
+        enumerations = [variable for variable in description.modelVariables if variable.type == "Enumeration"]
+        self.enumerations = {variable.valueReference: variable for variable in enumerations}
         self.fmu = fmi2.FMU2Slave(
             guid=description.guid,
             unzipDirectory=str(folder),
@@ -91,8 +95,23 @@ class Instance:
             references, orders, slopes = (c_uint * 1)(reference), (c_int * 1)(1), (c_double * 1)(value)
             return self.bound("SetRealInputDerivatives", references, c_size_t(1), orders, slopes)
         variable = Variables(self, kind, [reference])
-        variable.values[0] = value.encode() if isinstance(value, str) else value
+        if isinstance(value, str):
+            if not (number := self.items(reference).get(value, 0)):
+                return partial(self.refuse, reference, value)
+            value = number
+        variable.values[0] = value
         return variable.set
+
+    def items(self, reference: int) -> dict[str, int]:
+        """Numbers of the items of an Enumeration by their names."""
+        return {item.name: int(item.value) for item in self.enumerations[reference].declaredType.items}
+
+    def refuse(self, reference: int, word: str) -> int:
+        """Status of a word that no item of an Enumeration has, with the reason in the log as the FMU would write it."""
+        items = self.items(reference)
+        allowed = " or ".join(f'"{item}"' for item in items)
+        self.log.append(f'fmi2SetInteger: {self.enumerations[reference].name} = "{word}": must be {allowed}')
+        return ERROR
 
     def why(self) -> str:
         """What the FMU said last, without the name of the function."""
@@ -151,7 +170,12 @@ class Group:
 
     def __init__(self, instance: Instance, kind: str, first: int, factors: list[list[Any]]) -> None:
         self.names = [name for _, name, _, _ in factors]
-        self.texts = [[text.encode() for text in texts or []] for _, _, _, texts in factors]
+        self.references = [reference for reference, _, _, _ in factors]
+        self.texts = [texts or [] for _, _, _, texts in factors]
+        # No item has the number 0, which the FMU refuses.
+        self.numbers = [
+            [instance.items(reference).get(text, 0) for text in texts or []] for reference, _, _, texts in factors
+        ]
         self.kind, self.span = kind, slice(first, first + len(factors))
         self.together = Variables(instance, kind, [reference for reference, _, _, _ in factors])
         self.alone = [Variables(instance, kind, [reference]) for reference, _, _, _ in factors]
@@ -163,13 +187,16 @@ class Group:
         if self.kind == "boolean":
             values = tuple(bool(value) for value in values)
         elif self.kind == "text":
-            values = tuple(texts[int(value)] for texts, value in zip(self.texts, values, strict=True))
+            words = [texts[int(value)] for texts, value in zip(self.texts, values, strict=True)]
+            values = tuple(numbers[int(value)] for numbers, value in zip(self.numbers, values, strict=True))
         self.together.values[:] = values
         if self.together.set() > WARNING:
             # Which of them is refused is told by setting one after the other.
-            for name, variable, value in zip(self.names, self.alone, values, strict=True):
+            for index, (name, variable, value) in enumerate(zip(self.names, self.alone, values, strict=True)):
                 variable.values[0] = value
-                self.instance.do(variable.set, name)
+                is_unknown = self.kind == "text" and value == 0
+                refuse = partial(self.instance.refuse, self.references[index], words[index]) if is_unknown else None
+                self.instance.do(refuse or variable.set, name)
 
 
 class Runner:

@@ -379,8 +379,8 @@ fn every_example_runs() {
                 model.boolean(reference).unwrap_or_else(|e| panic!("{e} in\n{text}"));
                 continue;
             }
-            if variable.kind == Kind::String {
-                model.text(reference).unwrap_or_else(|e| panic!("{e} in\n{text}"));
+            if variable.kind == Kind::Enumeration {
+                model.item(reference).unwrap_or_else(|e| panic!("{e} in\n{text}"));
                 continue;
             }
             let value = model.real(reference).unwrap_or_else(|e| panic!("{e} in\n{text}"));

@@ -50,4 +50,5 @@ mod stops;
 mod support;
 mod tables;
 mod travel;
+mod tunable;
 mod undefined;

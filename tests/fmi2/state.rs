@@ -71,7 +71,7 @@ fn switch(gear: &Gear, name: &str, on: bool) {
 
 fn started(scenario: &Scenario) -> Gear {
     let gear = Gear::new();
-    assert_eq!(gear.set_text("solver.method", scenario.method), Status::Ok);
+    assert_eq!(gear.set_item("solver.method", scenario.method), Status::Ok);
     scenario.flags.iter().for_each(|(name, on)| switch(&gear, name, *on));
     scenario.parameters.iter().for_each(|(name, value)| assert_eq!(gear.set(name, *value), Status::Ok, "{name}"));
     assert_eq!(gear.initialize(), Status::Ok, "{}: {:?}", scenario.name, gear.log.take());

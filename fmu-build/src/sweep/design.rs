@@ -56,7 +56,7 @@ impl Factor {
         match self.kind {
             Kind::Boolean => model.set_boolean(self.reference, value != 0.0),
             Kind::Real => model.set_real(self.reference, value),
-            Kind::String | Kind::Integer => model.set_text(self.reference, &self.texts[value as usize]),
+            Kind::Enumeration => model.set_text(self.reference, &self.texts[value as usize]),
         }
     }
 }
@@ -287,7 +287,7 @@ pub fn coded(value: &Setting, factor: &mut Factor) -> Result<f64> {
     match (factor.kind, value) {
         (Kind::Real, Setting::Real(value)) => Ok(*value),
         (Kind::Boolean, Setting::Boolean(value)) => Ok(f64::from(u8::from(*value))),
-        (Kind::String | Kind::Integer, Setting::Text(text)) => {
+        (Kind::Enumeration, Setting::Text(text)) => {
             let known = factor.texts.iter().position(|known| known == text);
             Ok(known.unwrap_or_else(|| {
                 factor.texts.push(text.clone());

@@ -18,7 +18,7 @@ pub fn plan(task: &Task, interface: &Interface) -> Value {
         let kind = match factor.kind {
             Kind::Real => "real",
             Kind::Boolean => "boolean",
-            Kind::String | Kind::Integer => "text",
+            Kind::Enumeration => "text",
         };
         json!([factor.reference, factor.name, kind, factor.texts])
     });

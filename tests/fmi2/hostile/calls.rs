@@ -167,7 +167,7 @@ pub fn all() -> Vec<Call> {
             "stop time is start time" "EEEEE" (|_t| 0, 0.0, 1.0, 1, 1.0);
             "stop before start" "EEEEE" (|_t| 0, 0.0, 1.0, c_int::MIN, 0.0);
             "tolerance is NaN" "EEEEE" (|_t| 1, NAN, 0.0, 0, 0.0);
-            "tolerance is 0" "EEEEE" (|_t| 1, 0.0, 0.0, 0, 0.0);
+            "tolerance is 0, which is none" "OEEEE" (|_t| 1, 0.0, 0.0, 0, 0.0);
             "tolerance is negative" "EEEEE" (|_t| -1, -1e-6, 0.0, 0, 0.0);
             "tolerance is infinite" "EEEEE" (|_t| 1, INFINITE, 0.0, 0, 0.0);
             "tolerance is beyond its range" "EEEEE" (|_t| 1, 1e9, 0.0, 0, 0.0);
