@@ -96,17 +96,14 @@ impl Shape {
                 }
             }
             Self::Cycloidal { distance, duration } => {
-                if t >= *duration || t < 0.0 {
-                    return [if t < 0.0 { 0.0 } else { *distance }, 0.0, 0.0, 0.0];
-                }
                 let (omega, mean) = (TAU / duration, distance / duration);
-                let (sin, cos) = (omega * t).sin_cos();
-                [mean * (t - sin / omega), mean * (1.0 - cos), mean * omega * sin, mean * omega * omega * cos]
+                symmetric(*distance, *duration, t, |t| {
+                    let (sin, cos) = (omega * t).sin_cos();
+                    let half = (0.5 * omega * t).sin();
+                    [mean * (t - sin / omega), 2.0 * mean * half * half, mean * omega * sin, mean * omega * omega * cos]
+                })
             }
-            Self::Polynomial { distance, duration, coefficients } => {
-                if t >= *duration || t < 0.0 {
-                    return [if t < 0.0 { 0.0 } else { *distance }, 0.0, 0.0, 0.0];
-                }
+            Self::Polynomial { distance, duration, coefficients } => symmetric(*distance, *duration, t, |t| {
                 let u = t / duration;
                 let mut sum = [0.0; 4];
                 for (c, power) in coefficients.iter().zip(3..) {
@@ -122,11 +119,25 @@ impl Shape {
                     unit /= duration;
                     value
                 })
-            }
+            }),
             Self::Table(table) => {
                 let [value, slope, curvature] = table.at(t);
                 [value, slope, curvature, table.third(t)]
             }
+        }
+    }
+}
+
+/// A motion of a distance in a duration [s], at a time t [s]: at rest outside, and in its second half what the first half is
+/// backwards, so that speeds near the end are differences of nothing large.
+fn symmetric(distance: f64, duration: f64, t: f64, first_half: impl Fn(f64) -> Kinematics) -> Kinematics {
+    match t {
+        t if t < 0.0 => [0.0; 4],
+        t if t >= duration => [distance, 0.0, 0.0, 0.0],
+        t if t <= 0.5 * duration => first_half(t),
+        t => {
+            let [left, speed, acceleration, jerk] = first_half(duration - t);
+            [distance - left, speed, -acceleration, jerk]
         }
     }
 }
@@ -160,7 +171,8 @@ mod tests {
     fn all() -> Vec<Profile> {
         let (distance, duration) = (-0.7, 0.8);
         let polynomial = |coefficients| Shape::Polynomial { distance, duration, coefficients };
-        let table = Monotone::new(&[[0.0, 0.0], [0.3, -0.4], [0.5, -0.2], [0.8, -0.7], [1.0, -0.7]]).unwrap();
+        let table =
+            Monotone::new(&[[0.0, 0.0], [0.1, 0.0], [0.3, -0.4], [0.5, -0.2], [0.8, -0.7], [1.0, -0.7]]).unwrap();
         let shapes = [
             Shape::trapezoid(distance, 1.5, 8.0),
             Shape::trapezoid(distance, 3.0, 8.0),
@@ -180,6 +192,18 @@ mod tests {
             assert!((end[0] + 0.7).abs() < 1e-14 && end[1..] == [0.0; 3], "{profile:?} {end:?}");
             let before = profile.at(profile.end() - 1e-9);
             assert!((before[0] + 0.7).abs() < 1e-8 && before[1].abs() < 1e-7, "{profile:?} {before:?}");
+        }
+    }
+
+    #[test]
+    fn speeds_near_the_end_are_exact_in_relation_to_themselves() {
+        // 140 u^3 (1 - u)^3 and 30 u^2 (1 - u)^2 near u = 1, times D / T; the cycloid's 1 - cos(2 pi u) likewise.
+        let w = 2.0_f64.powi(-12);
+        let (u, mean) = (1.0 - w, -0.7 / 0.8);
+        let exact = [2.0 * (std::f64::consts::PI * w).sin().powi(2), 30.0 * (u * w).powi(2), 140.0 * (u * w).powi(3)];
+        for (profile, exact) in all()[2..5].iter().zip(exact) {
+            let [_, speed, ..] = profile.shape.at(0.8 * u);
+            assert!((speed / (mean * exact) - 1.0).abs() < 1e-11, "{profile:?}: {speed:e}");
         }
     }
 

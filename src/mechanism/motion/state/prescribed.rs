@@ -36,6 +36,9 @@ use crate::numerics::kronrod::{NODES, means, relative_error};
 const SWITCH: f64 = 1e-6;
 /// Part of a step below which a part of it is not halved any more.
 const SHORTEST: f64 = 1e-6;
+/// Part of the work of the drive's force over the size of the mechanism's motion: what is exchanged in a part of a step is
+/// judged in relation to no less, as the rounding of position and speed is not smooth.
+const LEAST_WORK: f64 = 1e-6;
 
 /// sigma, sigma_dot and sigma_ddot under a prescribed motion, with S_sigma.
 #[derive(Clone, Copy)]
@@ -302,7 +305,8 @@ impl State {
         let step = Step { track, motion, inputs, drive };
         let SavedState { applied: sizes, airspeed, air, revolutions, .. } = &*saved;
         let (airspeed, air, revolutions, touching) = (*airspeed, *air, *revolutions, arrival.contact.touching());
-        let mut balance = Balance { step: &step, sizes, airspeed, air, revolutions, scratch, rates, touching };
+        let mut balance =
+            Balance { step: &step, sizes, airspeed, air, revolutions, scratch, rates, touching, largest: 0.0 };
         balance.begin();
         let (mut width, mut sigma) = (h, arrival.y[0]);
         while progress.t < h {
@@ -328,8 +332,8 @@ impl State {
                 *value = balance.lost(t + u * (to - t), &place)?;
             }
             let means = means(&values);
-            let kinetic = 0.5 * last.y[1] * last.y[1];
-            let is_rough = relative_error(means, kinetic / (to - t)) > solver.tolerance;
+            let energy = (0.5 * last.y[1] * last.y[1]).max(LEAST_WORK * balance.largest * reduced.scale());
+            let is_rough = relative_error(means, energy / (to - t)) > solver.tolerance;
             if is_rough && to - t > SHORTEST * h {
                 width = 0.5 * (to - t);
                 continue;
@@ -359,6 +363,8 @@ struct Balance<'a, 's> {
     /// Excess of the sizes of the loads over those at the beginning of the step, then as many zeros.
     rates: &'s mut Vec<f64>,
     touching: BumperSet,
+    /// Largest generalised force of the drive in the step.
+    largest: f64,
 }
 
 impl Balance<'_, '_> {
@@ -420,7 +426,9 @@ impl Balance<'_, '_> {
         let direction = toward(sigma_dot, acceleration);
         let demand = Demand { drive: (step.drive.load, slope), acceleration, direction, breakaway: None };
         let force = self.equation(sigma, t, 0.0).required(sigma, sigma_dot, &demand);
-        let force = force.map_err(|_| self.locked(t, sigma))? / slope;
+        let generalised = force.map_err(|_| self.locked(t, sigma))?;
+        self.largest = self.largest.max(generalised.abs());
+        let force = generalised / slope;
         let efficiency = step.track.whole.loading().drives[step.drive.load].efficiency;
         let force = with_efficiency(efficiency, force * sigma_dot * slope, force);
         let mut equation = self.equation(sigma, t, force);
