@@ -3,6 +3,7 @@
 use crate::host::Gear;
 use linkage_fmu::fmi2::types::Status;
 use linkage_fmu::fmi2::*;
+use std::ffi::CStr;
 use std::ptr::null;
 
 const H: f64 = 1e-3;
@@ -66,7 +67,7 @@ fn enumerations_are_set_read_and_reset() {
         }
         assert_eq!(gear.get_item("solver.method"), Ok("rigid_fem"));
         assert_eq!(
-            fmi2GetInteger(gear.c, [method, gear.vr("crank.angle")].as_ptr(), 2, &raw mut [0; 2][0]),
+            fmi2GetInteger(gear.c, [method, gear.vr("crank.angle")].as_ptr(), 2, [0; 2].as_mut_ptr()),
             Status::Error
         );
         assert_eq!(fmi2GetReal(gear.c, &method, 1, &mut 0.0), Status::Error);

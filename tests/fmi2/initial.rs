@@ -9,7 +9,7 @@ fn derivative(gear: &Gear, unknown: &str, known: &str) -> Result<f64, Status> {
     let (unknown, known, mut value) = (gear.vr(unknown), gear.vr(known), f64::NAN);
     // SAFETY: one element each.
     let status = unsafe { fmi2GetDirectionalDerivative(gear.c, &unknown, 1, &known, 1, &1.0, &mut value) };
-    status.ok().map(|()| value)
+    if status == Status::Ok { Ok(value) } else { Err(status) }
 }
 
 /// A gear in initialization mode.
@@ -26,13 +26,14 @@ fn initial_values_have_derivatives_along_parameters() {
     // In closed form: the start states the angle and the speed; energy is linear in a mass, and quadratic in the speed.
     assert!((of("crank.angle", "crank.start_angle") - 1.0).abs() < 1e-11);
     assert!((of("crank.speed", "crank.start_speed") - 1.0).abs() < 1e-11);
-    assert_eq!(of("crank.angle", "wheel.mass"), 0.0);
+    // To the rounding of an angle of 0.8 rad over the change.
+    assert!(of("crank.angle", "wheel.mass").abs() < 1e-12);
     assert_eq!(gear.set("crank.start_speed", 2.0), Status::Ok);
     let energy = gear.get("energy.kinetic").unwrap();
     assert!((of("energy.kinetic", "crank.start_speed") - energy).abs() < 1e-9 * energy);
     // Against a plain difference of this host, along a length that moves every body.
     let length = gear.get("crank.length").unwrap();
-    let mut at = |h: f64| {
+    let at = |h: f64| {
         assert_eq!(gear.set("crank.length", length + h), Status::Ok);
         gear.get("actuator.length").unwrap()
     };
@@ -45,7 +46,7 @@ fn initial_values_have_derivatives_along_parameters() {
     assert!(of("crank.acceleration", "actuator.force") != 0.0);
     // A parameter that may only grow from its value 0.
     assert_eq!(gear.get("upstop.restitution"), Ok(0.0));
-    assert_eq!(of("crank.angle", "upstop.restitution"), 0.0);
+    assert!(of("crank.angle", "upstop.restitution").abs() < 1e-12);
 }
 
 #[test]

@@ -2,10 +2,10 @@
 //! one.
 
 use crate::host::{self, FOLDER, Folder, Gear, mechanism};
-use linkage_fmu::fmi2::fmi2GetBoolean;
 use linkage_fmu::fmi2::host::{Description, Host, Log, State, logger};
 use linkage_fmu::fmi2::types::Status;
-use linkage_fmu::variables::{Causality, Kind};
+use linkage_fmu::fmi2::{fmi2GetBoolean, fmi2GetInteger};
+use linkage_fmu::variables::Kind;
 use std::path::Path;
 
 const STEPS: usize = 60;
@@ -96,7 +96,12 @@ fn outputs(gear: &Gear) -> Vec<(Status, u64)> {
                 let status = unsafe { fmi2GetBoolean(gear.c, &reference, 1, &mut value) };
                 all[reference as usize] = (status, value as u64);
             }
-            _ => assert_eq!(variable.causality, Causality::Parameter),
+            Kind::Enumeration => {
+                let mut value = 0;
+                // SAFETY: one reference, room for one value.
+                let status = unsafe { fmi2GetInteger(gear.c, &reference, 1, &mut value) };
+                all[reference as usize] = (status, value as u64);
+            }
         }
     }
     gear.log.take();

@@ -284,7 +284,7 @@ pub fn all() -> Vec<Call> {
             "by nothing" "EOOOO" (|t| &t.output, 1, null(), 0, null(), &mut 0.0);
             "of nothing" "EOOOO" (|t| null(), 0, &t.input, 1, &1.0, null_mut());
             "an input by itself" "EEEEE" (|t| &t.input, 1, &t.input, 1, &1.0, &mut 0.0);
-            "by a parameter" "EEEEE" (|t| &t.output, 1, &t.parameter, 1, &1.0, &mut 0.0);
+            "by a parameter, of the initial value" "EOEEE" (|t| &t.output, 1, &t.parameter, 1, &1.0, &mut 0.0);
             "by an output" "EEEEE" (|t| &t.output, 1, &t.output, 1, &1.0, &mut 0.0);
             "unknown unknown" "EEEEE" (|t| &t.beyond, 1, &t.input, 1, &1.0, &mut 0.0);
             "unknown known" "EEEEE" (|t| &t.output, 1, &u32::MAX, 1, &1.0, &mut 0.0);
