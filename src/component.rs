@@ -172,7 +172,7 @@ fn no_kind(file: &str) -> Refused {
     Refused(format!("'{file}' is the definition file of no kind of model"))
 }
 
-//// Questions that the model of each kind answers by its method of the same name.
+/// Questions that the model of each kind answers by its method of the same name.
 macro_rules! questions {
     ($($(#[$doc:meta])* fn $name:ident($this:ident: $receiver:ty $(, $argument:ident: $type:ty)*) -> $answer:ty;)*) => {
         $(
