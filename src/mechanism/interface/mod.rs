@@ -85,6 +85,7 @@ pub fn kept_variables(
 fn build<'a>(source: &'a Source<'a>, causes: Option<(Reference, Vec<Vec<Cause>>)>, describes: bool) -> Builder<'a> {
     let mut b = Builder::new(source, causes, describes);
     drives::add_inputs(&mut b);
+    drives::add_commands(&mut b);
     loads::add_inputs(&mut b);
     drives::add_demands(&mut b);
     hydraulics::add_inputs(&mut b);

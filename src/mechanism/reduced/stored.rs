@@ -131,7 +131,7 @@ impl Reduced {
     pub fn sections(&self) -> Vec<(String, Vec<u8>)> {
         let mut all = Sink::default();
         let mut curve = Vec::new();
-        let borders = self.curve().grid(crate::numerics::table::ACCURACY);
+        let borders = super::characteristics::grid(self.curve(), self.loading());
         let borders = Record::Write(&mut curve).arrays("borders", &mut borders.into_iter().map(|b| [b]).collect());
         if self.is_part() || self.stretch != 0 || borders.and(self.curve().write(&mut curve)).is_err() {
             return Vec::new();
