@@ -11,7 +11,6 @@ import sys
 from collections.abc import Callable, Iterable
 from ctypes import byref, c_double, c_int, c_size_t, c_uint, c_void_p
 from functools import partial
-from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +25,8 @@ WARNING = 1
 """Status of a function up to which it has done what it was asked for."""
 ERROR = 3
 """Status of a function that has refused."""
+FATAL = 4
+"""Status of a function after which the instance can only be freed."""
 
 Plan = dict[str, Any]
 Call = Callable[[], int]
@@ -34,6 +35,13 @@ Call = Callable[[], int]
 
 class RunError(Exception):
     """Why a run failed."""
+
+
+class FaultError(RunError):
+    """The run failed by a fault of the FMU, whose instance is lost."""
+
+    def __init__(self) -> None:
+        super().__init__("a fault in the engine stopped the run; please report it")
 
 
 def is_close(a: float, b: float) -> bool:
@@ -47,6 +55,23 @@ TYPES: dict[str, tuple[str, type]] = {
     "text": ("Integer", c_int),
 }
 """Names of the types in functions, and the types of their values in C."""
+
+
+def logger() -> tuple[Any, dict[int, list[str]]]:
+    """The one logger of this process, and the messages of each instance by the environment that it hands back.
+
+    FMPy knows one logger in a process, and each study brings a copy of this module: all share what stands in FMPy's.
+    """
+    shared = vars(fmpy)
+    logs: dict[int, list[str]] = shared.setdefault("linkage_fmu_logs", {})
+
+    def keep(instance: int | None, _name: bytes, _status: int, _category: bytes, message: bytes) -> None:
+        if (log := logs.get(instance or 0)) is not None:
+            log.append(message.decode())
+
+    if "linkage_fmu_logger" not in shared:
+        shared["linkage_fmu_logger"] = fmi2.fmi2CallbackLoggerTYPE(keep)
+    return shared["linkage_fmu_logger"], logs
 
 
 class Variables:
@@ -66,6 +91,8 @@ class Instance:
 
     def __init__(self, folder: Path) -> None:
         self.log: list[str] = []
+        own_logger, self.logs = logger()
+        self.logs[id(self)] = self.log
         description = read_model_description(folder)
         enumerations = [variable for variable in description.modelVariables if variable.type == "Enumeration"]
         self.enumerations = {variable.valueReference: variable for variable in enumerations}
@@ -76,7 +103,8 @@ class Instance:
             instanceName="study",
         )
         self.callbacks = fmi2.fmi2CallbackFunctions()
-        self.callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(lambda *message: self.log.append(message[-1].decode()))
+        self.callbacks.logger = own_logger
+        self.callbacks.componentEnvironment = id(self)
         self.callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
         self.callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
         logging.addLoggerProxy(byref(self.callbacks))
@@ -89,18 +117,21 @@ class Instance:
         function.restype = c_int
         return partial(function, self.component, *arguments)
 
-    def setting(self, reference: int, kind: str, value: float | bool | str) -> Call:
-        """What sets a variable, or the slope of an input for the next step, to this value."""
+    def setting(self, kind: str, references: list[int], values: list[Any]) -> Call:
+        """What sets variables, or the slopes of inputs for the next step, to these values."""
         if kind == "slope":
-            references, orders, slopes = (c_uint * 1)(reference), (c_int * 1)(1), (c_double * 1)(value)
-            return self.bound("SetRealInputDerivatives", references, c_size_t(1), orders, slopes)
-        variable = Variables(self, kind, [reference])
-        if isinstance(value, str):
-            if not (number := self.items(reference).get(value, 0)):
-                return partial(self.refuse, reference, value)
-            value = number
-        variable.values[0] = value
-        return variable.set
+            count = len(references)
+            arguments = (c_uint * count)(*references), c_size_t(count), (c_int * count)(*[1] * count)
+            return self.bound("SetRealInputDerivatives", *arguments, (c_double * count)(*values))
+        variables = Variables(self, kind, references)
+        if kind == "text":
+            numbers = [self.items(reference).get(word, 0) for reference, word in zip(references, values, strict=True)]
+            if 0 in numbers:
+                unknown = numbers.index(0)
+                return partial(self.refuse, references[unknown], values[unknown])
+            values = numbers
+        variables.values[:] = values
+        return variables.set
 
     def items(self, reference: int) -> dict[str, int]:
         """Numbers of the items of an Enumeration by their names."""
@@ -108,8 +139,7 @@ class Instance:
 
     def refuse(self, reference: int, word: str) -> int:
         """Status of a word that no item of an Enumeration has, with the reason in the log as the FMU would write it."""
-        items = self.items(reference)
-        allowed = " or ".join(f'"{item}"' for item in items)
+        allowed = " or ".join(f'"{item}"' for item in self.items(reference))
         self.log.append(f'fmi2SetInteger: {self.enumerations[reference].name} = "{word}": must be {allowed}')
         return ERROR
 
@@ -119,7 +149,10 @@ class Instance:
 
     def do(self, call: Call, what: str) -> None:
         """Make a call; if it is refused, the reason is told with `what` before it."""
-        if call() > WARNING:
+        status = call()
+        if status > WARNING:
+            if status == FATAL:
+                raise FaultError
             raise RunError(f"{what}: {self.why()}" if what else self.why())
 
 
@@ -138,6 +171,7 @@ class Step:
     def __init__(self, instance: Instance, told: Plan) -> None:
         self.start, self.end, self.label = told["start"], told["end"], told["label"]
         self.end_label = told["end_label"]
+        self.what = f"step at {self.label} s"
         self.settings = [instance.setting(*setting) for setting in told["settings"]]
         self.instance = instance
         self.whole = self.of(self.end - self.start)
@@ -165,38 +199,27 @@ class Event:
         return self.timed.values[0]
 
 
-class Group:
-    """Factors of one type that follow each other: set in one call."""
+class Factors:
+    """Factors of one type that are set in one call."""
 
-    def __init__(self, instance: Instance, kind: str, first: int, factors: list[list[Any]]) -> None:
-        self.names = [name for _, name, _, _ in factors]
-        self.references = [reference for reference, _, _, _ in factors]
-        self.texts = [texts or [] for _, _, _, texts in factors]
-        # No item has the number 0, which the FMU refuses.
-        self.numbers = [
-            [instance.items(reference).get(text, 0) for text in texts or []] for reference, _, _, texts in factors
-        ]
-        self.kind, self.span = kind, slice(first, first + len(factors))
-        self.together = Variables(instance, kind, [reference for reference, _, _, _ in factors])
-        self.alone = [Variables(instance, kind, [reference]) for reference, _, _, _ in factors]
+    def __init__(self, instance: Instance, told: list[Any]) -> None:
+        self.kind, self.indices, self.references, self.names, self.texts = told
+        self.variables = Variables(instance, self.kind, self.references)
         self.instance = instance
 
-    def set(self, point: tuple[float, ...]) -> None:
-        """Set the values of a run."""
-        values = point[self.span]
-        if self.kind == "boolean":
-            values = tuple(bool(value) for value in values)
-        elif self.kind == "text":
-            words = [texts[int(value)] for texts, value in zip(self.texts, values, strict=True)]
-            values = tuple(numbers[int(value)] for numbers, value in zip(self.numbers, values, strict=True))
-        self.together.values[:] = values
-        if self.together.set() > WARNING:
-            # Which of them is refused is told by setting one after the other.
-            for index, (name, variable, value) in enumerate(zip(self.names, self.alone, values, strict=True)):
-                variable.values[0] = value
-                is_unknown = self.kind == "text" and value == 0
-                refuse = partial(self.instance.refuse, self.references[index], words[index]) if is_unknown else None
-                self.instance.do(refuse or variable.set, name)
+    def take(self, point: tuple[float, ...]) -> Call:
+        """What sets the values of a run."""
+        values = [point[index] for index in self.indices]
+        if self.kind != "real":
+            for name, value in zip(self.names, values, strict=True):
+                if math.isnan(value):
+                    raise RunError(f"{name} has no value")
+            if self.kind == "text":
+                words = [texts[int(value)] for texts, value in zip(self.texts, values, strict=True)]
+                return self.instance.setting(self.kind, self.references, words)
+            values = [bool(value) for value in values]
+        self.variables.values[:] = values
+        return self.variables.set
 
 
 class Runner:
@@ -205,13 +228,8 @@ class Runner:
     def __init__(self, folder: Path, plan: Plan) -> None:
         self.plan = plan
         self.instance = instance = Instance(folder)
-        self.start = [
-            (name, instance.setting(reference, kind, value)) for reference, name, kind, value in plan["start"]
-        ]
-        self.groups, first = [], 0
-        for kind, factors in groupby(plan["factors"], key=lambda factor: factor[2]):
-            self.groups.append(Group(instance, kind, first, own := list(factors)))
-            first += len(own)
+        self.start = [instance.setting(*setting) for setting in plan["start"]]
+        self.factors = [Factors(instance, call) for call in plan["calls"]]
         self.initialize = instance.bound("ExitInitializationMode")
         self.steps = [Step(instance, step) for step in plan["steps"]]
         self.stop_at = Event(instance, plan["stop_at"]) if plan["stop_at"] is not None else None
@@ -235,8 +253,8 @@ class Runner:
             self.instance.do(self.fresh.restore, "the state before a run")
             return
         self.instance.fmu.setupExperiment(startTime=0.0)
-        for name, setting in self.start:
-            self.instance.do(setting, f"start value of {name}")
+        for setting in self.start:
+            self.instance.do(setting, "start values")
         self.instance.fmu.enterInitializationMode()
         self.instance.do(self.fresh.keep, "the state before a run")
         self.is_fresh_kept = True
@@ -247,10 +265,9 @@ class Runner:
         if instance.log:
             instance.log.clear()
         self.renew()
-        for group in self.groups:
-            group.set(point)
-        if self.initialize() > WARNING:
-            raise RunError(f"initialisation at 0 s: {instance.why()}")
+        for factors in self.factors:
+            instance.do(factors.take(point), "")
+        instance.do(self.initialize, "initialisation at 0 s")
         self.undefined = ""
         if reads:
             self.sums, self.time = [[0.0, 0.0] for _ in self.observed], 0.0
@@ -280,8 +297,7 @@ class Runner:
 
     def make(self, step: Step, call: Call) -> None:
         """A step from the beginning of `step` on."""
-        if call() > WARNING:
-            raise RunError(f"step at {step.label} s: {self.instance.why()}")
+        self.instance.do(call, step.what)
 
     def find_events(self, step: Step, first_time: float | None, end: float, values: list[float]) -> None:
         """Tell the times of events that this step is the first to meet, until `end` [s]. `first_time`: that of the
@@ -373,3 +389,4 @@ class Runner:
     def close(self) -> None:
         """Free the instance."""
         self.instance.fmu.freeInstance()
+        self.instance.logs.pop(id(self.instance), None)

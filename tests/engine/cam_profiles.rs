@@ -1,11 +1,12 @@
 //! Profiles of cams and pitch curves of elliptic gears: their curvature by differences, what is drawn, what is warned of.
 
 use crate::cams::{ROLLER, elliptic, oscillating, parsed, translating};
-use crate::support::{Run, Vec2, assert_says, changed};
+use crate::support::{Run, assert_says, changed};
 use linkage_fmu::mechanism::definition::Mechanism;
 use linkage_fmu::mechanism::inspection::Scene;
 use linkage_fmu::mechanism::linkage::{Kind, Linkage};
 use linkage_fmu::simulation::Simulation;
+use nalgebra::{Matrix3, Vector3};
 use serde_json::json;
 use std::f64::consts::TAU;
 
@@ -39,17 +40,12 @@ fn the_radius_of_curvature_is_that_of_the_profile() {
             }
             let [before, now, after] = [-h, 0.0, h].map(|h| point(u1 + h));
             let (first, second) = ((after - before) / (2.0 * h), (after - 2.0 * now + before) / (h * h));
-            // Clockwise, as the cam turns below the follower.
-            let curvature = -first.perp(&second) / first.norm().powi(3);
-            let radius = cam.radius_of_curvature(coupling.law.at(u1)) - cam.roller;
-            if radius.abs() < 2e-3 {
+            let curvature = first.perp(&second).abs() / first.norm().powi(3);
+            let radius = (cam.radius_of_curvature(coupling.law.at(u1)) - cam.roller).abs();
+            if radius < 2e-3 {
                 continue;
             }
-            assert!(
-                (curvature - 1.0 / radius).abs() < 1e-3 / radius.abs().min(1.0),
-                "{u1}: {} {radius}",
-                1.0 / curvature
-            );
+            assert!((curvature - 1.0 / radius).abs() < 1e-3 / radius.min(1.0), "{u1}: {} {radius}", 1.0 / curvature);
             compared += 1;
         }
         assert!(compared > 300, "{compared}");
@@ -82,16 +78,18 @@ fn pitch_curves_of_elliptic_gears_are_ellipses_about_a_focus() {
     let scene = Scene::new(&mechanism, &Linkage::new(&mechanism).unwrap()).unwrap();
     assert_eq!(scene.outlines.len(), 2);
     for (wheel, outline) in scene.outlines.iter().enumerate() {
-        let points: Vec<Vec2> = outline.points.iter().map(|point| Vec2::new(point[0], point[1])).collect();
-        let nearest = points.iter().min_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap();
-        let farthest = points.iter().map(|point| point.norm()).fold(0.0, f64::max);
-        assert!((farthest - 0.15 * (1.0 + e)).abs() < 1e-4);
-        let vertex = if wheel == 0 { Vec2::new(1.0, 0.0) } else { nearest.normalize() };
-        // The other focus is 2 a e away, opposite to the nearest vertex.
-        let focus = -0.3 * e * vertex;
-        for point in &points {
-            let sum = point.norm() + (point - focus).norm();
-            assert!((sum - 0.3).abs() < if wheel == 0 { 1e-14 } else { 1e-3 }, "{wheel} {point} {sum}");
+        // 1 / r = (1 + e cos(psi - vertex)) / p of an ellipse about a focus, with p = a (1 - e^2), is linear in the direction.
+        let rows: Vec<Vector3<f64>> =
+            outline.points.iter().map(|[x, y]| Vector3::new(1.0, x / x.hypot(*y), y / x.hypot(*y))).collect();
+        let inverse: Vec<f64> = outline.points.iter().map(|[x, y]| 1.0 / x.hypot(*y)).collect();
+        let chosen = [0, 50, 120];
+        let matrix = Matrix3::from_rows(&chosen.map(|k| rows[k].transpose()));
+        let known = matrix.try_inverse().unwrap() * Vector3::from(chosen.map(|k| inverse[k]));
+        assert!((known[0] * 0.15 * (1.0 - e * e) - 1.0).abs() < 1e-12, "{known}");
+        assert!((known[1].hypot(known[2]) / known[0] - e).abs() < 1e-12, "{known}");
+        assert!(wheel == 1 || known[2].abs() < 1e-12 && known[1] > 0.0, "the nearest vertex is on the x axis");
+        for (row, inverse) in rows.iter().zip(&inverse) {
+            assert!((row.dot(&known) - inverse).abs() < 1e-11, "{wheel}: {row} {inverse}");
         }
     }
     let cam = Mechanism::from_json(&translating("cycloidal", parsed(ROLLER))).unwrap();
