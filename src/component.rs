@@ -5,6 +5,17 @@
 //!
 //! A further kind of model takes one variant of [`Component`] and of [`Snapshot`], one row in `KINDS`, and one arm in
 //! each `match` of this file. Its model has methods of the same names, whose errors convert to [`Refused`].
+// The same expression for the model of each kind.
+macro_rules! each {
+    ($component:expr, $model:ident => $answer:expr) => {
+        match $component {
+            Component::Mechanism($model) => $answer,
+            Component::Hydraulic($model) => $answer,
+        }
+    };
+}
+
+mod derivative;
 mod exchange;
 mod linearise;
 mod snapshot;
@@ -12,7 +23,7 @@ mod tables;
 pub use linearise::{Linearisation, Linearised};
 
 use crate::codec::sections::Sections;
-use crate::format::Experiment;
+use crate::format::{About, Experiment};
 use crate::hydraulics::{self, HydraulicsError};
 use crate::inspection::{Finding, Inspection};
 use crate::integrator::Method;
@@ -161,16 +172,6 @@ fn no_kind(file: &str) -> Refused {
     Refused(format!("'{file}' is the definition file of no kind of model"))
 }
 
-/// The same expression for the model of each kind.
-macro_rules! each {
-    ($component:expr, $model:ident => $answer:expr) => {
-        match $component {
-            Component::Mechanism($model) => $answer,
-            Component::Hydraulic($model) => $answer,
-        }
-    };
-}
-
 /// Questions that the model of each kind answers by its method of the same name.
 macro_rules! questions {
     ($($(#[$doc:meta])* fn $name:ident($this:ident: $receiver:ty $(, $argument:ident: $type:ty)*) -> $answer:ty;)*) => {
@@ -227,6 +228,11 @@ impl Component {
     /// Name of the model, the FMU's modelName and modelIdentifier.
     pub fn name(&self) -> &str {
         each!(self, model => model.name())
+    }
+
+    /// Author, copyright and licence of the model.
+    pub fn about(&self) -> &About {
+        each!(self, model => model.about())
     }
 
     /// One-line description of the model.
@@ -316,8 +322,9 @@ impl Component {
         fn real(self: &mut Self, reference: Reference) -> f64;
         /// Present value of a Boolean. Refused: no such Boolean, or the present parameters give no start.
         fn boolean(self: &mut Self, reference: Reference) -> bool;
-        /// Present value of a String. Refused: no such String.
-        fn text(self: &Self, reference: Reference) -> &str;
+        /// Present item of an Enumeration, by its index from 0 on. Refused: no such Enumeration, or the present
+        /// parameters give no start.
+        fn item(self: &mut Self, reference: Reference) -> usize;
 
         /// Whether [`Self::set_real`] would accept this value; changes nothing.
         fn check_real(self: &Self, reference: Reference, value: f64) -> ();
@@ -335,17 +342,12 @@ impl Component {
         fn set_boolean(self: &mut Self, reference: Reference, value: bool) -> ();
         /// Whether [`Self::set_text`] would accept this value; changes nothing.
         fn check_text(self: &Self, reference: Reference, value: &str) -> ();
-        /// Set a String, as [`Self::set_real`] does. Refused also: none of the allowed words.
+        /// Set an Enumeration by the name of an item, as [`Self::set_real`] does. Refused also: none of the names.
         fn set_text(self: &mut Self, reference: Reference, value: &str) -> ();
+        /// Give tunable parameters new values between two steps; each is one that [`Self::check_real`] accepts, all that
+        /// [`Self::check_together`] accepts, and other variables are passed over. Refused: the values give no law.
+        fn tune(self: &mut Self, references: &[Reference], values: &[f64]) -> ();
 
-        /// Directional derivatives at the present state: `report` is called once for each unknown, with its index and
-        /// the sum over the knowns of the partial derivative times the seed; NaN where there is none in this state.
-        /// Refused: an unknown that is no continuous output, a known that is no continuous input, a model without
-        /// derivatives.
-        fn directional_derivative(
-            self: &mut Self, unknowns: &[Reference], knowns: &[Reference], seeds: &[f64],
-            report: &mut dyn FnMut(usize, f64)
-        ) -> ();
         /// Time derivative of this order of a continuous output; NaN where there is none in this state. Refused: no such
         /// output, or the order is too high.
         fn output_derivative(self: &mut Self, reference: Reference, order: i32) -> f64;

@@ -15,7 +15,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 use crate::mechanism::{Model, ModelError};
-use crate::variables::{Causality, Kind, Reference};
+use crate::variables::{Causality, Kind, Reference, Variability};
 use std::fmt;
 
 /// Most steps of a run.
@@ -37,8 +37,6 @@ pub struct Simulation {
 pub enum SimulationError {
     /// No variable has this name; names spelled most alike, the nearest first.
     Name { name: String, nearest: Vec<String> },
-    /// The variable has no numbers: only a Real or a Boolean can be a column of a trace.
-    Text { name: String },
     /// The span or the longest step of a run [s] is not finite or not > 0, or the steps are too many.
     Span { span: f64, step: f64 },
     /// The model refused the call.
@@ -52,7 +50,6 @@ impl fmt::Display for SimulationError {
                 let nearest = nearest.join(", ");
                 write!(f, "no variable is called \"{name}\": the nearest are {nearest}; Simulation::names lists all")
             }
-            Self::Text { name } => write!(f, "{name} is a text: a trace holds Reals and Booleans"),
             Self::Span { span, step } => {
                 write!(
                     f,
@@ -79,9 +76,18 @@ pub trait Settable {
     /// # Errors
     /// The variable is of another kind or an output, or the value is out of range.
     fn set(self, model: &mut Model, reference: Reference) -> Result<(), ModelError>;
+
+    /// The number, if it is one.
+    fn number(&self) -> Option<f64> {
+        None
+    }
 }
 
 impl Settable for f64 {
+    fn number(&self) -> Option<f64> {
+        Some(*self)
+    }
+
     fn set(self, model: &mut Model, reference: Reference) -> Result<(), ModelError> {
         model.set_real(reference, self)
     }
@@ -172,21 +178,31 @@ impl Simulation {
         Ok(self.model.boolean(reference)?)
     }
 
-    /// Present value of a String.
+    /// Name of the present item of an Enumeration.
     ///
     /// # Errors
-    /// No String has this name.
-    pub fn text(&self, name: &str) -> Result<&'static str, SimulationError> {
-        Ok(self.model.text(self.reference(name)?)?)
+    /// No Enumeration has this name, or the present parameters give no start.
+    pub fn text(&mut self, name: &str) -> Result<&'static str, SimulationError> {
+        let reference = self.reference(name)?;
+        let item = self.model.item(reference)?;
+        Ok(self.model.variables().get(reference).map_or("", |variable| variable.details.items[item]))
     }
 
-    /// Set an input or a parameter. A parameter ends the run: outputs are then those at the start, and the next step
-    /// needs [`Self::initialize`].
+    /// Set an input or a parameter. Within a run, a tunable parameter changes the laws from now on; any other ends the run:
+    /// outputs are then those at the start, and the next step needs [`Self::initialize`].
     ///
     /// # Errors
     /// No variable has this name, it is of another kind or an output, or the value is out of range.
     pub fn set(&mut self, name: &str, value: impl Settable) -> Result<(), SimulationError> {
         let reference = self.reference(name)?;
+        let variable = self.model.variables().get(reference);
+        if let (true, Some(number), Some(Variability::Tunable)) =
+            (self.is_initialized, value.number(), variable.map(|variable| variable.variability))
+        {
+            self.model.check_real(reference, number)?;
+            self.model.check_together(&[reference], &[number])?;
+            return Ok(self.model.tune(&[reference], &[number])?);
+        }
         value.set(&mut self.model, reference)?;
         let variable = self.model.variables().get(reference);
         self.is_initialized &= variable.is_none_or(|variable| variable.causality != Causality::Parameter);
@@ -269,10 +285,10 @@ impl Simulation {
 
     fn record(&mut self, references: &[Reference], trace: &mut Trace) -> Result<(), SimulationError> {
         trace.times.push(self.time);
-        for ((&reference, column), name) in references.iter().zip(&mut trace.columns).zip(&trace.names) {
+        for (&reference, column) in references.iter().zip(&mut trace.columns) {
             column.push(match self.model.variables().get(reference).map(|variable| variable.kind) {
                 Some(Kind::Boolean) => f64::from(u8::from(self.model.boolean(reference)?)),
-                Some(Kind::String) => return Err(SimulationError::Text { name: name.clone() }),
+                Some(Kind::Enumeration) => (self.model.item(reference)? + 1) as f64,
                 _ => self.model.real(reference)?,
             });
         }

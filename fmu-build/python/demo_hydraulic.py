@@ -44,6 +44,8 @@ REFERENCE = {
 }
 """Angle of the crank [rad] and force [N] after so many milliseconds, from the same integration."""
 
+FOLLOW = 2
+"""Number of the item `follow` of `coupling.mode`."""
 COMMAND = {"command.ramp_amplitude": 0.65, "command.ramp_time": 0.1}
 """The valve opens to 0.65 within 0.1 s."""
 ELEMENT = tuple(
@@ -166,7 +168,7 @@ class Pair:
         self.gear.choose("downstop.enabled", False)
         self.hydraulics.write({**COMMAND, "preview.horizon": STEP})
         if scheme.two_passes:
-            self.hydraulics.slave.setString([self.hydraulics.references["coupling.mode"]], ["follow"])
+            self.hydraulics.slave.setInteger([self.hydraulics.references["coupling.mode"]], [FOLLOW])
         for part in (self.gear, self.hydraulics):
             part.slave.setupExperiment(tolerance=TOLERANCE, startTime=0.0)
             part.slave.enterInitializationMode()

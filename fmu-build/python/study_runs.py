@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable, Iterable
-from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+from ctypes import byref, c_double, c_int, c_size_t, c_uint, c_void_p
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -23,6 +23,8 @@ CLOSE = 1e-9
 """Relative difference below which two instants are one."""
 WARNING = 1
 """Status of a function up to which it has done what it was asked for."""
+ERROR = 3
+"""Status of a function that has refused."""
 FATAL = 4
 """Status of a function after which the instance can only be freed."""
 
@@ -50,7 +52,7 @@ def is_close(a: float, b: float) -> bool:
 TYPES: dict[str, tuple[str, type]] = {
     "real": ("Real", c_double),
     "boolean": ("Boolean", c_int),
-    "text": ("String", c_char_p),
+    "text": ("Integer", c_int),
 }
 """Names of the types in functions, and the types of their values in C."""
 
@@ -92,6 +94,8 @@ class Instance:
         own_logger, self.logs = logger()
         self.logs[id(self)] = self.log
         description = read_model_description(folder)
+        enumerations = [variable for variable in description.modelVariables if variable.type == "Enumeration"]
+        self.enumerations = {variable.valueReference: variable for variable in enumerations}
         self.fmu = fmi2.FMU2Slave(
             guid=description.guid,
             unzipDirectory=str(folder),
@@ -120,8 +124,24 @@ class Instance:
             arguments = (c_uint * count)(*references), c_size_t(count), (c_int * count)(*[1] * count)
             return self.bound("SetRealInputDerivatives", *arguments, (c_double * count)(*values))
         variables = Variables(self, kind, references)
-        variables.values[:] = [value.encode() if isinstance(value, str) else value for value in values]
+        if kind == "text":
+            numbers = [self.items(reference).get(word, 0) for reference, word in zip(references, values, strict=True)]
+            if 0 in numbers:
+                unknown = numbers.index(0)
+                return partial(self.refuse, references[unknown], values[unknown])
+            values = numbers
+        variables.values[:] = values
         return variables.set
+
+    def items(self, reference: int) -> dict[str, int]:
+        """Numbers of the items of an Enumeration by their names."""
+        return {item.name: int(item.value) for item in self.enumerations[reference].declaredType.items}
+
+    def refuse(self, reference: int, word: str) -> int:
+        """Status of a word that no item of an Enumeration has, with the reason in the log as the FMU would write it."""
+        allowed = " or ".join(f'"{item}"' for item in self.items(reference))
+        self.log.append(f'fmi2SetInteger: {self.enumerations[reference].name} = "{word}": must be {allowed}')
+        return ERROR
 
     def why(self) -> str:
         """What the FMU said last, without the name of the function."""
@@ -183,9 +203,9 @@ class Factors:
     """Factors of one type that are set in one call."""
 
     def __init__(self, instance: Instance, told: list[Any]) -> None:
-        self.kind, self.indices, references, self.names, texts = told
-        self.texts = [[text.encode() for text in own] for own in texts]
-        self.variables = Variables(instance, self.kind, references)
+        self.kind, self.indices, self.references, self.names, self.texts = told
+        self.variables = Variables(instance, self.kind, self.references)
+        self.instance = instance
 
     def take(self, point: tuple[float, ...]) -> Call:
         """What sets the values of a run."""
@@ -195,9 +215,9 @@ class Factors:
                 if math.isnan(value):
                     raise RunError(f"{name} has no value")
             if self.kind == "text":
-                values = [texts[int(value)] for texts, value in zip(self.texts, values, strict=True)]
-            else:
-                values = [bool(value) for value in values]
+                words = [texts[int(value)] for texts, value in zip(self.texts, values, strict=True)]
+                return self.instance.setting(self.kind, self.references, words)
+            values = [bool(value) for value in values]
         self.variables.values[:] = values
         return self.variables.set
 

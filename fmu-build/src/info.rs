@@ -13,6 +13,7 @@ use crate::xml::description::{Described, Description};
 use crate::xml::fmi2;
 use anyhow::{Context, Result};
 pub use fmu_cli::Info as Arguments;
+use fmu_cli::Naming;
 use linkage_fmu::component::Component;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -52,7 +53,8 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
         let Definition { shown, kind, text } = Definition::read(workspace, &arguments.path)?;
         let component = Component::from_definition(kind, &text)
             .with_context(|| format!("{shown}; `{} check` tells more", workspace.program()))?;
-        let description = Description::parse(&fmi2::to_xml(&component).with_context(|| shown.clone())?)?;
+        let description =
+            Description::parse(&fmi2::to_xml(&component, Naming::default()).with_context(|| shown.clone())?)?;
         Told {
             file: shown,
             definition: Some(kind.to_owned()),

@@ -19,6 +19,7 @@ pub mod gallery;
 pub mod import;
 pub mod info;
 mod library;
+mod licenses;
 pub mod linearise;
 mod names;
 mod needs;

@@ -11,10 +11,10 @@ use crate::source::{self, Companions, Source};
 use crate::version::Version;
 use crate::workspace::{DEFAULT_FMU, Workspace};
 use crate::xml::{fmi2, terminals};
-use crate::{check, files, platform, schema, ssp};
+use crate::{check, files, licenses, platform, schema, ssp};
 use anyhow::{Context, Result, bail};
-use fmu_cli::Fmi;
 pub use fmu_cli::Package as Arguments;
+use fmu_cli::{Fmi, Naming};
 use linkage_fmu::component::{Component, TABLES};
 use linkage_fmu::inspection::Severity;
 use std::collections::HashMap;
@@ -44,6 +44,7 @@ struct Common<'a> {
     /// Whether tables are packed.
     tables: bool,
     versions: &'static [Version],
+    naming: Naming,
     /// Folder for the FMUs.
     out: PathBuf,
 }
@@ -101,7 +102,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
         Fmi::Both => &[Version::Two, Version::Three],
     };
     let tables = !arguments.no_tables;
-    let common = Common { workspace, binaries, extent, tables, versions, out };
+    let common = Common { workspace, binaries, extent, tables, versions, naming: arguments.naming, out };
     let mut paths = Vec::new();
     for fmu in prepared {
         paths.extend(pack(&common, fmu)?);
@@ -163,7 +164,7 @@ fn prepare(source: Source) -> Result<Option<Prepared>> {
         return Ok(None);
     }
     let component = Component::from_definition(source.kind(), &checked.text).with_context(|| path.to_string())?;
-    let description = fmi2::to_xml(&component).with_context(|| path.to_string())?;
+    let description = fmi2::to_xml(&component, Naming::default()).with_context(|| path.to_string())?;
     let name = component.name().to_owned();
     if let Some(folder) = source.folder.as_deref().filter(|_| source.keeps_description) {
         // A name such as `.` says nothing; the full path does.
@@ -189,6 +190,7 @@ fn pack(common: &Common, fmu: Prepared) -> Result<Vec<PathBuf>> {
     }
     let mut generated = documentation(common, &fmu, &entries)?;
     generated.push(Entry { name: terminals::PATH.to_owned(), content: fmu.terminals.into_bytes() });
+    generated.extend(licenses::entries());
     // A file of the user's own says more than the generated one.
     let is_own = |made: &Entry| entries.iter().any(|own| own.name == made.name);
     let (replaced, generated): (Vec<_>, Vec<_>) = generated.into_iter().partition(is_own);
@@ -212,8 +214,8 @@ fn pack(common: &Common, fmu: Prepared) -> Result<Vec<PathBuf>> {
     let mut paths = Vec::new();
     for &version in common.versions {
         let description = match version {
-            Version::Two => fmu.description.clone(),
-            other => other.describe(&fmu.component)?,
+            Version::Two if common.naming == Naming::default() => fmu.description.clone(),
+            other => other.describe(&fmu.component, common.naming)?,
         };
         let mut entries = entries.clone();
         entries.extend([Entry { name: MODEL_DESCRIPTION.to_owned(), content: description.into_bytes() }]);

@@ -22,7 +22,7 @@ pub fn parse(interface: &Interface, words: &[String]) -> Result<Vec<(Reference, 
         let value = match variable.kind {
             Kind::Real => Value::Real(number(variable, text)?),
             Kind::Boolean => Value::Boolean(truth(text).with_context(|| format!("--start-values: {name}"))?),
-            Kind::String | Kind::Integer => Value::String(text.to_owned()),
+            Kind::Enumeration => Value::Item(text.to_owned()),
         };
         values.push((reference, value));
     }
@@ -51,7 +51,7 @@ pub fn apply(model: &mut Component, words: &[String]) -> Result<()> {
         let set = match &value {
             Value::Real(value) => model.set_real(reference, *value),
             Value::Boolean(value) => model.set_boolean(reference, *value),
-            Value::String(value) => model.set_text(reference, value),
+            Value::Item(value) => model.set_text(reference, value),
         };
         set.with_context(|| format!("--start-values {}", model.interface().list()[reference as usize].name))?;
     }
@@ -185,7 +185,7 @@ mod tests {
         let find = |gear: &Component, name: &str| gear.interface().find(name).unwrap();
         let [method, friction, force] =
             ["solver.method", "friction.enabled", "actuator.force"].map(|name| find(&gear, name));
-        assert_eq!(gear.text(method).unwrap(), "rigid_fem");
+        assert_eq!(gear.item(method).unwrap(), 1);
         assert!(gear.boolean(friction).unwrap());
         assert_eq!(gear.real(force).unwrap(), -1e3);
     }

@@ -13,6 +13,7 @@ use crate::workspace::Workspace;
 use crate::xml::description::{Described, Description};
 use crate::{binary, info, names};
 use anyhow::{Context, Result};
+use fmu_cli::Naming;
 pub use fmu_cli::Validate as Arguments;
 use linkage_fmu::component::Component;
 use linkage_fmu::inspection::Severity;
@@ -94,7 +95,7 @@ fn definition(
     }
     let description = Component::from_definition(kind, &text)
         .map_err(anyhow::Error::from)
-        .and_then(|component| Description::parse(&version.describe(&component)?))
+        .and_then(|component| Description::parse(&version.describe(&component, Naming::default())?))
         .context(shown);
     Ok(found.take(description))
 }

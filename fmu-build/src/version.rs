@@ -2,6 +2,7 @@
 use crate::library;
 use crate::xml::{fmi2, fmi3};
 use anyhow::Result;
+use fmu_cli::Naming;
 use linkage_fmu::component::Component;
 
 /// A version of FMI.
@@ -31,10 +32,10 @@ impl Version {
     ///
     /// # Errors
     /// The model has a name or a text that XML cannot hold, or lacks what a description must say.
-    pub fn describe(self, component: &Component) -> Result<String> {
+    pub fn describe(self, component: &Component, naming: Naming) -> Result<String> {
         match self {
-            Self::Two => fmi2::to_xml(component),
-            Self::Three => fmi3::to_xml(component),
+            Self::Two => fmi2::to_xml(component, naming),
+            Self::Three => fmi3::to_xml(component, naming),
         }
     }
 

@@ -40,6 +40,7 @@ fn validator() -> Validator {
 fn full() -> Value {
     json!({
         "$schema": "mechanism.schema.json", "name": "Full", "description": "d",
+        "about": { "author": "A", "copyright": "C", "license": "L" },
         "units": { "angle": "rad", "length": "m" },
         "gravity": { "acceleration": 9.81, "up_angle": 1.5, "load_factor": 1 },
         "bodies": {
@@ -264,7 +265,8 @@ fn defaults_agree() {
         let values = (0..).zip(list).filter(|(r, v)| v.causality != Causality::Parameter && !indicators.contains(r));
         let mut value = |r, kind| match kind {
             Kind::Boolean => f64::from(u8::from(model.boolean(r).unwrap())),
-            _ => model.real(r).unwrap(),
+            Kind::Enumeration => model.item(r).unwrap() as f64,
+            Kind::Real => model.real(r).unwrap(),
         };
         let mut read: Vec<_> = values.map(|(r, v)| (v.name, value(r, v.kind))).collect();
         read.extend([("stop_time".into(), e.stop_time), ("step_size".into(), e.step_size)]);
@@ -391,8 +393,8 @@ fn every_example_runs() {
                 model.boolean(reference).unwrap_or_else(|e| panic!("{e} in\n{text}"));
                 continue;
             }
-            if variable.kind == Kind::String {
-                model.text(reference).unwrap_or_else(|e| panic!("{e} in\n{text}"));
+            if variable.kind == Kind::Enumeration {
+                model.item(reference).unwrap_or_else(|e| panic!("{e} in\n{text}"));
                 continue;
             }
             let value = model.real(reference).unwrap_or_else(|e| panic!("{e} in\n{text}"));

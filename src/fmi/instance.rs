@@ -6,7 +6,7 @@
 use super::clock::Clock;
 use super::event_mode::{Usage, no_such_phase};
 use super::logger::Logger;
-use super::phase::{Phase, may_get, may_set, of_kind};
+use super::phase::{Phase, Way, may_get, may_set, of_kind};
 use super::refusal::Refusal;
 use super::saved::Saved;
 use super::undefined::Undefined;
@@ -15,10 +15,19 @@ use super::version::Version;
 use crate::component::{Component, Paused, Pauses, Refused, Stepped};
 use crate::numerics::decimal::Decimal;
 use crate::variables::{Kind, Reference, Vector};
-use std::borrow::Cow;
-use std::ffi::{CStr, CString, c_char};
 use std::mem::MaybeUninit;
 use std::rc::Rc;
+
+/// Name of the item of an Enumeration with this number.
+fn item(component: &Component, reference: Reference, number: i64) -> Result<&'static str, Refused> {
+    let Some(variable) = component.interface().get(reference) else { return Ok("") };
+    let items = variable.details.items;
+    let item = usize::try_from(number).ok().and_then(|number| items.get(number.checked_sub(1)?));
+    item.copied().ok_or_else(|| {
+        let allowed: Vec<_> = items.iter().enumerate().map(|(index, name)| format!("{} ({name})", index + 1)).collect();
+        Refused(format!("{} = {number}: must be {}", variable.name, allowed.join(" or ")))
+    })
+}
 
 /// What is called with the time reached [s] after an internal step; returns the time at which the host wants the step to
 /// end, if it asks for that [s].
@@ -53,8 +62,6 @@ pub struct Instance {
     /// For each variable of the component the knowns on which its initial value depends, once they were asked for; None
     /// inside of a model too large to find them.
     pub(super) initial_dependencies: Option<Option<Vec<Vec<Reference>>>>,
-    /// Texts of the last [`Self::get_string`], whose pointers lead here.
-    texts: Vec<CString>,
 }
 
 impl Instance {
@@ -75,13 +82,15 @@ impl Instance {
             scalars: Vec::new(),
             orders: Vec::new(),
             initial_dependencies: None,
-            texts: Vec::new(),
         }
     }
 
-    /// Set up the experiment. Without it, the start time is 0 and there is no stop time.
+    /// Set up the experiment. Without it, the start time is 0 and there is no stop time. A tolerance of 0 is none, as
+    /// importers pass it whose user has stated none; a warning tells it.
     pub fn setup_experiment(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
         let clock = Clock::new(start, stop)?;
+        let is_zero = tolerance == Some(0.0);
+        let tolerance = tolerance.filter(|_| !is_zero);
         if let Some(tolerance) = tolerance {
             if !(tolerance > 0.0 && tolerance.is_finite()) {
                 let tolerance = Decimal(tolerance);
@@ -92,6 +101,9 @@ impl Instance {
         self.tolerance = tolerance;
         self.clock = clock;
         self.set_up = true;
+        if is_zero {
+            self.logger.remark("tolerance is 0, which is taken as none: solver.tolerance holds");
+        }
         Ok(())
     }
 
@@ -202,30 +214,30 @@ impl Instance {
         Ok(())
     }
 
-    /// Read Strings. The pointers are valid until the next call of this function, or the end of the instance.
-    pub fn get_string(
+    /// Read Enumerations, as numbers of the type `N` from 1 on. On an error the array may be filled in part.
+    pub fn get_enumeration<N: From<i32>>(
         &mut self,
         references: &[Reference],
-        values: &mut [MaybeUninit<*const c_char>],
+        values: &mut [MaybeUninit<N>],
     ) -> Result<(), Refusal> {
-        self.texts.clear();
         for (&reference, value) in references.iter().zip(values) {
-            may_get(self, reference, Kind::String)?;
-            let text = CString::new(self.component.text(reference)?)
-                .map_err(|_| Refusal::error(format!("value reference {reference}: the text holds a zero byte")))?;
-            value.write(text.as_ptr());
-            self.texts.push(text);
+            may_get(self, reference, Kind::Enumeration)?;
+            value.write((self.component.item(reference)? as i32 + 1).into());
         }
         Ok(())
     }
 
     /// Set Reals, all or none.
     pub fn set_real(&mut self, references: &[Reference], values: &[f64]) -> Result<(), Refusal> {
+        let mut tunes = false;
         for (&reference, &value) in references.iter().zip(values) {
-            may_set(self, reference, Kind::Real)?;
+            tunes |= may_set(self, reference, Kind::Real)? == Way::Tuned;
             self.component.check_real(reference, value)?;
         }
         self.component.check_together(references, values)?;
+        if tunes {
+            self.component.tune(references, values)?;
+        }
         for (&reference, &value) in references.iter().zip(values) {
             self.component.take_real(reference, value)?;
         }
@@ -241,17 +253,19 @@ impl Instance {
         self.set(references, values, Kind::Boolean, Component::check_boolean, Component::set_boolean)
     }
 
-    /// Set Strings, all or none; the texts are copied. A text that is None is NULL.
-    pub fn set_string(&mut self, references: &[Reference], values: &[Option<&CStr>]) -> Result<(), Refusal> {
-        let texts: Vec<Option<Cow<str>>> = values.iter().map(|value| value.map(CStr::to_string_lossy)).collect();
-        let null = |reference| Refused(format!("value reference {reference}: the text is NULL"));
-        let check = |component: &Component, reference, text: Option<&str>| {
-            component.check_text(reference, text.ok_or_else(|| null(reference))?)
+    /// Set Enumerations by the numbers of their items, all or none.
+    pub fn set_enumeration(
+        &mut self,
+        references: &[Reference],
+        values: impl Iterator<Item = i64> + Clone,
+    ) -> Result<(), Refusal> {
+        let check = |component: &Component, reference, number| {
+            component.check_text(reference, item(component, reference, number)?)
         };
-        let set = |component: &mut Component, reference, text: Option<&str>| {
-            component.set_text(reference, text.unwrap_or(""))
+        let set = |component: &mut Component, reference, number| {
+            component.set_text(reference, item(component, reference, number)?)
         };
-        self.set(references, texts.iter().map(Option::as_deref), Kind::String, check, set)
+        self.set(references, values, Kind::Enumeration, check, set)
     }
 
     /// Check all values, then set all.
@@ -299,7 +313,8 @@ impl Instance {
                 undefined.push(unknowns[index]);
             }
         };
-        self.component.directional_derivative(unknowns, knowns, seeds, &mut report)?;
+        let is_initial = self.phase == Phase::Initialization;
+        self.component.directional_derivative(is_initial, unknowns, knowns, seeds, &mut report)?;
         match undefined[..] {
             [] => Ok(()),
             _ => self.warn(&undefined, "derivative", Component::undefined_derivative),
@@ -329,7 +344,8 @@ impl Instance {
                     undefined.push(unknowns[index]);
                 }
             };
-            self.component.directional_derivative(unknowns, std::slice::from_ref(known), &[1.0], &mut add)?;
+            let (is_initial, known_alone) = (self.phase == Phase::Initialization, std::slice::from_ref(known));
+            self.component.directional_derivative(is_initial, unknowns, known_alone, &[1.0], &mut add)?;
             overflow = overflow.or_else(|| (!sum.is_finite()).then_some(*known));
             value.write(if sum.is_finite() { sum } else { f64::NAN });
         }

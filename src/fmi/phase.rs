@@ -150,21 +150,39 @@ fn no_get(instance: &Instance, reference: Reference, kind: Kind) -> Refusal {
     }
 }
 
-/// Permission to set: inputs always, parameters until initialization mode ends, what is computed never.
+/// How a variable that may be set is set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// At once.
+    Set,
+    /// Parameter, whose value changes the laws of a motion that has begun.
+    Tuned,
+}
+
+/// Permission to set: inputs always, parameters until initialization mode ends, tunable ones also between steps and in event
+/// mode, what is computed never.
 ///
 /// # Errors
 /// An unknown reference, another type, or a variable that is not the host's to set now.
-pub fn may_set(instance: &Instance, reference: Reference, kind: Kind) -> Result<(), Refusal> {
+pub fn may_set(instance: &Instance, reference: Reference, kind: Kind) -> Result<Way, Refusal> {
     let variable = of_kind(instance, reference, kind)?;
     let reason = match (variable.causality, instance.phase) {
         (Causality::Input, Phase::Continuous) if variable.variability == Variability::Discrete => {
             "a discrete input; in model exchange it is set in event mode"
         }
-        (Causality::Input, _) => return Ok(()),
-        (Causality::Parameter, Phase::Instantiated | Phase::Initialization) => return Ok(()),
-        (Causality::Parameter, _) => "a parameter; it can be set until initialization mode ends, or after a reset",
+        (Causality::Input, _) => return Ok(Way::Set),
+        (Causality::Parameter, Phase::Instantiated | Phase::Initialization) => return Ok(Way::Set),
+        (Causality::Parameter, Phase::Step | Phase::Event) if variable.variability == Variability::Tunable => {
+            return Ok(Way::Tuned);
+        }
+        (Causality::Parameter, Phase::Continuous) if variable.variability == Variability::Tunable => {
+            "a tunable parameter; in model exchange it is set in event mode"
+        }
+        (Causality::Parameter, _) => {
+            "a fixed parameter; it can be set until initialization mode ends, or after a reset"
+        }
         // The component names the parameters that decide it.
-        (Causality::CalculatedParameter, Phase::Instantiated | Phase::Initialization) => return Ok(()),
+        (Causality::CalculatedParameter, Phase::Instantiated | Phase::Initialization) => return Ok(Way::Set),
         (Causality::CalculatedParameter, _) => "a calculated parameter; it cannot be set",
         (Causality::Output, _) => "an output; it cannot be set",
         (Causality::Local, _) => "a local variable; it cannot be set",

@@ -16,7 +16,6 @@ use crate::fmi::phase::{
 };
 use crate::fmi::refusal::Refusal;
 use crate::fmi::{exported, handle, resources, state_handle};
-use crate::variables::Kind;
 use std::ffi::{CStr, c_int};
 
 /// Always `"default"`: the types of `fmi2TypesPlatform.h`.
@@ -132,34 +131,34 @@ exported! {
     fn fmi2GetReal(vr: *const ValueReference, count: usize, value: *mut Real) in ALIVE => |i|
         i.get_real(input("vr", vr, count)?, output("value", value, count)?);
 
-    /// Read Integers: there are none, so that only the empty list can be read.
+    /// Read Enumerations, each as the number of its item; there are no Integers. On an error the array may be filled in
+    /// part.
     // SAFETY: both arrays have `count` elements (2.1.7).
-    fn fmi2GetInteger(vr: *const ValueReference, count: usize, value: *mut Integer) in ALIVE => |i| {
-        output("value", value, count)?;
-        none_of_type(i, input("vr", vr, count)?, Kind::Integer.word())
-    };
+    fn fmi2GetInteger(vr: *const ValueReference, count: usize, value: *mut Integer) in ALIVE => |i|
+        i.get_enumeration(input("vr", vr, count)?, output("value", value, count)?);
 
     /// Read Booleans, each 0 or 1. On an error the array may be filled in part.
     // SAFETY: both arrays have `count` elements (2.1.7).
     fn fmi2GetBoolean(vr: *const ValueReference, count: usize, value: *mut Boolean) in ALIVE => |i|
         i.get_boolean(input("vr", vr, count)?, output("value", value, count)?);
 
-    /// Read Strings; they live until the next call of this function or the end of the instance. On an error the array
-    /// may be filled in part.
+    /// Read Strings: there are none, so that only the empty list can be read.
     // SAFETY: both arrays have `count` elements (2.1.7).
-    fn fmi2GetString(vr: *const ValueReference, count: usize, value: *mut Text) in ALIVE => |i|
-        i.get_string(input("vr", vr, count)?, output("value", value, count)?);
+    fn fmi2GetString(vr: *const ValueReference, count: usize, value: *mut Text) in ALIVE => |i| {
+        output("value", value, count)?;
+        none_of_type(i, input("vr", vr, count)?, "String")
+    };
 
     /// Set Real inputs and parameters, all or none.
     // SAFETY: both arrays have `count` elements (2.1.7).
     fn fmi2SetReal(vr: *const ValueReference, count: usize, value: *const Real) in SETTABLE => |i|
         i.set_real(input("vr", vr, count)?, input("value", value, count)?);
 
-    /// Set Integers: there are none, so that only the empty list can be set.
+    /// Set Enumerations by the numbers of their items, all or none.
     // SAFETY: both arrays have `count` elements (2.1.7).
     fn fmi2SetInteger(vr: *const ValueReference, count: usize, value: *const Integer) in SETTABLE => |i| {
-        input("value", value, count)?;
-        none_of_type(i, input("vr", vr, count)?, Kind::Integer.word())
+        let values = input("value", value, count)?.iter().map(|&number| i64::from(number));
+        i.set_enumeration(input("vr", vr, count)?, values)
     };
 
     /// Set Boolean inputs and parameters, all or none; any number but 0 is true.
@@ -169,11 +168,11 @@ exported! {
         i.set_boolean(input("vr", vr, count)?, values)
     };
 
-    /// Set String parameters, all or none; the texts are copied.
-    // SAFETY: both arrays have `count` elements, each a string or NULL (2.1.7).
+    /// Set Strings: there are none, so that only the empty list can be set.
+    // SAFETY: both arrays have `count` elements (2.1.7).
     fn fmi2SetString(vr: *const ValueReference, count: usize, value: *const Text) in SETTABLE => |i| {
-        let texts: Vec<_> = input("value", value, count)?.iter().map(|&value| text(value)).collect();
-        i.set_string(input("vr", vr, count)?, &texts)
+        input("value", value, count)?;
+        none_of_type(i, input("vr", vr, count)?, "String")
     };
 
     /// Save everything that decides how the instance goes on. A state that `*state` already leads to is overwritten.

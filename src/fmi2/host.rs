@@ -7,8 +7,8 @@
 //! is not `fmi2OK`.
 
 use super::types::{
-    Boolean, CO_SIMULATION, CallbackFunctions, Component, Environment, EventInfo, FALSE, FmuState, LoggerCallback,
-    MODEL_EXCHANGE, Status, Text, ValueReference,
+    Boolean, CO_SIMULATION, CallbackFunctions, Component, Environment, EventInfo, FALSE, FmuState, Integer,
+    LoggerCallback, MODEL_EXCHANGE, Status, Text, ValueReference,
 };
 use super::*;
 use crate::component;
@@ -17,7 +17,7 @@ use crate::variables::{Interface, Vector};
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_int};
 use std::path::Path;
-use std::ptr::{null, null_mut};
+use std::ptr::null_mut;
 use std::sync::Arc;
 
 /// Message that the logger received.
@@ -311,19 +311,27 @@ impl Host {
         unsafe { fmi2SetBoolean(self.c, &self.reference(name), 1, &Boolean::from(value)) }
     }
 
-    /// Value of one String.
-    pub fn get_text(&self, name: &str) -> Result<String, Status> {
-        let mut value = null();
-        // SAFETY: the component is valid; one reference, one value, which is copied before the next call.
-        unsafe { fmi2GetString(self.c, &self.reference(name), 1, &mut value) }.ok()?;
-        Ok(owned(value))
+    /// Name of the item of one Enumeration.
+    pub fn get_item(&self, name: &str) -> Result<&'static str, Status> {
+        let (reference, mut number) = (self.reference(name), 0);
+        // SAFETY: the component is valid; one reference, one value.
+        unsafe { fmi2GetInteger(self.c, &reference, 1, &mut number) }.ok()?;
+        let items = self.description.interface().get(reference).map_or(&[][..], |variable| variable.details.items);
+        Ok(items[number as usize - 1])
     }
 
-    /// Set one String.
-    pub fn set_text(&self, name: &str, value: &str) -> Status {
-        let value = terminated(value);
-        // SAFETY: the component is valid; one reference, one value that lives during the call.
-        unsafe { fmi2SetString(self.c, &self.reference(name), 1, &value.as_ptr()) }
+    /// Set one Enumeration by the name of an item; a name of none is passed as 0.
+    pub fn set_item(&self, name: &str, item: &str) -> Status {
+        let reference = self.reference(name);
+        let variable = self.description.interface().get(reference);
+        let number = variable.and_then(|variable| variable.number_of(item)).unwrap_or_default();
+        self.set_number(name, number as Integer)
+    }
+
+    /// Set one Enumeration by the number of an item.
+    pub fn set_number(&self, name: &str, number: Integer) -> Status {
+        // SAFETY: the component is valid; one reference, one value.
+        unsafe { fmi2SetInteger(self.c, &self.reference(name), 1, &number) }
     }
 
     /// `fmi2SetupExperiment`; an undefined tolerance or stop time is passed as NaN.

@@ -7,7 +7,7 @@
 //! has the length that is told.
 use super::host::{Log, callbacks};
 use super::types::{
-    Boolean, CO_SIMULATION, CallbackFunctions, Component, FALSE, FmuState, LoggerCallback, Real, Status, Text,
+    Boolean, CO_SIMULATION, CallbackFunctions, Component, FALSE, FmuState, Integer, LoggerCallback, Real, Status, Text,
     ValueReference,
 };
 use std::ffi::{CString, OsStr, c_int, c_void};
@@ -61,7 +61,7 @@ functions! {
     get_real = GetReal(*const ValueReference, usize, *mut Real);
     set_real = SetReal(*const ValueReference, usize, *const Real);
     set_boolean = SetBoolean(*const ValueReference, usize, *const Boolean);
-    set_string = SetString(*const ValueReference, usize, *const Text);
+    set_integer = SetInteger(*const ValueReference, usize, *const Integer);
     input_derivatives = SetRealInputDerivatives(*const ValueReference, usize, *const c_int, *const Real);
     output_derivatives = GetRealOutputDerivatives(*const ValueReference, usize, *const c_int, *mut Real);
     directional = GetDirectionalDerivative(
@@ -295,15 +295,14 @@ impl Instance {
         self.answer("fmi2SetBoolean", status)
     }
 
-    /// `fmi2SetString` of one variable.
+    /// `fmi2SetInteger` of one variable.
     ///
     /// # Errors
     /// As [`Self::set_up`].
-    pub fn set_text(&self, reference: ValueReference, value: &str) -> Result<(), String> {
-        let value = CString::new(value).map_err(|e| e.to_string())?;
-        // SAFETY: the component is valid; one reference, one value that lives during the call.
-        let status = unsafe { (self.library.functions.set_string)(self.c, &reference, 1, &value.as_ptr()) };
-        self.answer("fmi2SetString", status)
+    pub fn set_integer(&self, reference: ValueReference, value: Integer) -> Result<(), String> {
+        // SAFETY: the component is valid; one reference, one value.
+        let status = unsafe { (self.library.functions.set_integer)(self.c, &reference, 1, &value) };
+        self.answer("fmi2SetInteger", status)
     }
 
     /// `fmi2SetRealInputDerivatives` of one input, of the orders 1, 2 and so on.

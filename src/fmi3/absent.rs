@@ -87,7 +87,6 @@ pub(super) mod types_of_no_variable {
         "UInt16" fmi3GetUInt16 fmi3SetUInt16 u16;
         "Int32" fmi3GetInt32 fmi3SetInt32 i32;
         "UInt32" fmi3GetUInt32 fmi3SetUInt32 u32;
-        "Int64" fmi3GetInt64 fmi3SetInt64 i64;
         "UInt64" fmi3GetUInt64 fmi3SetUInt64 u64;
     }
 }

@@ -13,7 +13,7 @@ use crate::fmi::instance::Instance;
 use crate::fmi::logger::{Logger, Sink};
 use crate::fmi::phase::{
     ALIVE, CONTINUOUS, EVENT, FAILED, FATAL, Function, INITIALIZATION, INSTANTIATED, INTERMEDIATE, Phase, SETTABLE,
-    STEP, STEPPED,
+    STEP, STEPPED, none_of_type,
 };
 use crate::fmi::refusal::Refusal;
 use crate::fmi::vectors::wrong_number;
@@ -140,13 +140,21 @@ exported! {
         i.get_boolean(vr, value)
     };
 
-    /// Read Strings; they live until the next call of this function or the end of the instance. On an error the array
-    /// may be filled in part.
+    /// Read Enumerations, each as the number of its item; there are no Int64 variables. On an error the array may be filled
+    /// in part.
     // SAFETY: both arrays have as many elements as said (2.2.6).
-    fn fmi3GetString(vr: *const ValueReference, count: usize, value: *mut Text, values: usize) in ALIVE | INTERMEDIATE => |i| {
+    fn fmi3GetInt64(vr: *const ValueReference, count: usize, value: *mut i64, values: usize) in ALIVE | INTERMEDIATE => |i| {
         let (vr, value) = (input("valueReferences", vr, count)?, output("values", value, values)?);
         same_length(count, values)?;
-        i.get_string(vr, value)
+        i.get_enumeration(vr, value)
+    };
+
+    /// Read Strings: there are none, so that only the empty list can be read.
+    // SAFETY: both arrays have as many elements as said (2.2.6).
+    fn fmi3GetString(vr: *const ValueReference, count: usize, value: *mut Text, values: usize) in ALIVE | INTERMEDIATE => |i| {
+        output("values", value, values)?;
+        same_length(count, values)?;
+        none_of_type(i, input("valueReferences", vr, count)?, "String")
     };
 
     /// Set Float64 inputs and parameters, all or none.
@@ -165,13 +173,20 @@ exported! {
         i.set_boolean(vr, value.iter().map(|&value| value != FALSE))
     };
 
-    /// Set String parameters, all or none; the texts are copied.
-    // SAFETY: both arrays have as many elements as said, each value a string or NULL (2.2.6).
-    fn fmi3SetString(vr: *const ValueReference, count: usize, value: *const Text, values: usize) in SETTABLE => |i| {
+    /// Set Enumerations by the numbers of their items, all or none.
+    // SAFETY: both arrays have as many elements as said (2.2.6).
+    fn fmi3SetInt64(vr: *const ValueReference, count: usize, value: *const i64, values: usize) in SETTABLE => |i| {
         let (vr, value) = (input("valueReferences", vr, count)?, input("values", value, values)?);
         same_length(count, values)?;
-        let texts: Vec<_> = value.iter().map(|&value| text(value)).collect();
-        i.set_string(vr, &texts)
+        i.set_enumeration(vr, value.iter().copied())
+    };
+
+    /// Set Strings: there are none, so that only the empty list can be set.
+    // SAFETY: both arrays have as many elements as said (2.2.6).
+    fn fmi3SetString(vr: *const ValueReference, count: usize, value: *const Text, values: usize) in SETTABLE => |i| {
+        input("values", value, values)?;
+        same_length(count, values)?;
+        none_of_type(i, input("valueReferences", vr, count)?, "String")
     };
 
     /// Save everything that decides how the instance goes on. A state that `*state` already leads to is overwritten.

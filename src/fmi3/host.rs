@@ -9,7 +9,7 @@ use super::*;
 use crate::fmi::exchange_calls;
 use crate::fmi2::host::{Description, Log, Message, State, owned};
 use std::cell::Cell;
-use std::ffi::{CString, c_int};
+use std::ffi::c_int;
 use std::ptr::{NonNull, null, null_mut};
 use std::sync::Arc;
 
@@ -220,17 +220,16 @@ impl Calls {
         unsafe { fmi3SetBoolean(self.c.get(), &reference, 1, &value, 1) }
     }
 
-    /// `fmi3GetString` of one variable.
-    pub fn text(&self, reference: ValueReference) -> Status {
+    /// `fmi3GetInt64` of one variable.
+    pub fn number(&self, reference: ValueReference) -> Status {
         // SAFETY: the instance is valid; one reference, one value.
-        unsafe { fmi3GetString(self.c.get(), &reference, 1, &mut null(), 1) }
+        unsafe { fmi3GetInt64(self.c.get(), &reference, 1, &mut 0, 1) }
     }
 
-    /// `fmi3SetString` of one variable.
-    pub fn set_text(&self, reference: ValueReference, value: &str) -> Status {
-        let value = CString::new(value).unwrap_or_default();
-        // SAFETY: the instance is valid; one reference, one value that lives during the call.
-        unsafe { fmi3SetString(self.c.get(), &reference, 1, &value.as_ptr(), 1) }
+    /// `fmi3SetInt64` of one variable.
+    pub fn set_number(&self, reference: ValueReference, value: i64) -> Status {
+        // SAFETY: the instance is valid; one reference, one value.
+        unsafe { fmi3SetInt64(self.c.get(), &reference, 1, &value, 1) }
     }
 
     /// `fmi3GetDirectionalDerivative`, or with `is_adjoint` `fmi3GetAdjointDerivative`.

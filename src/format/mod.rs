@@ -3,6 +3,7 @@
 //!
 //! In: the text of a file. Out: a value of the definition's type, or an error for whoever writes the file. It must not
 //! know what any definition says.
+mod about;
 mod experiment;
 mod expression;
 mod named;
@@ -10,6 +11,7 @@ mod numbers;
 mod parameter;
 mod strict;
 
+pub use about::About;
 pub use experiment::Experiment;
 pub use expression::{Expression, LONGEST_EXPRESSION, is_reserved};
 pub use named::Named;

@@ -62,6 +62,24 @@ impl Range {
         }
     }
 
+    /// Least and largest number of the range, where there are such; what must be > 0 is bounded by 0.
+    pub fn bounds(self) -> [Option<f64>; 2] {
+        match self {
+            Self::Finite => [None, None],
+            Self::NonNegative | Self::Positive => [Some(0.0), None],
+            Self::Length | Self::Size => [Some(0.0), Some(1e100)],
+            Self::Coordinate => [Some(-1e100), Some(1e100)],
+            Self::Turn => [Some(-1e6), Some(1e6)],
+            Self::Fraction | Self::Unit => [Some(0.0), Some(1.0)],
+            Self::Pressure => [Some(0.0), Some(1.2)],
+            Self::Eccentricity => [Some(0.0), Some(0.9)],
+            Self::Polytropic => [Some(1.0), Some(2.0)],
+            Self::Tolerance => [Some(1e-14), Some(1e-1)],
+            Self::Count => [Some(1.0), Some(1e15)],
+            Self::Substep => [Some(1e-9), None],
+        }
+    }
+
     /// Whether the value is in the range.
     pub fn contains(self, value: f64) -> bool {
         value.is_finite() && self.rule(value).0

@@ -14,8 +14,18 @@ use std::f64::consts::PI;
 
 /// Path in the file of a key, where those of the circuit stand in its own section.
 fn in_file(path: &str) -> String {
-    const OWN: [&str; 9] =
-        ["name", "description", "circuit", "actuator", "coupling", "solver", "experiment", "accumulator", "pump"];
+    const OWN: [&str; 10] = [
+        "name",
+        "description",
+        "about",
+        "circuit",
+        "actuator",
+        "coupling",
+        "solver",
+        "experiment",
+        "accumulator",
+        "pump",
+    ];
     let first = path.split('.').next().unwrap_or_default();
     if OWN.contains(&first) { path.to_owned() } else { format!("circuit.{path}") }
 }

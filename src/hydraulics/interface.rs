@@ -1,11 +1,13 @@
 //! The variables of a hydraulic actuator: inputs, outputs, parameters, with units and dependencies.
 //!
 //! In: a definition. Out: the table of variables with the quantity of each. It must not know the state.
-use super::definition::{HydraulicActuator, Mode};
+use super::definition::{HydraulicActuator, Mode, Role};
 use super::inputs::Input::{self, Acceleration, Command, Horizon, Load, LoadDerivative, Mass, MassDerivative};
 use super::inputs::Input::{Length, Speed, Supply, Tank};
 use super::outputs::Output;
-use crate::variables::{Causality, Kind, Member, Reference, Terminal, Unit, Value, Variability, Variable, Variables};
+use crate::variables::{
+    Causality, Details, Kind, Member, Reference, Terminal, Unit, Value, Variability, Variable, Variables,
+};
 
 /// Quantity of a variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -222,6 +224,7 @@ pub fn variables(actuator: &HydraulicActuator) -> (Vec<Variable>, Vec<Quantity>)
             unit: Some(unit),
             start: Some(Value::Real(start)),
             dependencies: Vec::new(),
+            details: Details { nominal: (start != 0.0).then_some(start.abs()), ..Details::default() },
         });
         quantities.push(Quantity::Input(index));
     }
@@ -237,6 +240,7 @@ pub fn variables(actuator: &HydraulicActuator) -> (Vec<Variable>, Vec<Quantity>)
             unit: Some(unit),
             start: None,
             dependencies,
+            details: Details::default(),
         });
         quantities.push(Quantity::Output(output));
     }
@@ -247,10 +251,11 @@ pub fn variables(actuator: &HydraulicActuator) -> (Vec<Variable>, Vec<Quantity>)
             description: parameter.description.concat(),
             kind: Kind::Real,
             causality: Causality::Parameter,
-            variability: Variability::Fixed,
+            variability: if parameter.role == Role::Tolerance { Variability::Tunable } else { Variability::Fixed },
             unit: Some(parameter.unit),
             start: Some(Value::Real(*value)),
             dependencies: Vec::new(),
+            details: Details { bounds: parameter.range.bounds(), ..Details::default() },
         });
         quantities.push(Quantity::Parameter(index));
         index += 1;
@@ -259,12 +264,13 @@ pub fn variables(actuator: &HydraulicActuator) -> (Vec<Variable>, Vec<Quantity>)
     list.push(Variable {
         name: "coupling.mode".to_owned(),
         description: format!("Motion of a step: {words}; foreseen, or that of the inputs"),
-        kind: Kind::String,
+        kind: Kind::Enumeration,
         causality: Causality::Parameter,
         variability: Variability::Fixed,
         unit: None,
-        start: Some(Value::String(actuator.coupling.mode.word().to_owned())),
+        start: Some(Value::Item(actuator.coupling.mode.word().to_owned())),
         dependencies: Vec::new(),
+        details: Details { items: &Mode::WORDS, ..Details::default() },
     });
     quantities.push(Quantity::Mode);
     (list, quantities)

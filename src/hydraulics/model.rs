@@ -14,7 +14,7 @@ use super::inputs::{INPUTS, Input, Inputs};
 use super::interface::{self, Quantity};
 use super::outputs::{Output, Present, stable_step};
 use super::state::{Blind, Foreseen, Preview, State, dynamic};
-use crate::format::{DefinitionError, Experiment, Range};
+use crate::format::{About, DefinitionError, Experiment, Range};
 use crate::integrator::Statistics;
 use crate::variables::{Reference, Terminal, Variables};
 pub use derivatives::{INPUT_ORDER, OUTPUT_ORDER};
@@ -107,6 +107,11 @@ impl Model {
     /// Name of the actuator, the FMU's modelName and modelIdentifier.
     pub fn name(&self) -> &str {
         &self.original.parameters.actuator.name
+    }
+
+    /// Author, copyright and licence.
+    pub fn about(&self) -> &About {
+        &self.original.parameters.actuator.about
     }
 
     /// One-line description of the actuator.
@@ -287,26 +292,45 @@ impl Model {
         self.check_boolean(reference, value)
     }
 
-    /// Present value of a String.
+    /// Present item of an Enumeration, by its index from 0 on.
     ///
     /// # Errors
-    /// No String has this reference.
-    pub fn text(&self, reference: Reference) -> Result<&'static str, HydraulicsError> {
+    /// No Enumeration has this reference.
+    pub fn item(&mut self, reference: Reference) -> Result<usize, HydraulicsError> {
         match self.original.variables.quantity(reference) {
-            Some(Quantity::Mode) => Ok(self.parameters.actuator.coupling.mode.word()),
-            _ => Err(self.no_such(reference, "String")),
+            Some(Quantity::Mode) => Ok(self.parameters.actuator.coupling.mode as usize),
+            _ => Err(self.no_such(reference, "Enumeration")),
         }
+    }
+
+    /// Give tunable parameters these values, which [`Self::check_real`] accepts, and leave the motion as it is. Only numbers of
+    /// the integration are tunable.
+    ///
+    /// # Errors
+    /// None.
+    pub fn tune(&mut self, references: &[Reference], values: &[f64]) -> Result<(), HydraulicsError> {
+        for (&reference, &value) in references.iter().zip(values) {
+            if let Some(Quantity::Parameter(index)) = self.original.variables.quantity(reference)
+                && self.parameters.values[index].to_bits() != value.to_bits()
+            {
+                let parameters = Arc::make_mut(&mut self.parameters);
+                parameters.values[index] = value;
+                parameters.update();
+                self.cache.clear();
+            }
+        }
+        Ok(())
     }
 
     /// Whether [`Self::set_text`] would accept this value; changes nothing.
     ///
     /// # Errors
-    /// No String has this reference, or the text is none of its words.
+    /// No Enumeration has this reference, or the text is none of its words.
     pub fn check_text(&self, reference: Reference, value: &str) -> Result<(), HydraulicsError> {
         self.mode_of(reference, value).map(|_| ())
     }
 
-    /// Set a String parameter. After a step, it takes effect with the next initialisation only.
+    /// Set an Enumeration by the name of an item. After a step, it takes effect with the next initialisation only.
     ///
     /// # Errors
     /// As [`Self::check_text`].
@@ -327,7 +351,7 @@ impl Model {
                 let name = self.name_of(reference);
                 HydraulicsError::Text { name, value: value.into(), allowed: words.join(" or ") }
             }),
-            _ => Err(self.no_such(reference, "String")),
+            _ => Err(self.no_such(reference, "Enumeration")),
         }
     }
 

@@ -36,9 +36,9 @@ type Ranges = [(Range, Role)];
 /// it is on.
 pub fn decides_reduced(role: Role, is_part: bool) -> bool {
     match role {
-        Role::Geometry | Role::Inertia | Role::Load | Role::Scale | Role::Circuit => true,
+        Role::Geometry | Role::Inertia | Role::Load | Role::Law | Role::Scale | Role::Circuit => true,
         Role::StartPosition => is_part,
-        Role::StartSpeed | Role::Elasticity | Role::Tolerance | Role::CircuitStart | Role::Named => false,
+        Role::StartSpeed | Role::Elasticity | Role::Tolerance | Role::Step | Role::CircuitStart | Role::Named => false,
     }
 }
 

@@ -7,6 +7,7 @@ mod events;
 mod exchange;
 mod linearisation;
 mod occurrences;
+mod tune;
 mod undefined;
 mod values;
 mod warnings;

@@ -1,5 +1,6 @@
 //! The present parameters of a mechanism, and a hash of what no parameter changes.
 use crate::codec::checksum::fnv1a;
+use crate::format::About;
 use crate::mechanism::definition::{Experiment, Expressions, Mechanism, Method};
 use crate::numerics::bits::same_bits;
 use std::sync::Arc;
@@ -127,6 +128,7 @@ pub fn fingerprint(mechanism: &Mechanism) -> u64 {
     bare.solver.method = bare.solver.method.map(|_| Method::default());
     (bare.schema, bare.experiment) = (None, Experiment::default());
     bare.description.clear();
+    bare.about = About::default();
     if let Some(shared) = &mut bare.shared {
         shared.file.clear();
         shared.contents.iter_mut().for_each(|contents| {

@@ -1,5 +1,9 @@
 //! The quantity of each variable of a mechanism.
 
+/// What stops do to a mechanism: nothing; a bumper pushes; it rests on a rigid stop or a lock holds it there; it has come to a
+/// stop, whose impact is still to follow.
+pub const CONTACT_MODES: [&str; 5] = ["free", "pushed", "resting", "locked", "arrived"];
+
 /// Quantity of a variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Quantity {
@@ -21,6 +25,8 @@ pub enum Quantity {
     SelfLocking(usize),
     /// Whether friction holds the mechanism at rest.
     Sticking,
+    /// What the stops do to the mechanism, one of [`CONTACT_MODES`].
+    Contact,
     /// Computed from the state.
     Output(Output),
     /// sigma, counted on over whole revolutions, or its time derivative of this order: 0 and 1 are the continuous states

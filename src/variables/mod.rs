@@ -29,12 +29,10 @@ pub type Reference = u32;
 pub enum Kind {
     /// 64-bit floating-point number.
     Real,
-    /// 32-bit signed integer.
-    Integer,
+    /// One of some items with names, by its number from 1 on.
+    Enumeration,
     /// Truth value.
     Boolean,
-    /// Text.
-    String,
 }
 
 impl Kind {
@@ -42,9 +40,8 @@ impl Kind {
     pub fn word(self) -> &'static str {
         match self {
             Self::Real => "Real",
-            Self::Integer => "Integer",
+            Self::Enumeration => "Enumeration",
             Self::Boolean => "Boolean",
-            Self::String => "String",
         }
     }
 
@@ -52,7 +49,6 @@ impl Kind {
     pub fn word_of_fmi_3(self) -> &'static str {
         match self {
             Self::Real => "Float64",
-            Self::Integer => "Int32",
             other => other.word(),
         }
     }
@@ -91,6 +87,8 @@ impl Causality {
 pub enum Variability {
     /// Constant once initialised.
     Fixed,
+    /// Of a parameter: changes when the host sets it between two steps.
+    Tunable,
     /// Changes at communication points only.
     Discrete,
     /// Changes with time.
@@ -102,6 +100,7 @@ impl Variability {
     pub fn word(self) -> &'static str {
         match self {
             Self::Fixed => "Fixed",
+            Self::Tunable => "Tunable",
             Self::Discrete => "Discrete",
             Self::Continuous => "Continuous",
         }
@@ -115,8 +114,21 @@ pub enum Value {
     Real(f64),
     /// Value of a Boolean.
     Boolean(bool),
-    /// Value of a String.
-    String(String),
+    /// Name of an item of an Enumeration.
+    Item(String),
+}
+
+/// What is known of the values of a variable besides its kind.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Details {
+    /// Of an Enumeration: the names of its items, in the order of their numbers; else empty.
+    pub items: &'static [&'static str],
+    /// Of a Real: least and largest value, where there are such.
+    pub bounds: [Option<f64>; 2],
+    /// Of a Real: usual size, where it is known.
+    pub nominal: Option<f64>,
+    /// Of a Real: the variable whose time derivative it is.
+    pub derivative_of: Option<Reference>,
 }
 
 /// One variable of the interface.
@@ -139,9 +151,16 @@ pub struct Variable {
     /// Of an output: the inputs on which its present value depends, ascending. Of a calculated parameter: the parameters
     /// that decide it, ascending. Else empty.
     pub dependencies: Vec<Reference>,
+    /// What is known of its values.
+    pub details: Details,
 }
 
 impl Variable {
+    /// Number of an item of an Enumeration by its name, from 1 on.
+    pub fn number_of(&self, item: &str) -> Option<usize> {
+        self.details.items.iter().position(|name| *name == item).map(|index| index + 1)
+    }
+
     /// Last part of the name: `force` of `actuator.force`.
     pub fn quantity(&self) -> &str {
         self.name.rsplit_once('.').map_or(self.name.as_str(), |(_, quantity)| quantity)

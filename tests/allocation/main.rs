@@ -61,7 +61,7 @@ fn nor_do_saving_and_restoring_in_a_state_that_is_used_again() {
     for (method, friction) in [("reduced", false), ("reduced", true), ("rigid_fem", false)] {
         let h = 1e-4;
         let gear = Gear::new();
-        assert_eq!(gear.set_text("solver.method", method), Status::Ok);
+        assert_eq!(gear.set_item("solver.method", method), Status::Ok);
         assert_eq!(gear.set_boolean("friction.enabled", friction), Status::Ok);
         assert_eq!(gear.initialize(), Status::Ok);
         let (input, output) = (gear.vr("actuator.force"), gear.vr("joint2.force"));
@@ -91,7 +91,7 @@ fn nor_does_the_hydraulic_actuator() {
     for mode in ["preview", "follow"] {
         let h = 1e-4;
         let actuator = description.instantiate(None, false).unwrap();
-        assert_eq!(actuator.set_text("coupling.mode", mode), Status::Ok);
+        assert_eq!(actuator.set_item("coupling.mode", mode), Status::Ok);
         assert_eq!(actuator.set("actuator.length", 0.5), Status::Ok);
         assert_eq!(actuator.set("preview.horizon", h), Status::Ok);
         assert_eq!(actuator.initialize(), Status::Ok);
@@ -228,7 +228,7 @@ fn growth_alone_allocates() {
 fn exchange_allocates_nothing(method: &str) {
     let h = 1e-4;
     let gear = Gear::new();
-    assert_eq!(gear.set_text("solver.method", method), Status::Ok);
+    assert_eq!(gear.set_item("solver.method", method), Status::Ok);
     assert_eq!(gear.initialize(), Status::Ok);
     let inputs = [gear.vr("actuator.force"), gear.vr("load_factor")];
     let motion = ["crank.angle", "crank.speed", "crank.acceleration", "actuator.acceleration"];

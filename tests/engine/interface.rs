@@ -48,7 +48,7 @@ fn the_names_are_the_contract() {
         assert_eq!(variable(name).start, Some(Value::Real(start)), "{name}");
     }
     let method = variable("solver.method");
-    assert_eq!((method.kind, &method.start), (Kind::String, &Some(Value::String("reduced".into()))));
+    assert_eq!((method.kind, &method.start), (Kind::Enumeration, &Some(Value::Item("reduced".into()))));
     let plain = Model::from_json(&without_method()).unwrap();
     assert!(["solver.method", "solver.fem_step"].iter().all(|name| plain.variables().find(name).is_none()));
     assert_eq!(variable("joint1.force_x").unit, Some(Unit::Newton));

@@ -54,4 +54,5 @@ mod stops;
 mod support;
 mod tables;
 mod travel;
+mod tunable;
 mod undefined;

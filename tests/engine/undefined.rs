@@ -277,7 +277,7 @@ fn a_reference_of_another_kind_is_refused_by_name() {
     let [angle, flag] = ["crank.angle", "friction.enabled"].map(|name| run.0.reference(name).unwrap());
     let refusals = [
         run.boolean(angle).unwrap_err().to_string(),
-        run.text(angle).unwrap_err().to_string(),
+        run.item(angle).unwrap_err().to_string(),
         run.set_boolean(angle, true).unwrap_err().to_string(),
     ];
     refusals.iter().for_each(|refusal| assert_says(refusal, &["crank.angle", "is a Real, not a"]));

@@ -31,52 +31,56 @@ fn the_tolerance_of_the_experiment_wins_over_the_parameter() {
     assert_eq!(gear.get("solver.tolerance"), Ok(1e-8));
 }
 
+/// As importers pass it whose user has stated none.
 #[test]
-fn strings_are_set_read_and_reset() {
+fn a_tolerance_of_0_is_none_and_a_warning_says_so() {
     let gear = Gear::new();
-    assert_eq!(gear.get_text("solver.method").as_deref(), Ok("reduced"));
-    assert_eq!(gear.set_text("solver.method", "rigid_fem"), Status::Ok);
-    assert_eq!(gear.get_text("solver.method").as_deref(), Ok("rigid_fem"));
-    for bad in ["", "Reduced", "rigid_fem ", "\u{e4}"] {
+    assert_eq!(gear.set("solver.tolerance", 1e-3), Status::Ok);
+    gear.log.take();
+    assert_eq!(gear.set_up(Some(0.0), 0.0, None), Status::Ok);
+    let line = gear.log.take().pop().unwrap();
+    assert!(format!("{line:?}").contains("tolerance is 0, which is taken as none"), "{line:?}");
+    assert_eq!(gear.initialize(), Status::Ok);
+    assert_eq!(gear.get("solver.tolerance"), Ok(1e-3));
+}
+
+#[test]
+fn enumerations_are_set_read_and_reset() {
+    let gear = Gear::new();
+    assert_eq!(gear.get_item("solver.method"), Ok("reduced"));
+    assert_eq!(gear.set_item("solver.method", "rigid_fem"), Status::Ok);
+    assert_eq!(gear.get_item("solver.method"), Ok("rigid_fem"));
+    for bad in [0, -1, 3, i32::MIN, i32::MAX] {
         gear.log.take();
-        assert_eq!(gear.set_text("solver.method", bad), Status::Error);
-        let expected = format!("fmi2SetString: solver.method = \"{bad}\": must be \"reduced\" or \"rigid_fem\"");
+        assert_eq!(gear.set_number("solver.method", bad), Status::Error);
+        let expected = format!("fmi2SetInteger: solver.method = {bad}: must be 1 (reduced) or 2 (rigid_fem)");
         assert_eq!(gear.refusal(), expected);
     }
     let method = gear.vr("solver.method");
     // SAFETY: every array has the length that is passed.
     unsafe {
-        // All or none: a good word before a Real, an unknown reference, a bad word, a NULL.
-        for (second, word) in [
-            (gear.vr("crank.length"), c"reduced".as_ptr()),
-            (gear.count(), c"reduced".as_ptr()),
-            (method, c"no".as_ptr()),
-            (method, c"\xff".as_ptr()),
-            (method, null()),
-        ] {
-            let words = [c"reduced".as_ptr(), word];
-            assert_eq!(fmi2SetString(gear.c, [method, second].as_ptr(), 2, words.as_ptr()), Status::Error);
+        // All or none: a good number before a Real, an unknown reference, a computed Enumeration, a bad number.
+        for (second, number) in
+            [(gear.vr("crank.length"), 1), (gear.count(), 1), (gear.vr("contact.mode"), 1), (method, 7)]
+        {
+            assert_eq!(fmi2SetInteger(gear.c, [method, second].as_ptr(), 2, [1, number].as_ptr()), Status::Error);
         }
-        assert_eq!(gear.get_text("solver.method").as_deref(), Ok("rigid_fem"));
-        // Both pointers of one call hold at once.
-        let mut two = [null(); 2];
-        assert_eq!(fmi2GetString(gear.c, [method, method].as_ptr(), 2, two.as_mut_ptr()), Status::Ok);
-        assert_eq!(two.map(|text| CStr::from_ptr(text)), [c"rigid_fem"; 2]);
+        assert_eq!(gear.get_item("solver.method"), Ok("rigid_fem"));
         assert_eq!(
-            fmi2GetString(gear.c, [method, gear.vr("crank.angle")].as_ptr(), 2, two.as_mut_ptr()),
+            fmi2GetInteger(gear.c, [method, gear.vr("crank.angle")].as_ptr(), 2, [0; 2].as_mut_ptr()),
             Status::Error
         );
         assert_eq!(fmi2GetReal(gear.c, &method, 1, &mut 0.0), Status::Error);
         assert_eq!(fmi2SetReal(gear.c, &method, 1, &0.0), Status::Error);
         assert_eq!(gear.initialize(), Status::Ok);
         gear.log.take();
-        assert_eq!(gear.set_text("solver.method", "reduced"), Status::Error);
+        assert_eq!(gear.set_item("solver.method", "reduced"), Status::Error);
         assert!(gear.refusal().contains("'solver.method'"));
         assert_eq!(gear.step(0.0, H), Status::Ok);
-        assert_eq!(gear.get_text("solver.method").as_deref(), Ok("rigid_fem"));
+        assert_eq!(gear.get_item("solver.method"), Ok("rigid_fem"));
         assert_eq!(gear.reset(), Status::Ok);
     }
-    assert_eq!(gear.get_text("solver.method").as_deref(), Ok("reduced"));
+    assert_eq!(gear.get_item("solver.method"), Ok("reduced"));
 }
 
 #[test]

@@ -21,7 +21,7 @@ fn actuator() -> Host {
 
 fn started(mode: &str) -> Host {
     let actuator = actuator();
-    assert_eq!(actuator.set_text("coupling.mode", mode), Status::Ok);
+    assert_eq!(actuator.set_item("coupling.mode", mode), Status::Ok);
     assert_eq!(actuator.set("actuator.length", 0.43), Status::Ok);
     assert_eq!(actuator.initialize(), Status::Ok, "{:?}", actuator.log.take());
     actuator.log.take();
@@ -113,7 +113,7 @@ fn a_reset_instance_is_a_new_one() {
     let expected = run(&host, 0, 10, 700.0);
     assert_eq!(host.set("valve.command", 5.0), Status::Ok);
     assert_eq!(host.reset(), Status::Ok);
-    assert_eq!(host.set_text("coupling.mode", "follow"), Status::Ok);
+    assert_eq!(host.set_item("coupling.mode", "follow"), Status::Ok);
     assert_eq!(host.set("actuator.length", 0.43), Status::Ok);
     assert_eq!(host.initialize(), Status::Ok);
     assert!(run(&host, 0, 10, 700.0) == expected);
@@ -195,7 +195,7 @@ fn hostile_values_change_nothing() {
     }
     assert_eq!(host.set_reals(&[9999], &[1.0]), Status::Error);
     assert_eq!(host.set("supply.pressure", 1e300), Status::Error);
-    assert_eq!(host.set_text("coupling.mode", "follow"), Status::Error);
+    assert_eq!(host.set_item("coupling.mode", "follow"), Status::Error);
     assert_eq!(host.step(5e-3, f64::NAN), Status::Error);
     assert_eq!(host.step(5e-3, -1.0), Status::Error);
     host.log.take();

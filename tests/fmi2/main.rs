@@ -9,6 +9,7 @@ mod hostile;
 mod hydraulic_drive;
 mod hydraulics;
 mod importer;
+mod initial;
 mod instantiate;
 mod interrupted;
 mod method;

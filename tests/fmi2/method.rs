@@ -15,7 +15,7 @@ const SETTINGS: [(&str, f64); 4] = [
 #[test]
 fn finite_elements_through_the_interface_are_the_native_ones() {
     let (gear, mut native) = (Gear::new(), Simulation::open(GEAR).unwrap());
-    assert_eq!(gear.set_text("solver.method", "rigid_fem"), Status::Ok);
+    assert_eq!(gear.set_item("solver.method", "rigid_fem"), Status::Ok);
     native.set("solver.method", "rigid_fem").unwrap();
     for (name, value) in SETTINGS {
         assert_eq!(gear.set(name, value), Status::Ok, "{name}");

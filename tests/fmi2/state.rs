@@ -2,10 +2,10 @@
 //! one.
 
 use crate::host::{self, FOLDER, Folder, Gear, mechanism};
-use linkage_fmu::fmi2::fmi2GetBoolean;
 use linkage_fmu::fmi2::host::{Description, Host, Log, State, logger};
 use linkage_fmu::fmi2::types::Status;
-use linkage_fmu::variables::{Causality, Kind};
+use linkage_fmu::fmi2::{fmi2GetBoolean, fmi2GetInteger};
+use linkage_fmu::variables::Kind;
 use std::path::Path;
 
 const STEPS: usize = 60;
@@ -71,7 +71,7 @@ fn switch(gear: &Gear, name: &str, on: bool) {
 
 fn started(scenario: &Scenario) -> Gear {
     let gear = Gear::new();
-    assert_eq!(gear.set_text("solver.method", scenario.method), Status::Ok);
+    assert_eq!(gear.set_item("solver.method", scenario.method), Status::Ok);
     scenario.flags.iter().for_each(|(name, on)| switch(&gear, name, *on));
     scenario.parameters.iter().for_each(|(name, value)| assert_eq!(gear.set(name, *value), Status::Ok, "{name}"));
     assert_eq!(gear.initialize(), Status::Ok, "{}: {:?}", scenario.name, gear.log.take());
@@ -96,7 +96,12 @@ fn outputs(gear: &Gear) -> Vec<(Status, u64)> {
                 let status = unsafe { fmi2GetBoolean(gear.c, &reference, 1, &mut value) };
                 all[reference as usize] = (status, value as u64);
             }
-            _ => assert_eq!(variable.causality, Causality::Parameter),
+            Kind::Enumeration => {
+                let mut value = 0;
+                // SAFETY: one reference, room for one value.
+                let status = unsafe { fmi2GetInteger(gear.c, &reference, 1, &mut value) };
+                all[reference as usize] = (status, value as u64);
+            }
         }
     }
     gear.log.take();

@@ -2,10 +2,11 @@
 //! all others are told.
 
 use crate::host::{Folder, Gear};
-use linkage_fmu::fmi2::fmi2GetRealOutputDerivatives;
 use linkage_fmu::fmi2::host::{Description, Host, logger};
 use linkage_fmu::fmi2::types::Status;
+use linkage_fmu::fmi2::{fmi2GetRealOutputDerivatives, fmi2SetDebugLogging};
 use linkage_fmu::variables::{Causality, Kind};
+use std::ffi::CString;
 
 const BUCKET: &str = include_str!("../fixtures/excavator_bucket.json");
 /// Longest message [bytes].
@@ -104,8 +105,9 @@ fn a_derivative_that_does_not_exist_is_nan_with_a_warning() {
 #[test]
 fn a_line_of_the_log_is_bounded() {
     let gear = Gear::new();
-    let long = format!("x{}\u{1}", "y".repeat(100_000));
-    assert_eq!(gear.set_text("solver.method", &long), Status::Error);
+    let long = CString::new(format!("x{}\u{1}", "y".repeat(100_000))).unwrap();
+    // SAFETY: one category.
+    assert_eq!(unsafe { fmi2SetDebugLogging(gear.c, 1, 1, &long.as_ptr()) }, Status::Error);
     let refusal = gear.refusal();
     assert!(refusal.len() <= LONGEST && refusal.contains(" bytes left out) "), "{refusal:.300}");
 }

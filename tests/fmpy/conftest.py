@@ -77,9 +77,14 @@ class Instance:
         return self
 
     def set(self, name: str, value: float | bool | str) -> None:
-        """Set a Real, a Boolean or a String."""
-        setters = {bool: self.slave.setBoolean, str: self.slave.setString}
-        setters.get(type(value), self.slave.setReal)([self.references[name]], [value])
+        """Set a Real, a Boolean, or an Enumeration by the name of an item."""
+        if isinstance(value, str):
+            items = self.variables[name].declaredType.items
+            number = next(int(item.value) for item in items if item.name == value)
+            self.slave.setInteger([self.references[name]], [number])
+        else:
+            set_values = self.slave.setBoolean if isinstance(value, bool) else self.slave.setReal
+            set_values([self.references[name]], [value])
 
     def told(self, name: str) -> bool:
         """Read a Boolean."""

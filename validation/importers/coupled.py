@@ -45,6 +45,8 @@ ELEMENT = tuple(
     for term in ("reduced_mass", "reduced_mass_derivative", "holding_force", "holding_force_derivative")
 )
 MEAN, MODE = "preview.force_mean", "coupling.mode"
+DELAYED_NUMBER = 3
+"""Number of the item `delayed` of `coupling.mode`."""
 PLAIN, PREVIEW, DELAYED = "plain", "preview", "delayed"
 """What is exchanged: force and motion alone; with preview; with preview in the mode for hosts one step late."""
 
@@ -88,7 +90,7 @@ def fmpy(fmus: Path, step: float, scheme: str) -> Angles:
     gear.setBoolean([of_gear["downstop.enabled"]], [False])
     oil.setReal([of_oil[name] for name in parameters(step)], list(parameters(step).values()))
     if scheme == DELAYED:
-        oil.setString([of_oil[MODE]], [DELAYED])
+        oil.setInteger([of_oil[MODE]], [DELAYED_NUMBER])
     tell()
     gear.exitInitializationMode()
     oil.exitInitializationMode()
@@ -126,7 +128,7 @@ def cosim(fmus: Path, step: float, scheme: str, package: bool = False) -> Angles
         for name, value in parameters(step).items():
             assert execution.real_initial_value(oil, of_oil[name], value)
         if scheme == DELAYED:
-            assert execution.string_initial_value(oil, of_oil[MODE], DELAYED)
+            assert execution.integer_initial_value(oil, of_oil[MODE], DELAYED_NUMBER)
         names, source = shared(scheme)
         for name in names:
             assert execution.connect_real_variables(gear, of_gear[name], oil, of_oil[name]) == 0
@@ -165,9 +167,9 @@ def ecos(fmus: Path, step: float, scheme: str, package: bool = False) -> Angles:
         for name in names:
             structure.make_real_connection(f"gear::{name}", f"hydraulics::{name}")
         structure.make_real_connection(f"hydraulics::{source}", f"gear::{FORCE}")
-        values: dict[str, float | str] = {f"hydraulics::{name}": value for name, value in parameters(step).items()}
+        values: dict[str, float] = {f"hydraulics::{name}": value for name, value in parameters(step).items()}
         if scheme == DELAYED:
-            values[f"hydraulics::{MODE}"] = DELAYED
+            values[f"hydraulics::{MODE}"] = DELAYED_NUMBER
         structure.add_parameter_set("H1", {"gear::downstop.enabled": False, **values})
         with EcosSimulation(structure=structure, step_size=step) as simulation:
             return run(simulation, "H1")

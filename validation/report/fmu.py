@@ -51,7 +51,8 @@ class Fmu:
                 case bool():
                     self.slave.setBoolean(reference, [value])
                 case str():
-                    self.slave.setString(reference, [value])
+                    items = self.variables[name].declaredType.items
+                    self.slave.setInteger(reference, [int(item.value) for item in items if item.name == value])
                 case _:
                     self.slave.setReal(reference, [float(value)])
 

@@ -15,7 +15,7 @@ from .fmu import Fmu, Value
 Array = NDArray[np.float64]
 
 METHOD = "solver.method"
-"""String parameter of FMUs that know more than one method of solution."""
+"""Enumeration of FMUs that know more than one method of solution."""
 RIGID_FEM = "rigid_fem"
 """Its value for the finite elements with rigid links of [HF08] section 3."""
 AIRSPEED = 70.0

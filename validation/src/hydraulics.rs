@@ -79,7 +79,7 @@ pub fn table(descriptions: &Path) -> Result<Pages, String> {
 
 /// A run; the time of each part [s] goes into `least` if it is the least.
 fn run(host: &Host, scene: &Use, least: &mut [f64]) -> Result<(), String> {
-    ok(host.set_text("coupling.mode", scene.mode), "coupling.mode", host)?;
+    ok(host.set_item("coupling.mode", scene.mode), "coupling.mode", host)?;
     for (name, value) in [
         ("command.ramp_amplitude", 0.65),
         ("command.ramp_time", 0.1),

@@ -75,6 +75,10 @@ pub struct Package {
     /// Versions of FMI: 2 makes <Name>.fmu, 3 makes <Name>.fmi3.fmu
     #[arg(long, value_enum, default_value_t, value_name = "VERSION")]
     pub fmi: Fmi,
+    /// What the description says of the names of variables: that they are structured by dots, as importers show in trees,
+    /// or flat, as importers need that take no structure; the names are the same
+    #[arg(long, value_enum, default_value_t, value_name = "CONVENTION")]
+    pub naming: Naming,
     /// Platforms whose libraries are built and packed [default: this machine's own]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PLATFORMS")]
     pub platforms: Vec<Platform>,
@@ -132,6 +136,26 @@ pub enum Fmi {
     /// FMI 2.0 and FMI 3.0, a file of each
     #[default]
     Both,
+}
+
+/// Conventions of FMI for names of variables (FMI 2.0.5, 2.2.9).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Naming {
+    /// Any text
+    Flat,
+    /// Parts between dots
+    #[default]
+    Structured,
+}
+
+impl Naming {
+    /// Word in the description of an FMU.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Flat => "flat",
+            Self::Structured => "structured",
+        }
+    }
 }
 
 /// Arguments of `check`.

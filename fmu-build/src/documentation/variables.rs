@@ -92,8 +92,7 @@ fn row(variable: &Variable, interface: &Interface, inputs: &[Reference]) -> Row 
     let attribute = |name: &str| attributes.iter().find(|(key, _)| *key == name).map(|(_, value)| value.as_str());
     let kind = match (variable.kind, variable.variability) {
         (Kind::Boolean, _) => "true or false",
-        (Kind::String, _) => "text",
-        (Kind::Integer, _) => "whole number",
+        (Kind::Enumeration, _) => "one of several",
         (Kind::Real, Variability::Discrete) => "number, discrete",
         (Kind::Real, _) => "number",
     };
@@ -117,7 +116,7 @@ fn start(variable: &Variable) -> String {
     match &variable.start {
         None => String::new(),
         Some(Value::Boolean(value)) => value.to_string(),
-        Some(Value::String(text)) => text.clone(),
+        Some(Value::Item(text)) => text.clone(),
         Some(Value::Real(value)) => match variable.unit.and_then(Unit::display).filter(|_| *value != 0.0) {
             Some((name, factor)) => format!("{} ({} {name})", number(*value), rounded(value * factor)),
             None => number(*value),

@@ -173,8 +173,8 @@ fn columns(interface: &Interface, names: &[String]) -> Result<Vec<Column>> {
                 }
                 let reference = find(interface, name).context("--output-variables")?;
                 let variable = &interface.list()[reference as usize];
-                if variable.kind == Kind::String {
-                    bail!("--output-variables: {name} is a text; a table holds Reals and Booleans");
+                if variable.kind == Kind::Enumeration {
+                    bail!("--output-variables: {name} is an Enumeration; a table holds Reals and Booleans");
                 }
                 Ok(Column::new(reference, variable))
             })

@@ -97,7 +97,7 @@ impl Signals {
             match variable.kind {
                 Kind::Real => signals.continuous.push(signal),
                 Kind::Boolean => signals.discrete.push(signal),
-                Kind::Integer | Kind::String => bail!("{shown}: {name} is a text and changes with no signal"),
+                Kind::Enumeration => bail!("{shown}: {name} is an Enumeration and changes with no signal"),
             }
         }
         for (record, line) in reader.records().zip(2..) {

@@ -13,6 +13,7 @@ use crate::workspace::Workspace;
 use crate::xml::{description::Description, fmi2};
 use crate::{command, files, info, package};
 use anyhow::{Context, Result, bail};
+use fmu_cli::Naming;
 use linkage_fmu::component::Component;
 use linkage_fmu::variables::Interface;
 use std::fs;
@@ -64,7 +65,7 @@ pub fn packed(workspace: &Workspace, mechanism: &Path, model: &Component, folder
     }
     let mut given = Fmu::open(mechanism)?;
     let there = info::description(&mut given)?;
-    let here = Description::parse(&fmi2::to_xml(model)?)?;
+    let here = Description::parse(&fmi2::to_xml(model, Naming::default())?)?;
     if Version::of(&there.fmi_version) == Version::Two
         && (there.guid, there.generation_tool) == (here.guid, here.generation_tool)
     {

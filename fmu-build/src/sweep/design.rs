@@ -89,7 +89,7 @@ impl Call {
 /// The calls that set these factors: Reals, then Booleans, then texts.
 pub fn calls(model: &Component, factors: &[Factor]) -> Vec<Call> {
     let mut calls: Vec<Call> = Vec::new();
-    for kind in [Kind::Real, Kind::Boolean, Kind::String] {
+    for kind in [Kind::Real, Kind::Boolean, Kind::Enumeration] {
         let most = if kind == Kind::Real { most_together(model) } else { usize::MAX };
         for (index, factor) in (0..).zip(factors).filter(|(_, factor)| factor.kind == kind) {
             match calls.last_mut().filter(|call| call.kind == kind && call.factors.len() < most) {
@@ -343,7 +343,7 @@ pub fn coded(value: &Setting, factor: &mut Factor) -> Result<f64> {
     match (factor.kind, value) {
         (Kind::Real, Setting::Real(value)) => Ok(*value),
         (Kind::Boolean, Setting::Boolean(value)) => Ok(f64::from(u8::from(*value))),
-        (Kind::String | Kind::Integer, Setting::Text(text)) => {
+        (Kind::Enumeration, Setting::Text(text)) => {
             let known = factor.texts.iter().position(|known| known == text);
             Ok(known.unwrap_or_else(|| {
                 factor.texts.push(text.clone());

@@ -48,7 +48,7 @@ fn word(kind: Kind) -> &'static str {
     match kind {
         Kind::Real => "real",
         Kind::Boolean => "boolean",
-        Kind::String | Kind::Integer => "text",
+        Kind::Enumeration => "text",
     }
 }
 

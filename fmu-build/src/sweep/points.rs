@@ -134,7 +134,7 @@ fn value(text: &str, factor: &mut Factor) -> Result<f64> {
             return Ok(number);
         }
         Kind::Boolean => Setting::Boolean(truth(text)?),
-        Kind::String | Kind::Integer => Setting::Text(text.to_owned()),
+        Kind::Enumeration => Setting::Text(text.to_owned()),
     };
     coded(&setting, factor)
 }

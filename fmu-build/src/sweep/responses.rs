@@ -132,7 +132,7 @@ impl Responses {
         }
         let reference = find(model.interface(), variable).with_context(|| key.clone())?;
         let of = &model.interface().list()[reference as usize];
-        if matches!(of.kind, Kind::String | Kind::Integer) {
+        if matches!(of.kind, Kind::Enumeration) {
             bail!("{key}: {variable} is a text; a response is a number");
         }
         if !scenario.is_sampled && !matches!(kind, "event" | "final" | "course") {

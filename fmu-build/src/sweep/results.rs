@@ -63,7 +63,7 @@ pub fn columns(task: &Task) -> Result<Vec<Column>> {
         let content = match factor.kind {
             Kind::Real => Content::Number,
             Kind::Boolean => Content::Truth,
-            Kind::String | Kind::Integer => Content::Text(factor.texts.clone()),
+            Kind::Enumeration => Content::Text(factor.texts.clone()),
         };
         Column { name: factor.name.clone(), content }
     });

@@ -195,7 +195,7 @@ fn constants<'a>(
         let set = match (variable.kind, value) {
             (Kind::Real, Setting::Real(value)) => Set::Input(signals::Setting::Real(*value)),
             (Kind::Boolean, Setting::Boolean(value)) => Set::Input(signals::Setting::Boolean(*value)),
-            (Kind::String, Setting::Text(text)) => Set::Text(text.clone()),
+            (Kind::Enumeration, Setting::Text(text)) => Set::Text(text.clone()),
             (kind, value) => bail!("{key} = {}: must be a {}", shown(value), kind.word()),
         };
         constants.push((reference, set));

@@ -85,7 +85,7 @@ pub fn check_texts(name: &str, description: &str, variables: &[Variable]) -> Res
     let header = [("name", name), ("description", description)];
     let variables = variables.iter().flat_map(|variable| {
         let start = match &variable.start {
-            Some(Value::String(text)) => text.as_str(),
+            Some(Value::Item(text)) => text.as_str(),
             _ => "",
         };
         [&variable.name, &variable.description, start].map(|text| (variable.name.as_str(), text))

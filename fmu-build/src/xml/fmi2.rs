@@ -4,10 +4,11 @@
 //! it holds no time stamp. It must not know kinds of model.
 
 use super::common::{Attributes, Xml, check_texts, document, element, empty, group, number};
-use super::interface::{Interface, variable_attributes};
+use super::interface::{Interface, type_name, variable_attributes};
 use anyhow::Result;
+use fmu_cli::Naming;
 use linkage_fmu::component::Component;
-use linkage_fmu::variables::{Reference, Unit, Value, Variable};
+use linkage_fmu::variables::{Details, Reference, Unit, Value, Variable};
 use std::io;
 
 /// The text of `modelDescription.xml`.
@@ -15,8 +16,8 @@ use std::io;
 /// # Errors
 /// The name is not a C identifier, a text holds a character that XML cannot, the tolerance is missing, or a parameter
 /// may not change a little.
-pub fn to_xml(component: &Component) -> Result<String> {
-    write(&Interface::of(component)?)
+pub fn to_xml(component: &Component, naming: Naming) -> Result<String> {
+    write(&Interface::of(component, naming)?)
 }
 
 fn write(interface: &Interface) -> Result<String> {
@@ -50,7 +51,7 @@ fn write_content(interface: &Interface, xml: &mut Xml) -> io::Result<()> {
         empty(xml, "ModelExchange", &model)?;
     }
     empty(xml, "CoSimulation", &slave)?;
-    interface.write_common(xml)?;
+    interface.write_common(xml, ["SimpleType", "Enumeration"])?;
     group(xml, "ModelVariables", |xml| {
         (0..)
             .zip(interface.variables)
@@ -102,11 +103,15 @@ pub fn kind_attributes(variable: &Variable) -> Attributes<'static> {
         let text = match start {
             Value::Real(value) => number(*value),
             Value::Boolean(value) => value.to_string(),
-            Value::String(text) => text.clone(),
+            Value::Item(item) => variable.number_of(item).unwrap_or_default().to_string(),
         };
         ("start", text)
     });
-    unit.into_iter().chain(display).chain(start).collect()
+    let declared = (!variable.details.items.is_empty()).then(|| ("declaredType", type_name(variable)));
+    let Details { bounds: [least, most], nominal, .. } = variable.details;
+    let numbers = [("min", least), ("max", most), ("nominal", nominal)];
+    let numbers = numbers.into_iter().filter_map(|(name, value)| value.map(|value| (name, number(value))));
+    declared.into_iter().chain(unit).chain(display).chain(numbers).chain(start).collect()
 }
 
 /// An element of ModelStructure; the standard counts variables from 1.
@@ -122,7 +127,7 @@ fn write_unknown(xml: &mut Xml, reference: Reference, dependencies: Option<&[Ref
 #[cfg(test)]
 mod tests {
     use super::*;
-    use linkage_fmu::format::Experiment;
+    use linkage_fmu::format::{About, Experiment};
     use linkage_fmu::variables::{Causality, Kind, Variability};
 
     fn variable(name: &str, causality: Causality, start: Option<f64>) -> Variable {
@@ -135,6 +140,7 @@ mod tests {
             unit: Some(Unit::Radian),
             start: start.map(Value::Real),
             dependencies: Vec::new(),
+            details: Details::default(),
         }
     }
 
@@ -149,6 +155,8 @@ mod tests {
         write(&Interface {
             name,
             description,
+            about: About::default().attributes(),
+            naming: Naming::default(),
             guid,
             variables,
             vectors: Vec::new(),
@@ -159,6 +167,7 @@ mod tests {
             has_events,
             has_internal_steps,
             continuous_time: None,
+            state_nominals: None,
         })
     }
 

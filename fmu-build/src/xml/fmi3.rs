@@ -8,8 +8,9 @@ use super::common::{Attributes, Xml, check_texts, document, element, empty, grou
 use super::fmi2::kind_attributes;
 use super::interface::{Interface, variable_attributes};
 use anyhow::Result;
+use fmu_cli::Naming;
 use linkage_fmu::component::Component;
-use linkage_fmu::variables::{Reference, Value, Variable, Vector};
+use linkage_fmu::variables::{Details, Reference, Variable, Vector};
 use std::io;
 
 /// The text of `modelDescription.xml`.
@@ -17,8 +18,8 @@ use std::io;
 /// # Errors
 /// The name is not a C identifier, a text holds a character that XML cannot, the tolerance is missing, or a parameter
 /// may not change a little.
-pub fn to_xml(component: &Component) -> Result<String> {
-    let interface = Interface::of(component)?;
+pub fn to_xml(component: &Component, naming: Naming) -> Result<String> {
+    let interface = Interface::of(component, naming)?;
     check_texts(interface.name, interface.description, interface.variables)?;
     let header = interface.header("3.0", "instantiationToken");
     document("fmiModelDescription", &header, |xml| write_content(&interface, xml))
@@ -54,7 +55,7 @@ fn write_content(interface: &Interface, xml: &mut Xml) -> io::Result<()> {
         empty(xml, "ModelExchange", &model)?;
     }
     empty(xml, "CoSimulation", &co_simulation)?;
-    interface.write_common(xml)?;
+    interface.write_common(xml, ["EnumerationType", ""])?;
     group(xml, "ModelVariables", |xml| {
         let mut variables = (0..).zip(interface.variables);
         variables.try_for_each(|(reference, variable)| write_variable(xml, interface, reference, variable))?;
@@ -99,9 +100,6 @@ fn write_content(interface: &Interface, xml: &mut Xml) -> io::Result<()> {
 fn write_variable(xml: &mut Xml, interface: &Interface, reference: Reference, variable: &Variable) -> io::Result<()> {
     let kind = variable.kind.word_of_fmi_3();
     let mut attributes = attributes_of(interface, reference, variable);
-    if let Some(Value::String(text)) = &variable.start {
-        return element(xml, kind, &attributes, |xml| empty(xml, "Start", &[("value", text.clone())]));
-    }
     attributes.extend(kind_attributes(variable));
     attributes.extend(interface.state_attributes(reference, 0));
     empty(xml, kind, &attributes)
@@ -111,7 +109,7 @@ fn write_variable(xml: &mut Xml, interface: &Interface, reference: Reference, va
 fn write_vector(xml: &mut Xml, interface: &Interface, reference: Reference, vector: &Vector) -> io::Result<()> {
     let first = &interface.variables[vector.elements[0] as usize];
     let (name, description) = (vector.name.clone(), vector.description.clone());
-    let whole = Variable { name, description, ..first.clone() };
+    let whole = Variable { name, description, details: Details::default(), ..first.clone() };
     let mut attributes = attributes_of(interface, reference, &whole);
     attributes.extend(kind_attributes(&whole));
     element(xml, whole.kind.word_of_fmi_3(), &attributes, |xml| {

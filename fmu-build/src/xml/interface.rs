@@ -3,8 +3,9 @@
 //! In: the component. Out: its names, variables and default experiment, and the elements that are alike in all versions.
 //! It must not know kinds of model.
 
-use super::common::{Attributes, Xml, empty, group, is_c_identifier, number, write_units};
+use super::common::{Attributes, Xml, element, empty, group, is_c_identifier, number, write_units};
 use anyhow::{Result, bail};
+use fmu_cli::Naming;
 use linkage_fmu::component::Component;
 use linkage_fmu::fmi::logger::LOG_CATEGORIES;
 use linkage_fmu::format::Experiment;
@@ -24,6 +25,10 @@ pub struct Interface<'a> {
     pub name: &'a str,
     /// One line about it.
     pub description: &'a str,
+    /// Attributes that tell author, copyright and licence.
+    pub about: Attributes<'static>,
+    /// Whether the names are said to be structured.
+    pub naming: Naming,
     /// Its outputs along x and y as vectors.
     pub vectors: Vec<Vector>,
     /// What tells its interface from others.
@@ -45,6 +50,8 @@ pub struct Interface<'a> {
     pub has_internal_steps: bool,
     /// What a host's solver integrates; none if the model is for co-simulation only.
     pub continuous_time: Option<ContinuousTime>,
+    /// Scales of its states.
+    pub state_nominals: Option<[f64; 2]>,
 }
 
 impl<'a> Interface<'a> {
@@ -52,7 +59,7 @@ impl<'a> Interface<'a> {
     ///
     /// # Errors
     /// The name is not a C identifier, the tolerance is missing, or a parameter may not change a little.
-    pub fn of(component: &'a Component) -> Result<Self> {
+    pub fn of(component: &'a Component, naming: Naming) -> Result<Self> {
         let (name, interface) = (component.name(), component.interface());
         if !is_c_identifier(name) {
             bail!("name: \"{name}\" is not a C identifier; use letters, digits and _ only, and begin with no digit");
@@ -64,6 +71,8 @@ impl<'a> Interface<'a> {
         Ok(Self {
             name,
             description: component.description(),
+            about: component.about().attributes(),
+            naming,
             guid: interface.guid(),
             variables: interface.list(),
             vectors: component.vectors(),
@@ -74,6 +83,7 @@ impl<'a> Interface<'a> {
             has_events: component.has_events(),
             has_internal_steps: component.has_internal_steps(),
             continuous_time: component.continuous_time(),
+            state_nominals: component.continuous_time().and_then(|_| component.clone().nominals().ok()),
         })
     }
 
@@ -116,16 +126,17 @@ impl<'a> Interface<'a> {
         if stays || states.is_empty() { Cow::Borrowed(inputs) } else { Cow::Owned([inputs, states].concat()) }
     }
 
-    /// Attributes of the element that tells the type of a variable of model exchange, of which a reference counts from
-    /// `first`.
+    /// Attributes of the element that tells the type of a variable: whose derivative it is, by a reference that counts from
+    /// `first`, and what a state of model exchange has.
     pub fn state_attributes(&self, reference: Reference, first: Reference) -> Attributes<'static> {
         let mut attributes = Vec::new();
-        for (state, derivative) in self.states() {
-            if derivative == reference {
-                attributes.push(("derivative", (state + first).to_string()));
-            }
+        let of = self.variables[reference as usize].details.derivative_of;
+        if let Some(of) = self.states().find(|(_, derivative)| *derivative == reference).map(|(state, _)| state).or(of)
+        {
+            attributes.push(("derivative", (of + first).to_string()));
         }
-        if self.states().any(|(state, _)| state == reference) {
+        if let Some(index) = self.states().position(|(state, _)| state == reference) {
+            attributes.extend(self.state_nominals.map(|nominals| ("nominal", number(nominals[index]))));
             attributes.push(("reinit", "true".to_owned()));
         }
         attributes
@@ -153,21 +164,36 @@ impl<'a> Interface<'a> {
 
     /// Attributes of the root element that all versions have, `token` by this name.
     pub fn header(&self, version: &str, token: &'static str) -> Attributes<'static> {
-        vec![
+        let mut attributes = vec![
             ("fmiVersion", version.to_owned()),
             ("modelName", self.name.to_owned()),
             (token, self.guid.to_owned()),
             ("description", self.description.to_owned()),
             ("version", VERSION.to_owned()),
             ("generationTool", format!("linkage-fmu {VERSION}")),
-            ("variableNamingConvention", "structured".to_owned()),
-        ]
+            ("variableNamingConvention", self.naming.word().to_owned()),
+        ];
+        attributes.extend(self.about.iter().cloned());
+        attributes
     }
 
-    /// The elements between those of the interface type and the variables, alike in all versions: units, log categories,
-    /// default experiment.
-    pub fn write_common(&self, xml: &mut Xml) -> io::Result<()> {
+    /// The elements between those of the interface type and the variables, alike in all versions: units, types, log
+    /// categories, default experiment. A type of the items of an Enumeration is an element of the first name, with one of the
+    /// second name in it, unless that is empty.
+    pub fn write_common(&self, xml: &mut Xml, [outer, inner]: [&str; 2]) -> io::Result<()> {
         write_units(xml, self.variables)?;
+        let mut enumerations = self.variables.iter().filter(|variable| !variable.details.items.is_empty()).peekable();
+        if enumerations.peek().is_some() {
+            group(xml, "TypeDefinitions", |xml| {
+                enumerations.try_for_each(|variable| {
+                    let name = [("name", type_name(variable))];
+                    element(xml, outer, &name, |xml| match inner {
+                        "" => write_items(xml, variable),
+                        inner => group(xml, inner, |xml| write_items(xml, variable)),
+                    })
+                })
+            })?;
+        }
         group(xml, "LogCategories", |xml| {
             LOG_CATEGORIES.iter().try_for_each(|&(name, description)| {
                 let name = name.to_string_lossy().into_owned();
@@ -182,6 +208,17 @@ impl<'a> Interface<'a> {
         ];
         empty(xml, "DefaultExperiment", &experiment)
     }
+}
+
+/// Name of the type of an Enumeration; it must be that of no variable.
+pub fn type_name(variable: &Variable) -> String {
+    [&variable.name, ".item"].concat()
+}
+
+fn write_items(xml: &mut Xml, variable: &Variable) -> io::Result<()> {
+    (1..).zip(variable.details.items).try_for_each(|(number, name): (usize, _)| {
+        empty(xml, "Item", &[("name", (*name).to_owned()), ("value", number.to_string())])
+    })
 }
 
 /// Attributes of a variable that all versions have, in this order.
@@ -201,6 +238,7 @@ pub fn variable_attributes(reference: Reference, variable: &Variable) -> Attribu
     };
     let variability = match variable.variability {
         Variability::Fixed => "fixed",
+        Variability::Tunable => "tunable",
         Variability::Discrete => "discrete",
         Variability::Continuous => "continuous",
     };

@@ -109,7 +109,7 @@ impl System<'_> {
                 let kind = match value {
                     Value::Real(_) => Kind::Real,
                     Value::Boolean(_) => Kind::Boolean,
-                    Value::String(_) => Kind::String,
+                    Value::Item(_) => Kind::Enumeration,
                 };
                 if variable.kind != kind {
                     bail!("{name} is a {}; give it such a value", variable.kind.word());
@@ -199,7 +199,7 @@ fn write_value(xml: &mut Xml, name: &str, value: &Value, unit: Option<Unit>) -> 
     let (kind, attributes) = match value {
         Value::Real(value) => ("ssv:Real", [("value", number(*value))].into_iter().chain(unit).collect::<Vec<_>>()),
         Value::Boolean(value) => ("ssv:Boolean", vec![("value", value.to_string())]),
-        Value::String(value) => ("ssv:String", vec![("value", value.clone())]),
+        Value::Item(item) => ("ssv:Enumeration", vec![("value", item.clone())]),
     };
     element(xml, "ssv:Parameter", &[("name", name.to_owned())], |xml| empty(xml, kind, &attributes))
 }
@@ -207,7 +207,7 @@ fn write_value(xml: &mut Xml, name: &str, value: &Value, unit: Option<Unit>) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use linkage_fmu::variables::Variability;
+    use linkage_fmu::variables::{Details, Variability};
 
     fn real(name: &str, causality: Causality, unit: Unit) -> Variable {
         Variable {
@@ -219,6 +219,7 @@ mod tests {
             unit: Some(unit),
             start: None,
             dependencies: Vec::new(),
+            details: Details::default(),
         }
     }
 
@@ -259,7 +260,7 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_refused_by_name() {
         let twice = [[(1, "force"), (0, "force")], [(1, "force"), (0, "force")]];
-        let text = [("stiffness", Value::String("stiff".into()))];
+        let text = [("stiffness", Value::Item("stiff".into()))];
         for (connections, values, piece) in [
             (&[[(1, "force"), (1, "length")]][..], &[][..], "an output with an input of its unit"),
             (&[[(0, "force"), (1, "preload")]], &[], "an output with an input of its unit"),

@@ -6,7 +6,7 @@
 mod circuit;
 mod sections;
 
-use crate::format::{DefinitionError, Experiment, Owner, Parameter, Range, read};
+use crate::format::{About, DefinitionError, Experiment, Owner, Parameter, Range, read};
 use crate::variables::Unit;
 pub use circuit::{ABOVE_VACUUM, Circuit, Supply, Tank, check_pressure, is_pressure};
 pub use sections::*;
@@ -75,14 +75,12 @@ pub enum Mode {
 impl Mode {
     /// All modes.
     pub const ALL: [Self; 3] = [Self::Preview, Self::Follow, Self::Delayed];
+    /// Their words, in the same order.
+    pub const WORDS: [&'static str; 3] = ["preview", "follow", "delayed"];
 
     /// Word of the mode in the file and in the variable `coupling.mode`.
     pub fn word(self) -> &'static str {
-        match self {
-            Self::Preview => "preview",
-            Self::Follow => "follow",
-            Self::Delayed => "delayed",
-        }
+        Self::WORDS[self as usize]
     }
 
     /// The mode with this word.
@@ -137,6 +135,9 @@ pub struct HydraulicActuator {
     /// One line of text.
     #[serde(default)]
     pub description: String,
+    /// Author, copyright and licence.
+    #[serde(default, skip_serializing_if = "About::is_default")]
+    pub about: About,
     /// Supply, valve, cylinder and oil.
     #[serde(default)]
     pub circuit: Circuit,
@@ -183,6 +184,7 @@ impl HydraulicActuator {
         ranges.0?;
         Range::NonNegative.check("actuator.length", self.actuator.length)?;
         Range::Finite.check("actuator.speed", self.actuator.speed)?;
+        self.about.check()?;
         self.experiment.check()
     }
 

@@ -174,6 +174,7 @@ impl Joint {
         list.role = Role::Load;
         list.add("pin_radius", "Radius of the pin", Metre, Range::NonNegative, &mut self.pin_radius);
         let words = ["Coefficient of static friction", "Coefficient of kinetic friction"];
+        list.role = Role::Law;
         list.add("static_coefficient", words[0], One, Range::NonNegative, &mut self.static_coefficient);
         list.add("kinetic_coefficient", words[1], One, Range::NonNegative, &mut self.kinetic_coefficient);
     }
@@ -182,10 +183,11 @@ impl Joint {
 impl Friction {
     pub(super) fn parameters(&mut self, visit: &mut Visit) {
         use Unit::{MetrePerSecond, One};
-        let mut list = Owner::new(None, "friction", Role::Load, visit);
+        let mut list = Owner::new(None, "friction", Role::Law, visit);
         let words = ["Coefficient of static friction", "Coefficient of kinetic friction"];
         list.add("static_coefficient", words[0], One, Range::NonNegative, &mut self.static_coefficient);
         list.add("kinetic_coefficient", words[1], One, Range::NonNegative, &mut self.kinetic_coefficient);
+        list.role = Role::Load;
         let words = ["Slip speed at which friction is static", "Slip speed from which friction is kinetic"];
         let range = if self.law == FrictionLaw::Stick { Range::NonNegative } else { Range::Positive };
         list.add("static_speed", words[0], MetrePerSecond, range, &mut self.static_speed);

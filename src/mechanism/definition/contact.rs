@@ -85,6 +85,7 @@ impl Stop {
         list.add("angle", "Angle", Unit::Radian, Range::Finite, &mut self.angle);
         list.add("position", "Position", Unit::Metre, Range::Finite, &mut self.position);
         list.add("length", "Distance of the points", Unit::Metre, Range::NonNegative, &mut self.length);
+        list.role = Role::Law;
         list.add("restitution", "Restitution", Unit::One, Range::Unit, &mut self.restitution);
         list.add("stiffness", "Stiffness as a bumper", stiffness, Range::NonNegative, &mut self.stiffness);
         list.add("damping", "Damping as a bumper", damping, Range::NonNegative, &mut self.damping);

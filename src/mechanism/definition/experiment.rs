@@ -161,6 +161,7 @@ impl Solver {
         let words = "Most steps of the integration in one communication step";
         list.add("max_steps", words, Unit::One, Range::Count, &mut self.max_steps);
         if self.method.is_some() {
+            list.role = Role::Step;
             let words = "Largest step of the rigid finite elements";
             list.add("fem_step", words, Unit::Second, Range::Substep, &mut self.fem_step);
         }
@@ -186,13 +187,12 @@ pub enum Method {
 impl Method {
     /// All formulations.
     pub const ALL: [Self; 2] = [Self::Reduced, Self::RigidFem];
+    /// Their words, in the same order.
+    pub const WORDS: [&'static str; 2] = ["reduced", "rigid_fem"];
 
     /// Word of the formulation in the file and in the variable `solver.method`.
     pub fn word(self) -> &'static str {
-        match self {
-            Self::Reduced => "reduced",
-            Self::RigidFem => "rigid_fem",
-        }
+        Self::WORDS[self as usize]
     }
 
     /// The formulation with this word.

@@ -293,7 +293,9 @@ impl Air {
     pub(super) fn parameters(&mut self, visit: &mut Visit) {
         let mut list = Owner::new(None, "air", Role::Load, visit);
         let (unit, words) = (Unit::KilogramPerCubicMetre, "Direction in which the air flows, angle from the X axis");
+        list.role = Role::Law;
         list.add("density", "Mass density of the air", unit, Range::NonNegative, &mut self.density);
+        list.role = Role::Load;
         list.add("flow_angle", words, Unit::Radian, Range::Finite, &mut self.flow_angle);
     }
 
@@ -310,6 +312,7 @@ impl Surface {
         list.add("area", "Area", Unit::SquareMetre, Range::NonNegative, &mut self.area);
         list.add("surface_angle", "Angle of the flat area", Unit::Radian, Range::Finite, &mut self.surface_angle);
         let coefficient = &mut self.drag_coefficient;
+        list.role = Role::Law;
         list.add("drag_coefficient", "Drag coefficient", Unit::One, Range::NonNegative, coefficient);
     }
 }

@@ -9,7 +9,7 @@ use super::expressions::Expressions;
 use super::loads::{Actuator, Air, Force, Gravity, Spring, Surface, Torque};
 use super::motion::PrescribedMotion;
 use super::named_parameter::{NamedParameter, Shared};
-use crate::format::{DefinitionError, Experiment, Flag, Named};
+use crate::format::{About, DefinitionError, Experiment, Flag, Named};
 use crate::hydraulics::definition::Circuit;
 use crate::numerics::decimal::Decimal;
 use serde::{Deserialize, Serialize};
@@ -34,6 +34,9 @@ pub struct Mechanism {
     /// One line of text.
     #[serde(default)]
     pub description: String,
+    /// Author, copyright and licence.
+    #[serde(default, skip_serializing_if = "About::is_default")]
+    pub about: About,
     /// Named parameters that several definitions share; none where absent.
     #[serde(rename = "parameters_from", default, skip_serializing_if = "Option::is_none")]
     pub shared: Option<Shared>,

@@ -42,14 +42,18 @@ pub enum Role {
     Inertia,
     /// The potential or the law of a load.
     Load,
+    /// A number in the law of a load, which may change between two steps: of friction, air, drag, what a stop does.
+    Law,
     /// The position at the start.
     StartPosition,
     /// The speed at the start.
     StartSpeed,
     /// The stretch of bodies as rods.
     Elasticity,
-    /// The tolerance or the step of the integration.
+    /// The tolerance of the integration or the bound on its work, which may change between two steps.
     Tolerance,
+    /// The step of the finite elements.
+    Step,
     /// What the errors of the integration are relative to.
     Scale,
     /// The laws of a hydraulic circuit.
@@ -58,6 +62,13 @@ pub enum Role {
     CircuitStart,
     /// Nothing by itself: the numbers whose expressions read it.
     Named,
+}
+
+impl Role {
+    /// Whether a host may change such a parameter between two steps.
+    pub fn is_tunable(self) -> bool {
+        matches!(self, Self::Law | Self::Tolerance)
+    }
 }
 
 /// Function that is called with each parameter and its value.

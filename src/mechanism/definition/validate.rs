@@ -99,6 +99,7 @@ impl Mechanism {
         self.check_surfaces(&mut faults);
         self.check_stops(&mut faults);
         faults.keep(self.check_start());
+        faults.keep(self.about.check());
         faults.keep(self.experiment.check());
         faults
     }

@@ -83,6 +83,9 @@ pub(super) fn add_markers(b: &mut Builder) {
                 let (text, output) =
                     ([word, n, ", ", letter, ", mechanism frame"], Output::Marker { marker, axis, order });
                 b.output(n, suffixes[axis], &text, unit, output, needs);
+                if order > 0 {
+                    b.is_rate_of(2);
+                }
             }
         }
     }

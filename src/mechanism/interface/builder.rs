@@ -2,8 +2,9 @@
 use super::MOST_DEPENDENCIES;
 use super::needs::{Cause, Needs, placed};
 use super::source::Source;
-use crate::mechanism::quantity::{Output, Quantity};
-use crate::variables::{Causality, Kind, Reference, Unit, Value, Variability, Variable};
+use crate::mechanism::definition::Method;
+use crate::mechanism::quantity::{CONTACT_MODES, ImpactPart, OneElement, Output, Quantity, ReactionPart};
+use crate::variables::{Causality, Details, Kind, Reference, Unit, Value, Variability, Variable};
 
 /// Suffixes, descriptions (before the owner's name) and units of a coordinate and its two time derivatives.
 pub(super) type Derivatives = [(&'static str, &'static str, Unit); 3];
@@ -95,7 +96,16 @@ impl<'a> Builder<'a> {
         let needs = [position, Needs { position: !stated, speed: true, ..position }, all];
         for (order, (suffix, text, unit)) in derivatives.into_iter().enumerate() {
             self.output(owner, suffix, &[text, " ", owner], unit, output(order), needs[order]);
+            if order > 0 {
+                self.is_rate_of(1);
+            }
         }
+    }
+
+    /// The last variable is the time derivative of the one that stands so many places before it.
+    pub fn is_rate_of(&mut self, places: usize) {
+        let last = self.list.len() - 1;
+        self.list[last].details.derivative_of = Some((last - places) as Reference);
     }
 
     pub(super) fn add(
@@ -107,7 +117,7 @@ impl<'a> Builder<'a> {
         needs: Needs,
     ) {
         let kind = match start {
-            Some(Value::String(_)) => Kind::String,
+            _ if !items(quantity).is_empty() => Kind::Enumeration,
             _ if unit.is_some() => Kind::Real,
             _ => Kind::Boolean,
         };
@@ -126,7 +136,22 @@ impl<'a> Builder<'a> {
         let kept = if self.dependencies > MOST_DEPENDENCIES { &[][..] } else { needs.inputs };
         let dependencies = kept.iter().map(|&i| i as Reference).collect();
         self.initial.push(self.initial_of(quantity, &needs));
-        self.list.push(Variable { name, description, kind, causality, variability, unit, start, dependencies });
+        let nominal = match &start {
+            Some(Value::Real(value)) if causality == Causality::Input && *value != 0.0 => Some(value.abs()),
+            _ => None,
+        };
+        let details = Details { items: items(quantity), bounds: bounds(quantity), nominal, derivative_of: None };
+        self.list.push(Variable {
+            name,
+            description,
+            kind,
+            causality,
+            variability,
+            unit,
+            start,
+            dependencies,
+            details,
+        });
         self.quantities.push(quantity);
     }
 
@@ -160,6 +185,25 @@ impl<'a> Builder<'a> {
 /// Whether a Real changes at events only.
 fn is_discrete(quantity: Quantity) -> bool {
     matches!(quantity, Quantity::Output(Output::Impact { .. }))
+}
+
+/// Names of the items of an Enumeration; none of any other variable.
+fn items(quantity: Quantity) -> &'static [&'static str] {
+    match quantity {
+        Quantity::Method => &Method::WORDS,
+        Quantity::Contact => &CONTACT_MODES,
+        _ => &[],
+    }
+}
+
+/// Least and largest value of what is computed, where there are such.
+fn bounds(quantity: Quantity) -> [Option<f64>; 2] {
+    match quantity {
+        Quantity::Output(Output::Reaction { part: ReactionPart::Magnitude, .. } | Output::Kinetic) => [Some(0.0), None],
+        Quantity::Output(Output::Impact { part: ImpactPart::Count | ImpactPart::Impulse, .. }) => [Some(0.0), None],
+        Quantity::Output(Output::OneElement { term: OneElement::ReducedMass, .. }) => [Some(0.0), None],
+        _ => [None, None],
+    }
 }
 
 /// Whether the stretch of rods changes an output. Terms of the mechanism as one element are those of rigid bodies.

@@ -2,7 +2,7 @@
 use super::builder::Builder;
 use super::needs::Needs;
 use crate::mechanism::loads::unit_load::Load;
-use crate::mechanism::quantity::{ImpactPart, Output, Quantity};
+use crate::mechanism::quantity::{CONTACT_MODES, ImpactPart, Output, Quantity};
 use crate::variables::Unit::{
     KilogramSquareMetrePerSecond, Metre, MetrePerSecond, Newton, NewtonMetre, NewtonSecond, One, Radian, Second,
 };
@@ -99,6 +99,16 @@ fn add_impacts(b: &mut Builder, stop: usize, impulse: Unit) {
     for (suffix, text, unit, part) in parts {
         b.output(name, suffix, &[text, name], unit, Output::Impact { stop, part }, Needs::default());
     }
+}
+
+/// How stops hold the mechanism, to be looked at.
+pub(super) fn add_contact_mode(b: &mut Builder) {
+    if b.source.loading.stops.is_empty() {
+        return;
+    }
+    let text = b.text(|| format!("What the stops do to the mechanism: {}", CONTACT_MODES.join(", ")));
+    let name = "contact.mode".to_owned();
+    b.add((name, text), Causality::Local, (None, None), Quantity::Contact, Needs::default());
 }
 
 /// Whether friction holds the mechanism, where its law can.

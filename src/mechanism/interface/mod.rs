@@ -15,12 +15,12 @@ mod source;
 mod terminals;
 mod vectors;
 
-use crate::mechanism::definition::{DefinitionError, Mechanism, Method};
+use crate::mechanism::definition::{DefinitionError, Mechanism, Method, Role};
 use crate::mechanism::linkage::{Linkage, Point};
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::quantity::Quantity;
 use crate::variables::Causality::{CalculatedParameter, Parameter};
-use crate::variables::{Reference, Value, Variables};
+use crate::variables::{Reference, Value, Variability, Variables};
 use builder::Builder;
 use needs::{Cause, causes};
 use source::Source;
@@ -108,6 +108,7 @@ fn build<'a>(source: &'a Source<'a>, causes: Option<(Reference, Vec<Vec<Cause>>)
     bodies::add_small_motion(&mut b);
     add_parameters(&mut b);
     bodies::add_frames(&mut b);
+    loads::add_contact_mode(&mut b);
     exchange::add(&mut b);
     b
 }
@@ -117,6 +118,7 @@ fn add_parameters(b: &mut Builder) {
     let (mut stated, mut indices) = (b.source.mechanism.clone(), 0..);
     let mut index = || indices.next().unwrap_or_default();
     let (expressions, first) = (stated.expressions.clone(), b.list.len());
+    let tunable = tunable(&stated);
     stated.parameters(&mut |p, value| {
         let index = index();
         match expressions.of(index) {
@@ -136,6 +138,12 @@ fn add_parameters(b: &mut Builder) {
                 );
             }
         }
+        if let Some(variable) = b.list.last_mut() {
+            variable.details.bounds = p.range.bounds();
+            if tunable[index] {
+                variable.variability = Variability::Tunable;
+            }
+        }
     });
     let mut indices = 0..;
     let mut index = || indices.next().unwrap_or_default();
@@ -145,7 +153,26 @@ fn add_parameters(b: &mut Builder) {
     });
     if let Some(method) = stated.solver.method {
         let text = ["Formulation of the motion: ", &Method::ALL.map(Method::word).join(" or ")].concat();
-        let start = (None, Value::String(method.word().into()));
+        let start = (None, Value::Item(method.word().into()));
         b.known("solver.method".into(), text, Parameter, start, Quantity::Method);
     }
+}
+
+/// Which numeric parameters may change between two steps: those of laws and of the integration, unless one that may not
+/// follows from them; a named parameter, if all that follow from it may; one that follows from others, if all these may.
+fn tunable(mechanism: &Mechanism) -> Vec<bool> {
+    let mut roles = Vec::new();
+    mechanism.clone().parameters(&mut |p, _| roles.push(p.role));
+    let calculated = || mechanism.expressions.iter();
+    let mut tunable: Vec<bool> = roles.iter().map(|role| role.is_tunable()).collect();
+    for (index, role) in roles.iter().enumerate().filter(|(index, _)| mechanism.expressions.of(*index).is_none()) {
+        let followers = calculated().filter(|calculated| calculated.bases.contains(&index));
+        let followers: Vec<Role> = followers.map(|calculated| roles[calculated.index]).collect();
+        let acts = role.is_tunable() || *role == Role::Named && followers.iter().any(|role| role.is_tunable());
+        tunable[index] = acts && followers.iter().all(|role| role.is_tunable() || *role == Role::Named);
+    }
+    for calculated in calculated() {
+        tunable[calculated.index] = !calculated.bases.is_empty() && calculated.bases.iter().all(|&base| tunable[base]);
+    }
+    tunable
 }

@@ -115,8 +115,8 @@ pub(super) fn causes(source: &Source) -> Result<Vec<Vec<Cause>>, DefinitionError
         Role::StartSpeed => Ok(vec![Cause::Speed]),
         Role::Elasticity => Ok(vec![Cause::Elasticity]),
         Role::Circuit | Role::CircuitStart => Ok(vec![Cause::Circuit]),
-        Role::Tolerance | Role::Scale | Role::Named => Ok(Vec::new()),
-        Role::Geometry | Role::Inertia | Role::Load => changed(&mut |other| {
+        Role::Tolerance | Role::Step | Role::Scale | Role::Named => Ok(Vec::new()),
+        Role::Geometry | Role::Inertia | Role::Load | Role::Law => changed(&mut |other| {
             let mut indices = 0..;
             other.parameters(&mut |_, value| {
                 if indices.next() == Some(index) {

@@ -1,6 +1,6 @@
 //! What describes a model before it runs: names, variables, terminals, default experiment.
 use super::{GUID, Model};
-use crate::format::Experiment;
+use crate::format::{About, Experiment};
 use crate::inspection::Finding;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::interface;
@@ -13,6 +13,11 @@ impl Model {
     /// Name of the mechanism, the FMU's modelName and modelIdentifier.
     pub fn name(&self) -> &str {
         &self.original.parameter_values.mechanism().name
+    }
+
+    /// Author, copyright and licence.
+    pub fn about(&self) -> &About {
+        &self.original.parameter_values.mechanism().about
     }
 
     /// One-line description of the mechanism.

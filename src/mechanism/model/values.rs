@@ -4,6 +4,7 @@
 use super::{Formulation, Model, ModelError};
 use crate::mechanism::definition::{Method, Range};
 use crate::mechanism::designs::decides_reduced;
+use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::quantity::{Output, Quantity};
 use crate::variables::Reference;
 use std::sync::Arc;
@@ -229,6 +230,11 @@ impl Model {
         Ok(())
     }
 
+    /// Whether inputs decide where the mechanism starts.
+    pub fn starts_by_inputs(&self) -> bool {
+        self.parameter_values.starts_by_inputs()
+    }
+
     /// Before the initialisation, an input may be what places the mechanism.
     fn forget_start(&mut self) {
         if !self.is_placed && self.parameter_values.starts_by_inputs() {
@@ -236,26 +242,36 @@ impl Model {
         }
     }
 
-    /// Present value of a String.
+    /// Present item of an Enumeration, by its index from 0 on.
     ///
     /// # Errors
-    /// No String has this reference.
-    pub fn text(&self, reference: Reference) -> Result<&'static str, ModelError> {
+    /// No Enumeration has this reference, or the present parameters give no mechanism.
+    pub fn item(&mut self, reference: Reference) -> Result<usize, ModelError> {
         match self.original.variables.quantity(reference) {
-            Some(Quantity::Method) => Ok(self.parameter_values.method().word()),
-            _ => Err(self.no_such(reference, "String")),
+            Some(Quantity::Method) => Ok(self.parameter_values.method() as usize),
+            Some(Quantity::Contact) => {
+                let contact = self.state()?.along_curve().contact;
+                Ok(match (contact.arrival(), contact.at_rest(), contact.touching() == BumperSet::EMPTY) {
+                    (Some(_), ..) => 4,
+                    (None, Some(_), _) if contact.is_latched() => 3,
+                    (None, Some(_), _) => 2,
+                    (None, None, false) => 1,
+                    (None, None, true) => 0,
+                })
+            }
+            _ => Err(self.no_such(reference, "Enumeration")),
         }
     }
 
     /// Whether [`Self::set_text`] would accept this value; changes nothing.
     ///
     /// # Errors
-    /// No String has this reference, or the text is none of its words.
+    /// No Enumeration has this reference, it is computed, or the text is none of its words.
     pub fn check_text(&self, reference: Reference, value: &str) -> Result<(), ModelError> {
         self.method_of(reference, value).map(|_| ())
     }
 
-    /// Set a String parameter. After a step, it takes effect with the next initialisation only.
+    /// Set an Enumeration by the name of an item. After a step, it takes effect with the next initialisation only.
     ///
     /// # Errors
     /// As [`Self::check_text`].
@@ -275,7 +291,8 @@ impl Model {
                 let words = Method::ALL.map(|method| format!("\"{}\"", method.word()));
                 ModelError::Text { name: self.name_of(reference), value: value.into(), allowed: words.join(" or ") }
             }),
-            _ => Err(self.no_such(reference, "String")),
+            Some(Quantity::Contact) => Err(ModelError::Output { name: self.name_of(reference) }),
+            _ => Err(self.no_such(reference, "Enumeration")),
         }
     }
 

@@ -73,6 +73,20 @@ impl ReducedMotion {
         Ok(Self::new(State::from_saved(saved, reduced, inputs)?, reduced, inputs))
     }
 
+    /// The same motion under another reduced model of the same curve and inputs, as [`State::retuned`].
+    ///
+    /// # Errors
+    /// As [`State::retuned`].
+    pub fn retuned(&self, reduced: &Reduced, inputs: &Inputs) -> Result<Self, ModelError> {
+        Ok(Self::new(self.state.retuned(reduced, inputs)?, reduced, inputs))
+    }
+
+    /// Book work from outside [J].
+    pub fn book(&mut self, work: f64) {
+        self.state.saved.reference += work;
+        self.cache.invalidate();
+    }
+
     fn new(state: State, reduced: &Reduced, inputs: &Inputs) -> Self {
         // Tables that can't be built are reported by the state before, or by the outputs that need them.
         let state_loads = state_loads_under(reduced, inputs).ok().flatten();

@@ -167,7 +167,7 @@ pub fn all() -> Vec<Call> {
             "stop time is start time" "EEEEE" (|_t| 0, 0.0, 1.0, 1, 1.0);
             "stop before start" "EEEEE" (|_t| 0, 0.0, 1.0, c_int::MIN, 0.0);
             "tolerance is NaN" "EEEEE" (|_t| 1, NAN, 0.0, 0, 0.0);
-            "tolerance is 0" "EEEEE" (|_t| 1, 0.0, 0.0, 0, 0.0);
+            "tolerance is 0, which is none" "OEEEE" (|_t| 1, 0.0, 0.0, 0, 0.0);
             "tolerance is negative" "EEEEE" (|_t| -1, -1e-6, 0.0, 0, 0.0);
             "tolerance is infinite" "EEEEE" (|_t| 1, INFINITE, 0.0, 0, 0.0);
             "tolerance is beyond its range" "EEEEE" (|_t| 1, 1e9, 0.0, 0, 0.0);
@@ -284,7 +284,7 @@ pub fn all() -> Vec<Call> {
             "by nothing" "EOOOO" (|t| &t.output, 1, null(), 0, null(), &mut 0.0);
             "of nothing" "EOOOO" (|t| null(), 0, &t.input, 1, &1.0, null_mut());
             "an input by itself" "EEEEE" (|t| &t.input, 1, &t.input, 1, &1.0, &mut 0.0);
-            "by a parameter" "EEEEE" (|t| &t.output, 1, &t.parameter, 1, &1.0, &mut 0.0);
+            "by a parameter, of the initial value" "EOEEE" (|t| &t.output, 1, &t.parameter, 1, &1.0, &mut 0.0);
             "by an output" "EEEEE" (|t| &t.output, 1, &t.output, 1, &1.0, &mut 0.0);
             "unknown unknown" "EEEEE" (|t| &t.beyond, 1, &t.input, 1, &1.0, &mut 0.0);
             "unknown known" "EEEEE" (|t| &t.output, 1, &u32::MAX, 1, &1.0, &mut 0.0);

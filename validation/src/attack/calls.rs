@@ -5,7 +5,7 @@ use super::probe::Probe;
 use super::random::Random;
 use linkage_fmu::fmi2::host::{Description, Host, State, logger};
 use linkage_fmu::fmi2::types::Status;
-use linkage_fmu::variables::{Causality, Kind};
+use linkage_fmu::variables::{Causality, Kind, Variability};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
@@ -110,7 +110,9 @@ impl Player<'_> {
                 ("fmi2Reset", May::Succeed, self.host.reset())
             }
             19..=48 => {
-                let fine = is(Causality::Input) && settable.contains(&self.phase) || is(Causality::Parameter) && early;
+                let is_tunable = of.is_some_and(|v| v.variability == Variability::Tunable);
+                let open = is(Causality::Input) || is(Causality::Parameter) && is_tunable;
+                let fine = open && settable.contains(&self.phase) || is(Causality::Parameter) && early;
                 let start = of.filter(|_| fine).map_or(1.0, |_| {
                     let mut value = [1.0];
                     self.host.reals(&[reference], &mut value);
@@ -132,7 +134,7 @@ impl Player<'_> {
             55..=57 => {
                 let name = random.pick(&["coupling.mode", "solver.method", "crank.angle", "nothing"]);
                 let value = random.pick(&["preview", "follow", "delayed", "", "x"]);
-                ("fmi2SetString", if early { May::Either } else { May::BeRefused }, self.host.set_text(name, value))
+                ("fmi2SetInteger", if early { May::Either } else { May::BeRefused }, self.host.set_item(name, value))
             }
             58..=67 => {
                 let may = match of.map(|v| (v.kind, v.causality)) {

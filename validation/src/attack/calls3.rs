@@ -7,7 +7,7 @@ use super::random::Random;
 use linkage_fmu::fmi2::host::{Description, State};
 use linkage_fmu::fmi3::host::{Calls, Host, SPOILED, Wishes};
 use linkage_fmu::fmi3::types::Status;
-use linkage_fmu::variables::{Causality, Kind};
+use linkage_fmu::variables::{Causality, Kind, Variability};
 use std::cell::{Cell, RefCell};
 use std::path::Path;
 use std::rc::Rc;
@@ -202,7 +202,9 @@ impl Player<'_> {
             }
             17..=36 => {
                 let fine = is(Causality::Input) && settable.contains(&self.now.phase);
-                let fine = fine || is(Causality::Parameter) && early;
+                let is_tunable = of.is_some_and(|v| v.variability == Variability::Tunable);
+                let is_tuned = is_tunable && matches!(self.now.phase, Step | Event);
+                let fine = fine || is(Causality::Parameter) && (early || is_tuned);
                 let mut value = [1.0];
                 if fine {
                     self.host.reals(&[reference], &mut value);
@@ -221,9 +223,9 @@ impl Player<'_> {
                 ("fmi3SetBoolean", may, self.host.set_boolean(reference, random.pick(&[0, 1, 2, 255])))
             }
             40 => {
-                let may = if early && of.is_some_and(|v| v.kind == Kind::String) { Either } else { BeRefused };
-                let word = random.pick(&["preview", "follow", "delayed", "reduced", "rigid_fem", "", "x"]);
-                ("fmi3SetString", may, self.host.set_text(reference, word))
+                let may = if early && of.is_some_and(|v| v.kind == Kind::Enumeration) { Either } else { BeRefused };
+                let number = random.pick(&[1, 2, 3, 0, -1, i64::MAX]);
+                ("fmi3SetInt64", may, self.host.set_number(reference, number))
             }
             41..=42 => {
                 let is_boolean = of.is_some_and(|v| v.kind == Kind::Boolean);
@@ -237,8 +239,8 @@ impl Player<'_> {
                 ("fmi3GetBoolean", may, status)
             }
             43 => {
-                let may = if of.is_some_and(|v| v.kind == Kind::String) { Succeed } else { BeRefused };
-                ("fmi3GetString", may, self.host.text(reference))
+                let may = if of.is_some_and(|v| v.kind == Kind::Enumeration) { Either } else { BeRefused };
+                ("fmi3GetInt64", may, self.host.number(reference))
             }
             44..=55 => {
                 let (references, sizes) = self.references(random);

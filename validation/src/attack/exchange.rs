@@ -187,8 +187,10 @@ impl Player<'_> {
             of.is_some_and(|v| {
                 let is_discrete = v.variability == Variability::Discrete;
                 let is_open = self.phase != Ended && !(is_discrete && self.phase == Continuous);
+                let is_tuned = v.variability == Variability::Tunable && self.phase == Event;
                 v.kind == kind
-                    && (v.causality == Causality::Input && is_open || v.causality == Causality::Parameter && early)
+                    && (v.causality == Causality::Input && is_open
+                        || v.causality == Causality::Parameter && (early || is_tuned))
             })
         };
         // Mostly as many numbers as there are.

@@ -50,7 +50,7 @@ fn started(
     name: &str,
     reals: &[(&str, f64)],
     booleans: &[(&str, bool)],
-    texts: &[(&str, &str)],
+    numbers: &[(&str, i32)],
 ) -> Result<Instance, String> {
     let instance = fmu.instantiate(name)?;
     instance.set_up(0.0, None)?;
@@ -60,8 +60,8 @@ fn started(
     for (name, value) in booleans {
         instance.set_boolean(fmu.find(name)?, *value)?;
     }
-    for (name, value) in texts {
-        instance.set_text(fmu.find(name)?, value)?;
+    for (name, value) in numbers {
+        instance.set_integer(fmu.find(name)?, *value)?;
     }
     instance.initialize()?;
     Ok(instance)
@@ -143,8 +143,11 @@ impl Hydraulic {
     /// The FMU has no such variable, or refuses a value.
     pub fn start(fmu: &Arc<Fmu>, reals: &[(&str, f64)], mode: &str) -> Result<Self, String> {
         let find = |name: &str| fmu.find(name);
+        let modes = linkage_fmu::hydraulics::definition::Mode::WORDS;
+        let number =
+            modes.iter().position(|word| *word == mode).ok_or_else(|| format!("{mode}: there is no such mode"))?;
         Ok(Self {
-            instance: started(fmu, "hydraulics", reals, &[], &[("coupling.mode", mode)])?,
+            instance: started(fmu, "hydraulics", reals, &[], &[("coupling.mode", number as i32 + 1)])?,
             state: State::NONE,
             length: find("actuator.length")?,
             speed: find("actuator.speed")?,

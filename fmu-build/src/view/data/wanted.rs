@@ -36,7 +36,7 @@ impl Wanted {
             let set = match value {
                 Value::Real(value) => simulation.set(&name, value),
                 Value::Boolean(value) => simulation.set(&name, value),
-                Value::String(value) => simulation.set(&name, value.as_str()),
+                Value::Item(value) => simulation.set(&name, value.as_str()),
             };
             set.with_context(|| format!("--start-values {name}"))?;
         }

@@ -14,6 +14,7 @@ use crate::mechanism::motion::contact::{Contact, EngagedLocks, Place, Travel};
 use crate::mechanism::motion::prescribed::PrescribedState;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::table::Unresolved;
+use std::sync::Arc;
 
 /// Largest size of an input whose loads are taken not to overflow. The loads of a larger one are tried before a step.
 const LARGE: f64 = 1e100;
@@ -86,6 +87,25 @@ pub fn engaged_locks(travel: &Travel, reduced: &Reduced, locks: &[bool]) -> Enga
 }
 
 impl State {
+    /// The same state under a reduced model with other laws on the same curve. The inputs are applied anew with the next
+    /// step.
+    ///
+    /// # Errors
+    /// [`ModelError::Table`]: a reaction that causes friction is not smooth.
+    pub fn retuned(&self, reduced: &Reduced, inputs: &Inputs) -> Result<Self, ModelError> {
+        let mut saved = self.saved.clone();
+        saved.in_force = None;
+        for end in Arc::make_mut(&mut saved.travel).rigid.iter_mut().flatten() {
+            end.restitution = reduced.loading().stops[end.stop].restitution;
+        }
+        if let Err((stretch, end)) = reduced.reach(saved.sigma) {
+            return Err(ModelError::travel((stretch, end), saved.sigma));
+        }
+        let mut state = Self::from_saved(&saved, reduced, inputs)?;
+        state.right_hand_side_changed();
+        Ok(state)
+    }
+
     /// An input or a lock has changed: the inputs are applied with the next step.
     #[inline]
     pub fn inputs_changed(&mut self) {

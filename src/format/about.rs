@@ -1,0 +1,48 @@
+//! Who has made a model and under which terms it may be used, as a definition states it and a host shows it.
+use super::DefinitionError;
+use serde::{Deserialize, Serialize};
+
+/// Licence of the library in every FMU; that of a model whose definition states none.
+const LICENSE: &str = "Library: MIT OR Apache-2.0, see documentation/licenses; model: as its author states";
+/// Copyright of the library in every FMU; that of a model whose definition states none.
+const COPYRIGHT: &str = "Library: The authors of linkage-fmu; model: its author";
+
+/// Author, copyright and licence of a model, one line of text each.
+#[derive(Clone, Debug, Default, Deserialize, Serialize, PartialEq)]
+#[serde(default, deny_unknown_fields)]
+pub struct About {
+    /// Name and organisation of the model's author; none where empty.
+    pub author: String,
+    /// Copyright of the model; that of the library where empty.
+    pub copyright: String,
+    /// Licence of the model; that of the library where empty.
+    pub license: String,
+}
+
+impl About {
+    /// Check that each is one line of text.
+    ///
+    /// # Errors
+    /// A text holds a control character.
+    pub fn check(&self) -> Result<(), DefinitionError> {
+        for (key, text) in [("author", &self.author), ("copyright", &self.copyright), ("license", &self.license)] {
+            if text.chars().any(char::is_control) {
+                return Err(DefinitionError::value(format!("about.{key}"), format!("\"{text}\""), "one line of text"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Each attribute of the description of an FMU with its text; none for an author who is not stated.
+    pub fn attributes(&self) -> Vec<(&'static str, String)> {
+        let or = |text: &str, default: &str| if text.is_empty() { default.to_owned() } else { text.to_owned() };
+        let author = (!self.author.is_empty()).then(|| ("author", self.author.clone()));
+        let rest = [("copyright", or(&self.copyright, COPYRIGHT)), ("license", or(&self.license, LICENSE))];
+        author.into_iter().chain(rest).collect()
+    }
+
+    /// Whether nothing is stated.
+    pub fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}

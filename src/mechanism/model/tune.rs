@@ -1,0 +1,53 @@
+//! Parameters that a host changes between two steps.
+//!
+//! In: parameters of laws and of the integration with new values, each in its range. Out: the same state of motion under the
+//! laws with these values, or a refusal that changes nothing. It must not know any law.
+use super::{Formulation, Model, ModelError};
+use crate::mechanism::designs::decides_reduced;
+use crate::mechanism::quantity::{Output, Quantity};
+use crate::variables::Reference;
+use std::sync::Arc;
+
+impl Model {
+    /// Give tunable parameters these values, which [`Self::check_real`] and [`Self::check_together`] accept, and leave the
+    /// motion as it is. The reduced model keeps the curve and all tables that the values do not change. Energy that the change
+    /// stores, as in a bumper that is pressed and becomes stiffer, is work from outside.
+    ///
+    /// # Errors
+    /// The values together give no law, or `solver.method` = "`rigid_fem`"; nothing has changed.
+    pub fn tune(&mut self, references: &[Reference], values: &[f64]) -> Result<(), ModelError> {
+        let mut tuned = Arc::clone(&self.parameter_values);
+        let mut decides = false;
+        for (&reference, &value) in references.iter().zip(values) {
+            let Some(Quantity::Parameter(i)) = self.original.variables.quantity(reference) else { continue };
+            if tuned.parameters[i].to_bits() != value.to_bits() {
+                let ranges = &self.original.ranges;
+                let changed = |i: usize| decides |= decides_reduced(ranges[i].1, false);
+                Arc::make_mut(&mut tuned).set(i, value, changed);
+            }
+        }
+        self.designs.settle(&mut tuned);
+        if !decides {
+            self.parameter_values = tuned;
+            return Ok(());
+        }
+        let (Some(state), Some(old)) = (&mut self.state, &self.reduced) else { return Err(ModelError::NotInitialised) };
+        let Formulation::Reduced(motion) = state else {
+            let reason =
+                "with solver.method = \"rigid_fem\" they hold during a run; choose solver.method = \"reduced\"";
+            return Err(ModelError::Derivative { what: "tunable parameters".into(), reason: reason.into() });
+        };
+        let reduced = self.designs.reduced(&tuned, &self.original.ranges)?;
+        let mut retuned = motion.retuned(&reduced, &self.inputs)?;
+        // The balance of energy goes on without a jump.
+        let before = motion.output(old, &self.inputs, Output::Drift);
+        let after = retuned.output(&reduced, &self.inputs, Output::Drift);
+        if let (Ok(before), Ok(after)) = (before, after) {
+            retuned.book(after - before);
+        }
+        self.designs.keep(&tuned, &reduced);
+        *motion = retuned;
+        (self.reduced, self.parameter_values) = (Some(reduced), tuned);
+        Ok(())
+    }
+}
