@@ -77,12 +77,26 @@ pub enum Stepped {
 /// Where a step has ended that may pause.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Paused {
-    /// Nowhere before its end.
-    Not(Stepped),
+    /// At its end.
+    AtEnd,
     /// At an event, so long after its beginning [s], that [`Component::handle_event`] handles.
     AtEvent(f64),
     /// At the end of an internal step, so long after its beginning [s].
     AtStep(f64),
+    /// At a state before its end, as the step met a bound.
+    Part(Interrupted),
+    /// Nowhere, as [`Stepped::Failed`].
+    Failed(Refused),
+}
+
+impl From<Stepped> for Paused {
+    fn from(stepped: Stepped) -> Self {
+        match stepped {
+            Stepped::Whole => Self::AtEnd,
+            Stepped::Part(interrupted) => Self::Part(interrupted),
+            Stepped::Failed(refused) => Self::Failed(refused),
+        }
+    }
 }
 
 /// Why a question of a host's solver has no answer; the model is unchanged.
@@ -402,15 +416,16 @@ impl Component {
     ///
     /// # Errors
     /// As [`Self::step_from`].
+    #[inline]
     pub fn step_to_pause(&mut self, point: f64, h: f64, pauses: Pauses) -> Result<Paused, Refused> {
         match self {
             Self::Mechanism(model) => match model.step_to_pause(Some(point), h, pauses) {
-                Ok(Reached::End) => Ok(Paused::Not(Stepped::Whole)),
+                Ok(Reached::End) => Ok(Paused::AtEnd),
                 Ok(Reached::Event(time)) => Ok(Paused::AtEvent(time)),
                 Ok(Reached::Pause(time)) => Ok(Paused::AtStep(time)),
-                Err(error) => stepped(error).map(Paused::Not),
+                Err(error) => stepped(error).map(Paused::from),
             },
-            Self::Hydraulic(_) => self.step_from(Some(point), h).map(Paused::Not),
+            Self::Hydraulic(_) => self.step_from(Some(point), h).map(Paused::from),
         }
     }
 

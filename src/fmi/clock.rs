@@ -76,12 +76,12 @@ impl Clock {
     /// `h` is not finite and positive, `point` is not the present time, or the step leads past the stop time.
     pub fn end_of_step(&self, point: f64, h: f64) -> Result<f64, Refusal> {
         let end = point + h;
-        if !(h > 0.0 && h.is_finite()) {
+        if !(h > 0.0 && h < f64::INFINITY) {
             return Err(Self::refuse_size(h));
         }
         let off = (point - self.time).abs();
         // Mostly a point is exact. Negated, so that a NaN is refused.
-        if !((off <= STEP_SLACK * h || off <= self.slack(h)) && end.is_finite()) {
+        if !((off <= STEP_SLACK * h || off <= self.slack(h)) && end.abs() < f64::INFINITY) {
             return Err(self.refuse_point(point, h));
         }
         match self.stop {

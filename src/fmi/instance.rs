@@ -12,7 +12,7 @@ use super::saved::Saved;
 use super::undefined::Undefined;
 use super::vectors;
 use super::version::Version;
-use crate::component::{Component, Paused, Pauses, Refused, Stepped};
+use crate::component::{Component, Paused, Pauses, Refused};
 use crate::numerics::decimal::Decimal;
 use crate::variables::{Kind, Reference, Vector};
 use std::mem::MaybeUninit;
@@ -427,16 +427,13 @@ impl Instance {
         if self.awaits_event {
             return Err(self.event_first("a step"));
         }
-        let stepped = match pauses == Pauses::default() {
-            true => Paused::Not(self.component.step_from(Some(point), h)?),
-            false => self.component.step_to_pause(point, h, pauses)?,
-        };
+        let stepped = self.component.step_to_pause(point, h, pauses)?;
         self.phase = Phase::Step;
         if events || details {
             self.tell(point);
         }
         match stepped {
-            Paused::Not(Stepped::Whole) => {
+            Paused::AtEnd => {
                 self.clock.time = end;
                 if events && let Some(growth) = self.component.take_growth() {
                     self.logger.event(|| format!("at t = {end} s {growth}"));
@@ -454,11 +451,11 @@ impl Instance {
                 *pauses_left -= 1;
                 Ok(())
             }
-            Paused::Not(Stepped::Part(interrupted)) => {
+            Paused::Part(interrupted) => {
                 (self.clock.time, self.phase) = (point + interrupted.time, Phase::Interrupted);
                 Err(Refusal::discard(interrupted.why))
             }
-            Paused::Not(Stepped::Failed(refused)) => {
+            Paused::Failed(refused) => {
                 self.phase = Phase::Failed;
                 Err(refused.into())
             }

@@ -237,7 +237,7 @@ impl Model {
     /// # Errors
     /// As [`Self::step`].
     pub fn step_to_pause(&mut self, point: Option<f64>, h: f64, pauses: Pauses) -> Result<Reached, ModelError> {
-        if !(h.is_finite() && h > 0.0) {
+        if !(h > 0.0 && h < f64::INFINITY) {
             return Err(ModelError::StepSize { h });
         }
         if self.inputs.signal.ahead {
@@ -270,10 +270,11 @@ impl Model {
                 self.leave_inputs_at(time);
             }
         }
-        if let (Some(command), Ok(_)) = (clipped, &stepped) {
+        let reached = stepped?;
+        if let Some(command) = clipped {
             self.clipped.raise(command);
         }
-        stepped
+        Ok(reached)
     }
 
     /// Back to what [`Self::from_json`] gave.

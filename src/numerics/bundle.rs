@@ -18,6 +18,11 @@ pub struct Row([[f64; ROW]; NODES]);
 impl Row {
     /// Coefficients of [`ROW`] functions that vanish.
     pub const ZERO: Self = Self([[0.0; ROW]; NODES]);
+
+    /// Coefficients of these functions.
+    pub fn of(functions: [&Series; ROW]) -> Self {
+        Self(std::array::from_fn(|power| functions.map(|series| series[power])))
+    }
 }
 
 /// Functions of a table side by side, panel by panel; zeros fill the last row of a panel.
@@ -64,13 +69,6 @@ pub fn side_by_side<'a>(functions: impl IntoIterator<Item = &'a Series>, out: &m
     }
 }
 
-/// Replace the first function of a row.
-pub fn replace_first(row: &mut Row, series: &Series) {
-    for (power, c) in row.0.iter_mut().zip(series) {
-        power[0] = *c;
-    }
-}
-
 /// Add `size` times the functions in `rows` to `sums`, which is empty or has as many.
 pub fn add_side_by_side(sums: &mut Vec<Row>, size: f64, rows: &[Row]) {
     if sums.is_empty() {
@@ -87,13 +85,19 @@ pub fn add_side_by_side(sums: &mut Vec<Row>, size: f64, rows: &[Row]) {
 /// Values of functions side by side at x, with derivatives if x carries some.
 #[inline]
 pub fn side_by_side_at<T: Number>(rows: &[Row], x: T, values: &mut [[T; ROW]]) {
+    each_at(rows, [x; ROW], values);
+}
+
+/// [`side_by_side_at`] with an x for each function of a row.
+#[inline]
+pub fn each_at<T: Number>(rows: &[Row], x: [T; ROW], values: &mut [[T; ROW]]) {
     processor::run(Evaluation { rows, x, values });
 }
 
-/// Rows to evaluate at x.
+/// Rows to evaluate, each function of a row at its x.
 struct Evaluation<'a, T> {
     rows: &'a [Row],
-    x: T,
+    x: [T; ROW],
     values: &'a mut [[T; ROW]],
 }
 
@@ -102,28 +106,28 @@ impl<T: Number> Task for Evaluation<'_, T> {
 
     #[inline(always)]
     fn run<A: Arithmetic>(self) {
-        let (x, at) = (self.x, self.x.value());
-        let changes = T::CARRIES && !x.is_constant();
+        let (x, at) = (self.x, &self.x.map(T::value));
+        let changes = T::CARRIES && !x.into_iter().all(T::is_constant);
         for (values, row) in self.values.iter_mut().zip(self.rows) {
             let of_x = polynomials::<A>(row, at);
             let first = if changes { slopes::<A>(row, at) } else { [0.0; ROW] };
             let second = if T::CARRIES_SECOND && changes { curvatures::<A>(row, at) } else { [0.0; ROW] };
-            *values = std::array::from_fn(|i| x.compose([of_x[i], first[i], second[i]]));
+            *values = std::array::from_fn(|i| x[i].compose([of_x[i], first[i], second[i]]));
         }
     }
 }
 
 /// a x + b, number by number.
 #[inline(always)]
-fn multiply_add<A: Arithmetic>(a: &[f64; ROW], x: f64, b: &[f64; ROW]) -> [f64; ROW] {
-    std::array::from_fn(|i| A::multiply_add(a[i], x, b[i]))
+fn multiply_add<A: Arithmetic>(a: &[f64; ROW], x: &[f64; ROW], b: &[f64; ROW]) -> [f64; ROW] {
+    std::array::from_fn(|i| A::multiply_add(a[i], x[i], b[i]))
 }
 
 /// Values at x: four independent Horner schemes in x^4, one for each residue of the power modulo 4.
 #[inline(always)]
-fn polynomials<A: Arithmetic>(row: &Row, x: f64) -> [f64; ROW] {
-    let x2 = x * x;
-    let x4 = x2 * x2;
+fn polynomials<A: Arithmetic>(row: &Row, x: &[f64; ROW]) -> [f64; ROW] {
+    let x2 = &x.map(|x| x * x);
+    let x4 = &x2.map(|x| x * x);
     let powers = &row.0;
     let mut sums = [powers[NODES - 4], powers[NODES - 3], powers[NODES - 2], powers[NODES - 1]];
     for four in powers[..NODES - 4].rchunks_exact(4) {
@@ -138,19 +142,19 @@ fn polynomials<A: Arithmetic>(row: &Row, x: f64) -> [f64; ROW] {
 
 /// Derivatives at x, by Horner's scheme.
 #[inline(always)]
-fn slopes<A: Arithmetic>(row: &Row, x: f64) -> [f64; ROW] {
+fn slopes<A: Arithmetic>(row: &Row, x: &[f64; ROW]) -> [f64; ROW] {
     derivatives::<A>(row, x, 1, |k| k as f64)
 }
 
 /// Second derivatives at x, by Horner's scheme.
 #[inline(always)]
-fn curvatures<A: Arithmetic>(row: &Row, x: f64) -> [f64; ROW] {
+fn curvatures<A: Arithmetic>(row: &Row, x: &[f64; ROW]) -> [f64; ROW] {
     derivatives::<A>(row, x, 2, |k| (k * (k - 1)) as f64)
 }
 
 /// Derivatives of this order at x; `factor`: that of x^k.
 #[inline(always)]
-fn derivatives<A: Arithmetic>(row: &Row, x: f64, order: usize, factor: impl Fn(usize) -> f64) -> [f64; ROW] {
+fn derivatives<A: Arithmetic>(row: &Row, x: &[f64; ROW], order: usize, factor: impl Fn(usize) -> f64) -> [f64; ROW] {
     let mut sums = [0.0; ROW];
     for (k, power) in row.0.iter().enumerate().skip(order).rev() {
         sums = multiply_add::<A>(&sums, x, &power.map(|c| factor(k) * c));
@@ -185,6 +189,22 @@ mod tests {
     }
 
     proptest! {
+        /// Functions of a row that are read at x of their own have the bits that they have at one x.
+        #[test]
+        fn each_function_has_its_own_x(x in proptest::array::uniform4(-1.0..1.0f64), c in proptest::array::uniform16(-1.0..1.0f64)) {
+            let rows = [Row::of([&c, &c.map(|c| -c), &[1.0; NODES], &c])];
+            let x: [Dual<1>; ROW] = std::array::from_fn(|k| Dual::variable(x[k], 0));
+            let zero = [[Dual::<1>::constant(0.0); ROW]];
+            let (mut each, mut one) = (zero, zero);
+            each_at(&rows, x, &mut each);
+            for (k, &x) in x.iter().enumerate() {
+                side_by_side_at(&rows, x, &mut one);
+                prop_assert_eq!(each[0][k], one[0][k]);
+            }
+        }
+    }
+
+    proptest! {
         /// Both arithmetics agree to rounding in values and derivatives, and this processor computes one of them to the
         /// bit.
         #[test]
@@ -193,8 +213,8 @@ mod tests {
             side_by_side([&c, &c.map(|c| -c), &[1.0; NODES], &c, &c], &mut rows);
             let at = Nested { value: Dual::variable(x, 0), slope: Dual::constant(1.0) };
             let [mut fused, mut separate, mut here] = [[[Nested::constant(0.0); ROW]; 2]; 3];
-            Evaluation { rows: &rows, x: at, values: &mut fused }.run::<Fused>();
-            Evaluation { rows: &rows, x: at, values: &mut separate }.run::<Separate>();
+            Evaluation { rows: &rows, x: [at; ROW], values: &mut fused }.run::<Fused>();
+            Evaluation { rows: &rows, x: [at; ROW], values: &mut separate }.run::<Separate>();
             side_by_side_at(&rows, at, &mut here);
             for (a, b) in fused.as_flattened().iter().zip(separate.as_flattened()) {
                 prop_assert!((a.value.value - b.value.value).abs() < 1e-14);

@@ -67,22 +67,26 @@ impl<D: Dynamics<2>, P: Fn(f64) -> bool, L: Fn() -> Path> Coasting<'_, D, P, L> 
     #[inline(always)]
     pub fn run(&mut self, y: &mut [f64; 2], span: f64, most: u64, passed: &mut f64) -> Result<f64, Stopped> {
         let first = most.min(self.integrator.attempts() + PATIENCE);
-        let ended = self.advance(y, span, Progress::within(first));
-        match &ended {
-            Err(Stopped::Budget(progress)) if first < most => self.run_long(y, span, (*progress, most), passed),
-            _ => ended,
+        match self.advance(y, span, Progress::within(first)) {
+            Ok(lost) => Ok(lost),
+            Err(Stopped::Budget(progress)) if first < most => self.run_long(y, span, (progress, most), passed),
+            ended => ended,
         }
     }
 
     /// Advance from the state and time in `progress`, up to the end of the span or of the work allowed there.
     #[inline(always)]
-    fn advance(&mut self, y: &mut [f64; 2], span: f64, mut progress: Progress) -> Result<f64, Stopped> {
+    fn advance(&mut self, y: &mut [f64; 2], span: f64, progress: Progress) -> Result<f64, Stopped> {
         let Self { dynamics, integrator, lookahead, ends, contact, witness, tolerance, .. } = self;
         let tolerance = *tolerance;
         if ends.travel.is_empty() && !lookahead.counts() && !witness.pauses.at_steps {
             let most = progress.work.most.saturating_sub(progress.work.extra);
-            let reached = integrator.advance_from(*dynamics, &mut progress.t, y, span, tolerance, most);
-            return if reached.map_err(Stopped::Integration)? { Ok(0.0) } else { Err(Stopped::Budget(progress)) };
+            let mut t = progress.t;
+            let whole = integrator.advance_from(*dynamics, &mut t, y, span, tolerance, most);
+            let is_whole = whole.map_err(Stopped::Integration)?;
+            let mut reached = progress;
+            reached.t = t;
+            return if is_whole { Ok(0.0) } else { Err(Stopped::Budget(reached)) };
         }
         Advance { dynamics: *dynamics, integrator, lookahead, ends, contact, witness, tolerance, progress }.run(y, span)
     }

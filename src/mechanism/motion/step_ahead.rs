@@ -120,9 +120,11 @@ impl<const N: usize> Lookahead<N> {
 
     /// A communication step begins. Returns whether the present state was read from a step ahead that no longer holds.
     pub fn begin(&mut self, tolerance: f64, locked: EngagedLocks) -> bool {
-        let is_other = (tolerance, locked) != (self.tolerance, self.locked);
+        if (tolerance, locked) == (self.tolerance, self.locked) {
+            return false;
+        }
         (self.tolerance, self.locked) = (tolerance, locked);
-        is_other && self.invalidate()
+        self.invalidate()
     }
 
     /// The inputs have changed: a step ahead no longer holds. Returns as [`Self::begin`].

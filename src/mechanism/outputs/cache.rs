@@ -26,6 +26,8 @@ pub struct OutputCache<N: Differentiable> {
     pub reactions: Vec<Option<[N; 3]>>,
     /// Force that each mesh of teeth transmits along the motion, once evaluated in this state.
     pub transmitted: Vec<Option<N>>,
+    /// What the reactions of the joints of each group are without what holds the mechanism.
+    pub groups: Vec<GroupValues<N>>,
     /// Whether a reaction has been evaluated in this state.
     pub has_reactions: bool,
     /// What reactions are sums of, once one has been evaluated in this state.
@@ -70,9 +72,10 @@ impl<N: Differentiable> OutputCache<N> {
             position: None,
             panel: 0,
             reactions: vec![None; reduced.linkage().joints.len()],
+            groups: vec![GroupValues::unknown(); reduced.linkage().joints.len().div_ceil(ROW)],
             transmitted: vec![None; reduced.loading().meshes.len()],
             has_reactions: false,
-            shares: Shares { given: Vec::new(), state: Vec::new(), are_known: false },
+            shares: Shares { given: Vec::new(), state: Vec::new(), acts: false, are_known: false },
             values: Vec::new(),
             computed: Computed::default(),
             scratch: Scratch::new(state_loads),
@@ -93,6 +96,7 @@ impl<N: Differentiable> OutputCache<N> {
         if self.has_reactions {
             self.reactions.fill(None);
             self.transmitted.fill(None);
+            self.groups.iter_mut().for_each(|group| group.are_known = false);
             self.has_reactions = false;
         }
         self.shares.are_known = false;
@@ -107,6 +111,8 @@ pub struct Shares<N> {
     pub given: Vec<N>,
     /// Loads that the state sizes.
     pub state: Vec<N>,
+    /// Whether one of these is or becomes other than 0.
+    pub acts: bool,
     /// Whether they are those of this state.
     pub are_known: bool,
 }
@@ -146,6 +152,9 @@ impl<N: Number> Direction<N> {
     }
 }
 
+/// Parts of a reaction: force x, force y, moment.
+pub const PARTS: usize = 3;
+
 /// Borders of a panel that holds no sigma.
 const NOWHERE: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 
@@ -154,15 +163,15 @@ const NOWHERE: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 pub struct PresentLoads {
     /// Sizes of the loads.
     pub sizes: Vec<f64>,
-    /// Reaction of each joint to the loads of these sizes and to all else.
-    pub reactions: Vec<PanelReaction>,
+    /// Reactions of the joints, group by group, to the loads of these sizes and to all else.
+    pub reactions: Vec<GroupReactions>,
     /// Why no force of its drive makes the prescribed motion; none if there is one, or no motion is prescribed.
     pub undriven: Option<OutputError>,
 }
 
 impl PresentLoads {
     pub fn new(sizes: Vec<f64>, joints: usize) -> Self {
-        Self { sizes, reactions: vec![PanelReaction::default(); joints], undriven: None }
+        Self { sizes, reactions: vec![GroupReactions::default(); joints.div_ceil(ROW)], undriven: None }
     }
 
     /// Whether there is a force of its drive for a prescribed motion.
@@ -180,70 +189,102 @@ impl PresentLoads {
     }
 }
 
-/// Polynomials of a joint's reaction on the panels where sigma was last.
+/// Polynomials of the reactions of up to [`ROW`] joints on the panels where sigma was last: joints 0 to [`ROW`] - 1 are a
+/// group, and so on.
 #[derive(Clone, Debug, Default)]
-pub struct PanelReaction {
-    /// For each part - force x, force y, moment - the reaction to all applied loads as they are, then to what
-    /// [`Shares::given`] multiplies.
-    pub given: PanelRows,
-    /// Whether the first polynomial of each part is that of the present sizes.
+pub struct GroupReactions {
+    /// Number of parts - force x, force y, moment - of the joint with the most.
+    pub parts: usize,
+    /// The reactions to all applied loads as they are, then to what [`Shares::given`] multiplies.
+    pub given: GroupRows,
+    /// Whether the first term is that of the present sizes.
     pub has_applied: bool,
-    /// For each part the reaction to the loads that the state sizes, which [`Shares::state`] multiplies.
-    pub state: PanelRows,
+    /// The reactions to the loads that the state sizes, which [`Shares::state`] multiplies.
+    pub state: GroupRows,
     /// Whether the loads that the state sizes include those of moving air.
     pub air: bool,
 }
 
-/// Polynomials side by side on one panel of a table.
+/// Parts of the reactions of a group of joints, without those to what holds the mechanism.
+#[derive(Clone, Copy, Debug)]
+pub struct GroupValues<N> {
+    /// Whether they are those of this state.
+    pub are_known: bool,
+    /// Sums over [`GroupReactions::given`], part by part, joint by joint.
+    pub given: [[N; ROW]; PARTS],
+    /// Sums over [`GroupReactions::state`]; 0 where none of these loads acts.
+    pub state: [[N; ROW]; PARTS],
+}
+
+impl<N: Number> GroupValues<N> {
+    /// Not known yet.
+    fn unknown() -> Self {
+        let zero = [[N::constant(0.0); ROW]; PARTS];
+        Self { are_known: false, given: zero, state: zero }
+    }
+}
+
+/// Polynomials of a group of joints: term by term and part by part a row, with a function for each joint. Each joint has a
+/// table of its own, whose panels differ from those of the others where one needs shorter ones.
 #[derive(Clone, Debug)]
-pub struct PanelRows {
-    /// First sigma for which the polynomials hold, and the first for which they no longer do.
+pub struct GroupRows {
+    /// First sigma for which the polynomials of all joints hold, and the first for which one no longer does.
     low: f64,
     high: f64,
-    center: f64,
-    /// 2 / width of the panel.
-    inverse: f64,
-    /// Panel of the table.
-    pub panel: usize,
+    center: [f64; ROW],
+    /// 2 / width of the panel of each joint.
+    inverse: [f64; ROW],
+    /// Panel of each joint's table.
+    pub panels: [usize; ROW],
+    /// Whether each joint has a table here.
+    pub is_resolved: [bool; ROW],
     /// The polynomials.
     pub rows: Vec<Row>,
 }
 
-impl Default for PanelRows {
+impl Default for GroupRows {
     /// Holds nowhere.
     fn default() -> Self {
         let (low, high) = NOWHERE;
-        Self { low, high, center: 0.0, inverse: 0.0, panel: 0, rows: Vec::new() }
+        let (center, inverse, panels, is_resolved) = ([0.0; ROW], [0.0; ROW], [0; ROW], [false; ROW]);
+        Self { low, high, center, inverse, panels, is_resolved, rows: Vec::new() }
     }
 }
 
-impl PanelRows {
+impl GroupRows {
     /// Whether the polynomials hold at sigma.
     #[inline]
     pub fn holds(&self, sigma: f64) -> bool {
         self.low <= sigma && sigma < self.high
     }
 
-    /// x on the panel at sigma.
+    /// x at sigma on the panel of each joint.
     #[inline]
-    pub fn x<N: Number>(&self, sigma: N) -> N {
-        sigma.chain((sigma.value() - self.center) * self.inverse, self.inverse)
+    pub fn x<N: Number>(&self, sigma: N) -> [N; ROW] {
+        let x = |joint: usize| (sigma.value() - self.center[joint]) * self.inverse[joint];
+        std::array::from_fn(|joint| sigma.chain(x(joint), self.inverse[joint]))
     }
 
-    /// Enter the panel at sigma; `fill` appends the polynomials of a panel.
-    #[cold]
-    pub fn enter(&mut self, piece: PanelTable, sigma: f64, fill: impl FnOnce(usize, &mut Vec<Row>)) {
-        let PanelTable { table, continues } = piece;
-        self.panel = table.panel_near(sigma, self.panel);
-        let (a, b) = table.borders(self.panel);
-        (self.low, self.high, self.center, self.inverse) = (a, b, 0.5 * (a + b), 2.0 / (b - a));
-        if self.panel == 0 && continues[0] {
-            self.low = f64::NEG_INFINITY;
-        }
-        if self.panel + 1 == table.panels() && continues[1] {
-            self.high = f64::INFINITY;
-        }
+    /// Enter the panels at sigma of the joints' tables, without polynomials. Where a joint has no table the others hold at
+    /// sigma alone, so that it is asked for again elsewhere.
+    pub fn enter(&mut self, tables: &[Option<PanelTable>], sigma: f64) {
         self.rows.clear();
-        fill(self.panel, &mut self.rows);
+        (self.low, self.high) = (f64::NEG_INFINITY, f64::INFINITY);
+        for (joint, piece) in tables.iter().enumerate() {
+            self.is_resolved[joint] = piece.is_some();
+            let Some(PanelTable { table, continues }) = piece else {
+                (self.low, self.high, self.inverse[joint]) = (sigma, sigma.next_up(), 0.0);
+                continue;
+            };
+            let panel = table.panel_near(sigma, self.panels[joint]);
+            let (a, b) = table.borders(panel);
+            (self.panels[joint], self.center[joint], self.inverse[joint]) = (panel, 0.5 * (a + b), 2.0 / (b - a));
+            if !(panel == 0 && continues[0]) {
+                self.low = self.low.max(a);
+            }
+            if !(panel + 1 == table.panels() && continues[1]) {
+                self.high = self.high.min(b);
+            }
+        }
     }
 }

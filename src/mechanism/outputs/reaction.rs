@@ -4,16 +4,20 @@
 //! how the sizes are found.
 use crate::mechanism::linkage::Freedom;
 use crate::mechanism::loads::resolved::Mesh;
-use crate::mechanism::outputs::cache::{PanelReaction, PanelRows, PresentLoads};
+use crate::mechanism::outputs::cache::{GroupReactions, GroupRows, GroupValues, OutputCache, PARTS, PresentLoads};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite, spring_force};
 use crate::mechanism::outputs::view::{Reading, View};
 use crate::mechanism::reactions::Reaction;
 use crate::mechanism::reduced::PanelTable;
-use crate::numerics::bundle::{ROW, replace_first, side_by_side, side_by_side_at};
-use crate::numerics::chebyshev::NODES;
+use crate::numerics::bundle::{ROW, Row, each_at};
+use crate::numerics::chebyshev::{NODES, Series};
+use crate::numerics::table::Unresolved;
+use std::ops::Range;
 
 /// Force x, force y, moment.
-type Parts<N> = [N; 3];
+type Parts<N> = [N; PARTS];
+/// A function that vanishes.
+const ZERO: &Series = &[0.0; NODES];
 
 impl<'a, N: Reading> View<'a, N> {
     /// Force x, force y [N] and moment [N.m] that a joint transmits; the third of a coupling is the force that it transmits
@@ -43,27 +47,39 @@ impl<'a, N: Reading> View<'a, N> {
         self.cache.transmitted[mesh] = Some(transmitted);
         self.cache.has_reactions = true;
         let (size, load) = if transmitted.value() < 0.0 { (-transmitted, loads[0]) } else { (transmitted, loads[1]) };
-        let parts = if self.reduced.linkage().joints[joint].freedom == Freedom::Revolute { 2 } else { 3 };
+        let parts = self.parts(joint);
         self.add_column(joint, 2 + load, size * tangent, &mut value[..parts])
     }
 
     /// [`Self::find_reaction`] without the forces that push teeth apart.
     fn reaction_along(&mut self, joint: usize) -> Result<Parts<N>, OutputError> {
         self.find_shares()?;
-        let (reduced, sigma) = (self.reduced, self.sigma());
-        let parts = if reduced.linkage().joints[joint].freedom == Freedom::Revolute { 2 } else { 3 };
-        let mut value = [N::constant(0.0); 3];
-        let PanelReaction { given, has_applied, .. } = &self.loads.reactions[joint];
-        let is_ready = *has_applied && given.holds(self.state.sigma);
-        match if is_ready { Ok(None) } else { reduced.reaction(joint, self.state.sigma).map(Some) } {
-            Ok(piece) => {
-                self.add_given(piece, joint, &mut value[..parts])?;
-                self.add_sized_by_state(joint, &mut value[..parts])?;
+        let (group, own) = (joint / ROW, joint % ROW);
+        if !self.cache.groups[group].are_known {
+            self.find_group(group);
+        }
+        let (reduced, sigma, at) = (self.reduced, self.sigma(), self.state.sigma);
+        let GroupReactions { given, state, .. } = &self.loads.reactions[group];
+        let is_sized = !self.cache.shares.acts || state.is_resolved[own];
+        let (is_given, parts) = (given.is_resolved[own], self.parts(joint));
+        let mut value = [N::constant(0.0); PARTS];
+        match if is_given { Ok(()) } else { reduced.reaction(joint, at).map(|_| ()) } {
+            Ok(()) => {
+                let GroupValues { given, state, .. } = &self.cache.groups[group];
+                let [given, state] =
+                    [given, state].map(|sums| std::array::from_fn::<N, PARTS, _>(|part| sums[part][own]));
+                value.iter_mut().zip(given).for_each(|(part, sum)| *part = *part + sum);
+                self.add_changes(joint, &mut value[..parts])?;
+                if is_sized {
+                    value.iter_mut().zip(state).for_each(|(part, sum)| *part = *part + sum);
+                } else {
+                    self.add_sized_by_state(joint, &mut value[..parts])?;
+                }
             }
             // The exact evaluator has no derivative along sigma.
             Err(at) if !sigma.is_constant() => return Err(at.into()),
             Err(_) => {
-                let units = reduced.exact_reaction(joint, self.state.sigma);
+                let units = reduced.exact_reaction(joint, at);
                 let applied = (0..reduced.components().sized).filter(|load| !self.decided().contains(load));
                 let applied = applied.map(|load| (2 + load, self.size(load)));
                 let given = self.given_columns().zip(self.cache.shares.given.iter().copied());
@@ -75,6 +91,16 @@ impl<'a, N: Reading> View<'a, N> {
         }
         self.add_held(joint, &mut value[..parts])?;
         Ok(value)
+    }
+
+    /// Number of parts of a joint's reaction that may be other than 0.
+    fn parts(&self, joint: usize) -> usize {
+        if self.reduced.linkage().joints[joint].freedom == Freedom::Revolute { PARTS - 1 } else { PARTS }
+    }
+
+    /// The joints of a group.
+    fn joints(&self, group: usize) -> Range<usize> {
+        ROW * group..self.reduced.linkage().joints.len().min(ROW * (group + 1))
     }
 
     /// The loads whose delivered force the state decides: drives with an efficiency or a circuit.
@@ -116,49 +142,116 @@ impl<'a, N: Reading> View<'a, N> {
             let springs = state_loads.spring(0)..state_loads.free();
             self.cache.shares.state[springs].fill(N::constant(0.0));
         }
+        let shares = &mut self.cache.shares;
+        shares.acts = !shares.state.iter().all(|size| size.value() == 0.0 && size.is_constant());
         Ok(())
     }
 
-    /// Add the reaction to all but the loads that the state sizes. `piece`: its table at sigma; none if the polynomials in
-    /// the cache are those of this panel and of the present sizes.
-    fn add_given(&mut self, piece: Option<PanelTable>, joint: usize, value: &mut [N]) -> Result<(), OutputError> {
-        let (reduced, sigma) = (self.reduced, self.sigma());
-        let decided = self.decided();
-        if let Some(piece) = piece {
-            let (parts, columns, table) = (value.len(), 2 + reduced.loading().base(), piece.table);
-            let others = self.given_columns();
-            let PresentLoads { sizes, reactions, .. } = &mut *self.loads;
-            let PanelReaction { given: panel, has_applied, .. } = &mut reactions[joint];
-            if !panel.holds(self.state.sigma) {
-                panel.enter(piece, self.state.sigma, |panel, rows| {
-                    for part in 0..parts {
-                        let others = others.clone().map(|column| table.series(panel, part * columns + column));
-                        side_by_side([&[0.0; NODES]].into_iter().chain(others), rows);
-                    }
-                });
-            }
-            let rows = panel.rows.len() / parts;
-            let sized = sizes[..reduced.components().sized].iter().enumerate();
-            let acting = sized.filter(|(load, size)| **size != 0.0 && !decided.contains(load));
-            for part in 0..parts {
-                let mut applied = [0.0; NODES];
-                for (load, size) in acting.clone() {
-                    let series = table.series(panel.panel, part * columns + 2 + load);
-                    applied.iter_mut().zip(series).for_each(|(sum, c)| *sum += size * c);
-                }
-                replace_first(&mut panel.rows[part * rows], &applied);
-            }
-            *has_applied = true;
+    /// Find the reactions of the joints of a group, of those that have tables at sigma, as sums over their terms.
+    fn find_group(&mut self, group: usize) {
+        let GroupReactions { given, has_applied, .. } = &self.loads.reactions[group];
+        if !(*has_applied && given.holds(self.state.sigma)) {
+            self.enter_given(group);
         }
-        let panel = &self.loads.reactions[joint].given;
-        let cache = &mut *self.cache;
-        add_rows(panel, sigma, &mut cache.values, value, |values| {
-            let others = values[1..].iter().zip(&cache.shares.given);
-            others.fold(values[0], |sum, (unit, size)| sum + *size * *unit)
-        });
+        let acts = self.cache.shares.acts;
+        let GroupReactions { state, air, .. } = &self.loads.reactions[group];
+        if acts && !(*air == self.cache.scratch.air && state.holds(self.state.sigma)) {
+            self.enter_state(group);
+        }
+        let sigma = self.sigma();
+        let GroupReactions { parts, given, state, .. } = &self.loads.reactions[group];
+        let OutputCache { groups, values, shares, has_reactions, .. } = &mut *self.cache;
+        let of_given = sum_terms(given, *parts, sigma, values, (1, &shares.given));
+        let of_state = if acts {
+            sum_terms(state, *parts, sigma, values, (0, &shares.state))
+        } else {
+            [[N::constant(0.0); ROW]; PARTS]
+        };
+        groups[group] = GroupValues { are_known: true, given: of_given, state: of_state };
+        *has_reactions = true;
+    }
+
+    /// The tables at sigma of the joints of a group, as `of` a joint gives them.
+    fn tables(
+        &self,
+        group: usize,
+        of: impl Fn(usize) -> Result<PanelTable<'a>, &'a Unresolved>,
+    ) -> [Option<PanelTable<'a>>; ROW] {
+        let joints = self.joints(group);
+        std::array::from_fn(|k| joints.clone().nth(k).and_then(|joint| of(joint).ok()))
+    }
+
+    /// Take the polynomials of a group of joints at sigma for all but the loads that the state sizes, under the present
+    /// sizes of the applied loads.
+    #[cold]
+    fn enter_given(&mut self, group: usize) {
+        let (reduced, sigma, joints) = (self.reduced, self.state.sigma, self.joints(group));
+        let tables = self.tables(group, |joint| reduced.reaction(joint, sigma));
+        let most = joints.clone().map(|joint| self.parts(joint)).max().unwrap_or(0);
+        let lengths: [usize; ROW] = std::array::from_fn(|k| joints.clone().nth(k).map_or(0, |joint| self.parts(joint)));
+        let (decided, others, columns) = (self.decided(), self.given_columns(), 2 + reduced.loading().base());
+        let PresentLoads { sizes, reactions, .. } = &mut *self.loads;
+        let GroupReactions { parts, given, has_applied, .. } = &mut reactions[group];
+        let series = |panels: &[usize; ROW], k: usize, part: usize, column: usize| match tables[k] {
+            Some(PanelTable { table, .. }) if part < lengths[k] => table.series(panels[k], part * columns + column),
+            _ => ZERO,
+        };
+        *parts = most;
+        if !given.holds(sigma) {
+            given.enter(&tables[..joints.len()], sigma);
+            given.rows.resize(most, Row::ZERO);
+            for column in others {
+                let row = |part| Row::of(std::array::from_fn(|k| series(&given.panels, k, part, column)));
+                given.rows.extend((0..most).map(row));
+            }
+        }
+        let sized = sizes[..reduced.components().sized].iter().enumerate();
+        let acting = sized.filter(|(load, size)| **size != 0.0 && !decided.contains(load));
+        let (rows, panels) = (&mut given.rows, &given.panels);
+        for (part, row) in rows[..most].iter_mut().enumerate() {
+            let mut applied = [[0.0; NODES]; ROW];
+            for (load, size) in acting.clone() {
+                for (k, sums) in applied.iter_mut().enumerate() {
+                    let series = series(panels, k, part, 2 + load);
+                    sums.iter_mut().zip(series).for_each(|(sum, c)| *sum += size * c);
+                }
+            }
+            *row = Row::of(applied.each_ref());
+        }
+        *has_applied = true;
+    }
+
+    /// Take the polynomials of a group of joints at sigma for the loads that the state sizes: their tables, made when one of
+    /// these loads acts, are tables of their own.
+    #[cold]
+    fn enter_state(&mut self, group: usize) {
+        let (reduced, sigma, joints) = (self.reduced, self.state.sigma, self.joints(group));
+        let tables = self.tables(group, |joint| reduced.state_reaction(joint, sigma));
+        let lengths: [usize; ROW] = std::array::from_fn(|k| joints.clone().nth(k).map_or(0, |joint| self.parts(joint)));
+        let (base, own) = (reduced.loading().base(), self.state_columns());
+        let (columns, first) = (reduced.loading().loads.len() - base, 2 + base);
+        let GroupReactions { parts, state, air, .. } = &mut self.loads.reactions[group];
+        state.enter(&tables[..joints.len()], sigma);
+        for column in own {
+            for part in 0..*parts {
+                let series = |k: usize| match tables[k] {
+                    Some(PanelTable { table, .. }) if part < lengths[k] => {
+                        table.series(state.panels[k], part * columns + column - first)
+                    }
+                    _ => ZERO,
+                };
+                state.rows.push(Row::of(std::array::from_fn(series)));
+            }
+        }
+        *air = self.cache.scratch.air;
+    }
+
+    /// Add to a joint's reaction its change with the inputs along the direction: the polynomials have the values of the
+    /// inputs, without their derivatives.
+    fn add_changes(&mut self, joint: usize, value: &mut [N]) -> Result<(), OutputError> {
         if N::CARRIES {
-            // The polynomials have the values of the inputs, without their derivatives.
-            for load in (0..reduced.loading().inputs.len()).filter(|load| !decided.contains(load)) {
+            let decided = self.decided();
+            for load in (0..self.reduced.loading().inputs.len()).filter(|load| !decided.contains(load)) {
                 let change = self.size(load) - N::constant(self.loads.sizes[load]);
                 self.add_column(joint, 2 + load, change, value)?;
             }
@@ -190,44 +283,20 @@ impl<'a, N: Reading> View<'a, N> {
         Ok(())
     }
 
-    /// Add the reaction to the loads that the state sizes: their table, built when one of them acts, is one of its own.
+    /// Add the reaction to the loads that the state sizes, of a joint that has no table of it at sigma.
+    #[cold]
     fn add_sized_by_state(&mut self, joint: usize, value: &mut [N]) -> Result<(), OutputError> {
-        let (reduced, sigma, air) = (self.reduced, self.sigma(), self.cache.scratch.air);
-        if self.cache.shares.state.iter().all(|size| size.value() == 0.0 && size.is_constant()) {
-            return Ok(());
-        }
-        let PanelReaction { state: panel, air: panel_air, .. } = &self.loads.reactions[joint];
-        if *panel_air != air || !panel.holds(self.state.sigma) {
-            let piece = match reduced.state_reaction(joint, self.state.sigma) {
-                Ok(piece) => piece,
-                Err(at) if !sigma.is_constant() => return Err(at.into()),
-                Err(_) => {
-                    let units = reduced.exact_reaction(joint, self.state.sigma);
-                    for (column, size) in self.state_columns().zip(&self.cache.shares.state) {
-                        add(&units[column], *size, value);
-                    }
-                    return Ok(());
+        let (reduced, sigma) = (self.reduced, self.state.sigma);
+        match reduced.state_reaction(joint, sigma) {
+            Err(at) if !self.sigma().is_constant() => Err(at.into()),
+            _ => {
+                let units = reduced.exact_reaction(joint, sigma);
+                for (column, size) in self.state_columns().zip(&self.cache.shares.state) {
+                    add(&units[column], *size, value);
                 }
-            };
-            let (columns, first) =
-                (reduced.loading().loads.len() - reduced.loading().base(), 2 + reduced.loading().base());
-            let own = self.state_columns();
-            let panel = &mut self.loads.reactions[joint];
-            panel.air = air;
-            panel.state.enter(piece, self.state.sigma, |panel, rows| {
-                for part in 0..value.len() {
-                    let series = |column: usize| piece.table.series(panel, part * columns + column - first);
-                    side_by_side(own.clone().map(series), rows);
-                }
-            });
+                Ok(())
+            }
         }
-        let panel = &self.loads.reactions[joint].state;
-        let cache = &mut *self.cache;
-        add_rows(panel, sigma, &mut cache.values, value, |values| {
-            let all = values.iter().zip(&cache.shares.state);
-            all.fold(N::constant(0.0), |sum, (unit, size)| sum + *size * *unit)
-        });
-        Ok(())
     }
 
     /// Add the reaction to what holds the mechanism at rest: a rigid stop, or locks.
@@ -250,21 +319,32 @@ impl<'a, N: Reading> View<'a, N> {
     }
 }
 
-/// Add, for each part, a sum over the values of its polynomials on a panel; as many rows belong to each part.
+/// For each of so many parts the sum over the terms of a group, joint by joint: of the first `leading` terms, at most one,
+/// the value, of those after it the value times its size.
 #[inline]
-fn add_rows<N: Reading>(
-    panel: &PanelRows,
+fn sum_terms<N: Reading>(
+    group: &GroupRows,
+    parts: usize,
     sigma: N,
     values: &mut Vec<[N; ROW]>,
-    parts: &mut [N],
-    sum: impl Fn(&[N]) -> N,
-) {
-    values.resize(panel.rows.len(), [N::constant(0.0); ROW]);
-    side_by_side_at(&panel.rows, panel.x(sigma), values);
-    let rows = panel.rows.len() / parts.len();
-    for (part, values) in parts.iter_mut().zip(values.chunks_exact(rows)) {
-        *part = *part + sum(values.as_flattened());
+    (leading, sizes): (usize, &[N]),
+) -> [[N; ROW]; PARTS] {
+    let rows = group.rows.len();
+    if values.len() < rows {
+        values.resize(rows, [N::constant(0.0); ROW]);
     }
+    each_at(&group.rows, group.x(sigma), &mut values[..rows]);
+    let (leaders, terms) = values[..rows].split_at(leading * parts);
+    let mut sums = [[N::constant(0.0); ROW]; PARTS];
+    for (sums, leaders) in sums.iter_mut().zip(leaders) {
+        *sums = *leaders;
+    }
+    for (term, &size) in terms.chunks_exact(parts).zip(sizes) {
+        for (sums, units) in sums.iter_mut().zip(term) {
+            *sums = std::array::from_fn(|k| sums[k] + size * units[k]);
+        }
+    }
+    sums
 }
 
 /// Add the reaction to a load of this size.
