@@ -105,7 +105,7 @@ fn add_impacts(b: &mut Builder, stop: usize, impulse: Unit) {
 pub(super) fn add_sticking(b: &mut Builder) {
     let s = b.source;
     if s.mechanism.sticks() && s.has_friction() {
-        let text = "Whether friction holds the mechanism at rest".to_owned();
+        let text = b.text(|| "Whether friction holds the mechanism at rest".to_owned());
         b.any_output("friction.sticking".to_owned(), text, None, Quantity::Sticking, s.acceleration());
     }
 }
